@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/column.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+
+namespace slamdb {
+
+void* AllocateColumn(std::size_t bytes) { return ::operator new(bytes); }
+void FreeColumn(void* block, std::size_t) noexcept { ::operator delete(block); }
+
+}  // namespace slamdb
+
+#else
+
+#include <sys/mman.h>
+
+#include <atomic>
+#include <cstdint>
+
+namespace slamdb {
+namespace {
+
+constexpr std::size_t kSlabBytes = std::size_t{2} << 20;  // one huge page on x86-64 and most AArch64 kernels
+constexpr std::size_t kLargeBytes = kSlabBytes / 4;       // from here on a block gets a mapping of its own
+constexpr std::size_t kAlignment = 16;
+
+// Stands at the start of each slab; a block finds it by clearing the low bits of its address.
+struct Slab {
+  std::atomic<std::size_t> users{0};  // blocks alive, plus one while a thread cuts from it
+  std::size_t bytes = 0;              // of the whole mapping
+};
+constexpr std::size_t kHeaderBytes = 64;
+static_assert(sizeof(Slab) <= kHeaderBytes);
+
+Slab* SlabOf(void* block) {
+  return reinterpret_cast<Slab*>(reinterpret_cast<std::uintptr_t>(block) & ~(kSlabBytes - 1));
+}
+
+// Maps `bytes` (a multiple of the page size) aligned to kSlabBytes, by mapping more and giving the ends back.
+Slab* MapSlab(std::size_t bytes) {
+  const std::size_t mapped = bytes + kSlabBytes;
+  void* raw = ::mmap(nullptr, mapped, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (raw == MAP_FAILED) throw std::bad_alloc();
+  auto* begin = static_cast<char*>(raw);
+  auto* aligned = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(begin) + kSlabBytes - 1) & ~(kSlabBytes - 1));
+  if (aligned != begin) ::munmap(begin, static_cast<std::size_t>(aligned - begin));
+  char* end = aligned + bytes;
+  if (end != begin + mapped) ::munmap(end, static_cast<std::size_t>(begin + mapped - end));
+#ifdef MADV_HUGEPAGE
+  ::madvise(aligned, bytes, MADV_HUGEPAGE);
+#endif
+  Slab* slab = ::new (aligned) Slab;
+  slab->bytes = bytes;
+  return slab;
+}
+
+void Release(Slab* slab) noexcept {
+  if (slab->users.fetch_sub(1, std::memory_order_acq_rel) == 1) ::munmap(slab, slab->bytes);
+}
+
+// The slab that this thread cuts from.
+struct Cutter {
+  Slab* slab = nullptr;
+  char* next = nullptr;
+  char* end = nullptr;
+
+  ~Cutter() { Drop(); }
+  void Drop() noexcept {
+    if (slab != nullptr) Release(std::exchange(slab, nullptr));
+    next = end = nullptr;
+  }
+  void* Cut(std::size_t bytes) {
+    if (static_cast<std::size_t>(end - next) < bytes) {
+      Slab* fresh = MapSlab(kSlabBytes);
+      Drop();
+      slab = fresh;
+      slab->users.store(1, std::memory_order_relaxed);
+      next = reinterpret_cast<char*>(slab) + kHeaderBytes;
+      end = reinterpret_cast<char*>(slab) + kSlabBytes;
+    }
+    slab->users.fetch_add(1, std::memory_order_relaxed);
+    return std::exchange(next, next + bytes);
+  }
+};
+
+thread_local Cutter cutter;
+
+std::size_t Rounded(std::size_t bytes, std::size_t unit) {
+  return bytes == 0 ? unit : (bytes + unit - 1) / unit * unit;
+}
+
+}  // namespace
+
+void* AllocateColumn(std::size_t bytes) {
+  const std::size_t rounded = Rounded(bytes, kAlignment);
+  if (rounded < kLargeBytes) return cutter.Cut(rounded);
+  Slab* slab = MapSlab(Rounded(rounded + kHeaderBytes, 4096));
+  slab->users.store(1, std::memory_order_relaxed);
+  return reinterpret_cast<char*>(slab) + kHeaderBytes;
+}
+
+void FreeColumn(void* block, std::size_t bytes) noexcept {
+  const std::size_t rounded = Rounded(bytes, kAlignment);
+  char* begin = static_cast<char*>(block);
+  // The newest block of this thread is given back in place: a vector that grows step by step wastes nothing.
+  if (rounded < kLargeBytes && begin + rounded == cutter.next && SlabOf(block) == cutter.slab) cutter.next = begin;
+  Release(SlabOf(block));
+}
+
+}  // namespace slamdb
+
+#endif

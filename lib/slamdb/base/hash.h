@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "slamdb/base/file.h"
+
+namespace slamdb {
+
+// XXH3-64: tells whether two records are the same, at memory speed. Not against an adversary.
+std::uint64_t ContentHash(Bytes bytes, std::uint64_t seed = 0);
+
+// MD5 as 32 lower-case hex digits: how ORB-SLAM3 identifies a vocabulary file.
+std::string Md5(Bytes bytes);
+
+// 16 lower-case hex digits.
+std::string Hex(std::uint64_t value);
+
+}  // namespace slamdb

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace slamdb {
+
+// What a reader or writer has to say about work that succeeded.
+struct Notice {
+  enum class Kind {
+    kNote,     // worth knowing
+    kWarning,  // unusual; the result may not be what the user expects
+    kLoss,     // something of the input is not in the output: the command line exits 3
+  };
+  Kind kind;
+  std::string text;
+  friend bool operator==(const Notice&, const Notice&) = default;
+};
+
+// Collects notices in the order they come. Not thread-safe.
+class Notices {
+ public:
+  void Note(std::string text) { items_.push_back({Notice::Kind::kNote, std::move(text)}); }
+  void Warn(std::string text) { items_.push_back({Notice::Kind::kWarning, std::move(text)}); }
+  void Lose(std::string text) { items_.push_back({Notice::Kind::kLoss, std::move(text)}); }
+
+  const std::vector<Notice>& items() const { return items_; }
+  bool lossy() const {
+    for (const Notice& notice : items_)
+      if (notice.kind == Notice::Kind::kLoss) return true;
+    return false;
+  }
+
+ private:
+  std::vector<Notice> items_;
+};
+
+}  // namespace slamdb

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace slamdb {
+
+int ThreadCount(int requested) {
+  if (requested > 0) return requested;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void ParallelFor(std::size_t count, std::size_t grain, int threads,
+                 const std::function<void(std::size_t begin, std::size_t end)>& work) {
+  grain = std::max<std::size_t>(grain, 1);
+  const std::size_t blocks = (count + grain - 1) / grain;
+  const std::size_t helpers = std::min<std::size_t>(static_cast<std::size_t>(ThreadCount(threads)), blocks);
+  if (helpers <= 1) {
+    if (count > 0) work(0, count);
+    return;
+  }
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto run = [&] {
+    for (std::size_t block = next++; block < blocks; block = next++) {
+      try {
+        work(block * grain, std::min(count, (block + 1) * grain));
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+        next = blocks;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> team;
+    for (std::size_t i = 1; i < helpers; ++i) team.emplace_back(run);
+    run();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace slamdb

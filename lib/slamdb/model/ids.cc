@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/model/ids.h"
+
+namespace slamdb {
+namespace {
+
+template <class Entity>
+std::string Named(const char* kind, Id<Entity> id) {
+  return std::string(kind) + (id.has_value() ? std::to_string(id.value()) : "none");
+}
+
+}  // namespace
+
+template <>
+std::string ToString(MapId id) {
+  return Named("map ", id);
+}
+template <>
+std::string ToString(KeyFrameId id) {
+  return Named("kf ", id);
+}
+template <>
+std::string ToString(MapPointId id) {
+  return Named("mp ", id);
+}
+template <>
+std::string ToString(CameraId id) {
+  return Named("camera ", id);
+}
+
+}  // namespace slamdb
