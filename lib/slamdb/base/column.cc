@@ -42,7 +42,8 @@ Slab* MapSlab(std::size_t bytes) {
   void* raw = ::mmap(nullptr, mapped, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (raw == MAP_FAILED) throw std::bad_alloc();
   auto* begin = static_cast<char*>(raw);
-  auto* aligned = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(begin) + kSlabBytes - 1) & ~(kSlabBytes - 1));
+  auto* aligned =
+      reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(begin) + kSlabBytes - 1) & ~(kSlabBytes - 1));
   if (aligned != begin) ::munmap(begin, static_cast<std::size_t>(aligned - begin));
   char* end = aligned + bytes;
   if (end != begin + mapped) ::munmap(end, static_cast<std::size_t>(begin + mapped - end));

@@ -63,8 +63,8 @@ class AtomicFile {
 // The first bytes of a file and its path: what a format looks at to say whether a file is its own.
 struct Probe {
   std::string path;
-  std::string head;          // up to 4096 bytes
-  std::uint64_t size = 0;    // of the file
+  std::string head;        // up to 4096 bytes
+  std::uint64_t size = 0;  // of the file
   bool is_directory = false;
 
   // Throws Error when the path is missing or not readable. Standard input (`-`) gives an empty head.

@@ -37,19 +37,20 @@ enum Content : std::uint32_t {
   kKeypoints = 1U << 4,
   kDescriptors = 1U << 5,
   kBagOfWords = 1U << 6,
-  kGraph = 1U << 7,         // covisibility, spanning tree, loop and merge edges
+  kGraph = 1U << 7,  // covisibility, spanning tree, loop and merge edges
   kInertial = 1U << 8,
   kCameras = 1U << 9,
-  kMaps = 1U << 10,         // several maps in one file
-  kIdentity = 1U << 11,     // ids, counters, vocabulary, flags
+  kMaps = 1U << 10,      // several maps in one file
+  kIdentity = 1U << 11,  // ids, counters, vocabulary, flags
   kEverything = (1U << 12) - 1,
 };
 inline Content operator|(Content a, Content b) {
   return static_cast<Content>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
 }
 
-// Which part of an atlas to read. Default: all. Keyframes outside the ranges are left out, and so are points outside the
-// box; references to what was left out stay as they are, so a partial atlas is for looking at, not for saving as whole.
+// Which part of an atlas to read. Default: all. Keyframes outside the ranges are left out, and so are points outside
+// the box; references to what was left out stay as they are, so a partial atlas is for looking at, not for saving as
+// whole.
 struct Selection {
   std::optional<MapId> map;
   std::uint64_t first_keyframe = 0, last_keyframe = std::numeric_limits<std::uint64_t>::max();  // ids, inclusive
@@ -69,11 +70,11 @@ struct PartSize {
 };
 
 struct ReadOptions {
-  int threads = 0;          // 0: every core
-  bool features = true;     // false leaves out keypoints, descriptors, grids and bags of words: for statistics
+  int threads = 0;       // 0: every core
+  bool features = true;  // false leaves out keypoints, descriptors, grids and bags of words: for statistics
   Selection selection;
-  Progress progress;        // may be empty
-  double lock_timeout = 5;  // seconds to wait for another process that holds a store
+  Progress progress;                            // may be empty
+  double lock_timeout = 5;                      // seconds to wait for another process that holds a store
   std::vector<PartSize>* part_sizes = nullptr;  // filled where the format can tell
 };
 
@@ -96,8 +97,8 @@ struct WriteOptions {
   std::string provenance;  // one line for the history: what made this atlas (`convert session_a.osa`)
 
   // point clouds and trajectories
-  bool binary = true;             // PLY and PCD; false: ascii
-  std::optional<MapId> map;       // only this map; otherwise all of them
+  bool binary = true;        // PLY and PCD; false: ascii
+  std::optional<MapId> map;  // only this map; otherwise all of them
   PoseFrame pose_frame = PoseFrame::kCamera;
 };
 
@@ -105,11 +106,11 @@ struct WriteOptions {
 // Readers are strict about bytes and lenient about content: everything decodable loads, dangling ids included.
 // All throw Error; `notices` receives what a successful run has to tell.
 struct Format {
-  std::string_view id;                           // as --from and --to take it
-  std::string_view title;                        // for people
-  std::span<const std::string_view> suffixes;    // `.osa`
+  std::string_view id;                         // as --from and --to take it
+  std::string_view title;                      // for people
+  std::span<const std::string_view> suffixes;  // `.osa`
   Content reads = kNothing, writes = kNothing;
-  bool (*sniff)(const Probe&) = nullptr;         // by first bytes; null: by suffix only
+  bool (*sniff)(const Probe&) = nullptr;  // by first bytes; null: by suffix only
   Atlas (*read)(const Location&, const ReadOptions&, Notices&) = nullptr;
   void (*write)(const Atlas&, const Location&, const WriteOptions&, Notices&) = nullptr;
 };

@@ -24,13 +24,13 @@ struct RepeatedEntry {
 
 // Keyframes and map points in one world frame. ORB-SLAM3: Map, its name at the right.
 struct Map {
-  MapId id;                                          //                                        mnId
-  KeyFrameId initial_keyframe;                       // fixed in bundle adjustment             mnInitKFid
-  std::uint64_t max_keyframe_id = 0;                 // largest keyframe id ever added         mnMaxKFid
-  std::int32_t big_change_index = 0;                 // loop closures and the like             mnBigChangeIdx
-  Column<KeyFrame> keyframes;                        // in the file's order                    mvpBackupKeyFrames
-  Column<MapPoint> points;                           // in the file's order                    mvpBackupMapPoints
-  std::vector<RepeatedEntry> repeated_keyframes;     // irregular entries of the two lists, ascending position
+  MapId id;                                       //                                        mnId
+  KeyFrameId initial_keyframe;                    // fixed in bundle adjustment             mnInitKFid
+  std::uint64_t max_keyframe_id = 0;              // largest keyframe id ever added         mnMaxKFid
+  std::int32_t big_change_index = 0;              // loop closures and the like             mnBigChangeIdx
+  Column<KeyFrame> keyframes;                     // in the file's order                    mvpBackupKeyFrames
+  Column<MapPoint> points;                        // in the file's order                    mvpBackupMapPoints
+  std::vector<RepeatedEntry> repeated_keyframes;  // irregular entries of the two lists, ascending position
   std::vector<RepeatedEntry> repeated_points;
   std::vector<KeyFrameId> origins;                   // roots for global bundle adjustment     mvBackupKeyFrameOriginsId
   KeyFrameId first_keyframe;                         // root of the spanning tree              mnBackupKFinitialID
@@ -58,20 +58,20 @@ struct Vocabulary {
 
 // How the .osa file that an atlas was read from is written down; what writing it again keeps by default.
 struct ArchiveEncoding {
-  bool text = false;               // Boost text archive instead of binary
+  bool text = false;                 // Boost text archive instead of binary
   std::uint32_t boost_version = 12;  // library version of Boost.Serialization. New files: 12 loads in Boost >= 1.58
-  std::uint8_t long_bytes = 8;     // sizeof(long) of the writer: 4 on Windows and 32-bit systems
-  std::uint8_t size_bytes = 8;     // sizeof(size_t) of the writer: 4 on 32-bit systems
+  std::uint8_t long_bytes = 8;       // sizeof(long) of the writer: 4 on Windows and 32-bit systems
+  std::uint8_t size_bytes = 8;       // sizeof(size_t) of the writer: 4 on 32-bit systems
   friend bool operator==(const ArchiveEncoding&, const ArchiveEncoding&) = default;
 };
 
-// What one ORB-SLAM3 atlas file holds. A value: copying copies everything, and nothing in it refers to memory elsewhere.
-// Safe to read from many threads at once.
+// What one ORB-SLAM3 atlas file holds. A value: copying copies everything, and nothing in it refers to memory
+// elsewhere. Safe to read from many threads at once.
 struct Atlas {
   Vocabulary vocabulary;
-  std::vector<Map> maps;                          // by id; each a world frame of its own
-  std::vector<RepeatedEntry> repeated_maps;       // an atlas that was saved twice lists each map again
-  std::vector<Camera> cameras;                    // mvpCameras
+  std::vector<Map> maps;                     // by id; each a world frame of its own
+  std::vector<RepeatedEntry> repeated_maps;  // an atlas that was saved twice lists each map again
+  std::vector<Camera> cameras;               // mvpCameras
   std::vector<RepeatedEntry> repeated_cameras;
   Counters next_ids;
   ArchiveEncoding encoding;

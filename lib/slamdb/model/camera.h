@@ -9,17 +9,17 @@
 namespace slamdb {
 
 enum class CameraModel : std::uint32_t {
-  kPinhole = 0,          // parameters fx, fy, cx, cy (pixels)
-  kKannalaBrandt8 = 1,   // parameters fx, fy, cx, cy, k0, k1, k2, k3 (Kannala and Brandt, PAMI 2006)
+  kPinhole = 0,         // parameters fx, fy, cx, cy (pixels)
+  kKannalaBrandt8 = 1,  // parameters fx, fy, cx, cy, k0, k1, k2, k3 (Kannala and Brandt, PAMI 2006)
 };
 
 // ORB-SLAM3: GeometricCamera and its classes Pinhole and KannalaBrandt8.
 struct Camera {
-  CameraId id;                                  // mnId
-  CameraModel model = CameraModel::kPinhole;    // the class that was stored
-  std::uint32_t recorded_type = 0;              // mnType, which should agree with the class: 0 pinhole, 1 fisheye
-  std::vector<float> parameters;                // mvParameters
-  float precision = 1e-6F;                      // KannalaBrandt8 only: where its unprojection stops iterating
+  CameraId id;                                // mnId
+  CameraModel model = CameraModel::kPinhole;  // the class that was stored
+  std::uint32_t recorded_type = 0;            // mnType, which should agree with the class: 0 pinhole, 1 fisheye
+  std::vector<float> parameters;              // mvParameters
+  float precision = 1e-6F;                    // KannalaBrandt8 only: where its unprojection stops iterating
 };
 
 }  // namespace slamdb

@@ -7,9 +7,9 @@
 
 #include "slamdb/model/atlas.h"
 
-// The mathematics of a map, once, on plain data: pure functions that synthesize, check, edit and the live classes share.
-// Conventions: camera frames have z forward, x right, y down; pixels; metres or map units; float unless said otherwise.
-// They follow ORB-SLAM3 v1.0 (Campos et al., TRO 2021). All are thread-safe and none throws.
+// The mathematics of a map, once, on plain data: pure functions that synthesize, check, edit and the live classes
+// share. Conventions: camera frames have z forward, x right, y down; pixels; metres or map units; float unless said
+// otherwise. They follow ORB-SLAM3 v1.0 (Campos et al., TRO 2021). All are thread-safe and none throws.
 namespace slamdb {
 
 // Projects a point in the camera frame to pixels. nullopt when z <= 0 for a pinhole, or when the camera has not the
@@ -23,7 +23,8 @@ Eigen::Vector3f Unproject(const Camera& camera, const Eigen::Vector2f& pixel);
 Eigen::Vector3f CameraCenter(const KeyFrame& keyframe);
 Eigen::Vector3f RightCameraCenter(const KeyFrame& keyframe);
 
-// world_from_body of a keyframe: with IMU calibration camera_from_world and camera_from_body combined, else the camera's.
+// world_from_body of a keyframe: with IMU calibration camera_from_world and camera_from_body combined, else the
+// camera's.
 Rigid3f WorldFromBody(const KeyFrame& keyframe);
 
 // The keypoint that an observation refers to as ORB-SLAM3 reads it: undistorted in one-camera keyframes, as detected in

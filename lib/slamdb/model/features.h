@@ -32,9 +32,10 @@ enum class MatrixForm : std::uint8_t { kUsual, kUsualNotContinuous, kEmpty, kEmp
 // The keypoints of an image binned into cells for look-up by place. ORB-SLAM3: mGrid[column][row] -> keypoint rows.
 // Compressed by rows: cell c of column k is cell_sizes[k * rows + c] entries of `keypoints`, one cell behind the other.
 struct FeatureGrid {
-  Column<std::uint32_t> column_sizes;   // cells in each column: mnGridRows each in a sound grid, none when there is no grid
-  Column<std::uint32_t> cell_sizes;     // keypoints in each cell, column after column
-  Column<std::uint64_t> keypoints;      // rows of the keypoint column, cell after cell
+  Column<std::uint32_t>
+      column_sizes;  // cells in each column: mnGridRows each in a sound grid, none when there is no grid
+  Column<std::uint32_t> cell_sizes;  // keypoints in each cell, column after column
+  Column<std::uint64_t> keypoints;   // rows of the keypoint column, cell after cell
 
   bool empty() const { return column_sizes.empty(); }
   friend bool operator==(const FeatureGrid&, const FeatureGrid&) = default;
@@ -57,26 +58,26 @@ struct FeatureVector {
 };
 
 // The features of a keyframe as columns: row r is keypoint r. For one camera, or a rectified stereo or RGB-D pair, all
-// columns but those of the right camera have `count` rows. For a fisheye stereo pair `count` = left_count + right_count:
-// descriptors and map_points have `count` rows, left ones first; keypoints, undistorted, right_x and depth have
-// left_count; right_keypoints has right_count. All as recorded: lengths may disagree in a damaged file.
+// columns but those of the right camera have `count` rows. For a fisheye stereo pair `count` = left_count +
+// right_count: descriptors and map_points have `count` rows, left ones first; keypoints, undistorted, right_x and depth
+// have left_count; right_keypoints has right_count. All as recorded: lengths may disagree in a damaged file.
 struct Features {
-  std::int32_t count = 0;                        //                                            N
-  std::int32_t left_count = -1;                  // -1 unless fisheye stereo                   NLeft
-  std::int32_t right_count = -1;                 //                                            NRight
-  Column<Keypoint> keypoints;                    // as detected                                mvKeys
-  Column<Keypoint> undistorted;                  // lens distortion removed                    mvKeysUn
-  Column<float> right_x;                         // column in the right image, < 0: none       mvuRight
-  Column<float> depth;                           // metres, < 0: none                          mvDepth
-  Column<Descriptor> descriptors;                //                                            mDescriptors
+  std::int32_t count = 0;          //                                            N
+  std::int32_t left_count = -1;    // -1 unless fisheye stereo                   NLeft
+  std::int32_t right_count = -1;   //                                            NRight
+  Column<Keypoint> keypoints;      // as detected                                mvKeys
+  Column<Keypoint> undistorted;    // lens distortion removed                    mvKeysUn
+  Column<float> right_x;           // column in the right image, < 0: none       mvuRight
+  Column<float> depth;             // metres, < 0: none                          mvDepth
+  Column<Descriptor> descriptors;  //                                            mDescriptors
   MatrixForm descriptors_form = MatrixForm::kUsual;
-  Column<MapPointId> map_points;                 // the point that the keypoint sees, or none  mvBackupMapPointsId
-  Column<Keypoint> right_keypoints;              //                                            mvKeysRight
-  Column<std::int32_t> right_of_left;            // match in the other image, -1: none         mvLeftToRightMatch
-  Column<std::int32_t> left_of_right;            //                                            mvRightToLeftMatch
-  FeatureGrid grid, right_grid;                  //                                            mGrid, mGridRight
-  BagOfWords bag_of_words;                       //                                            mBowVec
-  FeatureVector feature_vector;                  //                                            mFeatVec
+  Column<MapPointId> map_points;       // the point that the keypoint sees, or none  mvBackupMapPointsId
+  Column<Keypoint> right_keypoints;    //                                            mvKeysRight
+  Column<std::int32_t> right_of_left;  // match in the other image, -1: none         mvLeftToRightMatch
+  Column<std::int32_t> left_of_right;  //                                            mvRightToLeftMatch
+  FeatureGrid grid, right_grid;        //                                            mGrid, mGridRight
+  BagOfWords bag_of_words;             //                                            mBowVec
+  FeatureVector feature_vector;        //                                            mFeatVec
 
   bool is_fisheye_stereo() const { return left_count >= 0; }
 };

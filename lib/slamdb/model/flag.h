@@ -12,7 +12,7 @@ struct Flag {
   std::uint8_t recorded = 0;
 
   constexpr Flag() = default;
-  constexpr Flag(bool value) : recorded(value ? 1 : 0) {}  // NOLINT(google-explicit-constructor): it is a bool
+  constexpr Flag(bool value) : recorded(value ? 1 : 0) {}    // NOLINT(google-explicit-constructor): it is a bool
   constexpr operator bool() const { return recorded != 0; }  // NOLINT(google-explicit-constructor)
 
   friend constexpr bool operator==(const Flag&, const Flag&) = default;

@@ -24,21 +24,22 @@ struct Observation {
 };
 static_assert(sizeof(Observation) == 16);
 
-// A 3D point with what tracking needs to find it again. Every field as recorded. ORB-SLAM3: MapPoint, its name at the right.
+// A 3D point with what tracking needs to find it again. Every field as recorded. ORB-SLAM3: MapPoint, its name at the
+// right.
 struct MapPoint {
-  MapPointId id;                                          //                                  mnId
-  std::int64_t first_keyframe = 0;                        // made by it; -1: by a frame       mnFirstKFid
-  std::int64_t first_frame = 0;                           //                                  mnFirstFrame
-  std::int32_t observation_count = 0;                     // a stereo observation counts 2    nObs
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();     // world, metres or map units       mWorldPos
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();       // mean unit viewing direction, so |normal| <= 1   mNormalVector
-  Column<Observation> observations;                       // by keyframe id                   mBackupObservationsId1/2
-  Descriptor descriptor{};                                // its most typical one             mDescriptor
-  MatrixForm descriptor_form = MatrixForm::kUsual;        // kEmpty...: the point has none
-  Flag bad;                                               // culled                           mbBad
-  KeyFrameId reference;                                   // reference keyframe; uninitialised if not in the map   mBackupRefKFId
-  MapPointId replaced_by;                                 // fused into                       mBackupReplacedId
-  float min_distance = 0, max_distance = 0;               // scale-invariance range           mfMinDistance, mfMaxDistance
+  MapPointId id;                                       //                                  mnId
+  std::int64_t first_keyframe = 0;                     // made by it; -1: by a frame       mnFirstKFid
+  std::int64_t first_frame = 0;                        //                                  mnFirstFrame
+  std::int32_t observation_count = 0;                  // a stereo observation counts 2    nObs
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  // world, metres or map units       mWorldPos
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    // mean unit viewing direction, so |normal| <= 1   mNormalVector
+  Column<Observation> observations;                    // by keyframe id                   mBackupObservationsId1/2
+  Descriptor descriptor{};                             // its most typical one             mDescriptor
+  MatrixForm descriptor_form = MatrixForm::kUsual;     // kEmpty...: the point has none
+  Flag bad;                                            // culled                           mbBad
+  KeyFrameId reference;                      // reference keyframe; uninitialised if not in the map   mBackupRefKFId
+  MapPointId replaced_by;                    // fused into                       mBackupReplacedId
+  float min_distance = 0, max_distance = 0;  // scale-invariance range           mfMinDistance, mfMaxDistance
 
   bool has_descriptor() const {
     return descriptor_form == MatrixForm::kUsual || descriptor_form == MatrixForm::kUsualNotContinuous;

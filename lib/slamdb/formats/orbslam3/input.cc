@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/input.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slamdb::orbslam3 {
+
+std::string Place::ToString(std::size_t offset) const {
+  std::string text = "byte " + std::to_string(offset);
+  if (map >= 0) text += ", map " + std::to_string(map);
+  if (entity != nullptr) {
+    text += std::string(", ") + entity + " ";
+    text += id != Id<KeyFrame>::kNone ? std::to_string(id)
+                                      : "no. " + std::to_string(ordinal + 1) + " of " + std::to_string(of);
+  }
+  if (field != nullptr) text += std::string(", ") + field;
+  return text;
+}
+
+void Cursor::Fail(const std::string& problem) const { throw Error(path(), place.ToString(offset()), problem); }
+
+void Cursor::FailTruncated() const {
+  std::string problem = "the file ends here: it is truncated";
+  if (place.entity != nullptr)
+    problem += "; " + std::to_string(place.ordinal) + " of " + std::to_string(place.of) + " " +
+               (std::string_view(place.entity) == "kf" ? "keyframes" : "map points") + " of this map are whole";
+  throw Error(path(), place.ToString(static_cast<std::size_t>(end_ - begin_)), problem);
+}
+
+void Cursor::FailCount(std::uint64_t count) const {
+  Fail("a count of " + std::to_string(count) + " does not fit into the " + std::to_string(remaining()) +
+       " bytes left: the file is truncated or damaged, or written by a fork with other members");
+}
+
+std::string BinaryInput::TakeString() {
+  std::string text(CheckCount(TakeSize(), 1, 1), '\0');
+  TakeArray(text.data(), text.size());
+  return text;
+}
+
+std::string TextInput::TakeString() {
+  const std::uint64_t size = Take<std::uint64_t>();
+  if (next_ == end_ || size > remaining() - 1) FailCount(size);
+  std::string text(next_ + 1, size);
+  next_ += 1 + size;
+  return text;
+}
+
+bool TextInput::AtEnd() const { return std::all_of(next_, end_, IsSpace); }
+
+void TextInput::FailToken() const {
+  const char* end = std::find_if(next_, std::min(end_, next_ + 24), IsSpace);
+  Fail("expected a number, found '" + std::string(next_, end) +
+       "': the file is damaged, or not written by ORB-SLAM3 v1.0");
+}
+
+// Counts the ends of tokens in blocks that the compiler turns into vector code, then walks the last block.
+void TextInput::SkipTokens(std::size_t count) {
+  constexpr std::ptrdiff_t kBlock = 64;
+  if (count == 0) return;
+  SkipSpace();
+  while (end_ - next_ > kBlock) {
+    std::uint8_t ends = 0;
+    for (std::ptrdiff_t i = 0; i < kBlock; ++i)
+      ends = static_cast<std::uint8_t>(ends + (!IsSpace(next_[i]) && IsSpace(next_[i + 1])));
+    if (ends >= count) break;
+    count -= ends;
+    next_ += kBlock;
+  }
+  // A block may have ended inside a token or between two; `count` tokens still have to end.
+  while (count > 0) {
+    SkipSpace();
+    while (next_ != end_ && !IsSpace(*next_)) ++next_;
+    if (next_ == end_) FailTruncated();
+    --count;
+  }
+}
+
+// ORB-SLAM3's own loader dies on `nan` and `inf`, which its writer produces from uninitialised members.
+template <class T>
+T TextInput::TakeFloat(const char* token) {
+  T value{};
+  const auto [parsed, error] = std::from_chars(token, end_, value);
+  if (error == std::errc::result_out_of_range) {  // a subnormal that some libraries round to 0
+    value = static_cast<T>(std::strtod(std::string(token, parsed).c_str(), nullptr));
+    Finish(parsed, true);
+    return value;
+  }
+  Finish(parsed, error == std::errc());
+  return value;
+}
+
+template float TextInput::TakeFloat<float>(const char* token);
+template double TextInput::TakeFloat<double>(const char* token);
+
+}  // namespace slamdb::orbslam3

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <memory>
+
+#include "slamdb/base/parallel.h"
+#include "slamdb/formats/orbslam3/archive_header.h"
+#include "slamdb/formats/orbslam3/decode_jobs.h"
+#include "slamdb/formats/orbslam3/orbslam3.h"
+
+// How an atlas is read: the calling thread walks the file once from front to back, follows pointers and the class
+// table, checks every count, and finds where each keyframe and map point begins; it passes over their contents.
+// Decoding, which is most of the work, goes to a team of threads that follow behind and fill rows that are already
+// allocated; in the end the caller helps. Places in the file depend on all that stands before them, so there is no
+// other way to split the work.
+namespace slamdb::orbslam3 {
+namespace {
+
+constexpr std::size_t kPointsPerJob = 1024;
+constexpr std::size_t kSmallFile = std::size_t{1} << 20;  // not worth a second thread
+// The least that a new object takes in a file with 4-byte longs, and so the most objects a file can hold.
+constexpr std::size_t kLeastKeyFrameBytes = 2048, kLeastPointBytes = 100, kLeastMapBytes = 40;
+constexpr std::size_t kLeastKeyFrameTokens = 600, kLeastPointTokens = 25, kLeastMapTokens = 15;
+
+// Objects of one list get ids one after the other, so the object table is a list of ranges.
+struct ObjectRange {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  WireClass wire_class = WireClass::kAtlas;
+  std::uint32_t map = 0;
+  std::uint64_t first_row = 0;
+};
+
+class ObjectTable {
+ public:
+  std::uint32_t next() const { return next_; }
+  void Add(WireClass wire_class, std::uint32_t map, std::uint64_t row) {
+    if (!ranges_.empty()) {
+      ObjectRange& last = ranges_.back();
+      if (last.wire_class == wire_class && last.map == map && last.first_row + last.count == row) {
+        ++last.count;
+        ++next_;
+        return;
+      }
+    }
+    ranges_.push_back({next_++, 1, wire_class, map, row});
+  }
+  // The range of a known object.
+  const ObjectRange& Find(std::uint32_t id) const {
+    const auto behind =
+        std::upper_bound(ranges_.begin(), ranges_.end(), id,
+                         [](std::uint32_t value, const ObjectRange& range) { return value < range.first; });
+    return *(behind - 1);
+  }
+
+ private:
+  std::vector<ObjectRange> ranges_;
+  std::uint32_t next_ = 0;
+};
+
+struct Pointer {
+  enum class Kind { kNull, kNew, kKnown } kind;
+  WireClass wire_class = WireClass::kCount;
+  std::uint32_t object = 0;
+};
+
+template <class Input>
+class AtlasReader {
+ public:
+  AtlasReader(const MappedFile& file, const ArchiveHeader& header, const ReadOptions& options)
+      : file_(file),
+        options_(options),
+        main_(At(file, header), ClassTable(header.encoding), options.features),
+        team_(main_.input, options.features, file.bytes().size() < kSmallFile ? 1 : ThreadCount(options.threads)) {
+    atlas_.encoding = header.encoding;
+  }
+
+  Atlas Read(Notices& notices) {
+    try {
+      ReadPreamble();
+      ReadMaps();
+      ReadCameras();
+      LayoutCounters(main_, atlas_.next_ids);
+    } catch (...) {
+      team_.Finish();  // throws instead what went wrong earlier in the file, if anything did
+      throw;
+    }
+    team_.Finish();
+    if (!main_.input.AtEnd())
+      notices.Lose(file_.path() + ": " + std::to_string(main_.input.remaining()) +
+                   " bytes behind the end of the atlas are not part of it and were left out");
+    return std::move(atlas_);
+  }
+  // Bytes of each part; what belongs to none is kOther.
+  PartBytes part_bytes() const { return team_.part_bytes(); }
+
+ private:
+  static Input At(const MappedFile& file, const ArchiveHeader& header) {
+    Input input(file, header.encoding);
+    input.Seek(header.bytes);
+    return input;
+  }
+
+  // Boost's pointer: class id, class info at first use, object id. `expected` is the static type of the list.
+  template <class Archive>
+  Pointer TakePointer(Archive& archive, std::initializer_list<WireClass> expected) {
+    if (expected.size() == 1) archive.classes.Register(*expected.begin());
+    const auto class_id = archive.input.template Take<std::int16_t>();
+    if (class_id == -1) return {Pointer::Kind::kNull};
+    const WireClass found = archive.classes.Find(class_id);
+    if (std::find(expected.begin(), expected.end(), found) == expected.end())
+      archive.input.Fail("class id " + std::to_string(class_id) + ", expected " +
+                         std::to_string(archive.classes.Register(*expected.begin())) +
+                         ": the file is damaged, or written by a fork with other members");
+    archive.ClassInfo(found);
+    const auto object = archive.input.template Take<std::uint32_t>();
+    if (object > objects_.next())
+      archive.input.Fail("object id " + std::to_string(object) + ", expected at most " +
+                         std::to_string(objects_.next()) + ": the file is damaged");
+    if (object == objects_.next()) return {Pointer::Kind::kNew, found, object};
+    return {Pointer::Kind::kKnown, found, object};
+  }
+  template <class Archive>
+  RepeatedEntry Repeated(const Archive& archive, const Pointer& pointer, std::uint64_t position) const {
+    if (pointer.kind == Pointer::Kind::kNull) return {.position = position};
+    const ObjectRange& range = objects_.Find(pointer.object);
+    if (range.wire_class != pointer.wire_class)
+      archive.input.Fail("a pointer to object " + std::to_string(pointer.object) +
+                         ", which is of another class: the file is damaged");
+    return {position, range.map, range.first_row + (pointer.object - range.first)};
+  }
+
+  void ReadPreamble() {
+    main_.input.place.field = "vocabulary";
+    atlas_.vocabulary.name = main_.input.TakeString();
+    atlas_.vocabulary.checksum = main_.input.TakeString();
+    main_.input.place.field = "Atlas";
+    if (TakePointer(main_, {WireClass::kAtlas}).kind != Pointer::Kind::kNew)
+      main_.input.Fail("expected an atlas, found a null pointer: nothing was saved");
+    objects_.Add(WireClass::kAtlas, 0, 0);
+    main_.classes.Register(WireClass::kPinhole);
+    main_.classes.Register(WireClass::kKannalaBrandt8);
+  }
+
+  void ReadMaps() {
+    main_.input.place.field = "mvpBackupMaps";
+    const std::uint64_t count = main_.ClassCount(WireClass::kMapList, 2, 1);
+    for (std::uint64_t position = 0; position < count; ++position) {
+      main_.input.place = {.map = static_cast<std::int64_t>(position)};
+      const Pointer pointer = TakePointer(main_, {WireClass::kMap});
+      if (pointer.kind != Pointer::Kind::kNew) {
+        atlas_.repeated_maps.push_back(Repeated(main_, pointer, position));
+        continue;
+      }
+      const auto row = static_cast<std::uint32_t>(atlas_.maps.size());
+      objects_.Add(WireClass::kMap, 0, row);
+      ReadMap(atlas_.maps.emplace_back(), row);
+    }
+    main_.input.place = {};
+  }
+
+  void ReadMap(Map& map, std::uint32_t row) {
+    LayoutMapHead(main_, map);
+    Skipper<Input> skipper(main_.input, main_.classes);
+    skipper.input.place.field = "mvpBackupKeyFrames";
+    const std::uint64_t keyframes = skipper.ClassCount(WireClass::kKeyFrameList, 2, 1);
+    map.keyframes.resize(Bounded(keyframes, kLeastKeyFrameBytes, kLeastKeyFrameTokens));
+    FindKeyFrames(skipper, map, row, keyframes);
+    skipper.input.place.field = "mvpBackupMapPoints";
+    const std::uint64_t points = skipper.ClassCount(WireClass::kMapPointList, 2, 1);
+    map.points.resize(Bounded(points, kLeastPointBytes, kLeastPointTokens));
+    FindPoints(skipper, map, row, points);
+    main_.input = skipper.input;
+    main_.classes = skipper.classes;
+    main_.input.place.entity = nullptr;
+    LayoutMapTail(main_, map);
+  }
+
+  // How many new objects a list of `count` pointers can hold at most, by the bytes left.
+  std::size_t Bounded(std::uint64_t count, std::size_t bytes, std::size_t tokens) const {
+    return std::min<std::uint64_t>(count, main_.input.remaining() / (Input::kText ? 2 * tokens : bytes));
+  }
+
+  void FindKeyFrames(Skipper<Input>& skipper, Map& map, std::uint32_t row, std::uint64_t count) {
+    std::size_t found = 0;
+    for (std::uint64_t position = 0; position < count; ++position) {
+      Enter(skipper, "kf", position, count);
+      const Pointer pointer = TakePointer(skipper, {WireClass::kKeyFrame});
+      if (pointer.kind != Pointer::Kind::kNew) {
+        map.repeated_keyframes.push_back(Repeated(skipper, pointer, position));
+        continue;
+      }
+      objects_.Add(WireClass::kKeyFrame, row, found);
+      if (found == map.keyframes.size()) skipper.input.FailCount(count);
+      DecodeJob job{skipper.input.offset(), skipper.classes, skipper.input.place, &map.keyframes[found++]};
+      LayoutKeyFrame(skipper, *job.keyframe);
+      team_.Add(std::move(job));
+      if (position % 32 == 0) Report(skipper.input.offset());
+    }
+    map.keyframes.resize(found);
+    skipper.input.place.entity = nullptr;
+  }
+
+  void FindPoints(Skipper<Input>& skipper, Map& map, std::uint32_t row, std::uint64_t count) {
+    std::size_t found = 0;
+    DecodeJob job{.offset = 0, .classes = skipper.classes, .place = {}};
+    const auto flush = [&] {
+      if (job.point_count > 0) team_.Add(job);
+      job.point_count = 0;
+    };
+    for (std::uint64_t position = 0; position < count; ++position) {
+      Enter(skipper, "mp", position, count);
+      const Pointer pointer = TakePointer(skipper, {WireClass::kMapPoint});
+      if (pointer.kind != Pointer::Kind::kNew) {
+        flush();
+        map.repeated_points.push_back(Repeated(skipper, pointer, position));
+        continue;
+      }
+      objects_.Add(WireClass::kMapPoint, row, found);
+      if (found == map.points.size()) skipper.input.FailCount(count);
+      if (job.point_count == 0)
+        job = {.offset = skipper.input.offset(),
+               .classes = skipper.classes,
+               .place = skipper.input.place,
+               .points = &map.points[found]};
+      LayoutMapPoint(skipper, map.points[found++]);
+      if (++job.point_count < kPointsPerJob) continue;
+      flush();
+      Report(skipper.input.offset());
+    }
+    flush();
+    map.points.resize(found);
+    skipper.input.place.entity = nullptr;
+  }
+
+  static void Enter(Skipper<Input>& skipper, const char* entity, std::uint64_t position, std::uint64_t count) {
+    Place& place = skipper.input.place;
+    place.entity = entity;
+    place.ordinal = position;
+    place.of = count;
+    place.id = Id<KeyFrame>::kNone;
+  }
+
+  void ReadCameras() {
+    main_.input.place.field = "mvpCameras";
+    const std::uint64_t count = main_.ClassCount(WireClass::kCameraList, 2, 1);
+    for (std::uint64_t position = 0; position < count; ++position) {
+      const Pointer pointer = TakePointer(main_, {WireClass::kPinhole, WireClass::kKannalaBrandt8});
+      if (pointer.kind != Pointer::Kind::kNew) {
+        atlas_.repeated_cameras.push_back(Repeated(main_, pointer, position));
+        continue;
+      }
+      objects_.Add(pointer.wire_class, 0, atlas_.cameras.size());
+      Camera& camera = atlas_.cameras.emplace_back();
+      camera.model = pointer.wire_class == WireClass::kPinhole ? CameraModel::kPinhole : CameraModel::kKannalaBrandt8;
+      LayoutCamera(main_, camera);
+    }
+  }
+
+  void Report(std::size_t offset) const {
+    if (options_.progress)
+      options_.progress("reading " + file_.path(),
+                        static_cast<double>(offset) / static_cast<double>(file_.bytes().size()));
+  }
+
+  const MappedFile& file_;
+  const ReadOptions& options_;
+  Atlas atlas_;
+  ObjectTable objects_;
+  Decoder<Input> main_;     // the cursor of the calling thread
+  DecodeTeam<Input> team_;  // last: it stops before what it fills goes away
+};
+
+void ListPartSizes(const PartBytes& bytes, std::size_t file_bytes, std::vector<PartSize>& sizes) {
+  constexpr std::array<const char*, static_cast<std::size_t>(Part::kCount)> kNames{
+      "keyframes", "keypoints", "stereo and depth", "descriptors", "bags of words", "matches",
+      "grids",     "graph",     "inertial",         "map points",  "observations",  "other"};
+  std::uint64_t known = 0;
+  for (std::size_t i = 0; i + 1 < kNames.size(); ++i) {
+    sizes.push_back({kNames[i], bytes[i]});
+    known += bytes[i];
+  }
+  sizes.push_back({kNames.back(), file_bytes - known});
+}
+
+void Select(const Selection& selection, Atlas& atlas) {
+  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
+  for (Map& map : atlas.maps) {
+    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
+    std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
+    map.repeated_keyframes.clear();
+    map.repeated_points.clear();
+  }
+  atlas.repeated_maps.clear();
+}
+
+template <class Input>
+Atlas ReadArchive(const MappedFile& file, const ArchiveHeader& header, const ReadOptions& options, Notices& notices) {
+  AtlasReader<Input> reader(file, header, options);
+  Atlas atlas = reader.Read(notices);
+  if (options.part_sizes != nullptr) ListPartSizes(reader.part_bytes(), file.bytes().size(), *options.part_sizes);
+  if (!options.selection.everything()) Select(options.selection, atlas);
+  return atlas;
+}
+
+}  // namespace
+}  // namespace slamdb::orbslam3
+
+namespace slamdb {
+
+Atlas ReadOrbslam3(const std::string& path, const ReadOptions& options, Notices& notices) {
+  const MappedFile file(path);
+  const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(file, notices);
+  return header.encoding.text ? orbslam3::ReadArchive<orbslam3::TextInput>(file, header, options, notices)
+                              : orbslam3::ReadArchive<orbslam3::BinaryInput>(file, header, options, notices);
+}
+
+}  // namespace slamdb
