@@ -13,11 +13,12 @@ constexpr std::string_view kSignature = "serialization::archive";
 constexpr std::string_view kTextStart = "22 serialization::archive ";
 constexpr char kEndianProbe[] = {1, 0, 0, 0};
 
-std::string_view Text(const MappedFile& file) {
-  return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
+std::string_view Begin(FileStream& file) {
+  file.FillTo(1);
+  return {file.data(), file.filled()};
 }
 
-void CheckVersion(const MappedFile& file, std::uint32_t version, Notices& notices) {
+void CheckVersion(const FileStream& file, std::uint32_t version, Notices& notices) {
   const std::string found = "Boost archive version " + std::to_string(version);
   if (version < kOldestBoost)
     throw Error(
@@ -28,7 +29,7 @@ void CheckVersion(const MappedFile& file, std::uint32_t version, Notices& notice
                  "; read by the same rules");
 }
 
-ArchiveHeader ReadBinary(const MappedFile& file, std::string_view text) {
+ArchiveHeader ReadBinary(const FileStream& file, std::string_view text) {
   ArchiveHeader header;
   // A 32-bit writer counts the signature in 4 bytes, everybody else in 8.
   header.encoding.size_bytes = text.size() > 4 && text.substr(4).starts_with(kSignature) ? 4 : 8;
@@ -49,7 +50,7 @@ ArchiveHeader ReadBinary(const MappedFile& file, std::string_view text) {
   return header;
 }
 
-ArchiveHeader ReadText(const MappedFile& file, std::string_view text) {
+ArchiveHeader ReadText(const FileStream& file, std::string_view text) {
   ArchiveHeader header;
   header.encoding.text = true;
   const char* begin = text.data() + kTextStart.size();
@@ -71,8 +72,8 @@ std::optional<bool> SniffArchive(std::string_view head) {
   return std::nullopt;
 }
 
-ArchiveHeader ReadArchiveHeader(const MappedFile& file, Notices& notices) {
-  const std::string_view text = Text(file);
+ArchiveHeader ReadArchiveHeader(FileStream& file, Notices& notices) {
+  const std::string_view text = Begin(file);
   if (text.empty()) throw Error(file.path(), "", "the file is empty; was its writer killed, or the disk full?");
   const std::optional<bool> kind = SniffArchive(text);
   if (!kind) throw Error(file.path(), "byte 0", "not a Boost archive: expected the signature 'serialization::archive'");

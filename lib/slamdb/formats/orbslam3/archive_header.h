@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "slamdb/base/file.h"
+#include "slamdb/base/file_stream.h"
 #include "slamdb/base/notices.h"
 #include "slamdb/model/atlas.h"
 
@@ -22,7 +22,7 @@ struct ArchiveHeader {
 
 // Reads the header of a Boost archive. Warns of library versions above kNewestBoost. Throws Error for what is no
 // archive, for versions that write other bytes, big-endian and exotic writers.
-ArchiveHeader ReadArchiveHeader(const MappedFile& file, Notices& notices);
+ArchiveHeader ReadArchiveHeader(FileStream& file, Notices& notices);
 
 // The header as Boost writes it.
 std::string WriteArchiveHeader(const ArchiveEncoding& encoding);

@@ -18,14 +18,20 @@ std::string Place::ToString(std::size_t offset) const {
   return text;
 }
 
-void Cursor::Fail(const std::string& problem) const { throw Error(path(), place.ToString(offset()), problem); }
+void Cursor::Fail(const std::string& problem) const { throw Error(stream_->path(), place.ToString(offset()), problem); }
 
 void Cursor::FailTruncated() const {
   std::string problem = "the file ends here: it is truncated";
   if (place.entity != nullptr)
     problem += "; " + std::to_string(place.ordinal) + " of " + std::to_string(place.of) + " " +
                (std::string_view(place.entity) == "kf" ? "keyframes" : "map points") + " of this map are whole";
-  throw Error(path(), place.ToString(static_cast<std::size_t>(end_ - begin_)), problem);
+  throw Error(stream_->path(), place.ToString(stream_->size()), problem);
+}
+
+void Cursor::ReadOn(std::size_t bytes) {
+  if (!reads_on_ || bytes > remaining()) FailTruncated();
+  stream_->FillTo(offset() + bytes);
+  end_ = begin_ + stream_->filled();
 }
 
 void Cursor::FailCount(std::uint64_t count) const {
@@ -41,13 +47,17 @@ std::string BinaryInput::TakeString() {
 
 std::string TextInput::TakeString() {
   const std::uint64_t size = Take<std::uint64_t>();
-  if (next_ == end_ || size > remaining() - 1) FailCount(size);
+  if (remaining() == 0 || size > remaining() - 1) FailCount(size);
+  Need(size + 1);
   std::string text(next_ + 1, size);
   next_ += 1 + size;
   return text;
 }
 
-bool TextInput::AtEnd() const { return std::all_of(next_, end_, IsSpace); }
+bool TextInput::AtEnd() {
+  Need(remaining());
+  return std::all_of(next_, end_, IsSpace);
+}
 
 void TextInput::FailToken() const {
   const char* end = std::find_if(next_, std::min(end_, next_ + 24), IsSpace);
@@ -55,25 +65,29 @@ void TextInput::FailToken() const {
        "': the file is damaged, or not written by ORB-SLAM3 v1.0");
 }
 
-// Counts the ends of tokens in blocks that the compiler turns into vector code, then walks the last block.
+// Counts the ends of tokens in blocks that the compiler turns into vector code, and walks where a block holds the last
+// token or what can be looked at ends.
 void TextInput::SkipTokens(std::size_t count) {
   constexpr std::ptrdiff_t kBlock = 64;
-  if (count == 0) return;
-  SkipSpace();
-  while (end_ - next_ > kBlock) {
-    std::uint8_t ends = 0;
-    for (std::ptrdiff_t i = 0; i < kBlock; ++i)
-      ends = static_cast<std::uint8_t>(ends + (!IsSpace(next_[i]) && IsSpace(next_[i + 1])));
-    if (ends >= count) break;
-    count -= ends;
-    next_ += kBlock;
-  }
-  // A block may have ended inside a token or between two; `count` tokens still have to end.
   while (count > 0) {
     SkipSpace();
-    while (next_ != end_ && !IsSpace(*next_)) ++next_;
-    if (next_ == end_) FailTruncated();
-    --count;
+    std::size_t walk = 1;
+    while (end_ - next_ > kBlock) {
+      std::uint8_t ends = 0;
+      for (std::ptrdiff_t i = 0; i < kBlock; ++i)
+        ends = static_cast<std::uint8_t>(ends + (!IsSpace(next_[i]) && IsSpace(next_[i + 1])));
+      if (ends >= count) {
+        walk = count;
+        break;
+      }
+      count -= ends;
+      next_ += kBlock;
+    }
+    for (; walk > 0; --walk, --count) {
+      SkipSpace();
+      while (next_ != end_ && !IsSpace(*next_)) ++next_;
+      if (next_ == end_) FailTruncated();
+    }
   }
 }
 

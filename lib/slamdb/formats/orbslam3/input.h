@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
@@ -9,7 +10,7 @@
 #include <type_traits>
 
 #include "slamdb/base/error.h"
-#include "slamdb/base/file.h"
+#include "slamdb/base/file_stream.h"
 #include "slamdb/formats/orbslam3/class_table.h"
 
 // The two token layers that decoding stands on: bounded cursors over a binary and over a text archive. They have the
@@ -29,21 +30,26 @@ struct Place {
   std::string ToString(std::size_t offset) const;
 };
 
-// What both cursors share: the span, the position, the place, and how to fail.
+// What both cursors share: the position, the place, and how to fail. The cursor that a stream is given reads on through
+// it; the others stay within what was filled when they were made.
 class Cursor {
  public:
-  Cursor(const MappedFile& file, const ArchiveEncoding& encoding)
-      : file_(&file),
-        encoding_(&encoding),
-        begin_(reinterpret_cast<const char*>(file.bytes().data())),
-        next_(begin_),
-        end_(begin_ + file.bytes().size()) {}
+  Cursor(FileStream* stream, const ArchiveEncoding& encoding)
+      : stream_(stream), encoding_(&encoding), begin_(stream->data()), next_(begin_), end_(begin_ + stream->filled()) {}
 
   std::size_t offset() const { return static_cast<std::size_t>(next_ - begin_); }
   void Seek(std::size_t offset) { next_ = begin_ + offset; }
-  std::size_t remaining() const { return static_cast<std::size_t>(end_ - next_); }
+  // Of the whole file.
+  std::size_t remaining() const { return stream_->size() - offset(); }
   const ArchiveEncoding& encoding() const { return *encoding_; }
-  const std::string& path() const { return file_->path(); }
+  FileStream& stream() const { return *stream_; }
+
+  // Makes this a cursor over [begin, end) alone, all of it filled: for another thread.
+  void Confine(std::size_t begin, std::size_t end) {
+    next_ = begin_ + begin;
+    end_ = begin_ + end;
+    reads_on_ = false;
+  }
 
   [[noreturn]] void Fail(const std::string& problem) const;
   [[noreturn]] void FailTruncated() const;
@@ -53,11 +59,18 @@ class Cursor {
   Place place;
 
  protected:
-  const MappedFile* file_;
+  // Makes sure that `bytes` bytes can be looked at.
+  void Need(std::size_t bytes) {
+    if (bytes > static_cast<std::size_t>(end_ - next_)) ReadOn(bytes);
+  }
+  [[gnu::cold, gnu::noinline]] void ReadOn(std::size_t bytes);
+
+  FileStream* stream_;
   const ArchiveEncoding* encoding_;
   const char* begin_;
   const char* next_;
-  const char* end_;
+  const char* end_;  // of what can be looked at
+  bool reads_on_ = true;
 };
 
 class BinaryInput : public Cursor {
@@ -75,7 +88,7 @@ class BinaryInput : public Cursor {
   void TakeArray(T* values, std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T>);
     const std::size_t bytes = count * sizeof(T);
-    if (bytes > remaining()) FailTruncated();
+    Need(bytes);
     std::memcpy(values, next_, bytes);
     next_ += bytes;
   }
@@ -83,7 +96,7 @@ class BinaryInput : public Cursor {
   template <class T>
   void SkipArray(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
-    if (bytes > remaining()) FailTruncated();
+    Need(bytes);
     next_ += bytes;
   }
 
@@ -119,7 +132,7 @@ class BinaryInput : public Cursor {
   }
   std::string TakeString();
   // Whether nothing but padding is left.
-  bool AtEnd() const { return next_ == end_; }
+  bool AtEnd() const { return remaining() == 0; }
 
   // -1 in 32 bits means none, as it does in 64.
   static std::uint64_t Widen(std::uint32_t value) {
@@ -128,7 +141,7 @@ class BinaryInput : public Cursor {
 
  private:
   void SkipBytes(std::size_t count, std::size_t each) {
-    if (count > remaining() / each) FailTruncated();
+    Need(count * each);
     next_ += count * each;
   }
 };
@@ -178,13 +191,18 @@ class TextInput : public Cursor {
     return count;
   }
   std::string TakeString();
-  bool AtEnd() const;
+  bool AtEnd();
 
  private:
+  static constexpr std::ptrdiff_t kLongestToken = 64;
   static bool IsSpace(char c) { return static_cast<unsigned char>(c) <= ' '; }
   // Moves to the next token and returns its begin; fails at the end of the file.
   const char* SkipSpace() {
-    while (next_ != end_ && IsSpace(*next_)) ++next_;
+    while (true) {
+      while (next_ != end_ && IsSpace(*next_)) ++next_;
+      if (!reads_on_ || end_ - next_ >= kLongestToken || next_ + remaining() == end_) break;
+      ReadOn(std::min<std::size_t>(remaining(), kLongestToken));
+    }
     if (next_ == end_) FailTruncated();
     return next_;
   }

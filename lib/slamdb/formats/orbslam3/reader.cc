@@ -66,11 +66,11 @@ struct Pointer {
 template <class Input>
 class AtlasReader {
  public:
-  AtlasReader(const MappedFile& file, const ArchiveHeader& header, const ReadOptions& options)
+  AtlasReader(FileStream& file, const ArchiveHeader& header, const ReadOptions& options)
       : file_(file),
         options_(options),
         main_(At(file, header), ClassTable(header.encoding), options.features),
-        team_(main_.input, options.features, file.bytes().size() < kSmallFile ? 1 : ThreadCount(options.threads)) {
+        team_(main_.input, options.features, file.size() < kSmallFile ? 1 : ThreadCount(options.threads)) {
     atlas_.encoding = header.encoding;
   }
 
@@ -94,8 +94,8 @@ class AtlasReader {
   PartBytes part_bytes() const { return team_.part_bytes(); }
 
  private:
-  static Input At(const MappedFile& file, const ArchiveHeader& header) {
-    Input input(file, header.encoding);
+  static Input At(FileStream& file, const ArchiveHeader& header) {
+    Input input(&file, header.encoding);
     input.Seek(header.bytes);
     return input;
   }
@@ -191,8 +191,12 @@ class AtlasReader {
       }
       objects_.Add(WireClass::kKeyFrame, row, found);
       if (found == map.keyframes.size()) skipper.input.FailCount(count);
-      DecodeJob job{skipper.input.offset(), skipper.classes, skipper.input.place, &map.keyframes[found++]};
+      DecodeJob job{.offset = skipper.input.offset(),
+                    .classes = skipper.classes,
+                    .place = skipper.input.place,
+                    .keyframe = &map.keyframes[found++]};
       LayoutKeyFrame(skipper, *job.keyframe);
+      job.end = EndOf(skipper);
       team_.Add(std::move(job));
       if (position % 32 == 0) Report(skipper.input.offset());
     }
@@ -223,6 +227,7 @@ class AtlasReader {
                .place = skipper.input.place,
                .points = &map.points[found]};
       LayoutMapPoint(skipper, map.points[found++]);
+      job.end = EndOf(skipper);
       if (++job.point_count < kPointsPerJob) continue;
       flush();
       Report(skipper.input.offset());
@@ -231,6 +236,9 @@ class AtlasReader {
     map.points.resize(found);
     skipper.input.place.entity = nullptr;
   }
+
+  // Where the record behind the cursor ends; a text record includes the space that ends its last token.
+  static std::size_t EndOf(const Skipper<Input>& skipper) { return skipper.input.offset() + (Input::kText ? 1 : 0); }
 
   static void Enter(Skipper<Input>& skipper, const char* entity, std::uint64_t position, std::uint64_t count) {
     Place& place = skipper.input.place;
@@ -258,11 +266,10 @@ class AtlasReader {
 
   void Report(std::size_t offset) const {
     if (options_.progress)
-      options_.progress("reading " + file_.path(),
-                        static_cast<double>(offset) / static_cast<double>(file_.bytes().size()));
+      options_.progress("reading " + file_.path(), static_cast<double>(offset) / static_cast<double>(file_.size()));
   }
 
-  const MappedFile& file_;
+  FileStream& file_;
   const ReadOptions& options_;
   Atlas atlas_;
   ObjectTable objects_;
@@ -294,10 +301,10 @@ void Select(const Selection& selection, Atlas& atlas) {
 }
 
 template <class Input>
-Atlas ReadArchive(const MappedFile& file, const ArchiveHeader& header, const ReadOptions& options, Notices& notices) {
+Atlas ReadArchive(FileStream& file, const ArchiveHeader& header, const ReadOptions& options, Notices& notices) {
   AtlasReader<Input> reader(file, header, options);
   Atlas atlas = reader.Read(notices);
-  if (options.part_sizes != nullptr) ListPartSizes(reader.part_bytes(), file.bytes().size(), *options.part_sizes);
+  if (options.part_sizes != nullptr) ListPartSizes(reader.part_bytes(), file.size(), *options.part_sizes);
   if (!options.selection.everything()) Select(options.selection, atlas);
   return atlas;
 }
@@ -308,7 +315,7 @@ Atlas ReadArchive(const MappedFile& file, const ArchiveHeader& header, const Rea
 namespace slamdb {
 
 Atlas ReadOrbslam3(const std::string& path, const ReadOptions& options, Notices& notices) {
-  const MappedFile file(path);
+  FileStream file(path);
   const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(file, notices);
   return header.encoding.text ? orbslam3::ReadArchive<orbslam3::TextInput>(file, header, options, notices)
                               : orbslam3::ReadArchive<orbslam3::BinaryInput>(file, header, options, notices);

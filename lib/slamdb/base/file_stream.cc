@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/file_stream.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+
+#include "slamdb/base/error.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::size_t kBlock = std::size_t{2} << 20;  // a huge page
+constexpr int kReadWrite = PROT_READ | PROT_WRITE;
+
+std::size_t Blocks(std::size_t bytes) { return (bytes + kBlock - 1) / kBlock; }
+
+// Reads up to `bytes` from the current position; less only at the end of the file.
+std::size_t ReadFully(const std::string& path, int descriptor, char* to, std::size_t bytes) {
+  std::size_t size = 0;
+  while (size < bytes) {
+    const ssize_t got = ::read(descriptor, to + size, bytes - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw SystemError(path, "cannot read");
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  return size;
+}
+
+// Moves the memory behind a block of addresses to another. The old addresses must stay reserved: a mapping that
+// somebody else got there would go away with ours. Where the kernel cannot do that, the memory is given back.
+bool MoveMemory(char* from, char* to) {
+#ifdef MREMAP_DONTUNMAP
+  constexpr int kMove = MREMAP_MAYMOVE | MREMAP_FIXED | MREMAP_DONTUNMAP;
+  if (::mremap(from, kBlock, kBlock, kMove, to) != MAP_FAILED) return true;
+#endif
+  ::madvise(from, kBlock, MADV_DONTNEED);
+  return false;
+}
+
+}  // namespace
+
+FileStream::FileStream(const std::string& path) : path_(path) {
+  if (path == "-") {
+    ReadStandardInput();
+    return;
+  }
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) throw SystemError(path, "cannot open");
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0 || S_ISDIR(status.st_mode) || !S_ISREG(status.st_mode)) {
+    ::close(descriptor_);
+    throw Error(path, "",
+                S_ISDIR(status.st_mode) ? "is a directory, expected a file"
+                                        : "is not a regular file; pipe it in and name the input `-`");
+  }
+  size_ = static_cast<std::size_t>(status.st_size);
+  ReserveAddresses(Blocks(size_) * kBlock);
+}
+
+FileStream::~FileStream() {
+  if (reserved_ != nullptr) ::munmap(reserved_, reserved_bytes_);
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void FileStream::ReserveAddresses(std::size_t bytes) {
+  reserved_bytes_ = bytes + kBlock;
+  void* range = ::mmap(nullptr, reserved_bytes_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (range == MAP_FAILED) throw SystemError(path_, "cannot reserve addresses for the file");
+  reserved_ = static_cast<char*>(range);
+  data_ = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(reserved_) + kBlock - 1) & ~(kBlock - 1));
+}
+
+// The size is not known before the end, so a large range of addresses is set aside for it.
+void FileStream::ReadStandardInput() {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 38;
+  ReserveAddresses(kMostBytes);
+  while (filled_ == backed_) {
+    if (backed_ == kMostBytes) throw Error(path_, "", "standard input is larger than 256 GiB");
+    AddBlock();
+    filled_ += ReadFully(path_, STDIN_FILENO, data_ + filled_, kBlock);
+  }
+  size_ = filled_;
+}
+
+// Puts memory behind the next block of addresses: that of a released block if there is one.
+void FileStream::AddBlock() {
+  char* const block = data_ + backed_;
+  char* spare = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!spare_.empty()) {
+      spare = spare_.back();
+      spare_.pop_back();
+    }
+  }
+  if (spare == nullptr || !MoveMemory(spare, block)) {
+    if (::mprotect(block, kBlock, kReadWrite) != 0) throw SystemError(path_, "cannot reserve memory");
+#ifdef MADV_HUGEPAGE
+    ::madvise(block, kBlock, MADV_HUGEPAGE);
+#endif
+  }
+  backed_ += kBlock;
+}
+
+void FileStream::FillTo(std::size_t offset) {
+  const std::size_t wanted = std::min(size_, Blocks(offset) * kBlock);
+  while (filled_ < wanted) {
+    if (backed_ <= filled_) AddBlock();
+    const std::size_t bytes = std::min(size_, backed_) - filled_;
+    if (ReadFully(path_, descriptor_, data_ + filled_, bytes) != bytes)
+      throw Error(path_, "byte " + std::to_string(filled_), "the file became shorter while it was read");
+    filled_ += bytes;
+  }
+}
+
+void FileStream::Release(std::size_t offset) {
+  const std::lock_guard lock(mutex_);
+  for (; (released_ + 1) * kBlock <= offset; ++released_) spare_.push_back(data_ + released_ * kBlock);
+}
+
+}  // namespace slamdb

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace slamdb {
+
+// A file read from front to back through a window: its bytes appear at fixed addresses [data(), data() + size()), of
+// which those between the last Release() and filled() can be looked at. Memory is that of the window; the huge pages of
+// what was released are moved to where reading goes on, so that the kernel neither clears nor finds new ones. That is
+// several times faster than mapping the file, whose page faults cost more than copying it, and a file that somebody
+// shortens meanwhile is an Error instead of a SIGBUS. `-` is standard input, which is read whole.
+// FillTo() belongs to one thread; Release() may be called from any.
+class FileStream {
+ public:
+  // Throws Error when the path is missing, a directory, not a regular file, or not readable.
+  explicit FileStream(const std::string& path);
+  ~FileStream();
+  FileStream(const FileStream&) = delete;
+  FileStream& operator=(const FileStream&) = delete;
+
+  const std::string& path() const { return path_; }
+  const char* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  std::size_t filled() const { return filled_; }
+
+  // Reads until at least `offset` bytes are filled, or the whole file. Throws Error.
+  void FillTo(std::size_t offset);
+  // Nobody looks at bytes before `offset` any more.
+  void Release(std::size_t offset);
+
+ private:
+  void ReserveAddresses(std::size_t bytes);
+  void ReadStandardInput();
+  void AddBlock();
+
+  std::string path_;
+  int descriptor_ = -1;
+  char* reserved_ = nullptr;  // the whole range of addresses, with room to align
+  std::size_t reserved_bytes_ = 0;
+  char* data_ = nullptr;  // aligned to blocks
+  std::size_t size_ = 0, filled_ = 0;
+  std::size_t backed_ = 0;    // bytes behind data_ that have had memory
+  std::mutex mutex_;          // guards the rest
+  std::size_t released_ = 0;  // blocks given back
+  std::vector<char*> spare_;  // of those, the ones not yet used again
+};
+
+}  // namespace slamdb

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "slamdb/model/atlas.h"
+
+namespace slamdb {
+
+// What a DBoW2 vocabulary text file says of itself in its first line (`10 6 0 0`), and how many words it holds.
+struct VocabularyShape {
+  int branching = 0;        // k: children of a node
+  int depth = 0;            // L: levels
+  std::string scoring;      // `L1`, `L2`,.
+  std::string weighting;    // `TF-IDF`, `TF`,.
+  std::uint64_t words = 0;  // leaves: bag-of-words entries refer to 0 .. words - 1
+};
+
+// A vocabulary file as ORB-SLAM3 identifies it.
+struct VocabularyFile {
+  Vocabulary identity;                   // base name, and MD5 of the file's bytes
+  std::optional<VocabularyShape> shape;  // nullopt when it is not a text vocabulary (a binary conversion, an archive)
+};
+
+// Reads the file once. The checksum is the one that ORB-SLAM3 computes on Linux: MD5 over all bytes, so the text file,
+// its binary conversion and its archive differ although the vocabulary is the same. Throws Error.
+VocabularyFile ReadVocabularyFile(const std::string& path);
+
+// The MD5 of no bytes, which ORB-SLAM3 stores where its reading loop gets none (built with libc++, as on macOS).
+inline constexpr const char* kChecksumOfNothing = "d41d8cd98f00b204e9800998ecf8427e";
+
+// Whether ORB-SLAM3 takes an atlas when it is started with that vocabulary: empty when it does, else why it exits (after
+// reading the whole map). It compares checksums alone; the name is for people.
+std::string VocabularyMismatch(const Vocabulary& of_atlas, const Vocabulary& of_file);
+
+}  // namespace slamdb
