@@ -1,0 +1,19 @@
+# What `cmake --install` and the Debian package hold: the command, its man pages and completions (cli/), the library with
+# its headers, and the package that find_package(slamdb) finds.
+include(CMakePackageConfigHelpers)
+
+get_property(SLAMDB_LAYERS GLOBAL PROPERTY SLAMDB_LAYERS)
+install(TARGETS slamdb ${SLAMDB_LAYERS} EXPORT slamdbTargets)
+install(DIRECTORY lib/slamdb DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/slamdb)
+install(EXPORT slamdbTargets NAMESPACE slamdb:: DESTINATION ${package_folder})
+configure_package_config_file(cmake/slamdbConfig.cmake.in slamdbConfig.cmake INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(slamdbConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/slamdbConfig.cmake ${PROJECT_BINARY_DIR}/slamdbConfigVersion.cmake
+  DESTINATION ${package_folder})
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "the slamdb authors")
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+include(CPack)
