@@ -10,6 +10,7 @@
 
 #include "slamdb/base/column.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/orbslam3/float_text.h"
 #include "slamdb/model/atlas.h"
 
 // The token layers that encoding stands on, the mirror of input.h. They append to a buffer.
@@ -140,11 +141,13 @@ class TextOutput {
   }
   template <class T>
   char* FloatToken(char* next, T value) const {
-    constexpr int kDigits = std::is_same_v<T, float> ? 9 : 17;
     // Boost before 1.56 wrote one digit less, in the shorter of two notations.
     if (encoding_.boost_version <= 10)
       return std::to_chars(next, next + 25, value, std::chars_format::general, std::is_same_v<T, float> ? 8 : 17).ptr;
-    return std::to_chars(next, next + 25, value, std::chars_format::scientific, kDigits).ptr;
+    if constexpr (std::is_same_v<T, float>)
+      return WriteScientific(next, value);
+    else
+      return std::to_chars(next, next + 25, value, std::chars_format::scientific, 17).ptr;
   }
 
   Column<char>& buffer_;

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/orbslam3/real_atlases.h"
+
+namespace slamdb {
+namespace {
+
+// A file name of this test process, removed at the end.
+class Scratch {
+ public:
+  explicit Scratch(const std::string& suffix)
+      : path_(testing::TempDir() + "slamdb_" + std::to_string(::getpid()) + "_" + suffix) {
+    std::filesystem::remove(path_);
+  }
+  ~Scratch() { std::filesystem::remove(path_); }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+std::string Fixture(const std::string& name) { return std::string(SLAMDB_FIXTURES) + "/" + name; }
+
+Atlas ReadWith(const std::string& path, int threads) {
+  Notices notices;
+  Atlas atlas = ReadOrbslam3(path, {.threads = threads}, notices);
+  EXPECT_TRUE(notices.items().empty());
+  return atlas;
+}
+
+void ExpectSameBytesAfterWriting(const std::string& path) {
+  const std::string bytes = ReadWhole(path);
+  for (const int threads : {1, 2, 5}) {
+    const Scratch copy("copy.osa");
+    Notices notices;
+    WriteOrbslam3(ReadWith(path, threads), copy.path(), {.sync = false, .threads = threads}, notices);
+    EXPECT_TRUE(ReadWhole(copy.path()) == bytes) << path << " with " << threads << " threads";
+  }
+}
+
+class RoundTripOfFixture : public testing::TestWithParam<const char*> {};
+
+TEST_P(RoundTripOfFixture, GivesTheSameBytes) { ExpectSameBytesAfterWriting(Fixture(GetParam())); }
+
+INSTANTIATE_TEST_SUITE_P(Fixtures, RoundTripOfFixture,
+                         testing::Values("tiny/tiny.osa", "tiny/tiny_text.osa", "session_small_a/session_small_a.osa",
+                                         "session_small_b/session_small_b.osa",
+                                         "mono_small_twice/mono_small_twice.osa"));
+
+class RoundTripOfRealAtlas : public testing::TestWithParam<const char*> {};
+
+TEST_P(RoundTripOfRealAtlas, GivesTheSameBytes) {
+  SLAMDB_REQUIRE_REAL_ATLAS(path, GetParam());
+  ExpectSameBytesAfterWriting(path);
+}
+
+// Text keeps everything but the payloads of NaN: so text made from text is the same, and binary made from it differs
+// only in words that are NaN on both sides.
+TEST_P(RoundTripOfRealAtlas, TextLosesOnlyNanPayloads) {
+  SLAMDB_REQUIRE_REAL_ATLAS(path, GetParam());
+  Atlas atlas = ReadWith(path, 0);
+  atlas.encoding.text = true;
+  const std::string text = EncodeOrbslam3(atlas);
+  const Scratch file("text.osa");
+  WriteWhole(file.path(), text);
+  Atlas back = ReadWith(file.path(), 0);
+  EXPECT_TRUE(EncodeOrbslam3(back) == text);
+
+  atlas.encoding.text = back.encoding.text = false;
+  const std::string before = EncodeOrbslam3(atlas), after = EncodeOrbslam3(back);
+  ASSERT_EQ(before.size(), after.size());
+  std::size_t i = 0;
+  while ((i = static_cast<std::size_t>(std::mismatch(before.begin() + static_cast<std::ptrdiff_t>(i), before.end(),
+                                                     after.begin() + static_cast<std::ptrdiff_t>(i))
+                                           .first -
+                                       before.begin())) < before.size()) {
+    // The differing byte belongs to some 4-byte word, of unknown alignment, that is NaN before and after.
+    bool nan_word = false;
+    for (std::size_t begin = i >= 3 ? i - 3 : 0; begin <= i && begin + 4 <= before.size(); ++begin) {
+      float a = 0, b = 0;
+      std::memcpy(&a, &before[begin], 4);
+      std::memcpy(&b, &after[begin], 4);
+      nan_word |= std::isnan(a) && std::isnan(b);
+    }
+    ASSERT_TRUE(nan_word) << "byte " << i;
+    ++i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(RealAtlases, RoundTripOfRealAtlas, testing::ValuesIn(kRealAtlases),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(RoundTripOfSyntheticAtlas, GivesTheSameBytesForEverySensor) {
+  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kRgbd, Sensor::kFisheyeStereo}) {
+    for (const bool inertial : {false, true}) {
+      for (const bool text : {false, true}) {
+        Atlas atlas = SynthesizeAtlas({.sensor = sensor, .inertial = inertial, .maps = 2, .keyframes = 12});
+        atlas.encoding.text = text;
+        const std::string bytes = EncodeOrbslam3(atlas);
+        const Scratch file("synthetic.osa");
+        WriteWhole(file.path(), bytes);
+        EXPECT_TRUE(EncodeOrbslam3(ReadWith(file.path(), 3)) == bytes);
+      }
+    }
+  }
+}
+
+TEST(WriteOrbslam3, ChangesOnlyOneByteForAnotherBoostVersion) {
+  const Atlas atlas = ReadWith(Fixture("tiny/tiny.osa"), 1);
+  const Scratch file("version.osa");
+  Notices notices;
+  WriteOrbslam3(atlas, file.path(), {.boost_version = 12}, notices);
+  std::string expected = ReadWhole(Fixture("tiny/tiny.osa"));
+  ASSERT_EQ(expected[0x1e], 18);
+  expected[0x1e] = 12;
+  EXPECT_EQ(ReadWhole(file.path()), expected);
+}
+
+TEST(WriteOrbslam3, RefusesBoostVersionsThatWriteOtherBytes) {
+  const Atlas atlas = ReadWith(Fixture("tiny/tiny.osa"), 1);
+  const Scratch file("version.osa");
+  Notices notices;
+  EXPECT_THROW(WriteOrbslam3(atlas, file.path(), {.boost_version = 9}, notices), Error);
+  EXPECT_FALSE(std::filesystem::exists(file.path()));
+}
+
+TEST(WriteOrbslam3, FourByteLongsComeBackTheSame) {
+  const Atlas atlas = ReadWith(Fixture("session_small_a/session_small_a.osa"), 0);
+  Notices notices;
+  const Scratch sanitized("sanitized.osa"), narrow("narrow.osa"), wide("wide.osa");
+  WriteOrbslam3(atlas, sanitized.path(), {.sanitize = true}, notices);
+  WriteOrbslam3(ReadWith(sanitized.path(), 0), narrow.path(), {.long_bytes = 4}, notices);
+  const Atlas back = ReadWith(narrow.path(), 0);
+  EXPECT_EQ(back.encoding.long_bytes, 4);
+  EXPECT_LT(std::filesystem::file_size(narrow.path()), std::filesystem::file_size(sanitized.path()));
+  WriteOrbslam3(back, wide.path(), {.long_bytes = 8}, notices);
+  EXPECT_TRUE(ReadWhole(wide.path()) == ReadWhole(sanitized.path()));
+}
+
+TEST(WriteOrbslam3, RefusesAnIdThatDoesNotFitIntoFourBytes) {
+  Atlas atlas = ReadWith(Fixture("tiny/tiny.osa"), 1);
+  atlas.maps[0].keyframes[0].id = KeyFrameId(std::uint64_t{1} << 40);
+  const Scratch file("narrow.osa");
+  Notices notices;
+  try {
+    WriteOrbslam3(atlas, file.path(), {.long_bytes = 4}, notices);
+    FAIL() << "an id was cut";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("1099511627776"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(file.path()));
+}
+
+TEST(ReadOrbslam3, PartSizesAddUpToTheFile) {
+  const std::string path = Fixture("session_small_a/session_small_a.osa");
+  std::vector<PartSize> parts;
+  Notices notices;
+  ReadOrbslam3(path, {.part_sizes = &parts}, notices);
+  const std::uint64_t sum =
+      std::accumulate(parts.begin(), parts.end(), std::uint64_t{0},
+                      [](std::uint64_t total, const PartSize& part) { return total + part.bytes; });
+  EXPECT_EQ(sum, std::filesystem::file_size(path));
+  const auto keypoints =
+      std::find_if(parts.begin(), parts.end(), [](const auto& part) { return part.part == "keypoints"; });
+  ASSERT_NE(keypoints, parts.end());
+  const Atlas atlas = ReadWith(path, 0);
+  std::uint64_t bytes = 0;  // three lists a keyframe, each with a count
+  for (const KeyFrame& keyframe : atlas.maps[0].keyframes)
+    bytes += 3 * 4 + 28 * (keyframe.features.keypoints.size() + keyframe.features.undistorted.size() +
+                           keyframe.features.right_keypoints.size());
+  EXPECT_EQ(keypoints->bytes, bytes);
+}
+
+TEST(ReadOrbslam3, LeavesFeaturesOutWhenAsked) {
+  Notices notices;
+  const Atlas atlas = ReadOrbslam3(Fixture("session_small_a/session_small_a.osa"), {.features = false}, notices);
+  const Atlas whole = ReadWith(Fixture("session_small_a/session_small_a.osa"), 0);
+  const KeyFrame& keyframe = atlas.maps[0].keyframes[3];
+  EXPECT_TRUE(keyframe.features.keypoints.empty());
+  EXPECT_TRUE(keyframe.features.descriptors.empty());
+  EXPECT_EQ(keyframe.features.map_points, whole.maps[0].keyframes[3].features.map_points);
+  EXPECT_EQ(keyframe.connections, whole.maps[0].keyframes[3].connections);
+}
+
+TEST(ReadOrbslam3, SelectsKeyFramesAndPoints) {
+  Notices notices;
+  ReadOptions options;
+  options.selection.first_keyframe = 2;
+  options.selection.last_keyframe = 5;
+  options.selection.box = Eigen::AlignedBox3f(Eigen::Vector3f(-1, -1, 0), Eigen::Vector3f(1, 1, 3));
+  const Atlas atlas = ReadOrbslam3(Fixture("session_small_a/session_small_a.osa"), options, notices);
+  ASSERT_EQ(atlas.maps.size(), 1U);
+  ASSERT_FALSE(atlas.maps[0].keyframes.empty());
+  for (const KeyFrame& keyframe : atlas.maps[0].keyframes) {
+    EXPECT_GE(keyframe.id.value(), 2U);
+    EXPECT_LE(keyframe.id.value(), 5U);
+  }
+  ASSERT_FALSE(atlas.maps[0].points.empty());
+  for (const MapPoint& point : atlas.maps[0].points) EXPECT_TRUE(options.selection.box->contains(point.position));
+}
+
+TEST(ReadOrbslam3, TellsBytesBehindTheEnd) {
+  const Scratch file("longer.osa");
+  WriteWhole(file.path(), ReadWhole(Fixture("tiny/tiny.osa")) + "xyz");
+  Notices notices;
+  ReadOrbslam3(file.path(), {}, notices);
+  ASSERT_EQ(notices.items().size(), 1U);
+  EXPECT_TRUE(notices.lossy());
+  EXPECT_THAT(notices.items()[0].text, testing::HasSubstr("3 bytes behind the end"));
+}
+
+TEST(ReadOrbslam3, CancelsWhenProgressThrows) {
+  Notices notices;
+  ReadOptions options;
+  options.progress = [](std::string_view, double) { throw Error("enough"); };
+  EXPECT_THROW(ReadOrbslam3(Fixture("session_small_a/session_small_a.osa"), options, notices), Error);
+}
+
+}  // namespace
+}  // namespace slamdb

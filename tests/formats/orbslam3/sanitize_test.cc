@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/sanitize.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/synthetic/synthesize.h"
+
+namespace slamdb {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Atlas Sound(bool inertial = false) {
+  return SynthesizeAtlas({.sensor = Sensor::kStereo, .inertial = inertial, .keyframes = 12, .points = 500});
+}
+
+TEST(SanitizeForOrbslam3, LeavesASoundAtlasAsItIs) {
+  for (const bool inertial : {false, true}) {
+    Atlas atlas = Sound(inertial);
+    SanitizeForOrbslam3(atlas);  // identity instead of zero rotations is the only thing it may set
+    const std::string once = EncodeOrbslam3(atlas);
+    EXPECT_THAT(SanitizeForOrbslam3(atlas), IsEmpty());
+    EXPECT_TRUE(EncodeOrbslam3(atlas) == once);
+  }
+}
+
+TEST(SanitizeForOrbslam3, DropsRepeatedAndEmptyMaps) {
+  Atlas atlas = Sound();
+  SanitizeForOrbslam3(atlas);
+  atlas.maps.emplace_back().id = MapId(9);
+  atlas.repeated_maps.push_back({.position = 2, .owner_map = 0, .row = 0});
+  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 map pointers"), HasSubstr("1 empty maps")));
+  EXPECT_EQ(atlas.maps.size(), 1U);
+  EXPECT_THAT(atlas.repeated_maps, IsEmpty());
+}
+
+TEST(SanitizeForOrbslam3, ZeroesUninitialisedMembersButKeepsAMergeScale) {
+  Atlas atlas = Sound();
+  SanitizeForOrbslam3(atlas);
+  KeyFrame& garbage = atlas.maps[0].keyframes[0];
+  garbage.merge_scale = std::numeric_limits<float>::quiet_NaN();
+  garbage.preintegration.covariance(3, 4) = 1e30F;
+  garbage.body_position.x() = std::numeric_limits<float>::infinity();
+  garbage.imu_calibration.noise[2] = -5;
+  atlas.maps[0].keyframes[1].merge_scale = 1.02F;
+  EXPECT_THAT(SanitizeForOrbslam3(atlas),
+              ElementsAre(HasSubstr("1 uninitialised merge scales"), HasSubstr("1 uninitialised preintegrations"),
+                          HasSubstr("1 uninitialised body positions"), HasSubstr("1 uninitialised IMU noise")));
+  EXPECT_EQ(garbage.merge_scale, 0);
+  EXPECT_EQ(garbage.preintegration.covariance, Matrix15f::Zero());
+  EXPECT_EQ(garbage.body_position, Eigen::Vector3f::Zero());
+  EXPECT_EQ(atlas.maps[0].keyframes[1].merge_scale, 1.02F);
+}
+
+TEST(SanitizeForOrbslam3, KeepsInertialData) {
+  Atlas atlas = Sound(/*inertial=*/true);
+  const ImuPreintegration& imu = atlas.maps[0].keyframes[3].preintegration;
+  const Matrix15f covariance = imu.covariance;
+  const Eigen::Vector3f body = atlas.maps[0].keyframes[3].body_position;
+  ASSERT_GT(imu.duration, 0);
+  SanitizeForOrbslam3(atlas);
+  EXPECT_EQ(imu.covariance, covariance);
+  EXPECT_EQ(atlas.maps[0].keyframes[3].body_position, body);
+}
+
+TEST(SanitizeForOrbslam3, PointsADanglingReferenceAtAnObserver) {
+  Atlas atlas = Sound();
+  SanitizeForOrbslam3(atlas);
+  MapPoint& point = atlas.maps[0].points[7];
+  point.reference = KeyFrameId(123456);
+  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 reference keyframes outside the map")));
+  EXPECT_EQ(point.reference, point.observations[0].keyframe);
+}
+
+TEST(SanitizeForOrbslam3, MakesFlagsZeroOrOne) {
+  Atlas atlas = Sound();
+  SanitizeForOrbslam3(atlas);
+  atlas.maps[0].keyframes[2].not_erase.recorded = 0xCD;
+  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 flags")));
+  EXPECT_EQ(atlas.maps[0].keyframes[2].not_erase.recorded, 1);
+}
+
+}  // namespace
+}  // namespace slamdb

@@ -1,0 +1,21 @@
+# Installs BUILD into a fresh folder, builds the project of this folder against it, and runs what came out on ATLAS.
+cmake_minimum_required(VERSION 3.25)
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${ARGN} failed with ${status}:\n${output}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${FOLDER})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${FOLDER}/prefix)
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${FOLDER}/build -G Ninja -DCMAKE_PREFIX_PATH=${FOLDER}/prefix
+    -DCONSUMER_SOURCE=${SOURCE} -DCMAKE_CXX_FLAGS=${FLAGS})
+run(${CMAKE_COMMAND} --build ${FOLDER}/build)
+run(${FOLDER}/build/consumer ${ATLAS} ${FOLDER}/consumer.db)
+run(${FOLDER}/prefix/bin/slamdb info ${ATLAS})
+foreach(file share/man/man1/slamdb.1 share/man/man1/slamdb-check.1 share/bash-completion/completions/slamdb)
+  if(NOT EXISTS ${FOLDER}/prefix/${file})
+    message(FATAL_ERROR "${file} was not installed")
+  endif()
+endforeach()
