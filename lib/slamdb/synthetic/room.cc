@@ -40,6 +40,8 @@ RoomPlan PlanFor(double safe_arc, const SyntheticOptions& options, const Rig& ri
   // Seen from the side of a fisheye image the wall spans less height than in its middle, hence the cosine.
   const double tilt = (rig.half_height - kMargin) * Cosine(rig.is_fisheye() ? view : 0);
   plan.half_height = least_depth * Sine(tilt) / Cosine(tilt) - kBob;
+  plan.safe_distance = Norm({plan.wall_radius * Cosine(safe_arc) - plan.path_radius, plan.wall_radius * Sine(safe_arc),
+                             plan.half_height + kBob});
   const double steps = static_cast<double>(std::max<std::size_t>(options.keyframes, 2) - 1);
   plan.step = std::min(2 * kPi * (options.loops ? kLaps : kOpenLap) / steps, 0.85 * safe_arc);
   plan.arc = std::min(2 * kPi, plan.step * steps);

@@ -15,10 +15,11 @@ namespace slamdb::synthetic {
 // The camera stays kWallDistance off the wall and looks at it; the finer the points, the larger the room.
 struct RoomPlan {
   double wall_radius = 0, path_radius = 0;
-  double half_height = 0;  // of the wall
-  double step = 0;         // radians along the circle from keyframe to keyframe
-  double arc = 0;          // radians of wall that carry points, from angle 0
-  double visible_arc = 0;  // no camera sees farther to either side, radians
+  double half_height = 0;    // of the wall
+  double safe_distance = 0;  // metres; farther points may be too small to be found
+  double step = 0;           // radians along the circle from keyframe to keyframe
+  double arc = 0;            // radians of wall that carry points, from angle 0
+  double visible_arc = 0;    // no camera sees farther to either side, radians
 
   bool is_closed() const { return arc == 2 * kPi; }
 };

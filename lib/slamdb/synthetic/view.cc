@@ -19,7 +19,8 @@ namespace {
 constexpr std::size_t kClutter = std::numeric_limits<std::size_t>::max();
 constexpr int kLevels = 8;
 constexpr double kFactor = 1.2;
-constexpr double kPatch = 31;                          // pixels: what ORB describes at octave 0
+constexpr int kNearer = 2;     // octaves that a point may grow from RoomPlan::safe_distance to the nearest camera
+constexpr double kPatch = 31;  // pixels: what ORB describes at octave 0
 constexpr double kRightOnly = 0.25, kLeftOnly = 0.45;  // of the points that a fisheye pair could see with both
 constexpr double kWithDepth = 0.85;
 constexpr std::uint64_t kMostFlips = 9;  // bits in which two looks at a point differ from its base descriptor
@@ -28,7 +29,7 @@ constexpr std::uint64_t kMostFlips = 9;  // bits in which two looks at a point d
 struct Look {
   Descriptor descriptor;
   std::uint32_t word;
-  int octave;  // seen from kWallDistance
+  int octave;  // seen from RoomPlan::safe_distance
   double angle;
 };
 
@@ -41,19 +42,19 @@ struct Slot {
 };
 
 // The extractor spreads features over levels in proportion to factor^-level.
-int DrawOctave(Random& random) {
+int DrawOctave(Random& random, int levels) {
   double whole = 0, share = 1;
-  for (int level = 0; level < kLevels; ++level, share /= kFactor) whole += share;
+  for (int level = 0; level < levels; ++level, share /= kFactor) whole += share;
   double rest = random.Uniform() * whole;
   share = 1;
-  for (int level = 0; level + 1 < kLevels; ++level, share /= kFactor) {
+  for (int level = 0; level + 1 < levels; ++level, share /= kFactor) {
     if (rest < share) return level;
     rest -= share;
   }
-  return kLevels - 1;
+  return levels - 1;
 }
 
-Look DrawLook(Random& random) {
+Look DrawLook(Random& random, int levels) {
   Look look;
   for (std::size_t i = 0; i < look.descriptor.size(); i += 8) {
     const std::uint64_t bits = random.Bits();
@@ -61,18 +62,18 @@ Look DrawLook(Random& random) {
       look.descriptor[i + byte] = static_cast<std::uint8_t>(bits >> 8 * byte);
   }
   look.word = static_cast<std::uint32_t>(random.Below(kSyntheticWords));
-  look.octave = DrawOctave(random);
+  look.octave = DrawOctave(random, levels);
   look.angle = random.Uniform(0, 360);
   return look;
 }
 
-// The nearer a point, the larger it looks: one octave for each factor in distance. Negative: too small to be found.
-int OctaveFrom(double distance, int octave) {
+// The nearer a point, the larger it looks: one octave for each factor in distance. Beyond the levels it is not
+// found: negative too small, kLevels and up too large.
+int OctaveFrom(double nearness, int octave) {
   const double half_step = std::sqrt(kFactor);
-  double ratio = kWallDistance / distance;
-  for (; ratio > half_step; ratio /= kFactor) ++octave;
-  for (; ratio < 1 / half_step; ratio *= kFactor) --octave;
-  return std::min(octave, kLevels - 1);
+  for (; nearness > half_step; nearness /= kFactor) ++octave;
+  for (; nearness < 1 / half_step; nearness *= kFactor) --octave;
+  return octave;
 }
 
 void FlipBits(Descriptor& descriptor, Random& random) {
@@ -129,9 +130,9 @@ class Looking {
     }
     if (!left && !right) return;
     Random look_random({view_.options.seed, view_.map, kLook, point});
-    Look look = DrawLook(look_random);
-    look.octave = OctaveFrom(Norm(x_left), look.octave);
-    if (look.octave < 0) return;
+    Look look = DrawLook(look_random, kLevels - kNearer);
+    look.octave = OctaveFrom(view_.room.plan.safe_distance / Norm(x_left), look.octave);
+    if (look.octave < 0 || look.octave >= kLevels) return;
     if (left) images_[0].push_back(MakeSlot(point, look, *left, x_left.z()));
     if (right) images_[1].push_back(MakeSlot(point, look, *right, x_left.z()));
   }
@@ -143,7 +144,7 @@ class Looking {
     const std::size_t images = view_.rig.is_fisheye() ? 2 : 1;
     const ImageBounds& bounds = view_.rig.bounds;
     for (std::size_t i = seen; i < wanted; ++i) {
-      const Look look = DrawLook(random_);
+      const Look look = DrawLook(random_, kLevels);
       const double x = random_.Uniform(bounds.min_x + kImageMargin, bounds.max_x - kImageMargin);
       const double y = random_.Uniform(bounds.min_y + kImageMargin, bounds.max_y - kImageMargin);
       images_[i % images].push_back(MakeSlot(kClutter, look, {x, y}, random_.Uniform(2, 8)));
