@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/model/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "slamdb/base/parallel.h"
+#include "slamdb/model/derive.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+// Reorders `values`, which are finite. The mean is summed in their order before that.
+template <class T>
+Distribution Describe(std::vector<T>& values) {
+  Distribution distribution;
+  distribution.count = values.size();
+  if (values.empty()) return distribution;
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  distribution.mean = sum / static_cast<double>(values.size());
+  distribution.max = static_cast<double>(*std::max_element(values.begin(), values.end()));
+  std::nth_element(values.begin(), middle, values.end());
+  distribution.median = static_cast<double>(*middle);
+  return distribution;
+}
+
+// What projecting into a keyframe takes, looked up once.
+struct Projector {
+  const KeyFrame* keyframe = nullptr;
+  const Camera *left = nullptr, *right = nullptr;
+  Rigid3f camera_from_world, right_from_left;
+
+  // Pixels between the point and keypoint `row`; not finite when there is no such thing.
+  float Error(const Eigen::Vector3f& point, std::int32_t row, bool is_right) const {
+    const Camera* camera = is_right ? right : left;
+    const Keypoint* keypoint = ObservedKeypoint(*keyframe, row);
+    if (camera == nullptr || keypoint == nullptr) return kNone;
+    Eigen::Vector3f x = camera_from_world * point;
+    if (is_right) x = right_from_left * x;
+    const auto pixel = Project(*camera, x);
+    return pixel ? (*pixel - Eigen::Vector2f(keypoint->x, keypoint->y)).norm() : kNone;
+  }
+};
+
+class MapCounter {
+ public:
+  MapCounter(const AtlasIndex& index, std::size_t row, int threads)
+      : index_(index), row_(row), map_(index.atlas().maps[row]), threads_(threads) {}
+
+  MapStatistics Count() {
+    CopyRecorded();
+    CountKeyFrames();
+    GuessSensor();
+    MeasureTrajectory();
+    CountEdges();
+    CountPoints();
+    if (HasKeypoints()) MeasureReprojection();
+    return std::move(result_);
+  }
+
+ private:
+  void CopyRecorded() {
+    result_.id = map_.id;
+    result_.keyframes = map_.keyframes.size();
+    result_.points = map_.points.size();
+    result_.imu_initialized = map_.imu_initialized;
+    result_.inertial = map_.inertial;
+    result_.imu_ba1 = map_.imu_ba1;
+    result_.imu_ba2 = map_.imu_ba2;
+    result_.initial_keyframe = map_.initial_keyframe;
+    result_.lowest_keyframe = map_.lowest_keyframe;
+    result_.max_keyframe_id = map_.max_keyframe_id;
+  }
+
+  void CountKeyFrames() {
+    std::map<std::uint32_t, std::uint64_t> origins;
+    for (const KeyFrame& keyframe : map_.keyframes) {
+      if (keyframe.bad) ++result_.bad_keyframes;
+      if (keyframe.features.count > 0) result_.features += static_cast<std::uint64_t>(keyframe.features.count);
+      result_.largest_keyframe_id = std::max(result_.largest_keyframe_id, keyframe.id.value());
+      ++origins[keyframe.origin_map];
+    }
+    for (const auto& [map, count] : origins) result_.origins.push_back({map, count});
+  }
+
+  void GuessSensor() {
+    std::size_t fisheye = 0, depth = 0, calibrated = 0;
+    for (const KeyFrame& keyframe : map_.keyframes) {
+      const Features& features = keyframe.features;
+      const auto is_measured = [](float right_x) { return right_x >= 0; };
+      if (features.is_fisheye_stereo()) ++fisheye;
+      // Where features were left out when reading, the baseline tells.
+      if (features.right_x.empty() ? keyframe.intrinsics.baseline_fx > 0
+                                   : std::any_of(features.right_x.begin(), features.right_x.end(), is_measured))
+        ++depth;
+      if (keyframe.imu_calibration.is_set) ++calibrated;
+    }
+    const std::size_t most = map_.keyframes.size() / 2;
+    result_.has_imu = map_.inertial || calibrated > most;
+    if (map_.keyframes.empty()) return;
+    result_.sensor = fisheye > most ? MapSensor::kFisheyeStereo
+                     : depth > most ? MapSensor::kStereoOrRgbd
+                                    : MapSensor::kMonocular;
+  }
+
+  void MeasureTrajectory() {
+    std::vector<std::pair<double, const KeyFrame*>> by_time;
+    for (const KeyFrame& keyframe : map_.keyframes)
+      if (!keyframe.bad && std::isfinite(keyframe.timestamp)) by_time.emplace_back(keyframe.timestamp, &keyframe);
+    if (by_time.empty()) return;
+    std::stable_sort(by_time.begin(), by_time.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    result_.begin_time = by_time.front().first;
+    result_.end_time = by_time.back().first;
+    std::optional<Eigen::Vector3d> previous;
+    for (const auto& [time, keyframe] : by_time) {
+      const Eigen::Vector3f center = CameraCenter(*keyframe);
+      if (!center.allFinite()) continue;
+      if (previous) result_.trajectory_length += (center.cast<double>() - *previous).norm();
+      previous = center.cast<double>();
+    }
+  }
+
+  using Pair = std::pair<std::uint32_t, std::uint32_t>;  // rows of keyframes, the smaller first
+
+  void AddPair(std::vector<Pair>& pairs, std::uint32_t from, KeyFrameId to) const {
+    const std::uint32_t other = index_.KeyFrameRow(row_, to);
+    if (other != kNoRow) pairs.emplace_back(std::min(from, other), std::max(from, other));
+  }
+
+  static std::uint64_t CountDistinct(std::vector<Pair>& pairs) {
+    std::sort(pairs.begin(), pairs.end());
+    return static_cast<std::uint64_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
+  }
+
+  void CountEdges() {
+    std::vector<Pair> loops, merges;
+    std::vector<std::uint32_t> root(map_.keyframes.size());
+    std::iota(root.begin(), root.end(), 0U);
+    for (std::uint32_t row = 0; row < map_.keyframes.size(); ++row) {
+      const KeyFrame& keyframe = map_.keyframes[row];
+      for (const KeyFrameId other : keyframe.loop_edges) AddPair(loops, row, other);
+      for (const KeyFrameId other : keyframe.merge_edges) AddPair(merges, row, other);
+      for (const Connection& connection : keyframe.connections) Join(root, row, connection.keyframe);
+    }
+    result_.loop_edges = CountDistinct(loops);
+    result_.merge_edges = CountDistinct(merges);
+    CountComponents(root);
+  }
+
+  // An edge counts where its keyframe of the smaller row lists it, or where only the other one does.
+  void Join(std::vector<std::uint32_t>& root, std::uint32_t row, KeyFrameId to) {
+    const std::uint32_t other = index_.KeyFrameRow(row_, to);
+    if (other == kNoRow || other == row) return;
+    if (row < other || !Lists(map_.keyframes[other], map_.keyframes[row].id)) ++result_.covisibility_edges;
+    if (map_.keyframes[row].bad || map_.keyframes[other].bad) return;
+    root[Root(root, row)] = Root(root, other);
+  }
+
+  static bool Lists(const KeyFrame& keyframe, KeyFrameId id) {
+    const auto& list = keyframe.connections;  // by id, unless the file is damaged
+    const auto place = std::lower_bound(list.begin(), list.end(), id,
+                                        [](const Connection& c, KeyFrameId wanted) { return c.keyframe < wanted; });
+    return place != list.end() && place->keyframe == id;
+  }
+
+  // Union-find with path halving.
+  static std::uint32_t Root(std::vector<std::uint32_t>& root, std::uint32_t row) {
+    while (root[row] != row) row = root[row] = root[root[row]];
+    return row;
+  }
+
+  void CountComponents(std::vector<std::uint32_t>& root) {
+    std::vector<std::uint64_t> sizes(root.size(), 0);
+    for (std::uint32_t row = 0; row < root.size(); ++row)
+      if (!map_.keyframes[row].bad) ++sizes[Root(root, row)];
+    for (const std::uint64_t size : sizes) {
+      if (size > 0) ++result_.components;
+      result_.largest_component = std::max(result_.largest_component, size);
+    }
+  }
+
+  void CountPoints() {
+    result_.observer_histogram.assign(MapStatistics::kHistogramSize, 0);
+    std::vector<std::uint32_t> observers;
+    observers.reserve(map_.points.size());
+    for (const MapPoint& point : map_.points) {
+      result_.largest_point_id = std::max(result_.largest_point_id, point.id.value());
+      for (const Observation& observation : point.observations)
+        result_.observations += static_cast<std::uint64_t>((observation.left >= 0) + (observation.right >= 0));
+      if (point.bad) {
+        ++result_.bad_points;
+        continue;
+      }
+      if (point.position.allFinite()) result_.bounding_box.extend(point.position);
+      const std::size_t count = point.observations.size();
+      observers.push_back(static_cast<std::uint32_t>(count));
+      ++result_.observer_histogram[std::min(count, MapStatistics::kHistogramSize - 1)];
+    }
+    result_.observers = Describe(observers);
+  }
+
+  // False when the atlas was read without features.
+  bool HasKeypoints() const {
+    return std::any_of(map_.keyframes.begin(), map_.keyframes.end(),
+                       [](const KeyFrame& keyframe) { return !keyframe.features.keypoints.empty(); });
+  }
+
+  std::vector<Projector> MakeProjectors() const {
+    const auto find = [&](CameraId id) {
+      const std::uint32_t camera = index_.CameraRow(id);
+      return camera == kNoRow ? nullptr : &index_.atlas().cameras[camera];
+    };
+    std::vector<Projector> projectors;
+    projectors.reserve(map_.keyframes.size());
+    for (const KeyFrame& keyframe : map_.keyframes) {
+      projectors.push_back({&keyframe, find(keyframe.camera), find(keyframe.right_camera),
+                            keyframe.camera_from_world.Normalized(), keyframe.left_from_right.Normalized().Inverse()});
+    }
+    return projectors;
+  }
+
+  // Two errors for each observation, left and right, so that threads write to places of their own.
+  void MeasureReprojection() {
+    const std::vector<Projector> projectors = MakeProjectors();
+    std::vector<std::size_t> begins(map_.points.size() + 1, 0);
+    for (std::size_t row = 0; row < map_.points.size(); ++row)
+      begins[row + 1] = begins[row] + 2 * (map_.points[row].bad ? 0 : map_.points[row].observations.size());
+    constexpr float kNotSeen = -1;
+    std::vector<float> errors(begins.back());
+    ParallelFor(map_.points.size(), kGrain, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) {
+        const MapPoint& point = map_.points[row];
+        if (point.bad) continue;
+        std::size_t place = begins[row];
+        for (const Observation& observation : point.observations) {
+          const std::uint32_t keyframe = index_.KeyFrameRow(row_, observation.keyframe);
+          for (const bool is_right : {false, true}) {
+            const std::int32_t keypoint = is_right ? observation.right : observation.left;
+            errors[place++] = keypoint < 0         ? kNotSeen
+                              : keyframe == kNoRow ? kNone
+                                                   : projectors[keyframe].Error(point.position, keypoint, is_right);
+          }
+        }
+      }
+    });
+    std::erase(errors, kNotSeen);
+    const std::size_t seen = errors.size();
+    std::erase_if(errors, [](float error) { return !std::isfinite(error); });
+    result_.unprojectable = seen - errors.size();
+    result_.reprojection_error = Describe(errors);
+  }
+
+  const AtlasIndex& index_;
+  const std::size_t row_;
+  const Map& map_;
+  const int threads_;
+  MapStatistics result_;
+};
+
+}  // namespace
+
+AtlasStatistics ComputeStatistics(const Atlas& atlas, int threads) {
+  const AtlasIndex index(atlas);
+  AtlasStatistics total;
+  total.cameras = atlas.cameras.size();
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    const MapStatistics& map = total.maps.emplace_back(MapCounter(index, row, threads).Count());
+    total.keyframes += map.keyframes;
+    total.points += map.points;
+    total.bad_keyframes += map.bad_keyframes;
+    total.bad_points += map.bad_points;
+    total.features += map.features;
+    total.observations += map.observations;
+    total.covisibility_edges += map.covisibility_edges;
+    total.loop_edges += map.loop_edges;
+    total.merge_edges += map.merge_edges;
+    total.trajectory_length += map.trajectory_length;
+  }
+  return total;
+}
+
+}  // namespace slamdb
