@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/export/maps.h"
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/export/number.h"
+
+namespace slamdb {
+
+std::vector<const Map*> ChooseMaps(const Atlas& atlas, std::optional<MapId> map, const std::string& path) {
+  std::vector<const Map*> chosen;
+  std::string known;
+  for (const Map& candidate : atlas.maps) {
+    if (!map || candidate.id == *map) chosen.push_back(&candidate);
+    known += (known.empty() ? "" : ", ") + ToString(candidate.id);
+  }
+  if (map && chosen.empty())
+    throw Error(path, "",
+                "the atlas has no " + ToString(*map) + "; it has " + (known.empty() ? "no map at all" : known));
+  return chosen;
+}
+
+void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string& how_told_apart, Notices& notices) {
+  std::size_t filled = 0;
+  for (const Map* map : maps) filled += map->keyframes.empty() && map->points.empty() ? 0 : 1;
+  if (filled < 2) return;
+  notices.Warn(Thousands(filled) +
+               " maps are in one file, each in a frame of reference of its own and not aligned with " +
+               "the others: " + how_told_apart + ", and --map writes one alone");
+}
+
+}  // namespace slamdb

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/export/rows.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "slamdb/base/parallel.h"
+
+namespace slamdb {
+
+void WriteRows(AtomicFile& file, std::size_t count, std::size_t grain, const WriteOptions& options,
+               const std::function<void(std::size_t begin, std::size_t end, std::string& out)>& append) {
+  // Rounds of a few blocks per thread: all blocks of a round are made in parallel, then written one behind the other.
+  const std::size_t blocks_per_round = 4 * static_cast<std::size_t>(ThreadCount(options.threads));
+  std::vector<std::string> blocks(blocks_per_round);
+  for (std::size_t begin = 0; begin < count; begin += blocks_per_round * grain) {
+    const std::size_t rows = std::min(count - begin, blocks_per_round * grain);
+    const std::size_t used = (rows + grain - 1) / grain;
+    ParallelFor(used, 1, options.threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t block = first; block < last; ++block) {
+        blocks[block].clear();
+        append(begin + block * grain, begin + std::min(rows, (block + 1) * grain), blocks[block]);
+      }
+    });
+    for (std::size_t block = 0; block < used; ++block) file.Write(blocks[block]);
+    if (options.progress) options.progress("writing", static_cast<double>(begin + rows) / static_cast<double>(count));
+  }
+}
+
+}  // namespace slamdb

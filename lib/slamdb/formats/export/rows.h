@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include "slamdb/base/file.h"
+#include "slamdb/formats/format.h"
+
+namespace slamdb {
+
+// Writes `count` rows to a file: `append(begin, end, out)` appends the rows of [begin, end) to `out` and is called from
+// several threads at once, for blocks of at most `grain` rows; the blocks reach the file in order, so the bytes do not
+// depend on the number of threads. Memory is bounded by a few blocks per thread. Calls options.progress in between.
+void WriteRows(AtomicFile& file, std::size_t count, std::size_t grain, const WriteOptions& options,
+               const std::function<void(std::size_t begin, std::size_t end, std::string& out)>& append);
+
+// How a format opens its output.
+inline AtomicFileOptions FileOptions(const WriteOptions& options) {
+  return {.overwrite = options.overwrite, .sync = options.sync};
+}
+
+}  // namespace slamdb

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/losses.h"
+
+#include <array>
+
+#include "slamdb/formats/export/number.h"
+
+namespace slamdb {
+namespace {
+
+struct Kind {
+  Content content;
+  std::string_view what;
+};
+
+// In the order of Content. The counts are of what the words name first.
+constexpr std::array<Kind, 12> kKinds = {{
+    {kPoses, "keyframe poses"},
+    {kPoints, "map points"},
+    {kNormals, "normals and distance ranges of map points"},
+    {kObservations, "observations"},
+    {kKeypoints, "keypoints"},
+    {kDescriptors, "descriptors"},
+    {kBagOfWords, "bags of words"},
+    {kGraph, "edges between keyframes (covisibility, spanning tree, loops, merges)"},
+    {kInertial, "inertial data of keyframes"},
+    {kCameras, "cameras"},
+    {kMaps, "several maps"},
+    {kIdentity, "all ids and flags, the counters and the vocabulary's name"},
+}};
+
+using Counts = std::array<std::uint64_t, kKinds.size()>;
+
+std::uint64_t& Count(Counts& counts, Content content) {
+  std::size_t kind = 0;
+  while (kKinds[kind].content != content) ++kind;
+  return counts[kind];
+}
+
+bool HasInertialData(const KeyFrame& keyframe) {
+  return keyframe.imu_calibration.is_set || keyframe.has_velocity || keyframe.imu_initialized ||
+         !keyframe.preintegration.measurements.empty();
+}
+
+void CountKeyFrame(const KeyFrame& keyframe, Counts& counts) {
+  const Features& features = keyframe.features;
+  ++Count(counts, kPoses);
+  Count(counts, kKeypoints) +=
+      features.keypoints.size() + (features.is_fisheye_stereo() ? features.right_keypoints.size() : 0);
+  Count(counts, kDescriptors) += features.descriptors.size();
+  Count(counts, kBagOfWords) += features.bag_of_words.words.empty() ? 0 : 1;
+  Count(counts, kGraph) += keyframe.connections.size() + (keyframe.parent ? 1 : 0) + keyframe.loop_edges.size() +
+                           keyframe.merge_edges.size();
+  Count(counts, kInertial) += HasInertialData(keyframe) ? 1 : 0;
+}
+
+void CountPoint(const MapPoint& point, Counts& counts) {
+  ++Count(counts, kPoints);
+  const bool range = point.min_distance != 0 || point.max_distance != 0;
+  Count(counts, kNormals) += range || point.normal != Eigen::Vector3f::Zero() ? 1 : 0;
+  Count(counts, kObservations) += point.observations.size();
+  Count(counts, kDescriptors) += point.has_descriptor() ? 1 : 0;
+}
+
+Counts CountContent(const Atlas& atlas, std::optional<MapId> chosen) {
+  Counts counts{};
+  for (const Map& map : atlas.maps) {
+    if (chosen && map.id != *chosen) continue;
+    ++Count(counts, kMaps);
+    for (const KeyFrame& keyframe : map.keyframes) CountKeyFrame(keyframe, counts);
+    for (const MapPoint& point : map.points) CountPoint(point, counts);
+  }
+  if (Count(counts, kMaps) == 1) Count(counts, kMaps) = 0;
+  Count(counts, kCameras) = atlas.cameras.size();
+  Count(counts, kIdentity) =
+      Count(counts, kPoses) + Count(counts, kPoints) + Count(counts, kMaps) + atlas.cameras.size();
+  return counts;
+}
+
+}  // namespace
+
+Content ContentOf(const Atlas& atlas, std::optional<MapId> map) {
+  Content content = kNothing;
+  const Counts counts = CountContent(atlas, map);
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
+    if (counts[kind] > 0) content = content | kKinds[kind].content;
+  return content;
+}
+
+std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, const WriteOptions& options) {
+  std::vector<std::string> losses;
+  const Counts counts = CountContent(atlas, options.map);
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
+    if (counts[kind] == 0 || (format.writes & kKinds[kind].content) != 0) continue;
+    std::string loss = std::string(format.id) + " cannot hold " + std::string(kKinds[kind].what);
+    if (kKinds[kind].content != kIdentity) loss += " (" + Thousands(counts[kind]) + ")";
+    losses.push_back(std::move(loss));
+  }
+  return losses;
+}
+
+}  // namespace slamdb

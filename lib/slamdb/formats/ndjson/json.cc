@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/ndjson/json.h"
+
+#include "slamdb/formats/ndjson/append.h"
+#include "slamdb/formats/ndjson/names.h"
+
+namespace slamdb {
+namespace {
+
+void AppendRepeated(JsonAppender& json, std::string_view name, const std::vector<RepeatedEntry>& entries) {
+  json.BeginArray(name);
+  for (const RepeatedEntry& entry : entries) {
+    json.BeginObject();
+    json.Field("position", entry.position);
+    if (entry.owner_map != RepeatedEntry::kNull) {  // without these two it is a null pointer
+      json.Field("owner_map", entry.owner_map);
+      json.Field("row", entry.row);
+    }
+    json.EndObject();
+  }
+  json.EndArray();
+}
+
+void AppendSide(JsonAppender& json, std::string_view name, std::int32_t row) {
+  if (row != Observation::kAbsent) json.Field(name, row);
+}
+
+// The end of the JSON string that begins at `begin`.
+std::size_t EndOfString(std::string_view json, std::size_t begin) {
+  std::size_t end = begin + 1;
+  while (json[end] != '"') end += json[end] == '\\' ? 2 : 1;
+  return end + 1;
+}
+
+// True when the array or object that begins at `begin` is to stay on one line: it has no other one inside, and is an
+// array or empty.
+bool StaysOnOneLine(std::string_view json, std::size_t begin) {
+  for (std::size_t at = begin + 1; at < json.size();) {
+    const char c = json[at];
+    if (c == ']' || c == '}') return json[begin] == '[' || at == begin + 1;
+    if (c == '[' || c == '{') return false;
+    at = c == '"' ? EndOfString(json, at) : at + 1;
+  }
+  return true;
+}
+
+// Breaks JSON that stands on one line into lines. `json` is well-formed: we made it.
+class Indenter {
+ public:
+  Indenter(std::string_view json, int indent) : json_(json), indent_(static_cast<std::size_t>(indent)) {}
+
+  std::string Run() {
+    while (at_ < json_.size()) Step();
+    return std::move(out_);
+  }
+
+ private:
+  void Step() {
+    const char c = json_[at_];
+    if (c == '"') return Copy(EndOfString(json_, at_));
+    if ((c == '[' || c == '{') && StaysOnOneLine(json_, at_)) return CopyFlat();
+    ++at_;
+    if (c == ']' || c == '}') BreakLine(--depth_);
+    out_ += c;
+    if (c == '[' || c == '{') BreakLine(++depth_);
+    if (c == ',') BreakLine(depth_);
+    if (c == ':') out_ += ' ';
+  }
+  void Copy(std::size_t end) {
+    out_ += json_.substr(at_, end - at_);
+    at_ = end;
+  }
+  void CopyFlat() {
+    while (true) {
+      const char c = json_[at_];
+      Copy(c == '"' ? EndOfString(json_, at_) : at_ + 1);
+      if (c == ',') out_ += ' ';
+      if (c == ']' || c == '}') return;
+    }
+  }
+  void BreakLine(std::size_t depth) {
+    out_ += '\n';
+    out_.append(depth * indent_, ' ');
+  }
+
+  std::string_view json_;
+  std::string out_;
+  std::size_t indent_, at_ = 0, depth_ = 0;
+};
+
+template <class Entity>
+std::string Render(const Entity& entity, int indent) {
+  std::string json;
+  AppendJson(json, entity);
+  return indent < 0 ? json : Indenter(json, indent).Run();
+}
+
+}  // namespace
+
+std::string ToJson(const KeyFrame& keyframe, int indent) { return Render(keyframe, indent); }
+std::string ToJson(const MapPoint& point, int indent) { return Render(point, indent); }
+std::string ToJson(const Camera& camera, int indent) { return Render(camera, indent); }
+std::string ToJson(const Map& map, int indent) { return Render(map, indent); }
+std::string ToJson(const Atlas& atlas, int indent) { return Render(atlas, indent); }
+
+void AppendJson(std::string& out, const MapPoint& point, std::optional<MapId> map) {
+  JsonAppender json(out);
+  json.BeginObject();
+  json.Field("type", "map_point");
+  if (map) json.Field("map", *map);
+  json.Field("id", point.id);
+  json.Field("first_keyframe", point.first_keyframe);
+  json.Field("first_frame", point.first_frame);
+  json.Field("observation_count", point.observation_count);
+  json.Field("position", point.position);
+  json.Field("normal", point.normal);
+  json.BeginArray("observations");
+  for (const Observation& observation : point.observations) {
+    json.BeginObject();
+    json.Field("keyframe", observation.keyframe);
+    AppendSide(json, "left", observation.left);
+    AppendSide(json, "right", observation.right);
+    json.EndObject();
+  }
+  json.EndArray();
+  json.Field("descriptor", point.descriptor);
+  json.Field("descriptor_form", NameOf(point.descriptor_form));
+  json.Field("bad", point.bad);
+  json.Field("reference", point.reference);
+  json.Field("replaced_by", point.replaced_by);
+  json.Field("min_distance", point.min_distance);
+  json.Field("max_distance", point.max_distance);
+  json.EndObject();
+}
+
+void AppendJson(std::string& out, const Camera& camera) {
+  JsonAppender json(out);
+  json.BeginObject();
+  json.Field("type", "camera");
+  json.Field("id", camera.id);
+  json.Field("model", NameOf(camera.model));
+  json.Field("recorded_type", camera.recorded_type);
+  json.Array("parameters", camera.parameters);
+  json.Field("precision", camera.precision);
+  json.EndObject();
+}
+
+void AppendJson(std::string& out, const Map& map) {
+  JsonAppender json(out);
+  json.BeginObject();
+  json.Field("type", "map");
+  json.Field("id", map.id);
+  json.Field("initial_keyframe", map.initial_keyframe);
+  json.Field("max_keyframe_id", map.max_keyframe_id);
+  json.Field("big_change_index", map.big_change_index);
+  json.Field("keyframe_count", map.keyframes.size());
+  json.Field("point_count", map.points.size());
+  AppendRepeated(json, "repeated_keyframes", map.repeated_keyframes);
+  AppendRepeated(json, "repeated_points", map.repeated_points);
+  json.Array("origins", map.origins);
+  json.Field("first_keyframe", map.first_keyframe);
+  json.Field("lowest_keyframe", map.lowest_keyframe);
+  json.Field("imu_initialized", map.imu_initialized);
+  json.Field("inertial", map.inertial);
+  json.Field("imu_ba1", map.imu_ba1);
+  json.Field("imu_ba2", map.imu_ba2);
+  json.EndObject();
+}
+
+void AppendJson(std::string& out, const Atlas& atlas) {
+  JsonAppender json(out);
+  json.BeginObject();
+  json.Field("type", "atlas");
+  json.BeginObject("vocabulary");
+  json.Field("name", std::string_view(atlas.vocabulary.name));
+  json.Field("checksum", std::string_view(atlas.vocabulary.checksum));
+  json.EndObject();
+  json.Array("maps", atlas.maps, [](const Map& map) { return map.id; });
+  AppendRepeated(json, "repeated_maps", atlas.repeated_maps);
+  json.Array("cameras", atlas.cameras, [](const Camera& camera) { return camera.id; });
+  AppendRepeated(json, "repeated_cameras", atlas.repeated_cameras);
+  json.BeginObject("next_ids");
+  json.Field("map", atlas.next_ids.map);
+  json.Field("frame", atlas.next_ids.frame);
+  json.Field("keyframe", atlas.next_ids.keyframe);
+  json.Field("map_point", atlas.next_ids.map_point);
+  json.Field("camera", atlas.next_ids.camera);
+  json.Field("initial_keyframe", atlas.next_ids.initial_keyframe);
+  json.EndObject();
+  json.BeginObject("encoding");
+  json.Field("text", atlas.encoding.text);
+  json.Field("boost_version", atlas.encoding.boost_version);
+  json.Field("long_bytes", atlas.encoding.long_bytes);
+  json.Field("size_bytes", atlas.encoding.size_bytes);
+  json.EndObject();
+  json.EndObject();
+}
+
+}  // namespace slamdb

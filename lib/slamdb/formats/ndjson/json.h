@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "slamdb/model/atlas.h"
+
+// Every field of an entity as JSON, by the names of the model's headers; schema/ndjson.md and schema/ndjson.schema.json
+// describe the objects. Thread-safe. They are not read back.
+namespace slamdb {
+
+// One object. indent < 0: on one line, as in ndjson; otherwise members on lines of their own, `indent` spaces deeper
+// per level, with arrays of plain values kept on one line.
+std::string ToJson(const KeyFrame& keyframe, int indent = 2);
+std::string ToJson(const MapPoint& point, int indent = 2);
+std::string ToJson(const Camera& camera, int indent = 2);
+std::string ToJson(const Map& map, int indent = 2);      // without its keyframes and points: their numbers
+std::string ToJson(const Atlas& atlas, int indent = 2);  // without its maps and cameras: their ids
+
+// The same on one line, appended to a buffer; `map` becomes the member "map" of the object. What ndjson writes.
+void AppendJson(std::string& out, const KeyFrame& keyframe, std::optional<MapId> map = std::nullopt);
+void AppendJson(std::string& out, const MapPoint& point, std::optional<MapId> map = std::nullopt);
+void AppendJson(std::string& out, const Camera& camera);
+void AppendJson(std::string& out, const Map& map);
+void AppendJson(std::string& out, const Atlas& atlas);
+
+}  // namespace slamdb

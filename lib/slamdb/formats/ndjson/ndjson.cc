@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/ndjson/ndjson.h"
+
+#include <array>
+
+#include "slamdb/formats/export/maps.h"
+#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/ndjson/json.h"
+
+namespace slamdb {
+namespace {
+
+constexpr double kKeyFrameWeight = 200;  // how much longer a keyframe's line is than a point's, about
+constexpr std::size_t kKeyFramesPerBlock = 4, kPointsPerBlock = 1024;
+
+double SizeOf(const Column<KeyFrame>& keyframes) { return kKeyFrameWeight * static_cast<double>(keyframes.size()); }
+double SizeOf(const Column<MapPoint>& points) { return static_cast<double>(points.size()); }
+
+// Turns the progress of each list into the progress of the whole.
+class PartProgress {
+ public:
+  PartProgress(const WriteOptions& options, const std::vector<const Map*>& maps) : options_(options) {
+    for (const Map* map : maps) whole_ += SizeOf(map->keyframes) + SizeOf(map->points);
+  }
+  // The options to write a list of this size with, after those before it.
+  WriteOptions Next(double size) {
+    WriteOptions part = options_;
+    if (options_.progress)
+      part.progress = [this, size, begin = done_](std::string_view stage, double fraction) {
+        options_.progress(stage, (begin + fraction * size) / whole_);
+      };
+    done_ += size;
+    return part;
+  }
+
+ private:
+  const WriteOptions& options_;
+  double whole_ = 0, done_ = 0;
+};
+
+template <class Entity>
+void WriteList(AtomicFile& file, const Map& map, const Column<Entity>& list, std::size_t grain,
+               const WriteOptions& options) {
+  WriteRows(file, list.size(), grain, options, [&](std::size_t begin, std::size_t end, std::string& out) {
+    for (std::size_t row = begin; row < end; ++row) {
+      AppendJson(out, list[row], map.id);
+      out += '\n';
+    }
+  });
+}
+
+void WriteNdjson(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices&) {
+  AtomicFile file(location.path, FileOptions(options));
+  const std::vector<const Map*> maps = ChooseMaps(atlas, options.map, location.path);
+  PartProgress progress(options, maps);
+  std::string head;
+  AppendJson(head, atlas);
+  head += '\n';
+  for (const Camera& camera : atlas.cameras) {
+    AppendJson(head, camera);
+    head += '\n';
+  }
+  file.Write(head);
+  for (const Map* map : maps) {
+    std::string line;
+    AppendJson(line, *map);
+    file.Write(line + '\n');
+    WriteList(file, *map, map->keyframes, kKeyFramesPerBlock, progress.Next(SizeOf(map->keyframes)));
+    WriteList(file, *map, map->points, kPointsPerBlock, progress.Next(SizeOf(map->points)));
+  }
+  file.Commit();
+}
+
+bool SniffNdjson(const Probe& probe) { return probe.head.starts_with("{\"type\":\"atlas\""); }
+
+constexpr std::array<std::string_view, 2> kSuffixes = {".ndjson", ".jsonl"};
+
+}  // namespace
+
+const Format kNdjsonFormat = {.id = "ndjson",
+                              .title = "JSON lines dump",
+                              .suffixes = kSuffixes,
+                              .writes = kEverything,
+                              .sniff = SniffNdjson,
+                              .write = WriteNdjson};
+
+}  // namespace slamdb

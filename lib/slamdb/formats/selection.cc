@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/format.h"
+
+namespace slamdb {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+bool Selection::everything() const {
+  return !map && first_keyframe == 0 && last_keyframe == std::numeric_limits<std::uint64_t>::max() &&
+         begin_time == -kInfinity && end_time == kInfinity && !box;
+}
+
+bool Selection::Has(const KeyFrame& keyframe) const {
+  const std::uint64_t id = keyframe.id.value();
+  if (id < first_keyframe || id > last_keyframe) return false;
+  if (begin_time == -kInfinity && end_time == kInfinity) return true;  // also for a time that is not a number
+  return keyframe.timestamp >= begin_time && keyframe.timestamp <= end_time;
+}
+
+bool Selection::Has(const MapPoint& point) const { return !box || box->contains(point.position); }
+
+}  // namespace slamdb

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slamdb/formats/export/maps.h"
+#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/trajectory/lines.h"
+#include "slamdb/formats/trajectory/poses.h"
+#include "slamdb/formats/trajectory/trajectory.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::string_view kSeparators = ", \t";
+constexpr std::string_view kPoseHeader =
+    "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []";
+constexpr std::string_view kInertialHeader =
+    ", v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], "
+    "b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]";
+
+// Rounds seconds to nanoseconds. Whole seconds and the rest are scaled apart, since their product with 1e9 has more
+// bits than a double.
+std::int64_t Nanoseconds(double seconds) {
+  const double whole = std::floor(seconds);
+  return static_cast<std::int64_t>(whole) * 1'000'000'000 + std::llround((seconds - whole) * 1e9);
+}
+
+double Seconds(std::int64_t nanoseconds) {
+  constexpr std::int64_t kPerSecond = 1'000'000'000;
+  return static_cast<double>(nanoseconds / kPerSecond) + static_cast<double>(nanoseconds % kPerSecond) / 1e9;
+}
+
+// What 64 bits of nanoseconds reach: 292 years to both sides.
+bool FitsNanoseconds(double seconds) { return std::abs(seconds) < 9.2e9; }
+
+void AppendLine(std::string& out, const TimedPose& pose, bool inertial) {
+  AppendNumber(out, Nanoseconds(pose.timestamp));
+  const auto add = [&out](float value) {
+    out += ',';
+    AppendNumber(out, value);
+  };
+  const Quaternionf& rotation = pose.world_from_it.rotation;
+  for (const float value : pose.world_from_it.translation) add(value);
+  for (const float value : {rotation.w(), rotation.x(), rotation.y(), rotation.z()}) add(value);
+  if (inertial) {
+    for (const float value : pose.keyframe->velocity) add(value);
+    for (const float value : pose.keyframe->imu_bias.gyroscope) add(value);
+    for (const float value : pose.keyframe->imu_bias.accelerometer) add(value);
+  }
+  out += '\n';
+}
+
+void DropUnreachableTimes(std::vector<MapTrajectory>& trajectories, Notices& notices) {
+  std::size_t dropped = 0;
+  for (MapTrajectory& trajectory : trajectories)
+    dropped += std::erase_if(trajectory.poses, [](const TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
+  std::erase_if(trajectories, [](const MapTrajectory& trajectory) { return trajectory.poses.empty(); });
+  if (dropped > 0)
+    notices.Lose(Thousands(dropped) +
+                 " keyframes are left out because their time does not fit into 64 bits of nanoseconds; were these "
+                 "timestamps seconds?");
+}
+
+bool IsInertial(const std::vector<MapTrajectory>& trajectories) {
+  return std::any_of(trajectories.begin(), trajectories.end(), [](const MapTrajectory& trajectory) {
+    return std::any_of(trajectory.poses.begin(), trajectory.poses.end(),
+                       [](const TimedPose& pose) { return bool{pose.keyframe->imu_calibration.is_set}; });
+  });
+}
+
+void WriteEuroc(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(location.path, FileOptions(options));
+  std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, location, options, notices);
+  DropUnreachableTimes(trajectories, notices);
+  std::vector<const Map*> maps;
+  for (const MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
+  WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
+  const bool inertial = IsInertial(trajectories);
+  file.Write(kPoseHeader);
+  if (inertial) file.Write(kInertialHeader);
+  file.Write("\n");
+  for (const auto& [map, poses] : trajectories) {
+    if (trajectories.size() > 1) file.Write(MapComment(map->id));
+    std::string lines;
+    for (const TimedPose& pose : poses) AppendLine(lines, pose, inertial);
+    file.Write(lines);
+  }
+  file.Commit();
+}
+
+std::optional<ReadPose> PoseOf(const PoseLine& line) {
+  const auto nanoseconds = ParseInteger(line.time);
+  const auto v = line.values;
+  if (!nanoseconds || v.size() < 7) return std::nullopt;
+  const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
+  return ReadPose{Seconds(*nanoseconds),
+                  {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
+}
+
+Atlas ReadEuroc(const Location& location, const ReadOptions& options, Notices&) {
+  return ReadPoseLines(location, options, kSeparators,
+                       "at least 8 cells: timestamp [ns], position x y z, quaternion w x y z", PoseOf);
+}
+
+// The header line, and no IMU or image csv of the same data set, whose lines begin alike.
+bool SniffEuroc(const Probe& probe) {
+  return probe.head.starts_with("#timestamp") && NumbersInFirstLine(probe, kSeparators) != 7 &&
+         probe.head.find("p_RS_R_x") < probe.head.find('\n');
+}
+
+constexpr std::array<std::string_view, 1> kSuffixes = {".euroc.csv"};
+
+}  // namespace
+
+const Format kEurocFormat = {.id = "euroc",
+                             .title = "EuRoC ground truth csv",
+                             .suffixes = kSuffixes,
+                             .reads = kPoses | kMaps,
+                             .writes = kPoses | kMaps,
+                             .sniff = SniffEuroc,
+                             .read = ReadEuroc,
+                             .write = WriteEuroc};
+
+}  // namespace slamdb

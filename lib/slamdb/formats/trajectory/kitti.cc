@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <optional>
+
+#include "slamdb/formats/export/maps.h"
+#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/trajectory/lines.h"
+#include "slamdb/formats/trajectory/poses.h"
+#include "slamdb/formats/trajectory/trajectory.h"
+
+namespace slamdb {
+namespace {
+
+void AppendLine(std::string& out, const Rigid3f& pose) {
+  const Eigen::Matrix3f rotation = pose.rotation.toRotationMatrix();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      AppendNumber(out, rotation(row, column));
+      out += ' ';
+    }
+    AppendNumber(out, pose.translation[row]);
+    out += row < 2 ? ' ' : '\n';
+  }
+}
+
+// `lines 1-46 are map 0, lines 47-106 map 1`: readers of this format take no comments, so the warning has to say it.
+std::string LinesOfMaps(const std::vector<MapTrajectory>& trajectories) {
+  std::string text;
+  std::size_t line = 1;
+  for (const MapTrajectory& trajectory : trajectories) {
+    const std::size_t last = line + trajectory.poses.size() - 1;
+    text += (text.empty() ? "lines " : ", lines ") + std::to_string(line) + "-" + std::to_string(last) + " are " +
+            ToString(trajectory.map->id);
+    line = last + 1;
+  }
+  return text;
+}
+
+void WriteKitti(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(location.path, FileOptions(options));
+  const bool to_stdout = location.path == "-";
+  std::optional<AtomicFile> times;
+  if (!to_stdout) times.emplace(location.path + ".times", FileOptions(options));
+  const std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, location, options, notices);
+  std::vector<const Map*> maps;
+  for (const MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
+  WarnOfSeveralFrames(maps, LinesOfMaps(trajectories), notices);
+  if (to_stdout)
+    notices.Lose("kitti has no timestamps in its lines, and standard output has no second file for them");
+  else
+    notices.Note("the timestamps are in " + location.path + ".times, one line for each pose");
+  for (const auto& [map, poses] : trajectories) {
+    std::string lines, seconds;
+    for (const TimedPose& pose : poses) {
+      AppendLine(lines, pose.world_from_it);
+      AppendSeconds(seconds, pose.timestamp);
+      seconds += '\n';
+    }
+    file.Write(lines);
+    if (times) times->Write(seconds);
+  }
+  if (times) times->Commit();
+  file.Commit();
+}
+
+bool SniffKitti(const Probe& probe) { return NumbersInFirstLine(probe, " \t") == 12; }
+
+constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};
+
+}  // namespace
+
+const Format kKittiFormat = {.id = "kitti",
+                             .title = "KITTI trajectory",
+                             .suffixes = kSuffixes,
+                             .writes = kPoses,
+                             .sniff = SniffKitti,
+                             .write = WriteKitti};
+
+}  // namespace slamdb

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/trajectory/poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "slamdb/formats/export/maps.h"
+#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/pose.h"
+
+namespace slamdb {
+namespace {
+
+// What the notices tell about keyframes that are not written as they are.
+struct Census {
+  std::size_t bad = 0, not_finite = 0, without_body = 0;
+
+  void Tell(PoseFrame frame, Notices& notices) const {
+    if (bad > 0) notices.Note(Thousands(bad) + " keyframes flagged bad are left out");
+    if (not_finite > 0)
+      notices.Lose(Thousands(not_finite) + " keyframes are left out because their pose or time is not finite");
+    if (frame == PoseFrame::kBody && without_body > 0)
+      notices.Warn(Thousands(without_body) +
+                   " keyframes have no IMU calibration: their camera frame stands in for the body frame");
+  }
+};
+
+MapTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
+  MapTrajectory trajectory{.map = &map, .poses = {}};
+  for (const KeyFrame& keyframe : map.keyframes) {
+    if (keyframe.bad) {
+      ++census.bad;
+      continue;
+    }
+    const Rigid3f pose = PoseInWorld(keyframe, frame);
+    const bool finite = std::isfinite(keyframe.timestamp) && pose.rotation.coeffs().allFinite() &&
+                        pose.translation.allFinite() && pose.rotation.norm() > 0;
+    if (!finite) {
+      ++census.not_finite;
+      continue;
+    }
+    if (!keyframe.imu_calibration.is_set) ++census.without_body;
+    trajectory.poses.push_back({keyframe.timestamp, pose, &keyframe});
+  }
+  std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(), [](const TimedPose& a, const TimedPose& b) {
+    return std::pair(a.timestamp, a.keyframe->id) < std::pair(b.timestamp, b.keyframe->id);
+  });
+  return trajectory;
+}
+
+}  // namespace
+
+std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Location& location,
+                                               const WriteOptions& options, Notices& notices) {
+  std::vector<MapTrajectory> trajectories;
+  Census census;
+  for (const Map* map : ChooseMaps(atlas, options.map, location.path)) {
+    MapTrajectory trajectory = Collect(*map, options.pose_frame, census);
+    if (!trajectory.poses.empty()) trajectories.push_back(std::move(trajectory));
+  }
+  census.Tell(options.pose_frame, notices);
+  return trajectories;
+}
+
+void PoseAtlas::BeginMap(MapId id) {
+  Map& map = atlas_.maps.emplace_back();
+  map.id = id;
+  if (id) atlas_.next_ids.map = std::max(atlas_.next_ids.map, id.value() + 1);
+}
+
+void PoseAtlas::Add(double timestamp, const Rigid3f& world_from_camera) {
+  if (atlas_.maps.empty()) BeginMap(MapId(0));
+  Map& map = atlas_.maps.back();
+  KeyFrame& keyframe = map.keyframes.emplace_back();
+  keyframe.id = KeyFrameId(next_keyframe_);
+  keyframe.frame_id = next_keyframe_++;
+  keyframe.timestamp = timestamp;
+  keyframe.camera_from_world = world_from_camera.Normalized().Inverse();
+  if (map.keyframes.size() == 1) map.initial_keyframe = map.first_keyframe = map.lowest_keyframe = keyframe.id;
+  map.max_keyframe_id = keyframe.id.value();
+}
+
+Atlas PoseAtlas::Finish(const ReadOptions& options) {
+  atlas_.next_ids.frame = atlas_.next_ids.keyframe = atlas_.next_ids.initial_keyframe = next_keyframe_;
+  const Selection& selection = options.selection;
+  if (selection.map) std::erase_if(atlas_.maps, [&](const Map& map) { return map.id != *selection.map; });
+  for (Map& map : atlas_.maps)
+    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
+  return std::move(atlas_);
+}
+
+}  // namespace slamdb

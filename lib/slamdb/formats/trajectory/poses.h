@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "slamdb/formats/format.h"
+
+namespace slamdb {
+
+struct TimedPose {
+  double timestamp;       // seconds, finite
+  Rigid3f world_from_it;  // camera or body; finite, unit quaternion
+  const KeyFrame* keyframe;
+};
+
+// The poses of one map, ascending by time, equal times by keyframe id.
+struct MapTrajectory {
+  const Map* map;
+  std::vector<TimedPose> poses;
+};
+
+// The trajectories to write, one per chosen map, maps without poses left out. Keyframes flagged bad are left out with a
+// note; those whose pose or time is not finite are left out as a loss. Warns when the body frame is asked for and a
+// keyframe has no IMU calibration, in which case camera and body are the same. Throws Error when options.map is no map.
+std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Location& location,
+                                               const WriteOptions& options, Notices& notices);
+
+// An atlas that is being made of poses read from a file: ids are given in the order of the file.
+class PoseAtlas {
+ public:
+  void BeginMap(MapId id);  // later poses belong to it; without it, to map 0
+  void Add(double timestamp, const Rigid3f& world_from_camera);
+  Atlas Finish(const ReadOptions& options);  // applies options.selection
+
+ private:
+  Atlas atlas_;
+  std::uint64_t next_keyframe_ = 0;
+};
+
+}  // namespace slamdb

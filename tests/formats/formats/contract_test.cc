@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What every format promises, asked of every format.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <clocale>
+#include <cstdlib>
+#include <locale>
+#include <set>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+#include "tests/formats/formats/small_atlas.h"
+#include "tests/formats/formats/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::string_view kStore = "store";  // updates files in place instead of replacing them
+
+std::string ProblemOf(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.problem();
+  }
+  return "";
+}
+
+std::string Written(const Format& format, const Atlas& atlas, WriteOptions options = {}) {
+  const TemporaryFolder folder;
+  Notices notices;
+  options.sync = false;
+  format.write(atlas, {folder.Path("out"), ""}, options, notices);
+  return ReadFile(folder.Path("out"));
+}
+
+// SmallAtlas() with so many points and keyframes that every format writes them in several blocks.
+Atlas LongAtlas() {
+  Atlas atlas = SmallAtlas();
+  for (Map& map : atlas.maps) {
+    const MapPoint point = map.points[0];
+    for (std::uint64_t i = 0; i < 20'000; ++i) {
+      map.points.push_back(point);
+      map.points.back().id = MapPointId(100'000 * (map.id.value() + 1) + i);
+      map.points.back().position.x() = static_cast<float>(i) / 7;
+    }
+    const KeyFrame keyframe = map.keyframes[0];
+    for (std::uint64_t i = 0; i < 600; ++i) {
+      map.keyframes.push_back(keyframe);
+      map.keyframes.back().id = KeyFrameId(1000 * (map.id.value() + 1) + i);
+    }
+  }
+  return atlas;
+}
+
+// A comma for a point and a dot between thousands.
+class CommaDecimal : public std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+class CommaDecimalLocale {
+ public:
+  CommaDecimalLocale() : before_(std::locale::global(std::locale(std::locale::classic(), new CommaDecimal))) {
+    for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"})
+      if (std::setlocale(LC_ALL, name) != nullptr) break;
+  }
+  ~CommaDecimalLocale() {
+    std::setlocale(LC_ALL, "C");
+    std::locale::global(before_);
+  }
+
+ private:
+  std::locale before_;
+};
+
+TEST(Formats, AreListedOnceWithTheirSuffixes) {
+  std::set<std::string_view> ids;
+  for (const Format& format : Formats()) {
+    EXPECT_TRUE(ids.insert(format.id).second) << format.id;
+    EXPECT_FALSE(format.title.empty()) << format.id;
+    EXPECT_EQ(format.read != nullptr, format.reads != kNothing) << format.id;
+    EXPECT_EQ(format.write != nullptr, format.writes != kNothing) << format.id;
+    for (const std::string_view suffix : format.suffixes) {
+      EXPECT_TRUE(suffix.starts_with('.')) << format.id;
+      EXPECT_TRUE(std::none_of(suffix.begin(), suffix.end(), [](char c) { return c >= 'A' && c <= 'Z'; }));
+    }
+    EXPECT_EQ(&FormatById(format.id), &format);
+  }
+}
+
+TEST(Formats, AreToldByTheLongestSuffix) {
+  const auto id = [](const std::string& path) { return FormatOfOutput({path, ""}).id; };
+  EXPECT_EQ(id("a.ply"), "ply");
+  EXPECT_EQ(id("A.PLY"), "ply");
+  EXPECT_EQ(id("a.csv"), "csv");
+  EXPECT_EQ(id("a.euroc.csv"), "euroc");
+  EXPECT_EQ(id("a.keyframes.csv"), "csv-keyframes");
+  EXPECT_EQ(id("a.observations.csv"), "csv-observations");
+  EXPECT_EQ(id("a.txt"), "tum");
+  EXPECT_EQ(FormatOfOutput({"a.txt", ""}, "ply").id, "ply");
+}
+
+TEST(Formats, ThatAreUnknownAreAnsweredWithTheKnownOnes) {
+  EXPECT_THAT(ProblemOf([] { FormatById("plyy"); }), HasSubstr("unknown format `plyy`; known are "));
+  EXPECT_THAT(ProblemOf([] { FormatOfOutput({"a.xyz", ""}); }), HasSubstr(".ply"));
+  EXPECT_THAT(ProblemOf([] { FormatOfOutput({"-", ""}); }), HasSubstr("give --to"));
+  EXPECT_THAT(ProblemOf([] { FormatOfInput({"-", ""}); }), HasSubstr("give --from"));
+  EXPECT_THAT(ProblemOf([] { FormatOfOutput({"a.ply", "office"}); }), HasSubstr("names one atlas of a store"));
+}
+
+class EveryFormat : public ::testing::TestWithParam<std::string> {
+ protected:
+  const Format& format() const { return FormatById(GetParam()); }
+  bool is_store() const { return format().id == kStore; }
+};
+
+TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
+  const TemporaryFolder folder;
+  Notices notices;
+  format().write(SmallAtlas(), {folder.Path("out"), ""}, {}, notices);
+  const Probe probe = Probe::Of(folder.Path("out"));
+  for (const Format& other : Formats())
+    if (other.sniff != nullptr) {
+      EXPECT_EQ(other.sniff(probe), other.id == format().id) << other.id;
+    }
+}
+
+TEST_P(EveryFormat, WritesAnEmptyAtlas) {
+  const TemporaryFolder folder;
+  Notices notices;
+  format().write({}, {folder.Path("out"), ""}, {}, notices);
+  EXPECT_FALSE(notices.lossy());
+  if (format().read == nullptr) return;
+  const Atlas atlas = format().read({folder.Path("out"), ""}, {}, notices);
+  for (const Map& map : atlas.maps) EXPECT_TRUE(map.keyframes.empty() && map.points.empty());
+}
+
+TEST_P(EveryFormat, WritesToStandardOutput) {
+  if (is_store()) GTEST_SKIP() << "a database is no stream";
+  Notices notices;
+  const std::string text = CaptureStandardOutput([&] { format().write(SmallAtlas(), {"-", ""}, {}, notices); });
+  EXPECT_EQ(text, Written(format(), SmallAtlas()));
+}
+
+TEST_P(EveryFormat, OverwritesOnlyWhenTold) {
+  if (is_store()) GTEST_SKIP() << "a store is added to";
+  const TemporaryFolder folder;
+  const std::string path = folder.Make("out", "mine");
+  Notices notices;
+  EXPECT_THAT(ProblemOf([&] {
+                format().write(SmallAtlas(), {path, ""}, {}, notices);
+              }),
+              HasSubstr("is there already; give --overwrite"));
+  EXPECT_EQ(ReadFile(path), "mine");
+  format().write(SmallAtlas(), {path, ""}, {.overwrite = true}, notices);
+  EXPECT_EQ(ReadFile(path), Written(format(), SmallAtlas()));
+}
+
+TEST_P(EveryFormat, LeavesNothingBehindWhenItFails) {
+  const TemporaryFolder folder;
+  Notices notices;
+  EXPECT_NE(ProblemOf([&] { format().write(SmallAtlas(), {folder.Path("no/such/folder/out"), ""}, {}, notices); }), "");
+  if (is_store()) return;  // its transaction is undone, in a file that stays
+  WriteOptions options;
+  options.progress = [](std::string_view, double) { throw Error("stopped"); };
+  try {
+    format().write(SmallAtlas(), {folder.Path("out"), ""}, options, notices);
+  } catch (const Error&) {
+    EXPECT_THAT(folder.Names(), IsEmpty());
+  }
+}
+
+TEST_P(EveryFormat, DoesNotDependOnThreads) {
+  if (is_store()) GTEST_SKIP() << "a store records when it was written";
+  const Atlas atlas = LongAtlas();
+  const std::string alone = Written(format(), atlas, {.threads = 1});
+  EXPECT_EQ(Written(format(), atlas, {.threads = 1}), alone);
+  EXPECT_EQ(Written(format(), atlas, {.threads = 3}), alone);
+}
+
+TEST_P(EveryFormat, DoesNotDependOnTheLocale) {
+  if (is_store()) GTEST_SKIP() << "a store records when it was written";
+  const std::string text = Written(format(), SmallAtlas(), {.binary = false});
+  const CommaDecimalLocale locale;
+  EXPECT_EQ(Written(format(), SmallAtlas(), {.binary = false}), text);
+}
+
+std::vector<std::string> WritableIds() {
+  std::vector<std::string> ids;
+  for (const Format& format : Formats())
+    if (format.write != nullptr) ids.emplace_back(format.id);
+  return ids;
+}
+
+std::string TestName(const ::testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat, ::testing::ValuesIn(WritableIds()), TestName);
+
+}  // namespace
+}  // namespace slamdb

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From every format that can be read to every format that can be written.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/ndjson/ndjson.h"
+#include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/formats/small_atlas.h"
+#include "tests/formats/formats/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+// Everything that an atlas holds, as text, but for how its file was encoded: what is compared to tell that nothing is
+// lost.
+std::string Everything(Atlas atlas) {
+  const TemporaryFolder folder;
+  Notices notices;
+  atlas.encoding = {};
+  kNdjsonFormat.write(atlas, {folder.Path("a.ndjson"), ""}, {.sync = false}, notices);
+  return ReadFile(folder.Path("a.ndjson"));
+}
+
+std::vector<double> Times(const Atlas& atlas) {
+  std::vector<double> times;
+  for (const Map& map : atlas.maps) {
+    std::vector<double> of_map;
+    for (const KeyFrame& keyframe : map.keyframes) of_map.push_back(keyframe.timestamp);
+    std::sort(of_map.begin(), of_map.end());
+    times.insert(times.end(), of_map.begin(), of_map.end());
+  }
+  return times;
+}
+
+Atlas ThroughFormat(const Atlas& atlas, const Format& format) {
+  const TemporaryFolder folder;
+  Notices notices;
+  WriteAtlas(atlas, {folder.Path("a"), ""}, {.sync = false}, notices, format.id);
+  EXPECT_EQ(FormatOfInput({folder.Path("a"), ""}).id, format.id);
+  return ReadAtlas({folder.Path("a"), ""}, {}, notices);
+}
+
+std::vector<std::string> Ids(bool both_ways) {
+  std::vector<std::string> ids;
+  for (const Format& format : Formats())
+    if (format.write != nullptr && (format.read != nullptr || !both_ways)) ids.emplace_back(format.id);
+  return ids;
+}
+
+class BothWays : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(BothWays, ReadsWhatItWrites) {
+  const Format& format = FormatById(GetParam());
+  const Atlas synthetic = SynthesizeAtlas(
+      {.sensor = Sensor::kStereo, .inertial = true, .maps = 2, .keyframes = 8, .points = 300, .features = 300});
+  for (const Atlas& atlas : {SmallAtlas(), InertialAtlas(), synthetic}) {
+    const Atlas back = ThroughFormat(atlas, format);
+    EXPECT_EQ(Times(back), Times(atlas));
+    if (format.reads != kEverything || format.writes != kEverything) continue;
+    EXPECT_EQ(Everything(back), Everything(atlas));
+  }
+}
+
+using FromTo = std::tuple<std::string, std::string>;
+class Conversion : public ::testing::TestWithParam<FromTo> {};
+
+// Converting what was read gives what writing the original gives, as far as the first format holds it.
+TEST_P(Conversion, GivesAFileOfThatFormat) {
+  const auto& [from, to] = GetParam();
+  const TemporaryFolder folder;
+  Notices notices;
+  const Atlas atlas = ThroughFormat(SmallAtlas(), FormatById(from));
+  WriteAtlas(atlas, {folder.Path("b"), ""}, {.sync = false}, notices, to);
+  const Probe probe = Probe::Of(folder.Path("b"));
+  EXPECT_TRUE(FormatById(to).sniff == nullptr || FormatById(to).sniff(probe));
+  if (FormatById(from).reads != kEverything || to == "store" || to == "ndjson") return;
+  WriteAtlas(SmallAtlas(), {folder.Path("c"), ""}, {.sync = false}, notices, to);
+  EXPECT_EQ(ReadFile(folder.Path("b")), ReadFile(folder.Path("c")));
+}
+
+std::string Name(std::string id) {
+  std::replace(id.begin(), id.end(), '-', '_');
+  return id;
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, BothWays, ::testing::ValuesIn(Ids(true)),
+                         [](const auto& instance) { return Name(instance.param); });
+INSTANTIATE_TEST_SUITE_P(Formats, Conversion,
+                         ::testing::Combine(::testing::ValuesIn(Ids(true)), ::testing::ValuesIn(Ids(false))),
+                         [](const auto& instance) {
+                           return Name(std::get<0>(instance.param)) + "_to_" + Name(std::get<1>(instance.param));
+                         });
+
+}  // namespace
+}  // namespace slamdb

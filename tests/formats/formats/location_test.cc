@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "slamdb/formats/format.h"
+#include "tests/formats/formats/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+TEST(Location, SplitsAtTheLastHashOfTheLastComponent) {
+  const auto parsed = [](std::string_view text) {
+    const Location location = Location::Parse(text);
+    return location.path + " | " + location.name;
+  };
+  EXPECT_EQ(parsed("a.osa"), "a.osa | ");
+  EXPECT_EQ(parsed("-"), "- | ");
+  EXPECT_EQ(parsed("store.db#office"), "store.db | office");
+  EXPECT_EQ(parsed("dir#1/store.db"), "dir#1/store.db | ");
+  EXPECT_EQ(parsed("dir#1/store.db#a b"), "dir#1/store.db | a b");
+  EXPECT_EQ(parsed("store#1.db#office"), "store#1.db | office");
+  EXPECT_EQ(parsed("store.db#"), "store.db | ");
+  EXPECT_EQ(parsed("#office"), "#office | ");
+  EXPECT_EQ(parsed("dir/#office"), "dir/#office | ");
+}
+
+TEST(Location, KeepsTheHashOfAFileThatIsThere) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Make("map#2.osa", "x");
+  EXPECT_EQ(Location::Parse(path), (Location{path, ""}));
+  EXPECT_EQ(Location::Parse(path + "#a"), (Location{path, "a"}));
+}
+
+TEST(Location, PrintsAsItIsParsed) {
+  for (const std::string text : {"a.osa", "store.db#office", "-"}) EXPECT_EQ(Location::Parse(text).ToString(), text);
+}
+
+}  // namespace
+}  // namespace slamdb

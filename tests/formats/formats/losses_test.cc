@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/losses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+#include "tests/formats/formats/small_atlas.h"
+#include "tests/formats/formats/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+TEST(ContentOf, IsWhatTheAtlasHas) {
+  EXPECT_EQ(ContentOf({}), kNothing);
+  const Content one =
+      kPoses | kPoints | kNormals | kObservations | kKeypoints | kDescriptors | kGraph | kCameras | kIdentity;
+  EXPECT_EQ(ContentOf(OneMapAtlas()), one);
+  EXPECT_EQ(ContentOf(SmallAtlas()), one | kMaps);
+  EXPECT_EQ(ContentOf(InertialAtlas()), one | kInertial);
+  EXPECT_EQ(ContentOf(SmallAtlas(), MapId(0)), one);
+}
+
+TEST(ContentOf, KnowsBagsOfWords) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].keyframes[0].features.bag_of_words = {.words = {1}, .weights = {1.0}};
+  EXPECT_EQ(ContentOf(atlas) & kBagOfWords, kBagOfWords);
+}
+
+TEST(LossesOf, NamesEachWithItsCount) {
+  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("ply"), {}),
+              ElementsAre("ply cannot hold keyframe poses (3)", "ply cannot hold observations (3)",
+                          "ply cannot hold keypoints (3)", "ply cannot hold descriptors (7)",
+                          "ply cannot hold edges between keyframes (covisibility, spanning tree, loops, merges) (3)",
+                          "ply cannot hold cameras (1)",
+                          "ply cannot hold all ids and flags, the counters and the vocabulary's name"));
+  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("kitti"), {}), Contains("kitti cannot hold several maps (2)"));
+  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("kitti"), {.map = MapId(0)}), Not(Contains(HasSubstr("several maps"))));
+  EXPECT_THAT(LossesOf(InertialAtlas(), FormatById("tum"), {}),
+              Contains("tum cannot hold inertial data of keyframes (2)"));
+}
+
+TEST(LossesOf, AreNoneWhereEverythingFits) {
+  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("ndjson"), {}), IsEmpty());
+  for (const Format& format : Formats()) EXPECT_THAT(LossesOf({}, format, {}), IsEmpty()) << format.id;
+}
+
+TEST(WriteAtlas, TellsLosses) {
+  const TemporaryFolder folder;
+  Notices notices;
+  WriteAtlas(OneMapAtlas(), {folder.Path("a.ply"), ""}, {}, notices);
+  EXPECT_TRUE(notices.lossy());
+  EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kLoss, "ply cannot hold keyframe poses (2)"}));
+  EXPECT_THAT(folder.Names(), ElementsAre("a.ply"));
+}
+
+TEST(WriteAtlas, WritesNothingWhenStrict) {
+  const TemporaryFolder folder;
+  Notices notices;
+  try {
+    WriteAtlas(OneMapAtlas(), {folder.Path("a.ply"), ""}, {}, notices, {}, true);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.path(), folder.Path("a.ply"));
+    EXPECT_THAT(error.problem(), HasSubstr("ply cannot hold keyframe poses (2)"));
+  }
+  EXPECT_THAT(folder.Names(), IsEmpty());
+  EXPECT_THAT(notices.items(), IsEmpty());
+  WriteAtlas(OneMapAtlas(), {folder.Path("a.ndjson"), ""}, {}, notices, {}, true);
+  EXPECT_THAT(folder.Names(), ElementsAre("a.ndjson"));
+}
+
+}  // namespace
+}  // namespace slamdb

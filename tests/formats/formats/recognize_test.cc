@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/recognize.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+#include "tests/formats/formats/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+using std::string_literals::operator""s;
+using ::testing::HasSubstr;
+
+// What FormatOfInput says of a file that is no atlas.
+std::string Problem(const std::string& path) {
+  try {
+    FormatOfInput({path, ""});
+  } catch (const Error& error) {
+    EXPECT_EQ(error.path(), path);
+    return error.problem();
+  }
+  return "";
+}
+
+struct WrongFile {
+  std::string name, content, sentence;
+};
+
+class Recognize : public ::testing::TestWithParam<WrongFile> {};
+
+TEST_P(Recognize, SaysWhatItIs) {
+  const TemporaryFolder folder;
+  const std::string bare = folder.Make("file", GetParam().content);
+  EXPECT_THAT(Problem(bare), HasSubstr(GetParam().sentence));
+}
+
+std::string Padded(std::string text, std::size_t size) {
+  text.resize(size, '\0');
+  return text;
+}
+
+std::string Sqlite(const std::string& schema) { return Padded("SQLite format 3\0"s, 5000) + schema; }
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, Recognize,
+    ::testing::Values(
+        WrongFile{"empty", "", "is empty"}, WrongFile{"zeros", std::string(100, '\0'), "begins with 100 zero bytes"},
+        WrongFile{"gzip", "\x1f\x8b\x08"s, "gzip-compressed; unpack it first (gunzip)"},
+        WrongFile{"xz", "\xfd\x37zXZ\0"s, "xz-compressed; unpack it first (unxz)"},
+        WrongFile{"zstd", "\x28\xb5\x2f\xfd"s, "zstd-compressed"}, WrongFile{"bzip2", "BZh91AY"s, "bzip2-compressed"},
+        WrongFile{"zip", "PK\x03\x04"s, "zip archive"}, WrongFile{"seven_zip", "7z\xbc\xaf\x27\x1c"s, "7z archive"},
+        WrongFile{"tar", Padded("maps/a.osa", 257) + "ustar\0"s, "tar archive"},
+        WrongFile{"png", "\x89PNG\r\n\x1a\n"s, "PNG image"}, WrongFile{"jpeg", "\xff\xd8\xff\xe0"s, "JPEG image"},
+        WrongFile{"pdf", "%PDF-1.7", "PDF document"},
+        WrongFile{"elf",
+                  "\x7f"
+                  "ELF"s,
+                  "program or library (ELF)"},
+        WrongFile{"rosbag", "#ROSBAG V2.0\n", "ROS bag, the recording a map is made from"},
+        WrongFile{"mcap", "\x89MCAP0\r\n"s, "MCAP recording"}, WrongFile{"hdf5", "\x89HDF\r\n\x1a\n"s, "HDF5"},
+        WrongFile{"lfs", "version https://git-lfs.github.com/spec/v1\noid", "git lfs pull"},
+        WrongFile{"xml", "<?xml version=\"1.0\"?>", "XML file"}, WrongFile{"web_page", "<!DOCTYPE html>", "web page"},
+        WrongFile{"settings", "%YAML:1.0\n---\nCamera.type: \"PinHole\"\n", "settings of ORB-SLAM3"},
+        WrongFile{"osmap", "%YAML:1.0\n---\nmappointsFile: m.mappoints\n", "osmap map"},
+        WrongFile{"vocabulary", "10 6  0 0 \n0 0 252 188\n", "DBoW2 vocabulary"},
+        WrongFile{"colmap", Sqlite("CREATE TABLE keypoints CREATE TABLE two_view_geometries"), "COLMAP database"},
+        WrongFile{"rtabmap", Sqlite("CREATE TABLE Node CREATE TABLE Link CREATE TABLE Admin"), "RTAB-Map database"},
+        WrongFile{"stella_sqlite", Sqlite("keyframes(id, undist_keypts) associations"), "stella_vslam map database"},
+        WrongFile{"ros2_bag", Sqlite("CREATE TABLE topics CREATE TABLE messages"), "ROS 2 bag"},
+        WrongFile{"sqlite", Sqlite("CREATE TABLE people"), "SQLite database, but not a slamdb store"},
+        WrongFile{"stella_msgpack",
+                  "\x86\xa7"
+                  "cameras\x81"s,
+                  "stella_vslam map (MessagePack)"},
+        WrongFile{"mrpt",
+                  "\x9a"
+                  "mrpt::maps::CLandmarksMap\0"s,
+                  "MRPT objects (mrpt::maps::CLandmarksMap"},
+        WrongFile{"text", "To whom it may concern\n", "looks like a text file"},
+        WrongFile{"bytes", "\x01\x02\x03\x00\x7f"s, "neither its first bytes nor its suffix"},
+        WrongFile{"ply", "ply\nformat ascii 1.0\n", "is a PLY point cloud, which slamdb writes but does not read"},
+        WrongFile{"kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n",
+                  "is a KITTI trajectory, which slamdb writes but does not read"}),
+    [](const auto& instance) { return instance.param.name; });
+
+TEST(RecognizeFolder, KnowsColmapModels) {
+  const TemporaryFolder folder;
+  folder.Make("images.bin", ""), folder.Make("points3D.bin", "");
+  EXPECT_THAT(Problem(folder.Path("")), HasSubstr("COLMAP model"));
+}
+
+TEST(RecognizeFolder, KnowsRos2Bags) {
+  const TemporaryFolder folder;
+  folder.Make("metadata.yaml", "");
+  EXPECT_THAT(Problem(folder.Path("")), HasSubstr("ROS 2 bag"));
+}
+
+TEST(RecognizeFolder, NamesTheAtlasInIt) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(Problem(folder.Path("")), "is a directory, expected an atlas file");
+  folder.Make("b.osa", ""), folder.Make("a.osa", "");
+  EXPECT_THAT(Problem(folder.Path("")), HasSubstr("did you mean " + folder.Path("a.osa") + "?"));
+}
+
+TEST(FormatOfInput, SaysWhenTheFileIsMissing) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(Problem(folder.Path("no.osa")), HasSubstr("No such file"));
+}
+
+}  // namespace
+}  // namespace slamdb

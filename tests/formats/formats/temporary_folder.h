@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slamdb {
+
+// A folder of its own for one test, removed with everything in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::string Path(std::string_view name) const { return (path_ / name).string(); }
+  std::string Make(std::string_view name, std::string_view content) const;  // writes a file, gives its path
+  std::vector<std::string> Names() const;                                   // what is in it, sorted
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string ReadFile(const std::string& path);
+
+// What `work` writes to file descriptor 1.
+std::string CaptureStandardOutput(const std::function<void()>& work);
+
+}  // namespace slamdb

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/trajectory/trajectory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "slamdb/base/error.h"
+#include "tests/formats/formats/small_atlas.h"
+#include "tests/formats/formats/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string Write(const Format& format, const Atlas& atlas, const WriteOptions& options, Notices& notices) {
+  const TemporaryFolder folder;
+  format.write(atlas, {folder.Path("trajectory"), ""}, options, notices);
+  return ReadFile(folder.Path("trajectory"));
+}
+
+std::string Write(const Format& format, const Atlas& atlas, const WriteOptions& options = {}) {
+  Notices ignored;
+  return Write(format, atlas, options, ignored);
+}
+
+std::string ReadProblem(const Format& format, std::string_view text) {
+  const TemporaryFolder folder;
+  Notices notices;
+  try {
+    format.read({folder.Make("trajectory", text), ""}, {}, notices);
+  } catch (const Error& error) {
+    return error.place() + ": " + error.problem();
+  }
+  return "";
+}
+
+TEST(Tum, WritesCameraPosesByTime) {
+  EXPECT_EQ(Write(kTumFormat, OneMapAtlas()),
+            "# timestamp tx ty tz qx qy qz qw\n"
+            "0.5 0 0 0 0 0 0 1\n"
+            "1.5 1 0 0 0 0 0 1\n");
+}
+
+TEST(Tum, WritesBodyPoses) {
+  Notices notices;
+  EXPECT_EQ(Write(kTumFormat, InertialAtlas(), {.pose_frame = PoseFrame::kBody}, notices),
+            "# timestamp tx ty tz qx qy qz qw\n"
+            "0.5 0 0 1 0 0 0 1\n"
+            "1.5 1 0 1 0 0 0 1\n");
+  EXPECT_TRUE(notices.items().empty());
+}
+
+TEST(Tum, WarnsWhenThereIsNoBody) {
+  Notices notices;
+  Write(kTumFormat, OneMapAtlas(), {.pose_frame = PoseFrame::kBody}, notices);
+  ASSERT_EQ(notices.items().size(), 1U);
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("2 keyframes have no IMU calibration"));
+}
+
+TEST(Tum, SeparatesMaps) {
+  Notices notices;
+  const std::string text = Write(kTumFormat, SmallAtlas(), {}, notices);
+  EXPECT_THAT(text, HasSubstr("# map 0\n0.5 0 0 0 "));
+  EXPECT_THAT(text, HasSubstr("# map 1\n2 0 -3 0 -0.5 -0.5 -0.5 0.5\n"));
+  ASSERT_EQ(notices.items().size(), 1U);
+  EXPECT_EQ(notices.items()[0].kind, Notice::Kind::kWarning);
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("frame of reference of its own"));
+
+  const std::string one = Write(kTumFormat, SmallAtlas(), {.map = MapId(1)});
+  EXPECT_EQ(one, "# timestamp tx ty tz qx qy qz qw\n2 0 -3 0 -0.5 -0.5 -0.5 0.5\n");
+}
+
+TEST(Tum, NormalizesQuaternions) {
+  Atlas atlas = OneMapAtlas();
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.camera_from_world.rotation.coeffs() *= 3;
+  EXPECT_EQ(Write(kTumFormat, atlas), Write(kTumFormat, OneMapAtlas()));
+}
+
+TEST(Tum, LeavesOutWhatHasNoPose) {
+  Atlas atlas = SmallAtlas();
+  atlas.maps[0].keyframes[0].bad = true;
+  atlas.maps[0].keyframes[1].camera_from_world.rotation.coeffs().setZero();
+  atlas.maps[1].keyframes[0].timestamp = std::nan("");
+  Notices notices;
+  EXPECT_EQ(Write(kTumFormat, atlas, {}, notices), "# timestamp tx ty tz qx qy qz qw\n");
+  ASSERT_EQ(notices.items().size(), 2U);
+  EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kNote, "1 keyframes flagged bad are left out"}));
+  EXPECT_EQ(notices.items()[1],
+            (Notice{Notice::Kind::kLoss, "2 keyframes are left out because their pose or time is not finite"}));
+}
+
+TEST(Tum, WritesTimesInFull) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].keyframes[0].timestamp = 1403636579.7635555;
+  atlas.maps[0].keyframes[1].timestamp = 1e-7;
+  const std::string text = Write(kTumFormat, atlas);
+  EXPECT_THAT(text, HasSubstr("\n1403636579.7635555 1 0 0 "));
+  EXPECT_THAT(text, HasSubstr("\n0.0000001 0 0 0 "));
+}
+
+TEST(Tum, ReadsWhatItWrites) {
+  const TemporaryFolder folder;
+  Notices notices;
+  kTumFormat.write(SmallAtlas(), {folder.Path("a.tum"), ""}, {}, notices);
+  const Atlas atlas = kTumFormat.read({folder.Path("a.tum"), ""}, {}, notices);
+  ASSERT_EQ(atlas.maps.size(), 2U);
+  EXPECT_EQ(atlas.maps[0].id, MapId(0));
+  EXPECT_EQ(atlas.maps[1].id, MapId(1));
+  ASSERT_EQ(atlas.maps[0].keyframes.size(), 2U);
+  ASSERT_EQ(atlas.maps[1].keyframes.size(), 1U);
+  EXPECT_EQ(atlas.maps[0].keyframes[1].timestamp, 1.5);
+  EXPECT_EQ(atlas.maps[0].keyframes[1].camera_from_world.translation, Eigen::Vector3f(-1, 0, 0));
+  EXPECT_EQ(atlas.maps[1].keyframes[0].id, KeyFrameId(2));
+  EXPECT_EQ(atlas.maps[1].keyframes[0].camera_from_world.translation, Eigen::Vector3f(0, 0, 3));
+  EXPECT_EQ(atlas.maps[1].keyframes[0].camera_from_world.rotation.z(), 0.5F);
+  EXPECT_EQ(atlas.next_ids.map, 2U);
+  EXPECT_EQ(atlas.next_ids.keyframe, 3U);
+}
+
+TEST(Tum, ReadsOtherWritersLines) {
+  const TemporaryFolder folder;
+  Notices notices;
+  const std::string path = folder.Make("a.txt", "#comment\r\n\n  1.25\t1 2 3 0 0 0 2\r\n1e1 0 0 0 0 0 0 1");
+  const Atlas atlas = kTumFormat.read({path, ""}, {}, notices);
+  ASSERT_EQ(atlas.maps.size(), 1U);
+  ASSERT_EQ(atlas.maps[0].keyframes.size(), 2U);
+  EXPECT_EQ(atlas.maps[0].keyframes[0].timestamp, 1.25);
+  EXPECT_EQ(atlas.maps[0].keyframes[0].camera_from_world.Center(), Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(atlas.maps[0].keyframes[1].timestamp, 10);
+}
+
+TEST(Tum, ReadsASelection) {
+  const TemporaryFolder folder;
+  Notices notices;
+  kTumFormat.write(SmallAtlas(), {folder.Path("a.tum"), ""}, {}, notices);
+  ReadOptions options;
+  options.selection.map = MapId(0);
+  options.selection.begin_time = 1;
+  const Atlas atlas = kTumFormat.read({folder.Path("a.tum"), ""}, options, notices);
+  ASSERT_EQ(atlas.maps.size(), 1U);
+  ASSERT_EQ(atlas.maps[0].keyframes.size(), 1U);
+  EXPECT_EQ(atlas.maps[0].keyframes[0].timestamp, 1.5);
+}
+
+TEST(Tum, NamesTheLineThatIsWrong) {
+  const std::string expected = "expected 8 numbers: timestamp tx ty tz qx qy qz qw, found ";
+  EXPECT_EQ(ReadProblem(kTumFormat, "1 0 0 0 0 0 0 1\n# c\n2 0 0 0 0 0 1\n"),
+            "line 3: " + expected + "`2 0 0 0 0 0 1`");
+  EXPECT_EQ(ReadProblem(kTumFormat, "1 0 0 0 0 0 0 1x\n"), "line 1: " + expected + "`1 0 0 0 0 0 0 1x`");
+  EXPECT_EQ(ReadProblem(kTumFormat, "t 0 0 0 0 0 0 1\n"), "line 1: " + expected + "`t 0 0 0 0 0 0 1`");
+}
+
+TEST(Kitti, WritesMatricesAndTimes) {
+  const TemporaryFolder folder;
+  Notices notices;
+  kKittiFormat.write(SmallAtlas(), {folder.Path("a.kitti"), ""}, {}, notices);
+  EXPECT_EQ(ReadFile(folder.Path("a.kitti.times")), "0.5\n1.5\n2\n");
+  const std::string text = ReadFile(folder.Path("a.kitti"));
+  EXPECT_THAT(text, HasSubstr("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+  ASSERT_EQ(notices.items().size(), 2U);
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("lines 1-2 are map 0, lines 3-3 are map 1"));
+  EXPECT_EQ(notices.items()[1].text,
+            "the timestamps are in " + folder.Path("a.kitti.times") + ", one line for each pose");
+}
+
+TEST(Kitti, OverwritesNeitherFile) {
+  const TemporaryFolder folder;
+  folder.Make("a.kitti.times", "mine");
+  Notices notices;
+  EXPECT_THROW(kKittiFormat.write(SmallAtlas(), {folder.Path("a.kitti"), ""}, {}, notices), Error);
+  EXPECT_EQ(ReadFile(folder.Path("a.kitti.times")), "mine");
+  EXPECT_THAT(folder.Names(), ::testing::ElementsAre("a.kitti.times"));
+}
+
+TEST(Kitti, LosesTimesOnStandardOutput) {
+  Notices notices;
+  const std::string text = CaptureStandardOutput([&] { kKittiFormat.write(OneMapAtlas(), {"-", ""}, {}, notices); });
+  EXPECT_EQ(text, "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
+  EXPECT_TRUE(notices.lossy());
+}
+
+TEST(Euroc, WritesNanosecondsAndScalarFirst) {
+  EXPECT_EQ(Write(kEurocFormat, SmallAtlas(), {.map = MapId(1)}),
+            "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+            "2000000000,0,-3,0,0.5,-0.5,-0.5,-0.5\n");
+}
+
+TEST(Euroc, WritesVelocityAndBiases) {
+  const std::string text = Write(kEurocFormat, InertialAtlas(), {.pose_frame = PoseFrame::kBody});
+  EXPECT_THAT(text, HasSubstr("b_a_RS_S_z [m s^-2]\n"
+                              "500000000,0,0,1,1,0,0,0,0.5,0,1,0,0.0625,0,0.125,0,0\n"
+                              "1500000000,1,0,1,1,0,0,0,0.5,0,3,0,0.0625,0,0.125,0,0\n"));
+}
+
+TEST(Euroc, RoundsToTheNearestNanosecond) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].keyframes[0].timestamp = 1403636579.7635555;
+  atlas.maps[0].keyframes[1].timestamp = -0.25;
+  const std::string text = Write(kEurocFormat, atlas);
+  EXPECT_THAT(text, HasSubstr("\n1403636579763555527,"));  // the double is 1403636579.76355552673...
+  EXPECT_THAT(text, HasSubstr("\n-250000000,"));
+}
+
+TEST(Euroc, LeavesOutTimesThatAreNotSeconds) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].keyframes[0].timestamp = 1.4e18;
+  Notices notices;
+  Write(kEurocFormat, atlas, {}, notices);
+  EXPECT_TRUE(notices.lossy());
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("1 keyframes are left out because their time does not fit"));
+}
+
+TEST(Euroc, ReadsWhatItWrites) {
+  const TemporaryFolder folder;
+  Atlas atlas = InertialAtlas();
+  atlas.maps[0].keyframes[0].timestamp = 1403636579.7635555;
+  Notices notices;
+  kEurocFormat.write(atlas, {folder.Path("a.euroc.csv"), ""}, {}, notices);
+  const Atlas back = kEurocFormat.read({folder.Path("a.euroc.csv"), ""}, {}, notices);
+  ASSERT_EQ(back.maps.size(), 1U);
+  ASSERT_EQ(back.maps[0].keyframes.size(), 2U);
+  EXPECT_EQ(back.maps[0].keyframes[1].timestamp, 1403636579.7635555);
+  EXPECT_EQ(back.maps[0].keyframes[1].camera_from_world.Center(), Eigen::Vector3f(1, 0, 0));
+}
+
+TEST(Euroc, NamesTheLineThatIsWrong) {
+  EXPECT_THAT(ReadProblem(kEurocFormat, "#timestamp, p_RS_R_x\n1.5,0,0,0,1,0,0,0\n"),
+              HasSubstr("line 2: expected at least 8 cells"));
+}
+
+}  // namespace
+}  // namespace slamdb
