@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/synthetic/inertial.h"
 
-#include <cmath>
-
 namespace slamdb::synthetic {
 namespace {
 
@@ -15,17 +13,16 @@ constexpr double kGravity = 9.81;
 // Of a good MEMS unit, per square root of Hz and as ORB-SLAM3's own settings of the EuRoC data set.
 constexpr double kGyroNoise = 1.7e-4, kAccNoise = 2e-3, kGyroWalk = 1.9393e-5, kAccWalk = 3e-3;
 
-Vector6f Variances(double gyro, double acc) {
+Vector6f Variances(double gyro, double acc, double rate) {
   Vector6f variances;
-  const auto g = static_cast<float>(gyro * gyro), a = static_cast<float>(acc * acc);
+  const auto g = static_cast<float>(gyro * gyro * rate), a = static_cast<float>(acc * acc * rate);
   variances << g, g, g, a, a, a;
   return variances;
 }
 
 // Discrete variances: a density squared times the rate, and a walk squared over it.
-const double kRoot = std::sqrt(1 / kStep);
-Vector6f Noise() { return Variances(kGyroNoise * kRoot, kAccNoise * kRoot); }
-Vector6f WalkNoise() { return Variances(kGyroWalk / kRoot, kAccWalk / kRoot); }
+Vector6f Noise() { return Variances(kGyroNoise, kAccNoise, 1 / kStep); }
+Vector6f WalkNoise() { return Variances(kGyroWalk, kAccWalk, kStep); }
 
 Pose WorldFromBody(const Rig& rig, const Room& room, double seconds) {
   return room.WorldFromCamera(seconds) * rig.camera_from_body;
