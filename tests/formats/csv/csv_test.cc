@@ -44,7 +44,7 @@ TEST(Csv, LeavesBadKeyFramesOut) {
   const std::string text = Write(kCsvKeyFramesFormat, atlas, notices);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
   ASSERT_EQ(notices.items().size(), 1U);
-  EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kNote, "1 keyframes flagged bad are left out"}));
+  EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kNote, "left out because flagged bad: 1 keyframe"}));
 }
 
 TEST(Csv, WritesObservations) {

@@ -66,5 +66,11 @@ TEST(Thousands, GroupsDigits) {
   EXPECT_EQ(Thousands(1234567), "1,234,567");
 }
 
+TEST(Counted, KnowsOneFromMany) {
+  EXPECT_EQ(Counted(1, "keyframe"), "1 keyframe");
+  EXPECT_EQ(Counted(8431, "keyframe"), "8,431 keyframes");
+  EXPECT_EQ(Counted(0, "keyframe"), "0 keyframes");
+}
+
 }  // namespace
 }  // namespace slamdb

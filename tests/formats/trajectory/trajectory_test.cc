@@ -57,7 +57,7 @@ TEST(Tum, WarnsWhenThereIsNoBody) {
   Notices notices;
   Write(kTumFormat, OneMapAtlas(), {.pose_frame = PoseFrame::kBody}, notices);
   ASSERT_EQ(notices.items().size(), 1U);
-  EXPECT_THAT(notices.items()[0].text, HasSubstr("2 keyframes have no IMU calibration"));
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("for want of IMU calibration: 2 keyframes"));
 }
 
 TEST(Tum, SeparatesMaps) {
@@ -87,9 +87,9 @@ TEST(Tum, LeavesOutWhatHasNoPose) {
   Notices notices;
   EXPECT_EQ(Write(kTumFormat, atlas, {}, notices), "# timestamp tx ty tz qx qy qz qw\n");
   ASSERT_EQ(notices.items().size(), 2U);
-  EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kNote, "1 keyframes flagged bad are left out"}));
+  EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kNote, "left out because flagged bad: 1 keyframe"}));
   EXPECT_EQ(notices.items()[1],
-            (Notice{Notice::Kind::kLoss, "2 keyframes are left out because their pose or time is not finite"}));
+            (Notice{Notice::Kind::kLoss, "left out because pose or time is not finite: 2 keyframes"}));
 }
 
 TEST(Tum, WritesTimesInFull) {
@@ -211,7 +211,7 @@ TEST(Euroc, LeavesOutTimesThatAreNotSeconds) {
   Notices notices;
   Write(kEurocFormat, atlas, {}, notices);
   EXPECT_TRUE(notices.lossy());
-  EXPECT_THAT(notices.items()[0].text, HasSubstr("1 keyframes are left out because their time does not fit"));
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("left out because their time does not fit"));
 }
 
 TEST(Euroc, ReadsWhatItWrites) {

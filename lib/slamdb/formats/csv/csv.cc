@@ -120,7 +120,7 @@ void WriteKeyFrames(const Atlas& atlas, const Location& location, const WriteOpt
     for (const KeyFrame& keyframe : map->keyframes)
       if (!keyframe.bad) rows.emplace_back(map->id, &keyframe);
   }
-  if (rows.size() < all) notices.Note(Thousands(all - rows.size()) + " keyframes flagged bad are left out");
+  if (rows.size() < all) notices.Note("left out because flagged bad: " + Counted(all - rows.size(), "keyframe"));
   WriteRows(file, rows.size(), 256, options, [&rows](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) AppendKeyFrame(out, rows[row].first, *rows[row].second);
   });

@@ -47,4 +47,8 @@ std::string Thousands(std::uint64_t value) {
   return text;
 }
 
+std::string Counted(std::uint64_t count, std::string_view noun) {
+  return Thousands(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
+}
+
 }  // namespace slamdb

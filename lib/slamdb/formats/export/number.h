@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace slamdb {
@@ -35,5 +36,8 @@ void AppendRaw(std::string& out, Number value) {
 
 // For people: 8431 as `8,431`.
 std::string Thousands(std::uint64_t value);
+
+// `1 keyframe`, `8,431 keyframes`.
+std::string Counted(std::uint64_t count, std::string_view noun);
 
 }  // namespace slamdb

@@ -23,7 +23,7 @@ PointRows::PointRows(const Atlas& atlas, const Location& location, const WriteOp
     for (const MapPoint& point : maps_[row]->points)
       if (!point.bad) rows_.push_back({&point, row});
   }
-  if (rows_.size() < all) notices.Note(Thousands(all - rows_.size()) + " points flagged bad are left out");
+  if (rows_.size() < all) notices.Note("left out because flagged bad: " + Counted(all - rows_.size(), "map point"));
 }
 
 std::array<std::uint8_t, 3> ColorOfMap(MapId id) {

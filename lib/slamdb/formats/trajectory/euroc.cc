@@ -58,9 +58,9 @@ void DropUnreachableTimes(std::vector<MapTrajectory>& trajectories, Notices& not
     dropped += std::erase_if(trajectory.poses, [](const TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
   std::erase_if(trajectories, [](const MapTrajectory& trajectory) { return trajectory.poses.empty(); });
   if (dropped > 0)
-    notices.Lose(Thousands(dropped) +
-                 " keyframes are left out because their time does not fit into 64 bits of nanoseconds; were these "
-                 "timestamps seconds?");
+    notices.Lose(
+        "left out because their time does not fit into 64 bits of nanoseconds (was it recorded in seconds?): " +
+        Counted(dropped, "keyframe"));
 }
 
 bool IsInertial(const std::vector<MapTrajectory>& trajectories) {

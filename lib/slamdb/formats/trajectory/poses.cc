@@ -17,12 +17,11 @@ struct Census {
   std::size_t bad = 0, not_finite = 0, without_body = 0;
 
   void Tell(PoseFrame frame, Notices& notices) const {
-    if (bad > 0) notices.Note(Thousands(bad) + " keyframes flagged bad are left out");
-    if (not_finite > 0)
-      notices.Lose(Thousands(not_finite) + " keyframes are left out because their pose or time is not finite");
+    if (bad > 0) notices.Note("left out because flagged bad: " + Counted(bad, "keyframe"));
+    if (not_finite > 0) notices.Lose("left out because pose or time is not finite: " + Counted(not_finite, "keyframe"));
     if (frame == PoseFrame::kBody && without_body > 0)
-      notices.Warn(Thousands(without_body) +
-                   " keyframes have no IMU calibration: their camera frame stands in for the body frame");
+      notices.Warn("the camera frame stands in for the body frame, for want of IMU calibration: " +
+                   Counted(without_body, "keyframe"));
   }
 };
 
