@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# demo.sh: installs what is missing, builds slamdb, and shows the main job on real ORB-SLAM3 atlases: inspect, check,
+# demo.sh [PRESET]: installs what is missing, builds slamdb, and shows the main job on real ORB-SLAM3 atlases: inspect, check,
 # convert, keep in a store, read back.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-cmake/build.sh release
-export PATH="$PWD/build/release:$PATH"
+preset=${1:-release}
+cmake/build.sh "$preset"
+export PATH="$PWD/build/$preset:$PATH"
 fixtures=$PWD/fixtures
 folder=$(mktemp -d); trap 'rm -rf "$folder"' EXIT
 cd "$folder"
