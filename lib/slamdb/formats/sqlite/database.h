@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sqlite3.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "slamdb/base/error.h"
+#include "slamdb/base/file.h"
+
+// SQLite as this folder uses it: connections and prepared statements that own their handles and throw slamdb::Error.
+namespace slamdb::sqlite {
+
+enum class Access {
+  kRead,    // never changes the file; works on read-only disks and in read-only folders
+  kWrite,   // the file is there
+  kCreate,  // the file is made when it is missing
+};
+
+// One connection. Not thread-safe: one per thread.
+class Database {
+ public:
+  // Throws Error: no such file, a directory, not a database, no permission.
+  Database(const std::string& path, Access access, double lock_timeout);
+
+  const std::string& path() const { return path_; }
+  sqlite3* handle() const { return handle_.get(); }
+
+  void Execute(const std::string& sql);
+  std::int64_t Integer(const std::string& sql);  // the first column of the first row; 0 when there is none
+  bool HasTable(std::string_view name);
+
+  // True when the file was opened as one that nobody writes: its folder is read-only and no log lies beside it.
+  bool immutable() const { return immutable_; }
+
+  // The error of the last call on this connection, placed at `place` (`table map_point, row 12`).
+  Error Failure(const std::string& place) const;
+  Error Failure(const std::string& place, int code) const;
+
+ private:
+  struct Close {
+    void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+  };
+  void OpenHandle(const std::string& name, int flags);
+  void OpenToRead(double lock_timeout);
+  void OpenToWrite(Access access, double lock_timeout);
+
+  std::string path_;
+  std::unique_ptr<sqlite3, Close> handle_;
+  bool immutable_ = false;
+};
+
+// A prepared statement, to be bound and stepped many times. Bound memory must live until the next Reset.
+class Statement {
+ public:
+  // `place` says what the statement works on when it fails: `table map_point`.
+  Statement(Database& database, std::string_view sql, std::string place = {});
+
+  Statement& Bind(int index, std::int64_t value);
+  Statement& Bind(int index, std::optional<std::int64_t> value);
+  Statement& BindReal(int index, double value);  // NaN becomes NULL
+  Statement& BindText(int index, std::string_view value);
+  Statement& BindBlob(int index, Bytes value);
+  Statement& BindNull(int index);
+
+  bool Step();  // true: a row is there
+  void Reset();
+  void Run();  // steps through and resets, for statements without result
+
+  bool IsNull(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }
+  std::int64_t Integer(int column) const { return sqlite3_column_int64(handle_.get(), column); }
+  double Real(int column) const { return sqlite3_column_double(handle_.get(), column); }
+  std::string Text(int column) const;
+  Bytes Blob(int column) const;  // valid until the next Step or Reset
+
+ private:
+  void Check(int code);
+
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+  };
+  Database* database_;
+  std::string place_;
+  std::unique_ptr<sqlite3_stmt, Finalize> handle_;
+};
+
+// BEGIN ... COMMIT. Rolls back unless Commit() was reached.
+class Transaction {
+ public:
+  enum class Kind {
+    kBegin,  // BEGIN: reads see one state of the store from the first of them on
+    kJoin,   // the caller has begun one, and hands it over
+  };
+  Transaction(Database& database, Kind kind);
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  void Commit();
+
+ private:
+  Database& database_;
+  bool open_ = true;
+};
+
+}  // namespace slamdb::sqlite

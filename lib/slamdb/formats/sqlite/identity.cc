@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/identity.h"
+
+#include "slamdb/formats/sqlite/migrations.h"
+
+namespace slamdb::sqlite {
+namespace {
+
+constexpr std::string_view kMagic("SQLite format 3\0", 16);
+
+std::int64_t BigEndian32(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
+  return static_cast<std::int32_t>(value);
+}
+
+// Databases that people are likely to mix up with a store, known by their tables.
+struct Known {
+  std::string_view tables[2];
+  std::string_view owner;
+};
+constexpr Known kKnown[] = {
+    {{"two_view_geometries", "keypoints"}, "a COLMAP database"}, {{"Node", "Link"}, "an RTAB-Map database"},
+    {{"keyframes", "landmarks"}, "a stella_vslam map"},          {{"topics", "messages"}, "a ROS 2 bag"},
+    {{"gpkg_contents", "gpkg_spatial_ref_sys"}, "a GeoPackage"},
+};
+
+std::string OwnerOf(Database& database) {
+  for (const Known& known : kKnown) {
+    if (database.HasTable(known.tables[0]) && database.HasTable(known.tables[1])) return std::string(known.owner);
+  }
+  return database.Integer("SELECT count(*) FROM sqlite_schema") == 0 ? "an empty database"
+                                                                     : "the SQLite database of another program";
+}
+
+// A damaged or hostile file may lack a table, or have a view of its name.
+void CheckTables(Database& database) {
+  for (const char* table : {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features",
+                            "keyframe_link", "map_point", "map_point_box", "observation", "history", "writer"}) {
+    Statement statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1");
+    if (!statement.BindText(1, table).Step()) {
+      throw Error(database.path(), std::string("table ") + table, "missing: the store is damaged");
+    }
+  }
+}
+
+}  // namespace
+
+Header HeaderOf(std::string_view head) {
+  Header header;
+  header.is_sqlite = head.size() >= 100 && head.substr(0, kMagic.size()) == kMagic;
+  if (header.is_sqlite) {
+    header.version = BigEndian32(head.substr(60, 4));
+    header.application_id = BigEndian32(head.substr(68, 4));
+  }
+  return header;
+}
+
+void CheckIsStore(Database& database, int newest, Older older) {
+  const std::int64_t application = database.Integer("PRAGMA application_id");
+  if (application != kApplicationId) {
+    std::string problem = "not a slamdb store: this is " + OwnerOf(database);
+    if (application != 0) problem += " (application id " + std::to_string(application) + ")";
+    throw Error(database.path(), "", problem);
+  }
+  const int version = VersionOf(database);
+  const std::string is = "store version " + std::to_string(version);
+  if (version < 1) throw Error(database.path(), "", is + " does not exist: the store is damaged");
+  if (version > newest) {
+    throw Error(database.path(), "",
+                is + ", newest known to this program is " + std::to_string(newest) +
+                    ": use the slamdb that wrote it, or a newer one");
+  }
+  if (version < newest && older == Older::kRefuse) {
+    throw Error(database.path(), "", is + ", this program needs " + std::to_string(newest) + ": run `slamdb migrate`");
+  }
+  CheckTables(database);
+}
+
+}  // namespace slamdb::sqlite

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/load.h"
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cstring>
+#include <thread>
+
+#include "slamdb/base/parallel.h"
+#include "slamdb/formats/sqlite/packing.h"
+
+namespace slamdb::sqlite {
+namespace {
+
+constexpr std::size_t kKeyframesPerSlice = 8;
+constexpr std::size_t kPointsPerSlice = 4096;
+
+// A map of the atlas while it is loaded.
+struct MapRows {
+  std::int64_t row = 0;
+  std::vector<std::int64_t> keyframes, points;
+};
+
+// A part of one list, to be read by one thread at a time.
+struct Slice {
+  std::size_t map = 0;
+  bool points = false;
+  std::size_t first = 0, count = 0;
+};
+
+std::vector<float> ParseParameters(Database& database, std::string_view json) {
+  std::vector<float> parameters;
+  const char* at = json.data();
+  const char* end = at + json.size();
+  const auto damaged = [&] { return Error(database.path(), "table camera", "parameters are no list of numbers"); };
+  if (json.size() < 2 || *at++ != '[' || *--end != ']') throw damaged();
+  while (at < end) {
+    float value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || (next < end && *next != ',')) throw damaged();
+    parameters.push_back(value);
+    at = next + 1;
+  }
+  return parameters;
+}
+
+void LoadHeader(Database& database, std::int64_t row, Atlas& atlas) {
+  Statement statement(
+      database,
+      "SELECT vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, next_map_point, "
+      "next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
+      "archive_size_bytes FROM atlas WHERE row = ?1",
+      "table atlas");
+  if (!statement.Bind(1, row).Step()) throw SnapshotChanged();
+  atlas.vocabulary = {statement.Text(0), statement.Text(1)};
+  int column = 2;
+  Counters& next = atlas.next_ids;
+  for (std::uint64_t* value :
+       {&next.map, &next.frame, &next.keyframe, &next.map_point, &next.camera, &next.initial_keyframe}) {
+    *value = static_cast<std::uint64_t>(statement.Integer(column++));
+  }
+  atlas.encoding.text = statement.Integer(8) != 0;
+  atlas.encoding.boost_version = static_cast<std::uint32_t>(statement.Integer(9));
+  atlas.encoding.long_bytes = static_cast<std::uint8_t>(statement.Integer(10));
+  atlas.encoding.size_bytes = static_cast<std::uint8_t>(statement.Integer(11));
+}
+
+void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
+  Statement statement(database,
+                      "SELECT id, model, recorded_type, parameters, precision, exact FROM camera WHERE atlas = ?1 "
+                      "ORDER BY position",
+                      "table camera");
+  statement.Bind(1, row);
+  while (statement.Step()) {
+    Camera& camera = atlas.cameras.emplace_back();
+    camera.id = CameraId(static_cast<std::uint64_t>(statement.Integer(0)));
+    camera.model = static_cast<CameraModel>(statement.Integer(1) & 1);
+    camera.recorded_type = static_cast<std::uint32_t>(statement.Integer(2));
+    const Bytes exact = statement.Blob(5);
+    if (exact.empty()) {
+      camera.precision = static_cast<float>(statement.Real(4));
+      camera.parameters = ParseParameters(database, statement.Text(3));
+    } else {
+      if (exact.size() % sizeof(float) != 0) throw Error(database.path(), "table camera", "blob of wrong length");
+      std::vector<float> values(exact.size() / sizeof(float));
+      std::memcpy(values.data(), exact.data(), exact.size());
+      camera.precision = values.front();
+      camera.parameters.assign(values.begin() + 1, values.end());
+    }
+  }
+}
+
+std::vector<RepeatedEntry> LoadRepeated(Database& database, std::int64_t atlas, const char* list, std::int64_t map) {
+  Statement statement(
+      database,
+      "SELECT position, owner_map, entry FROM repeated_entry WHERE atlas = ?1 AND list = ?2 AND map = ?3 "
+      "ORDER BY sequence",
+      "table repeated_entry");
+  statement.Bind(1, atlas).BindText(2, list).Bind(3, map);
+  std::vector<RepeatedEntry> entries;
+  while (statement.Step()) {
+    const auto owner = statement.IsNull(1) ? RepeatedEntry::kNull : static_cast<std::uint32_t>(statement.Integer(1));
+    entries.push_back(
+        {static_cast<std::uint64_t>(statement.Integer(0)), owner, static_cast<std::uint64_t>(statement.Integer(2))});
+  }
+  return entries;
+}
+
+void LoadOrigins(Database& database, std::int64_t row, Map& map) {
+  Statement statement(database, "SELECT keyframe FROM map_origin WHERE map = ?1 ORDER BY position", "table map_origin");
+  statement.Bind(1, row);
+  while (statement.Step()) map.origins.push_back(FromReference<KeyFrameId>(statement, 0));
+}
+
+// The maps without their lists, and which rows those have.
+std::vector<MapRows> LoadMaps(Database& database, std::int64_t atlas_row, const Selection& selection, bool whole,
+                              Atlas& atlas) {
+  Statement statement(database,
+                      "SELECT row, id, initial_keyframe, first_keyframe, lowest_keyframe, max_keyframe_id, "
+                      "big_change_index, imu_initialized, inertial, imu_ba1, imu_ba2, hash FROM map WHERE atlas = ?1 "
+                      "ORDER BY position",
+                      "table map");
+  statement.Bind(1, atlas_row);
+  std::vector<MapRows> maps;
+  while (statement.Step()) {
+    const auto id = MapId(static_cast<std::uint64_t>(statement.Integer(1)));
+    if (selection.map && *selection.map != id) continue;
+    const std::int64_t row = statement.Integer(0);
+    if (row < 1 || row > 0x7fffffff) throw DamagedRow(database, "map", row);
+    Map& map = atlas.maps.emplace_back();
+    map.id = id;
+    map.initial_keyframe = FromReference<KeyFrameId>(statement, 2);
+    map.first_keyframe = FromReference<KeyFrameId>(statement, 3);
+    map.lowest_keyframe = FromReference<KeyFrameId>(statement, 4);
+    map.max_keyframe_id = static_cast<std::uint64_t>(statement.Integer(5));
+    map.big_change_index = static_cast<std::int32_t>(statement.Integer(6));
+    int column = 7;
+    for (Flag* flag : {&map.imu_initialized, &map.inertial, &map.imu_ba1, &map.imu_ba2}) {
+      flag->recorded = static_cast<std::uint8_t>(statement.Integer(column++));
+    }
+    LoadOrigins(database, row, map);
+    map.repeated_keyframes = LoadRepeated(database, atlas_row, "keyframes", row);
+    map.repeated_points = LoadRepeated(database, atlas_row, "points", row);
+    if (HashOfHeader(map) != statement.Integer(11)) throw DamagedRow(database, "map", row);
+    if (!whole) {  // their positions and rows mean those of the whole lists
+      map.repeated_keyframes.clear();
+      map.repeated_points.clear();
+    }
+    maps.push_back({row, KeyframeRows(database, row, selection), PointRows(database, row, selection)});
+  }
+  return maps;
+}
+
+// Slices of keyframes and points alternate, so that threads of both kinds of work run side by side.
+std::vector<Slice> CutSlices(const std::vector<MapRows>& maps) {
+  std::vector<Slice> slices;
+  const auto cut = [&](std::size_t map, bool points, std::size_t size, std::size_t grain) {
+    for (std::size_t first = 0; first < size; first += grain) {
+      slices.push_back({map, points, first, std::min(grain, size - first)});
+    }
+  };
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    cut(i, false, maps[i].keyframes.size(), kKeyframesPerSlice);
+    cut(i, true, maps[i].points.size(), kPointsPerSlice);
+  }
+  return slices;
+}
+
+template <class Values>
+auto Part(Values& values, const Slice& slice) {
+  return std::span(values).subspan(slice.first, slice.count);
+}
+
+void LoadSlice(Database& database, const Slice& slice, const MapRows& rows, bool with_features, Map& map,
+               AtlasHashes::OfMap& hashes) {
+  if (slice.points) {
+    LoadPoints(database, Part(rows.points, slice), Part(map.points, slice), Part(hashes.points, slice),
+               Part(hashes.observations, slice));
+  } else {
+    LoadKeyframes(database, Part(rows.keyframes, slice), with_features, Part(map.keyframes, slice),
+                  Part(hashes.keyframes, slice), Part(hashes.links, slice), Part(hashes.features, slice));
+  }
+}
+
+void LoadLists(Database& database, std::int64_t atlas_row, const ReadOptions& options, const std::vector<MapRows>& maps,
+               Atlas& atlas, AtlasHashes& hashes) {
+  hashes.maps.resize(maps.size());
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    atlas.maps[i].keyframes.resize(maps[i].keyframes.size());
+    atlas.maps[i].points.resize(maps[i].points.size());
+    AtlasHashes::OfMap& of = hashes.maps[i];
+    for (auto* list : {&of.keyframes, &of.links, &of.features}) list->resize(maps[i].keyframes.size());
+    for (auto* list : {&of.points, &of.observations}) list->resize(maps[i].points.size());
+  }
+  const std::vector<Slice> slices = CutSlices(maps);
+  const std::int64_t revision = database.Integer("SELECT revision FROM atlas WHERE row = " + std::to_string(atlas_row));
+  ConnectionPool pool(database.path(), options.lock_timeout, atlas_row, revision);
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<std::size_t> done{0};
+  ParallelFor(slices.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+    const auto load = [&](Database& connection) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Slice& slice = slices[i];
+        LoadSlice(connection, slice, maps[slice.map], options.features, atlas.maps[slice.map], hashes.maps[slice.map]);
+      }
+    };
+    done += end - begin;
+    if (std::this_thread::get_id() == caller) {
+      load(database);
+      if (options.progress) options.progress("loading", static_cast<double>(done) / static_cast<double>(slices.size()));
+    } else {
+      ConnectionPool::Lease lease(pool);
+      load(*lease);
+    }
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<Database> ConnectionPool::Take() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_.empty()) {
+      std::unique_ptr<Database> database = std::move(idle_.back());
+      idle_.pop_back();
+      return database;
+    }
+  }
+  auto database = std::make_unique<Database>(path_, Access::kRead, lock_timeout_);
+  database->Execute("BEGIN");
+  if (database->Integer("SELECT revision FROM atlas WHERE row = " + std::to_string(atlas_)) != revision_) {
+    throw SnapshotChanged();
+  }
+  return database;
+}
+
+void ConnectionPool::Give(std::unique_ptr<Database> database) {
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(database));
+}
+
+Error DamagedRow(Database& database, const char* table, std::int64_t row) {
+  return Error(database.path(), PlaceOf(table, row),
+               "differs from its hash: the store is damaged, or was changed by another program");
+}
+
+Atlas LoadAtlas(Database& database, std::int64_t row, const ReadOptions& options) {
+  const Selection& selection = options.selection;
+  const bool whole = selection.everything();
+  Atlas atlas;
+  LoadHeader(database, row, atlas);
+  LoadCameras(database, row, atlas);
+  if (whole) {
+    atlas.repeated_maps = LoadRepeated(database, row, "maps", 0);
+    atlas.repeated_cameras = LoadRepeated(database, row, "cameras", 0);
+  }
+  const std::vector<MapRows> maps = LoadMaps(database, row, selection, whole, atlas);
+  AtlasHashes hashes;
+  LoadLists(database, row, options, maps, atlas, hashes);
+  if (!whole || !options.features) return atlas;
+
+  hashes.header = HashOfAtlasHeader(atlas);
+  for (const Camera& camera : atlas.cameras) hashes.cameras.push_back(HashOf(camera));
+  for (std::size_t i = 0; i < maps.size(); ++i) hashes.maps[i].header = HashOfHeader(atlas.maps[i]);
+  if (hashes.Combined() != database.Integer("SELECT hash FROM atlas WHERE row = " + std::to_string(row))) {
+    throw DamagedRow(database, "atlas", row);
+  }
+  return atlas;
+}
+
+}  // namespace slamdb::sqlite

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstring>
+
+#include "slamdb/formats/sqlite/features_blob.h"
+#include "slamdb/formats/sqlite/keyframe_blob.h"
+#include "slamdb/formats/sqlite/load.h"
+
+namespace slamdb::sqlite {
+namespace {
+
+void ReadReals(const Statement& row, int timestamp_column, int exact_column, KeyFrame& keyframe) {
+  KeyframeReals reals;
+  const Bytes exact = row.Blob(exact_column);
+  if (!exact.empty()) {
+    ByteReader in(exact);
+    keyframe.timestamp = in.Get<double>();
+    reals = in.Get<KeyframeReals>();
+    in.ExpectEnd();
+    if (!ColumnsAgree(row, timestamp_column, std::array{keyframe.timestamp}) ||
+        !ColumnsAgree(row, timestamp_column + 1, reals)) {
+      throw Error("the numbers in its columns are not those in `exact`");
+    }
+  } else {
+    keyframe.timestamp = row.Real(timestamp_column);
+    for (std::size_t i = 0; i < reals.size(); ++i) {
+      reals[i] = static_cast<float>(row.Real(timestamp_column + 1 + static_cast<int>(i)));
+    }
+  }
+  SetReals(keyframe, reals);
+}
+
+void ReadKeyframe(const Statement& row, KeyFrame& keyframe) {
+  keyframe.id = KeyFrameId(static_cast<std::uint64_t>(row.Integer(1)));
+  keyframe.frame_id = static_cast<std::uint64_t>(row.Integer(4));
+  ReadReals(row, 5, 38, keyframe);
+  keyframe.camera = FromReference<CameraId>(row, 22);
+  keyframe.right_camera = FromReference<CameraId>(row, 23);
+  keyframe.parent = FromReference<KeyFrameId>(row, 24);
+  keyframe.previous = FromReference<KeyFrameId>(row, 25);
+  keyframe.next = FromReference<KeyFrameId>(row, 26);
+  keyframe.origin_map = static_cast<std::uint32_t>(row.Integer(27));
+  keyframe.features.count = static_cast<std::int32_t>(row.Integer(28));
+  keyframe.features.left_count = static_cast<std::int32_t>(row.Integer(29));
+  keyframe.features.right_count = static_cast<std::int32_t>(row.Integer(30));
+  int column = 31;
+  for (Flag* flag : {&keyframe.first_connection, &keyframe.not_erase, &keyframe.to_be_erased, &keyframe.bad,
+                     &keyframe.imu_initialized, &keyframe.has_velocity}) {
+    flag->recorded = static_cast<std::uint8_t>(row.Integer(column++));
+  }
+  DecodeDetails(row.Blob(37), keyframe);
+}
+
+// Runs `decode`, and says where when the bytes are damaged.
+template <class Decode>
+void DecodeAt(Database& database, const char* table, std::int64_t row, Decode decode) {
+  try {
+    decode();
+  } catch (const Error& error) {
+    if (!error.path().empty()) throw;
+    throw Error(database.path(), PlaceOf(table, row), error.problem() + ": the store is damaged");
+  }
+}
+
+void ReadRows(Database& database, std::span<const std::int64_t> rows, std::span<KeyFrame> keyframes,
+              std::span<std::int64_t> hashes, std::span<std::int64_t> links_hashes) {
+  Statement statement(
+      database,
+      "SELECT row, id, hash, links_hash, frame_id, timestamp, qw, qx, qy, qz, tx, ty, tz, vx, vy, vz, bias_ax, "
+      "bias_ay, "
+      "bias_az, bias_wx, bias_wy, bias_wz, camera, right_camera, parent, previous, next, origin_map, features, "
+      "left_features, right_features, first_connection, not_erase, to_be_erased, bad, imu_initialized, has_velocity, "
+      "details, exact FROM keyframe WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
+      "table keyframe");
+  statement.Bind(1, rows.front()).Bind(2, rows.back());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe", rows[i]);
+    DecodeAt(database, "keyframe", rows[i], [&] { ReadKeyframe(statement, keyframes[i]); });
+    hashes[i] = HashOfRow(keyframes[i]);
+    links_hashes[i] = statement.Integer(3);
+    if (hashes[i] != statement.Integer(2)) throw DamagedRow(database, "keyframe", rows[i]);
+  }
+}
+
+void ReadLinks(Database& database, std::span<const std::int64_t> rows, std::span<KeyFrame> keyframes,
+               std::span<const std::int64_t> links_hashes) {
+  Statement statement(database,
+                      "SELECT keyframe, kind, target, weight FROM keyframe_link WHERE keyframe BETWEEN ?1 AND ?2 "
+                      "ORDER BY keyframe, kind, position",
+                      "table keyframe_link");
+  statement.Bind(1, rows.front()).Bind(2, rows.back());
+  bool has_row = statement.Step();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    KeyFrame& keyframe = keyframes[i];
+    for (; has_row && statement.Integer(0) == rows[i]; has_row = statement.Step()) {
+      const auto target = FromReference<KeyFrameId>(statement, 2);
+      const std::string kind = statement.Text(1);
+      if (kind == "covisible") {
+        keyframe.connections.push_back({target, static_cast<std::int32_t>(statement.Integer(3))});
+      } else if (kind == "child") {
+        keyframe.children.push_back(target);
+      } else if (kind == "loop") {
+        keyframe.loop_edges.push_back(target);
+      } else {
+        keyframe.merge_edges.push_back(target);
+      }
+    }
+    if (HashOfLinks(keyframe) != links_hashes[i]) throw DamagedRow(database, "keyframe_link", rows[i]);
+  }
+}
+
+void ReadFeatures(Database& database, std::span<const std::int64_t> rows, std::span<KeyFrame> keyframes,
+                  std::span<std::int64_t> hashes) {
+  Statement statement(database,
+                      "SELECT keyframe, hash, columns FROM keyframe_features WHERE keyframe BETWEEN ?1 AND ?2 "
+                      "ORDER BY keyframe",
+                      "table keyframe_features");
+  statement.Bind(1, rows.front()).Bind(2, rows.back());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe_features", rows[i]);
+    DecodeAt(database, "keyframe_features", rows[i], [&] { DecodeFeatures(statement.Blob(2), keyframes[i]); });
+    hashes[i] = HashOf(keyframes[i].features);
+    if (hashes[i] != statement.Integer(1)) throw DamagedRow(database, "keyframe_features", rows[i]);
+  }
+}
+
+}  // namespace
+
+void LoadKeyframes(Database& database, std::span<const std::int64_t> rows, bool with_features,
+                   std::span<KeyFrame> keyframes, std::span<std::int64_t> hashes, std::span<std::int64_t> links_hashes,
+                   std::span<std::int64_t> features_hashes) {
+  ForEachRun(rows, [&](std::size_t first, std::size_t count) {
+    const auto run = rows.subspan(first, count);
+    const auto frames = keyframes.subspan(first, count);
+    ReadRows(database, run, frames, hashes.subspan(first, count), links_hashes.subspan(first, count));
+    ReadLinks(database, run, frames, links_hashes.subspan(first, count));
+    if (with_features) ReadFeatures(database, run, frames, features_hashes.subspan(first, count));
+  });
+}
+
+}  // namespace slamdb::sqlite

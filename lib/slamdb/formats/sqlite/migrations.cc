@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/migrations.h"
+
+#include <filesystem>
+
+#include "slamdb/formats/sqlite/backup.h"
+#include "slamdb/formats/sqlite/identity.h"
+#include "slamdb/formats/sqlite/writer_lock.h"
+
+namespace slamdb::sqlite {
+namespace {
+
+// `<path>.v<version>.bak`, or with a number behind it when that is taken.
+std::string FreeBackupName(const std::string& path, int version) {
+  const std::string name = path + ".v" + std::to_string(version) + ".bak";
+  std::string candidate = name;
+  for (int i = 2; std::filesystem::exists(candidate); ++i) candidate = name + "." + std::to_string(i);
+  return candidate;
+}
+
+void RecordMigration(Database& database, const MigrateReport& report) {
+  Statement insert(database, "INSERT INTO history (at, tool, action, provenance) VALUES (?1, ?2, 'migrate', ?3)",
+                   "table history");
+  const std::string now = TimeOfDay(), tool = ToolName();
+  const std::string what = "version " + std::to_string(report.from) + " to " + std::to_string(report.to);
+  insert.BindText(1, now).BindText(2, tool).BindText(3, what).Run();
+}
+
+}  // namespace
+
+int NewestVersion() { return Migrations().back().number; }
+
+int VersionOf(Database& database) { return static_cast<int>(database.Integer("PRAGMA user_version")); }
+
+void RunMigrations(Database& database, std::span<const Migration> migrations) {
+  const int version = VersionOf(database);
+  for (const Migration& migration : migrations) {
+    if (migration.number > version) database.Execute(std::string(migration.sql));
+  }
+  database.Execute("PRAGMA application_id=" + std::to_string(kApplicationId));
+  database.Execute("PRAGMA user_version=" + std::to_string(migrations.back().number));
+}
+
+MigrateReport Migrate(const std::string& path, const MigrateOptions& options, std::span<const Migration> migrations) {
+  MigrateReport report;
+  const int newest = migrations.back().number;
+  {
+    Database database(path, Access::kRead, options.lock_timeout);
+    CheckIsStore(database, newest, Older::kAccept);
+    report.from = VersionOf(database);
+    report.to = newest;
+  }
+  for (const Migration& migration : migrations) {
+    if (migration.number > report.from) report.steps.emplace_back(migration.name);
+  }
+  if (report.steps.empty() || options.dry_run) return report;
+
+  Database database(path, Access::kWrite, options.lock_timeout);
+  if (options.backup) {
+    report.backup = FreeBackupName(path, report.from);
+    BackupTo(database, report.backup, false);
+  }
+  WriteTransaction transaction(database, options.lock_timeout);
+  if (VersionOf(database) != report.from) throw Error(path, "", "migrated by another program meanwhile");
+  RunMigrations(database, migrations);
+  RecordMigration(database, report);
+  transaction.Commit();
+  return report;
+}
+
+}  // namespace slamdb::sqlite
+
+namespace slamdb {
+
+MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options) {
+  return sqlite::Migrate(path, options, sqlite::Migrations());
+}
+
+}  // namespace slamdb

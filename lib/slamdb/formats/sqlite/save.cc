@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/save.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "slamdb/formats/sqlite/packing.h"
+#include "slamdb/formats/sqlite/writer_lock.h"
+
+namespace slamdb::sqlite {
+namespace {
+
+std::string ParametersAsJson(const std::vector<float>& parameters) {
+  std::string json = "[";
+  for (const float value : parameters) {
+    if (json.size() > 1) json += ',';
+    std::array<char, 64> text{};
+    if (std::isfinite(value)) {
+      json.append(text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr);
+    } else {
+      json += "null";
+    }
+  }
+  return json + "]";
+}
+
+std::optional<std::int64_t> AtlasNamed(Database& database, const std::string& name) {
+  Statement statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas");
+  if (!statement.BindText(1, name).Step()) return std::nullopt;
+  return statement.Integer(0);
+}
+
+struct Totals {
+  std::int64_t keyframes = 0, points = 0, observations = 0;
+};
+
+Totals TotalsOf(const Atlas& atlas) {
+  Totals totals;
+  for (const Map& map : atlas.maps) {
+    totals.keyframes += static_cast<std::int64_t>(map.keyframes.size());
+    totals.points += static_cast<std::int64_t>(map.points.size());
+    for (const MapPoint& point : map.points)
+      totals.observations += static_cast<std::int64_t>(point.observations.size());
+  }
+  return totals;
+}
+
+// Writes the row of the atlas; revision counts on.
+std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas& atlas, std::int64_t hash,
+                        std::optional<std::int64_t> stored, ChangeCounter& changes) {
+  Statement statement(
+      database,
+      "INSERT INTO atlas VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 1, ?15, ?16, ?17, ?18, "
+      "?19, "
+      "?20) ON CONFLICT (row) DO UPDATE SET vocabulary_name = ?3, vocabulary_checksum = ?4, next_map = ?5, "
+      "next_frame = ?6, next_keyframe = ?7, next_map_point = ?8, next_camera = ?9, next_initial_keyframe = ?10, "
+      "archive_text = ?11, archive_boost_version = ?12, archive_long_bytes = ?13, archive_size_bytes = ?14, "
+      "revision = revision + 1, saved_at = ?15, maps = ?16, keyframes = ?17, points = ?18, observations = ?19, hash = "
+      "?20 "
+      "RETURNING row",
+      "table atlas");
+  const Totals totals = TotalsOf(atlas);
+  const Counters& next = atlas.next_ids;
+  const ArchiveEncoding& encoding = atlas.encoding;
+  const std::string now = TimeOfDay();
+  statement.Bind(1, stored).BindText(2, name).BindText(3, atlas.vocabulary.name).BindText(4, atlas.vocabulary.checksum);
+  int column = 5;
+  for (const std::uint64_t value :
+       {next.map, next.frame, next.keyframe, next.map_point, next.camera, next.initial_keyframe}) {
+    statement.Bind(column++, ToColumn(value));
+  }
+  for (const std::int64_t value : {std::int64_t{encoding.text}, std::int64_t{encoding.boost_version},
+                                   std::int64_t{encoding.long_bytes}, std::int64_t{encoding.size_bytes}}) {
+    statement.Bind(column++, value);
+  }
+  statement.BindText(column++, now);
+  for (const std::int64_t value :
+       {static_cast<std::int64_t>(atlas.maps.size()), totals.keyframes, totals.points, totals.observations, hash}) {
+    statement.Bind(column++, value);
+  }
+  statement.Step();
+  const std::int64_t row = statement.Integer(0);
+  while (statement.Step()) {
+  }
+  ++(stored ? changes["atlas"].updated : changes["atlas"].inserted);
+  return row;
+}
+
+// Cameras are few: all or nothing.
+void SaveCameras(SaveContext& context, const Atlas& atlas) {
+  Statement remove(context.database, "DELETE FROM camera WHERE atlas = ?1", "table camera");
+  remove.Bind(1, context.atlas).Run();
+  context.changes["camera"].deleted += static_cast<std::uint64_t>(sqlite3_changes(context.database.handle()));
+  Statement insert(context.database, "INSERT INTO camera VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)", "table camera");
+  std::vector<CameraId> seen;
+  for (std::size_t i = 0; i < atlas.cameras.size(); ++i) {
+    const Camera& camera = atlas.cameras[i];
+    const bool unique = std::find(seen.begin(), seen.end(), camera.id) == seen.end() && camera.id.has_value();
+    seen.push_back(camera.id);
+    const std::string json = ParametersAsJson(camera.parameters);
+    bool fits = FitsReal(camera.precision);
+    for (const float value : camera.parameters) fits = fits && FitsReal(value) && std::isfinite(value);
+    std::vector<float> exact{camera.precision};
+    exact.insert(exact.end(), camera.parameters.begin(), camera.parameters.end());
+    insert.Bind(1, context.atlas).Bind(2, static_cast<std::int64_t>(i)).Bind(3, ToColumn(camera.id));
+    insert.Bind(4, unique ? ToReference(camera.id) : std::nullopt);
+    insert.Bind(5, std::int64_t{static_cast<std::uint32_t>(camera.model)}).Bind(6, std::int64_t{camera.recorded_type});
+    insert.BindText(7, json).BindReal(8, camera.precision);
+    if (fits) {
+      insert.BindNull(9);
+    } else {
+      insert.BindBlob(9, std::as_bytes(std::span(exact)));
+    }
+    insert.Run();
+    ++context.changes["camera"].inserted;
+  }
+}
+
+void SaveRepeated(SaveContext& context, const char* list, std::int64_t map, const std::vector<RepeatedEntry>& entries) {
+  Statement insert(context.database, "INSERT INTO repeated_entry VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+                   "table repeated_entry");
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const RepeatedEntry& entry = entries[i];
+    const bool null = entry.owner_map == RepeatedEntry::kNull;
+    insert.Bind(1, context.atlas).BindText(2, list).Bind(3, map).Bind(4, static_cast<std::int64_t>(i));
+    insert.Bind(5, ToColumn(entry.position)).Bind(7, ToColumn(entry.row));
+    insert.Bind(6, null ? std::nullopt : std::optional<std::int64_t>(entry.owner_map));
+    insert.Run();
+    ++context.changes["repeated_entry"].inserted;
+  }
+}
+
+void SaveAllRepeated(SaveContext& context, const Atlas& atlas, const std::vector<std::int64_t>& map_rows) {
+  Statement remove(context.database, "DELETE FROM repeated_entry WHERE atlas = ?1", "table repeated_entry");
+  remove.Bind(1, context.atlas).Run();
+  const auto deleted = static_cast<std::uint64_t>(sqlite3_changes(context.database.handle()));
+  if (deleted > 0) context.changes["repeated_entry"].deleted += deleted;
+  SaveRepeated(context, "maps", 0, atlas.repeated_maps);
+  SaveRepeated(context, "cameras", 0, atlas.repeated_cameras);
+  for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
+    SaveRepeated(context, "keyframes", map_rows[i], atlas.maps[i].repeated_keyframes);
+    SaveRepeated(context, "points", map_rows[i], atlas.maps[i].repeated_points);
+  }
+}
+
+void SaveOrigins(SaveContext& context, std::int64_t row, const Map& map) {
+  Statement remove(context.database, "DELETE FROM map_origin WHERE map = ?1", "table map_origin");
+  remove.Bind(1, row).Run();
+  const auto deleted = static_cast<std::uint64_t>(sqlite3_changes(context.database.handle()));
+  Statement insert(context.database, "INSERT INTO map_origin VALUES (?1, ?2, ?3)", "table map_origin");
+  for (std::size_t i = 0; i < map.origins.size(); ++i) {
+    insert.Bind(1, row).Bind(2, static_cast<std::int64_t>(i)).Bind(3, ToReference(map.origins[i])).Run();
+  }
+  if (deleted + map.origins.size() == 0) return;
+  context.changes["map_origin"].deleted += deleted;
+  context.changes["map_origin"].inserted += map.origins.size();
+}
+
+struct StoredMap {
+  std::int64_t row = 0, id = 0, position = 0, hash = 0;
+  bool used = false;
+};
+
+std::vector<StoredMap> ReadStoredMaps(Database& database, std::int64_t atlas) {
+  Statement statement(database, "SELECT row, id, position, hash FROM map WHERE atlas = ?1 ORDER BY position",
+                      "table map");
+  statement.Bind(1, atlas);
+  std::vector<StoredMap> maps;
+  while (statement.Step()) {
+    maps.push_back({statement.Integer(0), statement.Integer(1), statement.Integer(2), statement.Integer(3)});
+  }
+  return maps;
+}
+
+void WriteMapRow(SaveContext& context, std::int64_t row, std::size_t position, const Map& map, std::int64_t hash) {
+  Statement insert(context.database,
+                   "INSERT OR REPLACE INTO map VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)",
+                   "table map");
+  insert.Bind(1, row).Bind(2, context.atlas).Bind(3, static_cast<std::int64_t>(position)).Bind(4, ToColumn(map.id));
+  insert.Bind(5, ToReference(map.initial_keyframe)).Bind(6, ToReference(map.first_keyframe));
+  insert.Bind(7, ToReference(map.lowest_keyframe)).Bind(8, ToColumn(map.max_keyframe_id));
+  insert.Bind(9, std::int64_t{map.big_change_index});
+  int column = 10;
+  for (const Flag flag : {map.imu_initialized, map.inertial, map.imu_ba1, map.imu_ba2}) {
+    insert.Bind(column++, std::int64_t{flag.recorded});
+  }
+  insert.Bind(14, hash).Run();
+}
+
+// Deletes the rows of one list of a map, and what hangs on them.
+void DeleteRange(Database& database, const char* table, const char* key, std::int64_t map, ChangeCounter& changes) {
+  Statement remove(database, std::string("DELETE FROM ") + table + " WHERE " + key + " BETWEEN ?1 AND ?2",
+                   std::string("table ") + table);
+  remove.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map)).Run();
+  changes[table].deleted += static_cast<std::uint64_t>(sqlite3_changes(database.handle()));
+}
+
+void DeleteMap(Database& database, std::int64_t map, ChangeCounter& changes) {
+  DeleteRange(database, "observation", "point", map, changes);
+  DeleteRange(database, "map_point_box", "row", map, changes);
+  DeleteRange(database, "map_point", "row", map, changes);
+  DeleteRange(database, "keyframe_link", "keyframe", map, changes);
+  DeleteRange(database, "keyframe_features", "keyframe", map, changes);
+  DeleteRange(database, "keyframe", "row", map, changes);
+  Statement origins(database, "DELETE FROM map_origin WHERE map = ?1", "table map_origin");
+  origins.Bind(1, map).Run();
+  Statement remove(database, "DELETE FROM map WHERE row = ?1", "table map");
+  remove.Bind(1, map).Run();
+  ++changes["map"].deleted;
+}
+
+// Matches the maps by id with those stored, deletes the rest and writes the rows that differ. Returns their rows.
+std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+  std::vector<StoredMap> stored = ReadStoredMaps(context.database, context.atlas);
+  std::vector<const StoredMap*> match(atlas.maps.size(), nullptr);
+  for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
+    for (StoredMap& candidate : stored) {
+      if (candidate.used || candidate.id != ToColumn(atlas.maps[i].id)) continue;
+      candidate.used = true;
+      match[i] = &candidate;
+      break;
+    }
+  }
+  // Rows are never used again while the store lives on in a reader, and must leave room for 2^32 places each.
+  std::int64_t next_row = context.database.Integer("SELECT max(row) FROM map") + 1;
+  for (const StoredMap& map : stored) {
+    if (!map.used) DeleteMap(context.database, map.row, context.changes);
+  }
+  std::vector<std::int64_t> rows;
+  for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
+    const std::int64_t row = match[i] != nullptr ? match[i]->row : next_row++;
+    if (row < 1 || row > 0x7fffffff) throw Error(context.database.path(), "table map", "no more row numbers");
+    rows.push_back(row);
+    const bool same = match[i] != nullptr && match[i]->hash == hashes.maps[i].header &&
+                      match[i]->position == static_cast<std::int64_t>(i);
+    TableChanges& changes = context.changes["map"];
+    ++(same ? changes.unchanged : match[i] != nullptr ? changes.updated : changes.inserted);
+    if (same) continue;
+    WriteMapRow(context, row, i, atlas.maps[i], hashes.maps[i].header);
+    SaveOrigins(context, row, atlas.maps[i]);
+  }
+  return rows;
+}
+
+bool CamerasAndRepeatedEntriesMayDiffer(Database& database, const std::optional<std::int64_t>& stored,
+                                        std::int64_t hash) {
+  if (!stored) return true;
+  Statement statement(database, "SELECT hash FROM atlas WHERE row = ?1", "table atlas");
+  return !statement.Bind(1, *stored).Step() || statement.Integer(0) != hash;
+}
+
+}  // namespace
+
+TableChanges& ChangeCounter::operator[](const std::string& table) {
+  for (TableChanges& changes : tables_) {
+    if (changes.table == table) return changes;
+  }
+  return tables_.emplace_back(TableChanges{.table = table});
+}
+
+void SaveContext::Report(std::size_t done) {
+  entities_done += done;
+  if (options.progress && entities > 0) {
+    options.progress("saving", static_cast<double>(entities_done) / static_cast<double>(entities));
+  }
+}
+
+std::vector<StoredRow> ReadStoredRows(Database& database, const std::string& table, const std::string& details_hash,
+                                      std::int64_t map) {
+  Statement statement(database,
+                      "SELECT row, id, unique_id IS NOT NULL, hash, " + details_hash + " FROM " + table +
+                          " WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
+                      "table " + table);
+  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
+  std::vector<StoredRow> rows;
+  while (statement.Step()) {
+    rows.push_back({statement.Integer(0), statement.Integer(1), statement.Integer(2) != 0, statement.Integer(3),
+                    statement.Integer(4)});
+  }
+  return rows;
+}
+
+void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
+               const SaveOptions& options, SaveReport& report) {
+  ChangeCounter changes;
+  SaveContext context{.database = database, .options = options, .changes = changes};
+  for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
+  report.hash = static_cast<std::uint64_t>(hashes.Combined());
+  const std::optional<std::int64_t> stored = AtlasNamed(database, name);
+  report.replaced = stored.has_value();
+  const bool may_differ = CamerasAndRepeatedEntriesMayDiffer(database, stored, hashes.Combined());
+  context.atlas = SaveHeader(database, name, atlas, hashes.Combined(), stored, changes);
+  const std::vector<std::int64_t> rows = SaveMapRows(context, atlas, hashes);
+  if (may_differ) {
+    SaveCameras(context, atlas);
+    SaveAllRepeated(context, atlas, rows);
+  } else {
+    changes["camera"].unchanged += atlas.cameras.size();
+  }
+  for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
+    SaveKeyframes(context, rows[i], atlas.maps[i], hashes.maps[i]);
+    SavePoints(context, rows[i], atlas.maps[i], hashes.maps[i]);
+  }
+  report.tables = changes.Take();
+}
+
+void DeleteAtlas(Database& database, std::int64_t atlas, ChangeCounter& changes) {
+  for (const StoredMap& map : ReadStoredMaps(database, atlas)) DeleteMap(database, map.row, changes);
+  for (const char* table : {"camera", "repeated_entry"}) {
+    Statement remove(database, std::string("DELETE FROM ") + table + " WHERE atlas = ?1",
+                     std::string("table ") + table);
+    remove.Bind(1, atlas).Run();
+  }
+  Statement remove(database, "DELETE FROM atlas WHERE row = ?1", "table atlas");
+  remove.Bind(1, atlas).Run();
+  ++changes["atlas"].deleted;
+}
+
+}  // namespace slamdb::sqlite

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "slamdb/base/parallel.h"
+#include "slamdb/formats/sqlite/features_blob.h"
+#include "slamdb/formats/sqlite/keyframe_blob.h"
+#include "slamdb/formats/sqlite/save.h"
+
+namespace slamdb::sqlite {
+namespace {
+
+constexpr std::size_t kBatch = 16;  // keyframes whose features are packed at a time, on all threads
+
+void BindReals(Statement& insert, const KeyFrame& keyframe, int timestamp_column, int exact_column, ByteWriter& exact) {
+  const KeyframeReals reals = RealsOf(keyframe);
+  insert.BindReal(timestamp_column, keyframe.timestamp);
+  bool fits = FitsReal(keyframe.timestamp);
+  for (std::size_t i = 0; i < reals.size(); ++i) {
+    fits = fits && FitsReal(reals[i]);
+    insert.BindReal(timestamp_column + 1 + static_cast<int>(i), reals[i]);
+  }
+  if (fits) {
+    insert.BindNull(exact_column);
+    return;
+  }
+  exact.Clear();
+  exact.Put(keyframe.timestamp);
+  exact.PutBytes(std::as_bytes(std::span(reals)));
+  insert.BindBlob(exact_column, exact.bytes());
+}
+
+// One row of the table keyframe.
+class KeyframeWriter {
+ public:
+  explicit KeyframeWriter(SaveContext& context)
+      : atlas_(context.atlas),
+        insert_(
+            context.database,
+            "INSERT OR REPLACE INTO keyframe VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, "
+            "?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, "
+            "?37, ?38, ?39, ?40, ?41, ?42)",
+            "table keyframe") {}
+
+  void Write(std::int64_t map, const ListPlan::Entry& entry, const KeyFrame& keyframe, std::int64_t hash,
+             std::int64_t links_hash) {
+    const Features& features = keyframe.features;
+    insert_.Bind(1, entry.row).Bind(2, map).Bind(3, atlas_).Bind(4, ToColumn(keyframe.id));
+    insert_.Bind(5, entry.unique ? ToReference(keyframe.id) : std::nullopt).Bind(6, hash).Bind(7, links_hash);
+    insert_.Bind(8, ToColumn(keyframe.frame_id));
+    BindReals(insert_, keyframe, 9, 42, exact_);
+    insert_.Bind(26, ToReference(keyframe.camera)).Bind(27, ToReference(keyframe.right_camera));
+    insert_.Bind(28, ToReference(keyframe.parent)).Bind(29, ToReference(keyframe.previous));
+    insert_.Bind(30, ToReference(keyframe.next)).Bind(31, std::int64_t{keyframe.origin_map});
+    insert_.Bind(32, std::int64_t{features.count}).Bind(33, std::int64_t{features.left_count});
+    insert_.Bind(34, std::int64_t{features.right_count});
+    int column = 35;
+    for (const Flag flag : {keyframe.first_connection, keyframe.not_erase, keyframe.to_be_erased, keyframe.bad,
+                            keyframe.imu_initialized, keyframe.has_velocity}) {
+      insert_.Bind(column++, std::int64_t{flag.recorded});
+    }
+    details_.Clear();
+    EncodeDetails(keyframe, details_);
+    insert_.BindBlob(41, details_.bytes()).Run();
+  }
+
+ private:
+  std::int64_t atlas_;
+  Statement insert_;
+  ByteWriter details_, exact_;
+};
+
+// The rows of keyframe_link of one keyframe.
+class LinkWriter {
+ public:
+  explicit LinkWriter(SaveContext& context)
+      : remove_(context.database, "DELETE FROM keyframe_link WHERE keyframe = ?1", "table keyframe_link"),
+        insert_(context.database, "INSERT INTO keyframe_link VALUES (?1, ?2, ?3, ?4, ?5, ?6)", "table keyframe_link"),
+        database_(context.database) {}
+
+  std::uint64_t Remove(std::int64_t row) {
+    remove_.Bind(1, row).Run();
+    return static_cast<std::uint64_t>(sqlite3_changes(database_.handle()));
+  }
+  std::uint64_t Write(std::int64_t map, std::int64_t row, const KeyFrame& keyframe) {
+    insert_.Bind(1, row).Bind(4, map).BindNull(6);
+    WriteList("child", keyframe.children);
+    insert_.BindText(2, "covisible");
+    for (std::size_t i = 0; i < keyframe.connections.size(); ++i) {
+      const Connection& connection = keyframe.connections[i];
+      insert_.Bind(3, static_cast<std::int64_t>(i)).Bind(5, ToReference(connection.keyframe));
+      insert_.Bind(6, std::int64_t{connection.weight}).Run();
+    }
+    insert_.BindNull(6);
+    WriteList("loop", keyframe.loop_edges);
+    WriteList("merge", keyframe.merge_edges);
+    return keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
+           keyframe.merge_edges.size();
+  }
+
+ private:
+  void WriteList(const char* kind, const Column<KeyFrameId>& targets) {
+    insert_.BindText(2, kind);
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      insert_.Bind(3, static_cast<std::int64_t>(i)).Bind(5, ToReference(targets[i])).Run();
+    }
+  }
+
+  Statement remove_, insert_;
+  Database& database_;
+};
+
+std::vector<std::int64_t> StoredFeatureHashes(Database& database, std::int64_t map, std::span<const StoredRow> stored) {
+  Statement statement(database, "SELECT keyframe, hash FROM keyframe_features WHERE keyframe BETWEEN ?1 AND ?2",
+                      "table keyframe_features");
+  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
+  std::vector<std::int64_t> hashes(stored.size());
+  std::size_t i = 0;
+  while (statement.Step()) {
+    while (i < stored.size() && stored[i].row < statement.Integer(0)) ++i;
+    if (i < stored.size() && stored[i].row == statement.Integer(0)) hashes[i] = statement.Integer(1);
+  }
+  return hashes;
+}
+
+// Features are packed in parallel, a batch at a time, and inserted by this thread.
+void WriteFeatures(SaveContext& context, const ListPlan& plan, const Map& map, const AtlasHashes::OfMap& hashes,
+                   const std::vector<std::size_t>& changed) {
+  Statement insert(context.database, "INSERT OR REPLACE INTO keyframe_features VALUES (?1, ?2, ?3)",
+                   "table keyframe_features");
+  std::vector<ByteWriter> blobs(kBatch);
+  for (std::size_t begin = 0; begin < changed.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, changed.size() - begin);
+    ParallelFor(count, 1, context.options.threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        blobs[i].Clear();
+        EncodeFeatures(map.keyframes[changed[begin + i]], blobs[i]);
+      }
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = changed[begin + i];
+      insert.Bind(1, plan.entries[k].row).Bind(2, hashes.features[k]).BindBlob(3, blobs[i].bytes()).Run();
+    }
+    context.Report(100 * count);
+  }
+}
+
+void RemoveKeyframes(SaveContext& context, LinkWriter& links, const std::vector<std::int64_t>& rows) {
+  if (rows.empty()) return;
+  Statement features(context.database, "DELETE FROM keyframe_features WHERE keyframe = ?1", "table keyframe_features");
+  Statement keyframe(context.database, "DELETE FROM keyframe WHERE row = ?1", "table keyframe");
+  for (const std::int64_t row : rows) {
+    context.changes["keyframe_link"].deleted += links.Remove(row);
+    features.Bind(1, row).Run();
+    keyframe.Bind(1, row).Run();
+  }
+  context.changes["keyframe"].deleted += rows.size();
+  context.changes["keyframe_features"].deleted += rows.size();
+}
+
+}  // namespace
+
+void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes) {
+  const std::vector<StoredRow> stored = ReadStoredRows(context.database, "keyframe", "links_hash", row);
+  const std::vector<std::int64_t> stored_features = StoredFeatureHashes(context.database, row, stored);
+  std::vector<std::int64_t> ids;
+  for (const KeyFrame& keyframe : map.keyframes) ids.push_back(ToColumn(keyframe.id));
+  const ListPlan plan = PlanList(ids, stored, FirstRowOfMap(row));
+  LinkWriter links(context);
+  KeyframeWriter keyframes(context);
+  RemoveKeyframes(context, links, plan.removed);
+
+  std::vector<std::size_t> changed_features;
+  for (std::size_t i = 0; i < plan.entries.size(); ++i) {
+    const ListPlan::Entry& entry = plan.entries[i];
+    const StoredRow* old = entry.stored;
+    const bool same_row = old != nullptr && old->hash == hashes.keyframes[i] && old->unique == entry.unique;
+    const bool same_links = old != nullptr && old->details == hashes.links[i];
+    const bool same_features =
+        old != nullptr && stored_features[static_cast<std::size_t>(old - stored.data())] == hashes.features[i];
+    if (!same_row || !same_links) keyframes.Write(row, entry, map.keyframes[i], hashes.keyframes[i], hashes.links[i]);
+    if (!same_features) changed_features.push_back(i);
+    const auto count = [&](const char* table, bool same) {
+      TableChanges& changes = context.changes[table];
+      ++(same ? changes.unchanged : old != nullptr ? changes.updated : changes.inserted);
+    };
+    count("keyframe", same_row && same_links);
+    count("keyframe_features", same_features);
+  }
+  for (std::size_t i = 0; i < plan.entries.size(); ++i) {
+    const KeyFrame& keyframe = map.keyframes[i];
+    const StoredRow* old = plan.entries[i].stored;
+    TableChanges& changes = context.changes["keyframe_link"];
+    if (old != nullptr && old->details == hashes.links[i]) {
+      changes.unchanged += keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
+                           keyframe.merge_edges.size();
+      continue;
+    }
+    if (old != nullptr) changes.deleted += links.Remove(plan.entries[i].row);
+    changes.inserted += links.Write(row, plan.entries[i].row, keyframe);
+  }
+  context.Report(100 * (plan.entries.size() - changed_features.size()));
+  WriteFeatures(context, plan, map, hashes, changed_features);
+}
+
+}  // namespace slamdb::sqlite

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/store.h"
+
+#include <filesystem>
+
+#include "slamdb/formats/sqlite/backup.h"
+#include "slamdb/formats/sqlite/identity.h"
+#include "slamdb/formats/sqlite/load.h"
+#include "slamdb/formats/sqlite/migrations.h"
+#include "slamdb/formats/sqlite/save.h"
+#include "slamdb/formats/sqlite/statistics.h"
+#include "slamdb/formats/sqlite/writer_lock.h"
+
+namespace slamdb {
+
+using namespace sqlite;  // NOLINT(google-build-using-namespace): this file is the door to that namespace
+
+namespace {
+
+constexpr int kLoadAttempts = 5;  // when another program saves the same atlas again and again meanwhile
+
+// Large pages, because features are blobs of hundreds of kilobytes.
+constexpr const char* kNewFile = "PRAGMA page_size=16384; PRAGMA journal_mode=WAL";
+
+void CheckNotStandardStream(const std::string& path) {
+  if (path == "-") throw Error(path, "", "a store is a file; it cannot be standard input or output");
+}
+
+// Size and time of a file: tells whether it was written while a connection trusted that nobody would.
+struct FileState {
+  std::uintmax_t size = 0;
+  std::filesystem::file_time_type time;
+  static FileState Of(const std::string& path) {
+    return {std::filesystem::file_size(path), std::filesystem::last_write_time(path)};
+  }
+  friend bool operator==(const FileState&, const FileState&) = default;
+};
+
+bool IsEmpty(Database& database) { return database.Integer("SELECT count(*) FROM sqlite_schema") == 0; }
+
+void CreateSchema(Database& database, double lock_timeout) {
+  database.Execute(kNewFile);
+  WriteTransaction transaction(database, lock_timeout);
+  if (!IsEmpty(database)) return;  // another program was faster
+  RunMigrations(database, Migrations());
+  transaction.Commit();
+}
+
+void Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
+            const TableChanges& rows) {
+  Statement insert(
+      database,
+      "INSERT INTO history (at, tool, action, atlas, provenance, maps, keyframes, points, observations, hash, "
+      "inserted, updated, deleted, unchanged) SELECT ?1, ?2, ?3, ?4, ?5, maps, keyframes, points, "
+      "observations, hash, ?6, ?7, ?8, ?9 FROM atlas WHERE name = ?4",
+      "table history");
+  const std::string now = TimeOfDay(), tool = ToolName();
+  insert.BindText(1, now).BindText(2, tool).BindText(3, action).BindText(4, name).BindText(5, provenance);
+  insert.Bind(6, ToColumn(rows.inserted)).Bind(7, ToColumn(rows.updated)).Bind(8, ToColumn(rows.deleted));
+  insert.Bind(9, ToColumn(rows.unchanged)).Run();
+}
+
+}  // namespace
+
+TableChanges SaveReport::Total() const {
+  TableChanges total{.table = "total"};
+  for (const TableChanges& changes : tables) {
+    total.inserted += changes.inserted;
+    total.updated += changes.updated;
+    total.deleted += changes.deleted;
+    total.unchanged += changes.unchanged;
+  }
+  return total;
+}
+
+struct Store::State {
+  Database database;
+  StoreOptions options;
+  bool writable = false;
+
+  // The row of an atlas, or an error that names those that there are.
+  std::int64_t RowOf(const std::string& name) {
+    Statement statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas");
+    if (statement.BindText(1, name).Step()) return statement.Integer(0);
+    throw Error(database.path(), "", "no atlas named '" + name + "'" + Known());
+  }
+  std::string Known() {
+    std::string names;
+    Statement statement(database, "SELECT name FROM atlas ORDER BY name", "table atlas");
+    while (statement.Step()) names += (names.empty() ? "" : ", ") + statement.Text(0);
+    return names.empty() ? "; the store is empty" : "; it holds " + names;
+  }
+  void CheckWritable() const {
+    if (!writable) throw Error(database.path(), "", "opened for reading");
+  }
+};
+
+Store::Store(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Store::~Store() = default;
+Store::Store(Store&&) noexcept = default;
+Store& Store::operator=(Store&&) noexcept = default;
+
+Store Store::Open(const std::string& path, double lock_timeout) {
+  CheckNotStandardStream(path);
+  auto state = std::make_unique<State>(
+      State{Database(path, Access::kRead, lock_timeout), {.sync = true, .lock_timeout = lock_timeout}, false});
+  CheckIsStore(state->database, NewestVersion());
+  return Store(std::move(state));
+}
+
+Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
+  CheckNotStandardStream(path);
+  auto state = std::make_unique<State>(State{Database(path, Access::kCreate, options.lock_timeout), options, true});
+  Database& database = state->database;
+  // 64 MiB of cache: the pages that a save touches again and again. Deleted content need not be overwritten.
+  database.Execute(
+      "PRAGMA cache_size=-65536; PRAGMA secure_delete=OFF; PRAGMA foreign_keys=OFF; PRAGMA temp_store=MEMORY");
+  database.Execute(options.sync ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=OFF");
+  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database, options.lock_timeout);
+  CheckIsStore(database, NewestVersion());
+  database.Execute("PRAGMA journal_mode=WAL");
+  return Store(std::move(state));
+}
+
+const std::string& Store::path() const { return state_->database.path(); }
+
+std::vector<StoredAtlas> Store::List() { return ListAtlases(state_->database); }
+
+std::vector<HistoryEntry> Store::Log(const std::string& name) { return ReadHistory(state_->database, name); }
+
+std::string Store::OnlyName() {
+  Statement statement(state_->database, "SELECT count(*), min(name) FROM atlas", "table atlas");
+  statement.Step();
+  if (statement.Integer(0) == 1) return statement.Text(1);
+  const std::string problem =
+      statement.Integer(0) == 0 ? "the store holds no atlas" : "say which atlas, as " + path() + "#NAME";
+  throw Error(path(), "", statement.Integer(0) == 0 ? problem : problem + state_->Known());
+}
+
+SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) {
+  state_->CheckWritable();
+  if (name.empty()) throw Error(path(), "", "an atlas needs a name");
+  if (name.find('\0') != std::string::npos) throw Error(path(), "", "a name must not contain a NUL character");
+  Database& database = state_->database;
+  const AtlasHashes hashes = HashesOf(atlas, options.threads);
+  SaveReport report;
+  WriteTransaction transaction(database, state_->options.lock_timeout);
+  SaveAtlas(database, name, atlas, hashes, options, report);
+  Record(database, "save", name, options.provenance, report.Total());
+  transaction.Commit();
+  return report;
+}
+
+Atlas Store::Load(const std::string& name, const ReadOptions& options) {
+  Database& database = state_->database;
+  for (int attempt = 1;; ++attempt) {
+    const FileState before = FileState::Of(path());
+    try {
+      Transaction transaction(database, Transaction::Kind::kBegin);
+      const std::int64_t row = state_->RowOf(name);
+      Atlas atlas = LoadAtlas(database, row, options);
+      if (options.part_sizes != nullptr) *options.part_sizes = PartSizesOf(database, row);
+      if (!database.immutable() || FileState::Of(path()) == before) return atlas;
+    } catch (const SnapshotChanged&) {
+    }
+    if (attempt == kLoadAttempts) throw Error(path(), "", "is being changed while it is read: try again");
+    if (database.immutable()) database = Database(path(), Access::kRead, state_->options.lock_timeout);
+  }
+}
+
+void Store::Remove(const std::string& name) {
+  state_->CheckWritable();
+  Database& database = state_->database;
+  WriteTransaction transaction(database, state_->options.lock_timeout);
+  const std::int64_t row = state_->RowOf(name);
+  ChangeCounter changes;
+  // The history needs the counts of what goes, and how many rows went: it is entered before and completed after.
+  Record(database, "remove", name, "", {});
+  DeleteAtlas(database, row, changes);
+  SaveReport report{.tables = changes.Take()};
+  Statement complete(database, "UPDATE history SET deleted = ?1 WHERE row = (SELECT max(row) FROM history)",
+                     "table history");
+  complete.Bind(1, ToColumn(report.Total().deleted)).Run();
+  transaction.Commit();
+}
+
+StoreStats Store::Stats() { return ReadStatistics(state_->database); }
+
+void Store::Vacuum() {
+  state_->CheckWritable();
+  Database& database = state_->database;
+  const int code = sqlite3_exec(database.handle(), "VACUUM", nullptr, nullptr, nullptr);
+  if ((code & 0xff) == SQLITE_BUSY) throw LockedError(database, state_->options.lock_timeout);
+  if (code != SQLITE_OK) throw database.Failure("", code);
+  database.Execute("PRAGMA wal_checkpoint(TRUNCATE)");
+}
+
+void Store::Backup(const std::string& target, bool overwrite) { BackupTo(state_->database, target, overwrite); }
+
+std::uint64_t Store::HashOf(const Atlas& atlas, int threads) {
+  return static_cast<std::uint64_t>(HashesOf(atlas, threads).Combined());
+}
+
+}  // namespace slamdb

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slamdb/formats/format.h"
+
+namespace slamdb {
+
+// One atlas of a store.
+struct StoredAtlas {
+  std::string name;
+  std::uint64_t maps = 0, keyframes = 0, points = 0, observations = 0;
+  std::uint64_t bytes = 0;     // about what it takes in the file
+  std::uint64_t revision = 0;  // counts the saves under this name, from 1
+  std::uint64_t hash = 0;      // of its content: equal atlases, equal hash
+  std::string saved_at;        // UTC, `2026-01-31T12:00:00Z`
+};
+
+// What happened to the rows of a table.
+struct TableChanges {
+  std::string table;
+  std::uint64_t inserted = 0, updated = 0, deleted = 0, unchanged = 0;
+};
+
+struct SaveReport {
+  std::vector<TableChanges> tables;
+  std::uint64_t hash = 0;  // of the atlas
+  bool replaced = false;   // an atlas of that name was there
+
+  TableChanges Total() const;
+};
+
+struct SaveOptions {
+  std::string provenance;  // one line for the history: what made the atlas (`convert session_a.osa`)
+  int threads = 0;         // 0: every core
+  Progress progress;
+};
+
+// One line of a store's history.
+struct HistoryEntry {
+  std::string at;      // UTC
+  std::string tool;    // `slamdb 0.1.0`
+  std::string action;  // save, remove, migrate
+  std::string atlas;   // name; empty for actions on the whole store
+  std::string provenance;
+  std::uint64_t maps = 0, keyframes = 0, points = 0, observations = 0;
+  std::uint64_t inserted = 0, updated = 0, deleted = 0, unchanged = 0;  // rows
+  std::uint64_t hash = 0;
+};
+
+struct StoreStats {
+  int version = 0;  // of the schema
+  std::uint64_t page_bytes = 0, pages = 0, free_pages = 0;
+  std::uint64_t file_bytes = 0;
+  std::uint64_t log_bytes = 0;   // of the write-ahead log beside the file
+  std::vector<PartSize> tables;  // bytes per table, its indexes included; largest first
+};
+
+struct StoreOptions {
+  bool sync = true;         // a committed save survives power loss; false: it may be lost, the store stays whole
+  double lock_timeout = 5;  // seconds to wait for another program that writes
+};
+
+// Many atlases in one SQLite file, each under a name. The schema is in schema/*.sql and explained in schema/store.md.
+// Saves are transactions: a killed program, a full disk or an exception leaves the store as it was. Readers work while
+// another program writes and see the store as of before. All functions throw Error with the path, and the table and row
+// where the store is damaged. Not thread-safe: one Store per thread.
+class Store {
+ public:
+  // Opens to read: never changes the file, never makes one, works on read-only disks. Throws Error when it is missing,
+  // not a store, or of a newer or older version than this library's.
+  static Store Open(const std::string& path, double lock_timeout = 5);
+
+  // Opens to write; makes the store when the file is missing or empty.
+  static Store OpenForWriting(const std::string& path, StoreOptions options = {});
+
+  ~Store();
+  Store(Store&&) noexcept;
+  Store& operator=(Store&&) noexcept;
+
+  const std::string& path() const;
+  std::vector<StoredAtlas> List();                              // by name
+  std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
+
+  // The name to use where the user gave none: that of the only atlas. Throws Error naming the atlases when there are
+  // several, or none.
+  std::string OnlyName();
+
+  // Saves under `name`, replacing the atlas of that name if there is one by writing only what differs.
+  SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options = {});
+
+  // Loads all or the selected part; the rest is not read. Every row is compared with its hash, a whole atlas also with
+  // the atlas' hash; Error names the first row that differs.
+  Atlas Load(const std::string& name, const ReadOptions& options = {});
+
+  void Remove(const std::string& name);  // throws Error when there is none
+  StoreStats Stats();
+  void Vacuum();  // gives free pages back to the disk
+  // Copies the store as it is now, also while others write (SQLite's online backup). The target appears whole or not.
+  void Backup(const std::string& target, bool overwrite = false);
+
+  // What Save and Load compute: the hash of an atlas' content.
+  static std::uint64_t HashOf(const Atlas& atlas, int threads = 0);
+
+ private:
+  struct State;
+  explicit Store(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+struct MigrateOptions {
+  bool dry_run = false;  // only tell what would run
+  bool backup = true;    // keep the store as it was in `<path>.v<version>.bak`
+  double lock_timeout = 5;
+};
+
+struct MigrateReport {
+  int from = 0, to = 0;            // versions
+  std::vector<std::string> steps;  // names of the migrations that ran, or would
+  std::string backup;              // path; empty when none was made
+};
+
+// Brings a store to the version of this library. Nothing happens when it is there already. Throws Error for newer
+// stores.
+MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options = {});
+
+}  // namespace slamdb

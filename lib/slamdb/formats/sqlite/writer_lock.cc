@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/writer_lock.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <ctime>
+
+namespace slamdb::sqlite {
+namespace {
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+bool IsGone(std::int64_t process, const std::string& host) {
+  return host == HostName() && ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
+
+// Who the table says is writing; `another program` when it does not know.
+std::string Holder(Database& database) {
+  try {
+    Statement statement(database, "SELECT process, host, tool, since FROM writer");
+    if (!statement.Step() || IsGone(statement.Integer(0), statement.Text(1))) return "another program";
+    return statement.Text(2) + ", process " + statement.Text(0) + " on host " + statement.Text(1) + ", since " +
+           statement.Text(3);
+  } catch (const Error&) {
+    return "another program";  // which holds it so that it cannot even be read
+  }
+}
+
+void Announce(Database& database) {
+  Statement statement(database, "INSERT OR REPLACE INTO writer VALUES (1, ?1, ?2, ?3, ?4)", "table writer");
+  const std::string host = HostName(), tool = ToolName(), since = TimeOfDay();
+  statement.Bind(1, std::int64_t{::getpid()}).BindText(2, host).BindText(3, tool).BindText(4, since).Run();
+}
+
+}  // namespace
+
+WriteTransaction::WriteTransaction(Database& database, double lock_timeout) : database_(database) {
+  const auto begin = [&] {
+    const int code = sqlite3_exec(database.handle(), "BEGIN IMMEDIATE", nullptr, nullptr, nullptr);
+    if ((code & 0xff) == SQLITE_BUSY) throw LockedError(database, lock_timeout);
+    if (code != SQLITE_OK) throw database.Failure("", code);
+  };
+  begin();
+  if (database.HasTable("writer")) {
+    Announce(database);
+    database.Execute("COMMIT");
+    begin();
+  }
+  transaction_ = std::make_unique<Transaction>(database, Transaction::Kind::kJoin);
+}
+
+void WriteTransaction::Commit() {
+  database_.Execute("DELETE FROM writer");
+  transaction_->Commit();
+}
+
+Error LockedError(Database& database, double lock_timeout) {
+  std::array<char, 32> seconds{};
+  std::snprintf(seconds.data(), seconds.size(), "%g", lock_timeout);
+  return Error(database.path(), "",
+               "locked by " + Holder(database) + " (waited " + seconds.data() + " s): try again when it is done");
+}
+
+std::string ToolName() { return "slamdb " SLAMDB_VERSION; }
+
+std::string TimeOfDay() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
+}  // namespace slamdb::sqlite
