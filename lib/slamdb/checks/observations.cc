@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Observations: what points and keyframes say about each other.
+#include <algorithm>
+
+#include "slamdb/checks/catalogue.h"
+#include "slamdb/checks/visit.h"
+#include "slamdb/model/derive.h"
+
+namespace slamdb {
+namespace {
+
+// What MapPoint::observation_count should be; observers that are missing do not count, as ORB-SLAM3 never counts them.
+std::int64_t CountObservations(const AtlasIndex& index, std::size_t map, const MapPoint& point) {
+  std::int64_t count = 0;
+  for (const Observation& observation : point.observations)
+    if (const KeyFrame* keyframe = index.FindKeyFrame(map, observation.keyframe); keyframe != nullptr)
+      count += ObservationWeight(*keyframe, observation);
+  return count;
+}
+
+template <class Accept>
+void CheckCounts(const Subject& subject, const Accept& accept, Findings& findings) {
+  ForEachPoint(subject.atlas, [&](std::size_t row, const Map& map, const MapPoint& point) {
+    const std::int64_t count = CountObservations(subject.index, row, point);
+    if (!accept(point.observation_count, count))
+      findings.Add(PlaceOf(map, point), "is recorded with ", point.observation_count, " observations, but has ", count);
+  });
+}
+
+// Points have few observations, so a plain search is the fastest.
+const Observation* FindObservation(const MapPoint& point, KeyFrameId keyframe) {
+  const auto found = std::ranges::find(point.observations, keyframe, &Observation::keyframe);
+  return found == point.observations.end() ? nullptr : &*found;
+}
+
+bool HasDepth(const KeyFrame& keyframe, const Observation& observation) {
+  const Features& features = keyframe.features;
+  if (features.is_fisheye_stereo()) return true;
+  const auto left = static_cast<std::size_t>(std::max(observation.left, 0));
+  return left < features.right_x.size() &&
+         (features.right_x[left] >= 0 || features.depth.size() <= left || features.depth[left] > 0);
+}
+
+}  // namespace
+
+void CheckObservationSides(const Subject& subject, Findings& findings) {
+  ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
+    for (const Observation& observation : point.observations) {
+      if (observation.left == Observation::kAbsent)
+        findings.Add(PlaceOf(map, point), observation.keyframe, " is only among the right observations");
+      if (observation.right == Observation::kAbsent)
+        findings.Add(PlaceOf(map, point), observation.keyframe, " is only among the left observations");
+    }
+  });
+}
+
+std::size_t CompleteObservationSides(Atlas& atlas) {
+  std::size_t completed = 0;
+  for (Map& map : atlas.maps)
+    for (MapPoint& point : map.points)
+      for (Observation& observation : point.observations)
+        for (std::int32_t* side : {&observation.left, &observation.right}) {
+          if (*side != Observation::kAbsent) continue;
+          *side = -1;
+          ++completed;
+        }
+  return completed;
+}
+
+void CheckObservationSeen(const Subject& subject, Findings& findings) {
+  ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
+    for (const Observation& observation : point.observations)
+      if (observation.left < 0 && observation.right < 0)
+        findings.Add(PlaceOf(map, point), "observed by ", observation.keyframe, ", but by no keypoint of it");
+  });
+}
+
+std::size_t EraseUnseenObservations(Atlas& atlas) {
+  std::size_t erased = 0;
+  for (Map& map : atlas.maps)
+    for (MapPoint& point : map.points)
+      erased += std::erase_if(point.observations, [](const Observation& observation) {
+        return observation.left < 0 && observation.right < 0;
+      });
+  return erased;
+}
+
+void CheckObservationIndex(const Subject& subject, Findings& findings) {
+  ForEachObservation(subject, [&](std::size_t, const Map& map, const MapPoint& point, const Observation& observation,
+                                  const KeyFrame& keyframe) {
+    const Features& features = keyframe.features;
+    const bool no_left = observation.left == -1 || observation.left == Observation::kAbsent;
+    const bool no_right = observation.right == -1 || observation.right == Observation::kAbsent;
+    if (!no_left && !LeftRowFits(features, observation))
+      findings.Add(PlaceOf(map, point), "is left keypoint ", observation.left, " of ", keyframe.id, ", which has ",
+                   LeftRows(features));
+    if (!no_right && !RightRowFits(features, observation))
+      findings.Add(PlaceOf(map, point), "is right keypoint ", observation.right, " of ", keyframe.id,
+                   ", whose right keypoints ", [&]() -> std::string {
+                     if (!features.is_fisheye_stereo()) return "are no rows of their own";
+                     return "are " + std::to_string(features.left_count) + " to " + std::to_string(features.count - 1);
+                   });
+  });
+}
+
+void CheckPointObserved(const Subject& subject, Findings& findings) {
+  ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
+    if (point.observations.empty()) findings.Add(PlaceOf(map, point), "is observed by no keyframe");
+  });
+}
+
+void CheckPointSupport(const Subject& subject, Findings& findings) {
+  ForEachPoint(subject.atlas, [&](std::size_t row, const Map& map, const MapPoint& point) {
+    if (point.observations.size() != 1) return;
+    const KeyFrame* keyframe = subject.index.FindKeyFrame(row, point.observations[0].keyframe);
+    if (keyframe != nullptr && !HasDepth(*keyframe, point.observations[0]))
+      findings.Add(PlaceOf(map, point), "is observed once, by ", keyframe->id, ", and without depth");
+  });
+}
+
+// Points without observation, and references that dangle, are other rules' business.
+void CheckReferenceObserves(const Subject& subject, Findings& findings) {
+  ForEachPoint(subject.atlas, [&](std::size_t row, const Map& map, const MapPoint& point) {
+    const KeyFrame* reference = subject.index.FindKeyFrame(row, point.reference);
+    if (reference == nullptr || point.observations.empty()) return;
+    if (FindObservation(point, point.reference) == nullptr)
+      findings.Add(PlaceOf(map, point), "reference keyframe ", point.reference, ", which does not observe it");
+  });
+}
+
+// The observer with the lowest id takes over.
+std::size_t ReplaceUnseeingReferences(Atlas& atlas) {
+  const AtlasIndex index(atlas);
+  std::size_t replaced = 0;
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row)
+    for (MapPoint& point : atlas.maps[row].points) {
+      if (point.bad || index.KeyFrameRow(row, point.reference) == kNoRow) continue;
+      if (FindObservation(point, point.reference) != nullptr) continue;
+      KeyFrameId lowest;
+      for (const Observation& observation : point.observations)
+        if (index.KeyFrameRow(row, observation.keyframe) != kNoRow) lowest = std::min(lowest, observation.keyframe);
+      if (!lowest) continue;
+      point.reference = lowest;
+      ++replaced;
+    }
+  return replaced;
+}
+
+void CheckObservationCount(const Subject& subject, Findings& findings) {
+  CheckCounts(
+      subject, [](std::int64_t recorded, std::int64_t counted) { return recorded >= counted; }, findings);
+}
+
+void CheckObservationCountExcess(const Subject& subject, Findings& findings) {
+  CheckCounts(
+      subject, [](std::int64_t recorded, std::int64_t counted) { return recorded <= counted; }, findings);
+}
+
+std::size_t RecountObservations(Atlas& atlas) {
+  const AtlasIndex index(atlas);
+  std::size_t changed = 0;
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row)
+    for (MapPoint& point : atlas.maps[row].points) {
+      const auto count = static_cast<std::int32_t>(CountObservations(index, row, point));
+      if (point.bad || point.observation_count == count) continue;
+      point.observation_count = count;
+      ++changed;
+    }
+  return changed;
+}
+
+void CheckObservationSlot(const Subject& subject, Findings& findings) {
+  ForEachObservation(subject, [&](std::size_t, const Map& map, const MapPoint& point, const Observation& observation,
+                                  const KeyFrame& keyframe) {
+    const auto report = [&](std::int32_t row) {
+      const MapPointId held = SlotPoint(keyframe.features, row);
+      if (held == point.id) return;
+      findings.Add(PlaceOf(map, point), "is keypoint ", row, " of ", keyframe.id, ", whose slot ",
+                   [&] { return held ? "holds " + ToString(held) : std::string("is empty"); });
+    };
+    if (LeftRowFits(keyframe.features, observation)) report(observation.left);
+    if (RightRowFits(keyframe.features, observation)) report(observation.right);
+  });
+}
+
+void CheckSlotObserved(const Subject& subject, Findings& findings) {
+  ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
+    const Column<MapPointId>& slots = keyframe.features.map_points;
+    for (std::size_t slot = 0; slot < slots.size(); ++slot) {
+      const MapPoint* point = slots[slot] ? subject.index.FindPoint(row, slots[slot]) : nullptr;
+      if (point == nullptr || point->bad) continue;
+      const Observation* observation = FindObservation(*point, keyframe.id);
+      const auto feature = static_cast<std::int64_t>(slot);
+      if (observation != nullptr && (observation->left == feature || observation->right == feature)) continue;
+      findings.Add(PlaceOf(map, keyframe, slot), "sees ", point->id,
+                   observation == nullptr ? ", which does not record that" : ", which records another keypoint of it");
+    }
+  });
+}
+
+}  // namespace slamdb

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "slamdb/checks/check.h"
+
+// Check reports as text, for people and for machines. Pure functions, thread-safe, equal input gives equal output.
+namespace slamdb {
+
+// One file that was checked, or could not be.
+struct CheckedFile {
+  std::string name;
+  CheckReport report;
+  std::string failure;  // why it could not be read; empty: it was
+};
+
+struct TextReportOptions {
+  std::size_t shown_per_rule = 5;  // findings of each rule; the rest is counted
+  bool show_notes = true;          // otherwise notes are only counted
+};
+
+// For people: a paragraph for each rule with findings, errors first, and a line of totals. Without colours.
+std::string TextReport(std::span<const CheckedFile> files, const TextReportOptions& options);
+
+// As schema/check.schema.json describes it. Ids are numbers where 53 bits hold them, and decimal strings beyond.
+std::string JsonReport(std::span<const CheckedFile> files);
+
+// JUnit XML: a suite for each file, a case for each rule and gate. Errors are failures; warnings and notes are in the
+// output of their case.
+std::string JUnitReport(std::span<const CheckedFile> files);
+
+// SARIF 2.1.0 with rule metadata and logical locations (`map/0/mp/4312`). `version` is the tool's own.
+std::string SarifReport(std::span<const CheckedFile> files, const std::string& version);
+
+// The catalogue: what `slamdb check --list` prints, the same as JSON, and the tables of docs/checks.md.
+std::string TextCatalogue();
+std::string JsonCatalogue();
+std::string MarkdownCatalogue();
+
+}  // namespace slamdb

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "slamdb/checks/concat.h"
+#include "slamdb/checks/report.h"
+
+namespace slamdb {
+namespace {
+
+// How many bytes the UTF-8 character at the beginning of `text` has; 0: there is none.
+std::size_t CharacterLength(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text[0]);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 && first < 0xF5 ? 4 : first >= 0xE0 ? 3 : first >= 0xC2 ? 2 : 0;
+  if (first >= 0xF5 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) return 0;
+  return length;
+}
+
+std::string_view Entity(char c) {
+  switch (c) {
+    case '&':
+      return "&amp;";
+    case '<':
+      return "&lt;";
+    case '>':
+      return "&gt;";
+    case '"':
+      return "&quot;";
+    case '\n':
+      return "&#10;";
+    default:
+      return static_cast<unsigned char>(c) < 0x20 ? "?" : "";
+  }
+}
+
+// Text for XML 1.0: markup escaped; control characters and bytes that are not UTF-8, which it cannot hold, become '?'.
+std::string Escaped(std::string_view text) {
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t length = CharacterLength(text);
+    const std::string_view entity = length == 0 ? "?" : Entity(text[0]);
+    const std::size_t taken = std::max<std::size_t>(length, 1);
+    result += entity.empty() ? text.substr(0, taken) : entity;
+    text.remove_prefix(taken);
+  }
+  return result;
+}
+
+std::string Attribute(std::string_view name, std::string_view value) {
+  return Concat({" ", name, "=\"", Escaped(value), "\""});
+}
+
+const RuleResult* FindResult(const CheckReport& report, const std::string& id) {
+  const auto found = std::ranges::find(report.results, id, &RuleResult::id);
+  return found == report.results.end() ? nullptr : &*found;
+}
+
+std::string Lines(const RuleResult& result) {
+  std::string text;
+  for (const Finding& finding : result.findings) text += Concat({ToString(finding.place), ": ", finding.message, "\n"});
+  if (result.count > result.findings.size())
+    text += Concat({"... and ", std::to_string(result.count - result.findings.size()), " more\n"});
+  if (!result.consequence.empty()) text += Concat({"otherwise ORB-SLAM3 ", result.consequence, "\n"});
+  return text;
+}
+
+void AppendCase(const CheckedFile& file, const std::string& id, std::string& xml) {
+  xml += Concat({"    <testcase", Attribute("classname", file.name), Attribute("name", id)});
+  const RuleResult* result = FindResult(file.report, id);
+  if (result == nullptr) {
+    xml += "/>\n";
+    return;
+  }
+  const std::string summary = Concat({result->title, ": ", std::to_string(result->count), " ",
+                                      ToString(result->severity), result->count == 1 ? "" : "s"});
+  if (result->severity == Severity::kError)
+    xml += Concat({">\n      <failure", Attribute("type", "error"), Attribute("message", summary), ">",
+                   Escaped(Lines(*result)), "</failure>\n    </testcase>\n"});
+  else
+    xml += Concat({">\n      <system-out>", Escaped(Concat({summary, "\n", Lines(*result)})),
+                   "</system-out>\n    </testcase>\n"});
+}
+
+std::size_t FailedCases(const CheckReport& report) {
+  return static_cast<std::size_t>(std::ranges::count(report.results, Severity::kError, &RuleResult::severity));
+}
+
+void AppendSuite(const CheckedFile& file, std::string& xml) {
+  const bool read = file.failure.empty();
+  xml += Concat({"  <testsuite", Attribute("name", file.name),
+                 Attribute("tests", std::to_string(read ? file.report.checked.size() : 1)),
+                 Attribute("failures", std::to_string(FailedCases(file.report))), Attribute("errors", read ? "0" : "1"),
+                 ">\n"});
+  for (const std::string& id : file.report.checked) AppendCase(file, id, xml);
+  if (!read)
+    xml += Concat({"    <testcase", Attribute("classname", file.name), Attribute("name", "read"), ">\n      <error",
+                   Attribute("type", "unreadable"), Attribute("message", file.failure), "/>\n    </testcase>\n"});
+  xml += "  </testsuite>\n";
+}
+
+}  // namespace
+
+std::string JUnitReport(std::span<const CheckedFile> files) {
+  std::size_t tests = 0, failures = 0, errors = 0;
+  std::string suites;
+  for (const CheckedFile& file : files) {
+    const bool read = file.failure.empty();
+    tests += read ? file.report.checked.size() : 1;
+    failures += FailedCases(file.report);
+    errors += read ? 0 : 1;
+    AppendSuite(file, suites);
+  }
+  return Concat({"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites", Attribute("name", "slamdb check"),
+                 Attribute("tests", std::to_string(tests)), Attribute("failures", std::to_string(failures)),
+                 Attribute("errors", std::to_string(errors)), ">\n", suites, "</testsuites>\n"});
+}
+
+}  // namespace slamdb

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/checks/report.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/support/corrupt.h"
+
+namespace slamdb {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr std::uint64_t kHugeId = ~std::uint64_t{0} - 5;
+
+// A file with an error that has more findings than are kept, a warning, a note and a failed gate; one that is sound;
+// and one that could not be read. Their names need escaping.
+std::vector<CheckedFile> Files() {
+  Atlas broken = SoundAtlas(Base::kMonocular);
+  for (std::size_t row = 0; row < 4; ++row)
+    broken.maps[0].points[row].observations.push_back({KeyFrameId(kHugeId + row), 0, -1});
+  broken.maps[0].points[9].id = MapPointId(kHugeId);
+  broken.cameras[0].recorded_type = 3;
+  broken.maps[0].keyframes[0].merge_scale = 1e30F;
+  std::vector<CheckedFile> files;
+  files.push_back({"maps/a <\"&\x01'> \xC3\xA9.osa",
+                   CheckAtlas(broken, {.max_findings = 2, .gates = {{"min-keyframes", 99}}}), ""});
+  files.push_back({"sound.osa", CheckAtlas(SoundAtlas(Base::kRgbd), {}), ""});
+  files.push_back({"bad\xFF.osa", {}, "bad.osa: byte 12: not an atlas <& \">"});
+  return files;
+}
+
+TEST(TextReport, GroupsByRuleErrorsFirst) {
+  const std::string text = TextReport(Files(), {.shown_per_rule = 1});
+  EXPECT_THAT(text, HasSubstr("error observation-target (4): points are observed by keyframes of their map\n"
+                              "    otherwise ORB-SLAM3 skips the observation"));
+  EXPECT_THAT(text, HasSubstr("observed by kf 18446744073709551610, which does not exist\n      ... and 3 more\n"));
+  EXPECT_THAT(text, HasSubstr("error gate-min-keyframes (1)"));
+  EXPECT_THAT(text, HasSubstr("atlas: has 12 keyframes, fewer than 99"));
+  EXPECT_THAT(text, HasSubstr("sound.osa: sound ("));
+  EXPECT_THAT(text, HasSubstr("3 files: 1 without errors, 1 with errors, 1 not readable"));
+  EXPECT_LT(text.find("gate-min-keyframes"), text.find("warning camera-type"));
+  EXPECT_LT(text.find("warning camera-type"), text.find("note uninitialised"));
+}
+
+TEST(TextReport, HidesNotesOnRequest) {
+  const std::string text = TextReport(Files(), {.show_notes = false});
+  EXPECT_THAT(text, Not(HasSubstr("note uninitialised")));
+  EXPECT_THAT(text, HasSubstr("note"));  // still counted
+}
+
+TEST(JsonReport, HoldsEverything) {
+  const json report = json::parse(JsonReport(Files()));
+  EXPECT_EQ(report["format"], "slamdb-check-1");
+  ASSERT_EQ(report["files"].size(), 3u);
+  const json& broken = report["files"][0];
+  EXPECT_EQ(broken["ok"], false);
+  EXPECT_EQ(broken["measures"]["keyframes"], 12);
+  bool found = false;
+  for (const json& result : broken["results"]) {
+    if (result["rule"] != "observation-target") continue;
+    found = true;
+    EXPECT_EQ(result["severity"], "error");
+    EXPECT_EQ(result["count"], 4);
+    ASSERT_EQ(result["findings"].size(), 2u);
+    EXPECT_EQ(result["findings"][0]["place"]["map"], 0);
+    EXPECT_EQ(result["fix"], "EraseDanglingObservations");
+  }
+  EXPECT_TRUE(found);
+  EXPECT_EQ(report["files"][1]["ok"], true);
+  EXPECT_TRUE(report["files"][2].contains("failure"));
+}
+
+TEST(JsonReport, KeepsLargeIdsExact) {
+  EXPECT_THAT(JsonReport(Files()), HasSubstr("\"point\": \"18446744073709551610\""));
+}
+
+// Everything that the schema requires or allows is looked at by hand: a validator is not worth a dependency.
+TEST(JsonReport, HasASchemaThatNamesItsKeys) {
+  std::ifstream file(std::string(SLAMDB_FIXTURES) + "/../schema/check.schema.json");
+  ASSERT_TRUE(file.is_open());
+  const json schema = json::parse(file);
+  const json report = json::parse(JsonReport(Files()));
+  const auto check = [](const json& object, const json& described) {
+    for (const auto& [key, value] : object.items()) EXPECT_TRUE(described["properties"].contains(key)) << key;
+    for (const json& key : described.value("required", json::array())) EXPECT_TRUE(object.contains(key)) << key;
+  };
+  check(report, schema);
+  const json& definitions = schema["$defs"];
+  for (const json& checked : report["files"]) {
+    check(checked, definitions[checked.contains("failure") ? "failed" : "checked"]);
+    if (checked.contains("failure")) continue;
+    check(checked["measures"], definitions["measures"]);
+    for (const json& result : checked["results"]) {
+      check(result, definitions["result"]);
+      for (const json& finding : result["findings"]) {
+        check(finding, definitions["finding"]);
+        check(finding["place"], definitions["place"]);
+      }
+    }
+  }
+}
+
+TEST(JUnitReport, EscapesAndCounts) {
+  const std::string xml = JUnitReport(Files());
+  EXPECT_THAT(xml, HasSubstr("<testsuite name=\"maps/a &lt;&quot;&amp;?'&gt; \xC3\xA9.osa\""));
+  EXPECT_THAT(xml,
+              HasSubstr("<failure type=\"error\" message=\"points are observed by keyframes of their map: 4 errors"));
+  EXPECT_THAT(
+      xml, HasSubstr("<error type=\"unreadable\" message=\"bad.osa: byte 12: not an atlas &lt;&amp; &quot;&gt;\"/>"));
+  EXPECT_THAT(xml, HasSubstr("name=\"gate-min-keyframes\">\n      <failure"));
+  EXPECT_THAT(xml, HasSubstr("name=\"camera-type\">\n      <system-out>"));
+  EXPECT_THAT(xml, Not(HasSubstr("\x01")));
+  const auto count = [&](std::string_view piece) {
+    std::size_t found = 0;
+    for (std::size_t at = xml.find(piece); at != std::string::npos; at = xml.find(piece, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("<testcase"), 2 * ReadRules().size() + 2);
+  EXPECT_EQ(count("<testsuite "), count("</testsuite>"));
+  EXPECT_EQ(count("\xFF"), 0u);
+}
+
+TEST(SarifReport, IsSarif) {
+  const json sarif = json::parse(SarifReport(Files(), "1.2.3"));
+  EXPECT_EQ(sarif["version"], "2.1.0");
+  ASSERT_EQ(sarif["runs"].size(), 1u);
+  const json& run = sarif["runs"][0];
+  const json& rules = run["tool"]["driver"]["rules"];
+  EXPECT_EQ(run["tool"]["driver"]["semanticVersion"], "1.2.3");
+  EXPECT_EQ(rules.size(), ReadRules().size() + ReadGates().size());
+  ASSERT_FALSE(run["results"].empty());
+  for (const json& result : run["results"]) {
+    EXPECT_EQ(rules[result["ruleIndex"].get<std::size_t>()]["id"], result["ruleId"]);
+    EXPECT_FALSE(result["message"]["text"].get<std::string>().empty());
+    ASSERT_EQ(result["locations"].size(), 1u);
+    const json& location = result["locations"][0];
+    EXPECT_EQ(location["physicalLocation"]["artifactLocation"]["uri"], "maps/a%20%3C%22%26%01%27%3E%20%C3%A9.osa");
+    EXPECT_TRUE(location["logicalLocations"][0]["fullyQualifiedName"].is_string());
+  }
+  EXPECT_EQ(run["invocations"][0]["executionSuccessful"], false);
+  EXPECT_EQ(run["invocations"][0]["toolExecutionNotifications"].size(), 1u);
+}
+
+TEST(SarifReport, NamesEntities) {
+  EXPECT_THAT(SarifReport(Files(), "1"), HasSubstr("\"fullyQualifiedName\": \"map/0/mp/"));
+}
+
+TEST(Catalogue, IsListedInFull) {
+  const std::string text = TextCatalogue();
+  const json list = json::parse(JsonCatalogue());
+  for (const Rule& rule : ReadRules()) EXPECT_THAT(text, HasSubstr(std::string(rule.id)));
+  EXPECT_EQ(list["rules"].size(), ReadRules().size());
+  EXPECT_EQ(list["gates"].size(), ReadGates().size());
+}
+
+// When this fails, replace what stands between the marks by what MarkdownCatalogue() returns.
+TEST(Catalogue, IsWhatTheDocumentationSays) {
+  std::ifstream file(std::string(SLAMDB_FIXTURES) + "/../docs/checks.md");
+  ASSERT_TRUE(file.is_open());
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("<!-- catalogue: begin -->\n" + MarkdownCatalogue() + "<!-- catalogue: end -->\n"));
+}
+
+}  // namespace
+}  // namespace slamdb
