@@ -54,6 +54,13 @@ TEST(TextReport, HidesNotesOnRequest) {
   EXPECT_THAT(text, HasSubstr("note"));  // still counted
 }
 
+TEST(TextReport, GivesNotesOneLineEachOnRequest) {
+  const std::string text = TextReport(Files(), {.note_findings = false});
+  EXPECT_THAT(text, HasSubstr("\n\n  note uninitialised (1): what does not apply is zero\n"));
+  EXPECT_THAT(text, Not(HasSubstr("is uninitialised memory in")));
+  EXPECT_THAT(text, HasSubstr("which does not exist"));  // errors keep their findings
+}
+
 TEST(JsonReport, HoldsEverything) {
   const json report = json::parse(JsonReport(Files()));
   EXPECT_EQ(report["format"], "slamdb-check-1");

@@ -18,7 +18,8 @@ struct CheckedFile {
 
 struct TextReportOptions {
   std::size_t shown_per_rule = 5;  // findings of each rule; the rest is counted
-  bool show_notes = true;          // otherwise notes are only counted
+  bool show_notes = true;          // otherwise notes are only counted in the totals
+  bool note_findings = true;       // otherwise a rule with notes is one line
 };
 
 // For people: a paragraph for each rule with findings, errors first, and a line of totals. Without colours.

@@ -23,9 +23,14 @@ std::string Totals(const CheckReport& report) {
   return text.empty() ? "sound" : text;
 }
 
-void AppendResult(const RuleResult& result, std::size_t shown, std::string& text) {
-  text += Concat({"\n  ", ToString(result.severity), " ", result.id, " (", std::to_string(result.count),
+void AppendHead(const RuleResult& result, std::string& text) {
+  text += Concat({"  ", ToString(result.severity), " ", result.id, " (", std::to_string(result.count),
                   "): ", result.title, "\n"});
+}
+
+void AppendResult(const RuleResult& result, std::size_t shown, std::string& text) {
+  text += "\n";
+  AppendHead(result, text);
   if (!result.consequence.empty()) text += Concat({"    otherwise ORB-SLAM3 ", result.consequence, "\n"});
   shown = std::min(shown, result.findings.size());
   for (std::size_t i = 0; i < shown; ++i)
@@ -42,8 +47,12 @@ void AppendFile(const CheckedFile& file, const TextReportOptions& options, std::
       Concat({file.name, ": ", Totals(file.report), " (", Counted(file.report.checked.size(), "rule"), " checked)\n"});
   for (const Severity severity : kWorstFirst) {
     if (severity == Severity::kNote && !options.show_notes) continue;
-    for (const RuleResult& result : file.report.results)
-      if (result.severity == severity) AppendResult(result, options.shown_per_rule, text);
+    const bool brief = severity == Severity::kNote && !options.note_findings;
+    if (brief && file.report.Count(severity) > 0) text += "\n";
+    for (const RuleResult& result : file.report.results) {
+      if (result.severity != severity) continue;
+      brief ? AppendHead(result, text) : AppendResult(result, options.shown_per_rule, text);
+    }
   }
 }
 
