@@ -20,12 +20,16 @@ std::string Place::ToString(std::size_t offset) const {
 
 void Cursor::Fail(const std::string& problem) const { throw Error(stream_->path(), place.ToString(offset()), problem); }
 
+// How much of the list that the cursor is in was read before it.
+std::string Cursor::WholeSoFar() const {
+  if (place.entity == nullptr) return {};
+  const char* kind = std::string_view(place.entity) == "kf" ? "keyframes" : "map points";
+  return "; " + std::to_string(place.ordinal) + " of " + std::to_string(place.of) + " " + kind +
+         " of this map are whole";
+}
+
 void Cursor::FailTruncated() const {
-  std::string problem = "the file ends here: it is truncated";
-  if (place.entity != nullptr)
-    problem += "; " + std::to_string(place.ordinal) + " of " + std::to_string(place.of) + " " +
-               (std::string_view(place.entity) == "kf" ? "keyframes" : "map points") + " of this map are whole";
-  throw Error(stream_->path(), place.ToString(stream_->size()), problem);
+  throw Error(stream_->path(), place.ToString(stream_->size()), "the file ends here: it is truncated" + WholeSoFar());
 }
 
 void Cursor::ReadOn(std::size_t bytes) {
@@ -35,8 +39,11 @@ void Cursor::ReadOn(std::size_t bytes) {
 }
 
 void Cursor::FailCount(std::uint64_t count) const {
-  Fail("a count of " + std::to_string(count) + " does not fit into the " + std::to_string(remaining()) +
-       " bytes left: the file is truncated or damaged, or written by a fork with other members");
+  const std::string problem =
+      "a count of " + std::to_string(count) + " does not fit into the " + std::to_string(remaining()) + " bytes left: ";
+  // What a whole file could hold is more likely cut off than wrong.
+  if (count <= stream_->size()) Fail(problem + "the file is truncated" + WholeSoFar());
+  Fail(problem + "the file is damaged, or written by a fork with other members");
 }
 
 std::string BinaryInput::TakeString() {

@@ -64,6 +64,7 @@ class Cursor {
     if (bytes > static_cast<std::size_t>(end_ - next_)) ReadOn(bytes);
   }
   [[gnu::cold, gnu::noinline]] void ReadOn(std::size_t bytes);
+  std::string WholeSoFar() const;
 
   FileStream* stream_;
   const ArchiveEncoding* encoding_;

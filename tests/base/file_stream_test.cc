@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/file_stream.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "slamdb/base/error.h"
+
+namespace slamdb {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::size_t kBlock = std::size_t{2} << 20;
+
+// A file of `bytes` bytes in which every byte depends on its place.
+class StreamFile {
+ public:
+  explicit StreamFile(std::size_t bytes) : content_(bytes, '\0') {
+    for (std::size_t i = 0; i < bytes; ++i) content_[i] = static_cast<char>(i * 2654435761U >> 13);
+    std::ofstream(path_, std::ios::binary) << content_;
+  }
+  ~StreamFile() { std::filesystem::remove(path_); }
+  const std::string& path() const { return path_; }
+  const std::string& content() const { return content_; }
+
+ private:
+  std::string path_ = testing::TempDir() + "slamdb_stream_" + std::to_string(::getpid());
+  std::string content_;
+};
+
+TEST(FileStream, ShowsTheWholeFile) {
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, kBlock - 1, kBlock, kBlock + 1, 3 * kBlock + 77}) {
+    const StreamFile file(bytes);
+    FileStream stream(file.path());
+    EXPECT_EQ(stream.size(), bytes);
+    EXPECT_EQ(stream.filled(), 0U);
+    stream.FillTo(bytes);
+    EXPECT_EQ(stream.filled(), bytes);
+    EXPECT_TRUE(std::string_view(stream.data(), stream.size()) == file.content());
+  }
+}
+
+TEST(FileStream, FillsOnlyAsFarAsAsked) {
+  const StreamFile file(5 * kBlock);
+  FileStream stream(file.path());
+  stream.FillTo(kBlock + 1);
+  EXPECT_EQ(stream.filled(), 2 * kBlock);
+  stream.FillTo(100 * kBlock);
+  EXPECT_EQ(stream.filled(), 5 * kBlock);
+}
+
+// Released memory is used again further on, at other addresses, and must then show what is there.
+TEST(FileStream, ShowsEveryBlockWhileItMovesAlong) {
+  const StreamFile file(9 * kBlock + 12345);
+  FileStream stream(file.path());
+  for (std::size_t begin = 0; begin < stream.size(); begin += kBlock / 2) {
+    const std::size_t end = std::min(stream.size(), begin + kBlock / 2);
+    stream.FillTo(end);
+    EXPECT_TRUE(std::string_view(stream.data() + begin, end - begin) ==
+                std::string_view(file.content()).substr(begin, end - begin))
+        << "from byte " << begin;
+    stream.Release(end);
+  }
+}
+
+TEST(FileStream, AFileThatBecomesShorterIsAnError) {
+  const StreamFile file(4 * kBlock);
+  FileStream stream(file.path());
+  stream.FillTo(1);
+  std::filesystem::resize_file(file.path(), kBlock + 10);
+  try {
+    stream.FillTo(4 * kBlock);
+    FAIL() << "bytes that are not there were read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("became shorter"));
+  }
+}
+
+TEST(FileStream, RefusesWhatIsNoFile) {
+  EXPECT_THROW(FileStream("/nowhere/atlas.osa"), Error);
+  EXPECT_THROW(FileStream(testing::TempDir()), Error);
+  EXPECT_THROW(FileStream("/dev/null"), Error);
+}
+
+}  // namespace
+}  // namespace slamdb
