@@ -105,7 +105,7 @@ TEST(StoreIncremental, RandomEditsAlwaysComeBack) {
   Atlas atlas = OddAtlas();
   std::mt19937 random(7);
   const auto pick = [&](std::size_t size) { return static_cast<std::ptrdiff_t>(random() % size); };
-  for (int step = 0; step < 60; ++step) {
+  for (int step = 0; step < 40; ++step) {
     Map& map = atlas.maps[random() % atlas.maps.size()];
     switch (random() % 8) {
       case 0:

@@ -103,7 +103,7 @@ void WalkInertial(Codec& codec, Frame& frame) {
   codec.Field(calibration.is_set);
 }
 
-// All but the measurements: numbers only, 2236 bytes.
+// All but the measurements: numbers only, 2188 bytes.
 template <class Codec, class Preintegration>
 void WalkPreintegration(Codec& codec, Preintegration& imu) {
   codec.Field(imu.duration);

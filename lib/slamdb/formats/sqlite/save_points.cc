@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "slamdb/formats/sqlite/box_tree.h"
 #include "slamdb/formats/sqlite/save.h"
 
 namespace slamdb::sqlite {
@@ -45,84 +46,74 @@ class PointWriter {
   Statement insert_;
 };
 
-// The rows of observation of one point.
+// The rows of observation. They are many and small, so they go in by the batch: a statement of several rows costs
+// little more than one of a single row. Flush() after the last.
 class ObservationWriter {
  public:
   explicit ObservationWriter(Database& database)
       : database_(database),
         remove_(database, "DELETE FROM observation WHERE point = ?1", "table observation"),
-        insert_(database, "INSERT INTO observation VALUES (?1, ?2, ?3, ?4, ?5, ?6)", "table observation") {}
+        insert_(database, InsertOf(1), "table observation"),
+        insert_batch_(database, InsertOf(kBatch), "table observation") {}
 
   std::uint64_t Remove(std::int64_t row) {
     remove_.Bind(1, row).Run();
     return static_cast<std::uint64_t>(sqlite3_changes(database_.handle()));
   }
-  std::uint64_t Write(std::int64_t map, std::int64_t row, const Column<Observation>& observations) {
-    insert_.Bind(1, row).Bind(3, map);
+  void Write(std::int64_t map, std::int64_t row, const Column<Observation>& observations) {
     const auto keypoint = [](std::int32_t index) {
       return index == Observation::kAbsent ? std::nullopt : std::optional<std::int64_t>(index);
     };
     for (std::size_t i = 0; i < observations.size(); ++i) {
       const Observation& observation = observations[i];
-      insert_.Bind(2, static_cast<std::int64_t>(i)).Bind(4, ToReference(observation.keyframe));
-      insert_.Bind(5, keypoint(observation.left)).Bind(6, keypoint(observation.right)).Run();
+      rows_.push_back({row, static_cast<std::int64_t>(i), map, ToReference(observation.keyframe),
+                       keypoint(observation.left), keypoint(observation.right)});
+      if (rows_.size() == kBatch) {
+        for (std::size_t k = 0; k < kBatch; ++k) BindRow(insert_batch_, static_cast<int>(k), rows_[k]);
+        insert_batch_.Run();
+        rows_.clear();
+      }
     }
-    return observations.size();
+  }
+  void Flush() {
+    for (const Row& row : rows_) {
+      BindRow(insert_, 0, row);
+      insert_.Run();
+    }
+    rows_.clear();
   }
 
  private:
+  static constexpr std::size_t kBatch = 64;
+  using Row = std::array<std::optional<std::int64_t>, 6>;
+
+  static std::string InsertOf(std::size_t rows) {
+    std::string sql = "INSERT INTO observation VALUES (?, ?, ?, ?, ?, ?)";
+    for (std::size_t i = 1; i < rows; ++i) sql += ", (?, ?, ?, ?, ?, ?)";
+    return sql;
+  }
+  static void BindRow(Statement& statement, int index, const Row& row) {
+    for (int i = 0; i < 6; ++i) statement.Bind(6 * index + i + 1, row[static_cast<std::size_t>(i)]);
+  }
+
   Database& database_;
-  Statement remove_, insert_;
+  Statement remove_, insert_, insert_batch_;
+  std::vector<Row> rows_;
 };
 
-// Every third bit of the result is a bit of `value`'s lowest 21.
-std::uint64_t Spread(std::uint64_t value) {
-  value &= 0x1fffff;
-  value = (value | value << 32) & 0x1f00000000ffff;
-  value = (value | value << 16) & 0x1f0000ff0000ff;
-  value = (value | value << 8) & 0x100f00f00f00f00f;
-  value = (value | value << 4) & 0x10c30c30c30c30c3;
-  return (value | value << 2) & 0x1249249249249249;
-}
-
-// Enters the positions of points into the R*Tree in Morton order, so that neighbours come after each other and the tree
-// is built of tight nodes with few splits far apart.
+// Brings the R*Tree up to date with the points that changed. Points with a NaN coordinate are not in it.
 void WriteBoxes(SaveContext& context, const ListPlan& plan, const Map& map, const std::vector<std::size_t>& changed) {
-  struct Item {
-    std::uint64_t code;
-    std::size_t index;
-  };
-  Eigen::AlignedBox3f box;
-  for (const std::size_t i : changed) {
-    if (map.points[i].position.allFinite()) box.extend(map.points[i].position);
-  }
-  const Eigen::Vector3f scale = 2097151.0F * box.sizes().cwiseMax(1e-30F).cwiseInverse();
-  std::vector<Item> items;
-  items.reserve(changed.size());
   Statement remove(context.database, "DELETE FROM map_point_box WHERE row = ?1", "table map_point_box");
+  std::vector<PointBox> boxes;
+  boxes.reserve(changed.size());
   for (const std::size_t i : changed) {
-    const Eigen::Vector3f& position = map.points[i].position;
-    if (position.hasNaN()) {
-      if (plan.entries[i].stored != nullptr) remove.Bind(1, plan.entries[i].row).Run();
-      continue;
+    if (!map.points[i].position.hasNaN()) {
+      boxes.push_back({plan.entries[i].row, map.points[i].position});
+    } else if (plan.entries[i].stored != nullptr) {
+      remove.Bind(1, plan.entries[i].row).Run();
     }
-    std::uint64_t code = 0;
-    if (position.allFinite()) {
-      const Eigen::Vector3f cell = (position - box.min()).cwiseProduct(scale).cwiseMax(0.0F).cwiseMin(2097151.0F);
-      code = Spread(static_cast<std::uint64_t>(cell.x())) | Spread(static_cast<std::uint64_t>(cell.y())) << 1 |
-             Spread(static_cast<std::uint64_t>(cell.z())) << 2;
-    }
-    items.push_back({code, i});
   }
-  std::sort(items.begin(), items.end(),
-            [](const Item& a, const Item& b) { return a.code != b.code ? a.code < b.code : a.index < b.index; });
-  Statement insert(context.database, "INSERT OR REPLACE INTO map_point_box VALUES (?1, ?2, ?2, ?3, ?3, ?4, ?4)",
-                   "table map_point_box");
-  for (const Item& item : items) {
-    const Eigen::Vector3f& position = map.points[item.index].position;
-    insert.Bind(1, plan.entries[item.index].row).BindReal(2, position.x()).BindReal(3, position.y());
-    insert.BindReal(4, position.z()).Run();
-  }
+  UpdateBoxes(context.database, std::move(boxes));
 }
 
 void RemovePoints(SaveContext& context, ObservationWriter& observations, const std::vector<std::int64_t>& rows) {
@@ -176,10 +167,12 @@ void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const At
       changes.unchanged += map.points[i].observations.size();
     } else {
       if (entry.stored != nullptr) changes.deleted += observations.Remove(entry.row);
-      changes.inserted += observations.Write(row, entry.row, map.points[i].observations);
+      observations.Write(row, entry.row, map.points[i].observations);
+      changes.inserted += map.points[i].observations.size();
     }
     if (i % kReportEvery == kReportEvery - 1) context.Report(kReportEvery / 2);
   }
+  observations.Flush();
   context.Report(map.points.size() % kReportEvery);
 }
 

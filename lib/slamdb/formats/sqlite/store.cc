@@ -19,8 +19,8 @@ namespace {
 
 constexpr int kLoadAttempts = 5;  // when another program saves the same atlas again and again meanwhile
 
-// Large pages, because features are blobs of hundreds of kilobytes.
-constexpr const char* kNewFile = "PRAGMA page_size=16384; PRAGMA journal_mode=WAL";
+// Measured: 4 to 16 KiB load and save alike; larger pages make the many small rows slower and small stores larger.
+constexpr const char* kNewFile = "PRAGMA page_size=8192; PRAGMA journal_mode=WAL";
 
 void CheckNotStandardStream(const std::string& path) {
   if (path == "-") throw Error(path, "", "a store is a file; it cannot be standard input or output");
