@@ -261,6 +261,11 @@ Session::~Session() {
   delete atlas;
 }
 
+unsigned int ArchiveVersion() {
+  const auto version = boost::archive::BOOST_ARCHIVE_VERSION();
+  return version;
+}
+
 std::unique_ptr<Session> Load(const std::string& path, Encoding encoding) {
   std::ifstream stream(path, std::ios::binary);
   return encoding == Encoding::kText ? LoadAs<boost::archive::text_iarchive>(stream)

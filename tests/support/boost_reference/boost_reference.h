@@ -191,6 +191,9 @@ enum class Encoding { kBinary, kText };
 // can also crash it. Neither looks at the file's end.
 std::unique_ptr<Session> Load(const std::string& path, Encoding encoding);
 
+// The library version that Save writes and the newest that Load takes.
+unsigned int ArchiveVersion();
+
 // Replaces the file in place, with the library version of the Boost it is compiled with.
 void Save(const Session& session, const std::string& path, Encoding encoding);
 
