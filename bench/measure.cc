@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/measure.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "slamdb/base/column.h"
+#include "slamdb/base/error.h"
+#include "slamdb/base/parallel.h"
+#include "slamdb/checks/check.h"
+#include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/model/statistics.h"
+#include "slamdb/synthetic/synthesize.h"
+#include "tests/support/boost_reference/boost_reference.h"
+
+namespace slamdb::bench {
+namespace {
+
+using reference::Encoding;
+
+template <class Work>
+Sample Time(const Work& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return {.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
+}
+
+// Megabytes of this process that are not of a file.
+double AnonymousMemory() {
+  std::ifstream stream("/proc/self/statm");
+  double pages = 0, resident = 0, shared = 0;
+  stream >> pages >> resident >> shared;
+  return (resident - shared) * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
+}
+
+// Runs the work while a thread looks at the memory every millisecond; its time is not to be used.
+template <class Work>
+Sample WatchMemory(const Work& work) {
+  const double before = AnonymousMemory();
+  std::atomic<bool> done = false;
+  double peak = 0;
+  std::thread watcher([&] {
+    while (!done) {
+      peak = std::max(peak, AnonymousMemory());
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  Sample sample = Time(work);
+  peak = std::max(peak, AnonymousMemory());
+  done = true;
+  watcher.join();
+  sample.peak_megabytes = peak - before;
+  return sample;
+}
+
+Atlas Read(const std::string& path) {
+  Notices notices;
+  return ReadOrbslam3(path, {}, notices);
+}
+
+void Write(Atlas& atlas, const std::string& path, bool text, bool sanitize = false) {
+  Notices notices;
+  WriteOptions options;
+  options.overwrite = true;
+  options.sync = false;
+  options.sanitize = sanitize;
+  options.boost_version = std::min(reference::ArchiveVersion(), 12U);
+  atlas.encoding.text = text;
+  WriteOrbslam3(atlas, path, options, notices);
+}
+
+// Leaves without tearing down what was read: a command that has done its work does the same.
+template <class Value>
+void Keep(Value&& value) {
+  new Value(std::forward<Value>(value));
+}
+
+// ---- reading
+
+Sample ReadBinary(const Workplace& at) {
+  return Time([&] { Keep(Read(at.binary())); });
+}
+Sample ReadText(const Workplace& at) {
+  return Time([&] { Keep(Read(at.text())); });
+}
+Sample ReferenceReadBinary(const Workplace& at) {
+  return Time([&] { reference::Load(at.binary(), Encoding::kBinary).release(); });
+}
+Sample ReferenceReadText(const Workplace& at) {
+  return Time([&] { reference::Load(at.text(), Encoding::kText).release(); });
+}
+Sample ReadMemory(const Workplace& at) {
+  return WatchMemory([&] { Keep(Read(at.binary())); });
+}
+Sample ReferenceReadMemory(const Workplace& at) {
+  return WatchMemory([&] { reference::Load(at.binary(), Encoding::kBinary).release(); });
+}
+
+// ---- writing
+
+Sample WriteAs(const Workplace& at, bool text) {
+  Atlas atlas = Read(at.binary());
+  std::filesystem::remove(at.output());
+  return Time([&] { Write(atlas, at.output(), text); });
+}
+Sample ReferenceWriteAs(const Workplace& at, Encoding encoding) {
+  const reference::Session* session = reference::Load(at.binary(), Encoding::kBinary).release();
+  std::filesystem::remove(at.output());
+  return Time([&] { reference::Save(*session, at.output(), encoding); });
+}
+Sample WriteBinary(const Workplace& at) { return WriteAs(at, false); }
+Sample WriteText(const Workplace& at) { return WriteAs(at, true); }
+Sample ReferenceWriteBinary(const Workplace& at) { return ReferenceWriteAs(at, Encoding::kBinary); }
+Sample ReferenceWriteText(const Workplace& at) { return ReferenceWriteAs(at, Encoding::kText); }
+
+// ---- info and check
+
+// What the command does, but for printing: statistics of everything, and the size on disk by part.
+Sample Info(const Workplace& at) {
+  return Time([&] {
+    Notices notices;
+    std::vector<PartSize> parts;
+    ReadOptions options;
+    options.part_sizes = &parts;
+    Atlas atlas = ReadOrbslam3(at.binary(), options, notices);
+    Keep(ComputeStatistics(atlas));
+    Keep(std::move(atlas));
+  });
+}
+
+Sample Check(const Workplace& at) {
+  const Atlas atlas = Read(at.binary());
+  return Time([&] { Keep(CheckAtlas(atlas, {})); });
+}
+
+// ---- the store. Not synced, as the reference's writes are not.
+
+constexpr const char* kName = "atlas";
+
+Sample StoreSave(const Workplace& at) {
+  const Atlas atlas = Read(at.binary());
+  std::filesystem::remove(at.output());
+  return Time([&] { Store::OpenForWriting(at.output(), {.sync = false}).Save(kName, atlas); });
+}
+
+Sample StoreLoad(const Workplace& at) {
+  return Time([&] { Keep(Store::Open(at.store()).Load(kName)); });
+}
+
+// Saves again after one keyframe in a hundred has moved and lost its first keypoint's match.
+Sample StoreSaveAgain(const Workplace& at) {
+  Atlas atlas = Read(at.binary());
+  std::filesystem::copy_file(at.store(), at.output(), std::filesystem::copy_options::overwrite_existing);
+  for (Map& map : atlas.maps) {
+    for (std::size_t i = 0; i < map.keyframes.size(); i += 100) {
+      KeyFrame& keyframe = map.keyframes[i];
+      keyframe.camera_from_world.translation.x() += 0.01F;
+      if (!keyframe.features.map_points.empty()) keyframe.features.map_points.front() = MapPointId();
+    }
+  }
+  return Time([&] { Store::OpenForWriting(at.output(), {.sync = false}).Save(kName, atlas); });
+}
+
+// ---- the limit: the same bytes from the page cache into fresh memory
+
+Sample Copy(const Workplace& at, int threads) {
+  return Time([&] {
+    const MappedFile file(at.binary());
+    const Bytes bytes = file.bytes();
+    auto* memory = static_cast<std::byte*>(AllocateColumn(bytes.size()));
+    ParallelFor(bytes.size(), std::size_t{4} << 20, threads, [&](std::size_t begin, std::size_t end) {
+      std::memcpy(memory + begin, bytes.data() + begin, end - begin);
+    });
+  });
+}
+Sample CopyOneThread(const Workplace& at) { return Copy(at, 1); }
+Sample CopyAllThreads(const Workplace& at) { return Copy(at, 0); }
+
+// ... and from the page cache into a new file.
+Sample CopyToFile(const Workplace& at) {
+  std::filesystem::remove(at.output());
+  return Time([&] {
+    const MappedFile file(at.binary());
+    AtomicFile output(at.output(), {.overwrite = true, .sync = false});
+    output.Write(file.bytes());
+    output.Commit();
+  });
+}
+
+constexpr Measurement kMeasurements[] = {
+    {"read-binary", ReadBinary},
+    {"read-binary-reference", ReferenceReadBinary},
+    {"read-text", ReadText},
+    {"read-text-reference", ReferenceReadText},
+    {"read-memory", ReadMemory},
+    {"read-memory-reference", ReferenceReadMemory},
+    {"write-binary", WriteBinary},
+    {"write-binary-reference", ReferenceWriteBinary},
+    {"write-text", WriteText},
+    {"write-text-reference", ReferenceWriteText},
+    {"info", Info},
+    {"check", Check},
+    {"store-save", StoreSave},
+    {"store-load", StoreLoad},
+    {"store-save-again", StoreSaveAgain},
+    {"copy", CopyOneThread},
+    {"copy-parallel", CopyAllThreads},
+    {"copy-to-file", CopyToFile},
+};
+
+SyntheticOptions RoomOf(std::size_t keyframes, std::size_t points) {
+  SyntheticOptions options;
+  options.sensor = Sensor::kRgbd;
+  options.keyframes = keyframes;
+  options.points = points;
+  options.features = 1000;
+  return options;
+}
+
+}  // namespace
+
+std::span<const Measurement> Measurements() { return kMeasurements; }
+
+const Measurement& MeasurementById(std::string_view id) {
+  for (const Measurement& measurement : kMeasurements)
+    if (measurement.id == id) return measurement;
+  throw Error("unknown measurement '" + std::string(id) + "'");
+}
+
+void Prepare(const std::string& atlas_path, const Workplace& at) {
+  Atlas atlas = Read(atlas_path);
+  Write(atlas, at.binary(), false, true);
+  Write(atlas, at.text(), true, true);
+  std::filesystem::remove(at.store());
+  Store::OpenForWriting(at.store(), {.sync = false}).Save(kName, Read(at.binary()));
+}
+
+void Synthesize(double megabytes, std::size_t points, const std::string& path) {
+  constexpr std::size_t kTrial = 20, kPointsPerKeyframe = 140;  // as ORB-SLAM3's own RGB-D sessions
+  Atlas trial = SynthesizeAtlas(RoomOf(kTrial, kTrial * kPointsPerKeyframe));
+  const double each = static_cast<double>(EncodeOrbslam3(trial).size()) * 1e-6 / kTrial;
+  const auto keyframes = std::max<std::size_t>(kTrial, static_cast<std::size_t>(megabytes / each));
+  Atlas atlas = SynthesizeAtlas(RoomOf(keyframes, points != 0 ? points : keyframes * kPointsPerKeyframe));
+  Write(atlas, path, false);
+}
+
+}  // namespace slamdb::bench

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+// What is measured, one thing at a time, each in a process of its own: nothing is warm but the page cache.
+namespace slamdb::bench {
+
+struct Sample {
+  double seconds = 0;
+  double peak_megabytes = 0;  // of anonymous memory, where it is sampled
+};
+
+// Where a measurement finds its input and leaves its output. Prepare() makes all of them from one .osa file.
+struct Workplace {
+  std::string folder;
+  std::string name;
+
+  std::string binary() const { return Path(".osa"); }
+  std::string text() const { return Path(".text.osa"); }
+  std::string store() const { return Path(".db"); }
+  std::string output() const { return Path(".out"); }
+
+ private:
+  std::string Path(std::string_view suffix) const { return folder + "/" + name + std::string(suffix); }
+};
+
+struct Measurement {
+  std::string_view id;
+  Sample (*run)(const Workplace&);
+};
+
+// All of them, ours and the reference's.
+std::span<const Measurement> Measurements();
+const Measurement& MeasurementById(std::string_view id);  // throws Error
+
+// Writes the binary, text and store form of the atlas. They hold what stock Boost can read, so without the nan and inf
+// of uninitialised members.
+void Prepare(const std::string& atlas, const Workplace& workplace);
+
+// Writes a synthetic RGB-D atlas of about that size (1000 features a keyframe) as .osa. With `points` other than 0 it
+// has that many map points, whatever its size.
+void Synthesize(double megabytes, std::size_t points, const std::string& path);
+
+}  // namespace slamdb::bench
