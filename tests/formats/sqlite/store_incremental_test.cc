@@ -73,6 +73,27 @@ TEST(StoreIncremental, RemovedAndAppendedEntitiesLeaveTheRestAlone) {
   EXPECT_EQ(FirstDifference(LoadFrom(folder / "s.db"), atlas), "");
 }
 
+// The R*Tree takes few points one by one and many by being built anew; both ways in one connection.
+TEST(StoreIncremental, BoxesFollowThePoints) {
+  const TemporaryFolder folder;
+  Atlas atlas = SoundAtlas();
+  Store store = Store::OpenForWriting(folder / "s.db", {.sync = false});
+  store.Save("a", atlas);
+  atlas.maps[0].points[3].position = {50, 60, 70};
+  store.Save("a", atlas);
+  EXPECT_EQ(Sql(folder / "s.db", "SELECT min_x, max_z FROM map_point_box WHERE min_x > 49"), "50.0|70.0");
+  EXPECT_EQ(Sql(folder / "s.db", "SELECT rtreecheck('map_point_box')"), "ok");
+  for (MapPoint& point : atlas.maps[1].points) point.position.x() += 100;
+  store.Save("a", atlas);
+  atlas.maps[1].points.pop_back();
+  atlas.maps[1].points[0].position.y() = std::numeric_limits<float>::quiet_NaN();
+  store.Save("a", atlas);
+  EXPECT_EQ(Sql(folder / "s.db", "SELECT rtreecheck('map_point_box')"), "ok");
+  EXPECT_EQ(Sql(folder / "s.db", "SELECT count(*) FROM map_point_box"),
+            std::to_string(atlas.maps[0].points.size() + atlas.maps[1].points.size() - 1));
+  EXPECT_EQ(FirstDifference(store.Load("a"), atlas), "");
+}
+
 TEST(StoreIncremental, ObservationsOfOnePoint) {
   const TemporaryFolder folder;
   Atlas atlas = SoundAtlas();

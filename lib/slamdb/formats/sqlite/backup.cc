@@ -42,9 +42,10 @@ void Copy(Database& source, const std::string& to, const std::string& target) {
 }  // namespace
 
 void BackupTo(Database& source, const std::string& target, bool overwrite) {
-  if (std::filesystem::is_directory(target)) throw Error(target, "", "is a directory");
-  if (!overwrite && std::filesystem::exists(target)) throw Error(target, "", "exists; use --overwrite to replace it");
   std::error_code ignored;
+  if (std::filesystem::is_directory(target, ignored)) throw Error(target, "", "is a directory");
+  if (!overwrite && std::filesystem::exists(target, ignored))
+    throw Error(target, "", "exists; use --overwrite to replace it");
   if (std::filesystem::equivalent(source.path(), target, ignored)) throw Error(target, "", "is the store itself");
   TemporaryFile temporary{target + ".tmp-" + std::to_string(::getpid())};
   ::unlink(temporary.path.c_str());

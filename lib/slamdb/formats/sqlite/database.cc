@@ -81,10 +81,10 @@ void Database::OpenHandle(const std::string& name, int flags) {
 // that SQLite lays beside a store while it is open; query_only keeps it from writing. A log that a killed writer left
 // is read and left alone. Where even those files cannot be made, and no log is there, nobody can be writing: immutable.
 void Database::OpenToRead(double lock_timeout) {
-  std::error_code ignored;
-  const auto log_bytes = std::filesystem::file_size(path_ + "-wal", ignored);
-  const bool has_log = !ignored && log_bytes > 0;
   OpenHandle(path_, SQLITE_OPEN_READWRITE);
+  std::error_code missing;
+  const auto log_bytes = std::filesystem::file_size(log_path(), missing);
+  const bool has_log = !missing && log_bytes > 0;
   if (has_log) sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   sqlite3_busy_timeout(handle(), static_cast<int>(lock_timeout * 1000));
   const auto begin_reading = [this] {
@@ -100,8 +100,8 @@ void Database::OpenToRead(double lock_timeout) {
   }
   if ((code & 0xff) == SQLITE_CANTOPEN && has_log) {
     throw Error(path_, "",
-                "a log of unfinished work (" + path_ +
-                    "-wal) lies beside it in a folder that cannot be written: copy both to another folder");
+                "a log of unfinished work (" + log_path() +
+                    ") lies beside it in a folder that cannot be written: copy both to another folder");
   }
   if (code != SQLITE_OK) throw Failure("", code);
 }
@@ -111,6 +111,8 @@ void Database::OpenToWrite(Access access, double lock_timeout) {
   sqlite3_busy_timeout(handle(), static_cast<int>(lock_timeout * 1000));
   if (sqlite3_db_readonly(handle(), "main") == 1) throw Error(path_, "", "the file cannot be written");
 }
+
+std::string Database::log_path() const { return std::string(sqlite3_db_filename(handle(), "main")) + "-wal"; }
 
 void Database::Execute(const std::string& sql) {
   const int code = sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr);

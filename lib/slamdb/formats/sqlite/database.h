@@ -34,6 +34,9 @@ class Database {
   std::int64_t Integer(const std::string& sql);  // the first column of the first row; 0 when there is none
   bool HasTable(std::string_view name);
 
+  // Where SQLite keeps the write-ahead log: beside the file that symbolic links lead to.
+  std::string log_path() const;
+
   // True when the file was opened as one that nobody writes: its folder is read-only and no log lies beside it.
   bool immutable() const { return immutable_; }
 

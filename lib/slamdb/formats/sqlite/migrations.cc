@@ -14,7 +14,8 @@ namespace {
 std::string FreeBackupName(const std::string& path, int version) {
   const std::string name = path + ".v" + std::to_string(version) + ".bak";
   std::string candidate = name;
-  for (int i = 2; std::filesystem::exists(candidate); ++i) candidate = name + "." + std::to_string(i);
+  std::error_code ignored;
+  for (int i = 2; std::filesystem::exists(candidate, ignored); ++i) candidate = name + "." + std::to_string(i);
   return candidate;
 }
 

@@ -31,7 +31,8 @@ struct FileState {
   std::uintmax_t size = 0;
   std::filesystem::file_time_type time;
   static FileState Of(const std::string& path) {
-    return {std::filesystem::file_size(path), std::filesystem::last_write_time(path)};
+    std::error_code gone;
+    return {std::filesystem::file_size(path, gone), std::filesystem::last_write_time(path, gone)};
   }
   friend bool operator==(const FileState&, const FileState&) = default;
 };
