@@ -56,7 +56,7 @@ TEST(TextReport, HidesNotesOnRequest) {
 
 TEST(TextReport, GivesNotesOneLineEachOnRequest) {
   const std::string text = TextReport(Files(), {.note_findings = false});
-  EXPECT_THAT(text, HasSubstr("\n\n  note uninitialised (1): what does not apply is zero\n"));
+  EXPECT_THAT(text, HasSubstr("\n  note uninitialised (1): what does not apply is zero\n"));
   EXPECT_THAT(text, Not(HasSubstr("is uninitialised memory in")));
   EXPECT_THAT(text, HasSubstr("which does not exist"));  // errors keep their findings
 }
