@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/orbslam3/orbslam3.h"
+#include "tests/fuzz/fuzz.h"
+
+// Any bytes as an .osa file, binary or text by their first bytes. They decode or fail with an Error; what decoded is
+// written to an archive that decodes to the same bytes again.
+namespace {
+
+// A file in memory with a path.
+class MemoryFile {
+ public:
+  explicit MemoryFile(slamdb::Bytes bytes) : descriptor_(memfd_create("fuzz", 0)) {
+    for (std::size_t done = 0; done < bytes.size();) {
+      const ssize_t written = write(descriptor_, bytes.data() + done, bytes.size() - done);
+      if (written <= 0) std::abort();
+      done += static_cast<std::size_t>(written);
+    }
+  }
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+ private:
+  int descriptor_;
+};
+
+slamdb::Atlas Decode(slamdb::Bytes bytes, int threads) {
+  const MemoryFile file(bytes);
+  slamdb::Notices notices;
+  slamdb::ReadOptions options;
+  options.threads = threads;
+  return slamdb::ReadOrbslam3(file.path(), options, notices);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const slamdb::Bytes input = std::as_bytes(std::span(data, size));
+  std::string encoded;
+  try {
+    encoded = slamdb::EncodeOrbslam3(Decode(input, 1));
+  } catch (const slamdb::Error&) {
+    return 0;
+  }
+  const std::string again = slamdb::EncodeOrbslam3(Decode(std::as_bytes(std::span(encoded)), 2));
+  if (again != encoded) {
+    std::fputs("what was written decodes to something else\n", stderr);
+    std::abort();
+  }
+  return 0;
+}

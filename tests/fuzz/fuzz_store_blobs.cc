@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/sqlite/features_blob.h"
+#include "slamdb/formats/sqlite/keyframe_blob.h"
+#include "tests/fuzz/fuzz.h"
+
+// Any bytes as the two blobs that the store keeps of a keyframe: one byte each for its three counts of features, then
+// two bytes for the length of the details, the details, the features. They decode or fail with an Error; what decoded
+// is packed into blobs that decode to the same blobs again.
+namespace {
+
+using slamdb::Bytes;
+
+struct Blobs {
+  slamdb::sqlite::ByteWriter details, features;
+};
+
+void Encode(const slamdb::KeyFrame& keyframe, Blobs& blobs) {
+  slamdb::sqlite::EncodeDetails(keyframe, blobs.details);
+  slamdb::sqlite::EncodeFeatures(keyframe, blobs.features);
+}
+
+slamdb::KeyFrame Decode(const std::uint8_t* counts, Bytes details, Bytes features) {
+  slamdb::KeyFrame keyframe;
+  keyframe.features.count = counts[0];
+  keyframe.features.left_count = static_cast<std::int8_t>(counts[1]);
+  keyframe.features.right_count = static_cast<std::int8_t>(counts[2]);
+  slamdb::sqlite::DecodeDetails(details, keyframe);
+  slamdb::sqlite::DecodeFeatures(features, keyframe);
+  return keyframe;
+}
+
+bool Same(Bytes a, Bytes b) { return std::equal(a.begin(), a.end(), b.begin(), b.end()); }
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < 5) return 0;
+  const Bytes rest = std::as_bytes(std::span(data, size)).subspan(5);
+  const std::size_t cut = std::min<std::size_t>(data[3] | data[4] << 8, rest.size());
+  Blobs first, second;
+  try {
+    Encode(Decode(data, rest.first(cut), rest.subspan(cut)), first);
+  } catch (const slamdb::Error&) {
+    return 0;
+  }
+  Encode(Decode(data, first.details.bytes(), first.features.bytes()), second);
+  if (!Same(first.details.bytes(), second.details.bytes()) || !Same(first.features.bytes(), second.features.bytes())) {
+    std::fputs("what was packed decodes to something else\n", stderr);
+    std::abort();
+  }
+  return 0;
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/sqlite/features_blob.h"
+#include "slamdb/formats/sqlite/keyframe_blob.h"
+#include "tests/formats/orbslam3/crafted_atlases.h"
+
+// Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
+// and the store's blobs of their keyframes.
+namespace slamdb {
+namespace {
+
+using std::filesystem::path;
+using Field = CraftedArchive::Field;
+
+void Write(const path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+void WriteDamaged(const path& folder, const std::string& name, const Crafted& crafted, bool text) {
+  for (std::size_t i = 1; i < 16; ++i)
+    Write(folder / (name + "_cut_" + std::to_string(i)), crafted.bytes.substr(0, crafted.bytes.size() * i / 16));
+  const std::uint64_t huge = std::uint64_t{1} << 61;
+  for (std::size_t i = 0; i < crafted.fields.size(); ++i) {
+    const Field& field = crafted.fields[i];
+    std::string bytes = crafted.bytes;
+    if (text)
+      bytes.replace(field.offset, field.length, field.kind == Field::Kind::kCount ? std::to_string(huge) : "32767");
+    else
+      bytes.replace(field.offset, field.length, field.length, '\x7f');
+    Write(folder / (name + "_field_" + std::to_string(i)), bytes);
+  }
+}
+
+std::string StoreSeed(const KeyFrame& keyframe) {
+  sqlite::ByteWriter details, features;
+  sqlite::EncodeDetails(keyframe, details);
+  sqlite::EncodeFeatures(keyframe, features);
+  const Features& counts = keyframe.features;
+  const std::size_t length = details.bytes().size();
+  std::string seed = {static_cast<char>(counts.count), static_cast<char>(counts.left_count),
+                      static_cast<char>(counts.right_count), static_cast<char>(length & 0xff),
+                      static_cast<char>(length >> 8)};
+  for (const Bytes bytes : {details.bytes(), features.bytes()})
+    seed.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return seed;
+}
+
+void WriteStoreSeeds(const path& folder, const path& archive, const std::string& name) {
+  Notices notices;
+  const Atlas atlas = ReadOrbslam3(archive.string(), {}, notices);
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) {
+      const std::string seed = StoreSeed(keyframe), id = name + "_" + std::to_string(keyframe.id.value());
+      Write(folder / id, seed);
+      for (std::size_t i = 1; i < 64; ++i) {
+        std::string damaged = seed;
+        damaged[damaged.size() * i / 64] ^= static_cast<char>(0xff);
+        Write(folder / (id + "_changed_" + std::to_string(i)), damaged);
+      }
+    }
+}
+
+void WriteSeeds(const path& base) {
+  const path archives = base / "orbslam3", blobs = base / "store_blobs";
+  std::filesystem::create_directories(archives);
+  std::filesystem::create_directories(blobs);
+  constexpr std::array<std::array<int, 2>, 3> kWidths = {{{8, 8}, {4, 8}, {4, 4}}};  // long, size_t
+  for (const bool text : {false, true})
+    for (const auto& [long_bytes, size_bytes] : kWidths) {
+      const Craft craft{text, 18, long_bytes, size_bytes};
+      const std::string kind = std::string(text ? "text" : "binary") + std::to_string(long_bytes * 10 + size_bytes);
+      const Crafted tiny = CraftTinyAtlas(craft), odd = CraftOddAtlas(craft);
+      Write(archives / ("tiny_" + kind), tiny.bytes);
+      Write(archives / ("odd_" + kind), odd.bytes);
+      if (long_bytes == 8) WriteDamaged(archives, "odd_" + kind, odd, text);
+    }
+  for (const char* name : {"tiny", "odd"}) WriteStoreSeeds(blobs, archives / (std::string(name) + "_binary88"), name);
+}
+
+}  // namespace
+}  // namespace slamdb
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fputs("usage: fuzz_seeds FOLDER\n", stderr);
+    return 2;
+  }
+  slamdb::WriteSeeds(arguments[1]);
+  return 0;
+}
