@@ -19,13 +19,24 @@ using reference::Encoding;
 using ::testing::HasSubstr;
 using ::testing::Values;
 
-// A fresh path for this test.
-std::string Scratch(const std::string& name) {
-  std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  for (char& c : test)
-    if (c == '/') c = '_';
-  return ::testing::TempDir() + "boost_reference_" + test + "_" + name;
-}
+// A file of this test, which goes with it.
+class Scratch {
+ public:
+  explicit Scratch(const std::string& name) {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    std::string test = std::string(info->test_suite_name()) + "_" + info->name();
+    for (char& c : test)
+      if (c == '/') c = '_';
+    path_ = ::testing::TempDir() + "boost_reference_" + test + "_" + name;
+  }
+  ~Scratch() { std::filesystem::remove(path_); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  operator const std::string&() const { return path_; }  // NOLINT(google-explicit-constructor): it is a path
+
+ private:
+  std::string path_;
+};
 
 Atlas Read(const std::string& path) {
   Notices notices;
@@ -45,12 +56,12 @@ void Write(const Atlas& atlas, const std::string& path, std::uint32_t version) {
 void ExpectAgreement(Atlas atlas, bool text) {
   atlas.encoding = {.text = text, .boost_version = reference::ArchiveVersion()};
   const Encoding encoding = text ? Encoding::kText : Encoding::kBinary;
-  const std::string ours = Scratch("ours.osa"), theirs = Scratch("theirs.osa"), again = Scratch("again.osa");
+  const Scratch ours("ours.osa"), theirs("theirs.osa"), again("again.osa");
   Write(atlas, ours, reference::ArchiveVersion());
   reference::Save(*reference::Load(ours, encoding), theirs, encoding);
-  EXPECT_TRUE(ReadWhole(ours) == ReadWhole(theirs)) << "stock Boost writes other bytes for " << ours;
+  EXPECT_TRUE(ReadWhole(ours) == ReadWhole(theirs)) << "stock Boost writes other bytes";
   Write(Read(theirs), again, reference::ArchiveVersion());
-  EXPECT_TRUE(ReadWhole(theirs) == ReadWhole(again)) << "we write other bytes for " << theirs;
+  EXPECT_TRUE(ReadWhole(theirs) == ReadWhole(again)) << "we write other bytes";
 }
 
 struct World {
@@ -90,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(
 class CraftedForBoost : public ::testing::TestWithParam<bool> {};
 
 TEST_P(CraftedForBoost, EveryIrregularityAgrees) {
-  const std::string path = Scratch("odd.osa");
+  const Scratch path("odd.osa");
   WriteWhole(path, CraftOddAtlas({.text = GetParam()}).bytes);
   ExpectAgreement(Read(path), GetParam());
 }
@@ -98,7 +109,7 @@ TEST_P(CraftedForBoost, EveryIrregularityAgrees) {
 // A newer library reads what an older one wrote; an older one refuses a newer archive by its version alone.
 TEST_P(CraftedForBoost, LoadsEveryVersionUpToItsOwn) {
   const Encoding encoding = GetParam() ? Encoding::kText : Encoding::kBinary;
-  const std::string tiny = Scratch("tiny.osa"), path = Scratch("version.osa");
+  const Scratch tiny("tiny.osa"), path("version.osa");
   WriteWhole(tiny, CraftTinyAtlas({.text = GetParam()}).bytes);
   const Atlas atlas = Read(tiny);
   for (std::uint32_t version = 10; version <= reference::ArchiveVersion(); ++version) {

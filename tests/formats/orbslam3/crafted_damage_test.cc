@@ -26,7 +26,8 @@ using Field = CraftedArchive::Field;
 class Damage : public ::testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
-    std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    std::string test = std::string(info->test_suite_name()) + "_" + info->name();
     for (char& c : test)
       if (c == '/') c = '_';
     path_ = ::testing::TempDir() + "damage_" + test + ".osa";
