@@ -67,8 +67,9 @@ bool TextInput::AtEnd() {
 }
 
 void TextInput::FailToken() const {
-  const char* end = std::find_if(next_, std::min(end_, next_ + 24), IsSpace);
-  Fail("expected a number, found '" + std::string(next_, end) +
+  const char* const end = std::find_if(next_, end_, IsSpace);
+  if (end == end_) FailTruncated();
+  Fail("expected a number, found '" + std::string(next_, std::min(end, next_ + 24)) +
        "': the file is damaged, or not written by ORB-SLAM3 v1.0");
 }
 

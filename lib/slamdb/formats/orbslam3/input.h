@@ -90,7 +90,7 @@ class BinaryInput : public Cursor {
     static_assert(std::is_trivially_copyable_v<T>);
     const std::size_t bytes = count * sizeof(T);
     Need(bytes);
-    std::memcpy(values, next_, bytes);
+    if (bytes > 0) std::memcpy(values, next_, bytes);  // an empty column has no address
     next_ += bytes;
   }
   // Passes `count` values of T.

@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t kPointsPerJob = 1024;
 constexpr std::size_t kSmallFile = std::size_t{1} << 20;  // not worth a second thread
 // The least that a new object takes in a file with 4-byte longs, and so the most objects a file can hold.
-constexpr std::size_t kLeastKeyFrameBytes = 2048, kLeastPointBytes = 100, kLeastMapBytes = 40;
-constexpr std::size_t kLeastKeyFrameTokens = 600, kLeastPointTokens = 25, kLeastMapTokens = 15;
+constexpr std::size_t kLeastKeyFrameBytes = 2048, kLeastPointBytes = 100;
+constexpr std::size_t kLeastKeyFrameTokens = 600, kLeastPointTokens = 25;
 
 // Objects of one list get ids one after the other, so the object table is a list of ranges.
 struct ObjectRange {

@@ -31,8 +31,8 @@ VocabularyFile ReadVocabularyFile(const std::string& path);
 // The MD5 of no bytes, which ORB-SLAM3 stores where its reading loop gets none (built with libc++, as on macOS).
 inline constexpr const char* kChecksumOfNothing = "d41d8cd98f00b204e9800998ecf8427e";
 
-// Whether ORB-SLAM3 takes an atlas when it is started with that vocabulary: empty when it does, else why it exits (after
-// reading the whole map). It compares checksums alone; the name is for people.
+// Whether ORB-SLAM3 takes an atlas when it is started with that vocabulary: empty when it does, else why it exits
+// (after reading the whole map). It compares checksums alone; the name is for people.
 std::string VocabularyMismatch(const Vocabulary& of_atlas, const Vocabulary& of_file);
 
 }  // namespace slamdb
