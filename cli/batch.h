@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "cli/console.h"
+#include "cli/options.h"
+#include "slamdb/base/parallel.h"
+
+namespace slamdb::cli {
+
+// What became of one of several inputs.
+template <class Result>
+struct Outcome {
+  std::string path;
+  Result result{};
+  std::string error;  // empty: it worked
+  Notices notices;
+
+  bool ok() const { return error.empty(); }
+};
+
+// Calls work(path, read options, notices) for every input, several at a time; an input that fails does not stop the
+// others. Outcomes are in the order of the inputs. One input alone has all threads and a progress bar of its own.
+template <class Result, class Work>
+std::vector<Outcome<Result>> ForEachInput(const std::vector<std::string>& paths, Console& console, const Work& work) {
+  std::vector<Outcome<Result>> outcomes(paths.size());
+  ReadOptions options = MakeReadOptions(console);
+  const Progress progress = options.progress;
+  if (paths.size() > 1) {
+    options.progress = console.MakeProgress(/*show=*/false);
+    options.threads = std::max(1, ThreadCount(console.threads()) / static_cast<int>(paths.size()));
+  }
+  std::mutex mutex;
+  std::size_t done = 0;
+  ParallelFor(paths.size(), 1, console.threads(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Outcome<Result>& outcome = outcomes[i];
+      outcome.path = paths[i];
+      try {
+        outcome.result = work(paths[i], options, outcome.notices);
+      } catch (const std::exception& error) {
+        outcome.error = error.what();
+      }
+      if (paths.size() == 1) continue;
+      const std::lock_guard lock(mutex);
+      ++done;
+      progress(std::to_string(done) + " of " + std::to_string(paths.size()),
+               static_cast<double>(done) / static_cast<double>(paths.size()));
+    }
+  });
+  return outcomes;
+}
+
+// Tells what went wrong and what the readers had to say, each line with its path when there are several inputs. Returns
+// kFailed when an input failed.
+template <class Result>
+ExitCode ReportOutcomes(const std::vector<Outcome<Result>>& outcomes, Console& console) {
+  ExitCode code = ExitCode::kDone;
+  for (const Outcome<Result>& outcome : outcomes) {
+    console.Report(outcome.notices, outcomes.size() > 1 ? outcome.path + ": " : "");
+    if (outcome.ok()) continue;
+    console.Fail(outcome.error);
+    code = ExitCode::kFailed;
+  }
+  return code;
+}
+
+}  // namespace slamdb::cli

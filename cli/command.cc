@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/command.h"
+
+#include <algorithm>
+#include <array>
+
+#include "cli/commands/commands.h"
+
+namespace slamdb::cli {
+
+// The list of verbs. A new verb is a file in commands/, a line in commands/commands.h and a line here.
+std::span<const Command* const> Commands() {
+  static constexpr std::array kCommands = {
+      &kInfo,   &kShow,  &kDump,   &kCheck,  &kConvert, &kSynthesize, &kVocabulary, &kList, &kLog,
+      &kRemove, &kStats, &kVacuum, &kBackup, &kMigrate, &kCompletion, &kVersion,    &kMan,
+  };
+  return kCommands;
+}
+
+const Command* FindCommand(std::string_view name) {
+  const auto commands = Commands();
+  const auto found = std::ranges::find(commands, name, &Command::name);
+  return found == commands.end() ? nullptr : *found;
+}
+
+}  // namespace slamdb::cli

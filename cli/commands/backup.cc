@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/layout.h"
+#include "cli/options.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct BackupOptions {
+  StoreVerbOptions store;
+  std::string target;
+  bool overwrite = false;
+};
+
+ExitCode RunBackup(const BackupOptions& options, Console& console) {
+  Store::Open(options.store.path, options.store.wait).Backup(options.target, options.overwrite);
+  std::error_code ignored;
+  if (!console.quiet())
+    console.Print("wrote " + options.target + " (" + HumanBytes(std::filesystem::file_size(options.target, ignored)) +
+                  ")\n");
+  return ExitCode::kDone;
+}
+
+Run AddBackup(CLI::App& verb) {
+  const auto options = std::make_shared<BackupOptions>();
+  AddStore(verb, options->store);
+  verb.add_option("TARGET", options->target, "The copy to make")->type_name("FILE")->required();
+  verb.add_flag("-O,--overwrite", options->overwrite, "Replace the target if it is there");
+  return [options](Console& console) { return RunBackup(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb backup lab.db lab-backup.db", "A copy of the whole store as it is now."},
+    {"slamdb backup -O lab.db /mnt/disk/lab.db", "Replaces yesterday's."},
+};
+
+}  // namespace
+
+const Command kBackup = {
+    .name = "backup",
+    .summary = "copy a store, also while others write to it",
+    .description =
+        "Copies a store as it is at this moment, with SQLite's online backup. Copying the file with cp while a "
+        "program writes to it may give a damaged copy.",
+    .failed = "The store could not be read, or the copy not be written.",
+    .examples = kExamples,
+    .add = AddBackup,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/checks/check.h"
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "cli/batch.h"
+#include "cli/commands/commands.h"
+#include "cli/help.h"
+#include "cli/options.h"
+#include "slamdb/base/error.h"
+#include "slamdb/checks/report.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/orbslam3/vocabulary.h"
+
+namespace slamdb::cli {
+namespace {
+
+constexpr std::size_t kKeptFindings = 100;  // of each rule in reports for programs
+
+struct CheckVerbOptions {
+  InputOptions inputs;
+  OutputOptions output;
+  std::string format = "text", vocabulary;
+  bool json = false, list = false;
+  CheckOptions check;
+  std::optional<std::size_t> max_findings;
+  std::vector<double> limits;  // one for each gate; NaN: not asked for
+};
+
+std::uint64_t WordsOf(const std::string& vocabulary) {
+  if (vocabulary.empty()) return 0;
+  const VocabularyFile file = ReadVocabularyFile(vocabulary);
+  if (file.shape) return file.shape->words;
+  throw Error(vocabulary, "", "is no DBoW2 text vocabulary, so that its words cannot be counted");
+}
+
+CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {
+  CheckOptions check = options.check;
+  check.threads = console.threads();
+  check.vocabulary_words = WordsOf(options.vocabulary);
+  check.max_findings = options.max_findings.value_or(kKeptFindings);
+  for (std::size_t i = 0; i < options.limits.size(); ++i)
+    if (!std::isnan(options.limits[i])) check.gates.push_back({std::string(ReadGates()[i].id), options.limits[i]});
+  return check;
+}
+
+std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptions& options, const std::string& format,
+                     const Console& console) {
+  if (format == "json") return JsonReport(files);
+  if (format == "junit") return JUnitReport(files);
+  if (format == "sarif") return SarifReport(files, SLAMDB_VERSION);
+  TextReportOptions text;
+  text.shown_per_rule = options.max_findings.value_or(text.shown_per_rule);
+  text.show_notes = !console.quiet();
+  text.note_findings = console.verbose() || options.max_findings.has_value();
+  return TextReport(files, text);
+}
+
+ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
+  const std::string format = options.json ? "json" : options.format;
+  if (options.list) {
+    WriteOutput(options.output, format == "json" ? JsonCatalogue() : TextCatalogue(), console);
+    return ExitCode::kDone;
+  }
+  if (options.inputs.paths.empty()) throw CLI::RequiredError("FILE");
+  const CheckOptions check = CheckOptionsOf(options, console);
+  const auto outcomes = ForEachInput<CheckReport>(
+      options.inputs.paths, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+        CheckOptions mine = check;
+        mine.threads = read.threads;
+        return CheckAtlas(ReadAtlas(Location::Parse(path), read, notices, options.inputs.from), mine);
+      });
+  std::vector<CheckedFile> files;
+  for (const auto& outcome : outcomes)
+    files.push_back({.name = outcome.path, .report = outcome.result, .failure = outcome.error});
+  WriteOutput(options.output, Rendered(files, options, format, console), console);
+  ExitCode code = ReportOutcomes(outcomes, console);
+  for (const auto& outcome : outcomes)
+    if (!outcome.result.ok()) code = ExitCode::kFailed;
+  return code;
+}
+
+std::string CheckRuleId(const std::string& id) {
+  if (FindRule(id) != nullptr) return {};
+  std::vector<std::string> ids;
+  for (const Rule& rule : ReadRules()) ids.emplace_back(rule.id);
+  const std::string meant = DidYouMean(id, ids);
+  return "no rule '" + id + "'; " + (meant.empty() ? "--list shows them" : "did you mean '" + meant + "'?");
+}
+
+void BindRuleOptions(CLI::App& verb, CheckOptions& check) {
+  constexpr const char* kGroup = "Rules";
+  const auto rules = [&](const char* name, std::vector<std::string>& ids, const char* description) {
+    verb.add_option(name, ids, description)
+        ->type_name("RULE")
+        ->allow_extra_args(false)
+        ->check(CheckRuleId)
+        ->group(kGroup);
+  };
+  rules("--ignore", check.ignore, "Do not check this rule; may be given several times, as the next ones");
+  rules("--note", check.note, "Findings of this rule are notes");
+  rules("--warn", check.warn, "Findings of this rule are warnings");
+  rules("--error", check.error, "Findings of this rule are errors");
+  verb.add_flag("--strict", check.strict, "Warnings count as errors")->group(kGroup);
+}
+
+void BindGates(CLI::App& verb, std::vector<double>& limits) {
+  const auto gates = ReadGates();
+  limits.assign(gates.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < gates.size(); ++i)
+    verb.add_option(
+            "--" + std::string(gates[i].id), limits[i],
+            std::string(gates[i].is_minimum ? "At least" : "At most") + " so many " + std::string(gates[i].title))
+        ->type_name("N")
+        ->group("Quality gates, whose breach is an error");
+}
+
+Run AddCheck(CLI::App& verb) {
+  const auto options = std::make_shared<CheckVerbOptions>();
+  AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input")->required(false);
+  verb.add_option("--format", options->format, "How to report")
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember({"text", "json", "junit", "sarif"}))
+      ->capture_default_str();
+  verb.add_flag("--json", options->json, "Print JSON, for programs: the same as --format json");
+  AddOutput(verb, options->output);
+  verb.add_option("--max-findings", options->max_findings,
+                  "Findings to show of each rule; all are counted. By default 5 as text, 100 otherwise")
+      ->type_name("N");
+  verb.add_option("--vocabulary", options->vocabulary,
+                  "The vocabulary file that the atlas was made with: its words are checked against it")
+      ->type_name("FILE");
+  verb.add_flag("--list", options->list, "List the rules with their severity, and check nothing");
+  BindRuleOptions(verb, options->check);
+  BindGates(verb, options->limits);
+  return [options](Console& console) { return RunCheck(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb check maps/*.osa", "Several atlases, one summary."},
+    {"slamdb check lab.osa --format sarif -o lab.sarif",
+     "For a code host that shows findings; junit is for CI servers."},
+    {"slamdb check lab.osa --strict --min-keyframes 100 --max-reprojection-px 1.5", "A gate for a pipeline."},
+    {"slamdb check lab.osa --ignore map-not-empty --warn point-bad", "With severities of your own."},
+};
+
+}  // namespace
+
+const Command kCheck = {
+    .name = "check",
+    .summary = "check the integrity of atlases",
+    .description =
+        R"(Holds every rule of a sound atlas against the inputs and tells what breaks them, where, and what ORB-SLAM3 does then. Errors
+crash a SLAM system or make it misbehave; warnings are unusual but usable; notes are normal in healthy files. --list
+shows the rules.)",
+    .done = "No errors were found.",
+    .failed = "Errors were found, or an input could not be read.",
+    .examples = kExamples,
+    .add = AddCheck,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "cli/command.h"
+
+// Each verb, defined in the file of its name.
+namespace slamdb::cli {
+
+extern const Command kInfo, kShow, kDump, kCheck, kConvert, kSynthesize, kVocabulary;
+extern const Command kList, kLog, kRemove, kStats, kVacuum, kBackup, kMigrate;
+extern const Command kCompletion, kVersion, kMan;
+
+}  // namespace slamdb::cli

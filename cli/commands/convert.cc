@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/layout.h"
+#include "cli/options.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct ConvertOptions {
+  std::string input, output, from;
+  TargetOptions target;
+  SelectionOptions selection;
+  bool sanitize = false, text = false, ascii = false, body = false, strict = false;
+  std::optional<std::uint32_t> boost_version;
+  std::optional<int> long_bytes;
+  double wait = 5;
+};
+
+void RefuseEmptySelection(const Atlas& atlas, const ConvertOptions& options) {
+  if (options.selection.map && atlas.maps.empty())
+    throw Error(options.input, "", "has no map " + std::to_string(*options.selection.map));
+}
+
+// Whether references lead from what is selected to what is not. None lead from one map to another.
+bool CutsThroughMaps(Selection selection) {
+  selection.map.reset();
+  return !selection.everything();
+}
+
+std::string Summary(const Atlas& atlas, const Location& output) {
+  std::uint64_t keyframes = 0, points = 0;
+  for (const Map& map : atlas.maps) {
+    keyframes += map.keyframes.size();
+    points += map.points.size();
+  }
+  std::error_code ignored;
+  const std::uint64_t size = std::filesystem::file_size(output.path, ignored);
+  return "from " + Counted(atlas.maps.size(), "map") + ", " + Counted(keyframes, "keyframe") + ", " +
+         Counted(points, "point") + (ignored ? "" : "; " + HumanBytes(size));
+}
+
+WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& selection, Console& console) {
+  WriteOptions write = MakeWriteOptions(console, options.target);
+  write.sanitize = options.sanitize;
+  write.boost_version = options.boost_version;
+  write.long_bytes = options.long_bytes;
+  write.binary = !options.ascii;
+  write.map = selection.map;
+  write.pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
+  write.lock_timeout = options.wait;
+  write.provenance = "convert " + options.input;
+  return write;
+}
+
+ExitCode RunConvert(const ConvertOptions& options, Console& console) {
+  const Location input = Location::Parse(options.input), output = Location::Parse(options.output);
+  const std::string to = options.text ? "orbslam3-text" : options.target.to;
+  const Format& format = FormatOfOutput(output, to);
+  RefuseSameFile(input, output);
+  RefuseBinaryOnTerminal(output, format, options.ascii);
+
+  ReadOptions read = MakeReadOptions(console);
+  read.lock_timeout = options.wait;
+  read.selection = ParseSelection(options.selection);
+  Notices notices;
+  const Atlas atlas = ReadAtlas(input, read, notices, options.from);
+  RefuseEmptySelection(atlas, options);
+  if (CutsThroughMaps(read.selection) && (format.writes & kObservations) != 0)
+    notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
+  WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), notices, to, options.strict);
+
+  console.Report(notices);
+  if (output.path != "-" && !console.quiet())
+    console.Print("wrote " + output.ToString() + " (" + std::string(format.id) + ") " + Summary(atlas, output) + "\n");
+  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+}
+
+void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
+  verb.add_flag("--strict", options.strict, "Refuse to write what loses something, instead of exit code 3");
+  constexpr const char* kArchive = "ORB-SLAM3 files";
+  verb.add_flag("--text", options.text, "Write a text archive: short for --to orbslam3-text")
+      ->excludes(verb.get_option("--to"))
+      ->group(kArchive);
+  verb.add_flag(
+          "--sanitize", options.sanitize,
+          "Write what ORB-SLAM3 itself reads safely: uninitialised fields zeroed, duplicate and empty maps dropped")
+      ->group(kArchive);
+  verb.add_option(
+          "--boost-version", options.boost_version,
+          "Version of the archive library to write for: 12 loads in Boost 1.58 and later, 18 in 1.73 and later; by "
+          "default as it was read")
+      ->type_name("N")
+      ->check(CLI::Range(10, 255))
+      ->group(kArchive);
+  verb.add_option("--long-bytes", options.long_bytes,
+                  "Bytes of a long on the system to write for: 8, or 4 for Windows and 32-bit ARM")
+      ->type_name("N")
+      ->check(CLI::IsMember({4, 8}))
+      ->group(kArchive);
+  constexpr const char* kExport = "Points and trajectories";
+  verb.add_flag("--ascii", options.ascii, "Write PLY and PCD as text")->group(kExport);
+  verb.add_flag("--body", options.body, "Write trajectories of the body (IMU) frame instead of the camera's")
+      ->group(kExport);
+}
+
+Run AddConvert(CLI::App& verb) {
+  const auto options = std::make_shared<ConvertOptions>();
+  verb.add_option("INPUT", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("OUTPUT", options->output, "Where to: a file, STORE.db#NAME, or - for standard output")
+      ->type_name("FILE")
+      ->required();
+  AddFrom(verb, options->from);
+  AddTarget(verb, options->target);
+  AddWait(verb, options->wait);
+  BindFormatOptions(verb, *options);
+  AddSelection(verb, options->selection);
+  return [options](Console& console) { return RunConvert(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb convert session_a.osa lab.db#session_a",
+     "Keeps an atlas in a store; saving it again writes what changed."},
+    {"slamdb convert lab.db#session_a a.osa --boost-version 15", "And back, for ORB-SLAM3 on Ubuntu 18.04."},
+    {"slamdb convert crashed.osa safe.osa --sanitize", "Makes a file that ORB-SLAM3 loads of one that makes it crash."},
+    {"slamdb convert session_a.osa trajectory.txt --to tum --body",
+     "Writes the keyframe poses; exits 3, since poses are not all that the atlas has."},
+};
+
+}  // namespace
+
+const Command kConvert = {
+    .name = "convert",
+    .summary = "write an atlas in another format, or as part",
+    .description =
+        R"(Reads an atlas and writes it in the format of the output. The input's format is told by its content, then by its suffix;
+the output's by its suffix; --from and --to override. 'slamdb version' lists the formats.
+
+An .osa file that is read and written again keeps every byte, also by way of a store. What a target cannot hold is named
+on standard error, and the exit code is then 3. The input is never changed. The output is written beside its place and
+renamed when it is whole.)",
+    .done = "Done, and nothing was lost.",
+    .failed = "The input could not be read, the output not be written, or --strict refused a loss.",
+    .lossy = "Done, but the output does not hold all of the input; standard error names what it lacks.",
+    .examples = kExamples,
+    .add = AddConvert,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <memory>
+
+#include "cli/batch.h"
+#include "cli/commands/commands.h"
+#include "cli/commands/info_report.h"
+#include "cli/json.h"
+#include "cli/options.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct InfoOptions {
+  InputOptions inputs;
+  bool json = false;
+  std::string key;
+};
+
+// Whether a value of the report comes from the maps, and not from the header alone.
+bool NeedsMaps(const std::string& key) {
+  const std::string first = key.substr(0, key.find('.'));
+  return key.empty() || first == "maps" || first == "totals" || first == "parts";
+}
+
+InfoReport MakeReport(const std::string& path, const InfoOptions& options, ReadOptions read, Notices& notices) {
+  const Location location = Location::Parse(path);
+  const Format& format = FormatOfInput(location, options.inputs.from);
+  InfoReport report;
+  read.features = NeedsMaps(options.key);
+  read.part_sizes = &report.parts;
+  const Atlas atlas = ReadAtlas(location, read, notices, options.inputs.from);
+  report.file = path;
+  report.format_id = format.id;
+  report.format_title = format.title;
+  std::error_code unknown;
+  const std::uint64_t size = std::filesystem::file_size(location.path, unknown);
+  if (!unknown) report.size_bytes = size;
+  report.vocabulary = atlas.vocabulary;
+  report.encoding = atlas.encoding;
+  report.has_encoding = format.id.starts_with("orbslam3") || format.id == "store";
+  report.next_ids = atlas.next_ids;
+  report.cameras = atlas.cameras;
+  report.repeated_maps = atlas.repeated_maps.size();
+  if (read.features) report.statistics = ComputeStatistics(atlas, read.threads);
+  return report;
+}
+
+// The value at a dotted path, such as maps.0.keyframes. Throws Error naming what there is instead.
+const ordered_json& ValueAt(const ordered_json& report, const std::string& key) {
+  const ordered_json* value = &report;
+  for (std::size_t begin = 0; begin <= key.size();) {
+    const std::size_t end = std::min(key.find('.', begin), key.size());
+    const std::string step = key.substr(begin, end - begin);
+    const bool index = value->is_array() && !step.empty() && step.find_first_not_of("0123456789") == std::string::npos;
+    if (index && step.size() < 10 && std::stoul(step) < value->size()) {
+      value = &(*value)[std::stoul(step)];
+    } else if (value->is_object() && value->contains(step)) {
+      value = &(*value)[step];
+    } else {
+      std::string known = value->is_array() ? "it has " + std::to_string(value->size()) + " entries, from 0" : "";
+      if (value->is_object())
+        for (const auto& [name, member] : value->items()) known += (known.empty() ? "there is " : ", ") + name;
+      throw Error("no value '" + key + "': " + (known.empty() ? "nothing is below that" : known));
+    }
+    begin = end + 1;
+  }
+  return *value;
+}
+
+std::string ValueText(const ordered_json& value) {
+  return value.is_string() ? value.get<std::string>() + "\n" : JsonText(value);
+}
+
+ExitCode RunInfo(const InfoOptions& options, Console& console) {
+  const auto outcomes = ForEachInput<InfoReport>(
+      options.inputs.paths, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+        return MakeReport(path, options, read, notices);
+      });
+  const bool several = outcomes.size() > 1;
+  bool first = true;
+  for (const auto& outcome : outcomes) {
+    if (!outcome.ok()) continue;
+    if (!options.key.empty()) {
+      console.Print((several ? outcome.path + ": " : "") + ValueText(ValueAt(InfoJson(outcome.result), options.key)));
+    } else if (options.json) {
+      console.Print(JsonText(InfoJson(outcome.result), several ? -1 : 2));
+    } else {
+      console.Print((first ? "" : "\n") + InfoText(outcome.result));
+    }
+    first = false;
+  }
+  return ReportOutcomes(outcomes, console);
+}
+
+Run AddInfo(CLI::App& verb) {
+  const auto options = std::make_shared<InfoOptions>();
+  AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input");
+  AddJson(verb, options->json);
+  verb.add_option("-g,--get", options->key, "Print this value of the JSON only, such as maps.0.keyframes")
+      ->type_name("KEY");
+  return [options](Console& console) { return RunInfo(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb info lab.osa", "Header, vocabulary, cameras, and what is in each map."},
+    {"slamdb info --get totals.keyframes lab.osa", "One number, for a script."},
+    {"slamdb info maps/*.osa --json | jq -r '[.file, .totals.points] | @tsv'", "A table of many files."},
+    {"slamdb info lab.db#session_a", "An atlas in a store."},
+};
+
+}  // namespace
+
+const Command kInfo = {
+    .name = "info",
+    .summary = "show what is in an atlas",
+    .description =
+        R"(Shows the header, the vocabulary, the cameras, and for each map: sensor, counts, how points are observed, extent,
+trajectory, graph, inertial state and ids; then what takes the space on disk. Lengths are in metres, or in units of the
+map where a monocular map has no scale.
+
+--json prints one object for a file, and one object per line for several files; schema/info.schema.json describes it.
+Ids are whole numbers of up to 64 bits; null stands for none.)",
+    .failed = "An input could not be read, or there is no such value.",
+    .examples = kExamples,
+    .add = AddInfo,
+};
+
+}  // namespace slamdb::cli

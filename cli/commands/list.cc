@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "cli/options.h"
+#include "slamdb/base/hash.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct ListOptions {
+  StoreVerbOptions store;
+  bool json = false;
+};
+
+nlohmann::ordered_json ToJson(const StoredAtlas& atlas) {
+  return {{"name", atlas.name},
+          {"maps", atlas.maps},
+          {"keyframes", atlas.keyframes},
+          {"points", atlas.points},
+          {"observations", atlas.observations},
+          {"bytes", atlas.bytes},
+          {"revision", atlas.revision},
+          {"saved_at", atlas.saved_at},
+          {"hash", Hex(atlas.hash)}};
+}
+
+std::string ListText(const std::vector<StoredAtlas>& atlases) {
+  using enum Table::Align;
+  Table table({kLeft, kRight, kRight, kRight, kRight, kRight, kRight, kLeft});
+  table.Add({"NAME", "MAPS", "KEYFRAMES", "POINTS", "OBSERVATIONS", "SIZE", "REVISION", "SAVED"});
+  for (const StoredAtlas& atlas : atlases)
+    table.Add({atlas.name, Grouped(atlas.maps), Grouped(atlas.keyframes), Grouped(atlas.points),
+               Grouped(atlas.observations), HumanBytes(atlas.bytes), Grouped(atlas.revision), atlas.saved_at});
+  return atlases.empty() ? "no atlases\n" : table.ToString();
+}
+
+ExitCode RunList(const ListOptions& options, Console& console) {
+  const std::vector<StoredAtlas> atlases = Store::Open(options.store.path, options.store.wait).List();
+  if (!options.json) {
+    console.Print(ListText(atlases));
+    return ExitCode::kDone;
+  }
+  nlohmann::ordered_json report = {{"store", options.store.path}, {"atlases", nlohmann::ordered_json::array()}};
+  for (const StoredAtlas& atlas : atlases) report["atlases"].push_back(ToJson(atlas));
+  console.Print(JsonText(report));
+  return ExitCode::kDone;
+}
+
+Run AddList(CLI::App& verb) {
+  const auto options = std::make_shared<ListOptions>();
+  AddStore(verb, options->store);
+  AddJson(verb, options->json);
+  return [options](Console& console) { return RunList(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb list lab.db", "Names, counts and sizes."},
+    {"slamdb list lab.db --json | jq -r '.atlases[].name'", "The names, for a script."},
+};
+
+}  // namespace
+
+const Command kList = {
+    .name = "list",
+    .summary = "list the atlases of a store",
+    .description = "Lists the atlases of a store by name. Others are named STORE.db#NAME on the command line.",
+    .failed = "The store could not be read.",
+    .examples = kExamples,
+    .add = AddList,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "cli/options.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct StatsOptions {
+  StoreVerbOptions store;
+  bool json = false;
+};
+
+std::string StatsText(const StoreStats& stats) {
+  using enum Table::Align;
+  Table sizes({kLeft, kRight});
+  sizes.Add({"file", HumanBytes(stats.file_bytes)});
+  sizes.Add({"write-ahead log", HumanBytes(stats.log_bytes)});
+  sizes.Add({"free in the file", HumanBytes(stats.free_pages * stats.page_bytes)});
+  sizes.Add({"schema version", std::to_string(stats.version)});
+  Table tables({kLeft, kRight, kRight}, 2);
+  for (const PartSize& part : stats.tables)
+    tables.Add({part.part, HumanBytes(part.bytes), Percent(part.bytes, stats.file_bytes)});
+  return sizes.ToString() + "\ntables with their indexes\n" + tables.ToString();
+}
+
+ExitCode RunStats(const StatsOptions& options, Console& console) {
+  const StoreStats stats = Store::Open(options.store.path, options.store.wait).Stats();
+  if (!options.json) {
+    console.Print(StatsText(stats));
+    return ExitCode::kDone;
+  }
+  nlohmann::ordered_json report = {{"store", options.store.path},    {"schema_version", stats.version},
+                                   {"file_bytes", stats.file_bytes}, {"log_bytes", stats.log_bytes},
+                                   {"page_bytes", stats.page_bytes}, {"pages", stats.pages},
+                                   {"free_pages", stats.free_pages}, {"tables", nlohmann::ordered_json::array()}};
+  for (const PartSize& part : stats.tables) report["tables"].push_back({{"table", part.part}, {"bytes", part.bytes}});
+  console.Print(JsonText(report));
+  return ExitCode::kDone;
+}
+
+Run AddStats(CLI::App& verb) {
+  const auto options = std::make_shared<StatsOptions>();
+  AddStore(verb, options->store);
+  AddJson(verb, options->json);
+  return [options](Console& console) { return RunStats(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb stats lab.db", "What takes the space in a store."},
+    {"slamdb stats lab.db --json | jq .free_pages", "Whether a vacuum is worth it."},
+};
+
+}  // namespace
+
+const Command kStats = {
+    .name = "stats",
+    .summary = "show what takes the space in a store",
+    .description = "Shows the size of a store's file, how much of it is free, and what each table takes.",
+    .failed = "The store could not be read.",
+    .examples = kExamples,
+    .add = AddStats,
+};
+
+}  // namespace slamdb::cli

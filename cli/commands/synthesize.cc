@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/synthetic/synthesize.h"
+
+#include <map>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/layout.h"
+#include "cli/options.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct SynthesizeOptions {
+  std::string output, sensor = "monocular";
+  TargetOptions target;
+  SyntheticOptions atlas;
+  std::uint64_t size = 0;  // bytes wanted; 0: as --keyframes and --points say
+};
+
+const std::map<std::string, Sensor>& Sensors() {
+  static const std::map<std::string, Sensor> kSensors = {{"monocular", Sensor::kMonocular},
+                                                         {"stereo", Sensor::kStereo},
+                                                         {"rgbd", Sensor::kRgbd},
+                                                         {"fisheye", Sensor::kFisheyeStereo}};
+  return kSensors;
+}
+
+// How many keyframes and points a binary .osa of about `bytes` has.
+void ScaleTo(std::uint64_t bytes, SyntheticOptions& options) {
+  constexpr std::size_t kGridBytes = 64 * 48 * 8;  // a count for each cell
+  constexpr std::size_t kFeatureBytes = 136;       // keypoint twice, descriptor, depth, map point, grid and words
+  constexpr std::size_t kPointBytes = 480;         // with its observations
+  constexpr std::size_t kPointsPerKeyframe = 45;   // which fit into half the features, as a fisheye pair has them
+  const std::size_t keyframe = kGridBytes + options.features * kFeatureBytes + kPointsPerKeyframe * kPointBytes;
+  options.keyframes = std::max<std::size_t>(2, bytes / keyframe / static_cast<std::size_t>(options.maps));
+  options.points = options.keyframes * kPointsPerKeyframe;
+}
+
+ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
+  const Location output = Location::Parse(options.output);
+  const Format& format = FormatOfOutput(output, options.target.to);
+  RefuseBinaryOnTerminal(output, format);
+  SyntheticOptions wanted = options.atlas;
+  wanted.sensor = Sensors().at(options.sensor);
+  wanted.threads = console.threads();
+  wanted.progress = console.MakeProgress();
+  if (options.size > 0) ScaleTo(options.size, wanted);
+  const Atlas atlas = SynthesizeAtlas(wanted);
+  WriteOptions write = MakeWriteOptions(console, options.target);
+  write.provenance = "synthesize --seed " + std::to_string(wanted.seed);
+  Notices notices;
+  WriteAtlas(atlas, output, write, notices, options.target.to);
+  console.Report(notices);
+  if (output.path != "-" && !console.quiet())
+    console.Print("wrote " + output.ToString() + ": " + Counted(atlas.maps.size(), "map") + " of " +
+                  Counted(wanted.keyframes, "keyframe") + " and " + Counted(wanted.points, "point") + "\n");
+  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+}
+
+Run AddSynthesize(CLI::App& verb) {
+  const auto options = std::make_shared<SynthesizeOptions>();
+  SyntheticOptions& atlas = options->atlas;
+  std::vector<std::string> sensors;
+  for (const auto& [name, sensor] : Sensors()) sensors.push_back(name);
+  verb.add_option("OUTPUT", options->output, "Where to: a file, STORE.db#NAME, or - for standard output")
+      ->type_name("FILE")
+      ->required();
+  AddTarget(verb, options->target);
+  constexpr const char* kGroup = "The atlas";
+  verb.add_option("--sensor", options->sensor, "What sees the world")
+      ->type_name("KIND")
+      ->check(CLI::IsMember(sensors))
+      ->capture_default_str()
+      ->group(kGroup);
+  verb.add_flag("--inertial", atlas.inertial, "With an IMU")->group(kGroup);
+  const auto number = [&](const char* name, auto& value, const char* description) {
+    return verb.add_option(name, value, description)->type_name("N")->capture_default_str()->group(kGroup);
+  };
+  number("--maps", atlas.maps, "How many maps")->check(CLI::Range(1, 10000));
+  CLI::Option* keyframes = number("--keyframes", atlas.keyframes, "Keyframes in each map");
+  CLI::Option* points = number("--points", atlas.points, "Points in each map");
+  number("--features", atlas.features, "Keypoints in each keyframe, at most");
+  number("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")->check(CLI::NonNegativeNumber);
+  number("--seed", atlas.seed, "Another number, another atlas");
+  verb.add_option("--size", options->size, "Keyframes and points for a binary .osa of about this size, such as 200MB")
+      ->type_name("SIZE")
+      ->transform(CLI::AsSizeValue(true))
+      ->excludes(keyframes)
+      ->excludes(points)
+      ->group(kGroup);
+  return [options](Console& console) { return RunSynthesize(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb synthesize small.osa", "A small monocular atlas to try things on."},
+    {"slamdb synthesize big.osa --size 200MB --sensor rgbd", "One for measuring."},
+    {"slamdb synthesize lab.db#vi --sensor stereo --inertial --maps 3", "Three stereo-inertial maps, into a store."},
+};
+
+}  // namespace
+
+const Command kSynthesize = {
+    .name = "synthesize",
+    .summary = "make a sound atlas of any size and sensor",
+    .description =
+        R"(Makes an atlas as ORB-SLAM3 would have saved it, of a camera that goes round a room: poses, points, keypoints, descriptors,
+graph and counters are geometrically consistent, and 'slamdb check' finds nothing in it. Equal options give equal bytes.
+For trying, testing and benchmarking without data.)",
+    .failed = "The options contradict each other, or the output could not be written.",
+    .lossy = "Done, but the output's format does not hold everything that an atlas has.",
+    .examples = kExamples,
+    .add = AddSynthesize,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/layout.h"
+#include "cli/options.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb::cli {
+namespace {
+
+ExitCode RunVacuum(const StoreVerbOptions& options, Console& console) {
+  const std::uint64_t before = Store::Open(options.path, options.wait).Stats().file_bytes;
+  Store store = Store::OpenForWriting(options.path, {.lock_timeout = options.wait});
+  store.Vacuum();
+  if (!console.quiet())
+    console.Print(options.path + ": " + HumanBytes(before) + " before, " + HumanBytes(store.Stats().file_bytes) +
+                  " now\n");
+  return ExitCode::kDone;
+}
+
+Run AddVacuum(CLI::App& verb) {
+  const auto options = std::make_shared<StoreVerbOptions>();
+  AddStore(verb, *options);
+  return [options](Console& console) { return RunVacuum(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb vacuum lab.db", "After atlases were removed."},
+    {"slamdb vacuum lab.db --wait 60", "With a minute's patience for another program that writes."},
+};
+
+}  // namespace
+
+const Command kVacuum = {
+    .name = "vacuum",
+    .summary = "give free space of a store back to the disk",
+    .description =
+        "Rewrites a store without its free pages. Needs as much free disk space as the store takes while it runs.",
+    .failed = "The store could not be written, or another program uses it.",
+    .examples = kExamples,
+    .add = AddVacuum,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/vocabulary.h"
+
+#include <memory>
+
+#include "cli/batch.h"
+#include "cli/commands/commands.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "cli/options.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct ShowVocabularyOptions {
+  InputOptions inputs;
+  bool json = false;
+};
+
+struct VerifyOptions {
+  InputOptions inputs;
+  std::string vocabulary;
+};
+
+struct SetOptions {
+  std::string input, output, from, vocabulary, name, checksum;
+  TargetOptions target;
+};
+
+// ---- show
+
+// What an atlas refers to, or what a vocabulary file is.
+struct Shown {
+  Vocabulary vocabulary;
+  bool is_file = false;
+  std::optional<VocabularyShape> shape;
+};
+
+Vocabulary VocabularyOfAtlas(const std::string& path, const std::string& from, ReadOptions read, Notices& notices) {
+  read.features = false;
+  return ReadAtlas(Location::Parse(path), read, notices, from).vocabulary;
+}
+
+bool IsAtlas(const std::string& path, const std::string& from) {
+  if (!from.empty()) return true;
+  try {
+    FormatOfInput(Location::Parse(path));
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+Shown ShowOne(const std::string& path, const std::string& from, const ReadOptions& read, Notices& notices) {
+  Shown shown;
+  if (IsAtlas(path, from)) {
+    shown.vocabulary = VocabularyOfAtlas(path, from, read, notices);
+    return shown;
+  }
+  try {
+    const VocabularyFile file = ReadVocabularyFile(path);
+    shown = {.vocabulary = file.identity, .is_file = true, .shape = file.shape};
+  } catch (const Error&) {
+    FormatOfInput(Location::Parse(path));  // says better what is wrong with a file that is neither
+    throw;
+  }
+  if (shown.vocabulary.checksum == kChecksumOfNothing) throw Error(path, "", "is empty");
+  return shown;
+}
+
+std::string ShownText(const Outcome<Shown>& outcome) {
+  const Vocabulary& vocabulary = outcome.result.vocabulary;
+  std::string text =
+      outcome.path + "\n  name       " + vocabulary.name + "\n  checksum   " + vocabulary.checksum + "\n";
+  const auto& shape = outcome.result.shape;
+  if (!shape) return outcome.result.is_file ? text + "  (not a text vocabulary)\n" : text;
+  return text + "  words      " + Grouped(shape->words) + "\n  branching  " + std::to_string(shape->branching) +
+         "\n  depth      " + std::to_string(shape->depth) + "\n  weighting  " + shape->weighting + "\n  scoring    " +
+         shape->scoring + "\n";
+}
+
+ordered_json ShownJson(const Outcome<Shown>& outcome) {
+  const Vocabulary& vocabulary = outcome.result.vocabulary;
+  ordered_json json = {{"file", outcome.path},
+                       {"kind", outcome.result.is_file ? "vocabulary" : "atlas"},
+                       {"name", vocabulary.name},
+                       {"checksum", vocabulary.checksum}};
+  if (const auto& shape = outcome.result.shape)
+    json["shape"] = {{"words", shape->words},
+                     {"branching", shape->branching},
+                     {"depth", shape->depth},
+                     {"weighting", shape->weighting},
+                     {"scoring", shape->scoring}};
+  return json;
+}
+
+ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
+  const auto outcomes = ForEachInput<Shown>(options.inputs.paths, console,
+                                            [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+                                              return ShowOne(path, options.inputs.from, read, notices);
+                                            });
+  ordered_json report = ordered_json::array();
+  for (const auto& outcome : outcomes) {
+    if (!outcome.ok()) continue;
+    if (options.json) report.push_back(ShownJson(outcome));
+    if (!options.json) console.Print(ShownText(outcome));
+  }
+  if (options.json) console.Print(JsonText({{"files", report}}));
+  return ReportOutcomes(outcomes, console);
+}
+
+// ---- verify
+
+ExitCode RunVerify(const VerifyOptions& options, Console& console) {
+  const Vocabulary wanted = ReadVocabularyFile(options.vocabulary).identity;
+  const auto outcomes = ForEachInput<Vocabulary>(
+      options.inputs.paths, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+        return VocabularyOfAtlas(path, options.inputs.from, read, notices);
+      });
+  ExitCode code = ReportOutcomes(outcomes, console);
+  for (const auto& outcome : outcomes) {
+    if (!outcome.ok()) continue;
+    const std::string mismatch = VocabularyMismatch(outcome.result, wanted);
+    console.Print(outcome.path + ": " + (mismatch.empty() ? "matches " + wanted.name : mismatch) + "\n");
+    if (!mismatch.empty()) code = ExitCode::kFailed;
+  }
+  return code;
+}
+
+// ---- set
+
+Vocabulary WantedVocabulary(const SetOptions& options, const Vocabulary& found) {
+  Vocabulary wanted = found;
+  if (!options.vocabulary.empty()) wanted = ReadVocabularyFile(options.vocabulary).identity;
+  if (!options.name.empty()) wanted.name = options.name;
+  if (!options.checksum.empty()) wanted.checksum = options.checksum;
+  return wanted;
+}
+
+ExitCode RunSet(const SetOptions& options, Console& console) {
+  if (options.vocabulary.empty() && options.name.empty() && options.checksum.empty())
+    throw CLI::ValidationError("vocabulary set", "give --vocabulary, or --name and --checksum");
+  const Location input = Location::Parse(options.input), output = Location::Parse(options.output);
+  RefuseSameFile(input, output);
+  RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
+  Notices notices;
+  Atlas atlas = ReadAtlas(input, MakeReadOptions(console), notices, options.from);
+  atlas.vocabulary = WantedVocabulary(options, atlas.vocabulary);
+  std::string to = options.target.to;
+  if (to.empty() && atlas.encoding.text && FormatOfOutput(output).id == "orbslam3") to = "orbslam3-text";
+  WriteOptions write = MakeWriteOptions(console, options.target);
+  write.provenance = "vocabulary set " + options.input;
+  WriteAtlas(atlas, output, write, notices, to);
+  console.Report(notices);
+  if (output.path != "-" && !console.quiet())
+    console.Print("wrote " + output.ToString() + " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum +
+                  ")\n");
+  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+}
+
+// ---- options
+
+std::string CheckMd5(const std::string& text) {
+  if (text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos) return {};
+  return "expected 32 hexadecimal digits in lower case, found '" + text + "'";
+}
+
+Run BindShow(CLI::App& verb) {
+  const auto options = std::make_shared<ShowVocabularyOptions>();
+  AddInputs(verb, options->inputs, "An atlas, or a vocabulary file");
+  AddJson(verb, options->json);
+  return [options](Console& console) { return RunShow(*options, console); };
+}
+
+Run BindVerify(CLI::App& verb) {
+  const auto options = std::make_shared<VerifyOptions>();
+  AddInputs(verb, options->inputs, "An atlas: a file, or STORE.db#NAME");
+  verb.add_option("--vocabulary", options->vocabulary, "The vocabulary file that they should match")
+      ->type_name("FILE")
+      ->required();
+  return [options](Console& console) { return RunVerify(*options, console); };
+}
+
+Run BindSet(CLI::App& verb) {
+  const auto options = std::make_shared<SetOptions>();
+  verb.add_option("INPUT", options->input, "The atlas")->type_name("FILE")->required();
+  verb.add_option("OUTPUT", options->output, "The copy to write")->type_name("FILE")->required();
+  CLI::Option* file = verb.add_option("--vocabulary", options->vocabulary, "Stamp the name and checksum of this file")
+                          ->type_name("FILE");
+  verb.add_option("--name", options->name, "Stamp this name")->type_name("NAME")->excludes(file);
+  verb.add_option("--checksum", options->checksum, "Stamp this MD5")->type_name("MD5")->check(CheckMd5)->excludes(file);
+  AddFrom(verb, options->from);
+  AddTarget(verb, options->target);
+  return [options](Console& console) { return RunSet(*options, console); };
+}
+
+Run AddVocabulary(CLI::App& verb) {
+  verb.require_subcommand(1);
+  std::vector<std::pair<const CLI::App*, Run>> runs;
+  const auto add = [&](const char* name, const char* summary, Run (*bind)(CLI::App&)) {
+    CLI::App* inner = verb.add_subcommand(name, summary);
+    runs.emplace_back(inner, bind(*inner));
+  };
+  add("show", "Show which vocabulary an atlas was made with, or what a vocabulary file is", BindShow);
+  add("verify", "Tell whether atlases were made with a vocabulary file", BindVerify);
+  add("set", "Write a copy of an atlas that names another vocabulary", BindSet);
+  return [runs](Console& console) {
+    for (const auto& [inner, run] : runs)
+      if (inner->parsed()) return run(console);
+    return ExitCode::kUsage;
+  };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb vocabulary show lab.osa ORBvoc.txt", "The name and checksum in an atlas, and of a vocabulary file."},
+    {"slamdb vocabulary verify maps/*.osa --vocabulary ORBvoc.txt", "Whether ORB-SLAM3 will take these maps."},
+    {"slamdb vocabulary set lab.osa stamped.osa --vocabulary ORBvoc.txt",
+     "For a vocabulary that is the same in another file, such as ORBvoc.bin and ORBvoc.txt."},
+};
+
+}  // namespace
+
+const Command kVocabulary = {
+    .name = "vocabulary",
+    .summary = "show, verify or change the vocabulary that an atlas names",
+    .description =
+        R"(An ORB-SLAM3 atlas names the vocabulary it was made with by file name and MD5, and ORB-SLAM3 refuses the whole atlas when
+the MD5 is not that of its own vocabulary file, even if the file differs in its spelling only. The words of the atlas are
+not changed by 'set', so stamp only what has the same words.)",
+    .failed = "An atlas does not match, or a file could not be read or written.",
+    .examples = kExamples,
+    .add = AddVocabulary,
+};
+
+}  // namespace slamdb::cli

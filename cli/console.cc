@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/console.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+
+#include "cli/layout.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb::cli {
+namespace {
+
+constexpr auto kQuietTime = std::chrono::seconds(1);
+constexpr auto kRedrawTime = std::chrono::milliseconds(100);
+constexpr int kBarColumns = 40;
+
+std::atomic<bool> interrupt_seen = false;
+
+// The first Ctrl-C cancels at the next progress call; the handler is reset, so that a second one kills.
+void Interrupt(int) { interrupt_seen = true; }
+
+void WriteError(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
+const char* ColourOf(std::string_view severity) {
+  if (severity == "error") return "\033[1;31m";
+  if (severity == "note") return "\033[1m";
+  return "\033[1;33m";
+}
+
+}  // namespace
+
+Console::Console(ConsoleOptions options) : options_(options) {
+  const bool terminal = ::isatty(STDERR_FILENO) != 0;
+  colour_ = terminal && std::getenv("NO_COLOR") == nullptr;
+  progress_ = options_.progress > 0 || (options_.progress == 0 && terminal && !options_.quiet);
+}
+
+Console::~Console() { ClearProgress(); }
+
+void Console::Print(std::string_view text) {
+  ClearProgress();
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) throw SystemError("-", "cannot write results");
+}
+
+void Console::Finish() {
+  ClearProgress();
+  if (std::fflush(stdout) != 0) throw SystemError("-", "cannot write results");
+  if (!options_.verbose) return;
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  Diagnose("note",
+           Short(seconds, 3) + " s, at most " + HumanBytes(static_cast<std::uint64_t>(usage.ru_maxrss) * 1024) +
+               " of memory, mapped files included",
+           true);
+}
+
+void Console::Report(const Notices& notices, const std::string& prefix) {
+  for (const Notice& notice : notices.items()) {
+    const bool loss = notice.kind == Notice::Kind::kLoss;
+    const char* severity = loss ? "loss" : notice.kind == Notice::Kind::kWarning ? "warning" : "note";
+    Diagnose(severity, prefix + notice.text, loss || !options_.quiet);
+  }
+}
+
+void Console::Diagnose(std::string_view severity, std::string_view text, bool show) {
+  if (!show) return;
+  ClearProgress();
+  std::string line = "slamdb: ";
+  if (colour_) line += ColourOf(severity);
+  line.append(severity).append(":");
+  if (colour_) line += "\033[0m";
+  line.append(" ").append(text).append("\n");
+  const std::lock_guard lock(mutex_);
+  WriteError(line);
+}
+
+Progress Console::MakeProgress(bool show) {
+  struct sigaction action {};
+  action.sa_handler = Interrupt;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  ::sigaction(SIGINT, &action, nullptr);
+  return [this, show = show && progress_](std::string_view stage, double fraction) {
+    if (interrupted()) throw Error("interrupted");
+    if (show) ShowProgress(stage, fraction);
+  };
+}
+
+bool Console::interrupted() { return interrupt_seen; }
+
+void Console::ShowProgress(std::string_view stage, double fraction) {
+  const std::lock_guard lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  if (now - start_ < kQuietTime && options_.progress <= 0) return;
+  if (bar_shown_ && now - drawn_ < kRedrawTime) return;
+  const double clamped = std::clamp(std::isfinite(fraction) ? fraction : 0.0, 0.0, 1.0);
+  const int full = static_cast<int>(clamped * kBarColumns);
+  std::string bar(kBarColumns, ' ');
+  std::fill_n(bar.begin(), full, '=');
+  std::string line = "\r\033[K[";
+  line.append(bar).append("] ").append(std::to_string(static_cast<int>(clamped * 100))).append("% ").append(stage);
+  WriteError(line);
+  bar_shown_ = true;
+  drawn_ = now;
+}
+
+void Console::ClearProgress() {
+  const std::lock_guard lock(mutex_);
+  if (bar_shown_) WriteError("\r\033[K");
+  bar_shown_ = false;
+}
+
+}  // namespace slamdb::cli

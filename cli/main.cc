@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The slamdb command: binds every verb of command.cc, parses, runs the one that was named, and turns the outcome into
+// an exit code. The only place that does.
+#include <csignal>
+#include <iostream>
+#include <map>
+#include <new>
+
+#include "cli/command.h"
+#include "cli/console.h"
+#include "cli/help.h"
+#include "cli/options.h"
+#include "cli/tree.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb::cli {
+namespace {
+
+class HelpFormatter : public CLI::FormatterBase {
+ public:
+  std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override { return HelpText(*app); }
+};
+
+// The program as CLI11 sees it, and what to run for each verb.
+struct Program {
+  CLI::App app{"persistent map database for visual SLAM", "slamdb"};
+  std::map<const CLI::App*, Run> runs;
+  ConsoleOptions console;
+};
+
+// What every verb has, and every verb of a verb.
+void AddCommonOptions(CLI::App& verb, ConsoleOptions& console) {
+  verb.get_help_ptr()->group(kCommonGroup);
+  const auto inner = verb.get_subcommands([](CLI::App*) { return true; });
+  if (inner.empty()) AddConsoleOptions(verb, console);
+  for (CLI::App* sub : inner) AddCommonOptions(*sub, console);
+}
+
+void Bind(Program& program) {
+  CLI::App& app = program.app;
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "Print this help")->group(kCommonGroup);
+  app.set_version_flag("--version", "slamdb " SLAMDB_VERSION, "Print the version")->group(kCommonGroup);
+  app.require_subcommand(1);
+  for (const Command* command : Commands()) {
+    CLI::App* verb = app.add_subcommand(std::string(command->name), std::string(command->summary));
+    if (command->hidden) verb->group("");
+    program.runs[verb] = command->add(*verb);
+    AddCommonOptions(*verb, program.console);
+  }
+}
+
+// The innermost verb that was named on the command line.
+const CLI::App& NamedVerb(const CLI::App& app) {
+  const auto named = app.get_subcommands();
+  return named.empty() ? app : NamedVerb(*named.front());
+}
+
+// The first word that nothing takes, with the word that was probably meant.
+std::string Explain(const CLI::App& verb, const std::string& word) {
+  std::vector<std::string> known;
+  const bool option = word.starts_with("-");
+  if (option)
+    for (const OptionEntry& entry : OptionsOf(verb)) known.insert(known.end(), entry.names.begin(), entry.names.end());
+  else
+    for (const CLI::App* inner : VerbsOf(verb)) known.push_back(inner->get_name());
+  const std::string kind = option ? "unknown option" : known.empty() ? "unexpected argument" : "unknown verb";
+  const std::string meant = DidYouMean(word.substr(0, word.find('=')), known);
+  return kind + " '" + word + "'" + (meant.empty() ? "" : "; did you mean '" + meant + "'?");
+}
+
+int ReportUsage(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App& verb = NamedVerb(app);
+  std::string text = error.what();
+  std::vector<std::string> rest = app.remaining(true);
+  std::erase(rest, "--");
+  if (!rest.empty() && error.get_name() != "ValidationError" && error.get_name() != "ConversionError")
+    text = Explain(verb, rest.front());
+  else if (&verb == &app || (!VerbsOf(verb).empty()))
+    text = "a verb is missing";
+  std::cerr << "slamdb: error: " << text << "\nTry '" << FullName(verb) << " --help'.\n";
+  return static_cast<int>(ExitCode::kUsage);
+}
+
+// Runs the named verb. Everything that is thrown ends here.
+int RunVerb(Program& program) {
+  Console console(program.console);
+  const CLI::App* verb = program.app.get_subcommands().front();
+  try {
+    const ExitCode code = program.runs.at(verb)(console);
+    console.Finish();
+    return static_cast<int>(code);
+  } catch (const CLI::ParseError& error) {
+    return ReportUsage(program.app, error);
+  } catch (const std::bad_alloc&) {
+    console.Fail("out of memory");
+  } catch (const std::exception& error) {
+    console.Fail(error.what());
+  }
+  if (Console::interrupted()) std::raise(SIGINT);  // everything is tidied up: end as a shell expects of Ctrl-C
+  return static_cast<int>(ExitCode::kFailed);
+}
+
+int Main(int argc, char** argv) {
+  Program program;
+  Bind(program);
+  try {
+    program.app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    std::cout << HelpText(NamedVerb(program.app)) << std::flush;
+    return static_cast<int>(std::cout ? ExitCode::kDone : ExitCode::kFailed);
+  } catch (const CLI::CallForVersion& version) {
+    std::cout << version.what() << std::endl;
+    return static_cast<int>(std::cout ? ExitCode::kDone : ExitCode::kFailed);
+  } catch (const CLI::ParseError& error) {
+    return ReportUsage(program.app, error);
+  }
+  return RunVerb(program);
+}
+
+}  // namespace
+}  // namespace slamdb::cli
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_DFL);  // `slamdb dump | head` ends quietly, whatever the parent process ignores
+  return slamdb::cli::Main(argc, argv);
+}

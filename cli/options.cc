@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/options.h"
+
+#include <unistd.h>
+
+#include <charconv>
+#include <filesystem>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb::cli {
+namespace {
+
+template <class Number>
+std::optional<Number> ParseNumber(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+// `A:B`, `A:` or `:B`; an end that is left out keeps its value in `first` and `last`.
+template <class Number>
+bool ParseRange(std::string_view text, Number& first, Number& last) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos || text.size() == 1) return false;
+  const std::string_view left = text.substr(0, colon), right = text.substr(colon + 1);
+  const auto a = ParseNumber<Number>(left), b = ParseNumber<Number>(right);
+  if ((!left.empty() && !a) || (!right.empty() && !b)) return false;
+  first = a.value_or(first);
+  last = b.value_or(last);
+  return first <= last;
+}
+
+std::optional<Eigen::Vector3f> ParseVector(std::string_view text) {
+  Eigen::Vector3f vector;
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t comma = std::min(text.find(','), text.size());
+    if (i < 2 && comma == text.size()) return std::nullopt;
+    const auto number = ParseNumber<float>(i < 2 ? text.substr(0, comma) : text);
+    if (!number) return std::nullopt;
+    vector[i] = *number;
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return vector;
+}
+
+// `x,y,z:x,y,z`, the corners of a box in either order.
+std::optional<Eigen::AlignedBox3f> ParseBox(std::string_view text) {
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const auto a = ParseVector(text.substr(0, colon));
+  const auto b = ParseVector(text.substr(std::min(colon + 1, text.size())));
+  if (!a || !b) return std::nullopt;
+  Eigen::AlignedBox3f box(*a);
+  return box.extend(*b);
+}
+
+std::string CheckKeyframes(const std::string& text) {
+  Selection selection;
+  if (ParseRange(text, selection.first_keyframe, selection.last_keyframe)) return {};
+  return "expected keyframe ids as FIRST:LAST, found '" + text + "'";
+}
+
+std::string CheckTime(const std::string& text) {
+  Selection selection;
+  if (ParseRange(text, selection.begin_time, selection.end_time)) return {};
+  return "expected seconds as BEGIN:END, found '" + text + "'";
+}
+
+std::string CheckBox(const std::string& text) {
+  return ParseBox(text) ? std::string() : "expected two corners as X,Y,Z:X,Y,Z, found '" + text + "'";
+}
+
+std::vector<std::string> FormatIds(bool reading) {
+  std::vector<std::string> ids;
+  for (const Format& format : Formats())
+    if (reading ? format.read != nullptr : format.write != nullptr) ids.emplace_back(format.id);
+  return ids;
+}
+
+}  // namespace
+
+void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
+  verb.add_flag("-q,--quiet", options.quiet, "Print no notes, warnings and progress")->group(kCommonGroup);
+  verb.add_flag("-v,--verbose", options.verbose, "Tell time and memory at the end")->group(kCommonGroup);
+  verb.add_option("--threads", options.threads, "Threads to work with; 0 means every core")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024))
+      ->group(kCommonGroup);
+  verb.add_flag(
+          "--progress,!--no-progress", options.progress,
+          "Show a progress bar on standard error; by default when that is a terminal and work takes over a second")
+      ->group(kCommonGroup);
+}
+
+CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string& description) {
+  CLI::Option* files = verb.add_option("FILE", options.paths, description)->type_name("FILE")->required();
+  AddFrom(verb, options.from);
+  return files;
+}
+
+void AddFrom(CLI::App& verb, std::string& from) {
+  verb.add_option("--from", from, "Format of the input; by default told by its content, then its suffix")
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember(FormatIds(true)));
+}
+
+void AddOutput(CLI::App& verb, OutputOptions& options) {
+  verb.add_option("-o,--output", options.path, "Write to this file instead of standard output")->type_name("FILE");
+  verb.add_flag("-O,--overwrite", options.overwrite, "Replace the output file if it is there");
+}
+
+void WriteOutput(const OutputOptions& options, std::string_view text, Console& console) {
+  if (options.path == "-") {
+    console.Print(text);
+    return;
+  }
+  AtomicFile file(options.path, {.overwrite = options.overwrite});
+  file.Write(text);
+  file.Commit();
+}
+
+void AddTarget(CLI::App& verb, TargetOptions& options) {
+  verb.add_option("--to", options.to, "Format of the output; by default told by its suffix")
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember(FormatIds(false)));
+  verb.add_flag("-O,--overwrite", options.overwrite, "Replace the output if it is there");
+  verb.add_flag("--no-sync", options.no_sync, "Do not wait for the disk: faster, but a power cut may lose the output");
+}
+
+void AddStore(CLI::App& verb, StoreVerbOptions& options) {
+  verb.add_option("STORE", options.path, "The store, an SQLite file of slamdb")->type_name("FILE")->required();
+  AddWait(verb, options.wait);
+}
+
+void AddWait(CLI::App& verb, double& wait) {
+  verb.add_option("--wait", wait, "How long to wait for another program that writes to the store")
+      ->type_name("SECONDS")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+void AddJson(CLI::App& verb, bool& json) { verb.add_flag("--json", json, "Print JSON, for programs"); }
+
+void AddSelection(CLI::App& verb, SelectionOptions& options) {
+  constexpr const char* kGroup = "Selection";
+  verb.add_option("--map", options.map, "Only the map of this id")->type_name("ID")->group(kGroup);
+  verb.add_option("--keyframes", options.keyframes,
+                  "Only keyframes of these ids, both included; an end may be left out")
+      ->type_name("FIRST:LAST")
+      ->check(CheckKeyframes)
+      ->group(kGroup);
+  verb.add_option("--time", options.time, "Only keyframes of this time span in seconds, both ends included")
+      ->type_name("BEGIN:END")
+      ->check(CheckTime)
+      ->group(kGroup);
+  verb.add_option("--box", options.box, "Only points inside the box with these corners, in map coordinates")
+      ->type_name("X,Y,Z:X,Y,Z")
+      ->check(CheckBox)
+      ->group(kGroup);
+}
+
+Selection ParseSelection(const SelectionOptions& options) {
+  Selection selection;
+  if (options.map) selection.map = MapId(*options.map);
+  if (!options.keyframes.empty()) ParseRange(options.keyframes, selection.first_keyframe, selection.last_keyframe);
+  if (!options.time.empty()) ParseRange(options.time, selection.begin_time, selection.end_time);
+  if (!options.box.empty()) selection.box = ParseBox(options.box);
+  return selection;
+}
+
+void RefuseSameFile(const Location& input, const Location& output) {
+  std::error_code missing;
+  if (input.path == "-" || output.path == "-" || input.name != output.name) return;
+  if (std::filesystem::equivalent(input.path, output.path, missing))
+    throw Error(output.ToString(), "", "is the input, which is never changed; name another output");
+}
+
+void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii) {
+  const bool cloud = format.id == "ply" || format.id == "pcd";
+  const bool binary = format.id == "orbslam3" || (cloud && !ascii);
+  if (!binary || output.path != "-" || ::isatty(STDOUT_FILENO) == 0) return;
+  throw Error(std::string(format.title) +
+              " is binary and would garble the terminal; name a file, or redirect the output");
+}
+
+ReadOptions MakeReadOptions(Console& console) {
+  ReadOptions options;
+  options.threads = console.threads();
+  options.progress = console.MakeProgress();
+  return options;
+}
+
+WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target) {
+  WriteOptions options;
+  options.overwrite = target.overwrite;
+  options.sync = !target.no_sync;
+  options.threads = console.threads();
+  options.progress = console.MakeProgress();
+  return options;
+}
+
+}  // namespace slamdb::cli

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/console.h"
+#include "cli/tree.h"
+#include "slamdb/formats/format.h"
+
+// Options that more than one verb takes, spelled once. Each function binds and does nothing else.
+namespace slamdb::cli {
+
+// -q/--quiet -v/--verbose --threads --progress/--no-progress: every verb has them.
+void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options);
+
+// The positional FILE..., required unless the verb says otherwise, and --from FORMAT.
+struct InputOptions {
+  std::vector<std::string> paths;
+  std::string from;
+};
+CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string& description);
+
+// --from FORMAT alone, for verbs that name their inputs otherwise.
+void AddFrom(CLI::App& verb, std::string& from);
+
+// -o/--output FILE and -O/--overwrite, for verbs whose result is a text that goes to standard output by default.
+struct OutputOptions {
+  std::string path = "-";
+  bool overwrite = false;
+};
+void AddOutput(CLI::App& verb, OutputOptions& options);
+void WriteOutput(const OutputOptions& options, std::string_view text, Console& console);
+
+// --to FORMAT, -O/--overwrite and --no-sync, for verbs that write an atlas.
+struct TargetOptions {
+  std::string to;
+  bool overwrite = false;
+  bool no_sync = false;
+};
+void AddTarget(CLI::App& verb, TargetOptions& options);
+
+// The positional STORE, and --wait SECONDS, for the store's own verbs.
+struct StoreVerbOptions {
+  std::string path;
+  double wait = 5;
+};
+void AddStore(CLI::App& verb, StoreVerbOptions& options);
+// --wait SECONDS alone.
+void AddWait(CLI::App& verb, double& wait);
+
+// --json.
+void AddJson(CLI::App& verb, bool& json);
+
+// --map, --keyframes A:B, --time A:B, --box.
+struct SelectionOptions {
+  std::optional<std::uint64_t> map;
+  std::string keyframes, time, box;
+};
+void AddSelection(CLI::App& verb, SelectionOptions& options);
+Selection ParseSelection(const SelectionOptions& options);
+
+// Throws Error when the output is the input, which no verb changes.
+void RefuseSameFile(const Location& input, const Location& output);
+
+// Throws Error when bytes that are not text would go to a terminal.
+void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii = false);
+
+// Read and write options as the console and the groups above have them.
+ReadOptions MakeReadOptions(Console& console);
+WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target);
+
+}  // namespace slamdb::cli

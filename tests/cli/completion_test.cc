@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// What bash offers for these words, of which the last is being typed; one candidate per line.
+std::string BashOffers(const std::string& words, int count) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "script", RunSlamdb({"completion", "bash"}).out);
+  const std::string program = "compopt() { :; }; source '" + (folder / "script") + "'; COMP_WORDS=(" + words +
+                              "); COMP_CWORD=" + std::to_string(count - 1) +
+                              "; _slamdb; printf '%s\\n' \"${COMPREPLY[@]}\"";
+  const ProcessResult result = RunProgram({"bash", "-c", program});
+  EXPECT_EQ(result.err, "");
+  return result.out;
+}
+
+TEST(Completion, BashScriptParses) {
+  const ProcessResult script = RunSlamdb({"completion", "bash"});
+  ASSERT_EQ(script.exit_code, 0);
+  const ProcessResult parsed = RunProgram({"bash", "-n"}, script.out);
+  EXPECT_EQ(parsed.exit_code, 0) << parsed.err;
+}
+
+TEST(Completion, BashOffersVerbs) {
+  EXPECT_THAT(BashOffers("slamdb ''", 2), HasSubstr("info\n"));
+  EXPECT_EQ(BashOffers("slamdb conv", 2), "convert\n");
+  EXPECT_EQ(BashOffers("slamdb vocabulary ver", 3), "verify\n");
+}
+
+TEST(Completion, BashOffersOptionsOfTheVerb) {
+  const std::string offers = BashOffers("slamdb convert --", 3);
+  EXPECT_THAT(offers, HasSubstr("--sanitize\n"));
+  EXPECT_THAT(offers, HasSubstr("--overwrite\n"));
+  EXPECT_THAT(offers, Not(HasSubstr("--gate")));
+  EXPECT_THAT(BashOffers("slamdb vocabulary set --", 4), HasSubstr("--overwrite\n"));
+}
+
+TEST(Completion, BashOffersValuesOfAnOption) {
+  EXPECT_EQ(BashOffers("slamdb convert --to orbslam3-", 4), "orbslam3-text\n");
+  EXPECT_EQ(BashOffers("slamdb convert --to = orbslam3-", 5), "orbslam3-text\n");
+  EXPECT_EQ(BashOffers("slamdb completion f", 3), "fish\n");
+}
+
+TEST(Completion, BashOffersFilesWithBlanks) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "my map.osa", "");
+  EXPECT_EQ(BashOffers("slamdb info '" + (folder / "my") + "'", 3), (folder / "my map.osa") + "\n");
+}
+
+TEST(Completion, ZshScriptParses) {
+  const ProcessResult script = RunSlamdb({"completion", "zsh"});
+  ASSERT_EQ(script.exit_code, 0);
+  EXPECT_THAT(script.out, HasSubstr("#compdef slamdb"));
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "script", script.out);
+  const ProcessResult parsed = RunProgram({"zsh", "-n", folder / "script"});
+  if (parsed.exit_code == 127) GTEST_SKIP() << "zsh is not installed";
+  EXPECT_EQ(parsed.exit_code, 0) << parsed.err;
+}
+
+TEST(Completion, FishScriptParses) {
+  const ProcessResult script = RunSlamdb({"completion", "fish"});
+  ASSERT_EQ(script.exit_code, 0);
+  EXPECT_THAT(script.out, HasSubstr("complete -c slamdb"));
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "script", script.out);
+  const ProcessResult parsed = RunProgram({"fish", "--no-execute", folder / "script"});
+  if (parsed.exit_code == 127) GTEST_SKIP() << "fish is not installed";
+  EXPECT_EQ(parsed.exit_code, 0) << parsed.err;
+}
+
+TEST(Completion, WantsAShellItKnows) {
+  EXPECT_EQ(RunSlamdb({"completion"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"completion", "tcsh"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace slamdb::testing

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string kTiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
+const std::string kTinyText = SLAMDB_FIXTURES "/tiny/tiny_text.osa";
+
+TEST(Convert, KeepsEveryByte) {
+  const TemporaryFolder folder;
+  const ProcessResult result = RunSlamdb({"convert", kTiny, folder / "copy.osa"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, StartsWith("wrote " + (folder / "copy.osa")));
+  EXPECT_EQ(ReadWholeFile(folder / "copy.osa"), ReadWholeFile(kTiny));
+}
+
+TEST(Convert, TextAndBack) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "text.osa", "--text"}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(folder / "text.osa"), ReadWholeFile(kTinyText));
+  ASSERT_EQ(RunSlamdb({"convert", folder / "text.osa", folder / "binary.osa", "--to", "orbslam3"}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(folder / "binary.osa"), ReadWholeFile(kTiny));
+}
+
+TEST(Convert, ByWayOfAStore) {
+  const TemporaryFolder folder;
+  const std::string stored = (folder / "lab.db") + "#tiny map";
+  ASSERT_EQ(RunSlamdb({"convert", kTiny, stored}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", stored, folder / "back.osa"}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(folder / "back.osa"), ReadWholeFile(kTiny));
+}
+
+TEST(Convert, StandardInputAndOutput) {
+  const ProcessResult result =
+      RunSlamdb({"convert", "-", "-", "--from", "orbslam3", "--to", "orbslam3"}, ReadWholeFile(kTiny));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(result.out == ReadWholeFile(kTiny));
+}
+
+TEST(Convert, StandardInputNeedsAFormat) {
+  const ProcessResult result = RunSlamdb({"convert", "-", "out.osa"}, ReadWholeFile(kTiny));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("--from"));
+}
+
+TEST(Convert, RefusesToOverwrite) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "there.osa", "precious");
+  const ProcessResult refused = RunSlamdb({"convert", kTiny, folder / "there.osa"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("--overwrite"));
+  EXPECT_EQ(ReadWholeFile(folder / "there.osa"), "precious");
+  EXPECT_EQ(RunSlamdb({"convert", kTiny, folder / "there.osa", "-O"}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(folder / "there.osa"), ReadWholeFile(kTiny));
+}
+
+TEST(Convert, NeverWritesItsInput) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "map.osa", link = folder / "link.osa", before = ReadWholeFile(kTiny);
+  WriteWholeFile(path, before);
+  std::filesystem::create_symlink(path, link);
+  for (const std::string& output : {path, link}) {
+    const ProcessResult result = RunSlamdb({"convert", path, output, "-O", "--boost-version", "12"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("is the input"));
+  }
+  EXPECT_EQ(ReadWholeFile(path), before);
+}
+
+TEST(Convert, LossIsNamedAndExitsThree) {
+  const TemporaryFolder folder;
+  for (const char* format : {"ply", "pcd", "csv", "tum", "kitti", "euroc"}) {
+    SCOPED_TRACE(format);
+    const ProcessResult result = RunSlamdb({"convert", kTiny, folder / format, "--to", format});
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("slamdb: loss: "));
+    EXPECT_TRUE(std::filesystem::exists(folder / format));
+  }
+}
+
+TEST(Convert, StrictRefusesLossAndWritesNothing) {
+  const TemporaryFolder folder;
+  const ProcessResult result = RunSlamdb({"convert", kTiny, folder / "points.ply", "--strict"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("slamdb: error: "));
+  EXPECT_FALSE(std::filesystem::exists(folder / "points.ply"));
+}
+
+TEST(Convert, WritesTheBoostVersionAndLongThatAreNamed) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "old.osa", "--boost-version", "11", "--long-bytes", "4"}).exit_code,
+            0);
+  const std::string bytes = ReadWholeFile(folder / "old.osa");
+  EXPECT_EQ(bytes.at(0x1e), 11);
+  EXPECT_EQ(bytes.at(0x21), 4);
+  ASSERT_EQ(RunSlamdb({"convert", folder / "old.osa", folder / "new.osa", "--boost-version",
+                       std::to_string(ReadWholeFile(kTiny).at(0x1e)), "--long-bytes", "8"})
+                .exit_code,
+            0);
+  EXPECT_EQ(ReadWholeFile(folder / "new.osa"), ReadWholeFile(kTiny));
+}
+
+TEST(Convert, UnknownSuffixNamesTheKnownOnes) {
+  const ProcessResult result = RunSlamdb({"convert", kTiny, "map.xyzzy"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr(".osa"));
+}
+
+TEST(Convert, MapThatIsNotThere) {
+  const TemporaryFolder folder;
+  const ProcessResult result = RunSlamdb({"convert", kTiny, folder / "out.osa", "--map", "77"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("77"));
+}
+
+TEST(Convert, PartOfAMapIsWrittenWithAWarning) {
+  const TemporaryFolder folder;
+  const ProcessResult part = RunSlamdb({"convert", kTiny, folder / "part.osa", "--keyframes", "0:0"});
+  EXPECT_EQ(part.exit_code, 0) << part.err;
+  EXPECT_THAT(part.err, HasSubstr("only the selected part"));
+  EXPECT_THAT(part.out, HasSubstr("1 keyframe,"));
+  const ProcessResult whole = RunSlamdb({"convert", kTiny, folder / "whole.osa", "--map", "0"});
+  EXPECT_EQ(whole.err, "");
+}
+
+TEST(Convert, TextAndToExcludeEachOther) {
+  EXPECT_EQ(RunSlamdb({"convert", kTiny, "out.osa", "--text", "--to", "orbslam3"}).exit_code, 2);
+}
+
+TEST(Convert, PathsWithBlanksAndQuotes) {
+  const TemporaryFolder folder;
+  const std::string odd = folder / "it's \"my\" $map; #1.osa";
+  WriteWholeFile(odd, ReadWholeFile(kTiny));
+  EXPECT_EQ(RunSlamdb({"info", odd}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"convert", odd, folder / "out put.osa"}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(folder / "out put.osa"), ReadWholeFile(kTiny));
+}
+
+}  // namespace
+}  // namespace slamdb::testing

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What every verb does with command lines and inputs that are wrong.
+#include <gmock/gmock.h>
+
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string kTiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
+
+// Every way to name one input and nothing else that could be wrong.
+std::vector<std::vector<std::string>> CommandsReading(const std::string& path, const std::string& output) {
+  return {{"info", path},  {"info", path, "--json"},  {"show", path, "map/0"},     {"dump", path},
+          {"check", path}, {"convert", path, output}, {"vocabulary", "show", path}};
+}
+
+void ExpectFailure(const std::string& path) {
+  const TemporaryFolder folder;
+  for (const auto& command : CommandsReading(path, folder / "out.osa")) {
+    SCOPED_TRACE(command.front() + " " + path);
+    const ProcessResult result = RunSlamdb(command);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, StartsWith("slamdb: error: "));
+    EXPECT_THAT(result.err, HasSubstr(path));
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.osa"));
+  }
+}
+
+TEST(Errors, MissingFile) { ExpectFailure("/nowhere/missing.osa"); }
+
+TEST(Errors, Folder) { ExpectFailure(SLAMDB_FIXTURES); }
+
+TEST(Errors, EmptyFile) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "empty.osa", "");
+  ExpectFailure(folder / "empty.osa");
+}
+
+TEST(Errors, FileOfAnotherKind) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "notes.txt", "Buy milk.\n");
+  for (const char* verb : {"info", "check", "dump"}) {
+    const ProcessResult result = RunSlamdb({verb, folder / "notes.txt"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("notes.txt"));
+  }
+}
+
+TEST(Errors, TruncatedFile) {
+  const TemporaryFolder folder;
+  const std::string whole = ReadWholeFile(kTiny);
+  WriteWholeFile(folder / "cut.osa", whole.substr(0, whole.size() / 2));
+  const ProcessResult result = RunSlamdb({"info", folder / "cut.osa"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("truncated"));
+}
+
+TEST(Errors, OneBadInputOfSeveralDoesNotHideTheOthers) {
+  const ProcessResult result = RunSlamdb({"info", "/nowhere/missing.osa", kTiny});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("missing.osa"));
+  EXPECT_THAT(result.out, HasSubstr("tiny.osa"));
+}
+
+void ExpectUsageError(const std::vector<std::string>& arguments, const std::string& text) {
+  const ProcessResult result = RunSlamdb(arguments);
+  SCOPED_TRACE(result.err);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, StartsWith("slamdb: error: "));
+  EXPECT_THAT(result.err, HasSubstr(text));
+  EXPECT_THAT(result.err, HasSubstr("--help'."));
+}
+
+TEST(Usage, NoVerb) { ExpectUsageError({}, "a verb is missing"); }
+TEST(Usage, MistypedVerb) { ExpectUsageError({"inof", kTiny}, "did you mean 'info'?"); }
+TEST(Usage, ShortenedVerb) { ExpectUsageError({"synth"}, "did you mean 'synthesize'?"); }
+TEST(Usage, StrangeVerb) { ExpectUsageError({"frobnicate"}, "unknown verb 'frobnicate'"); }
+TEST(Usage, MistypedOption) { ExpectUsageError({"info", "--jsno", kTiny}, "did you mean '--json'?"); }
+TEST(Usage, UnknownShortOption) { ExpectUsageError({"info", "-Z", kTiny}, "unknown option '-Z'"); }
+TEST(Usage, MissingVerbOfVerb) { ExpectUsageError({"vocabulary"}, "a verb is missing"); }
+TEST(Usage, MissingOptionValue) { ExpectUsageError({"convert", kTiny, "out.osa", "--to"}, "--to"); }
+TEST(Usage, UnknownFormat) { ExpectUsageError({"convert", kTiny, "out.osa", "--to", "xml"}, "xml"); }
+TEST(Usage, TooManyArguments) { ExpectUsageError({"convert", kTiny, "out.osa", "more.osa"}, "'more.osa'"); }
+TEST(Usage, RangeThatIsNone) { ExpectUsageError({"dump", kTiny, "--keyframes", "9:2"}, "FIRST:LAST"); }
+TEST(Usage, BoxThatIsNone) { ExpectUsageError({"dump", kTiny, "--box", "1,2:3"}, "X,Y,Z:X,Y,Z"); }
+TEST(Usage, BoostVersionOutOfRange) {
+  ExpectUsageError({"convert", kTiny, "out.osa", "--boost-version", "3"}, "--boost-version");
+}
+
+TEST(Usage, EveryVerbRefusesAnUnknownOption) {
+  for (const char* verb : {"info", "show", "dump", "check", "convert", "synthesize", "list", "log", "remove", "stats",
+                           "vacuum", "backup", "migrate", "completion", "version", "man"}) {
+    SCOPED_TRACE(verb);
+    ExpectUsageError({verb, "--no-such-option"}, "--no-such-option");
+  }
+}
+
+TEST(Output, FullDiskIsAnError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "/dev/full is not there";
+  const ProcessResult result = RunProgram({"bash", "-c", "exec \"$0\" info \"$1\" > /dev/full", SLAMDB_COMMAND, kTiny});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("No space left"));
+}
+
+TEST(Output, BrokenPipeIsQuiet) {
+  std::vector<std::string> words = {"bash", "-c", "\"$0\" info \"$@\" | head -n 1; exit ${PIPESTATUS[0]}",
+                                    SLAMDB_COMMAND};
+  words.insert(words.end(), 200, kTiny);  // more text than a pipe takes
+  const ProcessResult result = RunProgram(words);
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.exit_code, 128 + 13);
+}
+
+TEST(Output, BinaryIsNotWrittenToATerminal) {
+  // script(1) runs its command on a terminal of its own.
+  const std::string command = std::string(SLAMDB_COMMAND) + " convert '" + kTiny + "' - --to orbslam3";
+  const ProcessResult result = RunProgram({"script", "-q", "-e", "-c", command, "/dev/null"});
+  if (result.exit_code == 127) GTEST_SKIP() << "script is not installed";
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.out, HasSubstr("would garble the terminal"));
+}
+
+TEST(Output, NothingIsColouredInAPipe) {
+  const ProcessResult result = RunSlamdb({"check", kTiny});
+  EXPECT_EQ(result.out.find('\033'), std::string::npos);
+  EXPECT_EQ(result.err.find('\033'), std::string::npos);
+}
+
+TEST(Output, ProgressOnlyWhenAskedFor) {
+  EXPECT_EQ(RunSlamdb({"info", kTiny}).err, "");
+  EXPECT_THAT(RunSlamdb({"check", "--no-progress", "--quiet", kTiny}).err, "");
+}
+
+TEST(Output, VerboseTellsTimeAndMemory) { EXPECT_THAT(RunSlamdb({"info", "-v", kTiny}).err, HasSubstr("memory")); }
+
+}  // namespace
+}  // namespace slamdb::testing

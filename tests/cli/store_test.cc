@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include "tests/cli/json_schema.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+const std::string kTiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
+
+class StoreVerbs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(RunSlamdb({"convert", kTiny, At("a")}).exit_code, 0);
+    ASSERT_EQ(RunSlamdb({"convert", kTiny, At("b")}).exit_code, 0);
+  }
+
+  std::string At(const std::string& name) const { return store_ + "#" + name; }
+  std::vector<std::string> Names() const {
+    std::vector<std::string> names;
+    const json report = json::parse(RunSlamdb({"list", "--json", store_}).out);
+    for (const json& atlas : report.at("atlases")) names.push_back(atlas.at("name"));
+    return names;
+  }
+
+  TemporaryFolder folder_;
+  std::string store_ = folder_ / "lab.db";
+};
+
+TEST_F(StoreVerbs, ListsByName) {
+  EXPECT_EQ(Names(), (std::vector<std::string>{"a", "b"}));
+  const ProcessResult text = RunSlamdb({"list", store_});
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_THAT(text.out, HasSubstr("KEYFRAMES"));
+  EXPECT_EQ(BreachOf(json::parse(RunSlamdb({"list", "--json", store_}).out), "list.schema.json"), "");
+}
+
+TEST_F(StoreVerbs, LogTellsWhatWasDone) {
+  const json log = json::parse(RunSlamdb({"log", "--json", store_}).out);
+  EXPECT_EQ(BreachOf(log, "log.schema.json"), "");
+  EXPECT_EQ(log.at("entries").size(), 2U);
+  EXPECT_THAT(log["entries"][0]["provenance"].get<std::string>(), HasSubstr("tiny.osa"));
+  const json of_b = json::parse(RunSlamdb({"log", "--json", At("b")}).out);
+  ASSERT_EQ(of_b.at("entries").size(), 1U);
+  EXPECT_EQ(of_b["entries"][0]["atlas"], "b");
+  EXPECT_THAT(RunSlamdb({"log", store_}).out, HasSubstr("INSERTED"));
+}
+
+TEST_F(StoreVerbs, SavingAgainNeedsOverwriteAndChangesNothing) {
+  EXPECT_EQ(RunSlamdb({"convert", kTiny, At("a")}).exit_code, 1);
+  ASSERT_EQ(RunSlamdb({"convert", kTiny, At("a"), "-O"}).exit_code, 0);
+  const json log = json::parse(RunSlamdb({"log", "--json", At("a")}).out);
+  const json& last = log.at("entries").back();
+  EXPECT_EQ(last["rows"]["inserted"], 0);
+  EXPECT_EQ(last["rows"]["deleted"], 0);
+}
+
+TEST_F(StoreVerbs, RemovesOne) {
+  ASSERT_EQ(RunSlamdb({"remove", At("a")}).exit_code, 0);
+  EXPECT_EQ(Names(), (std::vector<std::string>{"b"}));
+  const ProcessResult again = RunSlamdb({"remove", At("a")});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.err, HasSubstr("a"));
+  EXPECT_EQ(RunSlamdb({"remove", store_}).exit_code, 2);
+}
+
+TEST_F(StoreVerbs, StatsAndVacuum) {
+  const json stats = json::parse(RunSlamdb({"stats", "--json", store_}).out);
+  EXPECT_EQ(BreachOf(stats, "stats.schema.json"), "");
+  EXPECT_THAT(RunSlamdb({"stats", store_}).out, HasSubstr("schema version"));
+  const ProcessResult vacuum = RunSlamdb({"vacuum", store_});
+  EXPECT_EQ(vacuum.exit_code, 0) << vacuum.err;
+  EXPECT_EQ(Names().size(), 2U);
+}
+
+TEST_F(StoreVerbs, BackupIsWhole) {
+  const std::string copy = folder_ / "copy.db";
+  ASSERT_EQ(RunSlamdb({"backup", store_, copy}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"backup", store_, copy}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"backup", store_, copy, "-O"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", copy + "#b", folder_ / "b.osa"}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(folder_ / "b.osa"), ReadWholeFile(kTiny));
+}
+
+TEST_F(StoreVerbs, MigrateOfAnUpToDateStoreDoesNothing) {
+  const ProcessResult result = RunSlamdb({"migrate", store_, "--dry-run"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("already"));
+}
+
+TEST_F(StoreVerbs, NameIsNeededWhereThereAreSeveral) {
+  const ProcessResult result = RunSlamdb({"info", store_});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("a"));
+  EXPECT_EQ(RunSlamdb({"info", At("a")}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"info", At("nobody")}).exit_code, 1);
+}
+
+TEST(StoreErrors, ReadingVerbsNeverMakeAStore) {
+  const TemporaryFolder folder;
+  const std::string missing = folder / "missing.db";
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"list", missing},
+                                                  {"log", missing},
+                                                  {"stats", missing},
+                                                  {"vacuum", missing},
+                                                  {"migrate", missing},
+                                                  {"remove", missing + "#a"},
+                                                  {"backup", missing, folder / "copy.db"}}) {
+    SCOPED_TRACE(command.front());
+    const ProcessResult result = RunSlamdb(command);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("missing.db"));
+    EXPECT_FALSE(std::filesystem::exists(missing));
+  }
+}
+
+TEST(StoreErrors, FileThatIsNoStore) {
+  for (const char* verb : {"list", "log", "stats", "vacuum", "migrate"}) {
+    const ProcessResult result = RunSlamdb({verb, kTiny});
+    EXPECT_EQ(result.exit_code, 1) << verb;
+    EXPECT_THAT(result.err, HasSubstr("tiny.osa"));
+  }
+}
+
+TEST(StoreErrors, BadWaitIsAUsageError) { EXPECT_EQ(RunSlamdb({"list", "x.db", "--wait", "-3"}).exit_code, 2); }
+
+}  // namespace
+}  // namespace slamdb::testing

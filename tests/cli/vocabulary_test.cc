@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include "tests/cli/json_schema.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+const std::string kTiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
+// A root with two words: parent, leaf?, 32 descriptor bytes, weight.
+const std::string kVocabulary =
+    "2 1 0 0\n"
+    "0 1 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 0.5\n"
+    "0 1 9 8 7 6 5 4 3 2 1 0 9 8 7 6 5 4 3 2 1 0 9 8 7 6 5 4 3 2 1 0 9 8 0.25\n";
+
+TEST(Vocabulary, ShowsAtlasesAndVocabularyFiles) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "voc.txt", kVocabulary);
+  const ProcessResult result = RunSlamdb({"vocabulary", "show", kTiny, folder / "voc.txt", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "vocabulary.schema.json"), "");
+  EXPECT_EQ(report["files"][0]["kind"], "atlas");
+  EXPECT_EQ(report["files"][1]["kind"], "vocabulary");
+  EXPECT_EQ(report["files"][1]["name"], "voc.txt");
+  EXPECT_EQ(report["files"][1]["shape"]["words"], 2);
+  EXPECT_THAT(RunSlamdb({"vocabulary", "show", folder / "voc.txt"}).out, HasSubstr("words      2\n"));
+}
+
+TEST(Vocabulary, SetThenVerify) {
+  const TemporaryFolder folder;
+  const std::string vocabulary = folder / "voc.txt", stamped = folder / "stamped.osa";
+  WriteWholeFile(vocabulary, kVocabulary);
+  const ProcessResult before = RunSlamdb({"vocabulary", "verify", kTiny, "--vocabulary", vocabulary});
+  EXPECT_EQ(before.exit_code, 1);
+  EXPECT_THAT(before.out, HasSubstr("checksum"));
+  ASSERT_EQ(RunSlamdb({"vocabulary", "set", kTiny, stamped, "--vocabulary", vocabulary}).exit_code, 0);
+  const ProcessResult after = RunSlamdb({"vocabulary", "verify", stamped, "--vocabulary", vocabulary});
+  EXPECT_EQ(after.exit_code, 0) << after.out;
+  EXPECT_THAT(after.out, HasSubstr("matches voc.txt"));
+}
+
+TEST(Vocabulary, SetChangesNothingElse) {
+  const TemporaryFolder folder;
+  const json report = json::parse(RunSlamdb({"info", "--json", kTiny}).out);
+  const std::string name = report["vocabulary"]["name"], checksum = report["vocabulary"]["checksum"];
+  for (const std::string& source : {kTiny, std::string(SLAMDB_FIXTURES "/tiny/tiny_text.osa")}) {
+    ASSERT_EQ(RunSlamdb({"vocabulary", "set", source, folder / "other.osa", "-O", "--name", "x", "--checksum",
+                         "0123456789abcdef0123456789abcdef"})
+                  .exit_code,
+              0);
+    EXPECT_NE(ReadWholeFile(folder / "other.osa"), ReadWholeFile(source));
+    ASSERT_EQ(RunSlamdb({"vocabulary", "set", folder / "other.osa", folder / "back.osa", "-O", "--name", name,
+                         "--checksum", checksum})
+                  .exit_code,
+              0);
+    EXPECT_EQ(ReadWholeFile(folder / "back.osa"), ReadWholeFile(source));
+  }
+}
+
+TEST(Vocabulary, SetNeedsSomethingToSet) {
+  EXPECT_EQ(RunSlamdb({"vocabulary", "set", kTiny, "out.osa"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"vocabulary", "set", kTiny, "out.osa", "--checksum", "XYZ"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"vocabulary", "verify", kTiny}).exit_code, 2);
+}
+
+TEST(Vocabulary, MissingVocabularyFile) {
+  const ProcessResult result = RunSlamdb({"vocabulary", "verify", kTiny, "--vocabulary", "/nowhere/voc.txt"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("/nowhere/voc.txt"));
+}
+
+}  // namespace
+}  // namespace slamdb::testing

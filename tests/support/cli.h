@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slamdb::testing {
+
+// What a process left behind.
+struct ProcessResult {
+  int exit_code = -1;  // 128 + signal when one ended it
+  std::string out, err;
+};
+
+// Runs the slamdb command that was built, without a shell, feeding `input` to its standard input, and waits for its
+// end.
+ProcessResult RunSlamdb(const std::vector<std::string>& arguments, std::string_view input = {});
+
+// Runs any program the same way; exit code 127 when it is not installed.
+ProcessResult RunProgram(const std::vector<std::string>& words, std::string_view input = {});
+
+// A fresh folder that goes with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  // The path of a file in it.
+  std::string operator/(std::string_view name) const { return (path_ / name).string(); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string ReadWholeFile(const std::string& path);
+void WriteWholeFile(const std::string& path, std::string_view content);
+
+}  // namespace slamdb::testing
