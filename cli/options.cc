@@ -86,7 +86,7 @@ void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
   verb.add_flag("-v,--verbose", options.verbose, "Tell time and memory at the end")->group(kCommonGroup);
   verb.add_option("--threads", options.threads, "Threads to work with; 0 means every core")
       ->type_name("N")
-      ->check(CLI::Range(0, 1024))
+      ->check(CLI::Range(0, 1024).description({}))
       ->group(kCommonGroup);
   verb.add_flag(
           "--progress,!--no-progress", options.progress,
@@ -137,7 +137,7 @@ void AddStore(CLI::App& verb, StoreVerbOptions& options) {
 void AddWait(CLI::App& verb, double& wait) {
   verb.add_option("--wait", wait, "How long to wait for another program that writes to the store")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber.description({}))
       ->capture_default_str();
 }
 

@@ -6,10 +6,10 @@
 namespace slamdb::cli {
 namespace {
 
-// CLI11 tells a set of values as `NAME:{a,b}` or `{a,b}`.
+// CLI11 tells a set of values as `NAME:{a,b}` or `{a,b}`. Other checks have no description, so a colon may be the
+// name's.
 void ReadTypeName(const std::string& type, OptionEntry& entry) {
-  const std::size_t end = std::min(type.find(':'), type.size());
-  entry.value = type.substr(0, end);
+  entry.value = type.substr(0, type.find(":{"));
   const std::size_t open = type.find('{'), close = type.rfind('}');
   if (open == std::string::npos || close == std::string::npos) return;
   if (open == 0) entry.value.clear();

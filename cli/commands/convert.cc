@@ -95,10 +95,10 @@ void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
           "Version of the archive library to write for: 12 loads in Boost 1.58 and later, 18 in 1.73 and later; by "
           "default as it was read")
       ->type_name("N")
-      ->check(CLI::Range(10, 255))
+      ->check(CLI::Range(10, 255).description({}))
       ->group(kArchive);
   verb.add_option("--long-bytes", options.long_bytes,
-                  "Bytes of a long on the system to write for: 8, or 4 for Windows and 32-bit ARM")
+                  "Bytes of a long where the file is to be read; 4 is for Windows and 32-bit ARM")
       ->type_name("N")
       ->check(CLI::IsMember({4, 8}))
       ->group(kArchive);

@@ -79,11 +79,12 @@ Run AddSynthesize(CLI::App& verb) {
   const auto number = [&](const char* name, auto& value, const char* description) {
     return verb.add_option(name, value, description)->type_name("N")->capture_default_str()->group(kGroup);
   };
-  number("--maps", atlas.maps, "How many maps")->check(CLI::Range(1, 10000));
+  number("--maps", atlas.maps, "How many maps")->check(CLI::Range(1, 10000).description({}));
   CLI::Option* keyframes = number("--keyframes", atlas.keyframes, "Keyframes in each map");
   CLI::Option* points = number("--points", atlas.points, "Points in each map");
   number("--features", atlas.features, "Keypoints in each keyframe, at most");
-  number("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")->check(CLI::NonNegativeNumber);
+  number("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")
+      ->check(CLI::NonNegativeNumber.description({}));
   number("--seed", atlas.seed, "Another number, another atlas");
   verb.add_option("--size", options->size, "Keyframes and points for a binary .osa of about this size, such as 200MB")
       ->type_name("SIZE")

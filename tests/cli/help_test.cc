@@ -69,6 +69,13 @@ TEST(Help, EveryDescribedOptionHasADescription) {
   }
 }
 
+TEST(Help, ShowsHowValuesAreWritten) {
+  const std::string text = RunSlamdb({"convert", "--help"}).out;
+  for (const char* heading : {"--keyframes FIRST:LAST ", "--time BEGIN:END ", "--box X,Y,Z:X,Y,Z", "--boost-version N ",
+                              "--wait SECONDS ", "--threads N ", "--to FORMAT "})
+    EXPECT_THAT(text, HasSubstr(std::string("  ") + heading));
+}
+
 TEST(Help, VersionListsTheFormats) {
   const nlohmann::json version = nlohmann::json::parse(RunSlamdb({"version", "--json"}).out);
   EXPECT_EQ(BreachOf(version, "version.schema.json"), "");
