@@ -80,9 +80,9 @@ TEST_F(StorePartial, IdsBeyondTheSignBit) {
     ReadOptions options;
     options.selection.first_keyframe = first;
     options.selection.last_keyframe = last;
+    const Atlas part = LoadFrom(path_, "odd", options);
     std::vector<std::uint64_t> found;
-    for (const KeyFrame& keyframe : LoadFrom(path_, "odd", options).maps[0].keyframes)
-      found.push_back(keyframe.id.value());
+    for (const KeyFrame& keyframe : part.maps[0].keyframes) found.push_back(keyframe.id.value());
     return found;
   };
   EXPECT_THAT(ids(2, 0xfedcba9876543210U), ::testing::ElementsAre(2, 2, 2, 0xfedcba9876543210U));
