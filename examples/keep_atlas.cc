@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// keep_atlas ATLAS STORE: opens an atlas that ORB-SLAM3 saved, checks it, keeps it in a store, and reads part of it back.
+// keep_atlas ATLAS STORE: opens an atlas that ORB-SLAM3 saved, checks it, keeps it in a store, and reads part of it
+// back.
 #include <cstdio>
 #include <exception>
 
