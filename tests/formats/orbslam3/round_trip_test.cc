@@ -98,7 +98,7 @@ TEST_P(RoundTripOfRealAtlas, TextLosesOnlyNanPayloads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(RealAtlases, RoundTripOfRealAtlas, testing::ValuesIn(kRealAtlases),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& instance) { return std::string(instance.param); });
 
 TEST(RoundTripOfSyntheticAtlas, GivesTheSameBytesForEverySensor) {
   for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kRgbd, Sensor::kFisheyeStereo}) {
