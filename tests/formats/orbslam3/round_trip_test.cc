@@ -104,7 +104,8 @@ TEST(RoundTripOfSyntheticAtlas, GivesTheSameBytesForEverySensor) {
   for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kRgbd, Sensor::kFisheyeStereo}) {
     for (const bool inertial : {false, true}) {
       for (const bool text : {false, true}) {
-        Atlas atlas = SynthesizeAtlas({.sensor = sensor, .inertial = inertial, .maps = 2, .keyframes = 12});
+        Atlas atlas =
+            SynthesizeAtlas({.sensor = sensor, .inertial = inertial, .maps = 2, .keyframes = 12, .points = 400});
         atlas.encoding.text = text;
         const std::string bytes = EncodeOrbslam3(atlas);
         const Scratch file("synthetic.osa");
