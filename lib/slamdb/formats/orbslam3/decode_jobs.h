@@ -37,10 +37,10 @@ class DecodeTeam {
   DecodeTeam(const DecodeTeam&) = delete;
   DecodeTeam& operator=(const DecodeTeam&) = delete;
 
-  void Add(DecodeJob job) {
+  void Add(const DecodeJob& job) {
     std::unique_lock lock(mutex_);
     waiting_bytes_ += job.end - job.offset;
-    jobs_.push_back(std::move(job));
+    jobs_.push_back(job);
     if (!helpers_.empty()) available_.notify_one();
     while (waiting_bytes_ > kMostWaitingBytes) RunNext(lock);
   }
@@ -83,7 +83,7 @@ class DecodeTeam {
 
   // Takes the next job and does it, without holding the lock meanwhile.
   void RunNext(std::unique_lock<std::mutex>& lock) {
-    const DecodeJob job = std::move(jobs_.front());
+    const DecodeJob job = jobs_.front();
     jobs_.pop_front();
     waiting_bytes_ -= job.end - job.offset;
     const std::size_t number = first_started_ + started_.size();

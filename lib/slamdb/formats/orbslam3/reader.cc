@@ -197,7 +197,7 @@ class AtlasReader {
                     .keyframe = &map.keyframes[found++]};
       LayoutKeyFrame(skipper, *job.keyframe);
       job.end = EndOf(skipper);
-      team_.Add(std::move(job));
+      team_.Add(job);
       if (position % 32 == 0) Report(skipper.input.offset());
     }
     map.keyframes.resize(found);
