@@ -45,6 +45,26 @@ class ReadingArchive {
     if constexpr (Input::kText) input.template Take<std::uint32_t>();
     return count;
   }
+  // The headers of a bag of words and of a map<unsigned long, int>, up to their first entry.
+  std::uint64_t BowCount() {
+    ClassInfo(WireClass::kBowVector);
+    const std::uint64_t count = ClassCount(WireClass::kBowMap, 12, 2);
+    if (count > 0) ClassInfo(WireClass::kBowPair);
+    return count;
+  }
+  std::uint64_t WeightCount() {
+    const std::uint64_t count =
+        ClassCount(WireClass::kWeightMap, input.encoding().long_bytes + sizeof(std::int32_t), 2);
+    if (count > 0) ClassInfo(WireClass::kWeightPair);
+    return count;
+  }
+  // Passes the entries of a bag of words: a word and a weight each.
+  void SkipBowEntries(std::uint64_t count) {
+    if constexpr (Input::kText)
+      input.template SkipArray<std::uint32_t>(count * 2);
+    else
+      input.template SkipArray<std::uint8_t>(count * 12);
+  }
   std::uint64_t UnsignedLongCount() { return VectorCount(WireClass::kUnsignedLongs, input.encoding().long_bytes); }
   std::uint64_t KeypointCount() {
     const auto count = input.template Take<std::int32_t>();
@@ -194,11 +214,8 @@ class Decoder : public ReadingArchive<Input> {
 
   void Bow(const char* name, BagOfWords& bow) {
     Field(name);
-    this->ClassInfo(WireClass::kBowVector);
-    const std::uint64_t count = this->ClassCount(WireClass::kBowMap, 12, 2);
-    if (count == 0) return;
-    this->ClassInfo(WireClass::kBowPair);
-    if (!features_) return SkipBow(count);
+    const std::uint64_t count = this->BowCount();
+    if (!features_) return this->SkipBowEntries(count);
     bow.words.resize(count);
     bow.weights.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -234,7 +251,7 @@ class Decoder : public ReadingArchive<Input> {
   void Grid(const char* name, FeatureGrid& grid);
   void Connections(const char* name, Column<Connection>& connections) {
     Field(name);
-    const std::uint64_t count = WeightCount();
+    const std::uint64_t count = this->WeightCount();
     connections.resize(count);
     for (Connection& connection : connections) {
       connection.keyframe = KeyFrameId(this->input.TakeUnsignedLong());
@@ -268,13 +285,6 @@ class Decoder : public ReadingArchive<Input> {
     if (row == Observation::kAbsent) this->input.Fail("a keypoint row of -2147483648: the file is damaged");
     return row;
   }
-  // The header of a map<unsigned long, int>.
-  std::uint64_t WeightCount() {
-    const std::uint64_t count =
-        this->ClassCount(WireClass::kWeightMap, this->input.encoding().long_bytes + sizeof(std::int32_t), 2);
-    if (count > 0) this->ClassInfo(WireClass::kWeightPair);
-    return count;
-  }
   void TakeKeypoints(Keypoint* keypoints, std::size_t count) {
     if constexpr (!Input::kText) {
       this->input.TakeArray(keypoints, count);
@@ -291,7 +301,6 @@ class Decoder : public ReadingArchive<Input> {
     }
   }
   void SkipKeypoints(std::size_t count) { this->input.template SkipArray<float>(count * 7); }
-  void SkipBow(std::size_t count);
 
   bool features_;
   std::size_t keypoint_count_ = 0;  // of the column read last: how much the grid behind it will hold
@@ -363,14 +372,7 @@ class Skipper : public ReadingArchive<Input> {
   }
   void Bow(const char* name, const BagOfWords&) {
     Field(name);
-    this->ClassInfo(WireClass::kBowVector);
-    const std::uint64_t count = this->ClassCount(WireClass::kBowMap, 12, 2);
-    if (count == 0) return;
-    this->ClassInfo(WireClass::kBowPair);
-    if constexpr (Input::kText)
-      this->input.template SkipArray<std::uint32_t>(count * 2);
-    else
-      this->input.template SkipArray<std::uint8_t>(count * 12);
+    this->SkipBowEntries(this->BowCount());
   }
   void FeatureMap(const char* name, const FeatureVector&) {
     Field(name);
@@ -424,22 +426,11 @@ class Skipper : public ReadingArchive<Input> {
   }
   void SkipWeights(const char* name) {
     Field(name);
-    const std::size_t key = this->input.encoding().long_bytes;
-    const std::uint64_t count = this->ClassCount(WireClass::kWeightMap, key + sizeof(std::int32_t), 2);
-    if (count == 0) return;
-    this->ClassInfo(WireClass::kWeightPair);
+    const std::uint64_t count = this->WeightCount();
     this->input.SkipUnsignedLongs(count);
     this->input.template SkipArray<std::int32_t>(count);
   }
 };
-
-template <class Input>
-void Decoder<Input>::SkipBow(std::size_t count) {
-  if constexpr (Input::kText)
-    this->input.template SkipArray<std::uint32_t>(count * 2);
-  else
-    this->input.template SkipArray<std::uint8_t>(count * 12);
-}
 
 template <class Input>
 void Decoder<Input>::Grid(const char* name, FeatureGrid& grid) {
@@ -476,14 +467,14 @@ void Decoder<Input>::Grid(const char* name, FeatureGrid& grid) {
 template <class Input>
 void Decoder<Input>::Observations(const char* left_name, const char* right_name, Column<Observation>& observations) {
   Field(left_name);
-  observations.resize(WeightCount());
+  observations.resize(this->WeightCount());
   for (Observation& observation : observations) {
     observation.keyframe = KeyFrameId(this->input.TakeUnsignedLong());
     observation.left = TakeKeypointRow();
     observation.right = Observation::kAbsent;
   }
   Field(right_name);
-  const std::uint64_t count = WeightCount();
+  const std::uint64_t count = this->WeightCount();
   std::size_t paired = 0;  // rows of `observations` that have met their right side
   Column<Observation> unpaired;
   std::size_t next_unpaired = 0;
