@@ -100,6 +100,16 @@ std::size_t IdTable::PlaceOf(std::uint64_t id) const {
   return place;
 }
 
+IdTable KeyFrameTable(const Map& map) {
+  std::vector<DuplicateId> ignored;
+  return MakeTable(map.keyframes, 0, ignored);
+}
+
+IdTable PointTable(const Map& map) {
+  std::vector<DuplicateId> ignored;
+  return MakeTable(map.points, 0, ignored);
+}
+
 AtlasIndex::AtlasIndex(const Atlas& atlas) : atlas_(&atlas) {
   maps_.resize(atlas.maps.size());
   for (std::uint32_t map = 0; map < atlas.maps.size(); ++map) {

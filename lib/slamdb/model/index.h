@@ -38,6 +38,10 @@ class IdTable {
   std::vector<std::uint32_t> rows_;  // kNoRow: nothing here
 };
 
+// Id -> row inside one map, for work that needs no look-ups beyond it. O(n).
+IdTable KeyFrameTable(const Map& map);
+IdTable PointTable(const Map& map);
+
 // Where an entity is: rows of Atlas::maps and of that map's list.
 struct EntityRow {
   std::uint32_t map = kNoRow;

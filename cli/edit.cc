@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/edit.h"
+
+#include <iostream>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb::cli {
+namespace {
+
+void RefuseBadOutput(const EditOptions& options) {
+  if (options.dry_run) return;
+  if (options.output.empty()) throw Error("name an output, or say --dry-run to see only what would be done");
+  const Location output = Location::Parse(options.output);
+  RefuseSameFile(Location::Parse(options.input), output);
+  RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
+}
+
+}  // namespace
+
+void AddEdit(CLI::App& verb, EditOptions& options) {
+  verb.add_option("INPUT", options.input, "The atlas: a file, STORE.db#NAME, or - for standard input")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("OUTPUT", options.output, "Where to: a file, STORE.db#NAME, or - for standard output")
+      ->type_name("FILE");
+  AddFrom(verb, options.from);
+  AddEditTarget(verb, options);
+}
+
+void AddEditTarget(CLI::App& verb, EditOptions& options) {
+  AddTarget(verb, options.target);
+  AddWait(verb, options.wait);
+  AddJson(verb, options.json);
+  verb.add_flag("--dry-run", options.dry_run, "Say what would be done, and write nothing");
+}
+
+Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) {
+  RefuseBadOutput(options);
+  ReadOptions read = MakeReadOptions(console);
+  read.lock_timeout = options.wait;
+  return ReadAtlas(Location::Parse(options.input), read, notices, options.from);
+}
+
+void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
+                 Notices& notices) {
+  if (options.dry_run) return;
+  WriteOptions write = MakeWriteOptions(console, options.target);
+  write.lock_timeout = options.wait;
+  write.provenance = provenance;
+  WriteAtlas(atlas, Location::Parse(options.output), write, notices, options.target.to);
+}
+
+ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,
+                    const Notices& notices) {
+  console.Report(notices);
+  const bool piped = !options.dry_run && options.output == "-";
+  std::string report(options.json ? json : text);
+  if (!options.json && !options.dry_run && !piped) report += "wrote " + options.output + "\n";
+  if (piped)
+    std::cerr << report;
+  else if (options.json || !console.quiet())
+    console.Print(report);
+  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+}
+
+}  // namespace slamdb::cli

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "cli/command.h"
+#include "cli/options.h"
+
+// The frame of the verbs that change an atlas: read the input, call one function of the library, write the output, say
+// what was done. Inputs are never changed, and with --dry-run nothing is written.
+namespace slamdb::cli {
+
+struct EditOptions {
+  std::string input, output, from;
+  TargetOptions target;
+  bool json = false, dry_run = false;
+  double wait = 5;
+};
+
+// The positionals INPUT and OUTPUT (OUTPUT may be left out with --dry-run), --from, and AddEditTarget.
+void AddEdit(CLI::App& verb, EditOptions& options);
+
+// --to, -O, --no-sync, --wait, --json and --dry-run alone, for verbs that name their inputs and outputs otherwise.
+void AddEditTarget(CLI::App& verb, EditOptions& options);
+
+// The input, whole. Refuses at once, before anything is read, what would fail at the end: an output that is the input,
+// whose format is unknown, or binary on a terminal.
+Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices);
+
+// Writes the result, unless --dry-run. `provenance` is its line in the history of a store: `cull session_a.osa`.
+void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
+                 Notices& notices);
+
+// Prints the report (JSON with --json, text otherwise; to standard error when the atlas itself goes to standard
+// output), where the output went, and the notices. Returns kLossy when they hold a loss.
+ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,
+                    const Notices& notices);
+
+}  // namespace slamdb::cli

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "slamdb/model/similarity.h"
+
+namespace slamdb {
+
+struct UmeyamaOptions {
+  bool with_scale = true;       // false: the scale is 1
+  double outlier_distance = 0;  // target units; pairs farther apart than this are left out, and the rest is solved
+                                // again until nothing changes (RANSAC starts it); 0: every pair counts
+};
+
+struct UmeyamaResult {
+  Similarity3d target_from_source;
+  std::vector<double> residuals;      // |target - target_from_source * source| of each pair, target units
+  std::vector<std::uint8_t> inliers;  // 1: the pair was used
+};
+
+// The similarity that takes `source` points to `target` points with the least squared distance (Umeyama, PAMI 1991).
+// Points correspond by their place in the spans. Deterministic. Throws Error when the spans differ in length, hold
+// values that are not finite, or do not determine the transform: fewer than three pairs, or all on one line.
+UmeyamaResult SolveUmeyama(std::span<const Eigen::Vector3d> source, std::span<const Eigen::Vector3d> target,
+                           const UmeyamaOptions& options);
+
+}  // namespace slamdb
