@@ -2,6 +2,7 @@
 #include "slamdb/edit/spanning_tree.h"
 
 #include <algorithm>
+#include <map>
 #include <queue>
 #include <tuple>
 #include <vector>
@@ -17,56 +18,82 @@ void AddChild(KeyFrame& keyframe, KeyFrameId child) {
   if (std::ranges::find(keyframe.children, child) == keyframe.children.end()) keyframe.children.push_back(child);
 }
 
-// Which keyframes hang on the root, by row: each chain of parents is followed until it meets what is known.
-std::vector<std::uint8_t> RowsInTree(const Map& map, const IdTable& rows, std::uint32_t root) {
-  enum : std::uint8_t { kUnknown, kOnChain, kOutside, kInside };
-  std::vector<std::uint8_t> state(map.keyframes.size(), kUnknown);
-  state[root] = kInside;
-  std::vector<std::uint32_t> chain;
-  for (std::uint32_t start = 0; start < map.keyframes.size(); ++start) {
-    chain.clear();
-    std::uint32_t row = start;
-    while (row != kNoRow && state[row] == kUnknown) {
-      state[row] = kOnChain;
-      chain.push_back(row);
-      row = rows.Find(map.keyframes[row].parent.value());
-    }
-    const std::uint8_t end = row != kNoRow && state[row] == kInside ? kInside : kOutside;
-    for (const std::uint32_t member : chain) state[member] = end;
+// The rows of the parents; kNoRow for the root and for what has no parent in the map but itself. Every cycle is cut
+// above its keyframe of the lowest id.
+std::vector<std::uint32_t> ParentRows(const Map& map, const IdTable& rows, std::uint32_t root) {
+  std::vector<std::uint32_t> parents(map.keyframes.size());
+  for (std::uint32_t row = 0; row < parents.size(); ++row) {
+    parents[row] = rows.Find(map.keyframes[row].parent.value());
+    if (row == root || parents[row] == row) parents[row] = kNoRow;
   }
-  for (std::uint8_t& each : state) each = each == kInside;
-  return state;
+  std::vector<std::uint32_t> walk_of(parents.size(), kNoRow);  // which walk came by
+  for (std::uint32_t start = 0; start < parents.size(); ++start) {
+    std::uint32_t row = start;
+    for (; row != kNoRow && walk_of[row] == kNoRow; row = parents[row]) walk_of[row] = start;
+    if (row == kNoRow || walk_of[row] != start) continue;
+    std::uint32_t lowest = row;
+    for (std::uint32_t next = parents[row]; next != row; next = parents[next])
+      if (map.keyframes[next].id < map.keyframes[lowest].id) lowest = next;
+    parents[lowest] = kNoRow;
+  }
+  return parents;
 }
 
-// Grows the tree by one orphan at a time, the strongest covisibility first; equal ones by row, so that the outcome does
-// not depend on anything else.
+// Grows the tree by one orphan at a time, with all that hangs on it, the strongest covisibility first; equal ones by
+// row, so that the outcome does not depend on anything else.
 class Adoption {
  public:
   Adoption(Map& map, const IdTable& rows, std::uint32_t root)
-      : map_(map), rows_(rows), root_(root), inside_(RowsInTree(map, rows, root)) {}
+      : map_(map), rows_(rows), root_(root), inside_(map.keyframes.size(), 0), children_(map.keyframes.size()) {
+    const std::vector<std::uint32_t> parents = ParentRows(map, rows, root);
+    for (std::uint32_t row = 0; row < parents.size(); ++row) {
+      if (parents[row] != kNoRow)
+        children_[parents[row]].push_back(row);
+      else if (row != root)
+        orphans_.push_back(row);
+    }
+  }
 
   std::size_t Run() {
-    for (std::uint32_t row = 0; row < inside_.size(); ++row)
-      if (!inside_[row]) Offer(row);
-    const std::size_t orphans = static_cast<std::size_t>(std::ranges::count(inside_, 0));
-    for (std::size_t left = orphans; left > 0; --left) {
-      if (!AdoptStrongest()) AdoptByTime();
+    if (orphans_.empty()) return 0;
+    for (const std::uint32_t orphan : orphans_) ListNeighbours(orphan);
+    BringIn(root_);
+    std::ranges::sort(orphans_, {}, [&](std::uint32_t row) { return map_.keyframes[row].id; });
+    auto next_by_id = orphans_.begin();
+    for (std::size_t left = orphans_.size(); left > 0; --left) {
+      if (AdoptStrongest()) continue;
+      next_by_id = std::find_if(next_by_id, orphans_.end(), [&](std::uint32_t row) { return inside_[row] == 0; });
+      Adopt(*next_by_id, MadeBefore(*next_by_id));
     }
-    return orphans;
+    return orphans_.size();
   }
 
  private:
-  // Pairs (weight, orphan, parent); the greatest weight, then the lowest rows, comes out first.
+  struct Neighbour {
+    std::uint32_t orphan;
+    std::int32_t weight;
+  };
+  // Weight, orphan, parent: the greatest weight, then the lowest rows, comes out first.
   using Pair = std::tuple<std::int32_t, std::int64_t, std::int64_t>;
 
-  // Everything in the tree that is covisible with an orphan, from either side.
-  void Offer(std::uint32_t orphan) {
+  void ListNeighbours(std::uint32_t orphan) {
     for (const Connection& connection : map_.keyframes[orphan].connections) {
       const std::uint32_t other = rows_.Find(connection.keyframe.value());
-      if (other == kNoRow || other == orphan) continue;
-      neighbours_[orphan].push_back({other, connection.weight});
-      neighbours_[other].push_back({orphan, connection.weight});
-      if (inside_[other]) pairs_.emplace(connection.weight, -std::int64_t{orphan}, -std::int64_t{other});
+      if (other != kNoRow && other != orphan) neighbours_[other].push_back({orphan, connection.weight});
+    }
+  }
+
+  // The keyframe and all that hangs on it are part of the tree, and may become parents.
+  void BringIn(std::uint32_t top) {
+    std::vector<std::uint32_t> open = {top};
+    while (!open.empty()) {
+      const std::uint32_t row = open.back();
+      open.pop_back();
+      inside_[row] = 1;
+      by_id_.emplace(map_.keyframes[row].id, row);
+      for (const Neighbour& neighbour : neighbours_[row])
+        pairs_.emplace(neighbour.weight, -std::int64_t{neighbour.orphan}, -std::int64_t{row});
+      open.insert(open.end(), children_[row].begin(), children_[row].end());
     }
   }
 
@@ -81,16 +108,10 @@ class Adoption {
     return false;
   }
 
-  // The earliest orphan, on the keyframe of the tree that was made last before it, or on the root.
-  void AdoptByTime() {
-    std::uint32_t orphan = kNoRow, parent = kNoRow;
-    for (std::uint32_t row = 0; row < inside_.size(); ++row)
-      if (!inside_[row] && (orphan == kNoRow || map_.keyframes[row].id < map_.keyframes[orphan].id)) orphan = row;
-    for (std::uint32_t row = 0; row < inside_.size(); ++row) {
-      if (!inside_[row] || !(map_.keyframes[row].id < map_.keyframes[orphan].id)) continue;
-      if (parent == kNoRow || map_.keyframes[parent].id < map_.keyframes[row].id) parent = row;
-    }
-    Adopt(orphan, parent == kNoRow ? root_ : parent);
+  // The keyframe of the tree that was made last before this one, or the root.
+  std::uint32_t MadeBefore(std::uint32_t orphan) const {
+    const auto after = by_id_.lower_bound(map_.keyframes[orphan].id);
+    return after == by_id_.begin() ? root_ : std::prev(after)->second;
   }
 
   void Adopt(std::uint32_t row, std::uint32_t parent) {
@@ -100,21 +121,17 @@ class Adoption {
     child.parent = map_.keyframes[parent].id;
     child.first_connection = false;
     AddChild(map_.keyframes[parent], child.id);
-    inside_[row] = 1;
-    for (const auto& [other, weight] : neighbours_[row])
-      if (!inside_[other]) pairs_.emplace(weight, -std::int64_t{other}, -std::int64_t{row});
+    BringIn(row);
   }
-
-  struct Neighbour {
-    std::uint32_t row;
-    std::int32_t weight;
-  };
 
   Map& map_;
   const IdTable& rows_;
   const std::uint32_t root_;
   std::vector<std::uint8_t> inside_;
+  std::vector<std::vector<std::uint32_t>> children_;  // by row, as the parents say
+  std::vector<std::uint32_t> orphans_;                // tops of what hangs on no root
   std::vector<std::vector<Neighbour>> neighbours_ = std::vector<std::vector<Neighbour>>(inside_.size());
+  std::map<KeyFrameId, std::uint32_t> by_id_;  // rows in the tree
   std::priority_queue<Pair> pairs_;
 };
 
@@ -130,20 +147,32 @@ void MakeChildrenAgree(Map& map, const IdTable& rows) {
       AddChild(map.keyframes[parent], keyframe.id);
 }
 
+// The keyframe and its ancestors, up to the root or to where a cycle closes.
+std::vector<std::uint32_t> Ancestors(const Map& map, const IdTable& rows, KeyFrameId id) {
+  std::vector<std::uint8_t> seen(map.keyframes.size(), 0);
+  std::vector<std::uint32_t> chain;
+  for (std::uint32_t row = rows.Find(id.value()); row != kNoRow && !seen[row];
+       row = rows.Find(map.keyframes[row].parent.value())) {
+    seen[row] = 1;
+    chain.push_back(row);
+  }
+  return chain;
+}
+
 }  // namespace
 
 void RerootTree(Map& map, KeyFrameId root) {
   const IdTable rows = KeyFrameTable(map);
-  std::uint32_t row = rows.Find(root.value());
   KeyFrameId new_parent;  // none for the root itself
-  for (std::size_t steps = 0; row != kNoRow && steps < map.keyframes.size(); ++steps) {
+  for (const std::uint32_t row : Ancestors(map, rows, root)) {
     KeyFrame& keyframe = map.keyframes[row];
-    const KeyFrameId old_parent = keyframe.parent;
+    if (const std::uint32_t old = rows.Find(keyframe.parent.value()); old != kNoRow)
+      EraseChild(map.keyframes[old], keyframe.id);
     keyframe.parent = new_parent;
-    if (const std::uint32_t parent = rows.Find(new_parent.value()); parent != kNoRow)
+    if (const std::uint32_t parent = rows.Find(new_parent.value()); parent != kNoRow) {
       AddChild(map.keyframes[parent], keyframe.id);
-    row = rows.Find(old_parent.value());
-    if (row != kNoRow) EraseChild(map.keyframes[row], keyframe.id);
+      keyframe.first_connection = false;
+    }
     new_parent = keyframe.id;
   }
 }
@@ -152,10 +181,7 @@ std::size_t AdoptOrphans(Map& map) {
   const IdTable rows = KeyFrameTable(map);
   const std::uint32_t root = rows.Find(map.first_keyframe.value());
   if (root == kNoRow) return 0;
-  KeyFrame& first = map.keyframes[root];
-  if (const std::uint32_t parent = rows.Find(first.parent.value()); parent != kNoRow)
-    EraseChild(map.keyframes[parent], first.id);
-  first.parent = {};
+  map.keyframes[root].parent = {};
   const std::size_t adopted = Adoption(map, rows, root).Run();
   MakeChildrenAgree(map, rows);
   return adopted;

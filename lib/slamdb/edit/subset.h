@@ -21,27 +21,35 @@ struct Subset {
 
 // What to do with what crosses the border of a part.
 enum class Border {
-  kStrict,          // the part as it is: references that leave it are dropped
+  kStrict,  // the part as it is: references that leave it are dropped, and points that nothing measures any more
   kCompletePoints,  // the part grows by all keyframes that observe a point of it
-  kSmart,           // points with too few observers left to be held in place go; the part grows by none
+  kSmart,           // as strict, but points go as soon as ORB-SLAM3 would cull them for what they lost; grows by none
 };
 
-// Changes `subset` by the rule of the border so that KeepSubset leaves a sound atlas. `index` is of the atlas.
-void SettleBorder(const AtlasIndex& index, Border border, Subset& subset);
+// Changes `subset` by the rule of the border so that KeepSubset leaves a sound atlas. A point that loses observers
+// stays with kStrict when two keyframes, or one with depth, still observe it; with kSmart when its observations still
+// add up to more than 2 (MapPoint::EraseObservation). `index` is of the atlas. Linear; on `threads` threads (0: every
+// core).
+void SettleBorder(const AtlasIndex& index, Border border, Subset& subset, int threads = 0);
 
 // What KeepSubset took away.
 struct SubsetReport {
-  std::uint64_t maps = 0, keyframes = 0, points = 0;     // entities
-  std::uint64_t observations = 0, slots = 0, edges = 0;  // references out of the kept part
-  std::uint64_t new_references = 0, new_parents = 0;     // keyframes chosen in place of removed ones
+  std::uint64_t maps = 0, keyframes = 0, points = 0, cameras = 0;  // entities
+  std::uint64_t observations = 0, slots = 0, edges = 0;            // references out of the kept part
+  std::uint64_t new_references = 0, new_parents = 0;               // keyframes chosen in place of removed ones
+  std::uint64_t joined = 0;                                        // inertial preintegrations over a gap
 };
 
 // Removes everything outside `subset` and closes what is left: observations, slots, covisibility, loop and merge edges
-// that lead out are erased and counts made right; points get another reference keyframe, keyframes another parent as
-// ORB-SLAM3's KeyFrame::SetBadFlag finds it; previous and next link over the gap, inertial preintegrations joined;
-// initial, lowest and origin keyframes are chosen anew where they are gone; maps without keyframes go; cameras that no
-// keyframe uses go. Points that no kept keyframe observes go too. Counters stay: ids are never handed out twice. In
-// place, linear. A sound atlas stays sound; a subset of everything changes nothing.
-SubsetReport KeepSubset(Atlas& atlas, const Subset& subset);
+// that lead out are erased and counts made right; points get another reference keyframe (of their observers that with
+// the lowest id), keyframes another parent as AdoptOrphans finds it; previous and next link over the gap, inertial
+// preintegrations joined, or end there when measurements are missing; initial, lowest and origin keyframes are chosen
+// anew where they are gone (the lowest id becomes the root); maps without keyframes and points that no kept keyframe
+// observes go; cameras that lose their last keyframe go. References that dangled before are treated like those that
+// lead out, and once anything is removed, null and repeated entries of lists go too. Covisibility weights, normals,
+// descriptors and distance ranges stay as recorded. Counters stay: ids are never handed out twice. In place, linear, on
+// `threads` threads (0: every core) with the same result for any number. A sound atlas stays sound; a subset of
+// everything changes nothing in one. Throws Error when the subset is not of this atlas.
+SubsetReport KeepSubset(Atlas& atlas, const Subset& subset, int threads = 0);
 
 }  // namespace slamdb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/export/reprojection.h"
+#include "slamdb/model/reprojection.h"
 
 #include <gtest/gtest.h>
 

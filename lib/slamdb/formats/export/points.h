@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "slamdb/formats/export/reprojection.h"
+#include "slamdb/model/reprojection.h"
 #include "slamdb/formats/format.h"
 
 namespace slamdb {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/export/reprojection.h"
+#include "slamdb/model/reprojection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,20 +19,6 @@ const Camera* FindCamera(const Atlas& atlas, CameraId id) {
   return found == atlas.cameras.end() ? nullptr : &*found;
 }
 
-IdTable TableOf(const Column<KeyFrame>& keyframes) {
-  std::uint64_t lowest = KeyFrameId::kNone, highest = 0;
-  for (const KeyFrame& keyframe : keyframes) {
-    if (!keyframe.id) continue;
-    lowest = std::min(lowest, keyframe.id.value());
-    highest = std::max(highest, keyframe.id.value());
-  }
-  if (lowest > highest) return {};
-  IdTable table(lowest, highest, keyframes.size());
-  for (std::size_t row = 0; row < keyframes.size(); ++row)
-    if (keyframes[row].id) table.Insert(keyframes[row].id.value(), static_cast<std::uint32_t>(row));
-  return table;
-}
-
 }  // namespace
 
 Reprojection::Reprojection(const Atlas& atlas, const Map& map) {
@@ -47,7 +33,7 @@ Reprojection::Reprojection(const Atlas& atlas, const Map& map) {
     }
     views_.push_back(view);
   }
-  rows_ = TableOf(map.keyframes);
+  rows_ = KeyFrameTable(map);
 }
 
 const KeyFrame* Reprojection::Find(KeyFrameId id) const {

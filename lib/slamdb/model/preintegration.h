@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "slamdb/model/imu.h"
+
+namespace slamdb {
+
+// Integrates `imu.measurements` anew with `bias` and `imu.noise`, `imu.walk_noise`: every other field is set as after
+// ORB-SLAM3's IMU::Preintegrated::Initialize and one IntegrateNewMeasurement each (Forster et al., TRO 2017, equations
+// 35 to 38 and 63, and the bias Jacobians of their appendix). Sums are double, so results agree with ORB-SLAM3's float
+// sums to float accuracy. Linear in the measurements.
+void Reintegrate(ImuPreintegration& imu, const ImuBias& bias);
+
+// Prolongs `imu` backwards over the gap that removing keyframes leaves: `earlier` are the preintegrations before it, in
+// order of time, each ending where the next begins. The measurements are joined and integrated anew with the latest
+// bias of `imu`, which is what ORB-SLAM3 does when it culls a keyframe (MergePrevious). False, and nothing changes,
+// when one of them holds no measurements.
+bool JoinPreintegrations(std::span<const ImuPreintegration* const> earlier, ImuPreintegration& imu);
+
+}  // namespace slamdb
