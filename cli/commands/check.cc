@@ -12,7 +12,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/orbslam3/vocabulary.h"
+#include "slamdb/formats/dbow2/vocabulary.h"
 
 namespace slamdb::cli {
 namespace {

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/vocabulary.h"
+#include "slamdb/formats/dbow2/vocabulary.h"
 
 #include <memory>
 
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
+#include "cli/edit.h"
 #include "cli/json.h"
 #include "cli/layout.h"
 #include "cli/options.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/words.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
@@ -29,6 +31,12 @@ struct VerifyOptions {
 struct SetOptions {
   std::string input, output, from, vocabulary, name, checksum;
   TargetOptions target;
+};
+
+struct RecomputeOptions {
+  EditOptions edit;
+  std::string vocabulary;
+  bool missing = false;
 };
 
 // ---- show
@@ -162,6 +170,45 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 
+// ---- recompute
+
+std::string RecomputedText(const RecomputeWordsReport& report, const Vocabulary& before, const Vocabulary& after) {
+  const std::uint64_t others = report.recomputed - report.missing - report.equal;
+  std::string text = "recomputed " + Counted(report.recomputed, "keyframe") + " of " + Grouped(report.keyframes) +
+                     ": " + Counted(report.words, "word") + "\n";
+  text += "  as they were  " + Grouped(report.equal) + "\n  changed       " + Grouped(others) + "\n  were missing  " +
+          Grouped(report.missing) + "\n";
+  const std::string now = after.name + " (" + after.checksum + ")";
+  if (before == after) return text + "vocabulary " + now + ", as before\n";
+  return text + "vocabulary " + before.name + " (" + before.checksum + ") -> " + now + "\n";
+}
+
+ordered_json VocabularyJson(const Vocabulary& vocabulary) {
+  return {{"name", vocabulary.name}, {"checksum", vocabulary.checksum}};
+}
+
+std::string RecomputedJson(const RecomputeWordsReport& report, const Vocabulary& before, const Vocabulary& after) {
+  return JsonText({{"keyframes", report.keyframes},
+                   {"recomputed", report.recomputed},
+                   {"equal", report.equal},
+                   {"missing", report.missing},
+                   {"words", report.words},
+                   {"vocabulary", {{"before", VocabularyJson(before)}, {"after", VocabularyJson(after)}}}});
+}
+
+ExitCode RunRecompute(const RecomputeOptions& options, Console& console) {
+  Notices notices;
+  Atlas atlas = ReadInput(options.edit, console, notices);
+  const LoadedVocabulary vocabulary = LoadVocabulary(options.vocabulary, console.threads());
+  const Vocabulary before = atlas.vocabulary;
+  const RecomputeWordsReport report = RecomputeWords(
+      atlas, vocabulary.tree, vocabulary.identity,
+      {.only_missing = options.missing, .threads = console.threads(), .progress = console.MakeProgress()});
+  WriteResult(atlas, options.edit, "vocabulary recompute " + options.edit.input, console, notices);
+  return FinishEdit(RecomputedText(report, before, atlas.vocabulary), RecomputedJson(report, before, atlas.vocabulary),
+                    options.edit, console, notices);
+}
+
 // ---- options
 
 std::string CheckMd5(const std::string& text) {
@@ -198,6 +245,16 @@ Run BindSet(CLI::App& verb) {
   return [options](Console& console) { return RunSet(*options, console); };
 }
 
+Run BindRecompute(CLI::App& verb) {
+  const auto options = std::make_shared<RecomputeOptions>();
+  AddEdit(verb, options->edit);
+  verb.add_option("--vocabulary", options->vocabulary, "The vocabulary file: DBoW2 text, or its binary form")
+      ->type_name("FILE")
+      ->required();
+  verb.add_flag("--missing", options->missing, "Only keyframes without bag of words or feature vector");
+  return [options](Console& console) { return RunRecompute(*options, console); };
+}
+
 Run AddVocabulary(CLI::App& verb) {
   verb.require_subcommand(1);
   std::vector<std::pair<const CLI::App*, Run>> runs;
@@ -208,6 +265,7 @@ Run AddVocabulary(CLI::App& verb) {
   add("show", "Show which vocabulary an atlas was made with, or what a vocabulary file is", BindShow);
   add("verify", "Tell whether atlases were made with a vocabulary file", BindVerify);
   add("set", "Write a copy of an atlas that names another vocabulary", BindSet);
+  add("recompute", "Write a copy of an atlas with the words of a vocabulary", BindRecompute);
   return [runs](Console& console) {
     for (const auto& [inner, run] : runs)
       if (inner->parsed()) return run(console);
@@ -220,17 +278,25 @@ constexpr Example kExamples[] = {
     {"slamdb vocabulary verify maps/*.osa --vocabulary ORBvoc.txt", "Whether ORB-SLAM3 will take these maps."},
     {"slamdb vocabulary set lab.osa stamped.osa --vocabulary ORBvoc.txt",
      "For a vocabulary that is the same in another file, such as ORBvoc.bin and ORBvoc.txt."},
+    {"slamdb vocabulary recompute lab.osa moved.osa --vocabulary smaller.txt",
+     "Move a map to another vocabulary: every bag of words and feature vector anew."},
+    {"slamdb vocabulary recompute lab.osa --vocabulary ORBvoc.txt --dry-run",
+     "Whether the words in the map are those that this vocabulary gives."},
 };
 
 }  // namespace
 
 const Command kVocabulary = {
     .name = "vocabulary",
-    .summary = "show, verify or change the vocabulary that an atlas names",
+    .summary = "show, verify or change the vocabulary that an atlas was made with",
     .description =
         R"(An ORB-SLAM3 atlas names the vocabulary it was made with by file name and MD5, and ORB-SLAM3 refuses the whole atlas when
 the MD5 is not that of its own vocabulary file, even if the file differs in its spelling only. The words of the atlas are
-not changed by 'set', so stamp only what has the same words.)",
+not changed by 'set', so stamp only what has the same words.
+
+'recompute' looks up the words of every keyframe's descriptors in a vocabulary file, as ORB-SLAM3 does to the last bit, and
+stamps its name and MD5: it moves a map to another vocabulary, and restores bags of words and feature vectors that are
+missing ('--missing' for those alone).)",
     .failed = "An atlas does not match, or a file could not be read or written.",
     .examples = kExamples,
     .add = AddVocabulary,

@@ -74,5 +74,36 @@ TEST(Vocabulary, MissingVocabularyFile) {
   EXPECT_THAT(result.err, HasSubstr("/nowhere/voc.txt"));
 }
 
+TEST(Vocabulary, RecomputeMovesAMapToAnotherVocabulary) {
+  const TemporaryFolder folder;
+  const std::string vocabulary = SLAMDB_FIXTURES "/vocabulary/small.txt", moved = folder / "moved.osa";
+  const ProcessResult result =
+      RunSlamdb({"vocabulary", "recompute", kTiny, moved, "--vocabulary", vocabulary, "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "vocabulary-recompute.schema.json"), "");
+  EXPECT_EQ(report["recomputed"], 2);
+  EXPECT_EQ(report["vocabulary"]["after"]["name"], "small.txt");
+  EXPECT_EQ(RunSlamdb({"vocabulary", "verify", moved, "--vocabulary", vocabulary}).exit_code, 0);
+  const ProcessResult again = RunSlamdb({"vocabulary", "recompute", moved, "--vocabulary", vocabulary, "--dry-run"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("as they were  2"));
+}
+
+TEST(Vocabulary, RecomputeRefusesBadVocabulariesAndWritesNothing) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "bad.txt", "2 1 0 0\n0 1 1 2 3\n");
+  const std::string out = folder / "out.osa";
+  const ProcessResult bad = RunSlamdb({"vocabulary", "recompute", kTiny, out, "--vocabulary", folder / "bad.txt"});
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_THAT(bad.err, HasSubstr("bad.txt: line 2: "));
+  const ProcessResult mixed = RunSlamdb(
+      {"vocabulary", "recompute", kTiny, out, "--missing", "--vocabulary", SLAMDB_FIXTURES "/vocabulary/small.txt"});
+  EXPECT_EQ(mixed.exit_code, 1);
+  EXPECT_THAT(mixed.err, HasSubstr("another vocabulary"));
+  EXPECT_EQ(RunSlamdb({"vocabulary", "recompute", kTiny, out}).exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
 }  // namespace
 }  // namespace slamdb::testing

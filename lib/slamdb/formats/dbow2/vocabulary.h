@@ -6,10 +6,11 @@
 #include <string>
 
 #include "slamdb/model/atlas.h"
+#include "slamdb/model/vocabulary_tree.h"
 
 namespace slamdb {
 
-// What a DBoW2 vocabulary text file says of itself in its first line (`10 6 0 0`), and how many words it holds.
+// What a DBoW2 vocabulary file says of itself, and how many words it holds.
 struct VocabularyShape {
   int branching = 0;        // k: children of a node
   int depth = 0;            // L: levels
@@ -27,6 +28,18 @@ struct VocabularyFile {
 // Reads the file once. The checksum is the one that ORB-SLAM3 computes on Linux: MD5 over all bytes, so the text file,
 // its binary conversion and its archive differ although the vocabulary is the same. Throws Error.
 VocabularyFile ReadVocabularyFile(const std::string& path);
+
+// A vocabulary to compute words with.
+struct LoadedVocabulary {
+  Vocabulary identity;
+  VocabularyTree tree;
+};
+
+// Reads a whole vocabulary on `threads` threads (0: every core): DBoW2's text as ORB-SLAM2 and 3 come with it, or the
+// binary form that forks of them make of it (schema/vocabulary.md). The latter has weights rounded to float, so bags
+// made with it differ in the last digits. Trusts nothing in the file; memory stays below twice its size. Throws Error
+// with the line or byte that is wrong, or the name of what the file is instead.
+LoadedVocabulary LoadVocabulary(const std::string& path, int threads = 0);
 
 // The MD5 of no bytes, which ORB-SLAM3 stores where its reading loop gets none (built with libc++, as on macOS).
 inline constexpr const char* kChecksumOfNothing = "d41d8cd98f00b204e9800998ecf8427e";

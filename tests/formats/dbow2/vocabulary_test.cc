@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/vocabulary.h"
+#include "slamdb/formats/dbow2/vocabulary.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

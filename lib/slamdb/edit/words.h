@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "slamdb/base/progress.h"
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/vocabulary_tree.h"
+
+namespace slamdb {
+
+struct RecomputeWordsOptions {
+  bool only_missing = false;  // leave keyframes alone that have both a bag of words and a feature vector
+  int threads = 0;            // 0: every core
+  Progress progress;          // may be empty
+};
+
+struct RecomputeWordsReport {
+  std::uint64_t keyframes = 0;   // of the atlas
+  std::uint64_t recomputed = 0;  // of those; the others were not missing, or have no descriptors
+  std::uint64_t missing = 0;     // recomputed ones that lacked a bag of words or a feature vector
+  std::uint64_t equal = 0;       // recomputed ones that had both, and got the same to the last bit
+  std::uint64_t words = 0;       // entries of the recomputed bags
+};
+
+// Computes the bag of words and the feature vector of every keyframe anew from its descriptors, as ORB-SLAM3 does for a
+// new keyframe (KeyFrame::ComputeBoW), and makes the atlas name `identity` as its vocabulary. In place, linear; the
+// result does not depend on the number of threads. Throws Error, before it changes anything, when only the missing are
+// asked for and others stay that were made with another vocabulary.
+RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, const Vocabulary& identity,
+                                    const RecomputeWordsOptions& options);
+
+}  // namespace slamdb
