@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "slamdb/model/atlas.h"
+
+namespace slamdb {
+
+// How much there is of everything, for proofs that nothing was lost.
+struct ContentCounts {
+  std::uint64_t maps = 0, cameras = 0, keyframes = 0, points = 0;
+  std::uint64_t features = 0;      // rows of all keyframes
+  std::uint64_t observations = 0;  // of points by keyframes
+  std::uint64_t slots = 0;         // keypoints that see a point
+  std::uint64_t connections = 0;   // covisibility, each direction
+  std::uint64_t parents = 0, children = 0, loop_edges = 0, merge_edges = 0;
+  std::uint64_t temporal_links = 0;  // previous and next
+  std::uint64_t references = 0;      // reference keyframes of points
+
+  ContentCounts& operator+=(const ContentCounts& other);
+  ContentCounts& operator-=(const ContentCounts& other);
+  friend bool operator==(const ContentCounts&, const ContentCounts&) = default;
+};
+
+// Linear; on `threads` threads (0: every core).
+ContentCounts CountContent(const Map& map, int threads = 0);
+ContentCounts CountContent(const Atlas& atlas, int threads = 0);
+
+// A few numbers that equal maps share, cheap to compare before ContentHash.
+struct ContentSignature {
+  std::uint64_t keyframes = 0, points = 0, features = 0, timestamps = 0;
+  friend bool operator==(const ContentSignature&, const ContentSignature&) = default;
+};
+ContentSignature SignatureOf(const Map& map);
+
+// Tells whether two maps are the same map twice: a hash over timestamps, camera positions, keypoints and descriptors of
+// its keyframes, and positions and descriptors of its points. It depends neither on ids nor on the order of the lists,
+// which differ each time ORB-SLAM3 saves a map, nor on rotations, which it normalises when it loads one. Linear.
+std::uint64_t ContentHash(const Map& map, int threads = 0);
+
+}  // namespace slamdb
