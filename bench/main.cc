@@ -114,7 +114,8 @@ class Benchmark {
     const int rounds = std::max(1, std::atoi(arguments_.Get("--rounds", "7").c_str()));
     MeasureRows(workplace, {program_, rounds, arguments_.List("--only")}, std::cout);
     if (arguments_.Has("--keep")) return;
-    for (const std::string& path : {workplace.binary(), workplace.text(), workplace.store(), workplace.output()})
+    for (const std::string& path :
+         {workplace.binary(), workplace.other(), workplace.text(), workplace.store(), workplace.output()})
       std::filesystem::remove(path);
   }
 

@@ -15,6 +15,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
 #include "slamdb/checks/check.h"
+#include "slamdb/edit/merge.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/statistics.h"
@@ -169,6 +170,35 @@ Sample StoreSaveAgain(const Workplace& at) {
   return Time([&] { Store::OpenForWriting(at.output(), {.sync = false}).Save(kName, atlas); });
 }
 
+// ---- edit
+
+Atlas Merged(const Workplace& at) {
+  std::vector<Atlas> inputs;
+  inputs.push_back(Read(at.binary()));
+  inputs.push_back(Read(at.other()));
+  return MergeAtlases(std::move(inputs), {}).atlas;
+}
+
+Sample Merge(const Workplace& at) {
+  std::filesystem::remove(at.output());
+  return Time([&] {
+    Atlas merged = Merged(at);
+    Write(merged, at.output(), false);
+    Keep(std::move(merged));
+  });
+}
+
+// What a merge cannot do without: reading its inputs and writing its result.
+Sample MergeInputAndOutput(const Workplace& at) {
+  Atlas merged = Merged(at);
+  std::filesystem::remove(at.output());
+  return Time([&] {
+    Keep(Read(at.binary()));
+    Keep(Read(at.other()));
+    Write(merged, at.output(), false);
+  });
+}
+
 // ---- the limit: the same bytes from the page cache into fresh memory
 
 Sample Copy(const Workplace& at, int threads) {
@@ -211,6 +241,8 @@ constexpr Measurement kMeasurements[] = {
     {"store-save", StoreSave},
     {"store-load", StoreLoad},
     {"store-save-again", StoreSaveAgain},
+    {"merge", Merge},
+    {"merge-input-output", MergeInputAndOutput},
     {"copy", CopyOneThread},
     {"copy-parallel", CopyAllThreads},
     {"copy-to-file", CopyToFile},
@@ -241,6 +273,9 @@ void Prepare(const std::string& atlas_path, const Workplace& at) {
   Write(atlas, at.text(), true, true);
   std::filesystem::remove(at.store());
   Store::OpenForWriting(at.store(), {.sync = false}).Save(kName, Read(at.binary()));
+  for (Map& map : atlas.maps)
+    if (!map.keyframes.empty()) map.keyframes.front().timestamp += 1e-6;
+  Write(atlas, at.other(), false, true);
 }
 
 void Synthesize(double megabytes, std::size_t points, const std::string& path) {

@@ -20,6 +20,7 @@ struct Workplace {
   std::string name;
 
   std::string binary() const { return Path(".osa"); }
+  std::string other() const { return Path(".other.osa"); }  // the same with one time changed: another session
   std::string text() const { return Path(".text.osa"); }
   std::string store() const { return Path(".db"); }
   std::string output() const { return Path(".out"); }
@@ -37,8 +38,8 @@ struct Measurement {
 std::span<const Measurement> Measurements();
 const Measurement& MeasurementById(std::string_view id);  // throws Error
 
-// Writes the binary, text and store form of the atlas. They hold what stock Boost can read, so without the nan and inf
-// of uninitialised members.
+// Writes the binary form of the atlas, twice, and its text and store form. They hold what stock Boost can read, so
+// without the nan and inf of uninitialised members.
 void Prepare(const std::string& atlas, const Workplace& workplace);
 
 // Writes a synthetic RGB-D atlas of about that size (1000 features a keyframe) as .osa. With `points` other than 0 it

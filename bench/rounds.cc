@@ -31,6 +31,7 @@ constexpr Row kRows[] = {
     {"store save, against reference write", "store-save", "write-binary-reference", ">= 0.33"},
     {"store load, against reference read", "store-load", "read-binary-reference", ">= 1"},
     {"store save after 1 %, against store save", "store-save-again", "store-save", ">= 10"},
+    {"merge of two, against reading both and writing the result", "merge", "merge-input-output", ">= 0.67"},
     {"limit: copy on one core, against reference read", "copy", "read-binary-reference", ""},
     {"limit: copy on all cores, against reference read", "copy-parallel", "read-binary-reference", ""},
     {"limit: copy to a file, against reference write", "copy-to-file", "write-binary-reference", ""},

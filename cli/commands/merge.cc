@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/merge.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/commands/merge_report.h"
+#include "cli/edit.h"
+#include "cli/id_map_file.h"
+#include "cli/similarity.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/anchors.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct MergeVerbOptions {
+  EditOptions edit;
+  std::vector<std::string> inputs;
+  MergeOptions merge;
+  std::string id_map;
+  bool join = false, scale = false, no_scale = false, fuse = false;
+  std::string transform, anchors, maps;
+  double outlier_distance = 0;
+  FuseOptions fusion;
+};
+
+const std::map<std::string, SameMap> kConflicts = {
+    {"renumber", SameMap::kKeepBoth}, {"error", SameMap::kError}, {"keep-first", SameMap::kKeepFirst}};
+
+void Note(const MergeReport& report, Notices& notices) {
+  for (const MapTwice& twice : report.same_maps)
+    if (!twice.left_out)
+      notices.Warn(ToString(twice.map) + " of " + report.inputs[twice.input].name +
+                   " is in the result twice; --on-conflict keep-first leaves the copy out");
+  for (const std::string& name : report.other_vocabularies)
+    notices.Warn(name + ": its bags of words are of another vocabulary; compute them anew before place recognition");
+  if (!report.join) return;
+  for (const std::string& warning : report.join->warnings) notices.Warn(warning);
+  if (report.join->left_inertial) notices.Warn("the joined map counts as not inertial, because the second map is not");
+}
+
+// `0:1`, an end may be left out.
+std::string CheckMaps(const std::string& text) {
+  const bool digits = text.find_first_not_of("0123456789:") == text.npos;
+  return digits && std::ranges::count(text, ':') == 1 && text.size() < 20 && text.size() > 1
+             ? std::string()
+             : "expected two map ids as FIRST:SECOND, found '" + text + "'";
+}
+
+MapId MapOf(const std::string& text) { return text.empty() ? MapId() : MapId(std::stoull(text)); }
+
+Anchors ReadAnchors(const std::string& text_or_path) {
+  if (!std::filesystem::exists(text_or_path)) return ParseAnchors(text_or_path);
+  const MappedFile file(text_or_path);
+  try {
+    return ParseAnchorsCsv({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()});
+  } catch (const Error& error) {
+    throw Error(text_or_path, error.place(), error.problem());
+  }
+}
+
+JoinOptions JoinOptionsOf(const MergeVerbOptions& options) {
+  if (options.transform.empty() && options.anchors.empty())
+    throw Error("--join needs --transform or --anchors: how the second map lies in the first");
+  JoinOptions join;
+  const std::size_t colon = options.maps.find(':');
+  if (!options.maps.empty()) {
+    join.first = MapOf(options.maps.substr(0, colon));
+    join.second = MapOf(options.maps.substr(colon + 1));
+  }
+  if (!options.transform.empty()) join.first_from_second = ReadSimilarity(options.transform);
+  if (!options.anchors.empty()) {
+    Anchors anchors = ReadAnchors(options.anchors);
+    join.anchors = std::move(anchors.keyframes);
+    join.places = std::move(anchors.places);
+  }
+  if (options.scale || options.no_scale) join.with_scale = options.scale;
+  join.outlier_distance = options.outlier_distance;
+  if (options.fuse) join.fuse = options.fusion;
+  return join;
+}
+
+std::string Provenance(const std::vector<std::string>& inputs) {
+  std::string text = "merge";
+  for (const std::string& input : inputs) text += " " + input;
+  return text;
+}
+
+ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
+  MergeOptions merge = options.merge;
+  merge.names = options.inputs;
+  merge.id_maps = !options.id_map.empty();
+  merge.threads = console.threads();
+  if (options.join) merge.join = JoinOptionsOf(options);
+  Notices notices;
+  std::vector<Atlas> atlases;
+  for (const std::string& input : options.inputs) {
+    EditOptions each = options.edit;
+    each.input = input;
+    atlases.push_back(ReadInput(each, console, notices));
+  }
+  IdMapFile id_map(options.edit.dry_run ? "" : options.id_map, options.edit.target.overwrite);
+  const MergeResult result = MergeAtlases(std::move(atlases), merge);
+  WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices);
+  id_map.Write(result.report.id_maps);
+  Note(result.report, notices);
+  const std::string output = options.edit.dry_run ? "" : options.edit.output;
+  return FinishEdit(MergeText(result.report), MergeJson(result.report, output), options.edit, console, notices);
+}
+
+void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
+  constexpr const char* kGroup = "Joining two maps";
+  auto* join =
+      verb.add_flag("--join", options.join, "Make one map of two, the second moved into the first")->group(kGroup);
+  const auto needs_join = [&](CLI::Option* option) { return option->needs(join)->group(kGroup); };
+  needs_join(verb.add_option("--transform", options.transform,
+                             "How the second map lies in the first: \"tx ty tz qx qy qz qw [s]\", or a file of it"))
+      ->type_name("T");
+  needs_join(verb.add_option("--anchors", options.anchors,
+                             "Solve the transform from pairs of keyframes taken at one place, or a CSV table of pairs "
+                             "or places; with --transform, link the maps at the first pair"))
+      ->type_name("A:B,...|FILE");
+  needs_join(verb.add_option("--maps", options.maps,
+                             "Which maps: ids in the first and second input; by default the only ones"))
+      ->type_name("FIRST:SECOND")
+      ->check(CheckMaps);
+  auto* scale = needs_join(verb.add_flag("--scale", options.scale,
+                                         "Solve the scale from the anchors too; by default only of monocular maps"));
+  needs_join(verb.add_flag("--no-scale", options.no_scale, "Take the scale as 1"))->excludes(scale);
+  needs_join(verb.add_option("--outliers", options.outlier_distance,
+                             "Leave out anchors that lie farther apart than this, in units of the first map"))
+      ->type_name("DISTANCE")
+      ->check(CLI::PositiveNumber.description({}));
+  auto* fuse = needs_join(verb.add_flag("--fuse", options.fuse, "Fuse points that both maps have"));
+  verb.add_option("--fuse-radius", options.fusion.radius, "How far apart fused points may be, in pixels of uncertainty")
+      ->type_name("PIXELS")
+      ->check(CLI::PositiveNumber.description({}))
+      ->capture_default_str()
+      ->needs(fuse)
+      ->group(kGroup);
+  verb.add_option("--fuse-hamming", options.fusion.hamming, "In how many bits their descriptors may differ")
+      ->type_name("BITS")
+      ->check(CLI::Range(0, 256).description({}))
+      ->capture_default_str()
+      ->needs(fuse)
+      ->group(kGroup);
+}
+
+Run AddMerge(CLI::App& verb) {
+  const auto options = std::make_shared<MergeVerbOptions>();
+  verb.add_option("INPUT", options->inputs, "The atlases: files, STORE.db#NAME, or - for standard input")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("-o,--output", options->edit.output, "Where to: a file, STORE.db#NAME, or - for standard output")
+      ->type_name("FILE");
+  AddFrom(verb, options->edit.from);
+  AddEditTarget(verb, options->edit);
+  verb.add_option("--on-conflict", options->merge.same_map,
+                  "What becomes of a map that comes twice (the same images and points): 'renumber' keeps both, "
+                  "'keep-first' leaves the copy out, 'error' refuses")
+      ->type_name("WHAT")
+      ->transform(CLI::CheckedTransformer(kConflicts).description({}));
+  verb.add_flag("--ignore-vocabulary", options->merge.ignore_vocabulary,
+                "Merge though the inputs' bags of words are of different vocabularies; the first one's name stays");
+  verb.add_option("--id-map", options->id_map, "Write which id of which input became which, as CSV or (.json) JSON")
+      ->type_name("FILE");
+  BindJoin(verb, *options);
+  return [options](Console& console) { return RunMerge(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb merge session_a.osa session_b.osa -o both.osa", "Two sessions in one file, each in its own map."},
+    {"slamdb merge lab.db#monday lab.db#tuesday -o lab.db#week --id-map ids.csv",
+     "The same in a store, with a table of which id became which."},
+    {"slamdb merge a.osa b.osa -o ab.osa --join --transform b_in_a.txt --fuse",
+     "One map of two, where it is known how the second lies in the first."},
+    {"slamdb merge two_maps.osa -o one.osa --join --anchors 12:51,30:77,41:90",
+     "Joins the two maps of one atlas by keyframes that were taken at the same places."},
+    {"slamdb merge robot*.osa -o fleet.osa --on-conflict keep-first", "Maps that several robots carry come in once."},
+};
+
+}  // namespace
+
+const Command kMerge = {
+    .name = "merge",
+    .summary = "bring several atlases into one",
+    .description =
+        R"(Brings the maps of all inputs into one atlas, side by side. The first input keeps its ids; those of each later one are
+moved out of the way, kind by kind, where they meet, and every reference moves along. Cameras that are the same become
+one. The next ids end up above all. What the result holds is counted and held against the sum of the inputs.
+
+With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
+on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
+a time.
+
+The inputs must have the same vocabulary, as ORB-SLAM3 can load only one; --ignore-vocabulary insists.)",
+    .failed = "An input could not be read, the merge was refused, or the output not be written.",
+    .examples = kExamples,
+    .add = AddMerge,
+};
+
+}  // namespace slamdb::cli

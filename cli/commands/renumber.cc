@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/renumber.h"
+
+#include <map>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/id_map_file.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct RenumberVerbOptions {
+  EditOptions edit;
+  RenumberOptions renumber;
+  std::vector<std::string> kinds;
+  std::string id_map, apply, undo, of;
+};
+
+const std::map<std::string, IdOrder> kOrders = {
+    {"id", IdOrder::kId}, {"time", IdOrder::kTime}, {"as-is", IdOrder::kAsIs}};
+
+// The kinds that --kinds names; `all` is every one.
+std::vector<IdKind> KindsOf(const std::vector<std::string>& names) {
+  std::vector<IdKind> kinds;
+  for (const std::string& name : names) {
+    const auto kind = IdKindByName(name);
+    for (std::size_t each = 0; each < kIdKinds; ++each)
+      if (name == "all" || kind == static_cast<IdKind>(each)) kinds.push_back(static_cast<IdKind>(each));
+  }
+  return kinds;
+}
+
+IdMap Change(const RenumberVerbOptions& options, Atlas& atlas, int threads) {
+  if (options.apply.empty() && options.undo.empty()) {
+    RenumberOptions renumber = options.renumber;
+    renumber.threads = threads;
+    if (!options.kinds.empty()) renumber.kinds = KindsOf(options.kinds);
+    IdMap ids = Renumber(atlas, renumber);
+    ids.input = options.edit.input;
+    return ids;
+  }
+  IdMap ids =
+      options.undo.empty() ? ReadIdMap(options.apply, options.of) : Inverse(ReadIdMap(options.undo, options.of));
+  ApplyIdMap(atlas, ids, threads);
+  return ids;
+}
+
+struct KindSummary {
+  IdKind kind;
+  std::uint64_t ids = 0, changed = 0, first = 0, last = 0;  // first and last of the new ids
+};
+
+std::vector<KindSummary> Summarize(const IdMap& ids) {
+  std::vector<KindSummary> summaries;
+  for (std::size_t kind = 0; kind < kIdKinds; ++kind) {
+    const std::vector<IdPair>& pairs = ids.kinds[kind];
+    if (pairs.empty()) continue;
+    KindSummary summary{static_cast<IdKind>(kind), pairs.size(), 0, kNoId, 0};
+    for (const IdPair& pair : pairs) {
+      summary.changed += pair.before != pair.after;
+      summary.first = std::min(summary.first, pair.after);
+      summary.last = std::max(summary.last, pair.after);
+    }
+    summaries.push_back(summary);
+  }
+  return summaries;
+}
+
+std::string Text(const std::vector<KindSummary>& summaries) {
+  using enum Table::Align;
+  Table table({kLeft, kRight, kRight, kRight});
+  table.Add({"kind", "ids", "changed", "new ids"});
+  for (const KindSummary& kind : summaries)
+    table.Add({std::string(NameOf(kind.kind)), Grouped(kind.ids), Grouped(kind.changed),
+               std::to_string(kind.first) + " to " + std::to_string(kind.last)});
+  return table.ToString();
+}
+
+nlohmann::ordered_json Json(const RenumberVerbOptions& options, const std::vector<KindSummary>& summaries) {
+  nlohmann::ordered_json report = {{"input", options.edit.input},
+                                   {"output", options.edit.dry_run ? "" : options.edit.output},
+                                   {"kinds", nlohmann::ordered_json::array()}};
+  for (const KindSummary& kind : summaries)
+    report["kinds"].push_back({{"kind", NameOf(kind.kind)},
+                               {"ids", kind.ids},
+                               {"changed", kind.changed},
+                               {"first", kind.first},
+                               {"last", kind.last}});
+  return report;
+}
+
+// A table instead of an atlas: only its ids change.
+ExitCode RunOnTable(const RenumberVerbOptions& options, Console& console) {
+  const IdMap ids =
+      options.undo.empty() ? ReadIdMap(options.apply, options.of) : Inverse(ReadIdMap(options.undo, options.of));
+  if (options.edit.output.empty() && !options.edit.dry_run)
+    throw Error("name an output, or say --dry-run to see only what would be done");
+  const MappedFile file(options.edit.input);
+  RefuseSameFile(Location::Parse(options.edit.input), Location::Parse(options.edit.output));
+  const std::string table =
+      ApplyIdMapToCsv({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}, ids);
+  if (!options.edit.dry_run) WriteOutput({options.edit.output, options.edit.target.overwrite}, table, console);
+  const auto summaries = Summarize(ids);
+  return FinishEdit(Text(summaries), JsonText(Json(options, summaries)), options.edit, console, {});
+}
+
+ExitCode RunRenumber(const RenumberVerbOptions& options, Console& console) {
+  const bool by_table = !options.apply.empty() || !options.undo.empty();
+  if (by_table && options.edit.input.ends_with(".csv")) return RunOnTable(options, console);
+  Notices notices;
+  Atlas atlas = ReadInput(options.edit, console, notices);
+  IdMapFile id_map(options.edit.dry_run ? "" : options.id_map, options.edit.target.overwrite);
+  const IdMap ids = Change(options, atlas, console.threads());
+  WriteResult(atlas, options.edit, "renumber " + options.edit.input, console, notices);
+  id_map.Write({&ids, 1});
+  const auto summaries = Summarize(ids);
+  return FinishEdit(Text(summaries), JsonText(Json(options, summaries)), options.edit, console, notices);
+}
+
+Run AddRenumber(CLI::App& verb) {
+  const auto options = std::make_shared<RenumberVerbOptions>();
+  AddEdit(verb, options->edit);
+  verb.add_option(
+          "--kinds", options->kinds,
+          "What gets new ids, with commas between; by default all but frames, whose ids are those of the recording's "
+          "images")
+      ->type_name("KIND,...")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"map", "keyframe", "point", "frame", "camera", "all"}));
+  auto* start = verb.add_option("--start", options->renumber.start, "The first of the dense ids")
+                    ->type_name("ID")
+                    ->capture_default_str();
+  auto* offset = verb.add_option("--offset", options->renumber.offset, "Add this to every id instead; may be negative")
+                     ->type_name("N")
+                     ->excludes(start);
+  auto* order = verb.add_option("--order", options->renumber.order,
+                                "Order of dense ids: 'id' keeps that of the old ids, 'time' takes that of the images, "
+                                "'as-is' that of the file's lists")
+                    ->type_name("ORDER")
+                    ->transform(CLI::CheckedTransformer(kOrders).description({}))
+                    ->excludes(offset);
+  verb.add_option("--id-map", options->id_map, "Write which id became which, as CSV or (.json) JSON")
+      ->type_name("FILE");
+  auto* apply = verb.add_option("--apply", options->apply,
+                                "Change ids as this id map says; INPUT may then also be a CSV table with ids")
+                    ->type_name("FILE");
+  auto* undo = verb.add_option("--undo", options->undo, "Change ids back as they were before this id map")
+                   ->type_name("FILE")
+                   ->excludes(apply);
+  for (auto* by_table : {apply, undo}) by_table->excludes(start)->excludes(offset)->excludes(order);
+  verb.add_option("--of", options->of, "Of an id map with several inputs, take the ids of this one")
+      ->type_name("INPUT");
+  return [options](Console& console) { return RunRenumber(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb renumber session_a.osa dense.osa --id-map ids.csv",
+     "Ids without gaps, and a table of which became which."},
+    {"slamdb renumber dense.osa again.osa --undo ids.csv", "And back: again.osa has the bytes of session_a.osa."},
+    {"slamdb renumber keyframes.csv dense.csv --apply ids.csv", "The same for a table of keyframes made from it."},
+    {"slamdb renumber b.osa b1000.osa --offset 1000 --kinds keyframe",
+     "Leaves room below for another robot's keyframes."},
+};
+
+}  // namespace
+
+const Command kRenumber = {
+    .name = "renumber",
+    .summary = "give maps, keyframes, points, frames and cameras new ids",
+    .description =
+        R"(Gives entities dense ids (0, 1, 2, ... or from --start), or adds an offset to them, and moves every reference along.
+Ids of entities long gone that are still named somewhere, such as the keyframe that made a point, get ids behind those
+that are there, so that nothing is mixed up and --undo gives the original bytes back.
+
+With --id-map the new ids are written as a table, which --apply applies to another atlas, or to a CSV table that
+'slamdb convert' made, and --undo undoes.)",
+    .failed = "An input could not be read, an id map does not fit, or the output not be written.",
+    .examples = kExamples,
+    .add = AddRenumber,
+};
+
+}  // namespace slamdb::cli
