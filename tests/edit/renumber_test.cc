@@ -5,6 +5,9 @@
 
 #include "slamdb/edit/content.h"
 #include "slamdb/edit/merge.h"
+#include "slamdb/edit/origin.h"
+#include "slamdb/edit/subset.h"
+#include "slamdb/edit/transform.h"
 #include "tests/edit/worlds.h"
 #include "tests/support/equals_atlas.h"
 
@@ -89,6 +92,37 @@ TEST_P(RenumberWorld, CommutesWithMerge) {
   Renumber(plain.atlas, {.kinds = kAllKinds});
   merged.atlas.next_ids = plain.atlas.next_ids;
   EXPECT_THAT(merged.atlas, EqualsAtlas(plain.atlas));
+}
+
+TEST_P(RenumberWorld, CommutesWithTransformAndOrigins) {
+  const Similarity3d turn{1, Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())), {1, 2, 3}};
+  const RenumberOptions options{.kinds = kAllKinds, .start = 20};
+  const auto change = [&](Atlas& atlas) {
+    for (Map& map : atlas.maps) TransformMap(map, turn);
+    ReassignOrigins(atlas, {.from_map = true});
+  };
+  Atlas before = MakeWorld(GetParam(), 2), after = before;
+  change(before);
+  Renumber(before, options);
+  Renumber(after, options);
+  change(after);
+  EXPECT_THAT(before, EqualsAtlas(after));
+}
+
+TEST_P(RenumberWorld, CommutesWithTakingAPart) {
+  const RenumberOptions options{.kinds = {IdKind::kKeyFrame, IdKind::kPoint}, .offset = 31};
+  const auto halve = [&](Atlas& atlas) {
+    Subset subset = Subset::Everything(atlas);
+    std::fill_n(subset.maps[0].keyframes.begin(), 6, std::uint8_t{0});
+    SettleBorder(AtlasIndex(atlas), Border::kStrict, subset);
+    KeepSubset(atlas, subset);
+  };
+  Atlas before = MakeWorld(GetParam(), 1), after = before;
+  halve(before);
+  Renumber(before, options);
+  Renumber(after, options);
+  halve(after);
+  EXPECT_THAT(before, EqualsAtlas(after));
 }
 
 TEST_P(RenumberWorld, AnyPermutationCanBeUndoneAtAnyNumberOfThreads) {

@@ -119,6 +119,19 @@ std::span<const CounterField> CounterFields() {
   return kFields;
 }
 
+std::uint64_t& NextId(Counters& counters, IdKind kind) {
+  return counters.*std::ranges::find(CounterFields(), kind, &CounterField::kind)->field;
+}
+
+std::uint64_t NextId(const Counters& counters, IdKind kind) {
+  return counters.*std::ranges::find(CounterFields(), kind, &CounterField::kind)->field;
+}
+
+const IdPair* FindPair(const std::vector<IdPair>& pairs, std::uint64_t before) {
+  const auto found = std::ranges::lower_bound(pairs, before, {}, &IdPair::before);
+  return found == pairs.end() || found->before != before ? nullptr : &*found;
+}
+
 std::optional<IdKind> IdKindByName(std::string_view name) {
   const auto found = std::ranges::find(kNames, name);
   if (found == kNames.end()) return std::nullopt;

@@ -45,6 +45,13 @@ struct CounterField {
 };
 std::span<const CounterField> CounterFields();
 
+// The counter of the next id of a kind.
+std::uint64_t& NextId(Counters& counters, IdKind kind);
+std::uint64_t NextId(const Counters& counters, IdKind kind);
+
+// The pair of an id in a list that ascends by `before`; null when it has none.
+const IdPair* FindPair(const std::vector<IdPair>& pairs, std::uint64_t before);
+
 // The largest id that the fields of a kind hold and ORB-SLAM3 can work with.
 std::uint64_t LargestId(IdKind kind);
 

@@ -86,11 +86,6 @@ std::vector<std::optional<IdKind>> KindsOfColumns(const std::vector<std::string_
   return kinds;
 }
 
-std::uint64_t AfterOf(const std::vector<IdPair>& pairs, std::uint64_t id) {
-  const auto found = std::ranges::lower_bound(pairs, id, {}, &IdPair::before);
-  return found == pairs.end() || found->before != id ? id : found->after;
-}
-
 }  // namespace
 
 std::string IdMapsToCsv(std::span<const IdMap> maps) {
@@ -157,8 +152,8 @@ std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids) {
     for (std::size_t column = 0; column < cells.size(); ++column) {
       if (column > 0) result += ',';
       const auto id = column < kinds.size() && kinds[column] ? ParseCell<std::uint64_t>(cells[column]) : std::nullopt;
-      const std::uint64_t after = id ? AfterOf(ids[*kinds[column]], *id) : kNoId;
-      result += after == kNoId ? std::string(cells[column]) : std::to_string(after);
+      const IdPair* pair = id ? FindPair(ids[*kinds[column]], *id) : nullptr;
+      result += pair == nullptr || pair->after == kNoId ? std::string(cells[column]) : std::to_string(pair->after);
     }
     result += '\n';
   }

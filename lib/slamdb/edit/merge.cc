@@ -25,12 +25,6 @@ using ByKind = std::array<Value, kIdKinds>;
 
 constexpr std::size_t Row(IdKind kind) { return static_cast<std::size_t>(kind); }
 
-// Where a kind's counter stands.
-template <class SomeCounters>
-auto& CounterOf(SomeCounters& counters, IdKind kind) {
-  return counters.*std::ranges::find(CounterFields(), kind, &CounterField::kind)->field;
-}
-
 // ---- ids
 
 struct IdRange {
@@ -68,8 +62,7 @@ void RaiseCounters(Atlas& atlas) {
 // uninitialised memory.
 ByKind<IdRange> FindRanges(const Atlas& atlas, int threads) {
   ByKind<std::uint64_t> limits;
-  for (std::size_t kind = 0; kind < kIdKinds; ++kind)
-    limits[kind] = CounterOf(atlas.next_ids, static_cast<IdKind>(kind));
+  for (std::size_t kind = 0; kind < kIdKinds; ++kind) limits[kind] = NextId(atlas.next_ids, static_cast<IdKind>(kind));
   ByKind<IdRange> ranges;
   std::mutex mutex;
   const auto scan = [&](const auto& list, std::size_t grain) {
@@ -235,12 +228,12 @@ class Merger {
     Shift shift;
     for (std::size_t kind = 0; kind < kIdKinds; ++kind) {
       const auto as_kind = static_cast<IdKind>(kind);
-      shift.limits[kind] = CounterOf(limits, as_kind);
+      shift.limits[kind] = NextId(limits, as_kind);
       IdRange range = ranges[kind];
       if (range.empty() || as_kind == IdKind::kCamera) continue;
       const auto meets = [&](const IdRange& used) { return used.Meets(range); };
       if (std::ranges::any_of(used_[kind], meets)) {
-        shift.offsets[kind] = CounterOf(result_.atlas.next_ids, as_kind) - range.lowest;
+        shift.offsets[kind] = NextId(result_.atlas.next_ids, as_kind) - range.lowest;
         range.lowest += shift.offsets[kind];
         range.highest += shift.offsets[kind];
         if (range.highest > LargestId(as_kind))

@@ -142,15 +142,6 @@ class Numbering {
   std::vector<IdPair> pairs_;
 };
 
-std::uint64_t Counters::*CounterOf(IdKind kind) {
-  return std::ranges::find(CounterFields(), kind, &CounterField::kind)->field;
-}
-
-std::uint64_t AfterOf(const std::vector<IdPair>& pairs, std::uint64_t id, std::uint64_t otherwise) {
-  const auto found = std::ranges::lower_bound(pairs, id, {}, &IdPair::before);
-  return found != pairs.end() && found->before == id ? found->after : otherwise;
-}
-
 }  // namespace
 
 IdMap PlanRenumbering(const Atlas& atlas, const RenumberOptions& options) {
@@ -176,15 +167,16 @@ IdMap PlanRenumbering(const Atlas& atlas, const RenumberOptions& options) {
     const auto kind = static_cast<IdKind>(which);
     std::ranges::sort(gone[which]);
     gone[which].erase(std::unique(gone[which].begin(), gone[which].end()), gone[which].end());
-    std::uint64_t limit = atlas.next_ids.*CounterOf(kind);
+    std::uint64_t limit = NextId(atlas.next_ids, kind);
     for (const Present& each : present[which]) limit = std::max(limit, each.id + 1);
     Sort(present[which], options.order);
-    std::uint64_t& counter = (*ids.counters_after).*CounterOf(kind);
+    std::uint64_t& counter = NextId(*ids.counters_after, kind);
     ids.kinds[which] = Numbering(kind, options, limit).Run(present[which], gone[which], counter);
   }
-  if (wanted[static_cast<std::size_t>(IdKind::kKeyFrame)])
-    ids.counters_after->initial_keyframe =
-        AfterOf(ids[IdKind::kKeyFrame], atlas.next_ids.initial_keyframe, ids.counters_after->keyframe);
+  if (wanted[static_cast<std::size_t>(IdKind::kKeyFrame)]) {
+    const IdPair* initial = FindPair(ids[IdKind::kKeyFrame], atlas.next_ids.initial_keyframe);
+    ids.counters_after->initial_keyframe = initial != nullptr ? initial->after : ids.counters_after->keyframe;
+  }
   return ids;
 }
 
