@@ -15,7 +15,10 @@
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
 #include "slamdb/checks/check.h"
+#include "slamdb/edit/cull.h"
 #include "slamdb/edit/merge.h"
+#include "slamdb/edit/select.h"
+#include "slamdb/edit/shrink.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/statistics.h"
@@ -142,6 +145,28 @@ Sample Check(const Workplace& at) {
   return Time([&] { Keep(CheckAtlas(atlas, {})); });
 }
 
+// ---- keeping a part
+
+Sample Extract(const Workplace& at) {
+  Atlas atlas = Read(at.binary());
+  return Time([&] {
+    const AtlasIndex index(atlas);
+    Subset subset = Select(index, {.every = 2});
+    SettleBorder(index, Border::kSmart, subset);
+    KeepSubset(atlas, subset);
+  });
+}
+
+Sample CullAll(const Workplace& at) {
+  Atlas atlas = Read(at.binary());
+  return Time([&] { Cull(atlas, CullOptions::Orbslam3()); });
+}
+
+Sample ShrinkToHalf(const Workplace& at) {
+  Atlas atlas = Read(at.binary());
+  return Time([&] { Shrink(atlas, {.target_bytes = std::filesystem::file_size(at.binary()) / 2}); });
+}
+
 // ---- the store. Not synced, as the reference's writes are not.
 
 constexpr const char* kName = "atlas";
@@ -238,6 +263,9 @@ constexpr Measurement kMeasurements[] = {
     {"write-text-reference", ReferenceWriteText},
     {"info", Info},
     {"check", Check},
+    {"extract", Extract},
+    {"cull", CullAll},
+    {"shrink", ShrinkToHalf},
     {"store-save", StoreSave},
     {"store-load", StoreLoad},
     {"store-save-again", StoreSaveAgain},

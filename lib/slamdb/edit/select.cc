@@ -44,13 +44,14 @@ class Selector {
     if (options_.every > 1) ThinOut();
     for (std::size_t row = 0; row < atlas_.maps.size(); ++row) CutByRegion(row);
     if (options_.except) Invert();
-    RequireKeyFrames();
+    RequireSomething();
     return std::move(subset_);
   }
 
  private:
   bool HasRegion() const { return options_.box || !options_.polygon.empty(); }
   bool CutsCameras() const { return HasRegion() && options_.region != RegionOf::kPoints; }
+  bool CutsPointsAlone() const { return HasRegion() && options_.region == RegionOf::kPoints; }
   bool CutsPoints() const { return HasRegion() && options_.region != RegionOf::kCameras; }
 
   void RequireSense() const {
@@ -158,7 +159,6 @@ class Selector {
     if (CutsCameras())
       for (std::size_t i = 0; i < keyframes.size(); ++i)
         if (keyframes[i] && !Contains(map, CameraCenter(map.keyframes[i]))) keyframes[i] = 0;
-    const bool by_points = CutsPoints() && options_.region == RegionOf::kPoints;
     const std::vector<std::uint8_t>& observers = CutsPoints() ? picked : keyframes;
     std::vector<std::uint8_t> sees_one(keyframes.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -170,22 +170,24 @@ class Selector {
         sees_one[observer] = 1;
       }
     }
-    if (by_points) keyframes = sees_one;
+    if (CutsPointsAlone()) keyframes = sees_one;
   }
 
   void Invert() {
     for (std::size_t row = 0; row < subset_.maps.size(); ++row) {
       auto& [keyframes, points] = subset_.maps[row];
-      for (std::uint8_t& flag : keyframes) flag = CutsPoints() && options_.region == RegionOf::kPoints ? 1 : !flag;
+      for (std::uint8_t& flag : keyframes) flag = CutsPointsAlone() ? 1 : !flag;
       for (std::uint8_t& flag : points) flag = CutsPoints() ? !flag : 1;
     }
   }
 
-  // With points of a region that no camera inside sees, the border may still bring keyframes.
-  void RequireKeyFrames() const {
-    for (const Subset::MapRows& rows : subset_.maps)
-      for (const auto* flags : {&rows.keyframes, &rows.points})
-        if (std::ranges::find(*flags, 1) != flags->end()) return;
+  // Points of a region that no camera inside sees are something: the border may bring the keyframes that do.
+  void RequireSomething() const {
+    const auto is_set = [](std::uint8_t flag) { return flag != 0; };
+    for (const Subset::MapRows& rows : subset_.maps) {
+      if (std::ranges::any_of(rows.keyframes, is_set)) return;
+      if (CutsPoints() && !options_.except && std::ranges::any_of(rows.points, is_set)) return;
+    }
     throw Error(options_.except ? "nothing is left: the selection holds the whole atlas"
                                 : "nothing is selected: no keyframe meets all that is asked for");
   }

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/cull.h"
+
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "cli/part_report.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct CullVerbOptions {
+  EditOptions edit;
+  CullOptions rules;
+
+  bool HasRule() const {
+    return rules.redundancy || rules.min_observations || rules.max_error || rules.min_parallax || rules.unseen_since;
+  }
+};
+
+std::string ReportText(const CullReport& report) {
+  Table table({Table::Align::kLeft, Table::Align::kRight});
+  const auto add = [&](const char* rule, std::uint64_t count) {
+    if (count > 0) table.Add({rule, Grouped(count)});
+  };
+  add("bad points", report.bad_points);
+  add("points with few observations", report.few_observations);
+  add("points with large reprojection error", report.large_errors);
+  add("points with small parallax", report.small_parallax);
+  add("points not seen since", report.unseen);
+  add("redundant keyframes", report.redundant_keyframes);
+  add("points that culled keyframes held", report.unheld);
+  return table.empty() ? "nothing to cull\n" : "culled\n" + table.ToString();
+}
+
+nlohmann::ordered_json ReportJson(const CullReport& report) {
+  return {{"redundant_keyframes", report.redundant_keyframes},
+          {"points",
+           {{"bad", report.bad_points},
+            {"few_observations", report.few_observations},
+            {"large_error", report.large_errors},
+            {"small_parallax", report.small_parallax},
+            {"unseen", report.unseen},
+            {"unheld", report.unheld}}}};
+}
+
+ExitCode RunCull(const CullVerbOptions& options, Console& console) {
+  Notices notices;
+  Atlas atlas = ReadInput(options.edit, console, notices);
+  const Totals before = Totals::Of(atlas);
+  CullOptions rules = options.rules;
+  if (!options.HasRule()) {
+    rules.redundancy = CullOptions::Orbslam3().redundancy;
+    rules.min_observations = CullOptions::Orbslam3().min_observations;
+  }
+  const CullReport report = Cull(atlas, rules, console.threads());
+  WriteResult(atlas, options.edit, "cull " + options.edit.input, console, notices);
+  const Totals after = Totals::Of(atlas);
+  nlohmann::ordered_json json = {{"culled", ReportJson(report)}};
+  json.update(PartJson(before, after, report.removed));
+  json["coverage"] = CoverageJson(report.coverage);
+  return FinishEdit(ReportText(report) + PartText(before, after, report.removed) + CoverageText(report.coverage),
+                    JsonText(json), options.edit, console, notices);
+}
+
+Run AddCull(CLI::App& verb) {
+  const auto options = std::make_shared<CullVerbOptions>();
+  AddEdit(verb, options->edit);
+  constexpr const char* kGroup = "Rules";
+  CullOptions& rules = options->rules;
+  verb.add_option("--redundant", rules.redundancy,
+                  "Keyframes of whose points more than this share is seen by others at the same scale or finer; 0: "
+                  "ORB-SLAM3's share for the sensor, 0.9 or, for depth with IMU, 0.5")
+      ->type_name("SHARE")
+      ->group(kGroup);
+  verb.add_option("--observers", rules.redundant_observers, "How many others; ORB-SLAM3 says 3 and takes 4")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kGroup);
+  verb.add_option("--min-observations", rules.min_observations,
+                  "Points with fewer observations, those with depth counting twice; 0: ORB-SLAM3's number for the "
+                  "sensor, 3 for monocular maps and 4 for others")
+      ->type_name("N")
+      ->group(kGroup);
+  verb.add_option("--max-error", rules.max_error,
+                  "Points with a larger root mean square reprojection error, in pixels of the keypoints' octaves")
+      ->type_name("PIXELS")
+      ->group(kGroup);
+  verb.add_option("--min-parallax", rules.min_parallax,
+                  "Points without depth that no two keyframes see from directions so far apart")
+      ->type_name("DEGREES")
+      ->group(kGroup);
+  verb.add_option("--unseen-since", rules.unseen_since, "Points that no keyframe observes at or after this time")
+      ->type_name("SECONDS")
+      ->group(kGroup);
+  return [options](Console& console) { return RunCull(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb cull session.osa lean.osa", "ORB-SLAM3's rules, once over the whole map."},
+    {"slamdb cull session.osa lean.osa --redundant 0.8", "Redundant keyframes alone, and more of them."},
+    {"slamdb cull session.osa clean.osa --max-error 2.5 --min-parallax 1", "Points that are measured badly."},
+    {"slamdb cull lab.db#map fresh.osa --unseen-since 1403636700", "Forgets what has not been seen lately."},
+};
+
+}  // namespace
+
+const Command kCull = {
+    .name = "cull",
+    .summary = "remove redundant keyframes and poor points",
+    .description =
+        R"(Removes points and keyframes by rules, and closes the rest as 'slamdb extract' does. Without rules it takes those that
+ORB-SLAM3's local mapping follows, for redundant keyframes and points with few observations; with rules, only those. The
+first keyframe of a map and keyframes with loop or merge edges stay. Bad points always go.
+
+ORB-SLAM3 also culls points that were found in fewer than a quarter of the frames that should have seen them; its files
+do not hold those counts. The report says from how many places the map can still be localised in; docs/cull.md defines it.)",
+    .failed = "The input could not be read, a rule makes no sense, or the output could not be written.",
+    .lossy = "Done, but the output's format does not hold all of the atlas; standard error names what it lacks.",
+    .examples = kExamples,
+    .add = AddCull,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <charconv>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/json.h"
+#include "cli/part_report.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/select.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct ExtractOptions {
+  EditOptions edit;
+  SelectionOptions selection;
+  std::vector<std::uint64_t> keyframes;
+  std::string polygon, plane = "auto", region = "both", border = "smart";
+  std::optional<std::uint32_t> session;
+  std::size_t component = 0, every = 1;
+  bool except = false;
+
+  bool SelectsSomething() const {
+    return selection.map || !selection.keyframes.empty() || !selection.time.empty() || !selection.box.empty() ||
+           !keyframes.empty() || !polygon.empty() || session || component > 0 || every > 1;
+  }
+};
+
+// `X,Y X,Y ...`, corners apart by spaces or semicolons. Empty when it is not that.
+std::vector<Eigen::Vector2f> ParsePolygon(std::string_view text) {
+  std::vector<Eigen::Vector2f> corners;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(" ;"), text.size());
+    const std::string_view corner = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (corner.empty()) continue;
+    Eigen::Vector2f place;
+    const char* const last = corner.data() + corner.size();
+    const auto [comma, bad_x] = std::from_chars(corner.data(), last, place.x());
+    if (bad_x != std::errc() || comma == last || *comma != ',') return {};
+    const auto [stop, bad_y] = std::from_chars(comma + 1, last, place.y());
+    if (bad_y != std::errc() || stop != last) return {};
+    corners.push_back(place);
+  }
+  return corners;
+}
+
+std::string CheckPolygon(const std::string& text) {
+  return ParsePolygon(text).empty() ? "expected corners as 'X,Y X,Y X,Y ...', found '" + text + "'" : std::string();
+}
+
+SelectOptions SelectOptionsOf(const ExtractOptions& options) {
+  const Selection selection = ParseSelection(options.selection);
+  SelectOptions select{.map = selection.map,
+                       .first_keyframe = selection.first_keyframe,
+                       .last_keyframe = selection.last_keyframe,
+                       .begin_time = selection.begin_time,
+                       .end_time = selection.end_time,
+                       .session = options.session,
+                       .component = options.component,
+                       .every = options.every,
+                       .box = selection.box,
+                       .polygon = ParsePolygon(options.polygon),
+                       .except = options.except};
+  for (const std::uint64_t id : options.keyframes) select.keyframes.emplace_back(id);
+  if (options.plane != "auto") select.plane = options.plane == "xy" ? PlanPlane::kXy : PlanPlane::kXz;
+  if (options.region != "both") select.region = options.region == "cameras" ? RegionOf::kCameras : RegionOf::kPoints;
+  return select;
+}
+
+void RefuseContradictions(const ExtractOptions& options) {
+  if (!options.SelectsSomething())
+    throw Error("say which part: --map, --keyframes, --time, --box, ... ('slamdb convert' writes the whole)");
+  if (options.except && options.border == "complete-points")
+    throw Error("--border complete-points would bring back what --except takes out; use smart or strict");
+}
+
+ExitCode RunExtract(const ExtractOptions& options, Console& console) {
+  RefuseContradictions(options);
+  Notices notices;
+  Atlas atlas = ReadInput(options.edit, console, notices);
+  const Totals before = Totals::Of(atlas);
+  const AtlasIndex index(atlas);
+  Subset subset = Select(index, SelectOptionsOf(options));
+  SettleBorder(index, BorderOf(options.border), subset, console.threads());
+  const Coverage coverage = MeasureCoverage(index, subset);
+  const SubsetReport removed = KeepSubset(atlas, subset, console.threads());
+  if (atlas.maps.empty())
+    throw Error(options.edit.input, "",
+                "no keyframe is in that part, only points; --region points or --border complete-points take the "
+                "keyframes that observe them");
+  WriteResult(atlas, options.edit, "extract " + options.edit.input, console, notices);
+  const Totals after = Totals::Of(atlas);
+  nlohmann::ordered_json json = PartJson(before, after, removed);
+  json["coverage"] = CoverageJson(coverage);
+  return FinishEdit(PartText(before, after, removed) + CoverageText(coverage), JsonText(json), options.edit, console,
+                    notices);
+}
+
+void AddParts(CLI::App& verb, ExtractOptions& options) {
+  constexpr const char* kGroup = "Selection";
+  AddSelection(verb, options.selection);
+  verb.get_option("--box")->description("Only what is inside the box with these corners, in map coordinates");
+  verb.add_option("--keyframe", options.keyframes, "Only these keyframes, ids with commas between")
+      ->type_name("ID,...")
+      ->delimiter(',')
+      ->group(kGroup);
+  verb.add_option("--polygon", options.polygon, "Only what is inside this outline on the plan, three corners or more")
+      ->type_name("'X,Y X,Y ...'")
+      ->check(CheckPolygon)
+      ->group(kGroup);
+  verb.add_option("--plane", options.plane, "The plane of the plan; auto: xy in maps with IMU, whose z is up, else xz")
+      ->check(CLI::IsMember({"auto", "xy", "xz"}))
+      ->capture_default_str()
+      ->group(kGroup);
+  verb.add_option("--region", options.region,
+                  "What box and polygon cut: cameras and points, only cameras (with all that they see), or only points "
+                  "(with the keyframes that see them)")
+      ->check(CLI::IsMember({"both", "cameras", "points"}))
+      ->capture_default_str()
+      ->group(kGroup);
+  verb.add_option("--session", options.session, "Only keyframes that were made in the map of this id, before merges")
+      ->type_name("ID")
+      ->group(kGroup);
+  verb.add_option("--component", options.component,
+                  "Only this connected part of the covisibility graph; 1 is the largest")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber.description({}))
+      ->group(kGroup);
+  verb.add_option("--every", options.every, "Of what is selected, every Nth keyframe in order of time")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber.description({}))
+      ->group(kGroup);
+  verb.add_flag("--except", options.except, "Everything but the part")->group(kGroup);
+}
+
+Run AddExtract(CLI::App& verb) {
+  const auto options = std::make_shared<ExtractOptions>();
+  AddEdit(verb, options->edit);
+  AddParts(verb, *options);
+  verb.add_option("--border", options->border,
+                  "Points at the border: strict keeps all that something still measures, smart those that ORB-SLAM3 "
+                  "would not cull, complete-points adds all keyframes that observe them")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kBorders), std::end(kBorders))))
+      ->capture_default_str();
+  return [options](Console& console) { return RunExtract(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb extract atlas.osa one.osa --map 1", "One map of several; other maps and their cameras go."},
+    {"slamdb extract session.osa minute.osa --time 1403636580:1403636640", "One minute of a session."},
+    {"slamdb extract session.osa lab.osa --polygon '0,0 6,0 6,4 0,4' --region cameras",
+     "What was seen from inside a room, given as outline on the plan."},
+    {"slamdb extract session.osa rest.osa --box -1,-2,0:1,0,3 --region points --except",
+     "Cuts the points in a box out, such as those on a parked car."},
+    {"slamdb extract session.osa thin.osa --every 3 --dry-run", "What every third keyframe would leave."},
+};
+
+}  // namespace
+
+const Command kExtract = {
+    .name = "extract",
+    .summary = "write a part of an atlas as an atlas of its own",
+    .description =
+        R"(Takes the keyframes that meet all that is asked for, and the points that they observe, out of an atlas. What leads
+out of the part is closed so that 'slamdb check' finds it as sound as the whole, and ORB-SLAM3 loads it: observations,
+covisibility, spanning tree, loop edges, neighbours in time with their preintegrated motion, initial keyframe. Ids stay as
+they are. --border decides about points that lose observers. The rules are in docs/extract.md.)",
+    .failed = "The input could not be read, nothing is selected, or the output could not be written.",
+    .lossy = "Done, but the output's format does not hold all of the part; standard error names what it lacks.",
+    .examples = kExamples,
+    .add = AddExtract,
+};
+
+}  // namespace slamdb::cli

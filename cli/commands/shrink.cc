@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/shrink.h"
+
+#include <cmath>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "cli/part_report.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb::cli {
+namespace {
+
+constexpr double kMegabyte = 1e6;
+
+struct ShrinkVerbOptions {
+  EditOptions edit;
+  double target_megabytes = 0;
+  ShrinkOptions shrink;
+  std::string purpose;
+};
+
+std::string SizesText(const ShrinkReport& report) {
+  std::string text;
+  if (report.features_dropped > 0)
+    text += "dropped " + Counted(report.features_dropped, "feature") + " without point\n";
+  if (report.measurements_dropped > 0)
+    text += "dropped " + Counted(report.measurements_dropped, "IMU measurement") + "\n";
+  return text + "takes " + HumanBytes(report.bytes_after) + " as .osa, " + HumanBytes(report.bytes_before) +
+         " before\n";
+}
+
+ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
+  ShrinkOptions shrink = options.shrink;
+  shrink.target_bytes = static_cast<std::uint64_t>(std::floor(options.target_megabytes * kMegabyte));
+  shrink.for_localization = options.purpose == "localization";
+  if (shrink.target_bytes == 0 && shrink.target_keyframes == 0 && !shrink.for_localization)
+    throw Error("say how small: --target-mb, --target-keyframes, or --for localization");
+  Notices notices;
+  Atlas atlas = ReadInput(options.edit, console, notices);
+  const Totals before = Totals::Of(atlas);
+  const ShrinkReport report = Shrink(atlas, shrink, console.threads());
+  WriteResult(atlas, options.edit, "shrink " + options.edit.input, console, notices);
+  const Totals after = Totals::Of(atlas);
+  nlohmann::ordered_json json = PartJson(before, after, report.removed);
+  json["coverage"] = CoverageJson(report.coverage);
+  json["bytes"] = {{"before", report.bytes_before}, {"after", report.bytes_after}};
+  json["dropped"] = {{"features", report.features_dropped}, {"imu_measurements", report.measurements_dropped}};
+  return FinishEdit(PartText(before, after, report.removed) + SizesText(report) + CoverageText(report.coverage),
+                    JsonText(json), options.edit, console, notices);
+}
+
+Run AddShrink(CLI::App& verb) {
+  const auto options = std::make_shared<ShrinkVerbOptions>();
+  AddEdit(verb, options->edit);
+  constexpr const char* kGroup = "How small";
+  verb.add_option("--target-mb", options->target_megabytes, "At most so many megabytes (1,000,000 bytes) as .osa file")
+      ->type_name("MB")
+      ->check(CLI::PositiveNumber.description({}))
+      ->group(kGroup);
+  verb.add_option("--target-keyframes", options->shrink.target_keyframes, "At most so many keyframes")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber.description({}))
+      ->group(kGroup);
+  verb.add_option("--for", options->purpose,
+                  "localization: the largest map alone, without features that see no point and IMU measurements")
+      ->type_name("PURPOSE")
+      ->check(CLI::IsMember({"localization"}))
+      ->group(kGroup);
+  verb.add_option("--min-points", options->shrink.min_points, "With how many points a place counts as covered")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber.description({}))
+      ->capture_default_str()
+      ->group(kGroup);
+  return [options](Console& console) { return RunShrink(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb shrink session.osa small.osa --target-mb 10", "Fits a map into 10 MB, keeping what most places need."},
+    {"slamdb shrink session.osa small.osa --target-keyframes 60", "The 60 keyframes that cover most."},
+    {"slamdb shrink atlas.osa robot.osa --for localization",
+     "What a robot needs that only localises: about a third smaller, and no place less."},
+};
+
+}  // namespace
+
+const Command kShrink = {
+    .name = "shrink",
+    .summary = "make an atlas small and keep the places it covers",
+    .description =
+        R"(Keeps the keyframes that cover most places, as many as the target allows, and the points that they observe; the rest is
+closed as 'slamdb extract' does. Each keyframe of the input stands for its place; a place is covered when enough of the
+points that it sees are kept.
+
+--for localization also drops what ORB-SLAM3 does not need to load a map and localise in it. Such a map is not for being
+extended: mapping wants the features that see no point yet.)",
+    .failed = "The input could not be read, the target is too small, or the output could not be written.",
+    .lossy = "Done, but the output's format does not hold all of the atlas; standard error names what it lacks.",
+    .examples = kExamples,
+    .add = AddShrink,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "cli/part_report.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/select.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct SplitOptions {
+  EditOptions edit;
+  std::string by = "map", border = "smart";
+  std::size_t min_keyframes = 1;
+};
+
+// `parts/{}.osa` and `out.osa` become `parts/map-3.osa` and `out-map-3.osa`, `lab.db#a` becomes `lab.db#a-map-3`.
+std::string OutputOf(const std::string& pattern, const std::string& part) {
+  if (const std::size_t hole = pattern.find("{}"); hole != std::string::npos)
+    return pattern.substr(0, hole) + part + pattern.substr(hole + 2);
+  Location location = Location::Parse(pattern);
+  if (!location.name.empty()) {
+    location.name += "-" + part;
+    return location.ToString();
+  }
+  const std::filesystem::path path(location.path);
+  return (path.parent_path() / (path.stem().string() + "-" + part + path.extension().string())).string();
+}
+
+void RefuseBadPattern(const SplitOptions& options) {
+  if (options.edit.output == "-") throw Error("several atlases do not fit into standard output; name files");
+}
+
+// Before the first is written.
+void RefuseExisting(const SplitOptions& options, const std::vector<Part>& parts) {
+  if (options.edit.dry_run || options.edit.target.overwrite) return;
+  for (const Part& part : parts) {
+    const Location location = Location::Parse(OutputOf(options.edit.output, part.name));
+    if (location.name.empty() && std::filesystem::exists(location.path))
+      throw Error(location.path, "", "exists already; -O replaces it");
+  }
+}
+
+std::size_t CountKeyFrames(const Subset& subset) {
+  std::size_t count = 0;
+  for (const Subset::MapRows& rows : subset.maps)
+    count += static_cast<std::size_t>(std::ranges::count(rows.keyframes, 1));
+  return count;
+}
+
+std::vector<Part> FindParts(const AtlasIndex& index, const SplitOptions& options) {
+  const SplitBy by = options.by == "map"       ? SplitBy::kMap
+                     : options.by == "session" ? SplitBy::kSession
+                                               : SplitBy::kComponent;
+  std::vector<Part> parts = SplitAtlas(index, by);
+  std::erase_if(parts, [&](const Part& part) { return CountKeyFrames(part.subset) < options.min_keyframes; });
+  if (parts.empty())
+    throw Error(options.edit.input, "", "has no " + options.by + " with " + Counted(options.min_keyframes, "keyframe"));
+  return parts;
+}
+
+ExitCode RunSplit(const SplitOptions& options, Console& console) {
+  RefuseBadPattern(options);
+  Notices notices;
+  const Atlas atlas = ReadInput(options.edit, console, notices);
+  const AtlasIndex index(atlas);
+  std::vector<Part> parts = FindParts(index, options);
+  RefuseExisting(options, parts);
+  Table table({Table::Align::kLeft, Table::Align::kRight, Table::Align::kRight});
+  table.Add({"part", "keyframes", "points"});
+  nlohmann::ordered_json json = {{"parts", nlohmann::ordered_json::array()}};
+  for (Part& part : parts) {
+    SettleBorder(index, BorderOf(options.border), part.subset, console.threads());
+    SubsetReport removed;
+    const Atlas own = TakePart(atlas, part.subset, removed, console.threads());
+    EditOptions edit = options.edit;
+    edit.output = OutputOf(options.edit.output, part.name);
+    WriteResult(own, edit, "split " + options.edit.input, console, notices);
+    const Totals totals = Totals::Of(own);
+    table.Add({options.edit.dry_run ? part.name : edit.output, Grouped(totals.keyframes), Grouped(totals.points)});
+    json["parts"].push_back(
+        {{"name", part.name},
+         {"output", options.edit.dry_run ? nlohmann::ordered_json() : nlohmann::ordered_json(edit.output)},
+         {"maps", totals.maps},
+         {"keyframes", totals.keyframes},
+         {"points", totals.points}});
+  }
+  EditOptions finish = options.edit;
+  finish.dry_run = true;  // the table names the outputs
+  return FinishEdit(table.ToString(), JsonText(json), finish, console, notices);
+}
+
+Run AddSplit(CLI::App& verb) {
+  const auto options = std::make_shared<SplitOptions>();
+  AddEdit(verb, options->edit);
+  verb.get_option("OUTPUT")->description(
+      "Where to: a file or STORE.db#NAME; the name of each part goes in place of {}, or behind the name");
+  verb.add_option("--by", options->by,
+                  "One atlas per map, per session (map that keyframes were made in), or per "
+                  "connected part of the covisibility graph")
+      ->check(CLI::IsMember({"map", "session", "component"}))
+      ->capture_default_str();
+  verb.add_option("--min-keyframes", options->min_keyframes, "Leave out parts with fewer")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber.description({}))
+      ->capture_default_str();
+  verb.add_option("--border", options->border, "Points that several parts observe: see 'slamdb extract --help'")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kBorders), std::end(kBorders))))
+      ->capture_default_str();
+  return [options](Console& console) { return RunSplit(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb split atlas.osa 'parts/{}.osa'", "Writes parts/map-0.osa, parts/map-1.osa, ..."},
+    {"slamdb split merged.osa lab.db#merged --by session",
+     "Takes apart what was merged: lab.db#merged-session-0 and so on."},
+    {"slamdb split atlas.osa big.osa --min-keyframes 20 --dry-run", "Which parts have 20 keyframes or more."},
+};
+
+}  // namespace
+
+const Command kSplit = {
+    .name = "split",
+    .summary = "write each map, session or component as an atlas of its own",
+    .description =
+        R"(Writes one atlas for each map of an atlas, for each session (the map in which keyframes were made, which they keep
+when maps are merged), or for each connected part of the covisibility graph. Every part is closed like those of
+'slamdb extract'. Ids stay as they are, and so do the counters: putting the parts together again hands out no id twice.
+
+No output is overwritten without -O, and when one is there, none is written.)",
+    .failed = "The input could not be read, no part is left, or an output could not be written.",
+    .lossy = "Done, but the outputs' format does not hold all of the parts; standard error names what it lacks.",
+    .examples = kExamples,
+    .add = AddSplit,
+};
+
+}  // namespace slamdb::cli
