@@ -2,9 +2,11 @@
 #include "slamdb/formats/sqlite/plan.h"
 
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 
 #include "slamdb/base/error.h"
+#include "slamdb/model/index.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -34,14 +36,59 @@ class Occurrences {
   std::unordered_map<std::int64_t, std::uint32_t> seen_;
 };
 
+// What an entry of the list is to the store.
+struct Match {
+  bool unique = true;
+  std::size_t stored = kNoRow;  // index of its row
+};
+
+// By id and occurrence.
+std::vector<Match> MatchAny(std::span<const std::int64_t> ids, std::span<const StoredRow> stored) {
+  std::unordered_map<Key, std::size_t, KeyHash> by_key(stored.size());
+  Occurrences stored_occurrences(stored.size());
+  for (std::size_t i = 0; i < stored.size(); ++i) by_key.emplace(stored_occurrences.Next(stored[i].id), i);
+  std::vector<Match> matches;
+  matches.reserve(ids.size());
+  Occurrences occurrences(ids.size());
+  for (const std::int64_t id : ids) {
+    const Key key = occurrences.Next(id);
+    const auto found = by_key.find(key);
+    matches.push_back({IsUnique(key), found == by_key.end() ? kNoRow : found->second});
+  }
+  return matches;
+}
+
+// id_of(row) -> row for rows 0, 1, ...; nothing when an id occurs twice or is `none`.
+std::optional<IdTable> TableOfDistinct(std::size_t count, const auto& id_of) {
+  std::uint64_t lowest = Id<Map>::kNone, highest = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    lowest = std::min(lowest, static_cast<std::uint64_t>(id_of(i)));
+    highest = std::max(highest, static_cast<std::uint64_t>(id_of(i)));
+  }
+  if (highest == Id<Map>::kNone) return std::nullopt;
+  IdTable table(std::min(lowest, highest), highest, count);
+  for (std::size_t i = 0; i < count; ++i)
+    if (table.Insert(static_cast<std::uint64_t>(id_of(i)), static_cast<std::uint32_t>(i)) != kNoRow)
+      return std::nullopt;
+  return table;
+}
+
+// The same; much faster where every id is there once, as in sound atlases.
+std::vector<Match> MatchRows(std::span<const std::int64_t> ids, std::span<const StoredRow> stored) {
+  const auto stored_table = TableOfDistinct(stored.size(), [&](std::size_t i) { return stored[i].id; });
+  if (!stored_table || !TableOfDistinct(ids.size(), [&](std::size_t i) { return ids[i]; }))
+    return MatchAny(ids, stored);
+  std::vector<Match> matches;
+  matches.reserve(ids.size());
+  for (const std::int64_t id : ids) matches.push_back({true, stored_table->Find(static_cast<std::uint64_t>(id))});
+  return matches;
+}
+
 // The list with rows 0, 1, 2, ... as when it is saved for the first time.
 ListPlan PlanAnew(std::span<const std::int64_t> ids, std::span<const StoredRow> stored, std::int64_t first_row) {
   ListPlan plan;
   plan.entries.reserve(ids.size());
-  Occurrences occurrences(ids.size());
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    plan.entries.push_back({first_row + static_cast<std::int64_t>(i), IsUnique(occurrences.Next(ids[i])), nullptr});
-  }
+  for (const Match& match : MatchRows(ids, {})) plan.entries.push_back({first_row++, match.unique, nullptr});
   for (const StoredRow& row : stored) plan.removed.push_back(row.row);
   return plan;
 }
@@ -52,26 +99,17 @@ ListPlan PlanList(std::span<const std::int64_t> ids, std::span<const StoredRow> 
   if (ids.size() > 0xffffffffU) throw Error("a map with more than 4294967295 keyframes or points does not fit a store");
   if (stored.empty()) return PlanAnew(ids, stored, first_row);
 
-  std::unordered_map<Key, std::size_t, KeyHash> by_key(stored.size());
-  Occurrences stored_occurrences(stored.size());
-  for (std::size_t i = 0; i < stored.size(); ++i) by_key.emplace(stored_occurrences.Next(stored[i].id), i);
-
   ListPlan plan;
   plan.entries.reserve(ids.size());
   std::vector<bool> used(stored.size());
-  Occurrences occurrences(ids.size());
   std::int64_t next_row = first_row;  // the smallest row that keeps the order
   const std::int64_t end_row = stored.back().row + 1;
-  for (const std::int64_t id : ids) {
-    const Key key = occurrences.Next(id);
-    const auto found = by_key.find(key);
-    ListPlan::Entry entry{.row = 0, .unique = IsUnique(key), .stored = nullptr};
-    if (found != by_key.end()) {
-      entry.stored = &stored[found->second];
+  for (const Match& match : MatchRows(ids, stored)) {
+    ListPlan::Entry entry{.row = std::max(next_row, end_row), .unique = match.unique, .stored = nullptr};
+    if (match.stored != kNoRow) {
+      entry.stored = &stored[match.stored];
       entry.row = entry.stored->row;
-      used[found->second] = true;
-    } else {
-      entry.row = std::max(next_row, end_row);
+      used[match.stored] = true;
     }
     if (entry.row < next_row || entry.row - first_row > 0xffffffff) return PlanAnew(ids, stored, first_row);
     next_row = entry.row + 1;

@@ -266,13 +266,14 @@ void SaveContext::Report(std::size_t done) {
 }
 
 std::vector<StoredRow> ReadStoredRows(Database& database, const std::string& table, const std::string& details_hash,
-                                      std::int64_t map) {
+                                      std::int64_t map, std::size_t expected) {
   Statement statement(database,
                       "SELECT row, id, unique_id IS NOT NULL, hash, " + details_hash + " FROM " + table +
                           " WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
                       "table " + table);
   statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
   std::vector<StoredRow> rows;
+  rows.reserve(expected);
   while (statement.Step()) {
     rows.push_back({statement.Integer(0), statement.Integer(1), statement.Integer(2) != 0, statement.Integer(3),
                     statement.Integer(4)});

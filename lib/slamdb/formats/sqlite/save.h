@@ -49,9 +49,10 @@ void DeleteAtlas(Database& database, std::int64_t atlas, ChangeCounter& changes)
 void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
 void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
 
-// The rows of a map's list as the store has them. `table` is keyframe or map_point, `details_hash` its second hash.
+// The rows of a map's list as the store has them. `table` is keyframe or map_point, `details_hash` its second hash;
+// `expected` is about how many there will be.
 std::vector<StoredRow> ReadStoredRows(Database& database, const std::string& table, const std::string& details_hash,
-                                      std::int64_t map);
+                                      std::int64_t map, std::size_t expected);
 
 // ---- values as columns
 

@@ -160,7 +160,8 @@ void RemoveKeyframes(SaveContext& context, LinkWriter& links, const std::vector<
 }  // namespace
 
 void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes) {
-  const std::vector<StoredRow> stored = ReadStoredRows(context.database, "keyframe", "links_hash", row);
+  const std::vector<StoredRow> stored =
+      ReadStoredRows(context.database, "keyframe", "links_hash", row, map.keyframes.size());
   const std::vector<std::int64_t> stored_features = StoredFeatureHashes(context.database, row, stored);
   std::vector<std::int64_t> ids;
   for (const KeyFrame& keyframe : map.keyframes) ids.push_back(ToColumn(keyframe.id));

@@ -151,7 +151,8 @@ std::vector<std::size_t> WritePoints(SaveContext& context, std::int64_t row, con
 }  // namespace
 
 void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes) {
-  const std::vector<StoredRow> stored = ReadStoredRows(context.database, "map_point", "observations_hash", row);
+  const std::vector<StoredRow> stored =
+      ReadStoredRows(context.database, "map_point", "observations_hash", row, map.points.size());
   std::vector<std::int64_t> ids;
   ids.reserve(map.points.size());
   for (const MapPoint& point : map.points) ids.push_back(ToColumn(point.id));
