@@ -26,6 +26,12 @@ void RefuseEmptySelection(const Atlas& atlas, const ConvertOptions& options) {
     throw Error(options.input, "", "has no map " + std::to_string(*options.selection.map));
 }
 
+// What the reader had to leave out; WriteAtlas refuses what the target cannot hold.
+void RefuseLosses(const Notices& notices) {
+  for (const Notice& notice : notices.items())
+    if (notice.kind == Notice::Kind::kLoss) throw Error(notice.text + "; --strict refuses that");
+}
+
 // Whether references lead from what is selected to what is not. None lead from one map to another.
 bool CutsThroughMaps(Selection selection) {
   selection.map.reset();
@@ -70,6 +76,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   Notices notices;
   const Atlas atlas = ReadAtlas(input, read, notices, options.from);
   RefuseEmptySelection(atlas, options);
+  if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && (format.writes & kObservations) != 0)
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
   WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), notices, to, options.strict);

@@ -92,6 +92,16 @@ TEST(Convert, StrictRefusesLossAndWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder / "points.ply"));
 }
 
+TEST(Convert, StrictRefusesWhatTheReaderLeavesOut) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "longer.osa", ReadWholeFile(kTiny) + "behind the end");
+  EXPECT_EQ(RunSlamdb({"convert", folder / "longer.osa", folder / "copy.osa"}).exit_code, 3);
+  const ProcessResult result = RunSlamdb({"convert", folder / "longer.osa", folder / "strict.osa", "--strict"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("14 bytes behind the end"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "strict.osa"));
+}
+
 TEST(Convert, WritesTheBoostVersionAndLongThatAreNamed) {
   const TemporaryFolder folder;
   ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "old.osa", "--boost-version", "11", "--long-bytes", "4"}).exit_code,
