@@ -134,6 +134,7 @@ Sample Info(const Workplace& at) {
     std::vector<PartSize> parts;
     ReadOptions options;
     options.part_sizes = &parts;
+    options.features = FeatureColumns::kGeometry;
     Atlas atlas = ReadOrbslam3(at.binary(), options, notices);
     Keep(ComputeStatistics(atlas));
     Keep(std::move(atlas));

@@ -30,7 +30,7 @@ void KeepAtlas(const char* atlas_path, const char* store_path) {
               static_cast<unsigned long long>(saved.Total().unchanged));
 
   slamdb::ReadOptions first_seconds;
-  first_seconds.features = false;
+  first_seconds.features = slamdb::FeatureColumns::kNone;
   first_seconds.selection.end_time = atlas.maps.front().keyframes.front().timestamp + 5;
   const slamdb::Atlas part = store.Load("lab", first_seconds);
   std::printf("%zu keyframes in the first seconds\n", part.maps.front().keyframes.size());

@@ -31,7 +31,8 @@ InfoReport MakeReport(const std::string& path, const InfoOptions& options, ReadO
   const Location location = Location::Parse(path);
   const Format& format = FormatOfInput(location, options.inputs.from);
   InfoReport report;
-  read.features = NeedsMaps(options.key);
+  const bool statistics = NeedsMaps(options.key);
+  read.features = statistics ? FeatureColumns::kGeometry : FeatureColumns::kNone;
   read.part_sizes = &report.parts;
   const Atlas atlas = ReadAtlas(location, read, notices, options.inputs.from);
   report.file = path;
@@ -46,7 +47,7 @@ InfoReport MakeReport(const std::string& path, const InfoOptions& options, ReadO
   report.next_ids = atlas.next_ids;
   report.cameras = atlas.cameras;
   report.repeated_maps = atlas.repeated_maps.size();
-  if (read.features) report.statistics = ComputeStatistics(atlas, read.threads);
+  if (statistics) report.statistics = ComputeStatistics(atlas, read.threads);
   return report;
 }
 

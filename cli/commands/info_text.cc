@@ -102,7 +102,7 @@ std::string ArchiveText(const ArchiveEncoding& encoding) {
   const std::string releases = BoostReleases(encoding.boost_version);
   std::string text = std::string(encoding.text ? "text" : "binary") + ", library version " +
                      std::to_string(encoding.boost_version) + (releases.empty() ? "" : " (" + releases + ")");
-  if (!encoding.text) text += ", " + std::to_string(encoding.long_bytes) + "-byte long";
+  text += ", " + std::to_string(encoding.long_bytes) + "-byte long";
   return text;
 }
 

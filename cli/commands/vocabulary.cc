@@ -49,7 +49,7 @@ struct Shown {
 };
 
 Vocabulary VocabularyOfAtlas(const std::string& path, const std::string& from, ReadOptions read, Notices& notices) {
-  read.features = false;
+  read.features = FeatureColumns::kNone;
   return ReadAtlas(Location::Parse(path), read, notices, from).vocabulary;
 }
 

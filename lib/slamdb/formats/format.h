@@ -69,9 +69,16 @@ struct PartSize {
   std::uint64_t bytes = 0;
 };
 
+// Which columns of the features to read. A reader may read more than was asked for.
+enum class FeatureColumns {
+  kAll,
+  kGeometry,  // keypoints, stereo and depth, matches; no descriptors, grids and bags of words: for statistics
+  kNone,
+};
+
 struct ReadOptions {
   int threads = 0;       // 0: every core
-  bool features = true;  // false leaves out keypoints, descriptors, grids and bags of words: for statistics
+  FeatureColumns features = FeatureColumns::kAll;
   Selection selection;
   Progress progress;                            // may be empty
   double lock_timeout = 5;                      // seconds to wait for another process that holds a store

@@ -9,6 +9,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/model/statistics.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/orbslam3/real_atlases.h"
 
@@ -184,13 +185,30 @@ TEST(ReadOrbslam3, PartSizesAddUpToTheFile) {
 
 TEST(ReadOrbslam3, LeavesFeaturesOutWhenAsked) {
   Notices notices;
-  const Atlas atlas = ReadOrbslam3(Fixture("session_small_a/session_small_a.osa"), {.features = false}, notices);
+  const Atlas atlas =
+      ReadOrbslam3(Fixture("session_small_a/session_small_a.osa"), {.features = FeatureColumns::kNone}, notices);
   const Atlas whole = ReadWith(Fixture("session_small_a/session_small_a.osa"), 0);
   const KeyFrame& keyframe = atlas.maps[0].keyframes[3];
   EXPECT_TRUE(keyframe.features.keypoints.empty());
   EXPECT_TRUE(keyframe.features.descriptors.empty());
   EXPECT_EQ(keyframe.features.map_points, whole.maps[0].keyframes[3].features.map_points);
   EXPECT_EQ(keyframe.connections, whole.maps[0].keyframes[3].connections);
+}
+
+TEST(ReadOrbslam3, GeometryAloneGivesTheSameStatistics) {
+  for (const char* file : {"session_small_a/session_small_a.osa", "mono_small_twice/mono_small_twice.osa"}) {
+    Notices notices;
+    const Atlas geometry = ReadOrbslam3(Fixture(file), {.features = FeatureColumns::kGeometry}, notices);
+    EXPECT_TRUE(geometry.maps[0].keyframes[3].features.descriptors.empty());
+    EXPECT_TRUE(geometry.maps[0].keyframes[3].features.grid.empty());
+    const MapStatistics part = ComputeStatistics(geometry).maps[0];
+    const MapStatistics whole = ComputeStatistics(ReadWith(Fixture(file), 0)).maps[0];
+    EXPECT_GT(whole.reprojection_error.count, 0U);
+    EXPECT_EQ(part.reprojection_error.count, whole.reprojection_error.count);
+    EXPECT_EQ(part.reprojection_error.mean, whole.reprojection_error.mean);
+    EXPECT_EQ(part.sensor, whole.sensor);
+    EXPECT_EQ(part.features, whole.features);
+  }
 }
 
 TEST(ReadOrbslam3, SelectsKeyFramesAndPoints) {

@@ -92,7 +92,7 @@ TEST_F(StorePartial, IdsBeyondTheSignBit) {
 
 TEST_F(StorePartial, WithoutFeatures) {
   ReadOptions options;
-  options.features = false;
+  options.features = FeatureColumns::kNone;
   const Atlas part = LoadFrom(path_, "a", options);
   Atlas expected = atlas_;
   for (Map& map : expected.maps) {

@@ -30,7 +30,7 @@ template <class Input>
 class DecodeTeam {
  public:
   // `input` is any cursor of the file.
-  DecodeTeam(const Input& input, bool features, int threads) : input_(input), features_(features) {
+  DecodeTeam(const Input& input, FeatureColumns features, int threads) : input_(input), features_(features) {
     for (int i = 1; i < threads; ++i) helpers_.emplace_back([this] { Help(); });
   }
   ~DecodeTeam() { Stop(); }
@@ -137,7 +137,7 @@ class DecodeTeam {
   }
 
   const Input input_;
-  const bool features_;
+  const FeatureColumns features_;
   std::mutex mutex_;  // guards everything below
   std::condition_variable available_;
   std::deque<DecodeJob> jobs_;

@@ -4,112 +4,22 @@
 #include <algorithm>
 #include <array>
 
-#include "slamdb/formats/orbslam3/input.h"
-#include "slamdb/formats/orbslam3/layout.h"
+#include "slamdb/formats/format.h"
+#include "slamdb/formats/orbslam3/reading_archive.h"
 
-// The two archives (see layout.h) that read: Decoder fills the model, Skipper only finds where a record ends. Both keep
-// the class table and check every count against the bytes left, before any allocation.
 namespace slamdb::orbslam3 {
 
 using PartBytes = std::array<std::uint64_t, static_cast<std::size_t>(Part::kCount)>;
 
-// What Decoder and Skipper share: class info, counts and list headers.
-template <class Input>
-class ReadingArchive {
- public:
-  ReadingArchive(const Input& at, const ClassTable& table) : input(at), classes(table) {}
-
-  Input input;
-  ClassTable classes;
-
-  void ClassInfo(WireClass wire_class) {
-    if (!classes.FirstUse(wire_class)) return;
-    input.template Take<std::uint8_t>();  // tracking: a property of the writer's types, which we know
-    const auto version = input.template Take<std::uint32_t>();
-    if (version != 0)
-      input.Fail("class version " + std::to_string(version) +
-                 ", expected 0: written by a fork, or by an ORB-SLAM3 later than v1.0");
-  }
-  // The size of a container that Boost writes as a class: a map, or a vector of classes or pointers. An element takes
-  // at least `bytes` bytes (`tokens` tokens in a text archive).
-  std::uint64_t ClassCount(WireClass wire_class, std::size_t bytes, std::size_t tokens) {
-    ClassInfo(wire_class);
-    const std::uint64_t count = input.CheckCount(input.TakeSize(), bytes, tokens);
-    input.template Take<std::uint32_t>();  // item version
-    return count;
-  }
-  // The size of a vector of numbers.
-  std::uint64_t VectorCount(WireClass wire_class, std::size_t bytes) {
-    classes.Register(wire_class);
-    const std::uint64_t count = input.CheckCount(input.TakeSize(), bytes, 1);
-    if constexpr (Input::kText) input.template Take<std::uint32_t>();
-    return count;
-  }
-  // The headers of a bag of words and of a map<unsigned long, int>, up to their first entry.
-  std::uint64_t BowCount() {
-    ClassInfo(WireClass::kBowVector);
-    const std::uint64_t count = ClassCount(WireClass::kBowMap, 12, 2);
-    if (count > 0) ClassInfo(WireClass::kBowPair);
-    return count;
-  }
-  std::uint64_t WeightCount() {
-    const std::uint64_t count =
-        ClassCount(WireClass::kWeightMap, input.encoding().long_bytes + sizeof(std::int32_t), 2);
-    if (count > 0) ClassInfo(WireClass::kWeightPair);
-    return count;
-  }
-  // Passes the entries of a bag of words: a word and a weight each.
-  void SkipBowEntries(std::uint64_t count) {
-    if constexpr (Input::kText)
-      input.template SkipArray<std::uint32_t>(count * 2);
-    else
-      input.template SkipArray<std::uint8_t>(count * 12);
-  }
-  std::uint64_t UnsignedLongCount() { return VectorCount(WireClass::kUnsignedLongs, input.encoding().long_bytes); }
-  std::uint64_t KeypointCount() {
-    const auto count = input.template Take<std::int32_t>();
-    if (count < 0) input.FailCount(static_cast<std::uint32_t>(count));
-    return input.CheckCount(static_cast<std::uint64_t>(count), sizeof(Keypoint), 7);
-  }
-  // A descriptor matrix: rows, after checking that it is one.
-  std::uint64_t DescriptorRows(MatrixForm* form) {
-    const auto columns = input.template Take<std::int32_t>();
-    const auto rows = input.template Take<std::int32_t>();
-    const auto type = input.template Take<std::int32_t>();
-    const bool continuous = input.template Take<std::uint8_t>() != 0;
-    if (rows == 0 && columns == 0 && type == 0) {
-      *form = continuous ? MatrixForm::kEmptyContinuous : MatrixForm::kEmpty;
-      return 0;
-    }
-    if (columns != 32 || type != 0 || rows < 0)
-      input.Fail("a descriptor matrix of " + std::to_string(rows) + " x " + std::to_string(columns) + ", type " +
-                 std::to_string(type) + ", expected N x 32, type 0: not ORB descriptors (a fork's file?), or damaged");
-    *form = continuous ? MatrixForm::kUsual : MatrixForm::kUsualNotContinuous;
-    return input.CheckCount(static_cast<std::uint64_t>(rows), sizeof(Descriptor), sizeof(Descriptor));
-  }
-  // A small matrix of any type: its header, returns the number of data bytes.
-  std::uint64_t MatrixBytes(Matrix& matrix) {
-    matrix.columns = input.template Take<std::int32_t>();
-    matrix.rows = input.template Take<std::int32_t>();
-    matrix.type = input.template Take<std::int32_t>();
-    matrix.continuous.recorded = input.template Take<std::uint8_t>();
-    constexpr std::array<std::uint64_t, 8> kDepthBytes{1, 1, 2, 2, 4, 4, 8, 2};  // OpenCV's CV_8U .. CV_16F
-    if (matrix.columns < 0 || matrix.rows < 0 || matrix.type < 0 || matrix.type >= 4096)
-      input.Fail("a matrix of " + std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns) + ", type " +
-                 std::to_string(matrix.type) + ": the file is damaged, or written by a fork with other members");
-    const std::uint64_t element =
-        kDepthBytes[static_cast<std::size_t>(matrix.type & 7)] * (static_cast<std::uint64_t>(matrix.type >> 3) + 1);
-    const std::uint64_t cells = static_cast<std::uint64_t>(matrix.columns) * static_cast<std::uint64_t>(matrix.rows);
-    return input.CheckCount(cells, element, element) * element;
-  }
-};
-
+// The archive that fills the model.
 template <class Input>
 class Decoder : public ReadingArchive<Input> {
  public:
-  // `features` false leaves keypoints, descriptors, grids and bags of words empty.
-  Decoder(const Input& at, const ClassTable& table, bool features)
-      : ReadingArchive<Input>(at, table), features_(features) {}
+  // Columns that are not asked for stay empty.
+  Decoder(const Input& at, const ClassTable& table, FeatureColumns features)
+      : ReadingArchive<Input>(at, table),
+        keypoints_(features != FeatureColumns::kNone),
+        appearance_(features == FeatureColumns::kAll) {}
 
   const PartBytes& part_bytes() const { return part_bytes_; }
 
@@ -173,7 +83,7 @@ class Decoder : public ReadingArchive<Input> {
   void Descriptors(const char* name, Column<Descriptor>& descriptors, MatrixForm& form) {
     Field(name);
     const std::uint64_t rows = this->DescriptorRows(&form);
-    if (!features_) return this->input.template SkipArray<std::uint8_t>(rows * sizeof(Descriptor));
+    if (!appearance_) return this->input.template SkipArray<std::uint8_t>(rows * sizeof(Descriptor));
     descriptors.resize(rows);
     this->input.TakeArray(reinterpret_cast<std::uint8_t*>(descriptors.data()), rows * sizeof(Descriptor));
   }
@@ -188,7 +98,7 @@ class Decoder : public ReadingArchive<Input> {
   void Keypoints(const char* name, Column<Keypoint>& keypoints) {
     Field(name);
     const std::uint64_t count = this->KeypointCount();
-    if (!features_) return SkipKeypoints(count);
+    if (!keypoints_) return SkipKeypoints(count);
     keypoint_count_ = count;
     keypoints.resize(count);
     TakeKeypoints(keypoints.data(), count);
@@ -215,7 +125,7 @@ class Decoder : public ReadingArchive<Input> {
   void Bow(const char* name, BagOfWords& bow) {
     Field(name);
     const std::uint64_t count = this->BowCount();
-    if (!features_) return this->SkipBowEntries(count);
+    if (!appearance_) return this->SkipBowEntries(count);
     bow.words.resize(count);
     bow.weights.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -229,7 +139,7 @@ class Decoder : public ReadingArchive<Input> {
     const std::uint64_t count = this->ClassCount(WireClass::kFeatureMap, 8, 2);
     if (count == 0) return;
     this->ClassInfo(WireClass::kFeaturePair);
-    if (features_) {
+    if (appearance_) {
       vector.nodes.reserve(count);
       vector.sizes.reserve(count);
       vector.features.reserve(keypoint_count_);
@@ -237,7 +147,7 @@ class Decoder : public ReadingArchive<Input> {
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto node = this->input.template Take<std::uint32_t>();
       const std::uint64_t size = this->VectorCount(WireClass::kUnsigneds, sizeof(std::uint32_t));
-      if (!features_) {
+      if (!appearance_) {
         this->input.template SkipArray<std::uint32_t>(size);
         continue;
       }
@@ -302,134 +212,11 @@ class Decoder : public ReadingArchive<Input> {
   }
   void SkipKeypoints(std::size_t count) { this->input.template SkipArray<float>(count * 7); }
 
-  bool features_;
+  bool keypoints_, appearance_;
   std::size_t keypoint_count_ = 0;  // of the column read last: how much the grid behind it will hold
   Part part_ = Part::kOther;
   std::size_t part_begin_ = 0;
   PartBytes part_bytes_{};
-};
-
-// Passes over records without decoding them; runs ahead of the decoders to find where each record begins.
-template <class Input>
-class Skipper : public ReadingArchive<Input> {
- public:
-  using ReadingArchive<Input>::ReadingArchive;
-
-  void Begin(Part) {}
-  template <class Entity>
-  void Identity(const char* name, const Id<Entity>&) {
-    Field(name);
-    this->input.place.id = this->input.TakeUnsignedLong();
-  }
-  template <class Value>
-  void UnsignedLong(const char* name, const Value&) {
-    Field(name);
-    this->input.SkipUnsignedLongs(1);
-  }
-  void Long(const char* name, std::int64_t) {
-    Field(name);
-    this->input.SkipUnsignedLongs(1);
-  }
-  template <class Value>
-  void LongLong(const char* name, const Value&) {
-    Skip<std::int64_t>(name, 1);
-  }
-  void CameraReference(const char* name, const CameraId&) { Skip<std::uint32_t>(name, 1); }
-  void Int(const char* name, std::int32_t) { Skip<std::int32_t>(name, 1); }
-  void Unsigned(const char* name, std::uint32_t) { Skip<std::uint32_t>(name, 1); }
-  void Float(const char* name, float) { Skip<float>(name, 1); }
-  void Double(const char* name, double) { Skip<double>(name, 1); }
-  void Bool(const char* name, const Flag&) { Skip<std::uint8_t>(name, 1); }
-  template <class Derived>
-  void Floats(const char* name, const Eigen::PlainObjectBase<Derived>& values) {
-    Skip<float>(name, static_cast<std::size_t>(values.size()));
-  }
-  void Pose(const char* name, const Rigid3f&) { Skip<float>(name, 7); }
-  void MatrixValue(const char* name, const Matrix&) {
-    Field(name);
-    Matrix header;
-    this->input.template SkipArray<std::uint8_t>(this->MatrixBytes(header));
-  }
-  void Descriptors(const char* name, const Column<Descriptor>&, MatrixForm) { SkipDescriptors(name); }
-  void PointDescriptor(const char* name, const Descriptor&, MatrixForm) { SkipDescriptors(name); }
-  void Keypoints(const char* name, const Column<Keypoint>&) {
-    Field(name);
-    this->input.template SkipArray<float>(this->KeypointCount() * 7);
-  }
-  template <class Vector>
-  void FloatVector(const char* name, const Vector&) {
-    SkipVector<float>(name, WireClass::kFloats);
-  }
-  void IntVector(const char* name, const Column<std::int32_t>&) { SkipVector<std::int32_t>(name, WireClass::kInts); }
-  template <class Vector>
-  void LongLongVector(const char* name, const Vector&) {
-    SkipVector<std::int64_t>(name, WireClass::kLongLongs);
-  }
-  template <class Vector>
-  void UnsignedLongVector(const char* name, const Vector&) {
-    Field(name);
-    this->input.SkipUnsignedLongs(this->UnsignedLongCount());
-  }
-  void Bow(const char* name, const BagOfWords&) {
-    Field(name);
-    this->SkipBowEntries(this->BowCount());
-  }
-  void FeatureMap(const char* name, const FeatureVector&) {
-    Field(name);
-    this->ClassInfo(WireClass::kFeatureVector);
-    const std::uint64_t count = this->ClassCount(WireClass::kFeatureMap, 8, 2);
-    if (count == 0) return;
-    this->ClassInfo(WireClass::kFeaturePair);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      this->input.template SkipArray<std::uint32_t>(1);
-      this->input.template SkipArray<std::uint32_t>(this->VectorCount(WireClass::kUnsigneds, sizeof(std::uint32_t)));
-    }
-  }
-  void Grid(const char* name, const FeatureGrid&) {
-    Field(name);
-    const std::uint64_t columns = this->ClassCount(WireClass::kGrid, 8, 2);
-    for (std::uint64_t column = 0; column < columns; ++column) {
-      const std::uint64_t cells = this->ClassCount(WireClass::kGridColumn, this->input.encoding().size_bytes, 2);
-      for (std::uint64_t cell = 0; cell < cells; ++cell)
-        this->input.SkipSizes(this->VectorCount(WireClass::kSizes, this->input.encoding().size_bytes));
-    }
-  }
-  void Connections(const char* name, const Column<Connection>&) { SkipWeights(name); }
-  void Observations(const char* left_name, const char* right_name, const Column<Observation>&) {
-    SkipWeights(left_name);
-    SkipWeights(right_name);
-  }
-  void Measurements(const char* name, const Column<ImuMeasurement>&) {
-    Field(name);
-    const std::uint64_t count = this->ClassCount(WireClass::kMeasurementList, sizeof(ImuMeasurement), 7);
-    if (count == 0) return;
-    this->ClassInfo(WireClass::kMeasurement);
-    this->input.template SkipArray<float>(count * 7);
-  }
-
- private:
-  void Field(const char* name) { this->input.place.field = name; }
-  template <class T>
-  void Skip(const char* name, std::size_t count) {
-    Field(name);
-    this->input.template SkipArray<T>(count);
-  }
-  template <class T>
-  void SkipVector(const char* name, WireClass wire_class) {
-    Field(name);
-    this->input.template SkipArray<T>(this->VectorCount(wire_class, sizeof(T)));
-  }
-  void SkipDescriptors(const char* name) {
-    Field(name);
-    MatrixForm form;
-    this->input.template SkipArray<std::uint8_t>(this->DescriptorRows(&form) * sizeof(Descriptor));
-  }
-  void SkipWeights(const char* name) {
-    Field(name);
-    const std::uint64_t count = this->WeightCount();
-    this->input.SkipUnsignedLongs(count);
-    this->input.template SkipArray<std::int32_t>(count);
-  }
 };
 
 template <class Input>
@@ -439,7 +226,7 @@ void Decoder<Input>::Grid(const char* name, FeatureGrid& grid) {
   const std::uint64_t columns = this->ClassCount(WireClass::kGrid, 8, 2);
   for (std::uint64_t column = 0; column < columns; ++column) {
     const std::uint64_t cells = this->ClassCount(WireClass::kGridColumn, size_bytes, 2);
-    if (features_) {
+    if (appearance_) {
       if (column == 0) {
         grid.column_sizes.reserve(columns);
         grid.cell_sizes.reserve(std::min<std::uint64_t>(columns * cells, this->input.remaining() / 4));
@@ -449,7 +236,7 @@ void Decoder<Input>::Grid(const char* name, FeatureGrid& grid) {
     }
     for (std::uint64_t cell = 0; cell < cells; ++cell) {
       const std::uint64_t count = this->VectorCount(WireClass::kSizes, size_bytes);
-      if (!features_) {
+      if (!appearance_) {
         this->input.SkipSizes(count);
         continue;
       }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "slamdb/base/parallel.h"
 #include "slamdb/formats/orbslam3/archive_header.h"
 #include "slamdb/formats/orbslam3/decode_jobs.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/orbslam3/skipper.h"
 
 // How an atlas is read: the calling thread walks the file once from front to back, follows pointers and the class
 // table, checks every count, and finds where each keyframe and map point begins; it passes over their contents.
@@ -309,6 +311,24 @@ Atlas ReadArchive(FileStream& file, const ArchiveHeader& header, const ReadOptio
   return atlas;
 }
 
+// Text does not say how wide the writer's long and size_t were, which decides what vectors are of one class. Nearly
+// every writer is a 64-bit Unix; what does not read as such may be from Windows or a 32-bit system. Nothing when it is
+// not.
+std::optional<Atlas> ReadTextOfShorterLongs(const std::string& path, const ReadOptions& options, Notices& notices) {
+  for (const std::uint8_t size_bytes : {std::uint8_t{8}, std::uint8_t{4}}) {
+    try {
+      FileStream file(path);
+      Notices known;
+      ArchiveHeader header = ReadArchiveHeader(file, known);
+      header.encoding.long_bytes = 4;
+      header.encoding.size_bytes = size_bytes;
+      return ReadArchive<TextInput>(file, header, options, notices);
+    } catch (const Error&) {  // the error of the first reading tells more
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 }  // namespace slamdb::orbslam3
 
@@ -317,8 +337,14 @@ namespace slamdb {
 Atlas ReadOrbslam3(const std::string& path, const ReadOptions& options, Notices& notices) {
   FileStream file(path);
   const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(file, notices);
-  return header.encoding.text ? orbslam3::ReadArchive<orbslam3::TextInput>(file, header, options, notices)
-                              : orbslam3::ReadArchive<orbslam3::BinaryInput>(file, header, options, notices);
+  if (!header.encoding.text) return orbslam3::ReadArchive<orbslam3::BinaryInput>(file, header, options, notices);
+  try {
+    return orbslam3::ReadArchive<orbslam3::TextInput>(file, header, options, notices);
+  } catch (const Error&) {
+    if (path == "-") throw;
+    if (auto atlas = orbslam3::ReadTextOfShorterLongs(path, options, notices)) return *std::move(atlas);
+    throw;
+  }
 }
 
 }  // namespace slamdb

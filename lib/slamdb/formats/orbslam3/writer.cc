@@ -23,7 +23,6 @@ ArchiveEncoding EncodingFor(const Atlas& atlas, const WriteOptions& options) {
     if (*options.long_bytes != encoding.long_bytes) encoding.size_bytes = 8;  // 64-bit Windows, 64-bit Linux and macOS
     encoding.long_bytes = static_cast<std::uint8_t>(*options.long_bytes);
   }
-  if (encoding.text) encoding.long_bytes = encoding.size_bytes = 8;  // text has no widths
   return encoding;
 }
 

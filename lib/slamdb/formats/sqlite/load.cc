@@ -202,7 +202,8 @@ void LoadLists(Database& database, std::int64_t atlas_row, const ReadOptions& op
     const auto load = [&](Database& connection) {
       for (std::size_t i = begin; i < end; ++i) {
         const Slice& slice = slices[i];
-        LoadSlice(connection, slice, maps[slice.map], options.features, atlas.maps[slice.map], hashes.maps[slice.map]);
+        LoadSlice(connection, slice, maps[slice.map], options.features != FeatureColumns::kNone, atlas.maps[slice.map],
+                  hashes.maps[slice.map]);
       }
     };
     done += end - begin;
@@ -258,7 +259,7 @@ Atlas LoadAtlas(Database& database, std::int64_t row, const ReadOptions& options
   const std::vector<MapRows> maps = LoadMaps(database, row, selection, whole, atlas);
   AtlasHashes hashes;
   LoadLists(database, row, options, maps, atlas, hashes);
-  if (!whole || !options.features) return atlas;
+  if (!whole || options.features == FeatureColumns::kNone) return atlas;
 
   hashes.header = HashOfAtlasHeader(atlas);
   for (const Camera& camera : atlas.cameras) hashes.cameras.push_back(HashOf(camera));
