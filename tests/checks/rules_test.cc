@@ -126,6 +126,10 @@ TEST(Catalogue, HasATwinForEveryRule) {
   }
 }
 
+TEST(Catalogue, SaysWhyThereIsNoFix) {
+  for (const Rule& rule : ReadRules()) EXPECT_TRUE(rule.fix || !rule.fix.unfixable.empty()) << rule.id;
+}
+
 TEST(Catalogue, HasUniqueKebabCaseIdsAndTitles) {
   std::set<std::string_view> ids, titles;
   for (const Rule& rule : ReadRules()) {

@@ -28,6 +28,7 @@ struct Subject {
 struct Fix {
   std::string_view name;  // with a verb in it; empty: the rule has no repair
   std::size_t (*apply)(Atlas&) = nullptr;
+  std::string_view unfixable = {};  // why there is no repair, or what it cannot repair
   explicit operator bool() const { return apply != nullptr; }
 };
 

@@ -2,9 +2,11 @@
 // Graphs: the spanning tree, covisibility, loop and merge edges, and neighbours in time.
 #include <algorithm>
 #include <cstddef>
+#include <unordered_set>
 
 #include "slamdb/checks/catalogue.h"
 #include "slamdb/checks/visit.h"
+#include "slamdb/model/spanning_tree.h"
 
 namespace slamdb {
 namespace {
@@ -148,6 +150,23 @@ void CheckTreeRoot(const Subject& subject, Findings& findings) {
   }
 }
 
+// Only trees in which something hangs on no root or on another one than the initial keyframe.
+std::size_t RegrowTrees(Atlas& atlas) {
+  std::size_t changed = 0;
+  const AtlasIndex index(atlas);
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    Map& map = atlas.maps[row];
+    const std::uint32_t root = index.KeyFrameRow(row, map.first_keyframe);
+    if (root == kNoRow) continue;
+    const std::vector<std::uint32_t> parents = ParentRows(index, row);
+    const auto roots = std::ranges::count(parents, kNoRow);
+    const bool root_has_parent = map.keyframes[root].parent.has_value();
+    if (roots == 1 && !root_has_parent && FindCycles(parents).empty()) continue;
+    changed += AdoptOrphans(map) + (root_has_parent ? 1 : 0);
+  }
+  return changed;
+}
+
 void CheckParentListsChild(const Subject& subject, Findings& findings) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
     const KeyFrame* parent = subject.index.FindKeyFrame(row, keyframe.parent);
@@ -263,6 +282,37 @@ void CheckConnectionPositive(const Subject& subject, Findings& findings) {
   });
 }
 
+// The weight that UpdateConnections would give; without a shared point there is no edge.
+std::size_t WeighConnections(Atlas& atlas) {
+  std::size_t changed = 0;
+  const AtlasIndex index(atlas);
+  const auto has_no_weight = [](const Connection& connection) { return connection.weight <= 0; };
+  for (std::size_t map_row = 0; map_row < atlas.maps.size(); ++map_row) {
+    Map& map = atlas.maps[map_row];
+    const auto is_broken = [&](const KeyFrame& keyframe) {
+      return !keyframe.bad && std::ranges::any_of(keyframe.connections, has_no_weight);
+    };
+    if (std::ranges::none_of(map.keyframes, is_broken)) continue;
+    const ObserverTable table(index, map_row);
+    std::vector<std::int32_t> shared(map.keyframes.size(), 0);
+    std::vector<std::uint32_t> others;
+    for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) {
+      KeyFrame& keyframe = map.keyframes[row];
+      if (!is_broken(keyframe)) continue;
+      table.CountShared(row, shared, others);
+      for (Connection& connection : keyframe.connections) {
+        const std::uint32_t other = index.KeyFrameRow(map_row, connection.keyframe);
+        if (!has_no_weight(connection)) continue;
+        connection.weight = other == kNoRow ? 0 : shared[other];
+        ++changed;
+      }
+      std::erase_if(keyframe.connections, has_no_weight);
+      for (const std::uint32_t other : others) shared[other] = 0;
+    }
+  }
+  return changed;
+}
+
 void CheckLoopEdgeMutual(const Subject& subject, Findings& findings) {
   CheckEdgesMutual(subject, &KeyFrame::loop_edges, "loop", findings);
 }
@@ -321,16 +371,26 @@ void CheckLinksUnique(const Subject& subject, Findings& findings) {
   });
 }
 
-void CheckTemporalMutual(const Subject& subject, Findings& findings) {
-  ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
-    if (map.inertial) return;  // the business of imu-chain, where it matters more
-    const KeyFrame* previous = subject.index.FindKeyFrame(row, keyframe.previous);
-    const KeyFrame* next = subject.index.FindKeyFrame(row, keyframe.next);
-    if (previous != nullptr && previous != &keyframe && previous->next != keyframe.id)
-      findings.Add(PlaceOf(map, keyframe), "previous ", keyframe.previous, " is followed by ", previous->next);
-    if (next != nullptr && next != &keyframe && next->previous != keyframe.id)
-      findings.Add(PlaceOf(map, keyframe), "next ", keyframe.next, " comes after ", next->previous);
-  });
+// The first of each stays.
+std::size_t EraseRepeatedLinks(Atlas& atlas) {
+  std::unordered_set<KeyFrameId> seen;
+  const auto erase = [&](auto& links, const auto& id_of) -> std::size_t {
+    const auto rises = [&](const auto& a, const auto& b) { return id_of(a) >= id_of(b); };
+    if (std::ranges::adjacent_find(links, rises) == links.end()) return 0;
+    seen.clear();
+    return std::erase_if(links, [&](const auto& link) { return !seen.insert(id_of(link)).second; });
+  };
+  const auto id = [](KeyFrameId link) { return link; };
+  std::size_t erased = 0;
+  for (Map& map : atlas.maps) {
+    for (KeyFrame& keyframe : map.keyframes) {
+      erased += erase(keyframe.connections, [](const Connection& link) { return link.keyframe; });
+      for (auto* links : {&keyframe.children, &keyframe.loop_edges, &keyframe.merge_edges}) erased += erase(*links, id);
+    }
+    for (MapPoint& point : map.points)
+      erased += erase(point.observations, [](const Observation& link) { return link.keyframe; });
+  }
+  return erased;
 }
 
 }  // namespace slamdb

@@ -244,10 +244,38 @@ void CheckMapIdUnique(const Subject& subject, Findings& findings) {
                  duplicate.again.row, " of the list have this id");
 }
 
+// The later ones get the next ids. In which map keyframes were made stays as recorded.
+std::size_t RenumberRepeatedMaps(Atlas& atlas) {
+  const AtlasIndex index(atlas);
+  std::uint64_t& next = atlas.next_ids.map;
+  if (!index.duplicate_maps().empty()) next = std::max(next, LeastCounters(atlas).map);
+  for (const DuplicateId& duplicate : index.duplicate_maps()) atlas.maps[duplicate.again.row].id = MapId(next++);
+  return index.duplicate_maps().size();
+}
+
 void CheckCameraIdUnique(const Subject& subject, Findings& findings) {
   for (const DuplicateId& duplicate : subject.index.duplicate_cameras())
     findings.Add(Place{.camera = subject.atlas.cameras[duplicate.again.row].id}, "cameras ", duplicate.first.row,
                  " and ", duplicate.again.row, " of the list have this id");
+}
+
+// Only those that are the same camera again.
+std::size_t DropRepeatedCameras(Atlas& atlas) {
+  const AtlasIndex index(atlas);
+  std::vector<std::uint8_t> is_dropped(atlas.cameras.size(), 0);
+  for (const DuplicateId& duplicate : index.duplicate_cameras()) {
+    const Camera &again = atlas.cameras[duplicate.again.row], &first = atlas.cameras[duplicate.first.row];
+    is_dropped[duplicate.again.row] = again.model == first.model && again.recorded_type == first.recorded_type &&
+                                      again.parameters == first.parameters && again.precision == first.precision;
+  }
+  if (std::ranges::find(is_dropped, 1) == is_dropped.end()) return 0;
+  std::size_t dropped = DropNullEntries(atlas) + DropRepeatedEntries(atlas);
+  for (std::size_t row = is_dropped.size(); row-- > 0;) {
+    if (is_dropped[row] == 0) continue;
+    atlas.cameras.erase(atlas.cameras.begin() + static_cast<std::ptrdiff_t>(row));
+    ++dropped;
+  }
+  return dropped;
 }
 
 void CheckKeyFrameIdUnique(const Subject& subject, Findings& findings) {

@@ -5,6 +5,7 @@
 
 #include "slamdb/checks/catalogue.h"
 #include "slamdb/checks/visit.h"
+#include "slamdb/model/uninitialised.h"
 
 namespace slamdb {
 namespace {
@@ -25,36 +26,6 @@ void ForEachInertialKeyFrame(const Subject& subject, const Visit& visit) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
     if (map.imu_initialized) visit(row, map, keyframe);
   });
-}
-
-template <class Matrix>
-bool IsZero(const Matrix& matrix) {
-  return (matrix.array() == 0).all();
-}
-
-bool IsIdle(const ImuPreintegration& imu) {
-  return imu.duration == 0 && IsZero(imu.covariance) && IsZero(imu.information) && IsZero(imu.noise) &&
-         IsZero(imu.walk_noise) && (IsZero(imu.rotation) || imu.rotation.isIdentity(0)) && IsZero(imu.velocity) &&
-         IsZero(imu.position) && IsZero(imu.rotation_by_gyro) && IsZero(imu.velocity_by_gyro) &&
-         IsZero(imu.velocity_by_acc) && IsZero(imu.position_by_gyro) && IsZero(imu.position_by_acc) &&
-         IsZero(imu.mean_acceleration) && IsZero(imu.mean_angular_velocity) && IsZero(imu.bias_change);
-}
-
-// Fields that ORB-SLAM3 leaves uninitialised where they do not apply. A merge scale that is a scale counts as set.
-bool HasWildMergeScale(const KeyFrame& keyframe) {
-  const float scale = keyframe.merge_scale;
-  return scale != 0 && !(scale >= 1e-3F && scale <= 1e3F);
-}
-bool HasNoImu(const Map& map, const KeyFrame& keyframe) { return !map.inertial && !keyframe.imu_calibration.is_set; }
-bool HasWildPreintegration(const Map& map, const KeyFrame& keyframe) {
-  return HasNoImu(map, keyframe) && keyframe.preintegration.measurements.empty() && !IsIdle(keyframe.preintegration);
-}
-bool HasWildBodyPosition(const Map& map, const KeyFrame& keyframe) {
-  return HasNoImu(map, keyframe) && !IsZero(keyframe.body_position);
-}
-bool HasWildNoise(const KeyFrame& keyframe) {
-  const ImuCalibration& calibration = keyframe.imu_calibration;
-  return !calibration.is_set && !(IsZero(calibration.noise) && IsZero(calibration.walk_noise));
 }
 
 bool IsFinite(const ImuPreintegration& imu) {
@@ -136,6 +107,20 @@ void CheckImuStages(const Subject& subject, Findings& findings) {
   }
 }
 
+// A stage without the one before it is done again.
+std::size_t ResetImuStages(Atlas& atlas) {
+  std::size_t reset = 0;
+  for (Map& map : atlas.maps) {
+    const bool initialized = map.inertial && map.imu_initialized;
+    for (Flag* flag : {&map.imu_initialized, &map.imu_ba1, &map.imu_ba2}) {
+      if (initialized || !*flag) continue;
+      *flag = false;
+      ++reset;
+    }
+  }
+  return reset;
+}
+
 void CheckUninitialised(const Subject& subject, Findings& findings) {
   for (const Map& map : subject.atlas.maps) {
     const auto report = [&](const char* field, const auto& is_wild) {
@@ -153,24 +138,7 @@ void CheckUninitialised(const Subject& subject, Findings& findings) {
 
 std::size_t ZeroUninitialised(Atlas& atlas) {
   std::size_t zeroed = 0;
-  const auto reset = [&](bool is_wild, auto& field, const auto& value) {
-    if (!is_wild) return;
-    field = value;
-    ++zeroed;
-  };
-  for (Map& map : atlas.maps)
-    for (KeyFrame& keyframe : map.keyframes) {
-      ImuPreintegration idle;
-      idle.bias = keyframe.preintegration.bias;
-      idle.updated_bias = keyframe.preintegration.updated_bias;
-      reset(HasWildMergeScale(keyframe), keyframe.merge_scale, 0.0F);
-      reset(HasWildPreintegration(map, keyframe), keyframe.preintegration, idle);
-      reset(HasWildBodyPosition(map, keyframe), keyframe.body_position, Eigen::Vector3f::Zero());
-      if (!HasWildNoise(keyframe)) continue;
-      keyframe.imu_calibration.noise.setZero();
-      keyframe.imu_calibration.walk_noise.setZero();
-      ++zeroed;
-    }
+  for (Map& map : atlas.maps) zeroed += ResetUninitialised(map).Total();
   return zeroed;
 }
 

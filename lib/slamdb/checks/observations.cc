@@ -33,6 +33,29 @@ const Observation* FindObservation(const MapPoint& point, KeyFrameId keyframe) {
   return found == point.observations.end() ? nullptr : &*found;
 }
 
+// The first row in [begin, end) of a keyframe's slots that holds the point; -1 when none does.
+std::int32_t FindSlot(const Features& features, MapPointId point, std::int32_t begin, std::int32_t end) {
+  for (std::int32_t row = std::max(begin, 0); row < end; ++row)
+    if (SlotPoint(features, row) == point) return row;
+  return -1;
+}
+
+bool IsRow(std::int32_t row) { return row != -1 && row != Observation::kAbsent; }
+
+// Adds what the slots of a keyframe say about the points of `map` that `is_unobserved` tells.
+void ObserveBySlots(const KeyFrame& keyframe, const IdTable& points, const std::vector<std::uint8_t>& is_unobserved,
+                    Map& map) {
+  const Features& features = keyframe.features;
+  for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(features.map_points.size()); ++slot) {
+    const std::uint32_t row = points.Find(SlotPoint(features, slot).value());
+    if (row == kNoRow || is_unobserved[row] == 0) continue;
+    Column<Observation>& observations = map.points[row].observations;
+    if (observations.empty() || observations.back().keyframe != keyframe.id) observations.push_back({keyframe.id});
+    std::int32_t& side = slot < LeftRows(features) ? observations.back().left : observations.back().right;
+    if (side < 0) side = slot;
+  }
+}
+
 bool HasDepth(const KeyFrame& keyframe, const Observation& observation) {
   const Features& features = keyframe.features;
   if (features.is_fisheye_stereo()) return true;
@@ -89,12 +112,10 @@ void CheckObservationIndex(const Subject& subject, Findings& findings) {
   ForEachObservation(subject, [&](std::size_t, const Map& map, const MapPoint& point, const Observation& observation,
                                   const KeyFrame& keyframe) {
     const Features& features = keyframe.features;
-    const bool no_left = observation.left == -1 || observation.left == Observation::kAbsent;
-    const bool no_right = observation.right == -1 || observation.right == Observation::kAbsent;
-    if (!no_left && !LeftRowFits(features, observation))
+    if (IsRow(observation.left) && !LeftRowFits(features, observation))
       findings.Add(PlaceOf(map, point), "is left keypoint ", observation.left, " of ", keyframe.id, ", which has ",
                    LeftRows(features));
-    if (!no_right && !RightRowFits(features, observation))
+    if (IsRow(observation.right) && !RightRowFits(features, observation))
       findings.Add(PlaceOf(map, point), "is right keypoint ", observation.right, " of ", keyframe.id,
                    ", whose right keypoints ", [&]() -> std::string {
                      if (!features.is_fisheye_stereo()) return "are no rows of their own";
@@ -103,10 +124,54 @@ void CheckObservationIndex(const Subject& subject, Findings& findings) {
   });
 }
 
+// The slot that holds the point tells the keypoint; without one the observation is of no keypoint.
+std::size_t ReseatObservations(Atlas& atlas) {
+  const AtlasIndex index(atlas);
+  std::size_t changed = 0;
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row)
+    for (MapPoint& point : atlas.maps[row].points) {
+      if (point.bad) continue;
+      std::erase_if(point.observations, [&](Observation& seen) {
+        const KeyFrame* keyframe = index.FindKeyFrame(row, seen.keyframe);
+        if (keyframe == nullptr) return false;
+        const Features& features = keyframe->features;
+        const bool left_is_wild = IsRow(seen.left) && !LeftRowFits(features, seen);
+        const bool right_is_wild = IsRow(seen.right) && !RightRowFits(features, seen);
+        if (!left_is_wild && !right_is_wild) return false;
+        ++changed;
+        if (left_is_wild) seen.left = FindSlot(features, point.id, 0, LeftRows(features));
+        if (right_is_wild) seen.right = FindSlot(features, point.id, LeftRows(features), features.count);
+        return seen.left < 0 && seen.right < 0;
+      });
+    }
+  return changed;
+}
+
 void CheckPointObserved(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
     if (point.observations.empty()) findings.Add(PlaceOf(map, point), "is observed by no keyframe");
   });
+}
+
+// The slots that hold a point tell who observes it. A point that no slot holds goes, as ORB-SLAM3 drops one that has
+// lost its last observation.
+std::size_t RestoreObservations(Atlas& atlas) {
+  std::size_t restored = 0;
+  for (Map& map : atlas.maps) {
+    std::vector<std::uint8_t> is_unobserved(map.points.size(), 0);
+    for (std::size_t row = 0; row < map.points.size(); ++row)
+      is_unobserved[row] = !map.points[row].bad && map.points[row].observations.empty();
+    if (std::ranges::find(is_unobserved, 1) == is_unobserved.end()) continue;
+    const IdTable points = PointTable(map);
+    for (const KeyFrame& keyframe : map.keyframes)
+      if (!keyframe.bad) ObserveBySlots(keyframe, points, is_unobserved, map);
+    for (std::size_t row = 0; row < map.points.size(); ++row) {
+      if (is_unobserved[row] == 0) continue;
+      std::ranges::sort(map.points[row].observations, {}, &Observation::keyframe);
+      restored += map.points[row].observations.empty() ? 0 : 1;
+    }
+  }
+  return restored + DropPoints(atlas, [](const MapPoint& point) { return !point.bad && point.observations.empty(); });
 }
 
 void CheckPointSupport(const Subject& subject, Findings& findings) {

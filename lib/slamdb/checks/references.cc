@@ -50,16 +50,26 @@ KeyFrameId LowestKeyFrame(const Map& map) {
   return lowest;
 }
 
-// Healthy atlases have no bad elements, and then nothing can refer to one.
-bool HasBadKeyFrames(const Atlas& atlas) {
-  return std::ranges::any_of(atlas.maps, [](const Map& map) {
-    return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) { return bool{keyframe.bad}; });
-  });
+// The keyframe that takes over as initial one: a root of the spanning tree if there is any, the lowest id of those.
+KeyFrameId EarliestRoot(const Map& map) {
+  KeyFrameId root;
+  for (const KeyFrame& keyframe : map.keyframes)
+    if (!keyframe.bad && !keyframe.parent) root = std::min(root, keyframe.id);
+  return root ? root : LowestKeyFrame(map);
 }
-bool HasBadPoints(const Atlas& atlas) {
-  return std::ranges::any_of(atlas.maps, [](const Map& map) {
-    return std::ranges::any_of(map.points, [](const MapPoint& point) { return bool{point.bad}; });
-  });
+
+// Sets a link of the map that leads nowhere to the same keyframe as `other`, which is to be the same one.
+std::size_t SetMapLinks(Atlas& atlas, KeyFrameId Map::*link, KeyFrameId Map::*other) {
+  std::size_t changed = 0;
+  for (Map& map : atlas.maps) {
+    const IdTable rows = KeyFrameTable(map);
+    if (map.keyframes.empty() || rows.Find((map.*link).value()) != kNoRow) continue;
+    const KeyFrameId chosen = rows.Find((map.*other).value()) != kNoRow ? map.*other : EarliestRoot(map);
+    if (!chosen) continue;
+    map.*link = chosen;
+    ++changed;
+  }
+  return changed;
 }
 
 // The observer that takes over as reference: the one with the lowest id that has the point in its image.
@@ -181,6 +191,15 @@ void CheckParentTarget(const Subject& subject, Findings& findings) {
   });
 }
 
+// The tree rules give the keyframe another one.
+std::size_t ClearDanglingParents(Atlas& atlas) {
+  return EraseInKeyFrames(atlas, [](const AtlasIndex& index, std::size_t row, KeyFrame& keyframe) -> std::size_t {
+    if (!keyframe.parent || index.KeyFrameRow(row, keyframe.parent) != kNoRow) return 0;
+    keyframe.parent = KeyFrameId();
+    return 1;
+  });
+}
+
 void CheckChildTarget(const Subject& subject, Findings& findings) {
   CheckLinks(subject, &KeyFrame::children, "child", findings);
 }
@@ -253,27 +272,6 @@ std::size_t EraseSelfLinks(Atlas& atlas) {
   });
 }
 
-void CheckCameraTarget(const Subject& subject, Findings& findings) {
-  ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    if (subject.index.CameraRow(keyframe.camera) == kNoRow)
-      findings.Add(PlaceOf(map, keyframe), keyframe.camera, " is not in the atlas");
-    if (keyframe.right_camera && subject.index.CameraRow(keyframe.right_camera) == kNoRow)
-      findings.Add(PlaceOf(map, keyframe), "right ", keyframe.right_camera, " is not in the atlas");
-  });
-}
-
-void CheckRightCamera(const Subject& subject, Findings& findings) {
-  ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    const bool fisheye_stereo = keyframe.features.is_fisheye_stereo();
-    if (fisheye_stereo && !keyframe.right_camera)
-      findings.Add(PlaceOf(map, keyframe), "is fisheye stereo (NLeft = ", keyframe.features.left_count,
-                   ") without a right camera");
-    if (!fisheye_stereo && keyframe.right_camera)
-      findings.Add(PlaceOf(map, keyframe), "has right ", keyframe.right_camera,
-                   " but no right features (NLeft = ", keyframe.features.left_count, ")");
-  });
-}
-
 void CheckInitialKeyFrame(const Subject& subject, Findings& findings) {
   CheckMapLink(subject, &Map::first_keyframe, "initial keyframe", findings);
 }
@@ -282,11 +280,34 @@ void CheckFixedKeyFrame(const Subject& subject, Findings& findings) {
   CheckMapLink(subject, &Map::initial_keyframe, "keyframe that bundle adjustment fixes,", findings);
 }
 
+std::size_t SetInitialKeyFrames(Atlas& atlas) {
+  return SetMapLinks(atlas, &Map::first_keyframe, &Map::initial_keyframe);
+}
+std::size_t SetFixedKeyFrames(Atlas& atlas) { return SetMapLinks(atlas, &Map::initial_keyframe, &Map::first_keyframe); }
+
 void CheckInitialKeyFrameIsFixed(const Subject& subject, Findings& findings) {
   for (const Map& map : subject.atlas.maps)
     if (!map.keyframes.empty() && map.first_keyframe != map.initial_keyframe)
       findings.Add(PlaceOf(map), "the initial keyframe is ", map.first_keyframe, ", but bundle adjustment fixes ",
                    map.initial_keyframe);
+}
+
+// Of the two the one that is a root of the spanning tree; the initial one when both or none are.
+std::size_t FixInitialKeyFrames(Atlas& atlas) {
+  const AtlasIndex index(atlas);
+  std::size_t changed = 0;
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    Map& map = atlas.maps[row];
+    const KeyFrame* first = index.FindKeyFrame(row, map.first_keyframe);
+    const KeyFrame* fixed = index.FindKeyFrame(row, map.initial_keyframe);
+    if (first == nullptr || fixed == nullptr || first == fixed) continue;
+    if (first->parent && !fixed->parent)
+      map.first_keyframe = map.initial_keyframe;
+    else
+      map.initial_keyframe = map.first_keyframe;
+    ++changed;
+  }
+  return changed;
 }
 
 void CheckLowestKeyFrame(const Subject& subject, Findings& findings) {
@@ -339,70 +360,6 @@ std::size_t SetMissingOrigins(Atlas& atlas) {
     ++set;
   }
   return set;
-}
-
-void CheckKeyFrameBad(const Subject& subject, Findings& findings) {
-  for (const Map& map : subject.atlas.maps)
-    for (const KeyFrame& keyframe : map.keyframes)
-      if (keyframe.bad) findings.Add(PlaceOf(map, keyframe), "is flagged bad, but stored");
-}
-
-void CheckPointBad(const Subject& subject, Findings& findings) {
-  for (const Map& map : subject.atlas.maps)
-    for (const MapPoint& point : map.points)
-      if (point.bad) findings.Add(PlaceOf(map, point), "is flagged bad, but stored");
-}
-
-void CheckBadKeyFrameReferenced(const Subject& subject, Findings& findings) {
-  if (!HasBadKeyFrames(subject.atlas)) return;
-  const auto is_bad = [&](std::size_t row, KeyFrameId id) {
-    const KeyFrame* target = subject.index.FindKeyFrame(row, id);
-    return target != nullptr && target->bad;
-  };
-  ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
-    const auto report = [&](const char* role, KeyFrameId id) {
-      if (is_bad(row, id)) findings.Add(PlaceOf(map, keyframe), role, " ", id, ", which is bad");
-    };
-    report("parent", keyframe.parent);
-    report("previous", keyframe.previous);
-    report("next", keyframe.next);
-    for (const Connection& connection : keyframe.connections) report("covisible with", connection.keyframe);
-    for (const KeyFrameId id : keyframe.children) report("child", id);
-    for (const KeyFrameId id : keyframe.loop_edges) report("loop edge to", id);
-    for (const KeyFrameId id : keyframe.merge_edges) report("merge edge to", id);
-  });
-  ForEachPoint(subject.atlas, [&](std::size_t row, const Map& map, const MapPoint& point) {
-    if (is_bad(row, point.reference))
-      findings.Add(PlaceOf(map, point), "reference keyframe ", point.reference, ", which is bad");
-    for (const Observation& observation : point.observations)
-      if (is_bad(row, observation.keyframe))
-        findings.Add(PlaceOf(map, point), "observed by ", observation.keyframe, ", which is bad");
-  });
-}
-
-void CheckBadPointReferenced(const Subject& subject, Findings& findings) {
-  if (!HasBadPoints(subject.atlas)) return;
-  ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
-    const Column<MapPointId>& slots = keyframe.features.map_points;
-    for (std::size_t slot = 0; slot < slots.size(); ++slot) {
-      const MapPoint* point = slots[slot] ? subject.index.FindPoint(row, slots[slot]) : nullptr;
-      if (point != nullptr && point->bad)
-        findings.Add(PlaceOf(map, keyframe, slot), "sees ", slots[slot], ", which is bad");
-    }
-  });
-}
-
-std::size_t EmptySlotsOfBadPoints(Atlas& atlas) {
-  return EraseInKeyFrames(atlas, [](const AtlasIndex& index, std::size_t row, KeyFrame& keyframe) {
-    std::size_t emptied = 0;
-    for (MapPointId& slot : keyframe.features.map_points) {
-      const MapPoint* point = slot ? index.FindPoint(row, slot) : nullptr;
-      if (point == nullptr || !point->bad) continue;
-      slot = MapPointId();
-      ++emptied;
-    }
-    return emptied;
-  });
 }
 
 }  // namespace slamdb

@@ -13,6 +13,7 @@ namespace slamdb {
 namespace {
 
 constexpr float kUnitTolerance = 1e-3F;         // files hold unit quaternions to 1e-6
+constexpr float kLeastNorm = 0.1F;              // a quaternion below it is no rotation any more
 constexpr double kLargeReprojectionPixels = 5;  // real maps have a median of about 1
 
 bool IsFinite(const Rigid3f& transform) {
@@ -30,10 +31,6 @@ void ForEachTransform(const KeyFrame& keyframe, const Visit& visit) {
   visit("camera from body", keyframe.imu_calibration.camera_from_body);
   visit("body from camera", keyframe.imu_calibration.body_from_camera);
 }
-
-bool Near(float a, float b) { return std::abs(a - b) <= 1e-3F * std::max(1.0F, std::abs(b)); }
-
-std::size_t ParameterCount(CameraModel model) { return model == CameraModel::kKannalaBrandt8 ? 8 : 4; }
 
 // The third row of camera_from_world: depth = axis . x + offset.
 struct DepthAxis {
@@ -66,6 +63,73 @@ void ForEachFlag(Atlas& atlas, const Visit& visit) {
   }
 }
 
+bool IsSoundNormal(const Eigen::Vector3f& normal) {
+  const float length = normal.norm();
+  return length > 0 && length <= 1 + kUnitTolerance;
+}
+
+// The mean of the directions that a point is seen from (ORB-SLAM3: MapPoint::UpdateNormalAndDepth); 0 without
+// observers.
+Eigen::Vector3f MeanDirection(const AtlasIndex& index, std::size_t map, const MapPoint& point) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  int count = 0;
+  const auto add = [&](const Eigen::Vector3f& center) {
+    sum += (point.position - center).normalized();
+    ++count;
+  };
+  for (const Observation& observation : point.observations) {
+    const KeyFrame* keyframe = index.FindKeyFrame(map, observation.keyframe);
+    if (keyframe == nullptr) continue;
+    if (observation.left >= 0) add(CameraCenter(*keyframe));
+    if (observation.right >= 0) add(RightCameraCenter(*keyframe));
+  }
+  return count > 0 ? Eigen::Vector3f(sum / static_cast<float>(count)) : sum;
+}
+
+bool HasSoundRange(const MapPoint& point) {
+  return point.min_distance > 0 && point.min_distance <= point.max_distance && std::isfinite(point.max_distance);
+}
+
+bool SpansPyramid(const MapPoint& point, const ScalePyramid& pyramid) {
+  const float range = pyramid.factors.back();
+  return std::abs(point.max_distance / point.min_distance - range) <= 0.01F * range;
+}
+
+// The range that the reference keyframe's observation gives; 0 to 0 when it has none.
+DistanceRange RangeFrom(const KeyFrame& reference, const MapPoint& point) {
+  const auto seen = std::ranges::find(point.observations, reference.id, &Observation::keyframe);
+  if (seen == point.observations.end()) return {};
+  const Keypoint* keypoint = ObservedKeypoint(reference, seen->left >= 0 ? seen->left : seen->right);
+  if (keypoint == nullptr) return {};
+  const float distance = (point.position - CameraCenter(reference)).norm();
+  return DeriveDistanceRange(distance, keypoint->octave, reference.pyramid);
+}
+
+// The descriptors of the keypoints that a point is.
+std::vector<Descriptor> ObservedDescriptors(const AtlasIndex& index, std::size_t map, const MapPoint& point) {
+  std::vector<Descriptor> descriptors;
+  for (const Observation& observation : point.observations) {
+    const KeyFrame* keyframe = index.FindKeyFrame(map, observation.keyframe);
+    if (keyframe == nullptr) continue;
+    const Column<Descriptor>& column = keyframe->features.descriptors;
+    for (const std::int32_t row : {observation.left, observation.right})
+      if (row >= 0 && static_cast<std::size_t>(row) < column.size())
+        descriptors.push_back(column[static_cast<std::size_t>(row)]);
+  }
+  return descriptors;
+}
+
+// Applies restore(index, map row, point) to every point that is not bad; it tells whether it changed it.
+template <class Restore>
+std::size_t RestoreInPoints(Atlas& atlas, const Restore& restore) {
+  const AtlasIndex index(atlas);
+  std::size_t restored = 0;
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row)
+    for (MapPoint& point : atlas.maps[row].points)
+      if (!point.bad) restored += restore(index, row, point);
+  return restored;
+}
+
 bool IsGarbage(Flag flag) { return flag.recorded > 1; }
 
 }  // namespace
@@ -87,6 +151,29 @@ void CheckRotationUnit(const Subject& subject, Findings& findings) {
   });
 }
 
+// ORB-SLAM3 sets the pose relative to the parent when it culls the keyframe, and reads it of culled ones only.
+std::size_t NormalizeRotations(Atlas& atlas) {
+  std::size_t normalized = 0;
+  for (Map& map : atlas.maps)
+    for (KeyFrame& keyframe : map.keyframes) {
+      if (keyframe.bad) continue;
+      if (Rigid3f& relative = keyframe.camera_from_parent;
+          IsFinite(relative) && relative.rotation.norm() < kLeastNorm) {
+        relative.rotation.setIdentity();
+        ++normalized;
+      }
+      for (Rigid3f* transform :
+           {&keyframe.camera_from_world, &keyframe.camera_from_parent, &keyframe.left_from_right,
+            &keyframe.imu_calibration.camera_from_body, &keyframe.imu_calibration.body_from_camera}) {
+        Quaternionf& rotation = transform->rotation;
+        if (!IsFinite(*transform) || IsUnit(rotation) || rotation.norm() < kLeastNorm) continue;
+        rotation.normalize();
+        ++normalized;
+      }
+    }
+  return normalized;
+}
+
 void CheckPointFinite(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
     if (!point.position.allFinite()) findings.Add(PlaceOf(map, point), "its position holds NaN or infinity");
@@ -94,11 +181,27 @@ void CheckPointFinite(const Subject& subject, Findings& findings) {
   });
 }
 
+// A point that is nowhere is of no use; the direction it is seen from can be found again.
+std::size_t DropInfinitePoints(Atlas& atlas) {
+  const std::size_t dropped =
+      DropPoints(atlas, [](const MapPoint& point) { return !point.bad && !point.position.allFinite(); });
+  return dropped + RestoreNormals(atlas);
+}
+
 void CheckPointNormal(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
-    const float length = point.normal.norm();
-    if (length > 1 + kUnitTolerance || length == 0)
-      findings.Add(PlaceOf(map, point), "its normal, a mean of unit vectors, has length ", length);
+    if (point.normal.allFinite() && !IsSoundNormal(point.normal))
+      findings.Add(PlaceOf(map, point), "its normal, a mean of unit vectors, has length ", point.normal.norm());
+  });
+}
+
+std::size_t RestoreNormals(Atlas& atlas) {
+  return RestoreInPoints(atlas, [](const AtlasIndex& index, std::size_t row, MapPoint& point) {
+    if (IsSoundNormal(point.normal) || !point.position.allFinite()) return false;
+    const Eigen::Vector3f normal = MeanDirection(index, row, point);
+    if (!IsSoundNormal(normal)) return false;
+    point.normal = normal;
+    return true;
   });
 }
 
@@ -108,24 +211,49 @@ void CheckPointDescriptor(const Subject& subject, Findings& findings) {
   });
 }
 
+// As ORB-SLAM3 chooses it among those of the observers (MapPoint::ComputeDistinctiveDescriptors).
+std::size_t RestoreDescriptors(Atlas& atlas) {
+  return RestoreInPoints(atlas, [](const AtlasIndex& index, std::size_t row, MapPoint& point) {
+    if (point.has_descriptor()) return false;
+    const std::vector<Descriptor> seen = ObservedDescriptors(index, row, point);
+    if (seen.empty()) return false;
+    point.descriptor = seen[MostDistinctiveDescriptor(seen)];
+    point.descriptor_form = MatrixForm::kUsual;
+    return true;
+  });
+}
+
 void CheckDistanceRange(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
-    const float min = point.min_distance, max = point.max_distance;
-    if (!(min > 0 && min <= max && std::isfinite(max)))
-      findings.Add(PlaceOf(map, point), "is to be seen from ", min, " to ", max, " away");
+    if (!HasSoundRange(point))
+      findings.Add(PlaceOf(map, point), "is to be seen from ", point.min_distance, " to ", point.max_distance, " away");
+  });
+}
+
+// From the reference keyframe, as ORB-SLAM3 does it.
+std::size_t RestoreDistanceRanges(Atlas& atlas) {
+  return RestoreInPoints(atlas, [](const AtlasIndex& index, std::size_t row, MapPoint& point) {
+    const KeyFrame* reference = index.FindKeyFrame(row, point.reference);
+    if (reference == nullptr || reference->pyramid.factors.empty()) return false;
+    if (HasSoundRange(point) && SpansPyramid(point, reference->pyramid)) return false;
+    const DistanceRange range = RangeFrom(*reference, point);
+    MapPoint restored = point;
+    restored.min_distance = range.min;
+    restored.max_distance = range.max;
+    if (!HasSoundRange(restored) || !SpansPyramid(restored, reference->pyramid)) return false;
+    point = std::move(restored);
+    return true;
   });
 }
 
 void CheckDistanceRatio(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t row, const Map& map, const MapPoint& point) {
-    const float min = point.min_distance, max = point.max_distance;
-    if (!(min > 0 && min <= max && std::isfinite(max))) return;
     const KeyFrame* reference = subject.index.FindKeyFrame(row, point.reference);
-    if (reference == nullptr || reference->pyramid.factors.empty()) return;
-    const float range = reference->pyramid.factors.back();
-    if (!(std::abs(max / min - range) <= 0.01F * range))
-      findings.Add(PlaceOf(map, point), "its farthest distance is ", max / min,
-                   " times its nearest, but the pyramid of ", point.reference, " spans ", range);
+    if (!HasSoundRange(point) || reference == nullptr || reference->pyramid.factors.empty()) return;
+    if (!SpansPyramid(point, reference->pyramid))
+      findings.Add(PlaceOf(map, point), "its farthest distance is ", point.max_distance / point.min_distance,
+                   " times its nearest, but the pyramid of ", point.reference, " spans ",
+                   reference->pyramid.factors.back());
   });
 }
 
@@ -176,66 +304,6 @@ void CheckTimestampOrder(const Subject& subject, Findings& findings) {
         findings.Add(PlaceOf(map, after), "was taken ", before.timestamp - after.timestamp, " s before ", before.id);
     }
   }
-}
-
-void CheckCameraParameters(const Subject& subject, Findings& findings) {
-  for (const Camera& camera : subject.atlas.cameras) {
-    const Place place{.camera = camera.id};
-    const std::size_t expected = ParameterCount(camera.model);
-    if (camera.parameters.size() != expected)
-      findings.Add(place, "has ", camera.parameters.size(), " parameters instead of ", expected);
-    else if (!std::ranges::all_of(camera.parameters, [](float value) { return std::isfinite(value); }))
-      findings.Add(place, "its parameters hold NaN or infinity");
-    else if (!(camera.parameters[0] > 0 && camera.parameters[1] > 0))
-      findings.Add(place, "its focal lengths are ", camera.parameters[0], " and ", camera.parameters[1]);
-  }
-}
-
-void CheckCameraType(const Subject& subject, Findings& findings) {
-  for (const Camera& camera : subject.atlas.cameras)
-    if (camera.recorded_type != static_cast<std::uint32_t>(camera.model))
-      findings.Add(Place{.camera = camera.id}, "has type ", camera.recorded_type, ", but is stored as ",
-                   camera.model == CameraModel::kPinhole ? "Pinhole (0)" : "KannalaBrandt8 (1)");
-}
-
-std::size_t SetCameraTypes(Atlas& atlas) {
-  std::size_t changed = 0;
-  for (Camera& camera : atlas.cameras) {
-    if (camera.recorded_type == static_cast<std::uint32_t>(camera.model)) continue;
-    camera.recorded_type = static_cast<std::uint32_t>(camera.model);
-    ++changed;
-  }
-  return changed;
-}
-
-void CheckIntrinsicsPositive(const Subject& subject, Findings& findings) {
-  ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    const Intrinsics& k = keyframe.intrinsics;
-    const bool finite = std::isfinite(k.fx) && std::isfinite(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy);
-    if (!finite || !(k.fx > 0 && k.fy > 0))
-      findings.Add(PlaceOf(map, keyframe), "fx, fy, cx, cy are ", k.fx, ", ", k.fy, ", ", k.cx, ", ", k.cy);
-  });
-}
-
-void CheckIntrinsicsAgree(const Subject& subject, Findings& findings) {
-  ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    const Intrinsics& k = keyframe.intrinsics;
-    if (!(k.fx > 0 && k.fy > 0)) return;  // the business of intrinsics-positive
-    const auto expect = [&](bool agrees, const char* what) {
-      if (!agrees) findings.Add(PlaceOf(map, keyframe), what);
-    };
-    const Eigen::Matrix3f& matrix = keyframe.calibration_matrix;
-    expect(Near(k.inverse_fx * k.fx, 1) && Near(k.inverse_fy * k.fy, 1), "invfx and invfy are not 1/fx and 1/fy");
-    expect(Near(matrix(0, 0), k.fx) && Near(matrix(1, 1), k.fy) && Near(matrix(0, 2), k.cx) && Near(matrix(1, 2), k.cy),
-           "the calibration matrix does not hold fx, fy, cx, cy");
-    expect(Near(k.baseline * k.fx, k.baseline_fx), "the baseline mb is not mbf / fx");
-    expect(Near(2 * keyframe.half_baseline, k.baseline), "the half baseline is not half the baseline");
-    const Camera* camera = subject.index.FindCamera(keyframe.camera);
-    if (camera == nullptr || camera->parameters.size() != ParameterCount(camera->model)) return;
-    const std::vector<float>& p = camera->parameters;
-    expect(Near(p[0], k.fx) && Near(p[1], k.fy) && Near(p[2], k.cx) && Near(p[3], k.cy),
-           "fx, fy, cx, cy are not its camera's");
-  });
 }
 
 void CheckFlagByte(const Subject& subject, Findings& findings) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
-#include "slamdb/checks/check.h"
+#include "slamdb/checks/catalogue.h"
 
 // How rules go through an atlas and name what they find. Private to the rules.
 namespace slamdb {
@@ -41,6 +42,24 @@ void ForEachObservation(const Subject& subject, const Visit& visit) {
       if (const KeyFrame* keyframe = subject.index.FindKeyFrame(row, observation.keyframe); keyframe != nullptr)
         visit(row, map, point, observation, *keyframe);
   });
+}
+
+// Takes the entities that `is_dropped` tells out of a list of every map. Rows move up, and irregular entries of lists
+// name rows: those, breaches of other rules, go first. Returns how much went.
+template <class Entity, class IsDropped>
+std::size_t DropEntities(Atlas& atlas, Column<Entity> Map::*list, const IsDropped& is_dropped) {
+  const auto has_any = [&](const Map& map) { return std::ranges::any_of(map.*list, is_dropped); };
+  if (std::ranges::none_of(atlas.maps, has_any)) return 0;
+  std::size_t dropped = DropNullEntries(atlas) + DropEntriesOfOtherMaps(atlas) + DropRepeatedEntries(atlas);
+  for (Map& map : atlas.maps) dropped += std::erase_if(map.*list, is_dropped);
+  return dropped;
+}
+
+// The same of points, with the slots that hold them.
+template <class IsDropped>
+std::size_t DropPoints(Atlas& atlas, const IsDropped& is_dropped) {
+  const std::size_t dropped = DropEntities(atlas, &Map::points, is_dropped);
+  return dropped == 0 ? 0 : dropped + EmptyDanglingSlots(atlas) + ClearDanglingReplacements(atlas);
 }
 
 // Why an id is not in a map: ", which does not exist" or ", which is in map 1". A function, for Findings::Add.

@@ -24,7 +24,6 @@ Atlas Sound(bool inertial = false) {
 TEST(SanitizeForOrbslam3, LeavesASoundAtlasAsItIs) {
   for (const bool inertial : {false, true}) {
     Atlas atlas = Sound(inertial);
-    SanitizeForOrbslam3(atlas);  // identity instead of zero rotations is the only thing it may set
     const std::string once = EncodeOrbslam3(atlas);
     EXPECT_THAT(SanitizeForOrbslam3(atlas), IsEmpty());
     EXPECT_TRUE(EncodeOrbslam3(atlas) == once);
@@ -36,7 +35,8 @@ TEST(SanitizeForOrbslam3, DropsRepeatedAndEmptyMaps) {
   SanitizeForOrbslam3(atlas);
   atlas.maps.emplace_back().id = MapId(9);
   atlas.repeated_maps.push_back({.position = 2, .owner_map = 0, .row = 0});
-  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 map pointers"), HasSubstr("1 empty maps")));
+  EXPECT_THAT(SanitizeForOrbslam3(atlas),
+              ElementsAre(HasSubstr("1 map pointer stored twice"), HasSubstr("1 empty map dropped")));
   EXPECT_EQ(atlas.maps.size(), 1U);
   EXPECT_THAT(atlas.repeated_maps, IsEmpty());
 }
@@ -51,8 +51,8 @@ TEST(SanitizeForOrbslam3, ZeroesUninitialisedMembersButKeepsAMergeScale) {
   garbage.imu_calibration.noise[2] = -5;
   atlas.maps[0].keyframes[1].merge_scale = 1.02F;
   EXPECT_THAT(SanitizeForOrbslam3(atlas),
-              ElementsAre(HasSubstr("1 uninitialised merge scales"), HasSubstr("1 uninitialised preintegrations"),
-                          HasSubstr("1 uninitialised body positions"), HasSubstr("1 uninitialised IMU noise")));
+              ElementsAre(HasSubstr("1 uninitialised merge scale ("), HasSubstr("1 uninitialised preintegration ("),
+                          HasSubstr("1 uninitialised body position ("), HasSubstr("1 uninitialised IMU noise (")));
   EXPECT_EQ(garbage.merge_scale, 0);
   EXPECT_EQ(garbage.preintegration.covariance, Matrix15f::Zero());
   EXPECT_EQ(garbage.body_position, Eigen::Vector3f::Zero());
@@ -75,7 +75,7 @@ TEST(SanitizeForOrbslam3, PointsADanglingReferenceAtAnObserver) {
   SanitizeForOrbslam3(atlas);
   MapPoint& point = atlas.maps[0].points[7];
   point.reference = KeyFrameId(123456);
-  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 reference keyframes outside the map")));
+  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 reference keyframe outside the map")));
   EXPECT_EQ(point.reference, point.observations[0].keyframe);
 }
 
@@ -83,7 +83,7 @@ TEST(SanitizeForOrbslam3, MakesFlagsZeroOrOne) {
   Atlas atlas = Sound();
   SanitizeForOrbslam3(atlas);
   atlas.maps[0].keyframes[2].not_erase.recorded = 0xCD;
-  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 flags")));
+  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 flag neither")));
   EXPECT_EQ(atlas.maps[0].keyframes[2].not_erase.recorded, 1);
 }
 

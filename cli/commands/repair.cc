@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/repair.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/help.h"
+#include "cli/journal.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "slamdb/base/error.h"
+#include "slamdb/base/file.h"
+
+namespace slamdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RepairVerbOptions {
+  EditOptions edit;
+  std::vector<std::string> rules;
+  std::string journal, undo;
+};
+
+std::string Line(const Finding& finding) { return "      " + ToString(finding.place) + ": " + finding.message + "\n"; }
+
+std::string More(std::uint64_t findings) {
+  return findings > 1 ? "      and " + Grouped(findings - 1) + " more\n" : std::string();
+}
+
+std::string TextOf(const RepairReport& report, bool dry_run) {
+  std::string text = report.applied.empty() ? "nothing to repair\n" : dry_run ? "would repair\n" : "repaired\n";
+  for (const AppliedFix& fix : report.applied)
+    text += "  " + fix.rule + ": " + fix.title + " (" + fix.fix + ", " + Counted(fix.changes, "change") + ")\n" +
+            Line(fix.first) + More(fix.findings);
+  std::uint64_t notes = 0;
+  bool head = false;
+  for (const Unrepaired& rule : report.left) {
+    if (rule.severity == Severity::kNote) {
+      notes += rule.findings;
+      continue;
+    }
+    if (!std::exchange(head, true)) text += "without a safe repair\n";
+    text += "  " + std::string(ToString(rule.severity)) + " " + rule.rule + ": " + rule.title + "\n" +
+            Line(rule.first) + More(rule.findings) + "      stays: " + rule.reason + "\n";
+  }
+  if (notes > 0) text += Counted(notes, "note") + " left, as healthy files have them; `slamdb check` tells\n";
+  return text;
+}
+
+Json FindingValue(const Finding& finding) { return {{"place", ToString(finding.place)}, {"message", finding.message}}; }
+
+std::string JsonOf(const RepairReport& report, const RepairVerbOptions& options) {
+  Json applied = Json::array(), left = Json::array();
+  for (const AppliedFix& fix : report.applied)
+    applied.push_back({{"rule", fix.rule},
+                       {"fix", fix.fix},
+                       {"severity", ToString(fix.severity)},
+                       {"title", fix.title},
+                       {"findings", fix.findings},
+                       {"changes", fix.changes},
+                       {"first", FindingValue(fix.first)}});
+  for (const Unrepaired& rule : report.left)
+    left.push_back({{"rule", rule.rule},
+                    {"severity", ToString(rule.severity)},
+                    {"title", rule.title},
+                    {"findings", rule.findings},
+                    {"first", FindingValue(rule.first)},
+                    {"reason", rule.reason}});
+  return JsonText({{"format", "slamdb-repair-1"},
+                   {"input", options.edit.input},
+                   {"dry_run", options.edit.dry_run},
+                   {"sound", report.sound()},
+                   {"applied", applied},
+                   {"left", left},
+                   {"edits", report.journal.edits.size()}});
+}
+
+ExitCode RunUndo(const RepairVerbOptions& options, Console& console) {
+  Notices notices;
+  const JournalFile file = ReadJournalFile(options.undo);
+  Atlas atlas = ReadInput(options.edit, console, notices);
+  if (ContentHashOf(atlas, console.threads()) != file.repaired)
+    throw Error(options.edit.input, "",
+                "is not the atlas that " + options.undo + " is the journal of; its content differs");
+  TakeBack(file.journal, atlas);
+  atlas.encoding = file.encoding;
+  if (ContentHashOf(atlas, console.threads()) != file.original)
+    throw Error(options.undo, "", "does not lead back to the original: the journal was changed");
+  WriteResult(atlas, options.edit, "repair --undo " + options.edit.input, console, notices);
+  const std::size_t edits = file.journal.edits.size();
+  const std::string text = (options.edit.dry_run ? "would take back " : "took back ") + Counted(edits, "edit") + "\n";
+  const Json json = {{"format", "slamdb-repair-undo-1"}, {"input", options.edit.input}, {"undone", edits}};
+  return FinishEdit(text, JsonText(json), options.edit, console, notices);
+}
+
+// Before the work: the journal would fail at the end.
+void RefuseJournal(const RepairVerbOptions& options) {
+  if (options.journal.empty() || options.edit.dry_run) return;
+  for (const std::string& other : {options.edit.input, options.edit.output})
+    if (options.journal == other) throw Error(other, "", "cannot be the journal as well");
+  if (!options.edit.target.overwrite && std::filesystem::exists(options.journal))
+    throw Error(options.journal, "", "exists; -O replaces it");
+}
+
+ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
+  if (!options.undo.empty()) return RunUndo(options, console);
+  RefuseJournal(options);
+  Notices notices;
+  Atlas atlas = ReadInput(options.edit, console, notices);
+  JournalFile file{.encoding = atlas.encoding};
+  const bool keeps_journal = !options.journal.empty() && !options.edit.dry_run;
+  if (keeps_journal) file.original = ContentHashOf(atlas, console.threads());
+  RepairReport report = RepairAtlas(atlas, {.rules = options.rules, .threads = console.threads()});
+  const std::string text = TextOf(report, options.edit.dry_run), json = JsonOf(report, options);
+  std::optional<AtomicFile> journal;
+  if (keeps_journal) {
+    file.repaired = ContentHashOf(atlas, console.threads());
+    file.journal = std::move(report.journal);
+    journal.emplace(options.journal, AtomicFileOptions{options.edit.target.overwrite, !options.edit.target.no_sync});
+    journal->Write(JournalText(file));
+  }
+  WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices);
+  if (journal) journal->Commit();
+  const ExitCode code = FinishEdit(text, json, options.edit, console, notices);
+  return report.sound() ? code : ExitCode::kFailed;
+}
+
+std::string CheckFixableRule(const std::string& id) {
+  std::vector<std::string> ids;
+  for (const Rule& rule : ReadRules()) ids.emplace_back(rule.id);
+  const Rule* rule = FindRule(id);
+  if (rule == nullptr) {
+    const std::string meant = DidYouMean(id, ids);
+    return "no rule '" + id + "'; " +
+           (meant.empty() ? "`slamdb check --list` shows them" : "did you mean '" + meant + "'?");
+  }
+  return rule->fix ? std::string() : "rule '" + id + "' has no repair: " + std::string(rule->fix.unfixable);
+}
+
+Run AddRepair(CLI::App& verb) {
+  const auto options = std::make_shared<RepairVerbOptions>();
+  AddEdit(verb, options->edit);
+  verb.add_option("--rule", options->rules, "Apply the repair of this rule only; may be given several times")
+      ->type_name("RULE")
+      ->allow_extra_args(false)
+      ->check(CheckFixableRule);
+  CLI::Option* journal =
+      verb.add_option("--journal", options->journal, "Write every edit here, with what was there before")
+          ->type_name("FILE");
+  verb.add_option("--undo", options->undo, "Take back the edits of this journal: INPUT is what the repair wrote")
+      ->type_name("FILE")
+      ->excludes(journal)
+      ->excludes(verb.get_option("--rule"));
+  return [options](Console& console) { return RunRepair(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb repair crashed.osa sound.osa", "Repairs what can be repaired, and says what cannot and why."},
+    {"slamdb repair crashed.osa --dry-run", "Only says what it would do."},
+    {"slamdb repair saved_twice.osa good.osa --rule map-listed-once", "Applies one repair and touches nothing else."},
+    {"slamdb repair crashed.osa sound.osa --journal fix.json\nslamdb repair --undo fix.json sound.osa again.osa",
+     "Keeps a journal, and gets the file back as it was, byte for byte."},
+};
+
+}  // namespace
+
+const Command kRepair = {
+    .name = "repair",
+    .summary = "repair what checks find",
+    .description =
+        R"(Applies the repairs of the rules that 'slamdb check' breaks, in the order of the catalogue, until nothing is left that can
+be repaired safely. Nothing is invented: a repair restores what another part of the atlas tells, or drops what leads
+nowhere. What has no safe repair stays, and is listed with the reason. The input is never changed.
+
+With --journal every edit is kept with its value before and after, exactly; --undo with that journal gives the original
+back, uninitialised memory and the order of lists included. A journal names the content of what it belongs to, and
+refuses any other atlas.)",
+    .done = "Done, and no errors are left.",
+    .failed =
+        "Errors are left that have no safe repair (the output is written all the same), an input could not be read, "
+        "or the output not be written.",
+    .lossy = "Done, but the output's format does not hold all of the atlas; standard error names what it lacks.",
+    .examples = kExamples,
+    .add = AddRepair,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/journal.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "cli/json.h"
+#include "slamdb/base/error.h"
+#include "slamdb/base/file.h"
+#include "slamdb/base/hash.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFormat = "slamdb-journal-1";
+constexpr std::array<const char*, 5> kKinds = {"atlas", "camera", "map", "keyframe", "point"};
+constexpr std::uint64_t kLargestExact = std::uint64_t{1} << 53;  // what every JSON reader keeps
+
+Json Unsigned(std::uint64_t value) { return value <= kLargestExact ? Json(value) : Json(std::to_string(value)); }
+
+std::uint64_t UnsignedOf(const Json& value) {
+  if (!value.is_string()) return value.get<std::uint64_t>();
+  const auto& text = value.get_ref<const std::string&>();
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) throw Error("'" + text + "' is no number");
+  return number;
+}
+
+// Numbers that are none are written as their bits, 0x7fc00001, which tells all NaNs apart.
+template <class Real, class Bits>
+Json RealValue(std::uint64_t bits) {
+  const Real value = std::bit_cast<Real>(static_cast<Bits>(bits));
+  if (std::isfinite(value)) return Json(static_cast<double>(value));
+  return "0x" + Hex(bits).substr(16 - 2 * sizeof(Bits));
+}
+template <class Real, class Bits>
+std::uint64_t RealOf(const Json& value) {
+  if (!value.is_string()) return std::bit_cast<Bits>(static_cast<Real>(value.get<double>()));
+  const auto& text = value.get_ref<const std::string&>();
+  Bits bits = 0;
+  const bool is_hex = text.starts_with("0x");
+  const auto [end, error] = std::from_chars(text.data() + (is_hex ? 2 : 0), text.data() + text.size(), bits, 16);
+  if (!is_hex || error != std::errc() || end != text.data() + text.size()) throw Error("'" + text + "' is no number");
+  return bits;
+}
+
+Json ScalarValue(char kind, std::uint64_t bits) {
+  switch (kind) {
+    case 'r':
+      return bits == KeyFrameId::kNone ? Json() : Unsigned(bits);
+    case 'i':
+      return static_cast<std::int32_t>(bits);
+    case 'q':
+      return static_cast<std::int64_t>(bits);
+    case 'f':
+      return RealValue<float, std::uint32_t>(bits);
+    case 'd':
+      return RealValue<double, std::uint64_t>(bits);
+    default:
+      return Unsigned(bits);
+  }
+}
+
+std::uint64_t ScalarOf(char kind, const Json& value) {
+  switch (kind) {
+    case 'r':
+      return value.is_null() ? KeyFrameId::kNone : UnsignedOf(value);
+    case 'i':
+      return static_cast<std::uint32_t>(value.get<std::int32_t>());
+    case 'q':
+      return static_cast<std::uint64_t>(value.get<std::int64_t>());
+    case 'f':
+      return RealOf<float, std::uint32_t>(value);
+    case 'd':
+      return RealOf<double, std::uint64_t>(value);
+    default:
+      return UnsignedOf(value);
+  }
+}
+
+// Elements of several scalars are arrays of their own.
+Json ValuesOf(const std::string& kinds, const std::vector<std::uint64_t>& bits) {
+  Json values = Json::array();
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    const std::size_t place = i % kinds.size();
+    Json value = ScalarValue(kinds[place], bits[i]);
+    if (kinds.size() == 1) {
+      values.push_back(std::move(value));
+      continue;
+    }
+    if (place == 0) values.push_back(Json::array());
+    values.back().push_back(std::move(value));
+  }
+  return values;
+}
+
+std::vector<std::uint64_t> BitsOf(const std::string& kinds, const Json& values) {
+  std::vector<std::uint64_t> bits;
+  for (const Json& value : values) {
+    if (kinds.size() == 1) {
+      bits.push_back(ScalarOf(kinds[0], value));
+      continue;
+    }
+    if (value.size() != kinds.size()) throw Error("an element has not the scalars " + kinds);
+    for (std::size_t i = 0; i < kinds.size(); ++i) bits.push_back(ScalarOf(kinds[i], value[i]));
+  }
+  return bits;
+}
+
+Json EditValue(const EntityEdit& edit) {
+  Json value = {{"rule", edit.rule}, {"entity", kKinds[static_cast<std::size_t>(edit.kind)]}};
+  const bool in_map = edit.kind == EntityKind::kKeyFrame || edit.kind == EntityKind::kPoint;
+  if (in_map) value["map"] = edit.map;
+  if (edit.kind != EntityKind::kAtlas) {
+    value["row"] = edit.row;
+    value["id"] = ScalarValue('r', edit.id);
+  }
+  if (edit.removed) value["removed"] = true;
+  Json& fields = value["fields"] = Json::array();
+  for (const FieldEdit& field : edit.fields)
+    fields.push_back({{"field", field.field},
+                      {"kinds", field.kinds},
+                      {"at", field.at},
+                      {"before", ValuesOf(field.kinds, field.before)},
+                      {"after", ValuesOf(field.kinds, field.after)}});
+  return value;
+}
+
+EntityEdit EditOf(const Json& value) {
+  EntityEdit edit;
+  edit.rule = value.at("rule");
+  const auto kind = std::ranges::find(kKinds, value.at("entity").get<std::string>());
+  if (kind == kKinds.end()) throw Error("there are no entities called " + value.at("entity").dump());
+  edit.kind = static_cast<EntityKind>(kind - kKinds.begin());
+  edit.map = value.value("map", 0U);
+  edit.row = value.value("row", std::uint64_t{0});
+  if (value.contains("id")) edit.id = ScalarOf('r', value.at("id"));
+  edit.removed = value.value("removed", false);
+  for (const Json& field : value.at("fields")) {
+    const std::string kinds = field.at("kinds");
+    if (kinds.empty()) throw Error("a field has no kinds");
+    edit.fields.push_back({field.at("field"), kinds, field.at("at"), BitsOf(kinds, field.at("before")),
+                           BitsOf(kinds, field.at("after"))});
+  }
+  return edit;
+}
+
+std::uint64_t HashFrom(const Json& value) {
+  const std::string text = value;
+  std::uint64_t hash = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), hash, 16);
+  if (error != std::errc() || end != text.data() + text.size()) throw Error("'" + text + "' is no content hash");
+  return hash;
+}
+
+JournalFile JournalOf(const Json& json) {
+  if (json.value("format", "") != kFormat)
+    throw Error("expected a journal of `slamdb repair` (" + std::string(kFormat) + ")");
+  JournalFile file;
+  file.original = HashFrom(json.at("original"));
+  file.repaired = HashFrom(json.at("repaired"));
+  const Json& encoding = json.at("encoding");
+  file.encoding.text = encoding.at("text");
+  file.encoding.boost_version = encoding.at("boost_version");
+  file.encoding.long_bytes = encoding.at("long_bytes");
+  file.encoding.size_bytes = encoding.at("size_bytes");
+  for (const Json& edit : json.at("edits")) file.journal.edits.push_back(EditOf(edit));
+  return file;
+}
+
+}  // namespace
+
+std::uint64_t ContentHashOf(Atlas& atlas, int threads) {
+  const ArchiveEncoding encoding = std::exchange(atlas.encoding, ArchiveEncoding());
+  const std::uint64_t hash = Store::HashOf(atlas, threads);
+  atlas.encoding = encoding;
+  return hash;
+}
+
+std::string JournalText(const JournalFile& file) {
+  const Json head = {{"format", kFormat},
+                     {"original", Hex(file.original)},
+                     {"repaired", Hex(file.repaired)},
+                     {"encoding",
+                      {{"text", file.encoding.text},
+                       {"boost_version", file.encoding.boost_version},
+                       {"long_bytes", file.encoding.long_bytes},
+                       {"size_bytes", file.encoding.size_bytes}}}};
+  std::string text = head.dump();
+  text.pop_back();
+  text += ",\"edits\":[";
+  const char* separator = "\n";
+  for (const EntityEdit& edit : file.journal.edits) {
+    text += std::exchange(separator, ",\n") + EditValue(edit).dump();
+  }
+  return text + "\n]}\n";
+}
+
+JournalFile ReadJournalFile(const std::string& path) {
+  const MappedFile file(path);
+  const Bytes bytes = file.bytes();
+  try {
+    const auto* text = reinterpret_cast<const char*>(bytes.data());
+    return JournalOf(Json::parse(text, text + bytes.size()));
+  } catch (const Json::exception& error) {
+    throw Error(path, "", "is no journal of a repair: " + std::string(error.what()));
+  } catch (const Error& error) {
+    throw Error(path, "", "is no journal of a repair: " + error.problem());
+  }
+}
+
+}  // namespace slamdb::cli

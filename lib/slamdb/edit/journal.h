@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slamdb/model/atlas.h"
+
+namespace slamdb {
+
+enum class EntityKind : std::uint8_t { kAtlas, kCamera, kMap, kKeyFrame, kPoint };
+
+// `before` in place of `after` in a field, from element `at` on. Values are the bits of scalars, element after element;
+// `kinds` says of the scalars of one element what they are, as Python's struct module does: B byte, i I 32 bits signed
+// and unsigned, q Q 64 bits, f d floating point, and r for a reference (an id; all bits set: none). A field that is no
+// list is one element, a matrix one for each coefficient, column by column; a transform is the quaternion x y z w and
+// the translation.
+struct FieldEdit {
+  std::string field;  // as the model's headers name it: `features.map_points`
+  std::string kinds;
+  std::uint64_t at = 0;
+  std::vector<std::uint64_t> before, after;
+};
+
+// What one fix did to one entity.
+struct EntityEdit {
+  std::string rule;  // whose fix
+  EntityKind kind = EntityKind::kAtlas;
+  std::uint32_t map = 0;  // keyframes and points: row of Atlas::maps at that moment
+  std::uint64_t row = 0;  // of its list at that moment
+  std::uint64_t id = 0;   // for the reader; before the edit. Of an atlas 0
+  bool removed = false;   // taken out of its list; `fields` then say how it differed from an entity just made
+  std::vector<FieldEdit> fields;
+};
+
+// Changes of an atlas, in the order in which they were made; enough to take all of them back.
+struct Journal {
+  std::vector<EntityEdit> edits;
+};
+
+// Appends what makes `after` of `before` under the name of `rule`. Entities may have been changed and removed, but not
+// added or moved. Linear. Throws Error when they were.
+void AppendChanges(const Atlas& before, const Atlas& after, std::string_view rule, Journal& journal);
+
+// Takes the edits back, the last one first: bit by bit what it was, uninitialised values and the order of lists
+// included. Throws Error, and leaves `atlas` in between, where it does not hold what an edit made; that an atlas is
+// another one which holds the same there only its hash can tell.
+void TakeBack(const Journal& journal, Atlas& atlas);
+
+}  // namespace slamdb
