@@ -12,7 +12,7 @@ namespace slamdb::cli {
 std::span<const Command* const> Commands() {
   static constexpr std::array kCommands = {
       &kInfo, &kShow,   &kDump,      &kCheck,  &kConvert,        &kSynthesize, &kVocabulary, &kExtract, &kSplit,
-      &kCull, &kShrink, &kFragments, &kMerge,  &kReassignOrigin, &kRenumber,   &kRepair,     &kList,
+      &kCull, &kShrink, &kFragments, &kMerge,  &kReassignOrigin, &kRenumber,   &kRepair,     &kRecover, &kList,
       &kLog,  &kRemove, &kStats,     &kVacuum, &kBackup,         &kMigrate,    &kCompletion, &kVersion, &kMan,
   };
   return kCommands;

@@ -7,7 +7,6 @@
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
-namespace {
 
 void RefuseBadOutput(const EditOptions& options) {
   if (options.dry_run) return;
@@ -16,8 +15,6 @@ void RefuseBadOutput(const EditOptions& options) {
   RefuseSameFile(Location::Parse(options.input), output);
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
 }
-
-}  // namespace
 
 void AddEdit(CLI::App& verb, EditOptions& options) {
   verb.add_option("INPUT", options.input, "The atlas: a file, STORE.db#NAME, or - for standard input")

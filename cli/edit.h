@@ -24,6 +24,10 @@ void AddEdit(CLI::App& verb, EditOptions& options);
 // --to, -O, --no-sync, --wait, --json and --dry-run alone, for verbs that name their inputs and outputs otherwise.
 void AddEditTarget(CLI::App& verb, EditOptions& options);
 
+// Throws Error for what would fail at the end: no output, an output that is the input, whose format is unknown, or
+// binary on a terminal.
+void RefuseBadOutput(const EditOptions& options);
+
 // The input, whole. Refuses at once, before anything is read, what would fail at the end: an output that is the input,
 // whose format is unknown, or binary on a terminal.
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices);

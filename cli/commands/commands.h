@@ -9,7 +9,7 @@ namespace slamdb::cli {
 extern const Command kInfo, kShow, kDump, kCheck, kConvert, kSynthesize, kVocabulary;
 extern const Command kMerge, kReassignOrigin, kRenumber;
 extern const Command kExtract, kSplit, kCull, kShrink, kFragments;
-extern const Command kRepair;
+extern const Command kRecover, kRepair;
 extern const Command kList, kLog, kRemove, kStats, kVacuum, kBackup, kMigrate;
 extern const Command kCompletion, kVersion, kMan;
 

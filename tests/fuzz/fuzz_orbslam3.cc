@@ -7,6 +7,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/orbslam3/salvage.h"
 #include "tests/fuzz/fuzz.h"
 
 // Any bytes as an .osa file, binary or text by their first bytes. They decode or fail with an Error; what decoded is
@@ -45,6 +46,10 @@ slamdb::Atlas Decode(slamdb::Bytes bytes, int threads) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const slamdb::Bytes input = std::as_bytes(std::span(data, size));
+  try {
+    slamdb::SalvageOrbslam3(MemoryFile(input).path(), {});
+  } catch (const slamdb::Error&) {  // no header
+  }
   std::string encoded;
   try {
     encoded = slamdb::EncodeOrbslam3(Decode(input, 1));

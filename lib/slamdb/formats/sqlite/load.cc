@@ -45,52 +45,6 @@ std::vector<float> ParseParameters(Database& database, std::string_view json) {
   return parameters;
 }
 
-void LoadHeader(Database& database, std::int64_t row, Atlas& atlas) {
-  Statement statement(
-      database,
-      "SELECT vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, next_map_point, "
-      "next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
-      "archive_size_bytes FROM atlas WHERE row = ?1",
-      "table atlas");
-  if (!statement.Bind(1, row).Step()) throw SnapshotChanged();
-  atlas.vocabulary = {statement.Text(0), statement.Text(1)};
-  int column = 2;
-  Counters& next = atlas.next_ids;
-  for (std::uint64_t* value :
-       {&next.map, &next.frame, &next.keyframe, &next.map_point, &next.camera, &next.initial_keyframe}) {
-    *value = static_cast<std::uint64_t>(statement.Integer(column++));
-  }
-  atlas.encoding.text = statement.Integer(8) != 0;
-  atlas.encoding.boost_version = static_cast<std::uint32_t>(statement.Integer(9));
-  atlas.encoding.long_bytes = static_cast<std::uint8_t>(statement.Integer(10));
-  atlas.encoding.size_bytes = static_cast<std::uint8_t>(statement.Integer(11));
-}
-
-void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
-  Statement statement(database,
-                      "SELECT id, model, recorded_type, parameters, precision, exact FROM camera WHERE atlas = ?1 "
-                      "ORDER BY position",
-                      "table camera");
-  statement.Bind(1, row);
-  while (statement.Step()) {
-    Camera& camera = atlas.cameras.emplace_back();
-    camera.id = CameraId(static_cast<std::uint64_t>(statement.Integer(0)));
-    camera.model = static_cast<CameraModel>(statement.Integer(1) & 1);
-    camera.recorded_type = static_cast<std::uint32_t>(statement.Integer(2));
-    const Bytes exact = statement.Blob(5);
-    if (exact.empty()) {
-      camera.precision = static_cast<float>(statement.Real(4));
-      camera.parameters = ParseParameters(database, statement.Text(3));
-    } else {
-      if (exact.size() % sizeof(float) != 0) throw Error(database.path(), "table camera", "blob of wrong length");
-      std::vector<float> values(exact.size() / sizeof(float));
-      std::memcpy(values.data(), exact.data(), exact.size());
-      camera.precision = values.front();
-      camera.parameters.assign(values.begin() + 1, values.end());
-    }
-  }
-}
-
 std::vector<RepeatedEntry> LoadRepeated(Database& database, std::int64_t atlas, const char* list, std::int64_t map) {
   Statement statement(
       database,
@@ -116,37 +70,16 @@ void LoadOrigins(Database& database, std::int64_t row, Map& map) {
 // The maps without their lists, and which rows those have.
 std::vector<MapRows> LoadMaps(Database& database, std::int64_t atlas_row, const Selection& selection, bool whole,
                               Atlas& atlas) {
-  Statement statement(database,
-                      "SELECT row, id, initial_keyframe, first_keyframe, lowest_keyframe, max_keyframe_id, "
-                      "big_change_index, imu_initialized, inertial, imu_ba1, imu_ba2, hash FROM map WHERE atlas = ?1 "
-                      "ORDER BY position",
-                      "table map");
-  statement.Bind(1, atlas_row);
   std::vector<MapRows> maps;
-  while (statement.Step()) {
-    const auto id = MapId(static_cast<std::uint64_t>(statement.Integer(1)));
-    if (selection.map && *selection.map != id) continue;
-    const std::int64_t row = statement.Integer(0);
+  for (const std::int64_t row : RowsOfMaps(database, atlas_row)) {
     if (row < 1 || row > 0x7fffffff) throw DamagedRow(database, "map", row);
-    Map& map = atlas.maps.emplace_back();
-    map.id = id;
-    map.initial_keyframe = FromReference<KeyFrameId>(statement, 2);
-    map.first_keyframe = FromReference<KeyFrameId>(statement, 3);
-    map.lowest_keyframe = FromReference<KeyFrameId>(statement, 4);
-    map.max_keyframe_id = static_cast<std::uint64_t>(statement.Integer(5));
-    map.big_change_index = static_cast<std::int32_t>(statement.Integer(6));
-    int column = 7;
-    for (Flag* flag : {&map.imu_initialized, &map.inertial, &map.imu_ba1, &map.imu_ba2}) {
-      flag->recorded = static_cast<std::uint8_t>(statement.Integer(column++));
-    }
-    LoadOrigins(database, row, map);
-    map.repeated_keyframes = LoadRepeated(database, atlas_row, "keyframes", row);
-    map.repeated_points = LoadRepeated(database, atlas_row, "points", row);
-    if (HashOfHeader(map) != statement.Integer(11)) throw DamagedRow(database, "map", row);
+    Map map = LoadMapHeader(database, atlas_row, row);
+    if (selection.map && *selection.map != map.id) continue;
     if (!whole) {  // their positions and rows mean those of the whole lists
       map.repeated_keyframes.clear();
       map.repeated_points.clear();
     }
+    atlas.maps.push_back(std::move(map));
     maps.push_back({row, KeyframeRows(database, row, selection), PointRows(database, row, selection)});
   }
   return maps;
@@ -218,6 +151,84 @@ void LoadLists(Database& database, std::int64_t atlas_row, const ReadOptions& op
 }
 
 }  // namespace
+
+void LoadHeader(Database& database, std::int64_t row, Atlas& atlas) {
+  Statement statement(
+      database,
+      "SELECT vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, next_map_point, "
+      "next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
+      "archive_size_bytes FROM atlas WHERE row = ?1",
+      "table atlas");
+  if (!statement.Bind(1, row).Step()) throw SnapshotChanged();
+  atlas.vocabulary = {statement.Text(0), statement.Text(1)};
+  int column = 2;
+  Counters& next = atlas.next_ids;
+  for (std::uint64_t* value :
+       {&next.map, &next.frame, &next.keyframe, &next.map_point, &next.camera, &next.initial_keyframe}) {
+    *value = static_cast<std::uint64_t>(statement.Integer(column++));
+  }
+  atlas.encoding.text = statement.Integer(8) != 0;
+  atlas.encoding.boost_version = static_cast<std::uint32_t>(statement.Integer(9));
+  atlas.encoding.long_bytes = static_cast<std::uint8_t>(statement.Integer(10));
+  atlas.encoding.size_bytes = static_cast<std::uint8_t>(statement.Integer(11));
+}
+
+void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
+  Statement statement(database,
+                      "SELECT id, model, recorded_type, parameters, precision, exact FROM camera WHERE atlas = ?1 "
+                      "ORDER BY position",
+                      "table camera");
+  statement.Bind(1, row);
+  while (statement.Step()) {
+    Camera& camera = atlas.cameras.emplace_back();
+    camera.id = CameraId(static_cast<std::uint64_t>(statement.Integer(0)));
+    camera.model = static_cast<CameraModel>(statement.Integer(1) & 1);
+    camera.recorded_type = static_cast<std::uint32_t>(statement.Integer(2));
+    const Bytes exact = statement.Blob(5);
+    if (exact.empty()) {
+      camera.precision = static_cast<float>(statement.Real(4));
+      camera.parameters = ParseParameters(database, statement.Text(3));
+    } else {
+      if (exact.size() % sizeof(float) != 0) throw Error(database.path(), "table camera", "blob of wrong length");
+      std::vector<float> values(exact.size() / sizeof(float));
+      std::memcpy(values.data(), exact.data(), exact.size());
+      camera.precision = values.front();
+      camera.parameters.assign(values.begin() + 1, values.end());
+    }
+  }
+}
+
+std::vector<std::int64_t> RowsOfMaps(Database& database, std::int64_t atlas) {
+  Statement statement(database, "SELECT row FROM map WHERE atlas = ?1 ORDER BY position", "table map");
+  statement.Bind(1, atlas);
+  std::vector<std::int64_t> rows;
+  while (statement.Step()) rows.push_back(statement.Integer(0));
+  return rows;
+}
+
+Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row) {
+  Statement statement(database,
+                      "SELECT id, initial_keyframe, first_keyframe, lowest_keyframe, max_keyframe_id, "
+                      "big_change_index, imu_initialized, inertial, imu_ba1, imu_ba2, hash FROM map WHERE row = ?1",
+                      "table map");
+  if (!statement.Bind(1, row).Step()) throw DamagedRow(database, "map", row);
+  Map map;
+  map.id = MapId(static_cast<std::uint64_t>(statement.Integer(0)));
+  map.initial_keyframe = FromReference<KeyFrameId>(statement, 1);
+  map.first_keyframe = FromReference<KeyFrameId>(statement, 2);
+  map.lowest_keyframe = FromReference<KeyFrameId>(statement, 3);
+  map.max_keyframe_id = static_cast<std::uint64_t>(statement.Integer(4));
+  map.big_change_index = static_cast<std::int32_t>(statement.Integer(5));
+  int column = 6;
+  for (Flag* flag : {&map.imu_initialized, &map.inertial, &map.imu_ba1, &map.imu_ba2}) {
+    flag->recorded = static_cast<std::uint8_t>(statement.Integer(column++));
+  }
+  LoadOrigins(database, row, map);
+  map.repeated_keyframes = LoadRepeated(database, atlas, "keyframes", row);
+  map.repeated_points = LoadRepeated(database, atlas, "points", row);
+  if (HashOfHeader(map) != statement.Integer(10)) throw DamagedRow(database, "map", row);
+  return map;
+}
 
 std::unique_ptr<Database> ConnectionPool::Take() {
   {

@@ -60,6 +60,14 @@ class ConnectionPool {
 // Throws Error, and SnapshotChanged when another program saved the atlas meanwhile.
 Atlas LoadAtlas(Database& database, std::int64_t atlas, const ReadOptions& options);
 
+// The atlas' own row and cameras, into `atlas`.
+void LoadHeader(Database& database, std::int64_t row, Atlas& atlas);
+void LoadCameras(Database& database, std::int64_t row, Atlas& atlas);
+
+// The rows of an atlas' maps, in their order, and one of them without its lists.
+std::vector<std::int64_t> RowsOfMaps(Database& database, std::int64_t atlas);
+Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row);
+
 // The rows of a map's keyframes and points that the selection wants, ascending.
 std::vector<std::int64_t> KeyframeRows(Database& database, std::int64_t map, const Selection& selection);
 std::vector<std::int64_t> PointRows(Database& database, std::int64_t map, const Selection& selection);

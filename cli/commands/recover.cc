@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/recover.h"
+
+#include <memory>
+#include <optional>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/salvage.h"
+
+namespace slamdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RecoverVerbOptions {
+  EditOptions edit;
+  std::string cameras;
+};
+
+struct Totals {
+  SalvagedList maps, keyframes, points;  // read: in the output
+};
+
+Totals TotalsOf(const Salvage& salvage) {
+  Totals totals;
+  totals.maps = {salvage.maps_listed, salvage.atlas.maps.size()};
+  for (const SalvagedMap& map : salvage.maps) {
+    totals.keyframes.listed += map.keyframes.listed;
+    totals.points.listed += map.points.listed;
+  }
+  for (const Map& map : salvage.atlas.maps) {
+    totals.keyframes.read += map.keyframes.size();
+    totals.points.read += map.points.size();
+  }
+  return totals;
+}
+
+std::string Share(const SalvagedList& list, std::string_view one, std::string_view many) {
+  if (list.listed == 0) return "no " + std::string(many);
+  return Grouped(list.read) + " of " + Counted(list.listed, one, many);
+}
+
+// What a damaged file cost, one sentence for each kind.
+std::vector<std::string> LossesOf(const Salvage& salvage, const RecoverReport& report) {
+  std::vector<std::string> losses;
+  const auto lose = [&](const SalvagedList& list, std::string_view one, std::string_view many) {
+    if (list.read < list.listed) losses.push_back(Counted(list.listed - list.read, one, many) + " lost");
+  };
+  const Totals totals = TotalsOf(salvage);
+  lose(totals.maps, "map", "maps");
+  lose(totals.keyframes, "keyframe", "keyframes");
+  lose(totals.points, "point", "points");
+  for (const SalvagedMap& map : salvage.maps)
+    if (map.points.listed == 0 && map.keyframes.read < map.keyframes.listed)
+      losses.push_back(ToString(map.id) + ": all points lost, whose number stands behind the keyframes");
+  if (report.dropped_keyframes > 0)
+    losses.push_back(Counted(report.dropped_keyframes, "keyframe") + " of these dropped, since they were damaged");
+  if (report.dropped_points > 0)
+    losses.push_back(Counted(report.dropped_points, "point") + " of these dropped, since they were damaged");
+  for (const MapId map : report.rebuilt_maps)
+    losses.push_back(ToString(map) + ": origins, initial keyframe and inertial stage lost, and set anew");
+  for (const CameraId camera : report.rebuilt_cameras)
+    losses.push_back(ToString(camera) + " lost, and rebuilt from what keyframes keep of it");
+  for (const CameraId camera : report.guessed_lenses)
+    losses.push_back(ToString(camera) +
+                     ": its lens parameters are unknown and set to 0; --cameras takes them from a file");
+  for (const CameraId camera : report.taken_cameras)
+    losses.push_back(ToString(camera) + " lost, and taken from --cameras");
+  if (report.rebuilt_counters) losses.push_back("the next ids lost, and set above all ids that are known");
+  return losses;
+}
+
+std::string TextOf(const Salvage& salvage, const RecoverReport& report, const std::vector<std::string>& losses) {
+  if (salvage.damage.empty()) return "the file is whole; `slamdb check` tells whether what it says is sound\n";
+  const Totals totals = TotalsOf(salvage);
+  std::string text = "recovered " + Share(totals.maps, "map", "maps") + ", " +
+                     Share(totals.keyframes, "keyframe", "keyframes") + ", " + Share(totals.points, "point", "points") +
+                     "\ndamage\n";
+  constexpr std::size_t kShown = 5;
+  for (std::size_t i = 0; i < std::min(kShown, salvage.damage.size()); ++i) text += "  " + salvage.damage[i] + "\n";
+  if (salvage.damage.size() > kShown) text += "  and " + Grouped(salvage.damage.size() - kShown) + " more places\n";
+  text += "losses\n";
+  for (const std::string& loss : losses) text += "  " + loss + "\n";
+  if (!report.repairs.empty()) text += "repaired what referred to them\n";
+  for (const AppliedFix& fix : report.repairs) text += "  " + fix.title + " (" + Counted(fix.changes, "change") + ")\n";
+  return text;
+}
+
+Json ListValue(const SalvagedList& list) { return {{"listed", list.listed}, {"recovered", list.read}}; }
+
+std::string JsonOf(const Salvage& salvage, const RecoverReport& report, const std::vector<std::string>& losses,
+                   const std::string& input) {
+  const Totals totals = TotalsOf(salvage);
+  Json repairs = Json::array();
+  for (const AppliedFix& fix : report.repairs)
+    repairs.push_back({{"rule", fix.rule}, {"fix", fix.fix}, {"changes", fix.changes}});
+  return JsonText({{"format", "slamdb-recover-1"},
+                   {"input", input},
+                   {"whole", salvage.damage.empty()},
+                   {"sound", report.sound()},
+                   {"maps", ListValue(totals.maps)},
+                   {"keyframes", ListValue(totals.keyframes)},
+                   {"points", ListValue(totals.points)},
+                   {"damage", salvage.damage},
+                   {"losses", losses},
+                   {"repairs", repairs}});
+}
+
+ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
+  RefuseBadOutput(options.edit);
+  ReadOptions read = MakeReadOptions(console);
+  read.lock_timeout = options.edit.wait;
+  Notices notices;
+  std::optional<Atlas> rig;
+  if (!options.cameras.empty()) rig = ReadAtlas(Location::Parse(options.cameras), read, notices);
+  Salvage salvage = SalvageAtlas(Location::Parse(options.edit.input), read, options.edit.from);
+  RecoverReport report;
+  if (!salvage.damage.empty())
+    report = RecoverAtlas(salvage.atlas, {.rig = rig ? &*rig : nullptr, .threads = console.threads()});
+  if (salvage.atlas.maps.empty() && !salvage.damage.empty())
+    throw Error(options.edit.input, "", "holds no keyframe that could be read whole: " + salvage.damage.front());
+  const std::vector<std::string> losses = LossesOf(salvage, report);
+  WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
+  const ExitCode code = FinishEdit(TextOf(salvage, report, losses), JsonOf(salvage, report, losses, options.edit.input),
+                                   options.edit, console, notices);
+  for (const Unrepaired& rule : report.left)
+    if (rule.severity == Severity::kError)
+      console.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
+                   rule.reason);
+  return salvage.damage.empty() ? code : ExitCode::kLossy;
+}
+
+Run AddRecover(CLI::App& verb) {
+  const auto options = std::make_shared<RecoverVerbOptions>();
+  AddEdit(verb, options->edit);
+  verb.add_option("--cameras", options->cameras,
+                  "Another atlas of the same cameras: cameras that are lost are taken from it")
+      ->type_name("FILE");
+  return [options](Console& console) { return RunRecover(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb recover cut.osa rescued.osa", "Keeps what is whole of a file that was cut short."},
+    {"slamdb recover cut.osa --dry-run", "Only says how much that would be."},
+    {"slamdb recover fisheye_cut.osa rescued.osa --cameras yesterday.osa",
+     "Cameras are the last thing in a file; a fisheye lens is known from an older atlas alone."},
+    {"slamdb recover damaged.db#lab lab.osa", "Also of a store with damaged pages."},
+};
+
+}  // namespace
+
+const Command kRecover = {
+    .name = "recover",
+    .summary = "save what is whole of a damaged file",
+    .description =
+        R"(Reads every keyframe and point that is whole in an ORB-SLAM3 file that was cut short or damaged, binary or text, or in a
+damaged store; finds again what the keyframes tell of what is lost (cameras, the next ids); drops or repairs what refers to
+the rest; and writes an atlas that 'slamdb check' finds sound. The input is never changed.
+
+In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its
+middle still has the keyframes in front of the cut, and the points only of maps before.)",
+    .done = "The file is whole: the output is its copy.",
+    .failed = "Nothing could be read, or the output not be written.",
+    .lossy = "Done, and something is lost; the report says what.",
+    .examples = kExamples,
+    .add = AddRecover,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/salvage.h"
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include "slamdb/formats/orbslam3/archive_header.h"
+#include "slamdb/formats/orbslam3/decoder.h"
+#include "slamdb/formats/orbslam3/encoder.h"
+#include "slamdb/formats/orbslam3/pointers.h"
+#include "slamdb/formats/orbslam3/skipper.h"
+
+namespace slamdb::orbslam3 {
+namespace {
+
+constexpr std::size_t kLeastObjectBytes = 64;  // takes less than any object
+constexpr std::size_t kTruncationBytes = 64;   // failing so close to the end is because of the end
+
+// Where the pointer to a new object stands.
+struct Sighting {
+  std::size_t offset = 0;
+  std::uint32_t object = 0;
+};
+
+// What the pointer to a new object looks like.
+struct PointerPattern {
+  std::int16_t class_id;
+  bool with_info;             // the class stands in the archive for the first time
+  std::uint32_t first, last;  // object ids
+
+  PointerPattern(ClassTable classes, WireClass wire_class, std::uint32_t first_object, std::uint32_t last_object)
+      : class_id(classes.Register(wire_class)),
+        with_info(classes.FirstUse(wire_class)),
+        first(first_object),
+        last(last_object) {}
+};
+
+// Finds pointers by their looks alone, from `offset` on.
+class BinarySearch {
+ public:
+  BinarySearch(std::string_view file, const PointerPattern& pattern) : file_(file), pattern_(pattern) {}
+
+  std::optional<Sighting> Next(std::size_t offset) const {
+    std::string head(reinterpret_cast<const char*>(&pattern_.class_id), sizeof(pattern_.class_id));
+    if (pattern_.with_info) head += std::string_view("\1\0\0\0\0", 5);
+    for (offset = file_.find(head, offset); offset != std::string_view::npos; offset = file_.find(head, offset + 1)) {
+      std::uint32_t object = 0;
+      if (file_.size() - offset < head.size() + sizeof(object)) return std::nullopt;
+      std::memcpy(&object, file_.data() + offset + head.size(), sizeof(object));
+      if (object >= pattern_.first && object <= pattern_.last) return Sighting{offset, object};
+    }
+    return std::nullopt;
+  }
+  // Where the list begins whose first pointer stands at `offset`.
+  static std::size_t ListBegin(std::string_view, std::size_t offset, bool list_with_info, std::uint8_t size_bytes) {
+    const std::size_t head = size_bytes + sizeof(std::uint32_t) + (list_with_info ? 5 : 0);
+    return offset < head ? 0 : offset - head;
+  }
+
+ private:
+  std::string_view file_;
+  PointerPattern pattern_;
+};
+
+// A text archive begins a line before the number of a new object, and nowhere else.
+class TextSearch {
+ public:
+  TextSearch(std::string_view file, const PointerPattern& pattern) : file_(file), pattern_(pattern) {}
+
+  std::optional<Sighting> Next(std::size_t offset) const {
+    const std::string head = std::to_string(pattern_.class_id) + (pattern_.with_info ? " 1 0" : "");
+    for (std::size_t line = file_.find('\n', offset); line != std::string_view::npos;
+         line = file_.find('\n', line + 1)) {
+      std::uint32_t object = 0;
+      const char* const end = file_.data() + file_.size();
+      const auto [behind, error] = std::from_chars(file_.data() + line + 1, end, object);
+      if (error != std::errc() || behind == end || *behind != ' ') continue;
+      if (object < pattern_.first || object > pattern_.last || line < offset + head.size() + 1) continue;
+      const std::size_t begin = line - head.size();
+      if (file_.substr(begin, head.size()) == head && file_[begin - 1] == ' ') return Sighting{begin, object};
+    }
+    return std::nullopt;
+  }
+  static std::size_t ListBegin(std::string_view file, std::size_t offset, bool list_with_info, std::uint8_t) {
+    for (int tokens = list_with_info ? 4 : 2; tokens > 0 && offset > 0; --tokens) {
+      offset = file.find_last_not_of(' ', offset - 1);
+      offset = offset == std::string_view::npos ? 0 : file.find_last_of(" \n", offset) + 1;
+    }
+    return offset;
+  }
+
+ private:
+  std::string_view file_;
+  PointerPattern pattern_;
+};
+
+// The class table behind a keyframe that has everything that ORB-SLAM3 gives it.
+ClassTable TableBehindKeyFrame(const ClassTable& in_front, bool measurements) {
+  KeyFrame usual;
+  usual.features.bag_of_words = {{0}, {1}};
+  usual.features.feature_vector = {{0}, {1}, {0}};
+  usual.features.grid = {{1}, {1}, {0}};
+  usual.connections.push_back({KeyFrameId(0), 1});
+  if (measurements) usual.preintegration.measurements.resize(1);
+  Encoder<NoOutput> encoder(NoOutput(), in_front);
+  LayoutKeyFrame(encoder, static_cast<const KeyFrame&>(usual));
+  return encoder.classes;
+}
+
+// What the class table may be behind an object that could not be read: all classes of a first keyframe, and those of
+// IMU measurements when it had any.
+std::vector<ClassTable> TablesBehind(ClassTable classes, WireClass wire_class) {
+  const bool first = classes.FirstUse(wire_class);
+  std::vector<ClassTable> tables{classes};
+  if (wire_class != WireClass::kKeyFrame) return tables;
+  if (first) tables = {TableBehindKeyFrame(classes, false), TableBehindKeyFrame(classes, true)};
+  ClassTable met_later = tables.front();
+  if (met_later.FirstUse(WireClass::kMeasurement)) tables.push_back(met_later);
+  return tables;
+}
+
+template <class Input>
+class Salvager {
+  using Search = std::conditional_t<Input::kText, TextSearch, BinarySearch>;
+
+ public:
+  Salvager(FileStream& file, const ArchiveHeader& header)
+      : file_(file.data(), file.size()), at_(Input(&file, header.encoding), ClassTable(header.encoding), FeatureColumns::kAll) {
+    salvage_.atlas.encoding = header.encoding;
+    at_.input.Seek(header.bytes);
+  }
+
+  Salvage Run() {
+    try {
+      ReadPreamble();
+      if (ReadMaps()) ReadCameras();
+    } catch (const Error& error) {
+      Note(error);
+    }
+    for (std::size_t row = 0; row < salvage_.maps.size(); ++row) {
+      salvage_.maps[row].keyframes.read = salvage_.atlas.maps[row].keyframes.size();
+      salvage_.maps[row].points.read = salvage_.atlas.maps[row].points.size();
+    }
+    return std::move(salvage_);
+  }
+
+ private:
+  void Note(const Error& error) {
+    salvage_.damage.push_back((error.place().empty() ? "" : error.place() + ": ") + error.problem());
+  }
+  bool AtEndOfFile() const { return at_.input.remaining() < kTruncationBytes; }
+
+  void ReadPreamble() {
+    Atlas& atlas = salvage_.atlas;
+    at_.input.place.field = "vocabulary";
+    atlas.vocabulary.name = at_.input.TakeString();
+    atlas.vocabulary.checksum = at_.input.TakeString();
+    at_.input.place.field = "Atlas";
+    TakePointer(at_, objects_, {WireClass::kAtlas});
+    objects_.Add(WireClass::kAtlas, 0, 0);
+    at_.classes.Register(WireClass::kPinhole);
+    at_.classes.Register(WireClass::kKannalaBrandt8);
+  }
+
+  // Returns whether the cursor stands behind the maps.
+  bool ReadMaps() {
+    salvage_.maps_listed = at_.ClassCount(WireClass::kMapList, 2, 1);
+    for (std::uint64_t position = 0; position < salvage_.maps_listed; ++position) {
+      at_.input.place = {.map = static_cast<std::int64_t>(position)};
+      const Pointer pointer = TakePointer(at_, objects_, {WireClass::kMap});
+      if (pointer.kind != Pointer::Kind::kNew) {
+        salvage_.atlas.repeated_maps.push_back(Repeated(at_, objects_, pointer, position));
+        continue;
+      }
+      const auto row = static_cast<std::uint32_t>(salvage_.atlas.maps.size());
+      objects_.Add(WireClass::kMap, 0, row);
+      const bool last = position + 1 == salvage_.maps_listed;
+      if (!ReadMap(salvage_.atlas.maps.emplace_back(), salvage_.maps.emplace_back(), row, last) && !SeekBehindMap(last))
+        return false;
+    }
+    at_.input.place = {};
+    return true;
+  }
+
+  // Returns whether the cursor stands behind the map.
+  bool ReadMap(Map& map, SalvagedMap& read, std::uint32_t row, bool last) {
+    LayoutMapHead(at_, map);
+    read.id = map.id;
+    const bool reached_end =
+        ReadList(WireClass::kKeyFrameList, WireClass::kKeyFrame, "kf", row, map.keyframes, map.repeated_keyframes,
+                 read.keyframes, [this](auto& archive, KeyFrame& keyframe) { LayoutKeyFrame(archive, keyframe); });
+    if (!reached_end || !ListBeginsHere(WireClass::kMapPointList, {WireClass::kMapPoint})) {
+      if (reached_end && !AtEndOfFile() && !map.keyframes.empty()) map.keyframes.pop_back();
+      if (!SeekList(WireClass::kMapPointList, WireClass::kMapPoint)) return false;
+    }
+    if (!ReadList(WireClass::kMapPointList, WireClass::kMapPoint, "mp", row, map.points, map.repeated_points,
+                  read.points, [this](auto& archive, MapPoint& point) { LayoutMapPoint(archive, point); }))
+      return false;
+    return ReadMapTail(map, last);
+  }
+
+  // The members behind the lists; they count when what follows them is where it must be.
+  bool ReadMapTail(Map& map, bool last) {
+    Map whole;
+    try {
+      LayoutMapTail(at_, whole);
+    } catch (const Error& error) {
+      Note(error);
+      return false;
+    }
+    if (last ? !AtEndOfFile() && !ListBeginsHere(WireClass::kCameraList, kCameraClasses) : !MapStandsHere())
+      return false;
+    map.origins = std::move(whole.origins);
+    map.first_keyframe = whole.first_keyframe;
+    map.lowest_keyframe = whole.lowest_keyframe;
+    map.imu_initialized = whole.imu_initialized;
+    map.inertial = whole.inertial;
+    map.imu_ba1 = whole.imu_ba1;
+    map.imu_ba2 = whole.imu_ba2;
+    return true;
+  }
+
+  // Reads a list from its head on, over damaged stretches. Returns whether it came to the list's end.
+  template <class Entity, class Layout>
+  bool ReadList(WireClass list_class, WireClass wire_class, const char* name, std::uint32_t row, Column<Entity>& list,
+                std::vector<RepeatedEntry>& repeated, SalvagedList& read, const Layout& layout) {
+    std::size_t begin = at_.input.offset(), begin_before = begin;
+    object_behind_ = objects_.next();
+    bool doubtful = false;  // the entity in front: what follows it has not been seen
+    try {
+      read.listed = at_.ClassCount(list_class, 2, 1);
+    } catch (const Error& error) {
+      Note(error);
+      return false;
+    }
+    object_behind_ += static_cast<std::uint32_t>(read.listed);
+    for (std::uint64_t position = 0; position < read.listed;) {
+      const ClassTable classes = at_.classes;
+      at_.input.place = {.map = at_.input.place.map, .entity = name, .ordinal = position, .of = read.listed};
+      begin = at_.input.offset();
+      try {
+        const Pointer pointer = TakePointer(at_, objects_, {wire_class});
+        doubtful = false;
+        if (pointer.kind != Pointer::Kind::kNew) {
+          repeated.push_back(Repeated(at_, objects_, pointer, position++));
+          continue;
+        }
+        Entity entity;
+        layout(at_, entity);
+        objects_.Add(wire_class, row, list.size());
+        list.push_back(std::move(entity));
+        begin_before = begin;
+        doubtful = true;
+        ++position;
+      } catch (const Error& error) {
+        Note(error);
+        if (doubtful && !AtEndOfFile()) {
+          list.pop_back();
+          begin = begin_before;
+        }
+        doubtful = false;
+        std::optional<Sighting> found;
+        for (const ClassTable& table : TablesBehind(classes, wire_class)) {
+          at_.classes = table;
+          found = FindWhole<Entity>(wire_class, begin + 1, layout);
+          if (found) break;
+        }
+        if (!found) {
+          at_.classes = TablesBehind(classes, wire_class).front();
+          return false;
+        }
+        position += found->object - objects_.next();
+        SkipObjects(found->object);
+        at_.input.Seek(found->offset);
+      }
+    }
+    at_.input.place.entity = nullptr;
+    return true;
+  }
+
+  // Counts objects that are lost.
+  void SkipObjects(std::uint32_t next) {
+    while (objects_.next() < next) objects_.Add(WireClass::kCount, 0, objects_.next());
+  }
+
+  // The next object of the list that was read last whose record is whole and has the next pointer behind it.
+  template <class Entity, class Layout>
+  std::optional<Sighting> FindWhole(WireClass wire_class, std::size_t offset, const Layout& layout) const {
+    if (objects_.next() >= object_behind_) return std::nullopt;
+    const Search search(file_, PointerPattern(at_.classes, wire_class, objects_.next(), object_behind_ - 1));
+    for (auto found = search.Next(offset); found; found = search.Next(found->offset + 1)) {
+      Skipper<Input> skipper(at_.input, at_.classes);
+      skipper.input.Seek(found->offset);
+      try {
+        Entity nothing;
+        SkipPointer(skipper, wire_class);
+        layout(skipper, nothing);
+        const bool last = found->object + 1 == object_behind_;
+        if (last || SkipPointer(skipper, wire_class) == found->object + 1) return found;
+      } catch (const Error&) {  // it only looked like one
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Passes the pointer to a new object; returns its number. Throws Error when it is of another class.
+  static std::uint32_t SkipPointer(Skipper<Input>& skipper, WireClass wire_class) {
+    if (skipper.input.template Take<std::int16_t>() != skipper.classes.Register(wire_class))
+      skipper.input.Fail("another class");
+    skipper.ClassInfo(wire_class);
+    return skipper.input.template Take<std::uint32_t>();
+  }
+
+  // Whether what must follow does, without moving there; tells when not.
+  bool MapStandsHere() {
+    return Stands([this](Skipper<Input>& skipper) { TakePointer(skipper, objects_, {WireClass::kMap}); });
+  }
+  bool ListBeginsHere(WireClass list_class, std::initializer_list<WireClass> classes) {
+    return Stands([&](Skipper<Input>& skipper) {
+      if (skipper.ClassCount(list_class, 2, 1) > 0) TakePointer(skipper, objects_, classes);
+    });
+  }
+  template <class Pass>
+  bool Stands(const Pass& pass) {
+    try {
+      Skipper<Input> skipper(at_.input, at_.classes);
+      pass(skipper);
+      return true;
+    } catch (const Error& error) {
+      Note(error);
+      return false;
+    }
+  }
+
+  // Moves to the head of the list of a class behind the list that was read last. Where the class stands in the archive
+  // for the first time, its looks are enough, and the number of objects in between may have been read wrongly.
+  // A class that the first keyframes may not have shown (IMU measurements) counts as met or not, whichever fits.
+  bool SeekList(WireClass list_class, WireClass wire_class) {
+    ClassTable with_measurements = at_.classes;
+    with_measurements.FirstUse(WireClass::kMeasurement);
+    for (ClassTable classes : {at_.classes, with_measurements}) {
+      const ClassTable before = classes;
+      const bool list_with_info = classes.FirstUse(list_class);
+      PointerPattern pattern(classes, wire_class, objects_.next(), object_behind_);
+      if (pattern.with_info) pattern.last = static_cast<std::uint32_t>(file_.size() / kLeastObjectBytes);
+      const auto found = Search(file_, pattern).Next(at_.input.offset());
+      if (!found) continue;
+      SkipObjects(found->object);
+      at_.classes = before;
+      at_.input.Seek(Search::ListBegin(file_, found->offset, list_with_info, at_.input.encoding().size_bytes));
+      return true;
+    }
+    return false;
+  }
+
+  bool SeekBehindMap(bool last) {
+    if (last)
+      return SeekList(WireClass::kCameraList, WireClass::kPinhole) ||
+             SeekList(WireClass::kCameraList, WireClass::kKannalaBrandt8);
+    const PointerPattern pattern(at_.classes, WireClass::kMap, objects_.next(), object_behind_);
+    const auto found = Search(file_, pattern).Next(at_.input.offset());
+    if (!found) return false;
+    SkipObjects(found->object);
+    at_.input.Seek(found->offset);
+    return true;
+  }
+
+  // And the counters behind them.
+  void ReadCameras() {
+    at_.input.place.field = "mvpCameras";
+    const std::uint64_t count = at_.ClassCount(WireClass::kCameraList, 2, 1);
+    for (std::uint64_t position = 0; position < count; ++position) {
+      const Pointer pointer = TakePointer(at_, objects_, kCameraClasses);
+      if (pointer.kind != Pointer::Kind::kNew) {
+        salvage_.atlas.repeated_cameras.push_back(Repeated(at_, objects_, pointer, position));
+        continue;
+      }
+      objects_.Add(pointer.wire_class, 0, salvage_.atlas.cameras.size());
+      Camera camera{.model = pointer.wire_class == WireClass::kPinhole ? CameraModel::kPinhole
+                                                                       : CameraModel::kKannalaBrandt8};
+      LayoutCamera(at_, camera);
+      salvage_.atlas.cameras.push_back(std::move(camera));
+    }
+    at_.input.place = {};
+    LayoutCounters(at_, salvage_.atlas.next_ids);
+  }
+
+  static constexpr std::initializer_list<WireClass> kCameraClasses{WireClass::kPinhole, WireClass::kKannalaBrandt8};
+
+  std::string_view file_;
+  Salvage salvage_;
+  ObjectTable objects_;
+  std::uint32_t object_behind_ = 0;  // behind the last object of the list that was read last
+  Decoder<Input> at_;
+};
+
+}  // namespace
+}  // namespace slamdb::orbslam3
+
+namespace slamdb {
+
+Salvage SalvageOrbslam3(const std::string& path, const ReadOptions&) {
+  FileStream file(path);
+  Notices notices;
+  const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(file, notices);
+  file.FillTo(file.size());
+  if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run();
+  return orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run();
+}
+
+}  // namespace slamdb

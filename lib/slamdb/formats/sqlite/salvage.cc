@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/salvage.h"
+
+#include <algorithm>
+#include <array>
+
+#include "slamdb/formats/sqlite/identity.h"
+#include "slamdb/formats/sqlite/load.h"
+#include "slamdb/formats/sqlite/migrations.h"
+#include "slamdb/formats/sqlite/plan.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb {
+namespace sqlite {
+namespace {
+
+constexpr std::size_t kKeyframesPerRead = 16, kPointsPerRead = 1024;
+constexpr std::size_t kMostNotes = 100;  // a lost page of points is hundreds of rows
+
+class StoreSalvager {
+ public:
+  StoreSalvager(Database& database, std::int64_t atlas) : database_(database), atlas_(atlas) {}
+
+  Salvage Run() {
+    Atlas& atlas = salvage_.atlas;
+    Try([&] { LoadHeader(database_, atlas_, atlas); });
+    Try([&] { LoadCameras(database_, atlas_, atlas); });
+    std::vector<std::int64_t> maps;
+    Try([&] { maps = RowsOfMaps(database_, atlas_); });
+    salvage_.maps_listed = maps.size();
+    for (const std::int64_t row : maps) ReadMap(row);
+    return std::move(salvage_);
+  }
+
+ private:
+  template <class Read>
+  bool Try(const Read& read) {
+    try {
+      read();
+      return true;
+    } catch (const Error& error) {
+      Note(error);
+      return false;
+    }
+  }
+  void Note(const Error& error) {
+    if (salvage_.damage.size() >= kMostNotes) return;
+    salvage_.damage.push_back((error.place().empty() ? "" : error.place() + ": ") + error.problem());
+  }
+
+  void ReadMap(std::int64_t row) {
+    Map map;
+    SalvagedMap read;
+    if (!Try([&] { map = LoadMapHeader(database_, atlas_, row); })) map.id = MapId(salvage_.atlas.maps.size());
+    read.id = map.id;
+    ReadList(row, "keyframe", kKeyframesPerRead, map.keyframes, read.keyframes, [&](auto rows, auto entities) {
+      std::vector<std::int64_t> hashes(rows.size()), links(rows.size()), features(rows.size());
+      LoadKeyframes(database_, rows, true, entities, hashes, links, features);
+    });
+    ReadList(row, "map_point", kPointsPerRead, map.points, read.points, [&](auto rows, auto entities) {
+      std::vector<std::int64_t> hashes(rows.size()), observations(rows.size());
+      LoadPoints(database_, rows, entities, hashes, observations);
+    });
+    salvage_.atlas.maps.push_back(std::move(map));
+    salvage_.maps.push_back(read);
+  }
+
+  // Rows of a list are numbered without gaps, so the last one tells how many there are. Where its page is lost, the
+  // number of the whole atlas is an upper bound.
+  std::uint64_t CountRows(std::int64_t map, const std::string& table) {
+    std::int64_t last = -1;
+    const std::string range = std::to_string(FirstRowOfMap(map)) + " AND " + std::to_string(LastRowOfMap(map));
+    if (Try([&] { last = database_.Integer("SELECT max(row) FROM " + table + " WHERE row BETWEEN " + range); }))
+      return last < FirstRowOfMap(map) ? 0 : static_cast<std::uint64_t>(last - FirstRowOfMap(map)) + 1;
+    const std::string column = table == "keyframe" ? "keyframes" : "points";
+    std::int64_t count = 0;
+    Try([&] { count = database_.Integer("SELECT " + column + " FROM atlas WHERE row = " + std::to_string(atlas_)); });
+    return static_cast<std::uint64_t>(std::clamp<std::int64_t>(count, 0, 0xffffffff));
+  }
+
+  template <class Entity, class Load>
+  void ReadList(std::int64_t map, const std::string& table, std::size_t grain, Column<Entity>& list, SalvagedList& read,
+                const Load& load) {
+    read.listed = CountRows(map, table);
+    for (std::uint64_t first = 0; first < read.listed; first += grain) {
+      const std::uint64_t end = std::min<std::uint64_t>(read.listed, first + grain);
+      ReadRows(FirstRowOfMap(map) + static_cast<std::int64_t>(first), static_cast<std::size_t>(end - first), list,
+               load);
+    }
+    read.read = list.size();
+  }
+
+  // Reads a run of rows at once; where that fails, its halves.
+  template <class Entity, class Load>
+  void ReadRows(std::int64_t first, std::size_t count, Column<Entity>& list, const Load& load) {
+    std::vector<std::int64_t> rows(count);
+    for (std::size_t i = 0; i < count; ++i) rows[i] = first + static_cast<std::int64_t>(i);
+    std::vector<Entity> entities(count);
+    try {
+      load(std::span<const std::int64_t>(rows), std::span(entities));
+      std::ranges::move(entities, std::back_inserter(list));
+    } catch (const Error& error) {
+      if (count == 1) return Note(error);
+      ReadRows(first, count / 2, list, load);
+      ReadRows(first + static_cast<std::int64_t>(count / 2), count - count / 2, list, load);
+    }
+  }
+
+  Database& database_;
+  std::int64_t atlas_;
+  Salvage salvage_;
+};
+
+}  // namespace
+}  // namespace sqlite
+
+Salvage SalvageStore(const std::string& path, const std::string& name, const ReadOptions& options) {
+  const std::string chosen = name.empty() ? Store::Open(path, options.lock_timeout).OnlyName() : name;
+  sqlite::Database database(path, sqlite::Access::kRead, options.lock_timeout);
+  sqlite::CheckIsStore(database, sqlite::NewestVersion());
+  sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
+  if (!statement.BindText(1, chosen).Step()) throw Error(path, "", "no atlas named '" + chosen + "' could be read");
+  return sqlite::StoreSalvager(database, statement.Integer(0)).Run();
+}
+
+}  // namespace slamdb

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "tests/cli/json_schema.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+const std::string kSmall = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+
+class RecoverVerb : public ::testing::Test {
+ protected:
+  std::string In(const std::string& name) const { return folder_ / name; }
+  // The first `percent` of the fixture.
+  std::string Cut(int percent) const {
+    const std::string bytes = ReadWholeFile(kSmall);
+    WriteWholeFile(In("cut.osa"), bytes.substr(0, bytes.size() * static_cast<std::size_t>(percent) / 100));
+    return In("cut.osa");
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RecoverVerb, SavesWhatIsWholeOfACutFile) {
+  const std::string cut = Cut(90);
+  EXPECT_EQ(RunSlamdb({"check", cut}).exit_code, 1);
+  const ProcessResult result = RunSlamdb({"recover", cut, In("saved.osa"), "--json"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "recover.schema.json"), "");
+  EXPECT_EQ(report.at("keyframes").at("recovered"), report.at("keyframes").at("listed"));
+  EXPECT_LT(report.at("points").at("recovered"), report.at("points").at("listed"));
+  EXPECT_GT(report.at("points").at("recovered"), 0);
+  EXPECT_EQ(RunSlamdb({"check", In("saved.osa")}).exit_code, 0);
+}
+
+TEST_F(RecoverVerb, SaysWhatIsLost) {
+  const ProcessResult result = RunSlamdb({"recover", Cut(50), In("saved.osa")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.out, HasSubstr("keyframes lost"));
+  EXPECT_THAT(result.out, HasSubstr("camera 0 lost, and rebuilt"));
+  EXPECT_THAT(result.out, HasSubstr("the file is truncated"));
+}
+
+TEST_F(RecoverVerb, CopiesAWholeFile) {
+  const ProcessResult result = RunSlamdb({"recover", kSmall, In("copy.osa")});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr("the file is whole"));
+  EXPECT_TRUE(ReadWholeFile(In("copy.osa")) == ReadWholeFile(kSmall));
+}
+
+TEST_F(RecoverVerb, WritesNothingWhereNothingIsLeft) {
+  const ProcessResult result = RunSlamdb({"recover", Cut(2), In("saved.osa")});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("no keyframe"));
+  EXPECT_FALSE(std::filesystem::exists(In("saved.osa")));
+  EXPECT_EQ(RunSlamdb({"recover", Cut(50), "--dry-run"}).exit_code, 3);
+  EXPECT_EQ(RunSlamdb({"recover", Cut(50), In("cut.osa"), "-O"}).exit_code, 1);
+}
+
+// Pages of a store overwritten in the middle of the file.
+TEST_F(RecoverVerb, ReadsWhatADamagedStoreStillHolds) {
+  ASSERT_EQ(RunSlamdb({"convert", kSmall, In("lab.db#a")}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"vacuum", In("lab.db")}).exit_code, 0);
+  std::string bytes = ReadWholeFile(In("lab.db"));
+  for (std::size_t at = bytes.size() / 3; at < bytes.size() / 3 + 3 * 4096; ++at) bytes[at] = 'x';
+  WriteWholeFile(In("lab.db"), bytes);
+  EXPECT_EQ(RunSlamdb({"check", In("lab.db#a")}).exit_code, 1);
+  const ProcessResult result = RunSlamdb({"recover", In("lab.db#a"), In("saved.osa"), "--json"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_GT(report.at("keyframes").at("recovered"), 8);
+  EXPECT_EQ(RunSlamdb({"check", In("saved.osa")}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace slamdb::testing

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What SQLite can still read of a damaged store is what was saved, row by row.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <random>
+
+#include "slamdb/formats/sqlite/salvage.h"
+#include "tests/formats/sqlite/atlases.h"
+#include "tests/support/equals_atlas.h"
+
+namespace slamdb::store_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class StoreSalvage : public ::testing::Test {
+ protected:
+  StoreSalvage() { SaveIn(path_, atlas_); }
+  Salvage Salvaged() { return SalvageStore(path_, "a", {}); }
+
+  // Every entity equals the one of its id in what was saved.
+  void ExpectTrue(const Salvage& salvage) const {
+    Atlas expected = atlas_;
+    for (const Map& map : salvage.atlas.maps) {
+      const auto of = std::ranges::find(expected.maps, map.id, &Map::id);
+      ASSERT_NE(of, expected.maps.end());
+      of->keyframes = Kept(of->keyframes, map.keyframes);
+      of->points = Kept(of->points, map.points);
+    }
+    EXPECT_EQ(FirstDifference(salvage.atlas, expected), "");
+  }
+
+  TemporaryFolder folder_;
+  std::string path_ = folder_ / "s.db";
+  Atlas atlas_ = SoundAtlas();
+
+ private:
+  template <class List>
+  static List Kept(const List& all, const List& some) {
+    List kept;
+    for (const auto& entity : all)
+      if (std::ranges::any_of(some, [&](const auto& other) { return other.id == entity.id; })) kept.push_back(entity);
+    return kept;
+  }
+};
+
+TEST_F(StoreSalvage, WholeStores) {
+  const Salvage salvage = Salvaged();
+  EXPECT_THAT(salvage.damage, IsEmpty());
+  EXPECT_THAT(salvage.atlas, EqualsAtlas(atlas_));
+  EXPECT_EQ(salvage.maps[0].points.listed, atlas_.maps[0].points.size());
+}
+
+TEST_F(StoreSalvage, LeavesOutTheRowThatDiffers) {
+  Sql(path_, "UPDATE map_point SET x = x + 1 WHERE row = 4294967299");
+  Sql(path_, "DELETE FROM keyframe_features WHERE keyframe = 4294967298");
+  const Salvage salvage = Salvaged();
+  EXPECT_THAT(salvage.damage, SizeIs(2));
+  EXPECT_THAT(salvage.damage[0], HasSubstr("table keyframe_features, row 4294967298"));
+  EXPECT_EQ(salvage.maps[0].points.read + 1, atlas_.maps[0].points.size());
+  EXPECT_EQ(salvage.maps[0].keyframes.read + 1, atlas_.maps[0].keyframes.size());
+  ExpectTrue(salvage);
+}
+
+TEST_F(StoreSalvage, ReadsAroundOverwrittenPages) {
+  Store::OpenForWriting(path_, {.sync = false}).Vacuum();
+  const std::string good = FileBytes(path_);
+  std::mt19937 random(5);
+  int read = 0;
+  for (int i = 0; i < 60; ++i) {
+    std::string bad = good;
+    const std::size_t page = 4096 * (1 + random() % (bad.size() / 4096 - 1));
+    for (std::size_t k = page; k < page + 4096; ++k) bad[k] = static_cast<char>(random());
+    std::ofstream(path_, std::ios::binary) << bad;
+    Salvage salvage;
+    if (!ErrorOf([&] { salvage = Salvaged(); }).empty()) continue;  // a page of the schema or of the list of atlases
+    for (const Map& map : salvage.atlas.maps) {
+      const auto of = std::ranges::find(atlas_.maps, map.id, &Map::id);
+      ASSERT_NE(of, atlas_.maps.end());
+      for (const MapPoint& point : map.points)
+        EXPECT_EQ(std::ranges::find(of->points, point.id, &MapPoint::id)->position, point.position);
+    }
+    read += salvage.atlas.maps.size() == atlas_.maps.size();
+  }
+  EXPECT_GT(read, 40);
+}
+
+TEST_F(StoreSalvage, NeedsTheAtlas) {
+  EXPECT_THAT(ErrorOf([&] { SalvageStore(path_, "b", {}); }), HasSubstr("no atlas named 'b'"));
+  EXPECT_EQ(ErrorOf([&] { SalvageStore(path_, "", {}); }), "");
+}
+
+}  // namespace
+}  // namespace slamdb::store_test
