@@ -16,9 +16,11 @@
 #include "slamdb/base/parallel.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/cull.h"
+#include "slamdb/edit/diff.h"
 #include "slamdb/edit/merge.h"
 #include "slamdb/edit/select.h"
 #include "slamdb/edit/shrink.h"
+#include "slamdb/edit/transform.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/statistics.h"
@@ -168,6 +170,22 @@ Sample ShrinkToHalf(const Workplace& at) {
   return Time([&] { Shrink(atlas, {.target_bytes = std::filesystem::file_size(at.binary()) / 2}); });
 }
 
+// ---- changes to maps, and what changed
+
+Sample Transform(const Workplace& at) {
+  Atlas atlas = Read(at.binary());
+  const Similarity3d move{1.1, Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {1, 2, 3}};
+  return Time([&] {
+    for (Map& map : atlas.maps) TransformMap(map, move);
+  });
+}
+
+// Everything is in both atlases, and so everything is compared.
+Sample Diff(const Workplace& at) {
+  const Atlas before = Read(at.binary()), after = before;
+  return Time([&] { Keep(DiffAtlases(before, after, {})); });
+}
+
 // ---- the store. Not synced, as the reference's writes are not.
 
 constexpr const char* kName = "atlas";
@@ -267,6 +285,8 @@ constexpr Measurement kMeasurements[] = {
     {"extract", Extract},
     {"cull", CullAll},
     {"shrink", ShrinkToHalf},
+    {"transform", Transform},
+    {"diff", Diff},
     {"store-save", StoreSave},
     {"store-load", StoreLoad},
     {"store-save-again", StoreSaveAgain},

@@ -31,6 +31,8 @@ constexpr Row kRows[] = {
     {"extract every second keyframe, against our read", "extract", "read-binary", ""},
     {"cull, against our read", "cull", "read-binary", ""},
     {"shrink to half the size, against our read", "shrink", "read-binary", ""},
+    {"transform, against our read", "transform", "read-binary", ""},
+    {"diff, against our read", "diff", "read-binary", ""},
     {"store save, against reference write", "store-save", "write-binary-reference", ">= 0.33"},
     {"store load, against reference read", "store-load", "read-binary-reference", ">= 1"},
     {"store save after 1 %, against store save", "store-save-again", "store-save", ">= 10"},

@@ -2,6 +2,7 @@
 #include "cli/similarity.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -15,7 +16,8 @@ namespace slamdb::cli {
 namespace {
 
 std::string Listed(const Eigen::Vector3d& vector) {
-  return Short(vector.x(), 6) + " " + Short(vector.y(), 6) + " " + Short(vector.z(), 6);
+  const Eigen::Vector3d unsigned_zeros = vector.array() + 0.0;
+  return Short(unsigned_zeros.x(), 6) + " " + Short(unsigned_zeros.y(), 6) + " " + Short(unsigned_zeros.z(), 6);
 }
 
 }  // namespace
@@ -44,13 +46,14 @@ nlohmann::ordered_json SimilarityJson(const Similarity3d& transform) {
 }
 
 std::string SimilarityText(const Similarity3d& transform) {
+  constexpr double kNothing = 1e-12;  // what a fit in double precision leaves of nothing
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
-  if (!transform.translation.isZero(0)) add("translation " + Listed(transform.translation));
+  if (transform.translation.norm() > kNothing) add("translation " + Listed(transform.translation));
   const Eigen::AngleAxisd turn(transform.rotation);
-  if (turn.angle() != 0)
+  if (turn.angle() > kNothing)
     add("rotation " + Short(turn.angle() * 180 / std::numbers::pi, 6) + " degrees about " + Listed(turn.axis()));
-  if (transform.scale != 1) add("scale " + Short(transform.scale, 8));
+  if (std::abs(transform.scale - 1) > kNothing) add("scale " + Short(transform.scale, 8));
   return text.empty() ? "nothing" : text;
 }
 

@@ -75,6 +75,9 @@ ResidualStatistics StatisticsOf(std::vector<double> residuals) {
 
 TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosition> reference,
                                       const TrajectoryAlignmentOptions& options) {
+  const auto has_body = [](const KeyFrame& keyframe) { return bool{keyframe.imu_calibration.is_set}; };
+  if (options.body && std::ranges::none_of(map.keyframes, has_body))
+    throw Error(ToString(map.id) + " has no IMU calibration, so that nobody knows where its body is");
   const std::vector<TimedPosition> samples = Sorted(reference), keyframes = PositionsOf(map, options.body);
   std::vector<Eigen::Vector3d> source, target;
   for (const auto& [time, position] : keyframes) {

@@ -38,8 +38,8 @@ struct TrajectoryAlignment {
 // The similarity that lays the keyframes of a map onto a reference trajectory: each keyframe is paired with the
 // position at its time, interpolated where the two samples around it are at most twice the greatest time difference
 // apart, and the nearest in time otherwise; then SolveUmeyama. `reference` may be in any order. O(n log n).
-// Throws Error when fewer than three keyframes find a position (naming both time spans), or these do not determine the
-// transform.
+// Throws Error when fewer than three keyframes find a position (naming both time spans), when these do not determine
+// the transform, and when the body is asked for in a map without IMU calibration.
 TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosition> reference,
                                       const TrajectoryAlignmentOptions& options);
 

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/csv_cells.h"
 
 namespace slamdb {
 namespace {
@@ -20,13 +20,6 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 // From the axis of the earth to the ellipsoid along the normal.
 double NormalRadius(double sine) { return kSemiMajor / std::sqrt(1 - kEccentricity2 * sine * sine); }
-
-std::optional<double> ParseNumber(std::string_view text) {
-  double number = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 bool IsPlace(const Geodetic& place) {
   return std::abs(place.latitude) <= 90 && std::abs(place.longitude) <= 360 && std::isfinite(place.altitude);
@@ -81,7 +74,7 @@ std::optional<GpsFix> ParseFix(std::string_view line, const Columns& columns) {
   const std::vector<std::string_view> cells = Cells(line);
   std::array<double, 4> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto number = columns[i] < cells.size() ? ParseNumber(cells[columns[i]]) : std::nullopt;
+    const auto number = columns[i] < cells.size() ? ParseCell<double>(cells[columns[i]]) : std::nullopt;
     if (!number || !std::isfinite(*number)) return std::nullopt;
     values[i] = *number;
   }
@@ -136,9 +129,7 @@ std::vector<GpsFix> ParseFixes(std::string_view csv) {
   Columns columns{0, 1, 2, 3};
   bool first = true;
   for (std::size_t number = 1; !csv.empty(); ++number) {
-    const std::size_t end = csv.find('\n');
-    std::string_view line = Trimmed(csv.substr(0, end));
-    csv.remove_prefix(end == std::string_view::npos ? csv.size() : end + 1);
+    const std::string_view line = Trimmed(TakeLine(csv));
     const bool comment = line.starts_with('#');
     if (line.empty()) continue;
     if (first) {
@@ -150,10 +141,9 @@ std::vector<GpsFix> ParseFixes(std::string_view csv) {
     if (comment) continue;
     const auto fix = ParseFix(line, columns);
     if (!fix)
-      throw Error("", "line " + std::to_string(number),
-                  "expected time, latitude, longitude and altitude in seconds, degrees "
-                  "and metres, found `" +
-                      std::string(line.substr(0, 80)) + "`");
+      throw LineError(number,
+                      "expected time, latitude, longitude and altitude in seconds, degrees and metres, found `" +
+                          std::string(line.substr(0, 80)) + "`");
     fixes.push_back(*fix);
   }
   return fixes;
@@ -164,7 +154,7 @@ Geodetic ParseGeodetic(std::string_view text) {
   std::array<double, 3> values{};
   bool good = cells.size() == 2 || cells.size() == 3;
   for (std::size_t i = 0; good && i < cells.size(); ++i) {
-    const auto number = ParseNumber(cells[i]);
+    const auto number = ParseCell<double>(cells[i]);
     good = number.has_value();
     if (good) values[i] = *number;
   }

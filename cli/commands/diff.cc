@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/diff.h"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands/commands.h"
+#include "cli/json.h"
+#include "cli/layout.h"
+#include "cli/options.h"
+#include "cli/similarity.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb::cli {
+namespace {
+
+using nlohmann::ordered_json;
+using Verdict = AtlasDiff::Verdict;
+
+struct DiffVerbOptions {
+  std::string before, after, from;
+  double tolerance = 0;
+  bool ignore_ids = false, summary = false, json = false;
+  std::optional<std::size_t> max_listed;
+  double wait = 5;
+};
+
+std::string NameOf(Verdict verdict) {
+  return verdict == Verdict::kSame ? "same" : verdict == Verdict::kRenumbered ? "renumbered" : "different";
+}
+
+std::string Joined(const std::vector<std::string>& parts, std::string_view separator = ", ") {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : std::string(separator)) + part;
+  return text;
+}
+
+// `6 removed, 2 added`, without what is zero.
+std::string Counts(const std::vector<std::pair<std::uint64_t, std::string_view>>& counts) {
+  std::vector<std::string> parts;
+  for (const auto& [count, what] : counts)
+    if (count > 0) parts.push_back(Grouped(count) + " " + std::string(what));
+  return Joined(parts);
+}
+
+std::string Line(std::string_view what, std::uint64_t before, std::uint64_t after, const std::string& counts) {
+  return std::string(what) + ": " + Grouped(before) + " -> " + Grouped(after) + (counts.empty() ? "" : "; " + counts) +
+         "\n";
+}
+
+std::string Listed(std::string_view what, const std::vector<EntityName>& names, bool with_map, std::size_t most) {
+  if (names.empty() || most == 0) return {};
+  std::string text = "  " + std::string(what) + ":";
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i)
+    text += " " + (with_map ? std::to_string(names[i].map) + "/" : std::string()) + std::to_string(names[i].id);
+  return text + (names.size() > most ? " ..." : "") + "\n";
+}
+
+// Ids stand behind their map's where there are several maps.
+std::string EntityText(std::string_view what, const EntityDiff& diff, bool with_map, std::size_t most) {
+  const std::string counts = Counts({{diff.removed.size(), "removed"},
+                                     {diff.added.size(), "added"},
+                                     {diff.changed, "changed"},
+                                     {diff.changed_map, "in another map"},
+                                     {diff.renumbered, "renumbered"}});
+  std::string text = Line(what, diff.before, diff.after, counts);
+  if (!diff.changes.empty()) {
+    std::vector<std::string> aspects;
+    for (const AspectCount& change : diff.changes)
+      aspects.push_back(std::string(change.aspect) + " " + Grouped(change.count));
+    text += "  changed: " + Joined(aspects) + "\n";
+  }
+  return text + Listed("removed", diff.removed, with_map, most) + Listed("added", diff.added, with_map, most);
+}
+
+std::string DistancesText(const Distribution& distances, std::string_view unit) {
+  return "median " + Short(distances.median) + ", max " + Short(distances.max) + std::string(unit);
+}
+
+std::string MotionText(const MapMotion& motion) {
+  std::string text = ToString(motion.before) + " moved:\n";
+  if (motion.keyframes > 0)
+    text += "  " + Counted(motion.keyframes, "keyframe") + " by " + DistancesText(motion.keyframe_distance, "") +
+            "; turned by " + DistancesText(motion.keyframe_degrees, " degrees") + "\n";
+  if (motion.points > 0)
+    text += "  " + Counted(motion.points, "point") + " by " + DistancesText(motion.point_distance, "") + "\n";
+  if (motion.after_from_before)
+    text += "  as a whole: " + SimilarityText(*motion.after_from_before) +
+            "; what is left: " + DistancesText(motion.rest, "") + "\n";
+  return text;
+}
+
+std::string FieldsText(const std::vector<FieldDiff>& fields, std::string_view prefix = {}) {
+  std::string text;
+  for (const FieldDiff& field : fields)
+    text += std::string(prefix) + field.field + ": " + field.before + " -> " + field.after + "\n";
+  return text;
+}
+
+std::string TextOf(const AtlasDiff& diff, const DiffVerbOptions& options) {
+  constexpr std::size_t kListed = 10;
+  const std::size_t most = options.max_listed.value_or(kListed);
+  const bool with_map = diff.maps.before > 1 || diff.maps.after > 1;
+  std::string text = diff.verdict() == Verdict::kSame         ? "the same\n"
+                     : diff.verdict() == Verdict::kRenumbered ? "renumbered only\n"
+                                                              : "different\n";
+  text += EntityText("maps", diff.maps, false, most) + EntityText("cameras", diff.cameras, false, most) +
+          EntityText("keyframes", diff.keyframes, with_map, most) + EntityText("points", diff.points, with_map, most);
+  for (const LinkDiff& link : diff.links)
+    if (!link.same())
+      text += Line(link.kind, link.before, link.after,
+                   Counts({{link.removed, "removed"}, {link.added, "added"}, {link.changed, "changed"}}));
+  for (const MapMotion& motion : diff.motions)
+    if (motion.moved()) text += MotionText(motion);
+  text += FieldsText(diff.fields) + FieldsText(diff.numbering);
+  if (diff.other_ids > 0) text += "ids of frames or culled keyframes: differ in " + Grouped(diff.other_ids) + "\n";
+  return text + FieldsText(diff.encoding, "encoding, which does not count: ");
+}
+
+std::string SummaryOf(const AtlasDiff& diff) {
+  std::string line = NameOf(diff.verdict());
+  const auto add = [&line](std::string_view name, std::uint64_t removed, std::uint64_t added, std::uint64_t changed) {
+    line += " " + std::string(name) + "=-" + std::to_string(removed) + "+" + std::to_string(added) + "~" +
+            std::to_string(changed);
+  };
+  const auto add_entities = [&](std::string_view name, const EntityDiff& entities) {
+    add(name, entities.removed.size(), entities.added.size(), entities.changed);
+  };
+  add_entities("maps", diff.maps);
+  add_entities("cameras", diff.cameras);
+  add_entities("keyframes", diff.keyframes);
+  add_entities("points", diff.points);
+  LinkDiff links;
+  for (const LinkDiff& link : diff.links) {
+    links.removed += link.removed;
+    links.added += link.added;
+    links.changed += link.changed;
+  }
+  add("links", links.removed, links.added, links.changed);
+  line += " fields=" + std::to_string(diff.fields.size());
+  line += " renumbered=" + std::to_string(diff.maps.renumbered + diff.cameras.renumbered + diff.keyframes.renumbered +
+                                          diff.points.renumbered);
+  return line + "\n";
+}
+
+ordered_json NamesJson(const std::vector<EntityName>& names, std::size_t most) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i)
+    list.push_back({{"map", names[i].map}, {"id", names[i].id}});
+  return list;
+}
+
+ordered_json EntityJson(const EntityDiff& diff, std::size_t most) {
+  ordered_json aspects = ordered_json::object();
+  for (const AspectCount& change : diff.changes) aspects[std::string(change.aspect)] = change.count;
+  return {{"before", diff.before},
+          {"after", diff.after},
+          {"removed", diff.removed.size()},
+          {"added", diff.added.size()},
+          {"changed", diff.changed},
+          {"changed_map", diff.changed_map},
+          {"renumbered", diff.renumbered},
+          {"aspects", aspects},
+          {"removed_ids", NamesJson(diff.removed, most)},
+          {"added_ids", NamesJson(diff.added, most)}};
+}
+
+ordered_json DistributionJson(const Distribution& numbers) {
+  return {{"count", numbers.count}, {"mean", numbers.mean}, {"median", numbers.median}, {"max", numbers.max}};
+}
+
+ordered_json MotionJson(const MapMotion& motion) {
+  return {{"map_before", motion.before.value()},
+          {"map_after", motion.after.value()},
+          {"keyframes", motion.keyframes},
+          {"keyframe_distance", DistributionJson(motion.keyframe_distance)},
+          {"keyframe_degrees", DistributionJson(motion.keyframe_degrees)},
+          {"points", motion.points},
+          {"point_distance", DistributionJson(motion.point_distance)},
+          {"after_from_before", motion.after_from_before ? SimilarityJson(*motion.after_from_before) : ordered_json()},
+          {"rest", DistributionJson(motion.rest)}};
+}
+
+ordered_json FieldsJson(const std::vector<FieldDiff>& fields) {
+  ordered_json list = ordered_json::array();
+  for (const FieldDiff& field : fields)
+    list.push_back({{"field", field.field}, {"before", field.before}, {"after", field.after}});
+  return list;
+}
+
+ordered_json JsonOf(const AtlasDiff& diff, const DiffVerbOptions& options) {
+  constexpr std::size_t kListed = 1000;
+  const std::size_t most = options.max_listed.value_or(kListed);
+  ordered_json links = ordered_json::array(), motions = ordered_json::array();
+  for (const LinkDiff& link : diff.links)
+    links.push_back({{"kind", link.kind},
+                     {"before", link.before},
+                     {"after", link.after},
+                     {"removed", link.removed},
+                     {"added", link.added},
+                     {"changed", link.changed}});
+  for (const MapMotion& motion : diff.motions)
+    if (motion.moved()) motions.push_back(MotionJson(motion));
+  return {{"before", options.before},
+          {"after", options.after},
+          {"verdict", NameOf(diff.verdict())},
+          {"maps", EntityJson(diff.maps, most)},
+          {"cameras", EntityJson(diff.cameras, most)},
+          {"keyframes", EntityJson(diff.keyframes, most)},
+          {"points", EntityJson(diff.points, most)},
+          {"links", links},
+          {"motions", motions},
+          {"fields", FieldsJson(diff.fields)},
+          {"numbering", FieldsJson(diff.numbering)},
+          {"other_ids", diff.other_ids},
+          {"encoding", FieldsJson(diff.encoding)}};
+}
+
+ExitCode RunDiff(const DiffVerbOptions& options, Console& console) {
+  ReadOptions read = MakeReadOptions(console);
+  read.lock_timeout = options.wait;
+  Notices notices;
+  const Atlas before = ReadAtlas(Location::Parse(options.before), read, notices, options.from);
+  const Atlas after = ReadAtlas(Location::Parse(options.after), read, notices, options.from);
+  const AtlasDiff diff = DiffAtlases(before, after, {.tolerance = options.tolerance, .threads = console.threads()});
+  console.Report(notices);
+  if (options.json)
+    console.Print(JsonText(JsonOf(diff, options)));
+  else if (options.summary)
+    console.Print(SummaryOf(diff));
+  else if (!console.quiet())
+    console.Print(TextOf(diff, options));
+  const bool equal = diff.verdict() == Verdict::kSame || (options.ignore_ids && diff.verdict() == Verdict::kRenumbered);
+  return equal ? ExitCode::kDone : ExitCode::kFailed;
+}
+
+Run AddDiff(CLI::App& verb) {
+  const auto options = std::make_shared<DiffVerbOptions>();
+  verb.add_option("BEFORE", options->before, "An atlas: a file, STORE.db#NAME, or - for standard input")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("AFTER", options->after, "The atlas to compare it with")->type_name("FILE")->required();
+  AddFrom(verb, options->from);
+  AddWait(verb, options->wait);
+  verb.add_option(
+          "--tolerance", options->tolerance,
+          "Numbers are the same when they differ by at most this times the larger of 1 and their size; 1e-5 lets "
+          "pass what single precision rounds")
+      ->type_name("FRACTION")
+      ->check(CLI::NonNegativeNumber.description({}))
+      ->capture_default_str();
+  verb.add_flag("--ignore-ids", options->ignore_ids, "Atlases that are only renumbered count as the same");
+  CLI::Option* json = verb.add_flag("--json", options->json, "Print JSON, for programs");
+  verb.add_flag("--summary", options->summary, "Print one line, for scripts: verdict and -removed+added~changed")
+      ->excludes(json);
+  verb.add_option("--max-listed", options->max_listed,
+                  "Ids to list of what was removed and added; by default 10 as text, 1000 as JSON")
+      ->type_name("N");
+  return [options](Console& console) { return RunDiff(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb diff before.osa after.osa", "What changed."},
+    {"slamdb diff a.osa lab.db#a --quiet", "Only the exit code, across formats."},
+    {"slamdb diff a.osa renumbered.osa --ignore-ids --summary", "One line, beginning with same, renumbered or different."},
+    {"slamdb diff a.osa there_and_back.osa --tolerance 1e-5", "Lets float noise pass."},
+};
+
+}  // namespace
+
+const Command kDiff = {
+    .name = "diff",
+    .summary = "compare two atlases by what they mean",
+    .description =
+        R"(Tells what was removed, added, moved, changed or renumbered from one atlas to the other. Entities are recognised by content,
+whatever their ids: keyframes by descriptors and time, points by descriptor and by who sees them where, maps by their
+keyframes. References are the same when they lead to the same entity. The order of lists does not count, and neither does
+how the files are encoded.
+
+An error prints nothing on standard output; a comparison always prints there, unless --quiet.)",
+    .done = "The atlases are the same, or with --ignore-ids only renumbered.",
+    .failed = "The atlases differ; or an input could not be read, which standard error then says.",
+    .examples = kExamples,
+    .add = AddDiff,
+};
+
+}  // namespace slamdb::cli

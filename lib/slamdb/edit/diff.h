@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/similarity.h"
+#include "slamdb/model/statistics.h"
+
+namespace slamdb {
+
+struct DiffOptions {
+  double tolerance = 0;  // numbers a and b are the same when |a - b| <= tolerance * max(1, |a|, |b|)
+  int threads = 0;       // 0: every core
+};
+
+// An entity by its ids.
+struct EntityName {
+  std::uint64_t map = 0, id = 0;
+  friend auto operator<=>(const EntityName&, const EntityName&) = default;
+};
+
+// How many entities that both atlases have differ in an aspect (`bag of words`).
+struct AspectCount {
+  std::string_view aspect;
+  std::uint64_t count = 0;
+  friend bool operator==(const AspectCount&, const AspectCount&) = default;
+};
+
+// Entities of one kind.
+struct EntityDiff {
+  std::uint64_t before = 0, after = 0;     // all there are
+  std::vector<EntityName> removed, added;  // ascending
+  std::uint64_t renumbered = 0;            // in both, under another id
+  std::uint64_t changed_map = 0;           // in both, in maps that are not the same
+  std::uint64_t changed = 0;               // in both, differing in any aspect below
+  std::vector<AspectCount> changes;        // aspects in which any differ
+};
+
+// References of one kind: observations, edges, slots.
+struct LinkDiff {
+  std::string_view kind;
+  std::uint64_t before = 0, after = 0;
+  std::uint64_t removed = 0, added = 0;
+  std::uint64_t changed = 0;  // in both, with another weight or keypoint
+
+  bool same() const { return removed == 0 && added == 0 && changed == 0; }
+};
+
+// How the entities of a map that is in both have moved.
+struct MapMotion {
+  MapId before, after;
+  std::uint64_t keyframes = 0, points = 0;  // that moved
+  Distribution keyframe_distance;           // of the centres that moved, map units
+  Distribution keyframe_degrees;            // of their rotations
+  Distribution point_distance;              // of the points that moved
+  // The similarity that takes the map before to the map after best, and what distances it leaves. None where nothing
+  // moved, or where too little is in both.
+  std::optional<Similarity3d> after_from_before;
+  Distribution rest;
+
+  bool moved() const { return keyframes > 0 || points > 0; }
+};
+
+struct FieldDiff {
+  std::string field, before, after;
+};
+
+struct AtlasDiff {
+  EntityDiff maps, cameras, keyframes, points;
+  std::vector<LinkDiff> links;       // every kind, differing or not
+  std::vector<MapMotion> motions;    // of every map in both
+  std::vector<FieldDiff> fields;     // vocabulary, and what irregular lists repeat
+  std::vector<FieldDiff> numbering;  // counters and largest ids: what renumbering changes besides ids
+  std::uint64_t other_ids = 0;       // ids of frames and of culled keyframes that differ
+  std::vector<FieldDiff> encoding;   // how the files are written, which is no difference of the atlases
+
+  enum class Verdict { kSame, kRenumbered, kDifferent };
+  Verdict verdict() const;
+};
+
+// Compares two atlases by what they mean. Entities are recognised by content, whatever their ids: keyframes by
+// descriptors and time, points by descriptor and by who observes them where, maps by their keyframes, cameras by their
+// parameters. References are the same when they lead to the same entity. The order of lists does not count, a NaN is
+// the same as any other, and a quaternion the same as its negative. O(n); the result does not depend on the number of
+// threads. Either atlas may hold anything. Thread-safe.
+AtlasDiff DiffAtlases(const Atlas& before, const Atlas& after, const DiffOptions& options);
+
+}  // namespace slamdb
