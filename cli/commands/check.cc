@@ -11,8 +11,8 @@
 #include "cli/options.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
-#include "slamdb/formats/formats.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
+#include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
 namespace {

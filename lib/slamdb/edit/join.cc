@@ -14,11 +14,11 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/edit/references.h"
-#include "slamdb/edit/spanning_tree.h"
 #include "slamdb/edit/transform.h"
 #include "slamdb/edit/umeyama.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
+#include "slamdb/model/spanning_tree.h"
 
 namespace slamdb {
 namespace {

@@ -46,8 +46,8 @@ struct RepairReport {
 
 // Applies the fixes of the rules to `atlas`, in catalogue order, again until none of them changes anything. What is
 // sound stays as it is, and so does what has no safe fix. TakeBack(report.journal) undoes it bit by bit. Linear for
-// each fix that is needed; holds a second copy of the atlas meanwhile when it keeps a journal. The outcome does not depend on the number of
-// threads. Throws Error when the options name an unknown rule, or one without a fix.
+// each fix that is needed; holds a second copy of the atlas meanwhile when it keeps a journal. The outcome does not
+// depend on the number of threads. Throws Error when the options name an unknown rule, or one without a fix.
 RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options = {});
 
 }  // namespace slamdb

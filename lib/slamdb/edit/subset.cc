@@ -9,9 +9,9 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
-#include "slamdb/edit/spanning_tree.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/preintegration.h"
+#include "slamdb/model/spanning_tree.h"
 
 namespace slamdb {
 namespace {

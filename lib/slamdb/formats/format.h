@@ -77,7 +77,7 @@ enum class FeatureColumns {
 };
 
 struct ReadOptions {
-  int threads = 0;       // 0: every core
+  int threads = 0;  // 0: every core
   FeatureColumns features = FeatureColumns::kAll;
   Selection selection;
   Progress progress;                            // may be empty

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "slamdb/model/reprojection.h"
 #include "slamdb/formats/format.h"
+#include "slamdb/model/reprojection.h"
 
 namespace slamdb {
 

@@ -126,7 +126,8 @@ class Salvager {
 
  public:
   Salvager(FileStream& file, const ArchiveHeader& header)
-      : file_(file.data(), file.size()), at_(Input(&file, header.encoding), ClassTable(header.encoding), FeatureColumns::kAll) {
+      : file_(file.data(), file.size()),
+        at_(Input(&file, header.encoding), ClassTable(header.encoding), FeatureColumns::kAll) {
     salvage_.atlas.encoding = header.encoding;
     at_.input.Seek(header.bytes);
   }
