@@ -8,6 +8,9 @@ install(DIRECTORY lib/slamdb DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCH
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/slamdb)
 install(EXPORT slamdbTargets NAMESPACE slamdb:: DESTINATION ${package_folder})
 configure_package_config_file(cmake/slamdbConfig.cmake.in slamdbConfig.cmake INSTALL_DESTINATION ${package_folder})
+if(SLAMDB_BUILD_LIVE)
+  install(FILES cmake/FindOpenCVCore.cmake DESTINATION ${package_folder})
+endif()
 write_basic_package_version_file(slamdbConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/slamdbConfig.cmake ${PROJECT_BINARY_DIR}/slamdbConfigVersion.cmake
   DESTINATION ${package_folder})

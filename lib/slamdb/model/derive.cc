@@ -74,6 +74,17 @@ std::int64_t CellOf(const Keypoint& keypoint, const ImageBounds& bounds) {
   return column < 0 || row < 0 ? -1 : std::int64_t{column} * bounds.grid_rows + row;
 }
 
+// The cells along one axis that may hold what is within `radius` of `place`; none when first > last.
+struct CellRange {
+  std::int32_t first, last;
+};
+CellRange CellsNear(float place, float radius, float inverse_size, std::int32_t count) {
+  const float first = std::floor((place - radius) * inverse_size), last = std::ceil((place + radius) * inverse_size);
+  const auto end = static_cast<float>(count);
+  if (!(first < end && last >= 0)) return {0, -1};
+  return {static_cast<std::int32_t>(std::max(first, 0.0F)), static_cast<std::int32_t>(std::min(last, end - 1))};
+}
+
 }  // namespace
 
 std::optional<Eigen::Vector2f> Project(const Camera& camera, const Eigen::Vector3f& x_in_camera) {
@@ -109,14 +120,17 @@ Eigen::Vector3f RightCameraCenter(const KeyFrame& keyframe) {
   return keyframe.camera_from_world.Normalized().Inverse() * keyframe.left_from_right.translation;
 }
 
+Rigid3f RightCameraFromWorld(const KeyFrame& keyframe) {
+  return keyframe.left_from_right.Normalized().Inverse() * keyframe.camera_from_world.Normalized();
+}
+
 Rigid3f WorldFromBody(const KeyFrame& keyframe) {
   const Rigid3f world_from_camera = keyframe.camera_from_world.Normalized().Inverse();
   if (!keyframe.imu_calibration.is_set) return world_from_camera;
   return world_from_camera * keyframe.imu_calibration.camera_from_body.Normalized();
 }
 
-const Keypoint* ObservedKeypoint(const KeyFrame& keyframe, std::int32_t row) {
-  const Features& features = keyframe.features;
+const Keypoint* ObservedKeypoint(const Features& features, std::int32_t row) {
   const bool is_right = features.is_fisheye_stereo() && row >= features.left_count;
   const Column<Keypoint>& column = is_right                       ? features.right_keypoints
                                    : features.is_fisheye_stereo() ? features.keypoints
@@ -126,12 +140,54 @@ const Keypoint* ObservedKeypoint(const KeyFrame& keyframe, std::int32_t row) {
   return &column[static_cast<std::size_t>(place)];
 }
 
-std::int32_t ObservationWeight(const KeyFrame& keyframe, const Observation& observation) {
+std::optional<Eigen::Vector3f> UnprojectDepth(const Features& features, const Intrinsics& intrinsics,
+                                              std::int32_t row) {
+  const auto place = static_cast<std::size_t>(row);
+  if (row < 0 || place >= features.depth.size() || place >= features.keypoints.size()) return std::nullopt;
+  const float z = features.depth[place];
+  if (!(z > 0)) return std::nullopt;
+  const Keypoint& keypoint = features.keypoints[place];
+  return Eigen::Vector3f((keypoint.x - intrinsics.cx) * z * intrinsics.inverse_fx,
+                         (keypoint.y - intrinsics.cy) * z * intrinsics.inverse_fy, z);
+}
+
+bool IsInsideImage(const ImageBounds& bounds, float x, float y) {
+  return x >= static_cast<float>(bounds.min_x) && x < static_cast<float>(bounds.max_x) &&
+         y >= static_cast<float>(bounds.min_y) && y < static_cast<float>(bounds.max_y);
+}
+
+std::vector<std::size_t> KeypointsInArea(const Column<Keypoint>& keypoints, const FeatureGrid& grid,
+                                         const ImageBounds& bounds, float x, float y, float radius) {
+  std::vector<std::size_t> rows;
+  const std::int64_t cells = CellCount(bounds);
+  if (cells == 0 || static_cast<std::uint64_t>(cells) != grid.cell_sizes.size()) return rows;
+  const CellRange columns =
+      CellsNear(x - static_cast<float>(bounds.min_x), radius, bounds.inverse_cell_width, bounds.grid_columns);
+  const CellRange cell_rows =
+      CellsNear(y - static_cast<float>(bounds.min_y), radius, bounds.inverse_cell_height, bounds.grid_rows);
+  std::size_t entry = 0, cell = 0;
+  for (std::int32_t column = 0; column <= columns.last; ++column) {
+    for (std::int32_t row = 0; row < bounds.grid_rows; ++row, ++cell) {
+      const std::size_t end = std::min<std::size_t>(entry + grid.cell_sizes[cell], grid.keypoints.size());
+      const bool is_near = column >= columns.first && row >= cell_rows.first && row <= cell_rows.last;
+      for (; is_near && entry < end; ++entry) {
+        const std::uint64_t keypoint = grid.keypoints[entry];
+        if (keypoint < keypoints.size() && std::abs(keypoints[keypoint].x - x) < radius &&
+            std::abs(keypoints[keypoint].y - y) < radius)
+          rows.push_back(keypoint);
+      }
+      entry = end;
+    }
+  }
+  return rows;
+}
+
+std::int32_t ObservationWeight(const Features& features, bool has_second_camera, const Observation& observation) {
   std::int32_t weight = observation.right >= 0 ? 1 : 0;
   if (observation.left < 0) return weight;
-  const Column<float>& right_x = keyframe.features.right_x;
+  const Column<float>& right_x = features.right_x;
   const auto left = static_cast<std::size_t>(observation.left);
-  const bool has_depth = !keyframe.right_camera && left < right_x.size() && right_x[left] >= 0;
+  const bool has_depth = !has_second_camera && left < right_x.size() && right_x[left] >= 0;
   return weight + (has_depth ? 2 : 1);
 }
 
@@ -226,6 +282,22 @@ DistanceRange DeriveDistanceRange(float distance, std::int32_t octave, const Sca
   if (octave < 0 || static_cast<std::size_t>(octave) >= pyramid.factors.size()) return {};
   const float max = distance * pyramid.factors[static_cast<std::size_t>(octave)];
   return {max / pyramid.factors.back(), max};
+}
+
+std::int32_t PredictScale(float max_distance, float distance, const ScalePyramid& pyramid) {
+  const float level = std::ceil(std::log(max_distance / distance) / pyramid.log_factor);
+  const auto highest = static_cast<float>(std::max(pyramid.levels - 1, 0));
+  return level > 0 ? static_cast<std::int32_t>(std::min(level, highest)) : 0;  // NaN too
+}
+
+Eigen::Vector3f MeanViewingDirection(const Eigen::Vector3f& position, std::span<const Eigen::Vector3f> centers) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  if (centers.empty()) return sum;
+  for (const Eigen::Vector3f& center : centers) {
+    const Eigen::Vector3f direction = position - center;
+    sum += direction / direction.norm();
+  }
+  return sum / static_cast<float>(centers.size());
 }
 
 }  // namespace slamdb

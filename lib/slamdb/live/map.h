@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "slamdb/live/listed.h"
+#include "slamdb/live/runtime.h"
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/similarity.h"
+
+namespace slamdb::live {
+
+class Atlas;
+class KeyFrame;
+class MapPoint;
+
+// Keyframes and points in one world frame: ORB-SLAM3's class Map, with its names. live::Atlas makes maps. It owns what
+// was added to it, until it goes itself or another map takes it over. Lists are in the order in which objects came. All
+// methods are thread-safe; runtime.h states the order of the locks.
+class Map {
+ public:
+  ~Map();
+  Map(const Map&) = delete;
+  Map& operator=(const Map&) = delete;
+
+  // Takes the object over, from another map if it is there. The first keyframe of an empty map is its initial one.
+  void AddKeyFrame(KeyFrame* pKF);
+  void AddMapPoint(MapPoint* pMP);
+  // No longer lists it; it lives on until the map goes.
+  void EraseKeyFrame(KeyFrame* pKF);
+  void EraseMapPoint(MapPoint* pMP);
+
+  std::vector<KeyFrame*> GetAllKeyFrames();
+  std::vector<MapPoint*> GetAllMapPoints();
+  long unsigned int KeyFramesInMap();
+  long unsigned int MapPointsInMap();
+
+  // The points that tracking draws.
+  void SetReferenceMapPoints(const std::vector<MapPoint*>& vpMPs);
+  std::vector<MapPoint*> GetReferenceMapPoints();
+
+  long unsigned int GetId() const { return id_; }
+  void ChangeId(long unsigned int nId);
+  long unsigned int GetInitKFid();
+  void SetInitKFid(long unsigned int initKFif);
+  long unsigned int GetMaxKFid();    // never decreases
+  KeyFrame* GetOriginKF();           // the initial keyframe; null: none yet
+  long unsigned int GetLowerKFID();  // least id of a keyframe; 0: none
+
+  bool IsInUse() const { return is_in_use_; }
+  void SetCurrentMap() { is_in_use_ = true; }
+  void SetStoredMap() { is_in_use_ = false; }
+  bool IsBad() const { return is_bad_; }
+  void SetBad() { is_bad_ = true; }
+
+  void InformNewBigChange();
+  int GetLastBigChangeIdx();
+  int GetMapChangeIndex() const { return change_index_; }
+  void IncreaseChangeIndex() { ++change_index_; }
+  int GetLastMapChange() const { return last_change_; }
+  void SetLastMapChange(int currentChangeId) { last_change_ = currentChangeId; }
+
+  void SetImuInitialized();
+  bool isImuInitialized();
+  void SetInertialSensor();
+  bool IsInertial();
+  void SetIniertialBA1();  // sic, as in ORB-SLAM3
+  void SetIniertialBA2();
+  bool GetIniertialBA1();
+  bool GetIniertialBA2();
+
+  // Moves the map: poses and velocities of all keyframes, then positions of all points with normals and distance
+  // ranges. y_from_world rotates, turns and shifts; positions are multiplied by `s` before.
+  void ApplyScaledRotation(const Rigid3f& T, float s, bool bScaledVel = false);
+
+  // Empties the map: its keyframes belong to no map, the IMU flags are reset.
+  void clear();
+
+  Runtime& runtime() { return runtime_; }
+
+  std::mutex mMutexMapUpdate, mMutexPointCreation;  // for clients, see runtime.h
+  std::vector<KeyFrame*> mvpKeyFrameOrigins;        // roots for global bundle adjustment; write it inside a Change
+
+ private:
+  friend class Atlas;
+  friend struct Bridge;
+
+  Map(Runtime& runtime, std::uint64_t id, std::uint64_t initial_keyframe);
+  Map(Runtime& runtime, slamdb::Map header);  // without its lists
+
+  template <class Object>
+  struct Objects {
+    ObjectList<Object> live, erased;
+  };
+  template <class Object>
+  bool Add(Objects<Object>& objects, Object* object);  // false: it was there
+  template <class Object>
+  bool Erase(Objects<Object>& objects, Object* object);  // false: it was not there
+  template <class Object>
+  void GiveUp(Objects<Object>& objects, Object* object);  // to another map
+  void TakeOver(Listed* object);
+  Objects<KeyFrame>& ObjectsOf(KeyFrame*) { return keyframes_; }
+  Objects<MapPoint>& ObjectsOf(MapPoint*) { return points_; }
+
+  // The record without lists; repeated entries only where all lists are as they were loaded. Under the closed gate.
+  slamdb::Map ToHeader(bool repeated_entries) const;
+  bool IsSaved() const;  // not when it is new and empty
+
+  Runtime& runtime_;
+  std::atomic<std::uint64_t> id_;
+  std::atomic<bool> is_in_use_ = false, is_bad_ = false;
+  std::atomic<int> change_index_ = 0, last_change_ = 0;
+
+  std::mutex mutex_;    // mMutexMap: the members below
+  slamdb::Map record_;  // without lists; first_keyframe, lowest_keyframe and origins only if their targets are missing
+  Objects<KeyFrame> keyframes_;
+  Objects<MapPoint> points_;
+  std::vector<MapPoint*> reference_points_;
+  KeyFrame *initial_ = nullptr, *lowest_ = nullptr;
+
+  bool has_unique_ids_ = true;
+
+  // What the checkpointer cannot take from the changed objects alone: an object came from or went to another map.
+  bool is_rebuilt_ = true;
+  bool lists_as_recorded_ = false;  // since it was loaded, so that the record's repeated entries hold
+};
+
+}  // namespace slamdb::live

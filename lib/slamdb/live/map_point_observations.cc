@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Who sees a map point: observations, going bad, being replaced, the descriptor that follows from them.
+#include <algorithm>
+
+#include "slamdb/live/keyframe.h"
+#include "slamdb/live/map.h"
+#include "slamdb/live/map_point.h"
+#include "slamdb/model/derive.h"
+
+namespace slamdb::live {
+
+using Lock = std::lock_guard<std::mutex>;
+
+std::vector<MapPoint::Observer>::iterator MapPoint::FindObserver(const KeyFrame* keyframe) {
+  return std::lower_bound(observations_.begin(), observations_.end(), keyframe->mnId,
+                          [](const Observer& observer, std::uint64_t id) { return observer.keyframe->mnId < id; });
+}
+
+std::vector<MapPoint::Observer> MapPoint::CopyObservers() {
+  const Lock lock(mutex_features_);
+  return observations_;
+}
+
+void MapPoint::AddObservation(KeyFrame* pKF, int idx) {
+  const Change change(runtime_.gate);
+  {
+    const Lock lock(mutex_features_);
+    auto observer = FindObserver(pKF);
+    if (observer == observations_.end() || observer->keyframe != pKF) observer = observations_.insert(observer, {pKF});
+    const int before = pKF->WeightOfObservation(observer->left, observer->right);
+    (pKF->NLeft != -1 && idx >= pKF->NLeft ? observer->right : observer->left) = idx;
+    nObs += pKF->WeightOfObservation(observer->left, observer->right) - before;
+  }
+  MarkChanged();
+}
+
+void MapPoint::EraseObservation(KeyFrame* pKF) {
+  const Change change(runtime_.gate);
+  bool too_few = false;
+  {
+    const Lock lock(mutex_features_);
+    const auto observer = FindObserver(pKF);
+    if (observer == observations_.end() || observer->keyframe != pKF) return;
+    nObs -= pKF->WeightOfObservation(observer->left, observer->right);
+    observations_.erase(observer);
+    if (reference_ == pKF) reference_ = observations_.empty() ? nullptr : observations_.front().keyframe;
+    too_few = nObs <= 2;
+  }
+  MarkChanged();
+  if (too_few) SetBadFlag();
+}
+
+std::map<KeyFrame*, std::tuple<int, int>> MapPoint::GetObservations() {
+  std::map<KeyFrame*, std::tuple<int, int>> observations;
+  for (const Observer& observer : CopyObservers()) observations[observer.keyframe] = {observer.left, observer.right};
+  return observations;
+}
+
+int MapPoint::Observations() {
+  const Lock lock(mutex_features_);
+  return nObs;
+}
+
+std::tuple<int, int> MapPoint::GetIndexInKeyFrame(KeyFrame* pKF) {
+  const Lock lock(mutex_features_);
+  const auto observer = FindObserver(pKF);
+  if (observer == observations_.end() || observer->keyframe != pKF) return {-1, -1};
+  return {observer->left, observer->right};
+}
+
+bool MapPoint::IsInKeyFrame(KeyFrame* pKF) {
+  const Lock lock(mutex_features_);
+  const auto observer = FindObserver(pKF);
+  return observer != observations_.end() && observer->keyframe == pKF;
+}
+
+void MapPoint::SetBadFlag() {
+  const Change change(runtime_.gate);
+  std::vector<Observer> observers;
+  {
+    const Lock lock(mutex_features_);
+    bad_ = true;
+    observers.swap(observations_);
+  }
+  for (const Observer& observer : observers) {
+    if (observer.left >= 0) observer.keyframe->EraseMapPointMatch(observer.left);
+    if (observer.right >= 0) observer.keyframe->EraseMapPointMatch(observer.right);
+  }
+  if (Map* map = map_; map != nullptr) map->EraseMapPoint(this);
+}
+
+void MapPoint::Replace(MapPoint* pMP) {
+  if (pMP == this || pMP->mnId == mnId) return;
+  const Change change(runtime_.gate);
+  std::vector<Observer> observers;
+  int visible = 0, found = 0;
+  {
+    const Lock lock(mutex_features_);
+    observers.swap(observations_);
+    bad_ = true;
+    replaced_ = pMP;
+    visible = visible_;
+    found = found_;
+  }
+  for (const Observer& observer : observers) {
+    const bool is_free = !pMP->IsInKeyFrame(observer.keyframe);
+    for (const std::int32_t row : {observer.left, observer.right}) {
+      if (row < 0) continue;
+      if (is_free) {
+        observer.keyframe->ReplaceMapPointMatch(row, pMP);
+        pMP->AddObservation(observer.keyframe, row);
+      } else {
+        observer.keyframe->EraseMapPointMatch(row);
+      }
+    }
+  }
+  pMP->IncreaseFound(found);
+  pMP->IncreaseVisible(visible);
+  pMP->ComputeDistinctiveDescriptors();
+  if (Map* map = map_; map != nullptr) map->EraseMapPoint(this);
+}
+
+void MapPoint::ComputeDistinctiveDescriptors() {
+  std::vector<Observer> observers;
+  {
+    const Lock lock(mutex_features_);
+    if (bad_) return;
+    observers = observations_;
+  }
+  std::vector<Descriptor> descriptors;
+  descriptors.reserve(observers.size());
+  for (const Observer& observer : observers) {
+    if (observer.keyframe->isBad()) continue;
+    const Column<Descriptor>& rows = observer.keyframe->features().descriptors;
+    for (const std::int32_t row : {observer.left, observer.right})
+      if (row >= 0 && static_cast<std::size_t>(row) < rows.size())
+        descriptors.push_back(rows[static_cast<std::size_t>(row)]);
+  }
+  if (descriptors.empty()) return;
+  const Descriptor best = descriptors[MostDistinctiveDescriptor(descriptors)];
+  const Change change(runtime_.gate);
+  {
+    const Lock lock(mutex_features_);
+    descriptor_ = best;
+    if (descriptor_form_ != MatrixForm::kUsualNotContinuous) descriptor_form_ = MatrixForm::kUsual;
+  }
+  MarkChanged();
+}
+
+}  // namespace slamdb::live

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A map point and its record at rest.
+#include "slamdb/live/map_point_record.h"
+
+#include <algorithm>
+
+#include "slamdb/live/keyframe.h"
+#include "slamdb/live/map.h"
+
+namespace slamdb::live {
+
+using Lock = std::lock_guard<std::mutex>;
+
+namespace {
+
+// What PostLoad of the documented class looks ids up in.
+struct IdMaps {
+  std::map<long unsigned int, KeyFrame*>& keyframes;
+  std::map<long unsigned int, MapPoint*>& points;
+
+  KeyFrame* Find(KeyFrameId id) const {
+    const auto found = keyframes.find(id.value());
+    return found == keyframes.end() ? nullptr : found->second;
+  }
+  MapPoint* Find(MapPointId id) const {
+    const auto found = points.find(id.value());
+    return found == points.end() ? nullptr : found->second;
+  }
+};
+
+}  // namespace
+
+MapPoint::MapPoint(const slamdb::MapPoint& record, Map* map) : MapPoint(map, record.id.value()) {
+  mnFirstKFid = record.first_keyframe;
+  mnFirstFrame = record.first_frame;
+  nObs = record.observation_count;
+  position_ = record.position;
+  normal_ = record.normal;
+  min_distance_ = record.min_distance;
+  max_distance_ = record.max_distance;
+  descriptor_ = record.descriptor;
+  descriptor_form_ = record.descriptor_form;
+  recorded_bad_ = record.bad;
+  bad_ = record.bad;
+}
+
+slamdb::MapPoint MapPoint::ToRecord(const Map* map) const {
+  slamdb::MapPoint record;
+  record.id = MapPointId(mnId);
+  record.first_keyframe = mnFirstKFid;
+  record.first_frame = mnFirstFrame;
+  record.observation_count = nObs;
+  record.position = position_;
+  record.normal = normal_;
+  record.descriptor = descriptor_;
+  record.descriptor_form = descriptor_form_;
+  record.bad = bad_ == static_cast<bool>(recorded_bad_) ? recorded_bad_ : Flag(bad_);
+  record.min_distance = min_distance_;
+  record.max_distance = max_distance_;
+  record.observations.reserve(observations_.size());
+  for (const Observer& observer : observations_)
+    if (observer.keyframe->IsListedIn(map))
+      record.observations.push_back({KeyFrameId(observer.keyframe->mnId), observer.left, observer.right});
+  if (reference_ != nullptr && reference_->IsListedIn(map)) record.reference = KeyFrameId(reference_->mnId);
+  if (replaced_ != nullptr && replaced_->IsListedIn(map)) record.replaced_by = MapPointId(replaced_->mnId);
+  if (unresolved_ == nullptr) return record;
+
+  if (reference_ == nullptr) record.reference = unresolved_->reference;
+  if (replaced_ == nullptr) record.replaced_by = unresolved_->replaced_by;
+  const auto middle = static_cast<std::ptrdiff_t>(record.observations.size());
+  record.observations.insert(record.observations.end(), unresolved_->observations.begin(),
+                             unresolved_->observations.end());
+  std::inplace_merge(record.observations.begin(), record.observations.begin() + middle, record.observations.end(),
+                     [](const Observation& a, const Observation& b) { return a.keyframe < b.keyframe; });
+  return record;
+}
+
+void MapPoint::PreSave(std::set<KeyFrame*>& spKF, std::set<MapPoint*>& spMP) {
+  const Lock lock(mutex_features_);
+  mBackupObservationsId1.clear();
+  mBackupObservationsId2.clear();
+  for (const Observer& observer : observations_) {
+    if (!spKF.contains(observer.keyframe)) continue;
+    mBackupObservationsId1[observer.keyframe->mnId] = observer.left;
+    mBackupObservationsId2[observer.keyframe->mnId] = observer.right;
+  }
+  mBackupRefKFId = spKF.contains(reference_) ? reference_->mnId : KeyFrameId::kNone;
+  mBackupReplacedId = spMP.contains(replaced_) ? replaced_->mnId : MapPointId::kNone;
+}
+
+PostLoadReport MapPoint::PostLoad(std::map<long unsigned int, KeyFrame*>& mpKFid,
+                                  std::map<long unsigned int, MapPoint*>& mpMPid) {
+  slamdb::MapPoint record;
+  record.reference = KeyFrameId(mBackupRefKFId);
+  record.replaced_by = MapPointId(mBackupReplacedId);
+  for (const auto& [keyframe, left] : mBackupObservationsId1) {
+    const auto right = mBackupObservationsId2.find(keyframe);
+    record.observations.push_back(
+        {KeyFrameId(keyframe), left, right == mBackupObservationsId2.end() ? -1 : right->second});
+  }
+  PostLoadReport report;
+  const Change change(runtime_.gate);
+  {
+    const Lock lock(mutex_features_);
+    Link(record, IdMaps{mpKFid, mpMPid}, report);
+  }
+  MarkChanged();
+  return report;
+}
+
+}  // namespace slamdb::live

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slamdb/model/ids.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb::live {
+
+class KeyFrame;
+class MapPoint;
+
+// The references that are ids at rest and pointers in the live graph.
+enum class LinkKind {
+  kObservation,  // of a point, by a keyframe that is not there, or at a keypoint that it does not have
+  kReference,    // a point's reference keyframe
+  kReplacement,  // the point that replaces another
+  kSlot,         // the point that a keypoint sees
+  kConnection,
+  kParent,
+  kChild,
+  kLoopEdge,
+  kMergeEdge,
+  kPrevious,
+  kNext,
+  kCamera,
+  kRightCamera,
+  kInitialKeyFrame,  // of a map
+  kLowestKeyFrame,
+  kOrigin,
+};
+inline constexpr std::size_t kLinkKinds = static_cast<std::size_t>(LinkKind::kOrigin) + 1;
+std::string_view ToString(LinkKind kind);  // "observation", "reference keyframe", ...
+
+// A reference whose target is not in the map. The graph goes without it; a save writes it as it was.
+struct DanglingLink {
+  LinkKind kind;
+  MapId map;
+  KeyFrameId keyframe;  // which has it; none: the point, or the map itself
+  MapPointId point;
+  std::uint64_t target = 0;  // the id
+  friend bool operator==(const DanglingLink&, const DanglingLink&) = default;
+};
+
+// What was not whole in an atlas that was brought to life. Everything else is.
+struct PostLoadReport {
+  static constexpr std::size_t kMostExamples = 100;
+
+  std::array<std::uint64_t, kLinkKinds> counts{};
+  std::vector<DanglingLink> examples;  // the first of them, by map, keyframes before points, in list order
+  std::uint64_t bad_keyframes = 0;     // listed though culled: they are in the graph, flagged and without links
+  std::uint64_t bad_points = 0;        // likewise
+  std::uint64_t duplicate_ids = 0;     // of keyframes and points in one map: links go to the first of equals
+
+  double seconds = 0;  // that finding the targets took
+
+  std::uint64_t operator[](LinkKind kind) const { return counts[static_cast<std::size_t>(kind)]; }
+  std::uint64_t dangling() const;
+  bool whole() const { return dangling() + bad_keyframes + bad_points + duplicate_ids == 0; }
+
+  void Add(const DanglingLink& link);
+  void Append(const PostLoadReport& later);
+  std::string ToString() const;  // for people: a line for each kind that occurs; "whole" when none does
+};
+
+// The objects of one map by id: rows of the id tables are rows of the lists. Const and so thread-safe.
+struct LinkTargets {
+  const IdTable& keyframe_rows;
+  const IdTable& point_rows;
+  std::span<KeyFrame* const> keyframes;
+  std::span<MapPoint* const> points;
+
+  KeyFrame* Find(KeyFrameId id) const {
+    const std::uint32_t row = keyframe_rows.Find(id.value());
+    return row == kNoRow ? nullptr : keyframes[row];
+  }
+  MapPoint* Find(MapPointId id) const {
+    const std::uint32_t row = point_rows.Find(id.value());
+    return row == kNoRow ? nullptr : points[row];
+  }
+};
+
+}  // namespace slamdb::live
