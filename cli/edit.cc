@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/edit.h"
 
+#include <filesystem>
 #include <iostream>
 
 #include "slamdb/base/error.h"
@@ -10,10 +11,13 @@ namespace slamdb::cli {
 
 void RefuseBadOutput(const EditOptions& options) {
   if (options.dry_run) return;
-  if (options.output.empty()) throw Error("name an output, or say --dry-run to see only what would be done");
+  if (options.output.empty()) RefuseUsage("name an output, or say --dry-run to see only what would be done");
   const Location output = Location::Parse(options.output);
   RefuseSameFile(Location::Parse(options.input), output);
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
+  if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
+      FormatOfOutput(output, options.target.to).id != "store")
+    throw Error(output.path, "", "is there already; -O replaces it");
 }
 
 void AddEdit(CLI::App& verb, EditOptions& options) {
@@ -46,7 +50,11 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
   WriteOptions write = MakeWriteOptions(console, options.target);
   write.lock_timeout = options.wait;
   write.provenance = provenance;
-  WriteAtlas(atlas, Location::Parse(options.output), write, notices, options.target.to);
+  const Location output = Location::Parse(options.output);
+  std::string to = options.target.to;
+  // A changed text archive stays one.
+  if (to.empty() && atlas.encoding.text && FormatOfOutput(output).id == "orbslam3") to = "orbslam3-text";
+  WriteAtlas(atlas, output, write, notices, to);
 }
 
 ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,

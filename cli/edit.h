@@ -11,6 +11,10 @@
 // what was done. Inputs are never changed, and with --dry-run nothing is written.
 namespace slamdb::cli {
 
+// What exit code 3 means where only the format of the output can lose something.
+inline constexpr std::string_view kOutputLossy =
+    "Done, but the format of the output does not hold all of the atlas; standard error names what it lacks.";
+
 struct EditOptions {
   std::string input, output, from;
   TargetOptions target;

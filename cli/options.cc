@@ -79,6 +79,13 @@ std::vector<std::string> FormatIds(bool reading) {
   return ids;
 }
 
+// Whether two paths lead to one file, there or not.
+bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code missing;
+  if (std::filesystem::equivalent(a, b, missing)) return true;
+  return std::filesystem::weakly_canonical(a, missing) == std::filesystem::weakly_canonical(b, missing);
+}
+
 }  // namespace
 
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
@@ -137,7 +144,7 @@ void AddStore(CLI::App& verb, StoreVerbOptions& options) {
 void AddWait(CLI::App& verb, double& wait) {
   verb.add_option("--wait", wait, "How long to wait for another program that writes to the store")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber.description({}))
+      ->check(CheckNonNegative)
       ->capture_default_str();
 }
 
@@ -170,10 +177,30 @@ Selection ParseSelection(const SelectionOptions& options) {
   return selection;
 }
 
+void RefuseUsage(const std::string& problem) { throw CLI::ValidationError(problem); }
+
+std::string CheckPositive(const std::string& text) {
+  const auto number = ParseNumber<double>(text);
+  return number && *number > 0 ? std::string() : "expected a number above 0, found '" + text + "'";
+}
+
+std::string CheckNonNegative(const std::string& text) {
+  const auto number = ParseNumber<double>(text);
+  return number && *number >= 0 ? std::string() : "expected 0 or a number above it, found '" + text + "'";
+}
+
+void RefuseSideFile(const std::string& side, const std::vector<std::string>& others) {
+  if (side == "-") throw Error("a file beside the atlas cannot go to standard output; name a file");
+  for (const std::string& other : others) {
+    const std::string path = Location::Parse(other).path;
+    if (!side.empty() && !path.empty() && path != "-" && IsSameFile(side, path))
+      throw Error(side, "", "is the atlas " + other + "; name another file for what goes beside it");
+  }
+}
+
 void RefuseSameFile(const Location& input, const Location& output) {
-  std::error_code missing;
   if (input.path == "-" || output.path == "-" || input.name != output.name) return;
-  if (std::filesystem::equivalent(input.path, output.path, missing))
+  if (IsSameFile(input.path, output.path))
     throw Error(output.ToString(), "", "is the input, which is never changed; name another output");
 }
 

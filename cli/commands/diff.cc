@@ -247,7 +247,7 @@ Run AddDiff(CLI::App& verb) {
           "Numbers are the same when they differ by at most this times the larger of 1 and their size; 1e-5 lets "
           "pass what single precision rounds")
       ->type_name("FRACTION")
-      ->check(CLI::NonNegativeNumber.description({}))
+      ->check(CheckNonNegative)
       ->capture_default_str();
   verb.add_flag("--ignore-ids", options->ignore_ids, "Atlases that are only renumbered count as the same");
   CLI::Option* json = verb.add_flag("--json", options->json, "Print JSON, for programs");
@@ -262,7 +262,8 @@ Run AddDiff(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb diff before.osa after.osa", "What changed."},
     {"slamdb diff a.osa lab.db#a --quiet", "Only the exit code, across formats."},
-    {"slamdb diff a.osa renumbered.osa --ignore-ids --summary", "One line, beginning with same, renumbered or different."},
+    {"slamdb diff a.osa renumbered.osa --ignore-ids --summary",
+     "One line, beginning with same, renumbered or different."},
     {"slamdb diff a.osa there_and_back.osa --tolerance 1e-5", "Lets float noise pass."},
 };
 

@@ -71,9 +71,9 @@ SelectOptions SelectOptionsOf(const ExtractOptions& options) {
 
 void RefuseContradictions(const ExtractOptions& options) {
   if (!options.SelectsSomething())
-    throw Error("say which part: --map, --keyframes, --time, --box, ... ('slamdb convert' writes the whole)");
+    RefuseUsage("say which part: --map, --keyframes, --time, --box, ... ('slamdb convert' writes the whole)");
   if (options.except && options.border == "complete-points")
-    throw Error("--border complete-points would bring back what --except takes out; use smart or strict");
+    RefuseUsage("--border complete-points would bring back what --except takes out; use smart or strict");
 }
 
 ExitCode RunExtract(const ExtractOptions& options, Console& console) {
@@ -126,11 +126,11 @@ void AddParts(CLI::App& verb, ExtractOptions& options) {
   verb.add_option("--component", options.component,
                   "Only this connected part of the covisibility graph; 1 is the largest")
       ->type_name("N")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->group(kGroup);
   verb.add_option("--every", options.every, "Of what is selected, every Nth keyframe in order of time")
       ->type_name("N")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->group(kGroup);
   verb.add_flag("--except", options.except, "Everything but the part")->group(kGroup);
 }

@@ -70,11 +70,11 @@ Run AddFragments(CLI::App& verb) {
   AddEdit(verb, options->edit);
   verb.add_option("--min-keyframes", options->fragments.min_keyframes, "Drop maps with fewer; empty ones always go")
       ->type_name("N")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->capture_default_str();
   verb.add_option("--largest", options->fragments.largest, "Keep only so many maps, those with most keyframes")
       ->type_name("N")
-      ->check(CLI::PositiveNumber.description({}));
+      ->check(CheckPositive);
   verb.add_option("--order", options->order,
                   "Order of the maps in the output: as they are, most keyframes first, earliest first, or by id")
       ->check(CLI::IsMember({"as-is", "size", "time", "id"}))

@@ -6,6 +6,7 @@
 #include "cli/console.h"
 #include "cli/help.h"
 #include "cli/manual.h"
+#include "cli/options.h"
 #include "cli/tree.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
@@ -40,7 +41,7 @@ ExitCode RunMan(const CLI::App& program, const ManOptions& options, Console& con
     console.Print(ManualPage(*verb));
     return ExitCode::kDone;
   }
-  throw Error("no verb '" + options.verb + "'");
+  RefuseUsage("no verb '" + options.verb + "'");
 }
 
 Run AddMan(CLI::App& verb) {

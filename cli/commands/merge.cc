@@ -65,7 +65,7 @@ Anchors ReadAnchors(const std::string& text_or_path) {
 
 JoinOptions JoinOptionsOf(const MergeVerbOptions& options) {
   if (options.transform.empty() && options.anchors.empty())
-    throw Error("--join needs --transform or --anchors: how the second map lies in the first");
+    RefuseUsage("--join needs --transform or --anchors: how the second map lies in the first");
   JoinOptions join;
   const std::size_t colon = options.maps.find(':');
   if (!options.maps.empty()) {
@@ -90,12 +90,27 @@ std::string Provenance(const std::vector<std::string>& inputs) {
   return text;
 }
 
+// An input that is named again gets a number, so that tables tell the two apart.
+std::vector<std::string> DistinctNames(std::vector<std::string> names) {
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const std::string name = names[i];
+    for (int copy = 2; std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+                       names.begin() + static_cast<std::ptrdiff_t>(i);
+         ++copy)
+      names[i] = name + " (" + std::to_string(copy) + ")";
+  }
+  return names;
+}
+
 ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   MergeOptions merge = options.merge;
-  merge.names = options.inputs;
+  merge.names = DistinctNames(options.inputs);
   merge.id_maps = !options.id_map.empty();
   merge.threads = console.threads();
   if (options.join) merge.join = JoinOptionsOf(options);
+  std::vector<std::string> atlas_files = options.inputs;
+  atlas_files.push_back(options.edit.output);
+  RefuseSideFile(options.id_map, atlas_files);
   Notices notices;
   std::vector<Atlas> atlases;
   for (const std::string& input : options.inputs) {
@@ -134,11 +149,11 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
   needs_join(verb.add_option("--outliers", options.outlier_distance,
                              "Leave out anchors that lie farther apart than this, in units of the first map"))
       ->type_name("DISTANCE")
-      ->check(CLI::PositiveNumber.description({}));
+      ->check(CheckPositive);
   auto* fuse = needs_join(verb.add_flag("--fuse", options.fuse, "Fuse points that both maps have"));
   verb.add_option("--fuse-radius", options.fusion.radius, "How far apart fused points may be, in pixels of uncertainty")
       ->type_name("PIXELS")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->capture_default_str()
       ->needs(fuse)
       ->group(kGroup);
@@ -199,6 +214,7 @@ a time.
 
 The inputs must have the same vocabulary, as ORB-SLAM3 can load only one; --ignore-vocabulary insists.)",
     .failed = "An input could not be read, the merge was refused, or the output not be written.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddMerge,
 };

@@ -58,7 +58,7 @@ ExitCode RunReassign(const ReassignOptions& options, Console& console) {
   OriginOptions origin = options.origin;
   for (const std::string& text : options.replace) origin.replace.push_back(*ParseReplacement(text));
   if (!origin.from_map && !origin.set && origin.replace.empty() && origin.shift == 0 && !origin.compact)
-    throw Error("nothing to do: give --from-map, --set, --map, --shift or --compact");
+    RefuseUsage("nothing to do: give --from-map, --set, --map, --shift or --compact");
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   const OriginReport report = ReassignOrigins(atlas, origin);
@@ -106,6 +106,7 @@ sessions apart. This verb sets, replaces, shifts or renumbers these ids, in the 
 --compact, and shows how many keyframes each origin has before and after. Nothing else changes, but for the next map id,
 which stays above every origin. ORB-SLAM3's files hold no origins of map points.)",
     .failed = "The input could not be read, an origin does not exist, or the output not be written.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddReassign,
 };

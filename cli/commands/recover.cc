@@ -9,6 +9,7 @@
 #include "cli/json.h"
 #include "cli/layout.h"
 #include "slamdb/base/error.h"
+#include "slamdb/checks/check.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/salvage.h"
 
@@ -29,6 +30,7 @@ struct Totals {
 Totals TotalsOf(const Salvage& salvage) {
   Totals totals;
   totals.maps = {salvage.maps_listed, salvage.atlas.maps.size()};
+  if (salvage.damage.empty()) totals.maps.listed = totals.maps.read;  // what else is listed are repetitions
   for (const SalvagedMap& map : salvage.maps) {
     totals.keyframes.listed += map.keyframes.listed;
     totals.points.listed += map.points.listed;
@@ -76,17 +78,19 @@ std::vector<std::string> LossesOf(const Salvage& salvage, const RecoverReport& r
 }
 
 std::string TextOf(const Salvage& salvage, const RecoverReport& report, const std::vector<std::string>& losses) {
-  if (salvage.damage.empty()) return "the file is whole; `slamdb check` tells whether what it says is sound\n";
+  const bool whole = salvage.damage.empty();
+  if (whole && losses.empty() && report.repairs.empty()) return "the file is whole and sound\n";
   const Totals totals = TotalsOf(salvage);
   std::string text = "recovered " + Share(totals.maps, "map", "maps") + ", " +
                      Share(totals.keyframes, "keyframe", "keyframes") + ", " + Share(totals.points, "point", "points") +
                      "\ndamage\n";
+  if (whole) text += "  every byte can be read, but what some say is not sound\n";
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, salvage.damage.size()); ++i) text += "  " + salvage.damage[i] + "\n";
   if (salvage.damage.size() > kShown) text += "  and " + Grouped(salvage.damage.size() - kShown) + " more places\n";
-  text += "losses\n";
+  if (!losses.empty()) text += "losses\n";
   for (const std::string& loss : losses) text += "  " + loss + "\n";
-  if (!report.repairs.empty()) text += "repaired what referred to them\n";
+  if (!report.repairs.empty()) text += (whole ? "repaired\n" : "repaired what referred to them\n");
   for (const AppliedFix& fix : report.repairs) text += "  " + fix.title + " (" + Counted(fix.changes, "change") + ")\n";
   return text;
 }
@@ -120,10 +124,12 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   if (!options.cameras.empty()) rig = ReadAtlas(Location::Parse(options.cameras), read, notices);
   Salvage salvage = SalvageAtlas(Location::Parse(options.edit.input), read, options.edit.from);
   RecoverReport report;
-  if (!salvage.damage.empty())
-    report = RecoverAtlas(salvage.atlas, {.rig = rig ? &*rig : nullptr, .threads = console.threads()});
-  if (salvage.atlas.maps.empty() && !salvage.damage.empty())
-    throw Error(options.edit.input, "", "holds no keyframe that could be read whole: " + salvage.damage.front());
+  const bool whole = salvage.damage.empty();
+  const bool good = whole && CheckAtlas(salvage.atlas, {.threads = console.threads()}).ok();
+  if (!good) report = RecoverAtlas(salvage.atlas, {.rig = rig ? &*rig : nullptr, .threads = console.threads()});
+  if (salvage.atlas.maps.empty() && !good)
+    throw Error(options.edit.input, "",
+                "holds no keyframe that could be read whole" + (whole ? "" : ": " + salvage.damage.front()));
   const std::vector<std::string> losses = LossesOf(salvage, report);
   WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
   const ExitCode code = FinishEdit(TextOf(salvage, report, losses), JsonOf(salvage, report, losses, options.edit.input),
@@ -132,7 +138,8 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
     if (rule.severity == Severity::kError)
       console.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
                    rule.reason);
-  return salvage.damage.empty() ? code : ExitCode::kLossy;
+  if (!report.sound()) return ExitCode::kFailed;
+  return good ? code : ExitCode::kLossy;
 }
 
 Run AddRecover(CLI::App& verb) {
@@ -164,8 +171,8 @@ the rest; and writes an atlas that 'slamdb check' finds sound. The input is neve
 
 In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its
 middle still has the keyframes in front of the cut, and the points only of maps before.)",
-    .done = "The file is whole: the output is its copy.",
-    .failed = "Nothing could be read, or the output not be written.",
+    .done = "The file is whole and sound: the output is its copy.",
+    .failed = "Nothing could be read, the output not be written, or an error is left that has no safe repair.",
     .lossy = "Done, and something is lost; the report says what.",
     .examples = kExamples,
     .add = AddRecover,

@@ -63,6 +63,7 @@ std::vector<KindSummary> Summarize(const IdMap& ids) {
     KindSummary summary{static_cast<IdKind>(kind), pairs.size(), 0, kNoId, 0};
     for (const IdPair& pair : pairs) {
       summary.changed += pair.before != pair.after;
+      if (pair.after == kNoId) continue;  // it is not in the result
       summary.first = std::min(summary.first, pair.after);
       summary.last = std::max(summary.last, pair.after);
     }
@@ -99,7 +100,7 @@ ExitCode RunOnTable(const RenumberVerbOptions& options, Console& console) {
   const IdMap ids =
       options.undo.empty() ? ReadIdMap(options.apply, options.of) : Inverse(ReadIdMap(options.undo, options.of));
   if (options.edit.output.empty() && !options.edit.dry_run)
-    throw Error("name an output, or say --dry-run to see only what would be done");
+    RefuseUsage("name an output, or say --dry-run to see only what would be done");
   const MappedFile file(options.edit.input);
   RefuseSameFile(Location::Parse(options.edit.input), Location::Parse(options.edit.output));
   const std::string table =
@@ -111,7 +112,9 @@ ExitCode RunOnTable(const RenumberVerbOptions& options, Console& console) {
 
 ExitCode RunRenumber(const RenumberVerbOptions& options, Console& console) {
   const bool by_table = !options.apply.empty() || !options.undo.empty();
+  if (!options.of.empty() && !by_table) RefuseUsage("--of names an input of the table that --apply or --undo gives");
   if (by_table && options.edit.input.ends_with(".csv")) return RunOnTable(options, console);
+  RefuseSideFile(options.id_map, {options.edit.input, options.edit.output});
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   IdMapFile id_map(options.edit.dry_run ? "" : options.id_map, options.edit.target.overwrite);
@@ -133,6 +136,7 @@ Run AddRenumber(CLI::App& verb) {
       ->delimiter(',')
       ->check(CLI::IsMember({"map", "keyframe", "point", "frame", "camera", "all"}));
   auto* start = verb.add_option("--start", options->renumber.start, "The first of the dense ids")
+                    ->check(CheckNonNegative)
                     ->type_name("ID")
                     ->capture_default_str();
   auto* offset = verb.add_option("--offset", options->renumber.offset, "Add this to every id instead; may be negative")
@@ -180,6 +184,7 @@ that are there, so that nothing is mixed up and --undo gives the original bytes 
 With --id-map the new ids are written as a table, which --apply applies to another atlas, or to a CSV table that
 'slamdb convert' made, and --undo undoes.)",
     .failed = "An input could not be read, an id map does not fit, or the output not be written.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddRenumber,
 };

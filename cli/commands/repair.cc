@@ -99,16 +99,14 @@ ExitCode RunUndo(const RepairVerbOptions& options, Console& console) {
 
 // Before the work: the journal would fail at the end.
 void RefuseJournal(const RepairVerbOptions& options) {
-  if (options.journal.empty() || options.edit.dry_run) return;
-  for (const std::string& other : {options.edit.input, options.edit.output})
-    if (options.journal == other) throw Error(other, "", "cannot be the journal as well");
-  if (!options.edit.target.overwrite && std::filesystem::exists(options.journal))
-    throw Error(options.journal, "", "exists; -O replaces it");
+  RefuseSideFile(options.journal, {options.edit.input, options.edit.output});
+  if (!options.journal.empty() && !options.edit.target.overwrite && std::filesystem::exists(options.journal))
+    throw Error(options.journal, "", "is there already; -O replaces it");
 }
 
 ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   if (!options.undo.empty()) return RunUndo(options, console);
-  RefuseJournal(options);
+  if (!options.edit.dry_run) RefuseJournal(options);
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   JournalFile file{.encoding = atlas.encoding};

@@ -38,7 +38,7 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
   shrink.target_bytes = static_cast<std::uint64_t>(std::floor(options.target_megabytes * kMegabyte));
   shrink.for_localization = options.purpose == "localization";
   if (shrink.target_bytes == 0 && shrink.target_keyframes == 0 && !shrink.for_localization)
-    throw Error("say how small: --target-mb, --target-keyframes, or --for localization");
+    RefuseUsage("say how small: --target-mb, --target-keyframes, or --for localization");
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   const Totals before = Totals::Of(atlas);
@@ -59,11 +59,11 @@ Run AddShrink(CLI::App& verb) {
   constexpr const char* kGroup = "How small";
   verb.add_option("--target-mb", options->target_megabytes, "At most so many megabytes (1,000,000 bytes) as .osa file")
       ->type_name("MB")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->group(kGroup);
   verb.add_option("--target-keyframes", options->shrink.target_keyframes, "At most so many keyframes")
       ->type_name("N")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->group(kGroup);
   verb.add_option("--for", options->purpose,
                   "localization: the largest map alone, without features that see no point and IMU measurements")
@@ -72,7 +72,7 @@ Run AddShrink(CLI::App& verb) {
       ->group(kGroup);
   verb.add_option("--min-points", options->shrink.min_points, "With how many points a place counts as covered")
       ->type_name("N")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->capture_default_str()
       ->group(kGroup);
   return [options](Console& console) { return RunShrink(*options, console); };

@@ -10,6 +10,8 @@
 #include "cli/part_report.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/select.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {
 namespace {
@@ -20,6 +22,15 @@ struct SplitOptions {
   std::size_t min_keyframes = 1;
 };
 
+// The longest suffix of a format that the path ends with (`.keyframes.csv`), or what stands behind its last dot.
+std::string SuffixOf(const std::string& path) {
+  std::string found = std::filesystem::path(path).extension().string();
+  for (const Format& format : Formats())
+    for (const std::string_view suffix : format.suffixes)
+      if (path.ends_with(suffix) && suffix.size() > found.size()) found = suffix;
+  return found;
+}
+
 // `parts/{}.osa` and `out.osa` become `parts/map-3.osa` and `out-map-3.osa`, `lab.db#a` becomes `lab.db#a-map-3`.
 std::string OutputOf(const std::string& pattern, const std::string& part) {
   if (const std::size_t hole = pattern.find("{}"); hole != std::string::npos)
@@ -29,22 +40,36 @@ std::string OutputOf(const std::string& pattern, const std::string& part) {
     location.name += "-" + part;
     return location.ToString();
   }
-  const std::filesystem::path path(location.path);
-  return (path.parent_path() / (path.stem().string() + "-" + part + path.extension().string())).string();
+  const std::size_t suffix = location.path.size() - SuffixOf(location.path).size();
+  return location.path.substr(0, suffix) + "-" + part + location.path.substr(suffix);
 }
 
-void RefuseBadPattern(const SplitOptions& options) {
-  if (options.edit.output == "-") throw Error("several atlases do not fit into standard output; name files");
+// Whether an atlas is there, in a file or under its name in a store.
+bool IsThere(const Location& location) {
+  if (!std::filesystem::exists(location.path)) return false;
+  if (location.name.empty()) return true;
+  return std::ranges::any_of(Store::Open(location.path).List(),
+                             [&](const StoredAtlas& atlas) { return atlas.name == location.name; });
 }
 
 // Before the first is written.
-void RefuseExisting(const SplitOptions& options, const std::vector<Part>& parts) {
-  if (options.edit.dry_run || options.edit.target.overwrite) return;
+void RefuseBadOutputs(const SplitOptions& options, const std::vector<Part>& parts) {
+  if (options.edit.dry_run) return;
   for (const Part& part : parts) {
-    const Location location = Location::Parse(OutputOf(options.edit.output, part.name));
-    if (location.name.empty() && std::filesystem::exists(location.path))
-      throw Error(location.path, "", "exists already; -O replaces it");
+    const Location output = Location::Parse(OutputOf(options.edit.output, part.name));
+    RefuseSameFile(Location::Parse(options.edit.input), output);
+    if (!options.edit.target.overwrite && IsThere(output))
+      throw Error(output.ToString(), "", "is there already; -O replaces it");
   }
+}
+
+Atlas ReadWhole(const SplitOptions& options, Console& console, Notices& notices) {
+  if (options.edit.output == "-") RefuseUsage("several atlases do not fit into standard output; name files");
+  if (options.edit.output.empty() && !options.edit.dry_run)
+    RefuseUsage("name an output, or say --dry-run to see only what would be done");
+  ReadOptions read = MakeReadOptions(console);
+  read.lock_timeout = options.edit.wait;
+  return ReadAtlas(Location::Parse(options.edit.input), read, notices, options.edit.from);
 }
 
 std::size_t CountKeyFrames(const Subset& subset) {
@@ -66,12 +91,11 @@ std::vector<Part> FindParts(const AtlasIndex& index, const SplitOptions& options
 }
 
 ExitCode RunSplit(const SplitOptions& options, Console& console) {
-  RefuseBadPattern(options);
   Notices notices;
-  const Atlas atlas = ReadInput(options.edit, console, notices);
+  const Atlas atlas = ReadWhole(options, console, notices);
   const AtlasIndex index(atlas);
   std::vector<Part> parts = FindParts(index, options);
-  RefuseExisting(options, parts);
+  RefuseBadOutputs(options, parts);
   Table table({Table::Align::kLeft, Table::Align::kRight, Table::Align::kRight});
   table.Add({"part", "keyframes", "points"});
   nlohmann::ordered_json json = {{"parts", nlohmann::ordered_json::array()}};
@@ -108,7 +132,7 @@ Run AddSplit(CLI::App& verb) {
       ->capture_default_str();
   verb.add_option("--min-keyframes", options->min_keyframes, "Leave out parts with fewer")
       ->type_name("N")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->capture_default_str();
   verb.add_option("--border", options->border, "Points that several parts observe: see 'slamdb extract --help'")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kBorders), std::end(kBorders))))

@@ -83,8 +83,7 @@ Run AddSynthesize(CLI::App& verb) {
   CLI::Option* keyframes = number("--keyframes", atlas.keyframes, "Keyframes in each map");
   CLI::Option* points = number("--points", atlas.points, "Points in each map");
   number("--features", atlas.features, "Keypoints in each keyframe, at most");
-  number("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")
-      ->check(CLI::NonNegativeNumber.description({}));
+  number("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")->check(CheckNonNegative);
   number("--seed", atlas.seed, "Another number, another atlas");
   verb.add_option("--size", options->size, "Keyframes and points for a binary .osa of about this size, such as 200MB")
       ->type_name("SIZE")

@@ -285,11 +285,11 @@ void BindAlignment(CLI::App& verb, TransformOptions& options) {
   verb.add_option("--max-dt", options.max_dt,
                   "Seconds that a keyframe and a position may be apart: 0.02 for trajectories, 1 for GPS by default")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber.description({}))
+      ->check(CheckNonNegative)
       ->group(kGroup);
   verb.add_option("--robust", options.robust, "Leave out pairs that end up farther apart than this, in metres")
       ->type_name("DISTANCE")
-      ->check(CLI::PositiveNumber.description({}))
+      ->check(CheckPositive)
       ->group(kGroup);
   CLI::Option* with_scale =
       verb.add_flag("--with-scale", options.with_scale,

@@ -104,7 +104,7 @@ TEST(Help, ManualPageShowsExitCodesAndExamplesAsTheyAre) {
   if (text.exit_code == 127) GTEST_SKIP() << "mandoc is not installed";
   for (const char* heading : {"NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "EXIT STATUS", "EXAMPLES"})
     EXPECT_THAT(page.out, HasSubstr(std::string(".SH ") + heading));
-  EXPECT_EQ(RunSlamdb({"man", "nonsense"}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"man", "nonsense"}).exit_code, 2);
 }
 
 }  // namespace

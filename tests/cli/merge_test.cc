@@ -94,15 +94,15 @@ TEST_F(Merge, RefusesWhatDoesNotFit) {
     more.insert(more.begin(), merge.begin(), merge.end());
     return more;
   };
-  ExpectRefusal(with({"--join"}), "--join needs --transform or --anchors");
+  ExpectRefusal(with({"--join"}), "--join needs --transform or --anchors", 2);
   ExpectRefusal(with({"--join", "--transform", "1 2 3"}), "not 3");
   ExpectRefusal(with({"--join", "--transform", "0 0 0 0 0 0 1 0"}), "scale");
   ExpectRefusal(with({"--join", "--anchors", "0:0,1:1"}), "at least 3 pairs");
   ExpectRefusal(with({"--join", "--anchors", "0:0,1:1,2:700"}), "is not in map");
-  ExpectRefusal(with({"--join", "--transform", "0 0 0 0 0 0 1", "--maps", "7:"}), "there is no map 7");
+  ExpectRefusal(with({"--join", "--transform", "0 0 0 0 0 0 1", "--maps", "7:"}), "has no map 7 to join");
   ExpectRefusal(with({"--transform", "0 0 0 0 0 0 1"}), "--join", 2);
   ExpectRefusal({"merge", Input("1"), Input("1"), "-o", At("out.osa"), "--on-conflict", "error"}, "again");
-  ExpectRefusal({"merge", Input("1"), Input("2")}, "name an output");
+  ExpectRefusal({"merge", Input("1"), Input("2")}, "name an output", 2);
   EXPECT_THAT(RunSlamdb({"merge", Input("1"), Input("2"), "-o", Input("1"), "-O"}).err, HasSubstr("is the input"));
 }
 
@@ -171,7 +171,7 @@ TEST_F(Merge, ReassignOrigin) {
   EXPECT_EQ(Info(At("out.osa")).at("maps").at(0).at("origins").at(0).at("map"), 3);
   std::filesystem::remove(At("out.osa"));
   ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8=0"}, "no keyframe has origin map 8");
-  ExpectRefusal({"reassign-origin", Input("1"), At("out.osa")}, "nothing to do");
+  ExpectRefusal({"reassign-origin", Input("1"), At("out.osa")}, "nothing to do", 2);
   ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8"}, "FROM=TO", 2);
 }
 

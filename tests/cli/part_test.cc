@@ -65,13 +65,13 @@ TEST_F(PartVerbs, ExtractWritesAPart) {
 }
 
 TEST_F(PartVerbs, ExtractRefusesWhatIsNotThere) {
-  ExpectRefused({"extract", input_, output_}, "say which part");
+  ExpectRefused({"extract", input_, output_}, "say which part", 2);
   ExpectRefused({"extract", input_, output_, "--map", "7"}, "there is no map 7; there are 0, 1");
   ExpectRefused({"extract", input_, output_, "--keyframe", "3,999"}, "there is no keyframe 999");
   ExpectRefused({"extract", input_, output_, "--time", "0:1"}, "nothing is selected");
   ExpectRefused({"extract", input_, output_, "--polygon", "0,0 1,1"}, "three corners or more, found 2");
   ExpectRefused({"extract", input_, output_, "--polygon", "0,0 1"}, "expected corners", 2);
-  ExpectRefused({"extract", input_, output_, "--map", "0", "--except", "--border", "complete-points"}, "bring back");
+  ExpectRefused({"extract", input_, output_, "--map", "0", "--except", "--border", "complete-points"}, "bring back", 2);
   ExpectRefused({"extract", input_, input_, "--map", "0"}, "is the input");
 }
 
@@ -80,13 +80,13 @@ TEST_F(PartVerbs, SplitWritesEveryMap) {
   ASSERT_EQ(report["parts"].size(), 2U);
   for (const json& part : report["parts"]) ExpectSound(part["output"]);
   EXPECT_EQ(report["parts"][1]["output"], folder_ / "out-map-1.osa");
-  ExpectRefused({"split", input_, output_}, "exists already");
+  ExpectRefused({"split", input_, output_}, "is there already");
   const json stored = Run({"split", input_, (folder_ / "lab.db") + "#all", "--by", "component"}, "split.schema.json");
   EXPECT_EQ(stored["parts"][0]["output"], (folder_ / "lab.db") + "#all-map-0-component-1");
   const json planned = Run({"split", input_, "--dry-run", "--by", "session"}, "split.schema.json");
   EXPECT_TRUE(planned["parts"][0]["output"].is_null());
   ExpectRefused({"split", input_, output_, "--min-keyframes", "11"}, "has no map with 11 keyframes");
-  ExpectRefused({"split", input_, "-", "--to", "orbslam3"}, "standard output");
+  ExpectRefused({"split", input_, "-", "--to", "orbslam3"}, "standard output", 2);
 }
 
 TEST_F(PartVerbs, CullSaysWhatWent) {
@@ -98,7 +98,7 @@ TEST_F(PartVerbs, CullSaysWhatWent) {
   std::filesystem::remove(output_);
   Run({"cull", input_, "--dry-run"}, "cull.schema.json");
   ExpectRefused({"cull", input_, output_, "--redundant", "2"}, "between 0 and 1");
-  ExpectRefused({"cull", input_}, "name an output");
+  ExpectRefused({"cull", input_}, "name an output", 2);
 }
 
 TEST_F(PartVerbs, ShrinkKeepsToItsTarget) {
@@ -113,7 +113,7 @@ TEST_F(PartVerbs, ShrinkKeepsToItsTarget) {
   EXPECT_GT(small["dropped"]["features"], 0);
   ExpectSound(output_);
   std::filesystem::remove(output_);
-  ExpectRefused({"shrink", input_, output_}, "say how small");
+  ExpectRefused({"shrink", input_, output_}, "say how small", 2);
   ExpectRefused({"shrink", input_, output_, "--target-mb", "0.01"}, "below what one keyframe");
 }
 

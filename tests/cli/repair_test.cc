@@ -84,7 +84,7 @@ TEST_F(Repair, RefusesWhatWouldFailAtTheEnd) {
   EXPECT_EQ(ReadWholeFile(In("fix.json")), "mine");
   EXPECT_FALSE(Exists(In("good.osa")));
   EXPECT_EQ(RunSlamdb({"repair", kTwice, kTwice, "-O"}).exit_code, 1);
-  EXPECT_EQ(RunSlamdb({"repair", kTwice}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"repair", kTwice}).exit_code, 2);
 }
 
 }  // namespace

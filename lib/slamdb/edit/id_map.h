@@ -73,8 +73,8 @@ std::vector<IdMap> ParseIdMapsCsv(std::string_view csv);
 
 // A CSV table with a line of column names, with the ids in it replaced. Columns are told by name: `map`; `keyframe`,
 // `parent`, `reference_keyframe`; `point`; `frame`, `frame_id`; `camera`; `id` is a keyframe when there is a column
-// `timestamp`, else a point when there is a column `x`. Ids that the map does not name, and empty cells, stay. Throws
-// Error when no column holds an id of a mapped kind.
+// `timestamp`, else a point when there is a column `x`. Empty cells stay. Throws Error when no column holds an id of a
+// mapped kind, and with the line when an id is not in the map, or has none in the result.
 std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids);
 
 }  // namespace slamdb

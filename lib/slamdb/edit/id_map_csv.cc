@@ -147,13 +147,17 @@ std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids) {
         "line: map, keyframe, point, frame, camera, id, parent, reference_keyframe");
   std::string result = std::string(head) + "\n";
   result.reserve(csv.size() + head.size() + csv.size() / 8);
-  while (!csv.empty()) {
+  for (std::size_t line = 2; !csv.empty(); ++line) {
     SplitCells(TakeLine(csv), cells);
     for (std::size_t column = 0; column < cells.size(); ++column) {
       if (column > 0) result += ',';
       const auto id = column < kinds.size() && kinds[column] ? ParseCell<std::uint64_t>(cells[column]) : std::nullopt;
-      const IdPair* pair = id ? FindPair(ids[*kinds[column]], *id) : nullptr;
-      result += pair == nullptr || pair->after == kNoId ? std::string(cells[column]) : std::to_string(pair->after);
+      const bool moves = id && !ids[*kinds[column]].empty();
+      const IdPair* pair = moves ? FindPair(ids[*kinds[column]], *id) : nullptr;
+      if (moves && (pair == nullptr || pair->after == kNoId))
+        throw LineError(line, std::string(NameOf(*kinds[column])) + " " + std::to_string(*id) +
+                                  (pair == nullptr ? " is not in the id map" : " is not in the result"));
+      result += pair == nullptr ? std::string(cells[column]) : std::to_string(pair->after);
     }
     result += '\n';
   }

@@ -344,6 +344,23 @@ class Merger {
       throw Error("there are several maps to choose from, or none: say which two to join");
     if (!join.first) join.first = first.front();
     if (!join.second) join.second = second.front();
+    RequireMap(inputs.front(), NameOfInput(0), join.first);
+    RequireMap(inputs.back(), NameOfInput(inputs.size() - 1), join.second);
+    for (const KeyFramePair& anchor : join.anchors) {
+      RequireKeyFrame(inputs.front(), NameOfInput(0), join.first, anchor.first);
+      RequireKeyFrame(inputs.back(), NameOfInput(inputs.size() - 1), join.second, anchor.second);
+    }
+  }
+
+  // In the ids that the user knows, before they change.
+  static void RequireMap(const Atlas& input, const std::string& name, MapId id) {
+    if (std::ranges::find(input.maps, id, &Map::id) == input.maps.end())
+      throw Error(name + ": has no " + ToString(id) + " to join");
+  }
+  static void RequireKeyFrame(const Atlas& input, const std::string& name, MapId map, KeyFrameId id) {
+    const Map& of = *std::ranges::find(input.maps, map, &Map::id);
+    if (std::ranges::find(of.keyframes, id, &KeyFrame::id) == of.keyframes.end())
+      throw Error(name + ": " + ToString(id) + " is not in " + ToString(map) + ", so it cannot be an anchor");
   }
 
   // In the ids that the second input has now.

@@ -89,6 +89,22 @@ TEST_F(StoreSalvage, ReadsAroundOverwrittenPages) {
   EXPECT_GT(read, 40);
 }
 
+TEST_F(StoreSalvage, ReadsWhatIsLeftOfAStoreThatWasCut) {
+  Store::OpenForWriting(path_, {.sync = false}).Vacuum();
+  const std::string good = FileBytes(path_);
+  std::size_t keyframes = 0;
+  for (const double share : {0.5, 0.8, 0.95}) {
+    const auto left = static_cast<std::size_t>(share * static_cast<double>(good.size()));
+    std::ofstream(path_, std::ios::binary) << good.substr(0, left);
+    Salvage salvage;
+    if (!ErrorOf([&] { salvage = Salvaged(); }).empty()) continue;  // the list of atlases stood behind the cut
+    EXPECT_THAT(salvage.damage[0], HasSubstr("the file ends after " + std::to_string(left) + " of "));
+    for (const Map& map : salvage.atlas.maps) keyframes += map.keyframes.size();
+    EXPECT_EQ(FileBytes(path_).size(), left) << "the input is never changed";
+  }
+  EXPECT_GT(keyframes, 0U);
+}
+
 TEST_F(StoreSalvage, NeedsTheAtlas) {
   EXPECT_THAT(ErrorOf([&] { SalvageStore(path_, "b", {}); }), HasSubstr("no atlas named 'b'"));
   EXPECT_EQ(ErrorOf([&] { SalvageStore(path_, "", {}); }), "");

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include "slamdb/formats/sqlite/identity.h"
 #include "slamdb/formats/sqlite/load.h"
@@ -111,16 +114,63 @@ class StoreSalvager {
   Salvage salvage_;
 };
 
+// SQLite opens no file that is shorter than its header says. A store that was cut short is copied and lengthened with
+// empty pages, which read as damaged ones; the path of any other store is its own.
+class LengthenedCopy {
+ public:
+  explicit LengthenedCopy(const std::string& path) : path_(path) {
+    const std::uint64_t pages_bytes = HeaderBytes(path);
+    std::error_code unknown;
+    const std::uint64_t bytes = std::filesystem::file_size(path, unknown);
+    if (unknown || bytes >= pages_bytes) return;
+    damage_ = "the file ends after " + std::to_string(bytes) + " of " + std::to_string(pages_bytes) + " bytes";
+    std::string folder = (std::filesystem::temp_directory_path() / "slamdb-recover-XXXXXX").string();
+    if (::mkdtemp(folder.data()) == nullptr) throw SystemError(folder, "cannot be created");
+    folder_ = folder;
+    path_ = (folder_ / "store.db").string();
+    std::filesystem::copy_file(path, path_);
+    std::filesystem::resize_file(path_, pages_bytes);
+  }
+  ~LengthenedCopy() {
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+  }
+  LengthenedCopy(const LengthenedCopy&) = delete;
+  LengthenedCopy& operator=(const LengthenedCopy&) = delete;
+
+  const std::string& path() const { return path_; }
+  const std::string& damage() const { return damage_; }  // empty: the store is as long as it says
+
+ private:
+  // Page size times pages, both big-endian in the first page. 0 where that is not a database.
+  static std::uint64_t HeaderBytes(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::array<unsigned char, 32> head{};
+    if (!file.read(reinterpret_cast<char*>(head.data()), head.size())) return 0;
+    const std::uint64_t page = std::uint64_t{head[16]} << 8 | head[17];
+    const std::uint64_t pages = std::uint64_t{head[28]} << 24 | head[29] << 16 | head[30] << 8 | head[31];
+    constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;  // a sparse file all the same
+    const std::uint64_t bytes = (page == 1 ? 65536 : page) * pages;
+    return bytes <= kMostBytes ? bytes : 0;
+  }
+
+  std::string path_, damage_;
+  std::filesystem::path folder_;
+};
+
 }  // namespace
 }  // namespace sqlite
 
 Salvage SalvageStore(const std::string& path, const std::string& name, const ReadOptions& options) {
-  const std::string chosen = name.empty() ? Store::Open(path, options.lock_timeout).OnlyName() : name;
-  sqlite::Database database(path, sqlite::Access::kRead, options.lock_timeout);
+  const sqlite::LengthenedCopy copy(path);
+  const std::string chosen = name.empty() ? Store::Open(copy.path(), options.lock_timeout).OnlyName() : name;
+  sqlite::Database database(copy.path(), sqlite::Access::kRead, options.lock_timeout);
   sqlite::CheckIsStore(database, sqlite::NewestVersion());
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, chosen).Step()) throw Error(path, "", "no atlas named '" + chosen + "' could be read");
-  return sqlite::StoreSalvager(database, statement.Integer(0)).Run();
+  Salvage salvage = sqlite::StoreSalvager(database, statement.Integer(0)).Run();
+  if (!copy.damage().empty()) salvage.damage.insert(salvage.damage.begin(), copy.damage());
+  return salvage;
 }
 
 }  // namespace slamdb

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What every verb that changes an atlas keeps to: inputs stay, nothing is replaced unasked, text stays text.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Edit : public ::testing::Test {
+ protected:
+  Edit() {
+    std::filesystem::copy_file(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa", input_);
+    std::filesystem::copy_file(SLAMDB_FIXTURES "/session_small_b/session_small_b.osa", other_);
+    bytes_ = ReadWholeFile(input_);
+  }
+  void ExpectRefused(const std::vector<std::string>& arguments, const std::string& why, int code = 1) const {
+    const ProcessResult result = RunSlamdb(arguments);
+    EXPECT_EQ(result.exit_code, code) << arguments[0];
+    EXPECT_THAT(result.err, HasSubstr(why)) << arguments[0];
+    EXPECT_EQ(ReadWholeFile(input_), bytes_) << arguments[0] << " changed its input";
+  }
+
+  TemporaryFolder folder_;
+  const std::string input_ = folder_ / "a.osa", other_ = folder_ / "b.osa", output_ = folder_ / "out.osa";
+  std::string bytes_;
+};
+
+TEST_F(Edit, WhatGoesBesideTheAtlasReplacesNoAtlas) {
+  const std::string same = (folder_.path() / "." / "a.osa").string();
+  ExpectRefused({"repair", input_, output_, "--journal", same, "-O"}, "is the atlas");
+  ExpectRefused({"repair", input_, output_, "--journal", output_}, "is the atlas");
+  ExpectRefused({"renumber", input_, output_, "--id-map", same, "-O"}, "is the atlas");
+  ExpectRefused({"renumber", input_, output_, "--id-map", output_}, "is the atlas");
+  ExpectRefused({"merge", other_, input_, "-o", output_, "--id-map", same, "-O"}, "is the atlas");
+  ExpectRefused({"repair", input_, output_, "--journal", "-"}, "standard output");
+  EXPECT_FALSE(std::filesystem::exists(output_));
+}
+
+TEST_F(Edit, SplitDoesNotReplaceItsInput) {
+  const std::string map = folder_ / "map-0.osa";
+  std::filesystem::copy_file(input_, map);
+  const ProcessResult result = RunSlamdb({"split", map, (folder_ / "{}.osa"), "-O"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("never changed"));
+  EXPECT_EQ(ReadWholeFile(map), bytes_);
+}
+
+TEST_F(Edit, SplitIntoAStoreWritesAllOrNothing) {
+  ASSERT_EQ(RunSlamdb({"merge", input_, other_, "-o", output_}).exit_code, 0);
+  const std::string store = folder_ / "s.db";
+  ASSERT_EQ(RunSlamdb({"convert", input_, store + "#m-map-1"}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"split", output_, store + "#m"}).err, HasSubstr("m-map-1: is there already"));
+  EXPECT_EQ(RunSlamdb({"convert", store + "#m-map-0", folder_ / "x.osa"}).exit_code, 1);
+}
+
+TEST_F(Edit, SplitKeepsCompoundSuffixes) {
+  EXPECT_EQ(RunSlamdb({"split", input_, folder_ / "x.keyframes.csv"}).exit_code, 3);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "x-map-0.keyframes.csv"));
+}
+
+TEST_F(Edit, AnOutputThatIsThereIsRefusedBeforeTheWork) {
+  ExpectRefused({"cull", folder_ / "missing.osa", input_}, "a.osa: is there already; -O replaces it");
+}
+
+TEST_F(Edit, OptionsThatMakeNoSenseAreUsageErrors) {
+  ExpectRefused({"cull", input_}, "name an output", 2);
+  ExpectRefused({"extract", input_, output_}, "say which part", 2);
+  ExpectRefused({"shrink", input_, output_}, "say how small", 2);
+  ExpectRefused({"shrink", input_, output_, "--target-keyframes", "0"}, "expected a number above 0, found '0'", 2);
+  ExpectRefused({"renumber", input_, output_, "--start", "-1"}, "expected 0 or a number above it, found '-1'", 2);
+  ExpectRefused({"merge", input_, other_, "-o", output_, "--join"}, "--join needs", 2);
+}
+
+TEST_F(Edit, TextStaysTextAndIsTakenBackToTheByte) {
+  const std::string text = folder_ / "text.osa", back = folder_ / "back.osa";
+  ASSERT_EQ(RunSlamdb({"convert", input_, text, "--text"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"renumber", text, output_, "--start", "5", "--id-map", folder_ / "ids.csv"}).exit_code, 0);
+  EXPECT_THAT(ReadWholeFile(output_), StartsWith("22 serialization::archive"));
+  ASSERT_EQ(RunSlamdb({"renumber", output_, back, "--undo", folder_ / "ids.csv"}).exit_code, 0);
+  EXPECT_TRUE(ReadWholeFile(back) == ReadWholeFile(text));
+}
+
+TEST_F(Edit, TablesWithIdsThatTheMapDoesNotHaveAreRefused) {
+  const std::string ids = folder_ / "ids.csv", table = folder_ / "t.csv";
+  ASSERT_EQ(
+      RunSlamdb({"merge", input_, input_, "-o", output_, "--on-conflict", "keep-first", "--id-map", ids}).exit_code, 0);
+  WriteWholeFile(table, "keyframe,x\n3,1\n");
+  EXPECT_THAT(RunSlamdb({"renumber", table, folder_ / "u.csv", "--apply", ids, "--of", input_ + " (2)"}).err,
+              HasSubstr("line 2: keyframe 3 is not in the result"));
+  WriteWholeFile(table, "keyframe,x\n99,1\n");
+  EXPECT_THAT(RunSlamdb({"renumber", table, folder_ / "u.csv", "--apply", ids, "--of", input_}).err,
+              HasSubstr("keyframe 99 is not in the id map"));
+}
+
+TEST_F(Edit, RecoverRepairsWhatCanBeReadButIsNotSound) {
+  const ProcessResult result =
+      RunSlamdb({"recover", SLAMDB_FIXTURES "/mono_small_twice/mono_small_twice.osa", output_});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.out, HasSubstr("not sound"));
+  EXPECT_EQ(RunSlamdb({"check", output_}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"recover", input_, output_, "-O"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace slamdb::testing
