@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <cstring>
 
@@ -18,7 +19,7 @@ const std::string kBinary = SLAMDB_FIXTURES "/vocabulary/small.bin";
 const std::string kBytes = " 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 255 ";
 
 std::string Written(const std::string& name, const std::string& bytes) {
-  const std::string path = testing::TempDir() + name;
+  const std::string path = testing::TempDir() + std::to_string(::getpid()) + name;  // tests run side by side
   WriteWhole(path, bytes);
   return path;
 }

@@ -100,9 +100,7 @@ TEST(Crafted, TextOfFourByteLongsIsRead) {
     const Craft craft{true, 18, machine.long_bytes, machine.size_bytes};
     for (const std::string& bytes : {CraftTinyAtlas(craft).bytes, CraftOddAtlas(craft).bytes}) {
       Notices notices;
-      const Atlas atlas = ReadBytes(bytes, notices);
-      EXPECT_EQ(atlas.encoding.long_bytes, machine.long_bytes) << machine.name;
-      EXPECT_TRUE(EncodeOrbslam3(atlas) == bytes) << machine.name;
+      EXPECT_TRUE(EncodeOrbslam3(ReadBytes(bytes, notices)) == bytes) << machine.name;
     }
   }
 }
