@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/database.h"
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <thread>
 
 namespace slamdb::sqlite {
 namespace {
@@ -117,6 +119,18 @@ std::string Database::log_path() const { return std::string(sqlite3_db_filename(
 void Database::Execute(const std::string& sql) {
   const int code = sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) throw Failure("", code);
+}
+
+void Database::UseLog(double lock_timeout) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kPause(5);
+  const auto end = Clock::now() + std::chrono::duration<double>(lock_timeout);
+  while (true) {
+    const int code = sqlite3_exec(handle(), "PRAGMA journal_mode=WAL", nullptr, nullptr, nullptr);
+    if (code == SQLITE_OK) return;
+    if ((code & 0xff) != SQLITE_BUSY || Clock::now() >= end) throw Failure("", code);
+    std::this_thread::sleep_for(kPause);
+  }
 }
 
 std::int64_t Database::Integer(const std::string& sql) {

@@ -31,6 +31,8 @@ class Database {
   sqlite3* handle() const { return handle_.get(); }
 
   void Execute(const std::string& sql);
+  // Switches to a write-ahead log. Waits as long for others who do the same, which SQLite itself does not.
+  void UseLog(double lock_timeout);
   std::int64_t Integer(const std::string& sql);  // the first column of the first row; 0 when there is none
   bool HasTable(std::string_view name);
 
