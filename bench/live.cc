@@ -32,7 +32,8 @@ double Median(std::vector<double> values) {
 
 // Many points, whose keyframes hold nothing but who sees which.
 slamdb::Atlas ManyPoints(std::size_t points) {
-  slamdb::Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = points / 250, .points = points});
+  slamdb::Atlas atlas =
+      SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = points / 250, .points = points, .features = 1500});
   for (slamdb::KeyFrame& keyframe : atlas.maps[0].keyframes) {
     Features& features = keyframe.features;
     features = {.count = features.count, .map_points = std::move(features.map_points)};
