@@ -9,9 +9,19 @@
 
 namespace slamdb::cli {
 
+void RequireOutput(const EditOptions& options) {
+  if (options.output.empty() && !options.dry_run)
+    RefuseUsage("name an output, or say --dry-run to see only what would be done");
+}
+
+std::string FormatToWrite(const Atlas& atlas, const Location& output, const std::string& to) {
+  const bool stays_text = to.empty() && atlas.encoding.text && FormatOfOutput(output).id == "orbslam3";
+  return stays_text ? "orbslam3-text" : to;
+}
+
 void RefuseBadOutput(const EditOptions& options) {
+  RequireOutput(options);
   if (options.dry_run) return;
-  if (options.output.empty()) RefuseUsage("name an output, or say --dry-run to see only what would be done");
   const Location output = Location::Parse(options.output);
   RefuseSameFile(Location::Parse(options.input), output);
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
@@ -51,10 +61,7 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
   write.lock_timeout = options.wait;
   write.provenance = provenance;
   const Location output = Location::Parse(options.output);
-  std::string to = options.target.to;
-  // A changed text archive stays one.
-  if (to.empty() && atlas.encoding.text && FormatOfOutput(output).id == "orbslam3") to = "orbslam3-text";
-  WriteAtlas(atlas, output, write, notices, to);
+  WriteAtlas(atlas, output, write, notices, FormatToWrite(atlas, output, options.target.to));
 }
 
 ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,

@@ -28,6 +28,13 @@ void AddEdit(CLI::App& verb, EditOptions& options);
 // --to, -O, --no-sync, --wait, --json and --dry-run alone, for verbs that name their inputs and outputs otherwise.
 void AddEditTarget(CLI::App& verb, EditOptions& options);
 
+// Ends with exit code 2 when there is no output to write to.
+void RequireOutput(const EditOptions& options);
+
+// The format to write a changed atlas in: `to` where it is given; a text archive stays one; otherwise nothing, and the
+// output's suffix decides.
+std::string FormatToWrite(const Atlas& atlas, const Location& output, const std::string& to);
+
 // Throws Error for what would fail at the end: no output, an output that is the input, whose format is unknown, or
 // binary on a terminal.
 void RefuseBadOutput(const EditOptions& options);

@@ -69,7 +69,7 @@ std::vector<IdMap> IdMapsOfJson(std::string_view text) {
 
 std::vector<IdMap> ReadIdMaps(const std::string& path) {
   const MappedFile file(path);
-  const std::string_view text(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
+  const std::string_view text = file.text();
   try {
     return IsJson(path) ? IdMapsOfJson(text) : ParseIdMapsCsv(text);
   } catch (const Error& error) {

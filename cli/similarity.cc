@@ -31,7 +31,7 @@ Similarity3d ReadSimilarity(const std::string& text_or_path) {
   }
   const MappedFile file(text_or_path);
   try {
-    return ParseSimilarity({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()});
+    return ParseSimilarity(file.text());
   } catch (const Error& error) {
     throw Error(text_or_path, error.place(), error.problem());
   }

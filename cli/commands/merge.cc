@@ -57,7 +57,7 @@ Anchors ReadAnchors(const std::string& text_or_path) {
   if (!std::filesystem::exists(text_or_path)) return ParseAnchors(text_or_path);
   const MappedFile file(text_or_path);
   try {
-    return ParseAnchorsCsv({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()});
+    return ParseAnchorsCsv(file.text());
   } catch (const Error& error) {
     throw Error(text_or_path, error.place(), error.problem());
   }

@@ -99,12 +99,10 @@ nlohmann::ordered_json Json(const RenumberVerbOptions& options, const std::vecto
 ExitCode RunOnTable(const RenumberVerbOptions& options, Console& console) {
   const IdMap ids =
       options.undo.empty() ? ReadIdMap(options.apply, options.of) : Inverse(ReadIdMap(options.undo, options.of));
-  if (options.edit.output.empty() && !options.edit.dry_run)
-    RefuseUsage("name an output, or say --dry-run to see only what would be done");
+  RequireOutput(options.edit);
   const MappedFile file(options.edit.input);
   RefuseSameFile(Location::Parse(options.edit.input), Location::Parse(options.edit.output));
-  const std::string table =
-      ApplyIdMapToCsv({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}, ids);
+  const std::string table = ApplyIdMapToCsv(file.text(), ids);
   if (!options.edit.dry_run) WriteOutput({options.edit.output, options.edit.target.overwrite}, table, console);
   const auto summaries = Summarize(ids);
   return FinishEdit(Text(summaries), JsonText(Json(options, summaries)), options.edit, console, {});

@@ -65,8 +65,7 @@ void RefuseBadOutputs(const SplitOptions& options, const std::vector<Part>& part
 
 Atlas ReadWhole(const SplitOptions& options, Console& console, Notices& notices) {
   if (options.edit.output == "-") RefuseUsage("several atlases do not fit into standard output; name files");
-  if (options.edit.output.empty() && !options.edit.dry_run)
-    RefuseUsage("name an output, or say --dry-run to see only what would be done");
+  RequireOutput(options.edit);
   ReadOptions read = MakeReadOptions(console);
   read.lock_timeout = options.edit.wait;
   return ReadAtlas(Location::Parse(options.edit.input), read, notices, options.edit.from);

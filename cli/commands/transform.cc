@@ -77,7 +77,7 @@ std::vector<TimedPosition> ReadReference(const TransformOptions& options, Consol
 std::vector<GpsFix> ReadFixes(const std::string& path) {
   const MappedFile file(path);
   try {
-    auto fixes = ParseFixes({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()});
+    auto fixes = ParseFixes(file.text());
     if (fixes.empty()) throw Error("holds no fix");
     return fixes;
   } catch (const Error& error) {

@@ -158,11 +158,9 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadAtlas(input, MakeReadOptions(console), notices, options.from);
   atlas.vocabulary = WantedVocabulary(options, atlas.vocabulary);
-  std::string to = options.target.to;
-  if (to.empty() && atlas.encoding.text && FormatOfOutput(output).id == "orbslam3") to = "orbslam3-text";
   WriteOptions write = MakeWriteOptions(console, options.target);
   write.provenance = "vocabulary set " + options.input;
-  WriteAtlas(atlas, output, write, notices, to);
+  WriteAtlas(atlas, output, write, notices, FormatToWrite(atlas, output, options.target.to));
   console.Report(notices);
   if (output.path != "-" && !console.quiet())
     console.Print("wrote " + output.ToString() + " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum +

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace slamdb {
 
@@ -22,6 +23,7 @@ class MappedFile {
   MappedFile& operator=(MappedFile&& other) noexcept;
 
   Bytes bytes() const { return bytes_; }
+  std::string_view text() const { return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}; }
   const std::string& path() const { return path_; }
 
  private:

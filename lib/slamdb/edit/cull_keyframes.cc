@@ -12,8 +12,6 @@
 namespace slamdb {
 namespace {
 
-constexpr std::int32_t kCulledAt = 2;  // observations that MapPoint::EraseObservation culls a point with
-
 // When maps with IMU may lose a keyframe.
 constexpr std::size_t kKeyFramesOfWindow = 21;             // the newest ones, which inertial optimisation works on
 constexpr double kLongestGap = 3, kLongestGapOfNew = 0.5;  // seconds

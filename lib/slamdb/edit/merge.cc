@@ -13,6 +13,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
+#include "slamdb/edit/irregular_entries.h"
 #include "slamdb/edit/references.h"
 
 namespace slamdb {
@@ -192,21 +193,8 @@ class Merger {
     return nullptr;
   }
 
-  void DropIrregularEntries(Atlas& input) {
-    const auto drop = [&](std::vector<RepeatedEntry>& entries) {
-      report().dropped_list_entries += entries.size();
-      entries.clear();
-    };
-    drop(input.repeated_maps);
-    drop(input.repeated_cameras);
-    for (Map& map : input.maps) {
-      drop(map.repeated_keyframes);
-      drop(map.repeated_points);
-    }
-  }
-
   void Append(std::size_t i, Atlas& input) {
-    DropIrregularEntries(input);
+    report().dropped_list_entries += DropIrregularEntries(input);
     RaiseCounters(input);
     const ByKind<IdRange> ranges = FindRanges(input, options_.threads);
     if (i == 0) {

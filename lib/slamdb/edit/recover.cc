@@ -10,6 +10,7 @@
 #include <limits>
 #include <set>
 
+#include "slamdb/edit/irregular_entries.h"
 #include "slamdb/edit/subset.h"
 
 namespace slamdb {
@@ -32,11 +33,8 @@ std::uint64_t DropImpossible(List& list) {
 }
 
 void DropImpossible(Atlas& atlas, RecoverReport& report) {
-  atlas.repeated_maps.clear();
-  atlas.repeated_cameras.clear();
+  DropIrregularEntries(atlas);
   for (Map& map : atlas.maps) {
-    map.repeated_keyframes.clear();
-    map.repeated_points.clear();
     report.dropped_keyframes += DropImpossible(map.keyframes);
     report.dropped_points += DropImpossible(map.points);
   }

@@ -9,6 +9,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
+#include "slamdb/edit/irregular_entries.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/preintegration.h"
 #include "slamdb/model/spanning_tree.h"
@@ -20,7 +21,6 @@ using Flags = std::vector<std::uint8_t>;
 using Count = std::atomic<std::uint64_t>;
 
 constexpr std::size_t kPointGrain = 4096, kKeyFrameGrain = 16;
-constexpr std::int32_t kCulledAt = 2;  // MapPoint::EraseObservation culls a point that is left with so many
 
 template <class List>
 void KeepRows(List& list, const Flags& kept) {
@@ -227,15 +227,6 @@ void RequireSameShape(const Atlas& atlas, const Subset& subset) {
     fits = subset.maps[row].keyframes.size() == atlas.maps[row].keyframes.size() &&
            subset.maps[row].points.size() == atlas.maps[row].points.size();
   if (!fits) throw Error("the subset is not of this atlas: it has other maps, keyframes or points");
-}
-
-void DropIrregularEntries(Atlas& atlas) {
-  atlas.repeated_maps.clear();
-  atlas.repeated_cameras.clear();
-  for (Map& map : atlas.maps) {
-    map.repeated_keyframes.clear();
-    map.repeated_points.clear();
-  }
 }
 
 Subset Filled(const Atlas& atlas, std::uint8_t value) {

@@ -19,6 +19,9 @@ struct Subset {
   static Subset Nothing(const Atlas& atlas);
 };
 
+// ORB-SLAM3's MapPoint::EraseObservation culls a point that is left with so many observations or fewer.
+inline constexpr std::int32_t kCulledAt = 2;
+
 // What to do with what crosses the border of a part.
 enum class Border {
   kStrict,  // the part as it is: references that leave it are dropped, and points that nothing measures any more

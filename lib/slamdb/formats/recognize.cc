@@ -63,8 +63,7 @@ bool HasAt(std::string_view text, std::size_t offset, std::string_view part) {
 // SQLite keeps the text of its CREATE TABLE statements in the first page, and in further ones when there are many.
 std::string DescribeSqlite(const Probe& probe) {
   const MappedFile file(probe.path);
-  const std::size_t length = std::min<std::size_t>(file.bytes().size(), std::size_t{1} << 20);
-  const std::string_view text(reinterpret_cast<const char*>(file.bytes().data()), length);
+  const std::string_view text = file.text().substr(0, std::size_t{1} << 20);
   const auto has = [text](std::string_view part) { return text.find(part) != std::string_view::npos; };
   if (has("two_view_geometries") && has("keypoints"))
     return "not an atlas: this is a COLMAP database (features and matches, no map)";

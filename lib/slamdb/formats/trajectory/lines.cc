@@ -59,7 +59,7 @@ std::optional<std::int64_t> ParseInteger(std::string_view text) { return Parse<s
 Atlas ReadPoseLines(const Location& location, const ReadOptions& options, std::string_view separators,
                     const std::string& expected, const std::function<std::optional<ReadPose>(const PoseLine&)>& pose) {
   const MappedFile file(location.path);
-  std::string_view text(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
+  std::string_view text = file.text();
   PoseAtlas atlas;
   std::vector<double> values;
   for (std::size_t number = 1; !text.empty(); ++number) {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "slamdb/model/atlas.h"
+
+namespace slamdb {
+
+// Forgets null pointers and repetitions in the lists of an atlas (RepeatedEntry), whose positions and rows mean lists
+// that are about to change. Returns how many there were.
+std::uint64_t DropIrregularEntries(Atlas& atlas);
+
+}  // namespace slamdb
