@@ -21,7 +21,7 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 // Reorders `values`, which are finite. The mean is summed in their order before that.
 template <class T>
-Distribution Describe(std::vector<T>& values) {
+Distribution Describe(Column<T>& values) {
   Distribution distribution;
   distribution.count = values.size();
   if (values.empty()) return distribution;
@@ -191,7 +191,7 @@ class MapCounter {
 
   void CountPoints() {
     result_.observer_histogram.assign(MapStatistics::kHistogramSize, 0);
-    std::vector<std::uint32_t> observers;
+    Column<std::uint32_t> observers;
     observers.reserve(map_.points.size());
     for (const MapPoint& point : map_.points) {
       result_.largest_point_id = std::max(result_.largest_point_id, point.id.value());
@@ -232,11 +232,11 @@ class MapCounter {
   // Two errors for each observation, left and right, so that threads write to places of their own.
   void MeasureReprojection() {
     const std::vector<Projector> projectors = MakeProjectors();
-    std::vector<std::size_t> begins(map_.points.size() + 1, 0);
+    Column<std::size_t> begins(map_.points.size() + 1, 0);
     for (std::size_t row = 0; row < map_.points.size(); ++row)
       begins[row + 1] = begins[row] + 2 * (map_.points[row].bad ? 0 : map_.points[row].observations.size());
     constexpr float kNotSeen = -1;
-    std::vector<float> errors(begins.back());
+    Column<float> errors(begins.back());
     ParallelFor(map_.points.size(), kGrain, threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t row = begin; row < end; ++row) {
         const MapPoint& point = map_.points[row];
