@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,6 +65,21 @@ Selection ParseSelection(const SelectionOptions& options);
 
 // Ends with exit code 2: the options do not make sense together, which CLI11 cannot tell.
 [[noreturn]] void RefuseUsage(const std::string& problem);
+
+// For ->transform(): one of the words, which help and completion list, becomes the number of its value.
+template <class Value>
+CLI::Validator OneOf(const std::map<std::string, Value>& words) {
+  std::string list;
+  for (const auto& [word, value] : words) list += (list.empty() ? "{" : ",") + word;
+  list += "}";
+  return {[words, list](std::string& text) {
+            const auto found = words.find(text);
+            if (found == words.end()) return text + " not in " + list;
+            text = std::to_string(static_cast<int>(found->second));
+            return std::string();
+          },
+          list};
+}
 
 // For ->check().
 std::string CheckPositive(const std::string& text);     // a number above 0

@@ -178,7 +178,7 @@ Run AddMerge(CLI::App& verb) {
                   "What becomes of a map that comes twice (the same images and points): 'renumber' keeps both, "
                   "'keep-first' leaves the copy out, 'error' refuses")
       ->type_name("WHAT")
-      ->transform(CLI::CheckedTransformer(kConflicts).description({}));
+      ->transform(OneOf(kConflicts));
   verb.add_flag("--ignore-vocabulary", options->merge.ignore_vocabulary,
                 "Merge though the inputs' bags of words are of different vocabularies; the first one's name stays");
   verb.add_option("--id-map", options->id_map, "Write which id of which input became which, as CSV or (.json) JSON")

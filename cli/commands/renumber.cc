@@ -144,7 +144,7 @@ Run AddRenumber(CLI::App& verb) {
                                 "Order of dense ids: 'id' keeps that of the old ids, 'time' takes that of the images, "
                                 "'as-is' that of the file's lists")
                     ->type_name("ORDER")
-                    ->transform(CLI::CheckedTransformer(kOrders).description({}))
+                    ->transform(OneOf(kOrders))
                     ->excludes(offset);
   verb.add_option("--id-map", options->id_map, "Write which id became which, as CSV or (.json) JSON")
       ->type_name("FILE");

@@ -15,8 +15,10 @@ using ::testing::Not;
 std::string BashOffers(const std::string& words, int count) {
   const TemporaryFolder folder;
   WriteWholeFile(folder / "script", RunSlamdb({"completion", "bash"}).out);
-  const std::string program = "compopt() { :; }; source '" + (folder / "script") + "'; COMP_WORDS=(" + words +
-                              "); COMP_CWORD=" + std::to_string(count - 1) +
+  // From a folder without files whose names could be offered too.
+  std::filesystem::create_directory(folder / "empty");
+  const std::string program = "cd '" + (folder / "empty") + "'; compopt() { :; }; source '" + (folder / "script") +
+                              "'; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(count - 1) +
                               "; _slamdb; printf '%s\\n' \"${COMPREPLY[@]}\"";
   const ProcessResult result = RunProgram({"bash", "-c", program});
   EXPECT_EQ(result.err, "");
@@ -48,6 +50,7 @@ TEST(Completion, BashOffersValuesOfAnOption) {
   EXPECT_EQ(BashOffers("slamdb convert --to orbslam3-", 4), "orbslam3-text\n");
   EXPECT_EQ(BashOffers("slamdb convert --to = orbslam3-", 5), "orbslam3-text\n");
   EXPECT_EQ(BashOffers("slamdb completion f", 3), "fish\n");
+  EXPECT_EQ(BashOffers("slamdb renumber --order ''", 4), "as-is\nid\ntime\n");
 }
 
 TEST(Completion, BashOffersFilesWithBlanks) {
