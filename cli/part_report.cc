@@ -53,6 +53,11 @@ std::string PartText(const Totals& before, const Totals& after, const SubsetRepo
   return text + cut.ToString("cut ") + chosen.ToString("chose ");
 }
 
+void WarnIfNothingIsLeft(const Totals& before, const Totals& after, Notices& notices) {
+  if (before.keyframes > 0 && after.keyframes == 0) notices.Warn("no keyframe is left; milder rules keep some");
+  if (before.points > 0 && after.points == 0) notices.Warn("no map point is left; milder rules keep some");
+}
+
 std::string CoverageText(const Coverage& coverage) {
   return "covers " + Share(coverage.covered, coverage.places, "place") + " (" +
          Percent(coverage.covered, coverage.places) + ") with " + std::to_string(coverage.min_points) +

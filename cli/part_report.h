@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "slamdb/base/notices.h"
 #include "slamdb/edit/coverage.h"
 #include "slamdb/edit/subset.h"
 
@@ -18,6 +19,8 @@ struct Totals {
 // kept 1 of 2 maps, 46 of 106 keyframes, 3,155 of 6,911 points
 // cut 120 observations, ...
 std::string PartText(const Totals& before, const Totals& after, const SubsetReport& removed);
+// Warns when no keyframe, or no point, of many is left.
+void WarnIfNothingIsLeft(const Totals& before, const Totals& after, Notices& notices);
 // covers 45 of 46 places (97%), 46 before; a place is covered with 50 points
 std::string CoverageText(const Coverage& coverage);
 

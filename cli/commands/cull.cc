@@ -59,6 +59,7 @@ ExitCode RunCull(const CullVerbOptions& options, Console& console) {
   const CullReport report = Cull(atlas, rules, console.threads());
   WriteResult(atlas, options.edit, "cull " + options.edit.input, console, notices);
   const Totals after = Totals::Of(atlas);
+  WarnIfNothingIsLeft(before, after, notices);
   nlohmann::ordered_json json = {{"culled", ReportJson(report)}};
   json.update(PartJson(before, after, report.removed));
   json["coverage"] = CoverageJson(report.coverage);

@@ -92,6 +92,7 @@ ExitCode RunExtract(const ExtractOptions& options, Console& console) {
                 "keyframes that observe them");
   WriteResult(atlas, options.edit, "extract " + options.edit.input, console, notices);
   const Totals after = Totals::Of(atlas);
+  WarnIfNothingIsLeft(before, after, notices);
   nlohmann::ordered_json json = PartJson(before, after, removed);
   json["coverage"] = CoverageJson(coverage);
   return FinishEdit(PartText(before, after, removed) + CoverageText(coverage), JsonText(json), options.edit, console,

@@ -45,6 +45,7 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
   const ShrinkReport report = Shrink(atlas, shrink, console.threads());
   WriteResult(atlas, options.edit, "shrink " + options.edit.input, console, notices);
   const Totals after = Totals::Of(atlas);
+  WarnIfNothingIsLeft(before, after, notices);
   nlohmann::ordered_json json = PartJson(before, after, report.removed);
   json["coverage"] = CoverageJson(report.coverage);
   json["bytes"] = {{"before", report.bytes_before}, {"after", report.bytes_after}};

@@ -226,6 +226,14 @@ std::unique_ptr<AtomicFile> OpenGeoreferenceFile(const TransformOptions& options
       path, AtomicFileOptions{.overwrite = options.edit.target.overwrite, .sync = !options.edit.target.no_sync});
 }
 
+std::vector<std::string> WarningsOf(const Motion& motion, const Map& map) {
+  std::vector<std::string> warnings = TransformWarnings(map, motion.target_from_source);
+  if (!motion.alignment) return warnings;
+  if (auto poor = PoorFitWarning(motion.alignment->residuals.rmse, motion.alignment->spread))
+    warnings.push_back(*std::move(poor));
+  return warnings;
+}
+
 ExitCode RunTransform(const TransformOptions& options, Console& console) {
   Notices notices;
   const Plan plan = PlanOf(options, console, notices);
@@ -234,7 +242,7 @@ ExitCode RunTransform(const TransformOptions& options, Console& console) {
   for (const std::size_t row : RowsToMove(atlas, options, plan)) {
     Map& map = atlas.maps[row];
     Motion motion = plan.motion(map);
-    motion.warnings = TransformWarnings(map, motion.target_from_source);
+    motion.warnings = WarningsOf(motion, map);
     for (const std::string& warning : motion.warnings) notices.Warn(ToString(map.id) + ": " + warning);
     TransformMap(map, motion.target_from_source, console.threads());
     motions.push_back(std::move(motion));

@@ -121,6 +121,22 @@ TEST(Join, TwoMapsOfOneAtlas) {
   EXPECT_EQ(result.atlas.maps[0].keyframes.back().origin_map, 1U);
 }
 
+TEST(Join, WarnsOfWhatLooksWrong) {
+  const auto warnings = [](JoinOptions join) {
+    Atlas atlas = MakeWorld(kWorlds[4], 2);
+    join.first = atlas.maps[0].id;
+    join.second = atlas.maps[1].id;
+    for (std::size_t row = 0; row < join.anchors.size(); ++row)
+      join.anchors[row] = {atlas.maps[0].keyframes[row].id, atlas.maps[1].keyframes[5 * row % 7].id};
+    return JoinMaps(atlas, join).warnings;
+  };
+  EXPECT_THAT(warnings({.first_from_second = Similarity3d()}), IsEmpty());
+  Similarity3d far;
+  far.translation = {0, 500, 0};
+  EXPECT_THAT(warnings({.first_from_second = far}), ElementsAre(HasSubstr("the maps lie far apart")));
+  EXPECT_THAT(warnings({.anchors = std::vector<KeyFramePair>(7)}), Contains(HasSubstr("the fit is poor")));
+}
+
 TEST(Join, BadInputChangesNothing) {
   const Atlas original = MakeWorld(kWorlds[4], 2);
   const auto error = [&](const JoinOptions& join) {

@@ -105,6 +105,16 @@ TEST(Umeyama, OutliersAreLeftOut) {
   EXPECT_EQ(SolveUmeyama(source, target, {.outlier_distance = 0.1}).residuals, robust.residuals);
 }
 
+TEST(Umeyama, SaysHowLargeResidualsAre) {
+  const Points square{{1, 1, 0}, {1, -1, 0}, {-1, 1, 0}, {-1, -1, 0}};
+  const UmeyamaResult same = SolveUmeyama(square, square, {});
+  EXPECT_NEAR(same.rms, 0, 1e-12);
+  EXPECT_NEAR(same.spread, std::sqrt(2), 1e-12);
+  EXPECT_FALSE(PoorFitWarning(same.rms, same.spread));
+  EXPECT_FALSE(PoorFitWarning(0.1, 1));
+  EXPECT_EQ(PoorFitWarning(0.5, 2)->find("the fit is poor: points that spread by 2 miss their places by 0.5"), 0U);
+}
+
 TEST(Umeyama, RefusesWhatDoesNotDetermineIt) {
   const Points two = {{0, 0, 0}, {1, 0, 0}};
   EXPECT_THAT(MessageOf(two, two), HasSubstr("at least 3 pairs"));

@@ -104,7 +104,8 @@ TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosit
           .pairs = source.size(),
           .inliers = inliers.size(),
           .residuals = StatisticsOf(inliers),
-          .largest_residual = std::ranges::max(fit.residuals)};
+          .largest_residual = std::ranges::max(fit.residuals),
+          .spread = fit.spread};
 }
 
 bool HasOpenScale(const Map& map) {

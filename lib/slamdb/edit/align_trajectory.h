@@ -33,6 +33,7 @@ struct TrajectoryAlignment {
   std::size_t inliers = 0;       // of the pairs, that the transform was solved from
   ResidualStatistics residuals;  // of the inliers
   double largest_residual = 0;   // of all pairs
+  double spread = 0;             // RMS distance of the inliers' positions from their mean, to hold residuals against
 };
 
 // The similarity that lays the keyframes of a map onto a reference trajectory: each keyframe is paired with the

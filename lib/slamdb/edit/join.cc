@@ -14,6 +14,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/edit/references.h"
+#include "slamdb/edit/sentence.h"
 #include "slamdb/edit/transform.h"
 #include "slamdb/edit/umeyama.h"
 #include "slamdb/model/derive.h"
@@ -80,15 +81,10 @@ Similarity3d Solve(const Map& first, const Map& second, const JoinOptions& optio
   umeyama.with_scale = options.with_scale.value_or(!IsMetric(first) || !IsMetric(second));
   umeyama.outlier_distance = options.outlier_distance;
   UmeyamaResult solved = SolveUmeyama(pairs.second, pairs.first, umeyama);
-  AnchorFit fit;
-  double squares = 0, used = 0;
-  for (std::size_t i = 0; i < solved.residuals.size(); ++i) {
-    if (!solved.inliers[i]) continue;
-    squares += solved.residuals[i] * solved.residuals[i];
-    fit.max = std::max(fit.max, solved.residuals[i]);
-    ++used;
-  }
-  fit.rms = std::sqrt(squares / used);
+  if (auto poor = PoorFitWarning(solved.rms, solved.spread)) report.warnings.push_back(*std::move(poor));
+  AnchorFit fit{.rms = solved.rms};
+  for (std::size_t i = 0; i < solved.residuals.size(); ++i)
+    if (solved.inliers[i]) fit.max = std::max(fit.max, solved.residuals[i]);
   fit.residuals = std::move(solved.residuals);
   fit.inliers = std::move(solved.inliers);
   report.fit = std::move(fit);
@@ -158,6 +154,22 @@ void AddMergeEdge(KeyFrame& keyframe, KeyFrameId other) {
     keyframe.merge_edges.push_back(other);
 }
 
+// The diagonal of the box around its camera centres.
+double Extent(const Map& map) {
+  Eigen::AlignedBox3f box;
+  for (const KeyFrame& keyframe : map.keyframes) box.extend(CameraCenter(keyframe));
+  return static_cast<double>(box.diagonal().norm());
+}
+
+void WarnIfFarApart(const Map& first, const Map& second, JoinReport& report) {
+  const double extent = std::max(Extent(first), Extent(second));
+  if (report.link_distance <= extent) return;
+  report.warnings.push_back(Sentence(
+      "the maps lie far apart: %.3g between the keyframes that link them, where the larger map spans %.3g; see whether "
+      "the transform takes the second map to the first, and not back",
+      report.link_distance, extent));
+}
+
 // Hangs the second tree, turned round to the linked keyframe, on the first.
 void Link(Map& first, Map& second, const KeyFramePair& link, JoinReport& report) {
   RerootTree(second, link.second);
@@ -219,9 +231,10 @@ JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
   JoinReport report{.first = options.first, .second = options.second};
   report.first_from_second =
       options.first_from_second ? *options.first_from_second : Solve(first, second, options, report);
-  report.warnings = TransformWarnings(second, report.first_from_second);
+  std::ranges::move(TransformWarnings(second, report.first_from_second), std::back_inserter(report.warnings));
   TransformMap(second, report.first_from_second, options.threads);
   Link(first, second, ChooseLink(first, second, options, report), report);
+  WarnIfFarApart(first, second, report);
   const std::size_t own_points = first.points.size();
   Absorb(first, second, report);
   if (options.fuse) report.fused = FusePoints(first, own_points, *options.fuse, options.threads);

@@ -50,7 +50,7 @@ struct JoinReport {
   double link_distance = 0;                 // between their camera centres after the move
   std::uint64_t keyframes = 0, points = 0;  // that changed map
   bool left_inertial = false;               // the first map was inertial, the second not: the result is not
-  std::vector<std::string> warnings;        // what TransformWarnings says of the second map
+  std::vector<std::string> warnings;        // a poor fit, maps far apart, and TransformWarnings of the second map
   std::optional<FuseReport> fused;
 };
 

@@ -2,13 +2,13 @@
 #include "slamdb/edit/transform.h"
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
 #include "slamdb/edit/gravity.h"
+#include "slamdb/edit/sentence.h"
 
 namespace slamdb {
 namespace {
@@ -106,12 +106,6 @@ class Mover {
   const Eigen::Vector3d translation_;
 };
 
-std::string Format(const char* format, double a, double b = 0) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, a, b);
-  return text;
-}
-
 double DegreesFromZ(const Eigen::Vector3d& direction) {
   return std::acos(std::clamp(direction.normalized().z(), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
@@ -135,7 +129,7 @@ void RequireTransform(const Similarity3d& transform) {
   if (!(transform.rotation.norm() > 1e-6))
     throw Error("the quaternion of the transform is zero; it must be of length 1");
   if (!(transform.scale > 0))
-    throw Error("the scale of the transform must be above 0, not " + Format("%g", transform.scale));
+    throw Error("the scale of the transform must be above 0, not " + Sentence("%g", transform.scale));
   constexpr double kLargest = 1e30;  // far below what a float holds, so that products of two stay finite
   if (transform.scale > kLargest || transform.scale < 1 / kLargest ||
       transform.translation.cwiseAbs().maxCoeff() > kLargest)
@@ -162,20 +156,20 @@ std::vector<std::string> TransformWarnings(const Map& map, const Similarity3d& t
     const double before = DegreesFromZ(up), after = DegreesFromZ(target_from_source.rotation * up);
     if (after > std::max(before, kTiltDegrees))
       warnings.push_back(
-          Format("gravity is tilted: it pointed %.1f degrees off -z and will point %.1f degrees off it, but "
-                 "ORB-SLAM3 takes it along -z in a map with IMU",
-                 before, after));
+          Sentence("gravity is tilted: it pointed %.1f degrees off -z and will point %.1f degrees off it, but "
+                   "ORB-SLAM3 takes it along -z in a map with IMU",
+                   before, after));
     if (target_from_source.scale != 1)
       warnings.push_back(
-          Format("the scale changes by %.6g in a map whose unit is the metre of its IMU: what the IMU measured "
-                 "stays as it is, which is right only where this corrects an error of scale",
-                 target_from_source.scale));
+          Sentence("the scale changes by %.6g in a map whose unit is the metre of its IMU: what the IMU measured "
+                   "stays as it is, which is right only where this corrects an error of scale",
+                   target_from_source.scale));
   }
   constexpr double kCoarseStep = 1e-3;
   const double largest = LargestCoordinate(map, target_from_source);
   const double step = largest * std::numeric_limits<float>::epsilon();
   if (step > kCoarseStep)
-    warnings.push_back(Format(
+    warnings.push_back(Sentence(
         "coordinates reach %.0f, where single precision has steps of %.1g: choose an origin nearby", largest, step));
   return warnings;
 }

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/sentence.h"
 
 namespace slamdb {
 namespace {
@@ -54,6 +55,14 @@ std::optional<Similarity3d> Solve(Points source, Points target, const Rows& rows
   if (with_scale) result.scale = singular.dot(signs) / variance;
   result.translation = target_mean - result.scale * (result.rotation * source_mean);
   return result;
+}
+
+// Root mean square of `distance(row)` over the rows.
+template <class Distance>
+double RootMeanSquare(const Rows& rows, const Distance& distance) {
+  double squares = 0;
+  for (const std::size_t row : rows) squares += distance(row) * distance(row);
+  return std::sqrt(squares / static_cast<double>(rows.size()));
 }
 
 double Residual(Points source, Points target, const Similarity3d& transform, std::size_t row) {
@@ -157,7 +166,20 @@ UmeyamaResult SolveUmeyama(Points source, Points target, const UmeyamaOptions& o
     result.residuals.push_back(Residual(source, target, result.target_from_source, row));
   result.inliers.assign(source.size(), 0);
   for (const std::size_t row : rows) result.inliers[row] = 1;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const std::size_t row : rows) mean += target[row] / static_cast<double>(rows.size());
+  result.rms = RootMeanSquare(rows, [&](std::size_t row) { return result.residuals[row]; });
+  result.spread = RootMeanSquare(rows, [&](std::size_t row) { return (target[row] - mean).norm(); });
   return result;
+}
+
+std::optional<std::string> PoorFitWarning(double rms, double spread) {
+  constexpr double kPoorShare = 0.1;
+  if (rms <= kPoorShare * spread) return std::nullopt;
+  return Sentence(
+      "the fit is poor: points that spread by %.3g miss their places by %.3g (RMS); see whether all pairs "
+      "belong together, or leave out those that are far off",
+      spread, rms);
 }
 
 }  // namespace slamdb

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "slamdb/model/similarity.h"
@@ -19,6 +21,8 @@ struct UmeyamaResult {
   Similarity3d target_from_source;
   std::vector<double> residuals;      // |target - target_from_source * source| of each pair, target units
   std::vector<std::uint8_t> inliers;  // 1: the pair was used
+  double rms = 0;                     // of the inliers' residuals
+  double spread = 0;                  // RMS distance of the inliers' targets from their mean
 };
 
 // The similarity that takes `source` points to `target` points with the least squared distance (Umeyama, PAMI 1991).
@@ -26,5 +30,8 @@ struct UmeyamaResult {
 // values that are not finite, or do not determine the transform: fewer than three pairs, or all on one line.
 UmeyamaResult SolveUmeyama(std::span<const Eigen::Vector3d> source, std::span<const Eigen::Vector3d> target,
                            const UmeyamaOptions& options);
+
+// A sentence when the residuals are large for points that spread so: some pair is wrong, or the shapes differ.
+std::optional<std::string> PoorFitWarning(double rms, double spread);
 
 }  // namespace slamdb
