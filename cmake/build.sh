@@ -7,7 +7,8 @@ preset=${1:-release}
 shift || true
 
 packages=(g++ cmake ninja-build ccache pkg-config
-  libeigen3-dev libboost-serialization-dev libsqlite3-dev libcli11-dev nlohmann-json3-dev libxxhash-dev libmd-dev libopencv-core-dev
+  libeigen3-dev libboost-serialization-dev libsqlite3-dev libcli11-dev nlohmann-json3-dev libxxhash-dev libmd-dev zlib1g-dev
+  libopencv-core-dev
   libgtest-dev libgmock-dev sqlite3 mandoc)
 missing=()
 for package in "${packages[@]}"; do

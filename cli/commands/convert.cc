@@ -16,6 +16,7 @@ struct ConvertOptions {
   TargetOptions target;
   SelectionOptions selection;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false;
+  bool mrpt_own_slots = false;
   std::optional<std::uint32_t> boost_version;
   std::optional<int> long_bytes;
   double wait = 5;
@@ -39,15 +40,17 @@ bool CutsThroughMaps(Selection selection) {
 }
 
 std::string Summary(const Atlas& atlas, const Location& output) {
-  std::uint64_t keyframes = 0, points = 0;
+  std::uint64_t keyframes = 0, points = 0, landmarks = 0;
   for (const Map& map : atlas.maps) {
     keyframes += map.keyframes.size();
     points += map.points.size();
+    landmarks += map.landmarks.size();
   }
   std::error_code ignored;
   const std::uint64_t size = std::filesystem::file_size(output.path, ignored);
   return "from " + Counted(atlas.maps.size(), "map") + ", " + Counted(keyframes, "keyframe") + ", " +
-         Counted(points, "point") + (ignored ? "" : "; " + HumanBytes(size));
+         Counted(points, "point") + (landmarks == 0 ? "" : ", " + Counted(landmarks, "landmark")) +
+         (ignored ? "" : "; " + HumanBytes(size));
 }
 
 WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& selection, Console& console) {
@@ -58,6 +61,7 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   write.binary = !options.ascii;
   write.map = selection.map;
   write.pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
+  write.mrpt_own_slots = options.mrpt_own_slots;
   write.lock_timeout = options.wait;
   write.provenance = "convert " + options.input;
   return write;
@@ -113,6 +117,9 @@ void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
   verb.add_flag("--ascii", options.ascii, "Write PLY and PCD as text")->group(kExport);
   verb.add_flag("--body", options.body, "Write trajectories of the body (IMU) frame instead of the camera's")
       ->group(kExport);
+  verb.add_flag("--mrpt-own-slots", options.mrpt_own_slots,
+                "Write ORB descriptors where MRPT 2 itself writes them, though it then reads them as BLD")
+      ->group("MRPT landmarks");
 }
 
 Run AddConvert(CLI::App& verb) {

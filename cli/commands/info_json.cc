@@ -61,6 +61,7 @@ ordered_json MapJson(const MapStatistics& map) {
           {"bad_keyframes", map.bad_keyframes},
           {"points", map.points},
           {"bad_points", map.bad_points},
+          {"landmarks", map.landmarks},
           {"features", map.features},
           {"observations", map.observations},
           {"observers_per_point", DistributionJson(map.observers)},

@@ -25,7 +25,7 @@ std::string SensorText(const MapStatistics& map) {
   std::string text = map.sensor == MapSensor::kStereoOrRgbd    ? "stereo or RGB-D"
                      : map.sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
                                                                : SensorName(map.sensor);
-  if (map.keyframes == 0) return "empty";
+  if (map.keyframes == 0) return map.landmarks == 0 ? "empty" : Counted(map.landmarks, "landmark");
   return map.has_imu ? text + " with IMU" : text;
 }
 
@@ -72,6 +72,7 @@ std::string MapText(const MapStatistics& map) {
   Table table({kLeft, kLeft}, 2);
   table.Add({"keyframes", WithBad(map.keyframes, map.bad_keyframes)});
   table.Add({"points", WithBad(map.points, map.bad_points)});
+  if (map.landmarks > 0) table.Add({"landmarks", Grouped(map.landmarks)});
   table.Add({"features", Grouped(map.features)});
   table.Add({"observations", Grouped(map.observations) + "; a point is seen by " + Short(map.observers.mean, 3) +
                                  " keyframes, median " + Short(map.observers.median) + ", at most " +

@@ -10,13 +10,14 @@ namespace {
 
 struct MigrateVerbOptions {
   StoreVerbOptions store;
-  bool dry_run = false, no_backup = false;
+  bool back = false, dry_run = false, no_backup = false;
 };
 
 ExitCode RunMigrate(const MigrateVerbOptions& options, Console& console) {
-  const MigrateReport report =
-      MigrateStore(options.store.path,
-                   {.dry_run = options.dry_run, .backup = !options.no_backup, .lock_timeout = options.store.wait});
+  const MigrateReport report = MigrateStore(options.store.path, {.back = options.back,
+                                                                 .dry_run = options.dry_run,
+                                                                 .backup = !options.no_backup,
+                                                                 .lock_timeout = options.store.wait});
   if (console.quiet()) return ExitCode::kDone;
   std::string text = options.store.path + ": ";
   if (report.from == report.to) {
@@ -35,6 +36,7 @@ Run AddMigrate(CLI::App& verb) {
   const auto options = std::make_shared<MigrateVerbOptions>();
   AddStore(verb, options->store);
   verb.add_flag("-n,--dry-run", options->dry_run, "Only tell what would be done");
+  verb.add_flag("--back", options->back, "Go one version back, for an earlier slamdb");
   verb.add_flag("--no-backup", options->no_backup, "Do not keep the store as it was");
   return [options](Console& console) { return RunMigrate(*options, console); };
 }
@@ -42,6 +44,7 @@ Run AddMigrate(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb migrate lab.db --dry-run", "Which steps a store of an earlier slamdb needs."},
     {"slamdb migrate lab.db", "Takes them, and keeps the store as it was in lab.db.v1.bak."},
+    {"slamdb migrate lab.db --back", "Makes a store that the slamdb before this one reads, if nothing in it is newer."},
 };
 
 }  // namespace
@@ -51,7 +54,8 @@ const Command kMigrate = {
     .summary = "bring a store of an earlier slamdb up to date",
     .description =
         R"(Brings the schema of a store to the version of this slamdb, in one transaction. Other verbs refuse a store of another
-version and say so. A store that is up to date is left alone, and one of a newer slamdb is refused.)",
+version and say so. A store that is up to date is left alone, and one of a newer slamdb is refused. With --back the store
+goes one version back, which is refused where it holds what that version cannot.)",
     .failed = "The store could not be read or written, or it is of a newer slamdb.",
     .examples = kExamples,
     .add = AddMigrate,

@@ -51,9 +51,9 @@ std::string Difference(const std::string& actual, const std::string& expected) {
   return actual == expected ? std::string() : ": " + actual + " instead of " + expected;
 }
 
-template <int kRows, int kColumns>
-std::string Difference(const Eigen::Matrix<float, kRows, kColumns>& actual,
-                       const Eigen::Matrix<float, kRows, kColumns>& expected) {
+template <class Number, int kRows, int kColumns>
+std::string Difference(const Eigen::Matrix<Number, kRows, kColumns>& actual,
+                       const Eigen::Matrix<Number, kRows, kColumns>& expected) {
   for (int i = 0; i < kRows * kColumns; ++i) {
     const std::string difference = Difference(actual.data()[i], expected.data()[i]);
     if (!difference.empty()) return "[" + std::to_string(i) + "]" + difference;
@@ -73,6 +73,9 @@ std::string Difference(const Matrix& a, const Matrix& b);
 std::string Difference(const FeatureGrid& a, const FeatureGrid& b);
 std::string Difference(const BagOfWords& a, const BagOfWords& b);
 std::string Difference(const FeatureVector& a, const FeatureVector& b);
+std::string Difference(const FeatureDescriptor& a, const FeatureDescriptor& b);
+std::string Difference(const LandmarkFeature& a, const LandmarkFeature& b);
+std::string Difference(const Landmark& a, const Landmark& b);
 std::string Difference(const Intrinsics& a, const Intrinsics& b);
 std::string Difference(const ScalePyramid& a, const ScalePyramid& b);
 std::string Difference(const ImageBounds& a, const ImageBounds& b);
@@ -96,8 +99,8 @@ std::string Field(std::string_view name, const T& actual, const T& expected) {
 }
 
 template <class T>
-constexpr bool kIsEntity =
-    std::is_same_v<T, KeyFrame> || std::is_same_v<T, MapPoint> || std::is_same_v<T, Map> || std::is_same_v<T, Camera>;
+constexpr bool kIsEntity = std::is_same_v<T, KeyFrame> || std::is_same_v<T, MapPoint> || std::is_same_v<T, Map> ||
+                           std::is_same_v<T, Camera> || std::is_same_v<T, Landmark>;
 
 template <class T, class Allocator>
 std::string Difference(const std::vector<T, Allocator>& actual, const std::vector<T, Allocator>& expected) {
@@ -277,6 +280,25 @@ std::string Difference(const MapPoint& a, const MapPoint& b) {
                   SLAMDB_FIELD(min_distance), SLAMDB_FIELD(max_distance)});
 }
 
+std::string Difference(const FeatureDescriptor& a, const FeatureDescriptor& b) {
+  return Part({SLAMDB_FIELD(kind), SLAMDB_FIELD(bytes)});
+}
+
+std::string Difference(const LandmarkFeature& a, const LandmarkFeature& b) {
+  return Part({SLAMDB_FIELD(x), SLAMDB_FIELD(y), SLAMDB_FIELD(keypoint_id), SLAMDB_FIELD(type),
+               SLAMDB_FIELD(track_status), SLAMDB_FIELD(response), SLAMDB_FIELD(orientation), SLAMDB_FIELD(octave),
+               SLAMDB_FIELD(user_flags), SLAMDB_FIELD(depth), SLAMDB_FIELD(initial_depth),
+               SLAMDB_FIELD(position_in_camera), SLAMDB_FIELD(patch_size), SLAMDB_FIELD(has_patch), SLAMDB_FIELD(patch),
+               SLAMDB_FIELD(spin_image_rows), SLAMDB_FIELD(polar_images_without_rotation), SLAMDB_FIELD(descriptors)});
+}
+
+std::string Difference(const Landmark& a, const Landmark& b) {
+  if (a.id != b.id) return Part({SLAMDB_FIELD(id)});
+  return FirstOf({SLAMDB_FIELD(mean), SLAMDB_FIELD(normal), SLAMDB_FIELD(cov_11), SLAMDB_FIELD(cov_22),
+                  SLAMDB_FIELD(cov_33), SLAMDB_FIELD(cov_12), SLAMDB_FIELD(cov_13), SLAMDB_FIELD(cov_23),
+                  SLAMDB_FIELD(last_seen), SLAMDB_FIELD(seen_count), SLAMDB_FIELD(features)});
+}
+
 std::string Difference(const Camera& a, const Camera& b) {
   if (a.id != b.id) return Part({SLAMDB_FIELD(id)});
   return FirstOf({SLAMDB_FIELD(model), SLAMDB_FIELD(recorded_type), SLAMDB_FIELD(parameters), SLAMDB_FIELD(precision)});
@@ -286,9 +308,9 @@ std::string Difference(const Map& a, const Map& b) {
   if (a.id != b.id) return Part({SLAMDB_FIELD(id)});
   return FirstOf({SLAMDB_FIELD(initial_keyframe), SLAMDB_FIELD(max_keyframe_id), SLAMDB_FIELD(big_change_index),
                   SLAMDB_FIELD(keyframes), SLAMDB_FIELD(repeated_keyframes), SLAMDB_FIELD(points),
-                  SLAMDB_FIELD(repeated_points), SLAMDB_FIELD(origins), SLAMDB_FIELD(first_keyframe),
-                  SLAMDB_FIELD(lowest_keyframe), SLAMDB_FIELD(imu_initialized), SLAMDB_FIELD(inertial),
-                  SLAMDB_FIELD(imu_ba1), SLAMDB_FIELD(imu_ba2)});
+                  SLAMDB_FIELD(repeated_points), SLAMDB_FIELD(landmarks), SLAMDB_FIELD(origins),
+                  SLAMDB_FIELD(first_keyframe), SLAMDB_FIELD(lowest_keyframe), SLAMDB_FIELD(imu_initialized),
+                  SLAMDB_FIELD(inertial), SLAMDB_FIELD(imu_ba1), SLAMDB_FIELD(imu_ba2)});
 }
 
 std::string Difference(const Counters& a, const Counters& b) {

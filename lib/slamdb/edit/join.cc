@@ -13,6 +13,7 @@
 #include <string>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/landmarks.h"
 #include "slamdb/edit/references.h"
 #include "slamdb/edit/sentence.h"
 #include "slamdb/edit/transform.h"
@@ -202,6 +203,7 @@ void Absorb(Map& first, Map& second, JoinReport& report) {
   first.big_change_index = std::max(first.big_change_index, second.big_change_index) + 1;
   MoveList(second.keyframes, first.keyframes);
   MoveList(second.points, first.points);
+  TakeLandmarks(first.landmarks, second.landmarks);
   first.lowest_keyframe = SmallestKeyFrame(first);
   first.inertial = first.inertial && second.inertial;
   first.imu_initialized = first.imu_initialized && second.imu_initialized;

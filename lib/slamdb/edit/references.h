@@ -65,6 +65,7 @@ void VisitIds(AMap& map, const Visit& visit) {
   visit(kKeyFrame, map.initial_keyframe);
   visit(kKeyFrame, map.max_keyframe_id);
   for (auto& origin : map.origins) visit(kKeyFrame, origin);
+  for (auto& landmark : map.landmarks) visit(IdKindConstant<IdKind::kPoint>(), landmark.id);  // that of its point
   visit(kKeyFrame, map.first_keyframe);
   visit(kKeyFrame, map.lowest_keyframe);
 }

@@ -8,6 +8,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
 #include "slamdb/edit/gravity.h"
+#include "slamdb/edit/landmarks.h"
 #include "slamdb/edit/sentence.h"
 
 namespace slamdb {
@@ -146,6 +147,7 @@ void TransformMap(Map& map, const Similarity3d& target_from_source, int threads)
   ParallelFor(map.points.size(), kPointsPerBlock, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) mover.Move(map.points[row]);
   });
+  TransformLandmarks(map.landmarks, target_from_source);
 }
 
 std::vector<std::string> TransformWarnings(const Map& map, const Similarity3d& target_from_source) {

@@ -42,7 +42,9 @@ enum Content : std::uint32_t {
   kCameras = 1U << 9,
   kMaps = 1U << 10,      // several maps in one file
   kIdentity = 1U << 11,  // ids, counters, vocabulary, flags
-  kEverything = (1U << 12) - 1,
+  kAtlas = (1U << 12) - 1,  // all of the above: what an .osa file holds
+  kLandmarks = 1U << 12,    // MRPT's, with their covariances
+  kEverything = kAtlas | kLandmarks,
 };
 inline Content operator|(Content a, Content b) {
   return static_cast<Content>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -102,6 +104,9 @@ struct WriteOptions {
 
   // stores
   std::string provenance;  // one line for the history: what made this atlas (`convert session_a.osa`)
+
+  // mrpt
+  bool mrpt_own_slots = false;  // ORB descriptors where MRPT 2 itself writes them, which then reads them as BLD
 
   // point clouds and trajectories
   bool binary = true;        // PLY and PCD; false: ascii

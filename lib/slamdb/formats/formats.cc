@@ -8,6 +8,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/csv/csv.h"
 #include "slamdb/formats/losses.h"
+#include "slamdb/formats/mrpt/mrpt.h"
 #include "slamdb/formats/ndjson/ndjson.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/pcd/pcd.h"
@@ -94,8 +95,9 @@ const Format& DetectFormat(const Location& location) {
 // In the order in which sniffers are asked: formats with a signature before those that are only lines of numbers.
 std::span<const Format> Formats() {
   static const std::array kFormats = {
-      kOrbslam3Format, kOrbslam3TextFormat, kStoreFormat,           kPlyFormat,   kPcdFormat, kNdjsonFormat,
-      kCsvFormat,      kCsvKeyFramesFormat, kCsvObservationsFormat, kEurocFormat, kTumFormat, kKittiFormat,
+      kOrbslam3Format, kOrbslam3TextFormat, kStoreFormat,  kMrptFormat, kMrpt3Format,        kMrptTextFormat,
+      kPlyFormat,      kPcdFormat,          kNdjsonFormat, kCsvFormat,  kCsvKeyFramesFormat, kCsvObservationsFormat,
+      kEurocFormat,    kTumFormat,          kKittiFormat,
   };
   return kFormats;
 }

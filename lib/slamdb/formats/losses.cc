@@ -14,7 +14,7 @@ struct Kind {
 };
 
 // In the order of Content. The counts are of what the words name first.
-constexpr std::array<Kind, 12> kKinds = {{
+constexpr std::array<Kind, 13> kKinds = {{
     {kPoses, "keyframe poses"},
     {kPoints, "map points"},
     {kNormals, "normals and distance ranges of map points"},
@@ -27,6 +27,7 @@ constexpr std::array<Kind, 12> kKinds = {{
     {kCameras, "cameras"},
     {kMaps, "several maps"},
     {kIdentity, "all ids and flags, the counters and the vocabulary's name"},
+    {kLandmarks, "landmarks"},
 }};
 
 using Counts = std::array<std::uint64_t, kKinds.size()>;
@@ -67,6 +68,7 @@ Counts CountContent(const Atlas& atlas, std::optional<MapId> chosen) {
   for (const Map& map : atlas.maps) {
     if (chosen && map.id != *chosen) continue;
     ++Count(counts, kMaps);
+    Count(counts, kLandmarks) += map.landmarks.size();
     for (const KeyFrame& keyframe : map.keyframes) CountKeyFrame(keyframe, counts);
     for (const MapPoint& point : map.points) CountPoint(point, counts);
   }

@@ -54,7 +54,7 @@ constexpr std::array kSignatures = {
 
 // MRPT writes `0x80 | length` before the class name of an object.
 constexpr std::string_view kMrptLandmarks =
-    "not an atlas: this is a file of MRPT objects (%), which slamdb does not read";
+    "not an atlas: this is a file of MRPT objects (%); of those slamdb reads landmarks maps of MRPT 2 and 3";
 
 bool HasAt(std::string_view text, std::size_t offset, std::string_view part) {
   return text.size() >= offset + part.size() && text.compare(offset, part.size(), part) == 0;

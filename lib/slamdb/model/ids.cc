@@ -27,5 +27,9 @@ template <>
 std::string ToString(CameraId id) {
   return Named("camera ", id);
 }
+template <>
+std::string ToString(LandmarkId id) {
+  return Named("landmark ", id);
+}
 
 }  // namespace slamdb

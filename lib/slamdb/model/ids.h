@@ -32,13 +32,16 @@ struct Map;
 struct KeyFrame;
 struct MapPoint;
 struct Camera;
+struct Landmark;
 
 using MapId = Id<Map>;            // ORB-SLAM3: Map::mnId
 using KeyFrameId = Id<KeyFrame>;  // KeyFrame::mnId
 using MapPointId = Id<MapPoint>;  // MapPoint::mnId
 using CameraId = Id<Camera>;      // GeometricCamera::mnId (32 bits there; 0xffffffff is none)
+using LandmarkId = Id<Landmark>;  // MRPT: CLandmark::ID, an int64_t; none is INVALID_LANDMARK_ID, -1
 
-// How findings, errors and the command line name an entity: `map 0`, `kf 77`, `mp 4312`, `camera 1`, `kf none`.
+// How findings, errors and the command line name an entity: `map 0`, `kf 77`, `mp 4312`, `camera 1`,
+// `landmark 5`, `kf none`.
 template <class Entity>
 std::string ToString(Id<Entity> id);
 template <>
@@ -49,6 +52,8 @@ template <>
 std::string ToString(MapPointId id);
 template <>
 std::string ToString(CameraId id);
+template <>
+std::string ToString(LandmarkId id);
 
 }  // namespace slamdb
 

@@ -73,6 +73,7 @@ class MapCounter {
     result_.id = map_.id;
     result_.keyframes = map_.keyframes.size();
     result_.points = map_.points.size();
+    result_.landmarks = map_.landmarks.size();
     result_.imu_initialized = map_.imu_initialized;
     result_.inertial = map_.inertial;
     result_.imu_ba1 = map_.imu_ba1;

@@ -39,6 +39,7 @@ struct MapStatistics {
 
   std::uint64_t keyframes = 0, points = 0;  // all that are stored, the bad ones too
   std::uint64_t bad_keyframes = 0, bad_points = 0;
+  std::uint64_t landmarks = 0;                    // of MRPT
   std::uint64_t features = 0;                     // sum of KeyFrame N
   std::uint64_t observations = 0;                 // a keyframe that sees a point with both cameras counts 2
   std::uint64_t covisibility_edges = 0;           // each pair of keyframes once, whichever of them lists it

@@ -40,10 +40,11 @@ std::string Written(const Format& format, const Atlas& atlas, WriteOptions optio
   return ReadFile(folder.Path("out"));
 }
 
-// SmallAtlas() with so many points and keyframes that every format writes them in several blocks.
+// LandmarkAtlas() with so many points, keyframes and landmarks that every format writes them in several blocks.
 Atlas LongAtlas() {
-  Atlas atlas = SmallAtlas();
+  Atlas atlas = LandmarkAtlas();
   for (Map& map : atlas.maps) {
+    map.landmarks.resize(3000, map.landmarks[0]);
     const MapPoint point = map.points[0];
     for (std::uint64_t i = 0; i < 20'000; ++i) {
       map.points.push_back(point);
@@ -125,7 +126,7 @@ class EveryFormat : public ::testing::TestWithParam<std::string> {
 TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
   const TemporaryFolder folder;
   Notices notices;
-  format().write(SmallAtlas(), {folder.Path("out"), ""}, {}, notices);
+  format().write(LandmarkAtlas(), {folder.Path("out"), ""}, {}, notices);
   const Probe probe = Probe::Of(folder.Path("out"));
   for (const Format& other : Formats())
     if (other.sniff != nullptr) {

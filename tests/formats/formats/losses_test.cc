@@ -47,8 +47,13 @@ TEST(LossesOf, NamesEachWithItsCount) {
               Contains("tum cannot hold inertial data of keyframes (2)"));
 }
 
+TEST(LossesOf, LandmarksAreOne) {
+  EXPECT_THAT(LossesOf(LandmarkAtlas(), FormatById("orbslam3"), {}), ElementsAre("orbslam3 cannot hold landmarks (3)"));
+  EXPECT_THAT(LossesOf(LandmarkAtlas(), FormatById("mrpt"), {}), Not(Contains(HasSubstr("landmarks"))));
+}
+
 TEST(LossesOf, AreNoneWhereEverythingFits) {
-  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("ndjson"), {}), IsEmpty());
+  EXPECT_THAT(LossesOf(LandmarkAtlas(), FormatById("ndjson"), {}), IsEmpty());
   for (const Format& format : Formats()) EXPECT_THAT(LossesOf({}, format, {}), IsEmpty()) << format.id;
 }
 

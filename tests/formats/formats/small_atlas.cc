@@ -99,6 +99,26 @@ Atlas SmallAtlas() {
   return atlas;
 }
 
+Atlas LandmarkAtlas() {
+  Atlas atlas = SmallAtlas();
+  Landmark landmark;
+  landmark.id = LandmarkId(10);
+  landmark.mean = {0, 0, 2};
+  landmark.normal = {0, 0, 1};
+  landmark.cov_11 = landmark.cov_22 = 0.25;
+  landmark.cov_33 = 0.5;
+  landmark.last_seen = TicksOfSeconds(1.5);
+  landmark.seen_count = 2;
+  LandmarkFeature& feature = landmark.CreateOneFeature();
+  feature.type = FeatureType::kOrb;
+  feature.x = 17;
+  feature.y = 52;
+  feature.descriptors = {{DescriptorKind::kOrb, {1, 2, 3}}};
+  atlas.maps[0].landmarks = {landmark, Landmark()};
+  atlas.maps[1].landmarks = {landmark};
+  return atlas;
+}
+
 Atlas InertialAtlas() {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].inertial = atlas.maps[0].imu_initialized = true;

@@ -10,7 +10,10 @@ namespace slamdb {
 // and 12 (never seen). Map 1: keyframe 7 (2 s), its axes turned from x y z to y z x, and its point 20.
 Atlas SmallAtlas();
 
-// The same without map 1.
+// SmallAtlas() with two landmarks in map 0, of point 10 and empty, and one in map 1.
+Atlas LandmarkAtlas();
+
+// SmallAtlas() without map 1.
 Atlas OneMapAtlas();
 
 // OneMapAtlas() with IMU calibration, velocities and biases: the body is 1 m in front of the camera.

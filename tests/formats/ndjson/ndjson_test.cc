@@ -63,6 +63,17 @@ TEST(Ndjson, WritesTheSmallEntitiesByteForByte) {
                       R"("min_distance":0.5,"max_distance":4})");
 }
 
+TEST(Ndjson, WritesLandmarksBehindThePoints) {
+  const std::vector<std::string> lines = Lines(LandmarkAtlas());
+  EXPECT_EQ(lines[8], R"({"type":"landmark","map":0,"id":10,"mean":[0,0,2],"normal":[0,0,1],"cov_11":0.25,)"
+                      R"("cov_22":0.25,"cov_33":0.5,"cov_12":0,"cov_13":0,"cov_23":0,)"
+                      R"("last_seen":116444736015000000,"seen_count":2,"features":[{"type":"orb","x":17,"y":52,)"
+                      R"("keypoint_id":18446744073709551615,"track_status":0,"response":0,"orientation":0,"octave":0,)"
+                      R"("user_flags":0,"depth":0,"initial_depth":0,"position_in_camera":[0,0,0],"patch_size":21,)"
+                      R"("spin_image_rows":0,"polar_images_without_rotation":false,"descriptors":{"orb":"010203"}}]})");
+  EXPECT_EQ(json::parse(lines[9])["id"], nullptr);
+}
+
 TEST(Ndjson, WritesFeatureColumns) {
   const json keyframe = json::parse(Lines(OneMapAtlas())[3]);
   const json& features = keyframe["features"];

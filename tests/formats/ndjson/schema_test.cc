@@ -109,7 +109,7 @@ class NdjsonSchema : public ::testing::Test {
 
 TEST_F(NdjsonSchema, DescribesEveryLine) {
   EXPECT_EQ(ProblemOf({}), "");
-  EXPECT_EQ(ProblemOf(SmallAtlas()), "");
+  EXPECT_EQ(ProblemOf(LandmarkAtlas()), "");
   EXPECT_EQ(ProblemOf(InertialAtlas()), "");
 }
 

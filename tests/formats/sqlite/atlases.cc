@@ -178,6 +178,25 @@ Map OddMap() {
   return map;
 }
 
+std::vector<Landmark> OddLandmarks() {
+  Landmark odd;
+  odd.id = LandmarkId(0xfedcba9876543210U);
+  odd.mean = {std::numeric_limits<double>::quiet_NaN(), -0.0, 1e300};
+  odd.cov_12 = -0.0;
+  odd.last_seen = 0xffffffffffffffffU;
+  odd.seen_count = 0xffffffff;
+  odd.features.resize(2);
+  odd.features[0].x = kSignalingNan;
+  odd.features[0].type = static_cast<FeatureType>(99);
+  odd.features[0].has_patch = true;
+  odd.features[0].patch = {1, 0, 2};
+  odd.features[1].has_patch = true;
+  odd.features[1].descriptors = {{DescriptorKind::kSift, {}}, {DescriptorKind::kLatch, {9, 8, 7}}};
+  Landmark plain;
+  plain.id = LandmarkId(3);
+  return {plain, odd, Landmark(), plain, Landmark()};
+}
+
 }  // namespace
 
 TemporaryFolder::TemporaryFolder() {
@@ -197,6 +216,7 @@ Atlas OddAtlas() {
   atlas.maps.emplace_back();  // empty, without id
   atlas.maps.push_back(OddMap());
   atlas.maps[2].keyframes.resize(1);
+  atlas.maps[0].landmarks = OddLandmarks();
   atlas.repeated_maps = {{0, 2, 0}, {5, RepeatedEntry::kNull, 0}};
   Camera camera{.id = CameraId(0),
                 .model = CameraModel::kPinhole,

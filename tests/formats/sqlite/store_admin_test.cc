@@ -65,7 +65,7 @@ TEST_F(StoreAdmin, RemoveTakesEverythingOfThatAtlasOnly) {
   EXPECT_EQ(FirstDifference(store.Load("keep"), SoundAtlas()), "");
   store.Remove("keep");
   for (const char* table : {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features",
-                            "keyframe_link", "map_point", "map_point_box", "observation"}) {
+                            "keyframe_link", "map_point", "map_point_box", "landmark", "observation"}) {
     EXPECT_EQ(Sql(path_, std::string("SELECT count(*) FROM ") + table), "0") << table;
   }
 }
@@ -133,8 +133,8 @@ class StoreMigration : public StoreAdmin {
     SaveIn(path_, OddAtlas());
     migrations_.assign(sqlite::Migrations().begin(), sqlite::Migrations().end());
     const int next = migrations_.back().number + 1;
-    migrations_.push_back({next, "0002_notes", "CREATE TABLE note (text TEXT) STRICT"});
-    migrations_.push_back({next + 1, "0003_more", "ALTER TABLE note ADD COLUMN author TEXT"});
+    migrations_.push_back({next, "0003_notes", "CREATE TABLE note (text TEXT) STRICT"});
+    migrations_.push_back({next + 1, "0004_more", "ALTER TABLE note ADD COLUMN author TEXT"});
   }
   std::vector<sqlite::Migration> migrations_;
 };
@@ -142,34 +142,34 @@ class StoreMigration : public StoreAdmin {
 TEST_F(StoreMigration, DryRunListsTheStepsAndChangesNothing) {
   const std::string before = FileBytes(path_);
   const MigrateReport report = sqlite::Migrate(path_, {.dry_run = true}, migrations_);
-  EXPECT_EQ(report.from, 1);
-  EXPECT_EQ(report.to, 3);
-  EXPECT_THAT(report.steps, ::testing::ElementsAre("0002_notes", "0003_more"));
+  EXPECT_EQ(report.from, 2);
+  EXPECT_EQ(report.to, 4);
+  EXPECT_THAT(report.steps, ::testing::ElementsAre("0003_notes", "0004_more"));
   EXPECT_EQ(report.backup, "");
   EXPECT_EQ(FileBytes(path_), before);
 }
 
 TEST_F(StoreMigration, RunsWithABackupBeside) {
-  std::ofstream(path_ + ".v1.bak") << "taken";
+  std::ofstream(path_ + ".v2.bak") << "taken";
   const MigrateReport report = sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "3");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "4");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM note WHERE author = 'x'"), "0");
-  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 1 to 3");
-  EXPECT_EQ(report.backup, path_ + ".v1.bak.2");
+  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 2 to 4");
+  EXPECT_EQ(report.backup, path_ + ".v2.bak.2");
   EXPECT_EQ(FirstDifference(LoadFrom(report.backup), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, FailedStepLeavesTheStoreAsItWas) {
   migrations_.back().sql = "ALTER TABLE nonsense ADD COLUMN x";
   EXPECT_THAT(ErrorOf([&] { sqlite::Migrate(path_, {.backup = false}, migrations_); }), HasSubstr("nonsense"));
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "1");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "2");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM sqlite_schema WHERE name = 'note'"), "0");
   EXPECT_EQ(FirstDifference(LoadFrom(path_), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, OlderStoreIsToBeMigrated) {
   sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 3, newest known to this program is 1"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 4, newest known to this program is 2"));
 }
 
 }  // namespace

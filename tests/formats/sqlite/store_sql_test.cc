@@ -21,7 +21,7 @@ class StoreSql : public ::testing::Test {
 TEST_F(StoreSql, MarksOfTheFile) {
   SaveIn(path_, Atlas());
   EXPECT_EQ(Query("PRAGMA application_id"), std::to_string(0x534C4442));
-  EXPECT_EQ(Query("PRAGMA user_version"), "1");
+  EXPECT_EQ(Query("PRAGMA user_version"), "2");
 }
 
 TEST_F(StoreSql, CameraCentresAndWorldFromCamera) {
@@ -87,7 +87,7 @@ TEST_F(StoreSql, RepeatedIdsAreStoredAndSeen) {
 TEST_F(StoreSql, EveryViewCanBeRead) {
   SaveIn(path_, OddAtlas());
   for (const char* view : {"v_atlas", "v_camera", "v_map", "v_keyframe", "v_keyframe_pose", "v_keyframe_link",
-                           "v_map_point", "v_observation"}) {
+                           "v_map_point", "v_landmark", "v_observation"}) {
     EXPECT_NE(Query(std::string("SELECT count(*) FROM ") + view), "0") << view;
   }
 }

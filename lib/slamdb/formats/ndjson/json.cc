@@ -100,6 +100,7 @@ std::string Render(const Entity& entity, int indent) {
 std::string ToJson(const KeyFrame& keyframe, int indent) { return Render(keyframe, indent); }
 std::string ToJson(const MapPoint& point, int indent) { return Render(point, indent); }
 std::string ToJson(const Camera& camera, int indent) { return Render(camera, indent); }
+std::string ToJson(const Landmark& landmark, int indent) { return Render(landmark, indent); }
 std::string ToJson(const Map& map, int indent) { return Render(map, indent); }
 std::string ToJson(const Atlas& atlas, int indent) { return Render(atlas, indent); }
 

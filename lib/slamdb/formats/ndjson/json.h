@@ -15,12 +15,14 @@ namespace slamdb {
 std::string ToJson(const KeyFrame& keyframe, int indent = 2);
 std::string ToJson(const MapPoint& point, int indent = 2);
 std::string ToJson(const Camera& camera, int indent = 2);
-std::string ToJson(const Map& map, int indent = 2);      // without its keyframes and points: their numbers
+std::string ToJson(const Landmark& landmark, int indent = 2);
+std::string ToJson(const Map& map, int indent = 2);      // without its keyframes, points and landmarks
 std::string ToJson(const Atlas& atlas, int indent = 2);  // without its maps and cameras: their ids
 
 // The same on one line, appended to a buffer; `map` becomes the member "map" of the object. What ndjson writes.
 void AppendJson(std::string& out, const KeyFrame& keyframe, std::optional<MapId> map = std::nullopt);
 void AppendJson(std::string& out, const MapPoint& point, std::optional<MapId> map = std::nullopt);
+void AppendJson(std::string& out, const Landmark& landmark, std::optional<MapId> map = std::nullopt);
 void AppendJson(std::string& out, const Camera& camera);
 void AppendJson(std::string& out, const Map& map);
 void AppendJson(std::string& out, const Atlas& atlas);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <iterator>
 #include <string_view>
 
 #include "slamdb/model/camera.h"
 #include "slamdb/model/features.h"
+#include "slamdb/model/landmark.h"
 
 namespace slamdb {
 
@@ -31,6 +33,40 @@ constexpr std::string_view NameOf(CameraModel model) {
       return "kannala_brandt_8";
   }
   return "unknown";
+}
+
+constexpr std::string_view NameOf(DescriptorKind kind) {
+  constexpr std::string_view kNames[] = {"sift", "surf", "spin_image", "polar_image", "log_polar_image",
+                                         "orb",  "bld",  "latch"};
+  const auto number = static_cast<std::size_t>(kind);
+  return number < std::size(kNames) ? kNames[number] : "unknown";
+}
+
+// Empty for numbers that MRPT has no name for.
+constexpr std::string_view NameOf(FeatureType type) {
+  switch (type) {
+    case FeatureType::kNotDefined:
+      return "not_defined";
+    case FeatureType::kKlt:
+      return "klt";
+    case FeatureType::kHarris:
+      return "harris";
+    case FeatureType::kSift:
+      return "sift";
+    case FeatureType::kSurf:
+      return "surf";
+    case FeatureType::kBeacon:
+      return "beacon";
+    case FeatureType::kFast:
+      return "fast";
+    case FeatureType::kOrb:
+      return "orb";
+    case FeatureType::kAkaze:
+      return "akaze";
+    case FeatureType::kLsd:
+      return "lsd";
+  }
+  return {};
 }
 
 }  // namespace slamdb

@@ -11,16 +11,17 @@ namespace slamdb {
 namespace {
 
 constexpr double kKeyFrameWeight = 200;  // how much longer a keyframe's line is than a point's, about
-constexpr std::size_t kKeyFramesPerBlock = 4, kPointsPerBlock = 1024;
+constexpr std::size_t kKeyFramesPerBlock = 4, kPointsPerBlock = 1024, kLandmarksPerBlock = 256;
 
 double SizeOf(const Column<KeyFrame>& keyframes) { return kKeyFrameWeight * static_cast<double>(keyframes.size()); }
 double SizeOf(const Column<MapPoint>& points) { return static_cast<double>(points.size()); }
+double SizeOf(const std::vector<Landmark>& landmarks) { return static_cast<double>(landmarks.size()); }
 
 // Turns the progress of each list into the progress of the whole.
 class PartProgress {
  public:
   PartProgress(const WriteOptions& options, const std::vector<const Map*>& maps) : options_(options) {
-    for (const Map* map : maps) whole_ += SizeOf(map->keyframes) + SizeOf(map->points);
+    for (const Map* map : maps) whole_ += SizeOf(map->keyframes) + SizeOf(map->points) + SizeOf(map->landmarks);
   }
   // The options to write a list of this size with, after those before it.
   WriteOptions Next(double size) {
@@ -38,9 +39,8 @@ class PartProgress {
   double whole_ = 0, done_ = 0;
 };
 
-template <class Entity>
-void WriteList(AtomicFile& file, const Map& map, const Column<Entity>& list, std::size_t grain,
-               const WriteOptions& options) {
+template <class List>
+void WriteList(AtomicFile& file, const Map& map, const List& list, std::size_t grain, const WriteOptions& options) {
   WriteRows(file, list.size(), grain, options, [&](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) {
       AppendJson(out, list[row], map.id);
@@ -67,6 +67,7 @@ void WriteNdjson(const Atlas& atlas, const Location& location, const WriteOption
     file.Write(line + '\n');
     WriteList(file, *map, map->keyframes, kKeyFramesPerBlock, progress.Next(SizeOf(map->keyframes)));
     WriteList(file, *map, map->points, kPointsPerBlock, progress.Next(SizeOf(map->points)));
+    WriteList(file, *map, map->landmarks, kLandmarksPerBlock, progress.Next(SizeOf(map->landmarks)));
   }
   file.Commit();
 }

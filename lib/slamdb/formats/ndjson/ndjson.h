@@ -6,7 +6,7 @@
 namespace slamdb {
 
 // The whole atlas as JSON, one object per line: the atlas, its cameras, then each map with its keyframes and its map
-// points. Write only. schema/ndjson.md describes the lines. For jq, data frames and scripts.
+// points and landmarks. Write only. schema/ndjson.md describes the lines. For jq, data frames and scripts.
 extern const Format kNdjsonFormat;
 
 }  // namespace slamdb

@@ -34,9 +34,11 @@ std::string OwnerOf(Database& database) {
 }
 
 // A damaged or hostile file may lack a table, or have a view of its name.
-void CheckTables(Database& database) {
-  for (const char* table : {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features",
-                            "keyframe_link", "map_point", "map_point_box", "observation", "history", "writer"}) {
+void CheckTables(Database& database, int version) {
+  for (const char* table :
+       {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
+        "map_point", "map_point_box", "observation", "history", "writer", "landmark"}) {
+    if (version < 2 && table == std::string_view("landmark")) continue;
     Statement statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1");
     if (!statement.BindText(1, table).Step()) {
       throw Error(database.path(), std::string("table ") + table, "missing: the store is damaged");
@@ -74,7 +76,7 @@ void CheckIsStore(Database& database, int newest, Older older) {
   if (version < newest && older == Older::kRefuse) {
     throw Error(database.path(), "", is + ", this program needs " + std::to_string(newest) + ": run `slamdb migrate`");
   }
-  CheckTables(database);
+  CheckTables(database, version);
 }
 
 }  // namespace slamdb::sqlite

@@ -270,6 +270,8 @@ Atlas LoadAtlas(Database& database, std::int64_t row, const ReadOptions& options
   const std::vector<MapRows> maps = LoadMaps(database, row, selection, whole, atlas);
   AtlasHashes hashes;
   LoadLists(database, row, options, maps, atlas, hashes);
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    LoadLandmarks(database, maps[i].row, selection, atlas.maps[i].landmarks, hashes.maps[i].landmarks);
   if (!whole || options.features == FeatureColumns::kNone) return atlas;
 
   hashes.header = HashOfAtlasHeader(atlas);

@@ -79,6 +79,10 @@ void LoadKeyframes(Database& database, std::span<const std::int64_t> rows, bool 
 void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::span<MapPoint> points,
                 std::span<std::int64_t> hashes, std::span<std::int64_t> observations_hashes);
 
+// Reads the landmarks of the map that the selection wants, and their hashes.
+void LoadLandmarks(Database& database, std::int64_t map, const Selection& selection, std::vector<Landmark>& landmarks,
+                   std::vector<std::int64_t>& hashes);
+
 // Calls visit(first, count) for each run of consecutive row numbers in `rows`.
 template <class Visit>
 void ForEachRun(std::span<const std::int64_t> rows, Visit visit) {

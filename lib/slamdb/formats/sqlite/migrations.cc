@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/migrations.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "slamdb/formats/sqlite/backup.h"
@@ -27,6 +28,21 @@ void RecordMigration(Database& database, const MigrateReport& report) {
   insert.BindText(1, now).BindText(2, tool).BindText(3, what).Run();
 }
 
+void RunStepBack(Database& database, const Migration& migration) {
+  database.Execute(std::string(migration.back));
+  database.Execute("PRAGMA user_version=" + std::to_string(migration.number - 1));
+}
+
+// Which steps lead from `from` to where the options want to go.
+void PlanSteps(const MigrateOptions& options, std::span<const Migration> migrations, MigrateReport& report) {
+  const Migration& last = migrations.back();
+  report.to = options.back ? std::min(report.from, last.number - 1) : last.number;
+  if (report.to < report.from) report.steps.emplace_back(std::string(last.name) + ".back");
+  for (const Migration& migration : migrations) {
+    if (migration.number > report.from && !options.back) report.steps.emplace_back(migration.name);
+  }
+}
+
 }  // namespace
 
 int NewestVersion() { return Migrations().back().number; }
@@ -44,16 +60,14 @@ void RunMigrations(Database& database, std::span<const Migration> migrations) {
 
 MigrateReport Migrate(const std::string& path, const MigrateOptions& options, std::span<const Migration> migrations) {
   MigrateReport report;
-  const int newest = migrations.back().number;
   {
     Database database(path, Access::kRead, options.lock_timeout);
-    CheckIsStore(database, newest, Older::kAccept);
+    CheckIsStore(database, migrations.back().number, Older::kAccept);
     report.from = VersionOf(database);
-    report.to = newest;
   }
-  for (const Migration& migration : migrations) {
-    if (migration.number > report.from) report.steps.emplace_back(migration.name);
-  }
+  PlanSteps(options, migrations, report);
+  if (!report.steps.empty() && options.back && migrations.back().back.empty())
+    throw Error(path, "", "there is no way back from version " + std::to_string(report.from));
   if (report.steps.empty() || options.dry_run) return report;
 
   Database database(path, Access::kWrite, options.lock_timeout);
@@ -63,7 +77,10 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
   }
   WriteTransaction transaction(database, options.lock_timeout);
   if (VersionOf(database) != report.from) throw Error(path, "", "migrated by another program meanwhile");
-  RunMigrations(database, migrations);
+  if (options.back)
+    RunStepBack(database, migrations.back());
+  else
+    RunMigrations(database, migrations);
   RecordMigration(database, report);
   transaction.Commit();
   return report;

@@ -11,11 +11,13 @@
 
 namespace slamdb::sqlite {
 
-// One step of the schema: schema/<name>.sql brings a store from version number - 1 to `number`.
+// One step of the schema: schema/<name>.sql brings a store from version number - 1 to `number`, and
+// schema/<name>.back.sql, where there is one, back again; it fails where something would be lost.
 struct Migration {
   int number;
   std::string_view name;
   std::string_view sql;
+  std::string_view back = {};
 };
 
 // All of them, ascending from 1. Their SQL is compiled into the library.
@@ -33,7 +35,7 @@ int VersionOf(Database& database);
 // Runs the steps that `database` lacks, inside the caller's transaction, and stamps it with the last one's number.
 void RunMigrations(Database& database, std::span<const Migration> migrations);
 
-// MigrateStore of store.h, with any list of migrations.
+// MigrateStore of store.h, with any list of migrations up to this program's version.
 MigrateReport Migrate(const std::string& path, const MigrateOptions& options, std::span<const Migration> migrations);
 
 }  // namespace slamdb::sqlite

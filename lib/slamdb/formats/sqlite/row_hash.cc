@@ -6,6 +6,7 @@
 #include "slamdb/base/hash.h"
 #include "slamdb/base/parallel.h"
 #include "slamdb/formats/sqlite/keyframe_blob.h"
+#include "slamdb/formats/sqlite/landmark_blob.h"
 #include "slamdb/formats/sqlite/packing.h"
 
 namespace slamdb::sqlite {
@@ -163,6 +164,21 @@ std::int64_t HashOf(const Column<Observation>& observations) {
   return static_cast<std::int64_t>(ContentHash(std::as_bytes(std::span(observations.data(), observations.size()))));
 }
 
+std::int64_t HashOf(const Landmark& landmark) {
+  thread_local ByteWriter out;
+  out.Clear();
+  out.Put(landmark.id.value());
+  out.PutBytes(std::as_bytes(std::span(landmark.mean.data(), 3)));
+  out.PutBytes(std::as_bytes(std::span(landmark.normal.data(), 3)));
+  for (const double value :
+       {landmark.cov_11, landmark.cov_22, landmark.cov_33, landmark.cov_12, landmark.cov_13, landmark.cov_23})
+    out.Put(value);
+  out.Put(landmark.last_seen);
+  out.Put(landmark.seen_count);
+  EncodeLandmarkFeatures(landmark.features, out);
+  return HashOfBytes(out);
+}
+
 std::int64_t AtlasHashes::Combined() const {
   Hasher hasher;
   hasher.Add(std::as_bytes(std::span(&header, 1)));
@@ -172,6 +188,7 @@ std::int64_t AtlasHashes::Combined() const {
     for (const auto* list : {&map.keyframes, &map.links, &map.features, &map.points, &map.observations}) {
       hasher.AddVector(*list);
     }
+    if (!map.landmarks.empty()) hasher.AddVector(map.landmarks);  // so that older hashes stay what they are
   }
   return hasher.value();
 }
@@ -198,6 +215,10 @@ AtlasHashes HashesOf(const Atlas& atlas, int threads) {
         of.points[i] = HashOfRow(map.points[i]);
         of.observations[i] = HashOf(map.points[i].observations);
       }
+    });
+    of.landmarks.resize(map.landmarks.size());
+    ParallelFor(map.landmarks.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) of.landmarks[i] = HashOf(map.landmarks[i]);
     });
   }
   return hashes;

@@ -33,6 +33,7 @@ std::int64_t HashOfLinks(const KeyFrame& keyframe);  // connections, children, l
 std::int64_t HashOf(const Features& features);       // all but the counts, which are in the keyframe's row
 std::int64_t HashOfRow(const MapPoint& point);       // all but the observations
 std::int64_t HashOf(const Column<Observation>& observations);
+std::int64_t HashOf(const Landmark& landmark);
 
 // The hashes of everything in an atlas, in its order; their hash is the atlas' content hash.
 struct AtlasHashes {
@@ -42,6 +43,7 @@ struct AtlasHashes {
     std::int64_t header = 0;
     std::vector<std::int64_t> keyframes, links, features;  // one each for every keyframe
     std::vector<std::int64_t> points, observations;        // one each for every point
+    std::vector<std::int64_t> landmarks;
   };
   std::vector<OfMap> maps;
 

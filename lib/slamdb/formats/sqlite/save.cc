@@ -199,6 +199,7 @@ void DeleteMap(Database& database, std::int64_t map, ChangeCounter& changes) {
   DeleteRange(database, "observation", "point", map, changes);
   DeleteRange(database, "map_point_box", "row", map, changes);
   DeleteRange(database, "map_point", "row", map, changes);
+  DeleteRange(database, "landmark", "row", map, changes);
   DeleteRange(database, "keyframe_link", "keyframe", map, changes);
   DeleteRange(database, "keyframe_features", "keyframe", map, changes);
   DeleteRange(database, "keyframe", "row", map, changes);
@@ -301,6 +302,7 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
   for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
     SaveKeyframes(context, rows[i], atlas.maps[i], hashes.maps[i]);
     SavePoints(context, rows[i], atlas.maps[i], hashes.maps[i]);
+    SaveLandmarks(context, rows[i], atlas.maps[i], hashes.maps[i]);
   }
   report.tables = changes.Take();
 }

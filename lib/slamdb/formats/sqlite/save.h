@@ -48,6 +48,7 @@ void DeleteAtlas(Database& database, std::int64_t atlas, ChangeCounter& changes)
 // The parts, for one map of row `row`.
 void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
 void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
+void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
 
 // The rows of a map's list as the store has them. `table` is keyframe or map_point, `details_hash` its second hash;
 // `expected` is about how many there will be.

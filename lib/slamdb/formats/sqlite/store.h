@@ -114,6 +114,7 @@ class Store {
 };
 
 struct MigrateOptions {
+  bool back = false;     // one version back instead, for an earlier slamdb; Error where it would lose something
   bool dry_run = false;  // only tell what would run
   bool backup = true;    // keep the store as it was in `<path>.v<version>.bak`
   double lock_timeout = 5;
@@ -125,8 +126,8 @@ struct MigrateReport {
   std::string backup;              // path; empty when none was made
 };
 
-// Brings a store to the version of this library. Nothing happens when it is there already. Throws Error for newer
-// stores.
+// Brings a store to the version of this library, or with `back` to the one before its own. Nothing happens when it is
+// there already. Throws Error for newer stores.
 MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options = {});
 
 }  // namespace slamdb

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/landmarks.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <unordered_map>
+
+namespace slamdb {
+namespace {
+
+bool IsKnown(const GaussianPoint& pose) { return !pose.covariance.isZero(0); }
+
+double WeightOf(const Landmark& landmark) { return std::max(1.0, static_cast<double>(landmark.seen_count)); }
+
+Eigen::Vector3d WeightedMean(const Landmark& a, const Eigen::Vector3d& of_a, const Landmark& b,
+                             const Eigen::Vector3d& of_b) {
+  const double share = WeightOf(b) / (WeightOf(a) + WeightOf(b));
+  return of_a + share * (of_b - of_a);
+}
+
+// In the form m1 + K (m2 - m1) with K = C1 (C1 + C2)^-1, which needs no inverse of either.
+GaussianPoint Product(const GaussianPoint& a, const GaussianPoint& b) {
+  const Eigen::Matrix3d gain = a.covariance * (a.covariance + b.covariance).inverse();
+  const Eigen::Matrix3d covariance = a.covariance - gain * a.covariance;
+  return {a.mean + gain * (b.mean - a.mean), 0.5 * (covariance + covariance.transpose())};
+}
+
+GaussianPoint FusedPose(const Landmark& a, const Landmark& b) {
+  const GaussianPoint of_a = a.pose(), of_b = b.pose();
+  if (IsKnown(of_a) && IsKnown(of_b)) {
+    const GaussianPoint product = Product(of_a, of_b);
+    if (product.mean.allFinite() && product.covariance.allFinite()) return product;
+  } else if (IsKnown(of_a)) {
+    return of_a;
+  } else if (IsKnown(of_b)) {
+    return of_b;
+  }
+  return {WeightedMean(a, a.mean, b, b.mean), Eigen::Matrix3d::Zero()};
+}
+
+std::uint32_t Sum(std::uint32_t a, std::uint32_t b) {
+  return a > std::numeric_limits<std::uint32_t>::max() - b ? std::numeric_limits<std::uint32_t>::max() : a + b;
+}
+
+}  // namespace
+
+void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source) {
+  const double scale = target_from_source.scale;
+  const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
+  for (Landmark& landmark : landmarks) {
+    GaussianPoint pose = landmark.pose();
+    pose.mean = target_from_source * pose.mean;
+    pose.covariance = scale * scale * (rotation * pose.covariance * rotation.transpose());
+    landmark.set_pose(pose);
+    landmark.normal = rotation * landmark.normal;
+    for (LandmarkFeature& feature : landmark.features) {
+      feature.depth *= scale;
+      feature.initial_depth *= scale;
+      feature.position_in_camera *= scale;
+    }
+  }
+}
+
+Landmark FuseLandmarks(const Landmark& a, const Landmark& b) {
+  Landmark fused = a;
+  fused.set_pose(FusedPose(a, b));
+  const Eigen::Vector3d normal = WeightedMean(a, a.normal, b, b.normal);
+  fused.normal = normal.isZero(0) ? normal : normal.normalized();
+  fused.seen_count = Sum(a.seen_count, b.seen_count);
+  fused.last_seen = std::max(a.last_seen, b.last_seen);
+  if (!fused.id) fused.id = b.id;
+  if (fused.features.empty()) fused.features = b.features;
+  return fused;
+}
+
+std::uint64_t TakeLandmarks(std::vector<Landmark>& into, std::span<const Landmark> from) {
+  std::unordered_map<LandmarkId, std::size_t> rows;
+  rows.reserve(into.size() + from.size());
+  for (std::size_t row = 0; row < into.size(); ++row)
+    if (into[row].id) rows.emplace(into[row].id, row);
+  std::uint64_t fused = 0;
+  for (const Landmark& landmark : from) {
+    const auto [found, is_new] = landmark.id ? rows.emplace(landmark.id, into.size()) : std::pair{rows.end(), true};
+    if (is_new) {
+      into.push_back(landmark);
+    } else {
+      into[found->second] = FuseLandmarks(into[found->second], landmark);
+      ++fused;
+    }
+  }
+  return fused;
+}
+
+}  // namespace slamdb

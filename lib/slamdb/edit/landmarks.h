@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "slamdb/base/progress.h"
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/similarity.h"
+
+// MRPT's landmarks and ORB-SLAM3's map points are two views of one thing; docs/landmarks.md has the table of fields.
+namespace slamdb {
+
+struct MakeLandmarksOptions {
+  double pixel_sigma = 1;  // standard deviation of a keypoint at octave 0, pixels: covariance.h
+  int threads = 0;         // 0: every core
+  Progress progress;       // may be empty
+};
+
+struct MakeLandmarksReport {
+  std::uint64_t landmarks = 0;
+  std::uint64_t undetermined = 0;  // of those: covariance 0, because the observations do not determine it
+  std::uint64_t bad = 0;           // points flagged bad, of which none was made
+};
+
+// Gives every map a landmark for each of its good points, in their order, in place of those that it has: the point's
+// id, position and unit normal; the covariance that its observations give it, rounded to the floats that MRPT 2 keeps;
+// how many keyframes observe it, and when the last of them did; one ORB feature, the keypoint of the reference keyframe
+// with the point's descriptor. In place; linear; the same for any number of threads.
+MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& options);
+
+struct MakePointsReport {
+  std::uint64_t moved = 0;  // points of the same id that got position and normal of their landmark
+  std::uint64_t added = 0;  // landmarks without one
+  std::uint64_t plain = 0;  // of those added: without an ORB descriptor of 32 bytes
+};
+
+// The way back: moves each map's points to their landmarks of the same id, and adds a point for every other landmark.
+// Added points have position, normal and descriptor and no observations, which no landmark has: they can be looked at
+// and exported, but ORB-SLAM3 has no use for them. Landmarks without id get new ones, and those that
+// share one are fused. In place; linear.
+MakePointsReport MakePoints(Atlas& atlas);
+
+// Moves landmarks as TransformMap moves points: means by the similarity, covariances by scale^2 R C R^T, normals by R,
+// depths and positions in the camera by the scale. Does not check the transform.
+void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source);
+
+// One landmark out of two of the same thing in one frame, as MRPT's CLandmarksMap::fuseWith: the product of the two
+// Gaussians, C = (C1^-1 + C2^-1)^-1 and m = C (C1^-1 m1 + C2^-1 m2). A covariance of zero means not known: then the
+// other one's position is taken, or, when neither is known, the mean weighted by the counts. Counts are added, the
+// newest time is kept; the normal is the mean weighted by the counts, of unit length; id and features are those of
+// `a` unless it has none.
+Landmark FuseLandmarks(const Landmark& a, const Landmark& b);
+
+// Takes over landmarks of another map that lie in the same frame: those whose id is there are fused with the first of
+// that id, the others are added in their order. Returns how many were fused. Ids that two sessions handed out
+// independently must be made disjoint before. Linear.
+std::uint64_t TakeLandmarks(std::vector<Landmark>& into, std::span<const Landmark> from);
+
+}  // namespace slamdb

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <optional>
+
+#include "slamdb/base/file_stream.h"
+#include "slamdb/base/pipeline.h"
+#include "slamdb/formats/export/maps.h"
+#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/mrpt/gzip.h"
+#include "slamdb/formats/mrpt/landmarks.h"
+#include "slamdb/formats/mrpt/mrpt.h"
+#include "slamdb/formats/mrpt/stream.h"
+
+namespace slamdb {
+namespace {
+
+using mrpt::Layout;
+
+constexpr std::size_t kGrain = 512;  // landmarks
+constexpr std::array<std::string_view, 2> kSuffixes{".mrpt", ".mrpt.gz"};
+constexpr std::array<std::string_view, 2> kSuffixes3{".mrpt3", ".mrpt3.gz"};
+constexpr std::array<std::string_view, 1> kTextSuffixes{".mrpt.txt"};
+
+std::optional<Layout> LayoutOf(const Probe& probe) {
+  constexpr std::size_t kEnough = 256;
+  return mrpt::LayoutOf(mrpt::IsGzip(probe.head) ? mrpt::DecompressHead(probe.head, kEnough) : probe.head);
+}
+bool Sniff2(const Probe& probe) { return LayoutOf(probe) == Layout::kMrpt2; }
+bool Sniff3(const Probe& probe) { return LayoutOf(probe) == Layout::kMrpt3; }
+
+Atlas Read(const Location& location, const ReadOptions& options, Notices&) {
+  FileStream file(location.path);
+  file.FillTo(file.size());
+  std::string_view bytes(file.data(), file.size());
+  std::string decompressed;
+  if (mrpt::IsGzip(bytes)) bytes = decompressed = mrpt::Decompress(location.path, bytes);
+  Atlas atlas;
+  atlas.maps = mrpt::ReadMaps(location.path, bytes);
+  atlas.next_ids.map = atlas.maps.size();
+  for (const Map& map : atlas.maps)
+    for (const Landmark& landmark : map.landmarks)
+      if (landmark.id) atlas.next_ids.map_point = std::max(atlas.next_ids.map_point, landmark.id.value() + 1);
+  const Selection& selection = options.selection;
+  std::erase_if(atlas.maps, [&](const Map& map) { return selection.map && *selection.map != map.id; });
+  if (selection.box)
+    for (Map& map : atlas.maps)
+      std::erase_if(map.landmarks,
+                    [&](const Landmark& landmark) { return !selection.box->contains(landmark.mean.cast<float>()); });
+  return atlas;
+}
+
+// The maps that have landmarks; the first one when none has, since a file holds at least one map.
+std::vector<const Map*> MapsWithLandmarks(const Atlas& atlas, const Location& location, const WriteOptions& options) {
+  std::vector<const Map*> maps = ChooseMaps(atlas, options.map, location.path);
+  std::erase_if(maps, [](const Map* map) { return map->landmarks.empty(); });
+  return maps;
+}
+
+// Blocks of landmarks, made on all threads, to where they go.
+template <class Append>
+void WriteLandmarks(const std::vector<Landmark>& landmarks, const WriteOptions& options, Append append,
+                    const std::function<void(std::string_view)>& write) {
+  const std::size_t blocks = (landmarks.size() + kGrain - 1) / kGrain;
+  ProduceInOrder(
+      blocks, options.threads,
+      [&](std::size_t block, Column<char>& buffer) {
+        std::string out;
+        const std::size_t end = std::min(landmarks.size(), (block + 1) * kGrain);
+        for (std::size_t i = block * kGrain; i < end; ++i) append(out, landmarks[i]);
+        buffer.assign(out.begin(), out.end());
+      },
+      [&](std::size_t block, const Column<char>& buffer) {
+        write({buffer.data(), buffer.size()});
+        if (options.progress) options.progress("writing", static_cast<double>(block + 1) / static_cast<double>(blocks));
+      });
+}
+
+template <class Append>
+void WriteStream(const Atlas& atlas, const Location& location, const WriteOptions& options, Append append) {
+  AtomicFile file(location.path, FileOptions(options));
+  std::optional<mrpt::Compressor> compressor;
+  if (location.path.ends_with(".gz")) compressor.emplace([&](std::string_view bytes) { file.Write(bytes); });
+  const auto write = [&](std::string_view bytes) { compressor ? compressor->Add(bytes) : file.Write(bytes); };
+  const auto write_map = [&](const std::vector<Landmark>& landmarks) {
+    std::string head = mrpt::HeaderOf(mrpt::kMapClass, mrpt::kMapVersion);
+    AppendRaw(head, static_cast<std::uint32_t>(landmarks.size()));
+    write(head);
+    WriteLandmarks(landmarks, options, append, write);
+    write({&mrpt::kEndFlag, 1});
+  };
+  const std::vector<const Map*> maps = MapsWithLandmarks(atlas, location, options);
+  for (const Map* map : maps) write_map(map->landmarks);
+  if (maps.empty()) write_map({});
+  if (compressor) compressor->Finish();
+  file.Commit();
+}
+
+template <class Test>
+std::uint64_t CountLandmarks(const Atlas& atlas, const WriteOptions& options, Test test) {
+  std::uint64_t count = 0;
+  for (const Map& map : atlas.maps)
+    if (!options.map || map.id == *options.map)
+      count += static_cast<std::uint64_t>(std::count_if(map.landmarks.begin(), map.landmarks.end(), test));
+  return count;
+}
+
+bool IsRounded(const Landmark& landmark) {
+  for (const double value :
+       {landmark.cov_11, landmark.cov_22, landmark.cov_33, landmark.cov_12, landmark.cov_13, landmark.cov_23})
+    if (value == value && static_cast<double>(static_cast<float>(value)) != value) return true;
+  return false;
+}
+
+void NameLoss(std::uint64_t count, const std::string& format, const std::string& what, Notices& notices) {
+  if (count > 0) notices.Lose(format + " cannot hold " + what + " of landmarks (" + Thousands(count) + ")");
+}
+
+void Write2(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
+  WriteStream(atlas, location, options, [&](std::string& out, const Landmark& landmark) {
+    mrpt::AppendLandmark2(out, landmark, options.mrpt_own_slots);
+  });
+  NameLoss(CountLandmarks(atlas, options, IsRounded), "mrpt", "64-bit covariances", notices);
+}
+
+void Write3(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
+  WriteStream(atlas, location, options, mrpt::AppendLandmark3);
+  const auto lose = [&](const std::string& what, bool (*has)(const Landmark&)) {
+    NameLoss(CountLandmarks(atlas, options, has), "mrpt3", what, notices);
+  };
+  lose("features", [](const Landmark& landmark) { return !landmark.features.empty(); });
+  lose("normals", [](const Landmark& landmark) { return landmark.normal != Eigen::Vector3d::Zero(); });
+  lose("times of last sight", [](const Landmark& landmark) { return landmark.last_seen != 0; });
+}
+
+void WriteText(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(location.path, FileOptions(options));
+  const std::vector<const Map*> maps = MapsWithLandmarks(atlas, location, options);
+  for (const Map* map : maps)
+    WriteLandmarks(map->landmarks, options, mrpt::AppendLandmarkText, [&](std::string_view text) { file.Write(text); });
+  file.Commit();
+  const auto all = [](const Landmark&) { return true; };
+  NameLoss(CountLandmarks(atlas, options, all), "mrpt-text", "covariances, normals, keypoints and dates", notices);
+}
+
+}  // namespace
+
+const Format kMrptFormat{.id = "mrpt",
+                         .title = "MRPT 2 landmarks map",
+                         .suffixes = kSuffixes,
+                         .reads = kLandmarks,
+                         .writes = kLandmarks,
+                         .sniff = Sniff2,
+                         .read = Read,
+                         .write = Write2};
+
+const Format kMrpt3Format{.id = "mrpt3",
+                          .title = "MRPT 3 landmarks map",
+                          .suffixes = kSuffixes3,
+                          .reads = kLandmarks,
+                          .writes = kLandmarks,
+                          .sniff = Sniff3,
+                          .read = Read,
+                          .write = Write3};
+
+const Format kMrptTextFormat{.id = "mrpt-text",
+                             .title = "MRPT landmarks as text",
+                             .suffixes = kTextSuffixes,
+                             .writes = kLandmarks,
+                             .write = WriteText};
+
+}  // namespace slamdb
