@@ -215,5 +215,14 @@ TEST(DropEmptyMaps, MovesUpWhatNamesLaterMaps) {
   EXPECT_THAT(atlas.maps[0].repeated_points, ElementsAre(RepeatedEntry{0, 1, 0}));
 }
 
+TEST(DropEmptyMaps, LeavesMapsOfLandmarks) {
+  Atlas atlas;
+  atlas.maps.resize(2);
+  atlas.maps[1].landmarks.resize(1);
+  EXPECT_EQ(FindRule("map-not-empty")->fix.apply(atlas), 1u);
+  ASSERT_EQ(atlas.maps.size(), 1u);
+  EXPECT_EQ(atlas.maps[0].landmarks.size(), 1u);
+}
+
 }  // namespace
 }  // namespace slamdb

@@ -71,6 +71,19 @@ void AddEmptyMap(Atlas& atlas) {
   atlas.maps.push_back(std::move(map));
 }
 
+// Three sound landmarks in the first map: of an id, of another one, and of none.
+std::vector<Landmark>& AddLandmarks(Atlas& atlas) {
+  Landmark landmark;
+  landmark.mean = {1, 2, 3};
+  landmark.cov_11 = landmark.cov_22 = landmark.cov_33 = 2;
+  landmark.CreateOneFeature().descriptors = {{DescriptorKind::kSurf, {}}, {DescriptorKind::kOrb, {}}};
+  std::vector<Landmark>& landmarks = FirstMap(atlas).landmarks;
+  landmarks.assign(3, landmark);
+  landmarks[0].id = LandmarkId(5);
+  landmarks[1].id = LandmarkId(6);
+  return landmarks;
+}
+
 const std::vector<Twin>& AllTwins() {
   static const std::vector<Twin> twins = {
       // Lists
@@ -420,6 +433,17 @@ const std::vector<Twin>& AllTwins() {
          SomeKeyFrame(atlas).merge_scale = kNan;
        },
        {"uninitialised"}},
+
+      // Landmarks of MRPT
+      {"landmark-id-unique", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].id = LandmarkId(5); }},
+      {"landmark-finite", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].mean.y() = kNan; }},
+      {"landmark-finite", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].normal.z() = kNan; }},
+      {"landmark-covariance", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].cov_12 = 3; }},
+      {"landmark-covariance", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].cov_33 = kNan; }},
+      {"landmark-descriptors", Base::kMonocular,
+       [](Atlas& atlas) { AddLandmarks(atlas)[1].features[0].descriptors[1].kind = DescriptorKind::kSift; }},
+      {"landmark-descriptors", Base::kMonocular,
+       [](Atlas& atlas) { AddLandmarks(atlas)[1].features[0].descriptors[1].kind = DescriptorKind{9}; }},
   };
   return twins;
 }

@@ -195,4 +195,10 @@ void CheckUninitialised(const Subject&, Findings&);
 std::size_t ZeroUninitialised(Atlas&);
 void CheckTextNumbers(const Subject&, Findings&);
 
+// landmarks.cc
+void CheckLandmarkIdUnique(const Subject&, Findings&);
+void CheckLandmarkFinite(const Subject&, Findings&);
+void CheckLandmarkCovariance(const Subject&, Findings&);
+void CheckLandmarkDescriptors(const Subject&, Findings&);
+
 }  // namespace slamdb

@@ -26,6 +26,7 @@ std::string ToString(const Place& place) {
   if (place.feature >= 0) append("feature " + std::to_string(place.feature));
   if (place.point) append(ToString(place.point));
   if (place.camera) append(ToString(place.camera));
+  if (place.landmark) append(ToString(place.landmark));
   return text.empty() ? "atlas" : text;
 }
 

@@ -26,6 +26,7 @@ struct Place {
   KeyFrameId keyframe = {};
   MapPointId point = {};
   CameraId camera = {};
+  LandmarkId landmark = {};
   std::int64_t feature = -1;  // row of the keyframe's features; -1: none
   friend bool operator==(const Place&, const Place&) = default;
 };

@@ -114,7 +114,8 @@ std::uint64_t LargestKeyFrameId(const Map& map) {
 }
 
 bool IsLeftover(const Map& map) {
-  return map.keyframes.empty() && map.points.empty() && map.repeated_keyframes.empty() && map.repeated_points.empty();
+  return map.keyframes.empty() && map.points.empty() && map.landmarks.empty() && map.repeated_keyframes.empty() &&
+         map.repeated_points.empty();
 }
 
 }  // namespace
@@ -197,7 +198,8 @@ std::size_t DropRepeatedEntries(Atlas& atlas) {
 
 void CheckMapEmpty(const Subject& subject, Findings& findings) {
   for (const Map& map : subject.atlas.maps)
-    if (map.keyframes.empty()) findings.Add(PlaceOf(map), "has no keyframes and ", map.points.size(), " points");
+    if (map.keyframes.empty() && map.landmarks.empty())
+      findings.Add(PlaceOf(map), "has no keyframes and ", map.points.size(), " points");
 }
 
 // Only maps in which nothing is left: points without keyframes are data, which a repair does not throw away. Rows of

@@ -22,6 +22,7 @@ Json PlaceJson(const Place& place) {
   if (place.keyframe) json["keyframe"] = Number(place.keyframe.value());
   if (place.point) json["point"] = Number(place.point.value());
   if (place.camera) json["camera"] = Number(place.camera.value());
+  if (place.landmark) json["landmark"] = Number(place.landmark.value());
   if (place.feature >= 0) json["feature"] = place.feature;
   return json;
 }

@@ -40,6 +40,7 @@ std::string QualifiedName(const Place& place) {
   if (place.feature >= 0) append("feature", static_cast<std::uint64_t>(place.feature));
   if (place.point) append("mp", place.point.value());
   if (place.camera) append("camera", place.camera.value());
+  if (place.landmark) append("landmark", place.landmark.value());
   return name.empty() ? "atlas" : name;
 }
 

@@ -40,7 +40,7 @@ constexpr Rule kRules[] = {
      {"DropRepeatedEntries", DropRepeatedEntries}},
     {"map-not-empty",
      kWarning,
-     "every map has keyframes",
+     "every map has keyframes or landmarks",
      "leaves such maps behind when it loads an atlas or merges inertial maps, and carries them along",
      CheckMapEmpty,
      {"DropEmptyMaps", DropEmptyMaps,
@@ -565,6 +565,22 @@ constexpr Rule kRules[] = {
      "cannot read them back: \"input stream error\"; a binary copy loads",
      CheckTextNumbers,
      {"ZeroUninitialised", ZeroUninitialised}},
+
+    // Landmarks of MRPT
+    {"landmark-id-unique", kWarning, "landmarks of a map have different ids, or none",
+     "does not see landmarks, but MRPT takes the two for one", CheckLandmarkIdUnique,
+     Unfixable("the two may be different things; `slamdb landmarks to-points` takes them for one and fuses them")},
+    {"landmark-finite", kError, "landmarks and their normals are finite",
+     "does not see landmarks, but MRPT computes with NaN", CheckLandmarkFinite,
+     Unfixable("where it is, is recorded nowhere else; `slamdb recover` leaves the landmark out")},
+    {"landmark-covariance", kWarning, "covariances of landmarks have no negative variance in any direction",
+     "does not see landmarks, but whoever weighs by the covariance gets wrong estimates", CheckLandmarkCovariance,
+     Unfixable(
+         "how well the landmark is known is recorded nowhere else; `slamdb landmarks from-points` computes it for "
+         "points")},
+    {"landmark-descriptors", kWarning, "features of landmarks have at most one descriptor of each kind, in order",
+     "does not see landmarks, and files of MRPT hold one of each kind", CheckLandmarkDescriptors,
+     Unfixable("which of the descriptors is the feature's is not recorded")},
 };
 
 }  // namespace
