@@ -34,6 +34,7 @@ Totals Totals::Of(const Atlas& atlas) {
   for (const Map& map : atlas.maps) {
     totals.keyframes += map.keyframes.size();
     totals.points += map.points.size();
+    totals.landmarks += map.landmarks.size();
   }
   return totals;
 }
@@ -41,7 +42,9 @@ Totals Totals::Of(const Atlas& atlas) {
 std::string PartText(const Totals& before, const Totals& after, const SubsetReport& removed) {
   std::string text = "kept " + Share(after.maps, before.maps, "map") + ", " +
                      Share(after.keyframes, before.keyframes, "keyframe") + ", " +
-                     Share(after.points, before.points, "point") + "\n";
+                     Share(after.points, before.points, "point");
+  if (before.landmarks > 0) text += ", " + Share(after.landmarks, before.landmarks, "landmark");
+  text += "\n";
   Sentence cut, chosen;
   cut.Add(removed.observations, "observation");
   cut.Add(removed.slots, "slot");
@@ -66,7 +69,10 @@ std::string CoverageText(const Coverage& coverage) {
 
 nlohmann::ordered_json PartJson(const Totals& before, const Totals& after, const SubsetReport& removed) {
   const auto json = [](const Totals& totals) {
-    return nlohmann::ordered_json{{"maps", totals.maps}, {"keyframes", totals.keyframes}, {"points", totals.points}};
+    return nlohmann::ordered_json{{"maps", totals.maps},
+                                  {"keyframes", totals.keyframes},
+                                  {"points", totals.points},
+                                  {"landmarks", totals.landmarks}};
   };
   return {{"before", json(before)},
           {"after", json(after)},

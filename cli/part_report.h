@@ -12,7 +12,7 @@
 namespace slamdb::cli {
 
 struct Totals {
-  std::uint64_t maps = 0, keyframes = 0, points = 0;
+  std::uint64_t maps = 0, keyframes = 0, points = 0, landmarks = 0;
   static Totals Of(const Atlas& atlas);
 };
 

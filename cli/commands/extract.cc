@@ -167,7 +167,8 @@ const Command kExtract = {
         R"(Takes the keyframes that meet all that is asked for, and the points that they observe, out of an atlas. What leads
 out of the part is closed so that 'slamdb check' finds it as sound as the whole, and ORB-SLAM3 loads it: observations,
 covisibility, spanning tree, loop edges, neighbours in time with their preintegrated motion, initial keyframe. Ids stay as
-they are. --border decides about points that lose observers. The rules are in docs/extract.md.)",
+they are. --border decides about points that lose observers. MRPT landmarks stay when they are inside box and polygon, or
+else with their map. The rules are in docs/extract.md.)",
     .failed = "The input could not be read, nothing is selected, or the output could not be written.",
     .lossy = "Done, but the output's format does not hold all of the part; standard error names what it lacks.",
     .examples = kExamples,

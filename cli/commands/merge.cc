@@ -150,7 +150,8 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
                              "Leave out anchors that lie farther apart than this, in units of the first map"))
       ->type_name("DISTANCE")
       ->check(CheckPositive);
-  auto* fuse = needs_join(verb.add_flag("--fuse", options.fuse, "Fuse points that both maps have"));
+  auto* fuse =
+      needs_join(verb.add_flag("--fuse", options.fuse, "Fuse points that both maps have, and their landmarks"));
   verb.add_option("--fuse-radius", options.fusion.radius, "How far apart fused points may be, in pixels of uncertainty")
       ->type_name("PIXELS")
       ->check(CheckPositive)

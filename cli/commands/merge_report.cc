@@ -94,6 +94,7 @@ std::string JoinText(const JoinReport& join) {
     text += "  " + Counted(join.fused->fused, "point") + " fused, " + Short(join.fused->mean_distance) +
             " apart on average; " + Counted(join.fused->observations, "observation") + " moved, covisibility of " +
             Counted(join.fused->keyframes, "keyframe") + " counted anew\n";
+  if (join.fused_landmarks > 0) text += "  " + Counted(join.fused_landmarks, "landmark") + " fused\n";
   return text;
 }
 
@@ -118,6 +119,7 @@ ordered_json JoinJson(const JoinReport& join) {
                      {"seen_together", join.fused->seen_together}, {"observations", join.fused->observations},
                      {"cleared_slots", join.fused->cleared_slots}, {"keyframes", join.fused->keyframes},
                      {"mean_distance", join.fused->mean_distance}};
+  json["fused_landmarks"] = join.fused_landmarks;
   return json;
 }
 

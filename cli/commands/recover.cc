@@ -24,7 +24,7 @@ struct RecoverVerbOptions {
 };
 
 struct Totals {
-  SalvagedList maps, keyframes, points;  // read: in the output
+  SalvagedList maps, keyframes, points, landmarks;  // read: in the output
 };
 
 Totals TotalsOf(const Salvage& salvage) {
@@ -34,10 +34,12 @@ Totals TotalsOf(const Salvage& salvage) {
   for (const SalvagedMap& map : salvage.maps) {
     totals.keyframes.listed += map.keyframes.listed;
     totals.points.listed += map.points.listed;
+    totals.landmarks.listed += map.landmarks.listed;
   }
   for (const Map& map : salvage.atlas.maps) {
     totals.keyframes.read += map.keyframes.size();
     totals.points.read += map.points.size();
+    totals.landmarks.read += map.landmarks.size();
   }
   return totals;
 }
@@ -57,6 +59,7 @@ std::vector<std::string> LossesOf(const Salvage& salvage, const RecoverReport& r
   lose(totals.maps, "map", "maps");
   lose(totals.keyframes, "keyframe", "keyframes");
   lose(totals.points, "point", "points");
+  lose(totals.landmarks, "landmark", "landmarks");
   for (const SalvagedMap& map : salvage.maps)
     if (map.points.listed == 0 && map.keyframes.read < map.keyframes.listed)
       losses.push_back(ToString(map.id) + ": all points lost, whose number stands behind the keyframes");
@@ -64,6 +67,8 @@ std::vector<std::string> LossesOf(const Salvage& salvage, const RecoverReport& r
     losses.push_back(Counted(report.dropped_keyframes, "keyframe") + " of these dropped, since they were damaged");
   if (report.dropped_points > 0)
     losses.push_back(Counted(report.dropped_points, "point") + " of these dropped, since they were damaged");
+  if (report.dropped_landmarks > 0)
+    losses.push_back(Counted(report.dropped_landmarks, "landmark") + " of these dropped, since they were damaged");
   for (const MapId map : report.rebuilt_maps)
     losses.push_back(ToString(map) + ": origins, initial keyframe and inertial stage lost, and set anew");
   for (const CameraId camera : report.rebuilt_cameras)
@@ -82,8 +87,9 @@ std::string TextOf(const Salvage& salvage, const RecoverReport& report, const st
   if (whole && losses.empty() && report.repairs.empty()) return "the file is whole and sound\n";
   const Totals totals = TotalsOf(salvage);
   std::string text = "recovered " + Share(totals.maps, "map", "maps") + ", " +
-                     Share(totals.keyframes, "keyframe", "keyframes") + ", " + Share(totals.points, "point", "points") +
-                     "\ndamage\n";
+                     Share(totals.keyframes, "keyframe", "keyframes") + ", " + Share(totals.points, "point", "points");
+  if (totals.landmarks.listed > 0) text += ", " + Share(totals.landmarks, "landmark", "landmarks");
+  text += "\ndamage\n";
   if (whole) text += "  every byte can be read, but what some say is not sound\n";
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, salvage.damage.size()); ++i) text += "  " + salvage.damage[i] + "\n";
@@ -110,6 +116,7 @@ std::string JsonOf(const Salvage& salvage, const RecoverReport& report, const st
                    {"maps", ListValue(totals.maps)},
                    {"keyframes", ListValue(totals.keyframes)},
                    {"points", ListValue(totals.points)},
+                   {"landmarks", ListValue(totals.landmarks)},
                    {"damage", salvage.damage},
                    {"losses", losses},
                    {"repairs", repairs}});
@@ -167,7 +174,8 @@ const Command kRecover = {
     .description =
         R"(Reads every keyframe and point that is whole in an ORB-SLAM3 file that was cut short or damaged, binary or text, or in a
 damaged store; finds again what the keyframes tell of what is lost (cameras, the next ids); drops or repairs what refers to
-the rest; and writes an atlas that 'slamdb check' finds sound. The input is never changed.
+the rest; and writes an atlas that 'slamdb check' finds sound. The input is never changed. Landmarks of a store are saved
+too.
 
 In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its
 middle still has the keyframes in front of the cut, and the points only of maps before.)",

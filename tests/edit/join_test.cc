@@ -6,6 +6,7 @@
 #include "slamdb/edit/anchors.h"
 #include "slamdb/edit/content.h"
 #include "slamdb/edit/covisibility.h"
+#include "slamdb/edit/landmarks.h"
 #include "slamdb/edit/merge.h"
 #include "slamdb/edit/transform.h"
 #include "slamdb/model/derive.h"
@@ -85,6 +86,29 @@ TEST_P(JoinWorld, FusesEveryPointWithItsTwin) {
   }
   EXPECT_THAT(result.report.id_maps[1][IdKind::kPoint],
               Contains(IdPair{before.points[0].id.value(), before.points[0].id.value()}));
+}
+
+TEST(Join, LandmarksFollowTheirPoints) {
+  const World& world = kWorlds[0];
+  Atlas first = MakeWorld(world, 1), second = first;
+  MakeLandmarks(first, {});
+  MakeLandmarks(second, {});
+  second.maps[0].landmarks.emplace_back();  // without id: of no point
+  TransformMap(second.maps[0], Turn(world).Inverse());
+  JoinOptions join{.first_from_second = Turn(world)};
+  const MergeResult apart = MergeAtlases({first, second}, {.join = join});
+  EXPECT_EQ(apart.report.join->fused_landmarks, 0U);
+  EXPECT_EQ(apart.atlas.maps[0].landmarks.size(), 2 * first.maps[0].landmarks.size() + 1);
+  join.fuse = FuseOptions();
+  const MergeResult fused = MergeAtlases({first, second}, {.join = join});
+  const std::vector<Landmark>&before = first.maps[0].landmarks, &after = fused.atlas.maps[0].landmarks;
+  EXPECT_EQ(fused.report.join->fused_landmarks, fused.report.join->fused->fused);
+  EXPECT_EQ(after.size(), 2 * before.size() + 1 - fused.report.join->fused_landmarks);
+  for (std::size_t row = 0; row < before.size(); ++row) {
+    if (after[row].seen_count == before[row].seen_count) continue;  // a neighbour looked more alike
+    EXPECT_EQ(after[row].seen_count, 2 * before[row].seen_count);
+    EXPECT_LT(after[row].cov_33, 0.51 * before[row].cov_33) << "known twice as well";
+  }
 }
 
 TEST_P(JoinWorld, AnchorsSolveTheTransform) {

@@ -234,6 +234,19 @@ TEST_F(Recover, DropsWhatBreaksARuleWithoutRepair) {
   EXPECT_EQ(KeyFramesOf(atlas), keyframes - 2);
 }
 
+TEST_F(Recover, KeepsLandmarksAtFinitePlaces) {
+  Atlas atlas = SoundAtlas(Base::kMonocular);
+  Map& alone = atlas.maps.emplace_back();
+  alone.id = MapId(atlas.next_ids.map++);
+  alone.landmarks.resize(3);
+  alone.landmarks[1].mean.x() = std::numeric_limits<double>::quiet_NaN();
+  const RecoverReport report = RecoverAtlas(atlas);
+  EXPECT_TRUE(report.sound());
+  EXPECT_EQ(report.dropped_landmarks, 1u);
+  ASSERT_EQ(atlas.maps.size(), 2u);
+  EXPECT_EQ(atlas.maps[1].landmarks.size(), 2u);
+}
+
 TEST_F(Recover, RealFileCutAtManyPlaces) {
   const auto path = std::filesystem::path(SLAMDB_FIXTURES) / "session_small_a" / "session_small_a.osa";
   Notices notices;

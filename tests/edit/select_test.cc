@@ -168,6 +168,58 @@ TEST(TakePart, IsWhatKeepingTheSubsetLeaves) {
   }
 }
 
+// Map 0 has landmarks at x = 0 to 3; map 2 is landmarks alone, at x = 2 and 3.
+Atlas RowsWithLandmarks() {
+  Atlas atlas = Rows();
+  const auto add = [&](std::size_t map, double x) {
+    Landmark& landmark = atlas.maps[map].landmarks.emplace_back();
+    landmark.mean = {x, 0, 5};
+  };
+  for (int x = 0; x < 4; ++x) add(0, x);
+  atlas.maps.emplace_back().id = MapId(2);
+  for (int x = 2; x < 4; ++x) add(2, x);
+  return atlas;
+}
+
+TEST(Select, LandmarksByRegionOrWithTheirMap) {
+  const Atlas atlas = RowsWithLandmarks();
+  const auto landmarks = [&](const SelectOptions& options) {
+    return Flagged(Select(AtlasIndex(atlas), options), &Subset::MapRows::landmarks);
+  };
+  EXPECT_THAT(landmarks({.keyframes = {KeyFrameId(3)}}), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(landmarks({.map = MapId(0)}), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(landmarks({.map = MapId(1)}), IsEmpty());
+  EXPECT_THAT(landmarks({.map = MapId(2)}), ElementsAre(20, 21));
+  EXPECT_THAT(landmarks({.map = MapId(0), .except = true}), ElementsAre(20, 21));
+  const Eigen::AlignedBox3f box = Box(1.5F, 4, 2.5F, 6);
+  EXPECT_THAT(landmarks({.box = box}), ElementsAre(2, 20));
+  EXPECT_THAT(landmarks({.box = box, .except = true}), ElementsAre(0, 1, 3, 21));
+  EXPECT_THAT(landmarks({.map = MapId(0), .box = box}), ElementsAre(2));
+  EXPECT_THAT(landmarks({.box = Box(0.5F, -1, 1.5F, 1), .region = RegionOf::kCameras}), ElementsAre(0, 1, 2, 3));
+}
+
+TEST(Select, MapsOfLandmarksAloneStayWithThem) {
+  const Atlas atlas = RowsWithLandmarks();
+  const AtlasIndex index(atlas);
+  Atlas part = atlas;
+  const SubsetReport removed = KeepSubset(part, Select(index, {.map = MapId(2), .box = Box(1.5F, 4, 2.5F, 6)}));
+  ASSERT_THAT(part.maps, SizeIs(1));
+  EXPECT_EQ(part.maps[0].id, MapId(2));
+  ASSERT_THAT(part.maps[0].landmarks, SizeIs(1));
+  EXPECT_EQ(part.maps[0].landmarks[0].mean.x(), 2);
+  EXPECT_EQ(removed.landmarks, 5U);
+  const std::vector<Part> parts = SplitAtlas(index, SplitBy::kMap);
+  ASSERT_THAT(parts, SizeIs(3));
+  SubsetReport taken;
+  EXPECT_THAT(TakePart(atlas, parts[2].subset, taken).maps[0].landmarks, SizeIs(2));
+  EXPECT_EQ(taken.landmarks, 4U);
+  Atlas whole = atlas;
+  KeepSubset(whole, Subset::Everything(whole));
+  ASSERT_THAT(whole.maps, SizeIs(3));
+  EXPECT_THAT(whole.maps[0].landmarks, SizeIs(4));
+  EXPECT_THAT(whole.maps[2].landmarks, SizeIs(2));
+}
+
 // Many parts of an atlas, none of which may be less sound than the whole.
 void ExpectSoundParts(const Atlas& atlas, const std::string& name) {
   const AtlasIndex index(atlas);

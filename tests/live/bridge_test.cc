@@ -169,5 +169,29 @@ TEST(Bridge, LeavesOutWhatIsNotInTheMap) {
     EXPECT_NE(result.severity, Severity::kError) << result.id << ": " << result.findings.front().message;
 }
 
+TEST(Bridge, KeepsLandmarks) {
+  slamdb::Atlas atlas = SynthesizeAtlas({.keyframes = 10, .points = 300});
+  Landmark landmark;
+  landmark.mean = {1, 0, 4};
+  landmark.cov_11 = 2;
+  landmark.cov_22 = 1;
+  atlas.maps[0].landmarks = {landmark};
+  LiveAtlas live = FromModel(atlas);
+  EXPECT_THAT(ToModel(*live.atlas), EqualsAtlas(atlas));
+  Map* map = live.atlas->GetAllMaps()[0];
+  map->ApplyScaledRotation(
+      {Quaternionf(Eigen::AngleAxisf(static_cast<float>(M_PI) / 2, Eigen::Vector3f::UnitZ())), {0, 0, 10}}, 2, false);
+  for (KeyFrame* keyframe : map->GetAllKeyFrames()) map->EraseKeyFrame(keyframe);
+  for (MapPoint* point : map->GetAllMapPoints()) map->EraseMapPoint(point);
+  const slamdb::Atlas landmarks_alone = ToModel(*live.atlas);
+  ASSERT_THAT(landmarks_alone.maps, SizeIs(1));
+  ASSERT_THAT(landmarks_alone.maps[0].landmarks, SizeIs(1));
+  const Landmark& moved = landmarks_alone.maps[0].landmarks[0];
+  EXPECT_LT((moved.mean - Eigen::Vector3d(0, 2, 18)).norm(), 1e-5);
+  EXPECT_NEAR(moved.cov_22, 8, 1e-5);
+  map->clear();
+  EXPECT_THAT(ToModel(*live.atlas).maps, IsEmpty());
+}
+
 }  // namespace
 }  // namespace slamdb::live

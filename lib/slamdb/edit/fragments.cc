@@ -69,6 +69,7 @@ FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options, int t
     if (report.maps[row].kept) continue;
     std::ranges::fill(kept.maps[row].keyframes, std::uint8_t{0});
     std::ranges::fill(kept.maps[row].points, std::uint8_t{0});
+    std::ranges::fill(kept.maps[row].landmarks, std::uint8_t{0});
   }
   report.removed = KeepSubset(atlas, kept, threads);
   Sort(atlas, options.order);

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <limits>
 #include <string>
+#include <unordered_map>
 
 #include "slamdb/base/error.h"
 #include "slamdb/edit/landmarks.h"
@@ -203,12 +204,23 @@ void Absorb(Map& first, Map& second, JoinReport& report) {
   first.big_change_index = std::max(first.big_change_index, second.big_change_index) + 1;
   MoveList(second.keyframes, first.keyframes);
   MoveList(second.points, first.points);
-  TakeLandmarks(first.landmarks, second.landmarks);
   first.lowest_keyframe = SmallestKeyFrame(first);
   first.inertial = first.inertial && second.inertial;
   first.imu_initialized = first.imu_initialized && second.imu_initialized;
   first.imu_ba1 = first.imu_ba1 && second.imu_ba1;
   first.imu_ba2 = first.imu_ba2 && second.imu_ba2;
+}
+
+// Landmarks follow the points that they stand for, of which some went into others.
+std::uint64_t AbsorbLandmarks(Map& first, Map& second, const std::optional<FuseReport>& fused) {
+  if (fused) {
+    std::unordered_map<std::uint64_t, MapPointId> survivors;
+    for (const auto& [gone, survivor] : fused->replaced) survivors.emplace(gone.value(), survivor);
+    for (Landmark& landmark : second.landmarks)
+      if (const auto found = survivors.find(landmark.id.value()); found != survivors.end())
+        landmark.id = LandmarkId(found->second.value());
+  }
+  return TakeLandmarks(first.landmarks, second.landmarks);
 }
 
 // Lists with null pointers and repetitions name rows of lists that are about to change, and of two entities with one id
@@ -240,6 +252,7 @@ JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
   const std::size_t own_points = first.points.size();
   Absorb(first, second, report);
   if (options.fuse) report.fused = FusePoints(first, own_points, *options.fuse, options.threads);
+  report.fused_landmarks = AbsorbLandmarks(first, second, report.fused);
   atlas.maps.erase(atlas.maps.begin() + static_cast<std::ptrdiff_t>(second_row));
   return report;
 }

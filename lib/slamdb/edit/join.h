@@ -52,6 +52,7 @@ struct JoinReport {
   bool left_inertial = false;               // the first map was inertial, the second not: the result is not
   std::vector<std::string> warnings;        // a poor fit, maps far apart, and TransformWarnings of the second map
   std::optional<FuseReport> fused;
+  std::uint64_t fused_landmarks = 0;  // landmarks of the second map that went into those of the same thing
 };
 
 // Moves the second map into the world frame of the first and makes one map of both, as ORB-SLAM3's merge does but for
@@ -61,7 +62,8 @@ struct JoinReport {
 // close to each other for the depth of the scene, and in the same direction. The first map keeps its id, its root and
 // its origins. Ids must be unique in the atlas. Linear (the pair is sought among at most a few thousand keyframes of
 // each map). Changes nothing when it throws Error: when a map or a keyframe is not there, a map is empty or both are
-// one, or when the transform cannot be solved or is not one.
+// one, or when the transform cannot be solved or is not one. Landmarks of the second map
+// come along; those of equal ids, and those of points that are fused, become one (landmarks.h).
 JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options);
 
 }  // namespace slamdb

@@ -7,7 +7,6 @@
 
 #include "slamdb/base/progress.h"
 #include "slamdb/model/atlas.h"
-#include "slamdb/model/similarity.h"
 
 // MRPT's landmarks and ORB-SLAM3's map points are two views of one thing; docs/landmarks.md has the table of fields.
 namespace slamdb {
@@ -41,10 +40,6 @@ struct MakePointsReport {
 // and exported, but ORB-SLAM3 has no use for them. Landmarks without id get new ones, and those that
 // share one are fused. In place; linear.
 MakePointsReport MakePoints(Atlas& atlas);
-
-// Moves landmarks as TransformMap moves points: means by the similarity, covariances by scale^2 R C R^T, normals by R,
-// depths and positions in the camera by the scale. Does not check the transform.
-void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source);
 
 // One landmark out of two of the same thing in one frame, as MRPT's CLandmarksMap::fuseWith: the product of the two
 // Gaussians, C = (C1^-1 + C2^-1)^-1 and m = C (C1^-1 m1 + C2^-1 m2). A covariance of zero means not known: then the

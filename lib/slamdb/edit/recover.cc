@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Steps: 1. what cannot be an entity goes: ids that are none or taken, maps without keyframes;
+// Steps: 1. what cannot be an entity goes: ids that are none or taken, landmarks at no finite place, maps with nothing;
 //        2. what stands at the end of a file is found again: members of maps, cameras, counters;
 //        3. the repairs of the rules drop what depends on what is lost;
 //        4. entities that break a rule without repair go, and 3 again, until no error is left.
@@ -37,14 +37,18 @@ void DropImpossible(Atlas& atlas, RecoverReport& report) {
   for (Map& map : atlas.maps) {
     report.dropped_keyframes += DropImpossible(map.keyframes);
     report.dropped_points += DropImpossible(map.points);
+    report.dropped_landmarks += std::erase_if(map.landmarks, [](const Landmark& landmark) {
+      return !landmark.mean.allFinite() || !landmark.normal.allFinite();
+    });
   }
-  report.dropped_maps = std::erase_if(atlas.maps, [](const Map& map) { return map.keyframes.empty(); });
+  report.dropped_maps =
+      std::erase_if(atlas.maps, [](const Map& map) { return map.keyframes.empty() && map.landmarks.empty(); });
 }
 
 // A map whose members behind the lists were lost has no initial keyframe; its links the repairs choose anew.
 void RebuildMaps(Atlas& atlas, RecoverReport& report) {
   for (Map& map : atlas.maps) {
-    if (map.first_keyframe) continue;
+    if (map.first_keyframe || map.keyframes.empty()) continue;
     report.rebuilt_maps.push_back(map.id);
     const auto any = [&](const auto& has) { return std::ranges::any_of(map.keyframes, has); };
     map.inertial = any([](const KeyFrame& keyframe) {

@@ -11,9 +11,10 @@ struct RecoverOptions {
 };
 
 struct RecoverReport {
-  std::uint64_t dropped_maps = 0;       // without a keyframe left
+  std::uint64_t dropped_maps = 0;       // without a keyframe or landmark left
   std::uint64_t dropped_keyframes = 0;  // of what was there: what breaks rules that have no repair
   std::uint64_t dropped_points = 0;
+  std::uint64_t dropped_landmarks = 0;
   std::vector<CameraId> rebuilt_cameras;  // of which keyframes tell the focal lengths and the centre
   std::vector<CameraId> guessed_lenses;   // of those, fisheye cameras whose lens parameters nothing tells: set to 0
   std::vector<CameraId> taken_cameras;    // from the rig

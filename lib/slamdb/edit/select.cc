@@ -33,6 +33,10 @@ bool IsInside(const std::vector<Eigen::Vector2f>& polygon, const Eigen::Vector2f
   return inside;
 }
 
+bool HasAny(const std::vector<std::uint8_t>& flags) {
+  return std::ranges::any_of(flags, [](std::uint8_t flag) { return flag != 0; });
+}
+
 class Selector {
  public:
   Selector(const AtlasIndex& index, const SelectOptions& options)
@@ -44,6 +48,7 @@ class Selector {
     if (options_.every > 1) ThinOut();
     for (std::size_t row = 0; row < atlas_.maps.size(); ++row) CutByRegion(row);
     if (options_.except) Invert();
+    for (std::size_t row = 0; row < atlas_.maps.size(); ++row) MarkLandmarks(row);
     RequireSomething();
     return std::move(subset_);
   }
@@ -175,18 +180,30 @@ class Selector {
 
   void Invert() {
     for (std::size_t row = 0; row < subset_.maps.size(); ++row) {
-      auto& [keyframes, points] = subset_.maps[row];
+      auto& [keyframes, points, landmarks] = subset_.maps[row];
       for (std::uint8_t& flag : keyframes) flag = CutsPointsAlone() ? 1 : !flag;
       for (std::uint8_t& flag : points) flag = CutsPoints() ? !flag : 1;
     }
   }
 
+  // Nothing observes landmarks: where no region of points decides, they go with the keyframes of their map.
+  void MarkLandmarks(std::size_t row) {
+    const Map& map = atlas_.maps[row];
+    const bool is_asked_for = !options_.map || map.id == *options_.map;
+    const bool stays =
+        map.keyframes.empty() ? (options_.map && is_asked_for) != options_.except : HasAny(subset_.maps[row].keyframes);
+    std::vector<std::uint8_t>& landmarks = subset_.maps[row].landmarks;
+    for (std::size_t i = 0; i < landmarks.size(); ++i) {
+      const bool inside = is_asked_for && Contains(map, map.landmarks[i].mean.cast<float>());
+      landmarks[i] = CutsPoints() ? inside != options_.except : stays;
+    }
+  }
+
   // Points of a region that no camera inside sees are something: the border may bring the keyframes that do.
   void RequireSomething() const {
-    const auto is_set = [](std::uint8_t flag) { return flag != 0; };
     for (const Subset::MapRows& rows : subset_.maps) {
-      if (std::ranges::any_of(rows.keyframes, is_set)) return;
-      if (CutsPoints() && !options_.except && std::ranges::any_of(rows.points, is_set)) return;
+      if (HasAny(rows.keyframes) || HasAny(rows.landmarks)) return;
+      if (CutsPoints() && !options_.except && HasAny(rows.points)) return;
     }
     throw Error(options_.except ? "nothing is left: the selection holds the whole atlas"
                                 : "nothing is selected: no keyframe meets all that is asked for");
@@ -223,12 +240,11 @@ void AddComponents(const AtlasIndex& index, std::uint32_t map_row, std::vector<C
   }
 }
 
-bool IsEmpty(const std::vector<std::uint8_t>& flags) { return std::ranges::find(flags, 1) == flags.end(); }
-
 // The part of some keyframes of one map, and the points that they observe.
 Subset PartOf(const AtlasIndex& index, const Component& component) {
   Subset subset = Subset::Nothing(index.atlas());
-  auto& [keyframes, points] = subset.maps[component.map];
+  auto& [keyframes, points, landmarks] = subset.maps[component.map];
+  std::ranges::fill(landmarks, std::uint8_t{1});
   for (const std::uint32_t row : component.keyframes) keyframes[row] = 1;
   const Map& map = index.atlas().maps[component.map];
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -266,7 +282,7 @@ std::vector<Part> SplitAtlas(const AtlasIndex& index, SplitBy by) {
   }
   for (std::uint32_t row = 0; row < atlas.maps.size(); ++row) {
     const Map& map = atlas.maps[row];
-    if (map.keyframes.empty()) continue;
+    if (map.keyframes.empty() && (by != SplitBy::kMap || map.landmarks.empty())) continue;
     const std::string name = "map-" + std::to_string(map.id.value());
     if (by == SplitBy::kMap) {
       Part& part = parts.emplace_back(Part{name, Subset::Nothing(atlas)});
@@ -289,8 +305,9 @@ Atlas TakePart(const Atlas& atlas, const Subset& subset, SubsetReport& report, i
   Subset rows;
   SubsetReport left;
   for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
-    if (IsEmpty(subset.maps.at(row).keyframes)) {
+    if (!HasAny(subset.maps.at(row).keyframes) && !HasAny(subset.maps[row].landmarks)) {
       ++left.maps;
+      left.landmarks += atlas.maps[row].landmarks.size();
       left.keyframes += atlas.maps[row].keyframes.size();
       left.points += atlas.maps[row].points.size();
       continue;
@@ -302,6 +319,7 @@ Atlas TakePart(const Atlas& atlas, const Subset& subset, SubsetReport& report, i
   report.maps += left.maps;
   report.keyframes += left.keyframes;
   report.points += left.points;
+  report.landmarks += left.landmarks;
   return part;
 }
 

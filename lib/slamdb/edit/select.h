@@ -43,9 +43,10 @@ struct SelectOptions {
 
 // The part of the atlas, as flags; settle its border next. Points are in it when a keyframe of it observes them and,
 // where the region cuts points, they lie inside; those inside also count when only keyframes with their camera outside,
-// but otherwise selected, observe them, so that Border::kCompletePoints brings these. Linear but for the sort that
-// `every` needs. Throws Error when a map, keyframe, session or component does not exist, a polygon has fewer than three
-// corners, or nothing is selected.
+// but otherwise selected, observe them, so that Border::kCompletePoints brings these. Landmarks are in it when they lie
+// inside the region, where that cuts points; otherwise all those of maps of which a keyframe is, and of the map that is
+// asked for. Linear but for the sort that `every` needs. Throws Error when a map, keyframe, session or component does
+// not exist, a polygon has fewer than three corners, or nothing is selected.
 Subset Select(const AtlasIndex& index, const SelectOptions& options);
 
 // The connected parts of the covisibility graphs, an edge counting whichever side lists it. Largest first, then by map
@@ -64,11 +65,12 @@ struct Part {
   Subset subset;
 };
 
-// The parts in order of map, session or component (by size within its map); maps without keyframes are none. Points
-// belong to every part that observes them.
+// The parts in order of map, session or component (by size within its map); maps without keyframes are none, unless
+// they hold landmarks and are parts as a whole. Points belong to every part that observes them, landmarks to every part
+// of their map.
 std::vector<Part> SplitAtlas(const AtlasIndex& index, SplitBy by);
 
-// KeepSubset of a copy. Maps without a keyframe in the subset are not copied.
+// KeepSubset of a copy. Maps without a keyframe or landmark in the subset are not copied.
 Atlas TakePart(const Atlas& atlas, const Subset& subset, SubsetReport& report, int threads = 0);
 
 }  // namespace slamdb

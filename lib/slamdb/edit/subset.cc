@@ -43,6 +43,7 @@ class MapClosing {
       : map_(map),
         kept_keyframes_(rows.keyframes),
         kept_points_(rows.points),
+        kept_landmarks_(rows.landmarks),
         threads_(threads),
         report_(report),
         keyframe_rows_(KeyFrameTable(map)),
@@ -56,7 +57,12 @@ class MapClosing {
     report_.points += CountRemoved(kept_points_);
     KeepRows(map_.keyframes, kept_keyframes_);
     KeepRows(map_.points, kept_points_);
-    if (!map_.keyframes.empty()) MendMap();
+    report_.landmarks += CountRemoved(kept_landmarks_);
+    KeepRows(map_.landmarks, kept_landmarks_);
+    if (map_.keyframes.empty())
+      map_.origins.clear();
+    else
+      MendMap();
   }
 
  private:
@@ -209,6 +215,7 @@ class MapClosing {
   Map& map_;
   const Flags& kept_keyframes_;
   Flags kept_points_;  // those without observers are taken out
+  const Flags& kept_landmarks_;
   const int threads_;
   SubsetReport& report_;
   const IdTable keyframe_rows_, point_rows_;  // of the lists as they were
@@ -225,14 +232,16 @@ void RequireSameShape(const Atlas& atlas, const Subset& subset) {
   bool fits = atlas.maps.size() == subset.maps.size();
   for (std::size_t row = 0; fits && row < atlas.maps.size(); ++row)
     fits = subset.maps[row].keyframes.size() == atlas.maps[row].keyframes.size() &&
-           subset.maps[row].points.size() == atlas.maps[row].points.size();
-  if (!fits) throw Error("the subset is not of this atlas: it has other maps, keyframes or points");
+           subset.maps[row].points.size() == atlas.maps[row].points.size() &&
+           subset.maps[row].landmarks.size() == atlas.maps[row].landmarks.size();
+  if (!fits) throw Error("the subset is not of this atlas: it has other maps, keyframes, points or landmarks");
 }
 
 Subset Filled(const Atlas& atlas, std::uint8_t value) {
   Subset subset;
   for (const Map& map : atlas.maps)
-    subset.maps.push_back({Flags(map.keyframes.size(), value), Flags(map.points.size(), value)});
+    subset.maps.push_back(
+        {Flags(map.keyframes.size(), value), Flags(map.points.size(), value), Flags(map.landmarks.size(), value)});
   return subset;
 }
 
@@ -296,7 +305,8 @@ SubsetReport KeepSubset(Atlas& atlas, const Subset& subset, int threads) {
   const std::set<CameraId> used = UsedCameras(atlas);
   for (std::size_t row = 0; row < atlas.maps.size(); ++row)
     MapClosing(atlas.maps[row], subset.maps[row], threads, report).Close();
-  report.maps = std::erase_if(atlas.maps, [](const Map& map) { return map.keyframes.empty(); });
+  report.maps =
+      std::erase_if(atlas.maps, [](const Map& map) { return map.keyframes.empty() && map.landmarks.empty(); });
   if (report.maps + report.keyframes + report.points == 0) return report;
   DropIrregularEntries(atlas);
   const std::set<CameraId> still_used = UsedCameras(atlas);

@@ -11,7 +11,7 @@ namespace slamdb {
 // A part of an atlas: one flag for each row of its lists, 1 = in the part.
 struct Subset {
   struct MapRows {
-    std::vector<std::uint8_t> keyframes, points;
+    std::vector<std::uint8_t> keyframes, points, landmarks;
   };
   std::vector<MapRows> maps;  // by row of Atlas::maps
 
@@ -37,22 +37,22 @@ void SettleBorder(const AtlasIndex& index, Border border, Subset& subset, int th
 
 // What KeepSubset took away.
 struct SubsetReport {
-  std::uint64_t maps = 0, keyframes = 0, points = 0, cameras = 0;  // entities
-  std::uint64_t observations = 0, slots = 0, edges = 0;            // references out of the kept part
-  std::uint64_t new_references = 0, new_parents = 0;               // keyframes chosen in place of removed ones
-  std::uint64_t joined = 0;                                        // inertial preintegrations over a gap
+  std::uint64_t maps = 0, keyframes = 0, points = 0, landmarks = 0, cameras = 0;  // entities
+  std::uint64_t observations = 0, slots = 0, edges = 0;                           // references out of the kept part
+  std::uint64_t new_references = 0, new_parents = 0;  // keyframes chosen in place of removed ones
+  std::uint64_t joined = 0;                           // inertial preintegrations over a gap
 };
 
 // Removes everything outside `subset` and closes what is left: observations, slots, covisibility, loop and merge edges
 // that lead out are erased and counts made right; points get another reference keyframe (of their observers that with
 // the lowest id), keyframes another parent as AdoptOrphans finds it; previous and next link over the gap, inertial
 // preintegrations joined, or end there when measurements are missing; initial, lowest and origin keyframes are chosen
-// anew where they are gone (the lowest id becomes the root); maps without keyframes and points that no kept keyframe
-// observes go; cameras that lose their last keyframe go. References that dangled before are treated like those that
-// lead out, and once anything is removed, null and repeated entries of lists go too. Covisibility weights, normals,
-// descriptors and distance ranges stay as recorded. Counters stay: ids are never handed out twice. In place, linear, on
-// `threads` threads (0: every core) with the same result for any number. A sound atlas stays sound; a subset of
-// everything changes nothing in one. Throws Error when the subset is not of this atlas.
+// anew where they are gone (the lowest id becomes the root); maps without keyframes and landmarks, and points that no
+// kept keyframe observes, go; cameras that lose their last keyframe go. References that dangled before are treated like
+// those that lead out, and once anything is removed, null and repeated entries of lists go too. Covisibility weights,
+// normals, descriptors and distance ranges stay as recorded. Counters stay: ids are never handed out twice. In place,
+// linear, on `threads` threads (0: every core) with the same result for any number. A sound atlas stays sound; a subset
+// of everything changes nothing in one. Throws Error when the subset is not of this atlas.
 SubsetReport KeepSubset(Atlas& atlas, const Subset& subset, int threads = 0);
 
 }  // namespace slamdb

@@ -40,8 +40,8 @@ enum Content : std::uint32_t {
   kGraph = 1U << 7,  // covisibility, spanning tree, loop and merge edges
   kInertial = 1U << 8,
   kCameras = 1U << 9,
-  kMaps = 1U << 10,      // several maps in one file
-  kIdentity = 1U << 11,  // ids, counters, vocabulary, flags
+  kMaps = 1U << 10,         // several maps in one file
+  kIdentity = 1U << 11,     // ids, counters, vocabulary, flags
   kAtlas = (1U << 12) - 1,  // all of the above: what an .osa file holds
   kLandmarks = 1U << 12,    // MRPT's, with their covariances
   kEverything = kAtlas | kLandmarks,

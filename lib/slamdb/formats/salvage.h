@@ -15,7 +15,7 @@ struct SalvagedList {
 
 struct SalvagedMap {
   MapId id;
-  SalvagedList keyframes, points;
+  SalvagedList keyframes, points, landmarks;
 };
 
 // What could be read of a damaged file. Everything in the atlas was read whole; it may refer to what was not, and

@@ -154,6 +154,7 @@ void Map::clear() {
   record_.max_keyframe_id = record_.initial_keyframe.value();
   record_.imu_initialized = record_.imu_ba1 = record_.imu_ba2 = false;
   record_.origins.clear();
+  record_.landmarks.clear();
   record_.first_keyframe = record_.lowest_keyframe = {};
   reference_points_.clear();
   mvpKeyFrameOrigins.clear();
@@ -261,10 +262,15 @@ void Map::ApplyScaledRotation(const Rigid3f& T, float s, bool bScaledVel) {
   const std::vector<MapPoint*> points = GetAllMapPoints();
   for (MapPoint* point : points) point->SetWorldPos(y_from_world * (s * point->GetWorldPos()));
   for (MapPoint* point : points) point->UpdateNormalAndDepth();
+  const Lock lock(mutex_);
+  TransformLandmarks(record_.landmarks, {static_cast<double>(s), y_from_world.rotation.cast<double>(),
+                                         y_from_world.translation.cast<double>()});
   ++change_index_;
 }
 
-bool Map::IsSaved() const { return lists_as_recorded_ || keyframes_.live.size() + points_.live.size() > 0; }
+bool Map::IsSaved() const {
+  return lists_as_recorded_ || keyframes_.live.size() + points_.live.size() + record_.landmarks.size() > 0;
+}
 
 slamdb::Map Map::ToHeader(bool repeated_entries) const {
   slamdb::Map header = record_;

@@ -33,7 +33,7 @@ struct Map {
   Column<MapPoint> points;                        // in the file's order                    mvpBackupMapPoints
   std::vector<RepeatedEntry> repeated_keyframes;  // irregular entries of the two lists, ascending position
   std::vector<RepeatedEntry> repeated_points;
-  std::vector<Landmark> landmarks;                // in the frame of this map; no .osa file holds them
+  std::vector<Landmark> landmarks;                   // in the frame of this map; no .osa file holds them
   std::vector<KeyFrameId> origins;                   // roots for global bundle adjustment     mvBackupKeyFrameOriginsId
   KeyFrameId first_keyframe;                         // root of the spanning tree              mnBackupKFinitialID
   KeyFrameId lowest_keyframe;                        // smallest id                            mnBackupKFlowerID

@@ -45,6 +45,23 @@ LandmarkFeature& Landmark::CreateOneFeature() {
   return features.front();
 }
 
+void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source) {
+  const double scale = target_from_source.scale;
+  const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
+  for (Landmark& landmark : landmarks) {
+    GaussianPoint pose = landmark.pose();
+    pose.mean = target_from_source * pose.mean;
+    pose.covariance = scale * scale * (rotation * pose.covariance * rotation.transpose());
+    landmark.set_pose(pose);
+    landmark.normal = rotation * landmark.normal;
+    for (LandmarkFeature& feature : landmark.features) {
+      feature.depth *= scale;
+      feature.initial_depth *= scale;
+      feature.position_in_camera *= scale;
+    }
+  }
+}
+
 std::uint64_t TicksOfSeconds(double seconds) {
   // The whole seconds apart, so that their fraction keeps its digits.
   const double whole = std::floor(seconds);

@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "slamdb/model/ids.h"
+#include "slamdb/model/similarity.h"
 
 namespace slamdb {
 
@@ -87,6 +89,10 @@ struct Landmark {
   // Leaves exactly one feature, the first if there is one, and returns it.    createOneFeature
   LandmarkFeature& CreateOneFeature();
 };
+
+// Moves landmarks as TransformMap (edit/transform.h) moves points: means by the similarity, covariances by scale^2 R C
+// R^T, normals by R, depths and positions in the camera by the scale. Does not check the transform.
+void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source);
 
 // Seconds since 1970 as MRPT's ticks, rounded to 100 ns, and back. Not finite, or outside the years 1601 to 30828: 0.
 std::uint64_t TicksOfSeconds(double seconds);

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/formats/sqlite/migrations.h"
+#include "slamdb/formats/sqlite/salvage.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {
@@ -9,6 +10,8 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 class StoreLandmarks : public ::testing::Test {
  protected:
@@ -71,6 +74,20 @@ TEST_F(StoreLandmarks, DamageIsFound) {
   SaveIn(path_, atlas_);
   Sql(path_, "UPDATE landmark SET features = x'01ffffffff' WHERE id = 9");
   EXPECT_THAT(ErrorOf([&] { LoadFrom(path_); }), HasSubstr("table landmark, row "));
+}
+
+TEST_F(StoreLandmarks, AreSalvagedAroundDamage) {
+  SaveIn(path_, atlas_);
+  EXPECT_THAT(SalvageStore(path_, "a", {}).damage, IsEmpty());
+  Sql(path_, "UPDATE landmark SET seen_count = 7 WHERE id = 9");
+  Sql(path_, "DELETE FROM landmark WHERE id = 30");
+  const Salvage salvage = SalvageStore(path_, "a", {});
+  EXPECT_THAT(salvage.damage, SizeIs(2));
+  EXPECT_EQ(salvage.maps[1].landmarks.listed, 50U);
+  EXPECT_EQ(salvage.maps[1].landmarks.read, 48U);
+  std::erase_if(atlas_.maps[1].landmarks,
+                [](const Landmark& landmark) { return landmark.id.value() == 9 || landmark.id.value() == 30; });
+  EXPECT_EQ(FirstDifference(salvage.atlas, atlas_), "");
 }
 
 TEST_F(StoreLandmarks, OneStepBackAndForth) {

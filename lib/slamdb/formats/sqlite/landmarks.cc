@@ -90,6 +90,36 @@ Landmark ReadLandmark(Database& database, const Statement& row) {
   return landmark;
 }
 
+// The landmarks of some rows, one behind the other.
+class LandmarkReader {
+ public:
+  explicit LandmarkReader(Database& database)
+      : database_(database),
+        select_(database,
+                "SELECT row, id, hash, x, y, z, nx, ny, nz, cov_11, cov_22, cov_33, cov_12, cov_13, cov_23, "
+                "last_seen, seen_count, exact, features FROM landmark WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
+                "table landmark") {}
+
+  void Start(std::int64_t first, std::int64_t last) {
+    select_.Reset();
+    select_.Bind(1, first).Bind(2, last);
+  }
+
+  // The next one and its hash, which is compared with the stored one. False: there is no further one.
+  bool Read(Landmark& landmark, std::int64_t& hash) {
+    if (!select_.Step()) return false;
+    landmark = ReadLandmark(database_, select_);
+    hash = HashOf(landmark);
+    if (hash != select_.Integer(2)) throw DamagedRow(database_, kTable, row());
+    return true;
+  }
+  std::int64_t row() const { return select_.Integer(0); }
+
+ private:
+  Database& database_;
+  Statement select_;
+};
+
 }  // namespace
 
 void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes) {
@@ -115,19 +145,24 @@ void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const
 
 void LoadLandmarks(Database& database, std::int64_t map, const Selection& selection, std::vector<Landmark>& landmarks,
                    std::vector<std::int64_t>& hashes) {
-  Statement statement(database,
-                      "SELECT row, id, hash, x, y, z, nx, ny, nz, cov_11, cov_22, cov_33, cov_12, cov_13, cov_23, "
-                      "last_seen, seen_count, exact, features FROM landmark WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
-                      "table landmark");
-  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
-  while (statement.Step()) {
-    Landmark landmark = ReadLandmark(database, statement);
-    const std::int64_t hash = HashOf(landmark);
-    if (hash != statement.Integer(2)) throw DamagedRow(database, kTable, statement.Integer(0));
+  LandmarkReader reader(database);
+  reader.Start(FirstRowOfMap(map), LastRowOfMap(map));
+  Landmark landmark;
+  for (std::int64_t hash = 0; reader.Read(landmark, hash);) {
     if (selection.box && !selection.box->contains(landmark.mean.cast<float>())) continue;
     landmarks.push_back(std::move(landmark));
     hashes.push_back(hash);
   }
+}
+
+void LoadLandmarkRows(Database& database, std::span<const std::int64_t> rows, std::span<Landmark> landmarks) {
+  LandmarkReader reader(database);
+  ForEachRun(rows, [&](std::size_t first, std::size_t count) {
+    reader.Start(rows[first], rows[first + count - 1]);
+    std::int64_t hash = 0;
+    for (std::size_t i = first; i < first + count; ++i)
+      if (!reader.Read(landmarks[i], hash) || reader.row() != rows[i]) throw DamagedRow(database, kTable, rows[i]);
+  });
 }
 
 }  // namespace slamdb::sqlite

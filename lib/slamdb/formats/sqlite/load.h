@@ -83,6 +83,9 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
 void LoadLandmarks(Database& database, std::int64_t map, const Selection& selection, std::vector<Landmark>& landmarks,
                    std::vector<std::int64_t>& hashes);
 
+// Reads the landmarks of `rows`, ascending, into `landmarks`, which is as long.
+void LoadLandmarkRows(Database& database, std::span<const std::int64_t> rows, std::span<Landmark> landmarks);
+
 // Calls visit(first, count) for each run of consecutive row numbers in `rows`.
 template <class Visit>
 void ForEachRun(std::span<const std::int64_t> rows, Visit visit) {

@@ -17,7 +17,7 @@ namespace slamdb {
 namespace sqlite {
 namespace {
 
-constexpr std::size_t kKeyframesPerRead = 16, kPointsPerRead = 1024;
+constexpr std::size_t kKeyframesPerRead = 16, kPointsPerRead = 1024, kLandmarksPerRead = 256;
 constexpr std::size_t kMostNotes = 100;  // a lost page of points is hundreds of rows
 
 class StoreSalvager {
@@ -64,25 +64,28 @@ class StoreSalvager {
       std::vector<std::int64_t> hashes(rows.size()), observations(rows.size());
       LoadPoints(database_, rows, entities, hashes, observations);
     });
+    ReadList(row, "landmark", kLandmarksPerRead, map.landmarks, read.landmarks,
+             [&](auto rows, auto entities) { LoadLandmarkRows(database_, rows, entities); });
     salvage_.atlas.maps.push_back(std::move(map));
     salvage_.maps.push_back(read);
   }
 
   // Rows of a list are numbered without gaps, so the last one tells how many there are. Where its page is lost, the
-  // number of the whole atlas is an upper bound.
+  // number of the whole atlas is an upper bound; that of landmarks is recorded nowhere.
   std::uint64_t CountRows(std::int64_t map, const std::string& table) {
     std::int64_t last = -1;
     const std::string range = std::to_string(FirstRowOfMap(map)) + " AND " + std::to_string(LastRowOfMap(map));
     if (Try([&] { last = database_.Integer("SELECT max(row) FROM " + table + " WHERE row BETWEEN " + range); }))
       return last < FirstRowOfMap(map) ? 0 : static_cast<std::uint64_t>(last - FirstRowOfMap(map)) + 1;
+    if (table == "landmark") return 0;
     const std::string column = table == "keyframe" ? "keyframes" : "points";
     std::int64_t count = 0;
     Try([&] { count = database_.Integer("SELECT " + column + " FROM atlas WHERE row = " + std::to_string(atlas_)); });
     return static_cast<std::uint64_t>(std::clamp<std::int64_t>(count, 0, 0xffffffff));
   }
 
-  template <class Entity, class Load>
-  void ReadList(std::int64_t map, const std::string& table, std::size_t grain, Column<Entity>& list, SalvagedList& read,
+  template <class List, class Load>
+  void ReadList(std::int64_t map, const std::string& table, std::size_t grain, List& list, SalvagedList& read,
                 const Load& load) {
     read.listed = CountRows(map, table);
     for (std::uint64_t first = 0; first < read.listed; first += grain) {
@@ -94,11 +97,11 @@ class StoreSalvager {
   }
 
   // Reads a run of rows at once; where that fails, its halves.
-  template <class Entity, class Load>
-  void ReadRows(std::int64_t first, std::size_t count, Column<Entity>& list, const Load& load) {
+  template <class List, class Load>
+  void ReadRows(std::int64_t first, std::size_t count, List& list, const Load& load) {
     std::vector<std::int64_t> rows(count);
     for (std::size_t i = 0; i < count; ++i) rows[i] = first + static_cast<std::int64_t>(i);
-    std::vector<Entity> entities(count);
+    std::vector<typename List::value_type> entities(count);
     try {
       load(std::span<const std::int64_t>(rows), std::span(entities));
       std::ranges::move(entities, std::back_inserter(list));
