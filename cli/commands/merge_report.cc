@@ -31,6 +31,7 @@ constexpr CountName kCounts[] = {
     {"merge_edges", &ContentCounts::merge_edges},
     {"temporal_links", &ContentCounts::temporal_links},
     {"references", &ContentCounts::references},
+    {"landmarks", &ContentCounts::landmarks},
 };
 
 std::int64_t ShiftOf(const MergedInput& input, IdKind kind) {

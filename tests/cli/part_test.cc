@@ -21,10 +21,10 @@ Words With(Words words, const Words& more) {
 class PartVerbs : public ::testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_EQ(
-        RunSlamdb({"synthesize", input_, "--maps", "2", "--keyframes", "10", "--points", "200", "--features", "150"})
-            .exit_code,
-        0);
+    ASSERT_EQ(RunSlamdb({"synthesize", input_, "--maps", "2", "--keyframes", "10", "--points", "200", "--features",
+                         "150", "--sensor", "rgbd"})
+                  .exit_code,
+              0);
   }
 
   // Runs it, checks what it wrote, and gives its report.

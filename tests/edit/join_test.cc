@@ -99,6 +99,7 @@ TEST(Join, LandmarksFollowTheirPoints) {
   const MergeResult apart = MergeAtlases({first, second}, {.join = join});
   EXPECT_EQ(apart.report.join->fused_landmarks, 0U);
   EXPECT_EQ(apart.atlas.maps[0].landmarks.size(), 2 * first.maps[0].landmarks.size() + 1);
+  EXPECT_EQ(apart.report.result.landmarks, apart.atlas.maps[0].landmarks.size()) << "counted as conserved";
   join.fuse = FuseOptions();
   const MergeResult fused = MergeAtlases({first, second}, {.join = join});
   const std::vector<Landmark>&before = first.maps[0].landmarks, &after = fused.atlas.maps[0].landmarks;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/live/culling.h"
 
+#include "slamdb/model/preintegration.h"
 #include "tests/live/world.h"
 
 namespace slamdb::live {
@@ -101,6 +102,70 @@ TEST(CullKeyFrames, FlagsRedundantCovisibles) {
   EXPECT_FALSE(keyframes[2]->isBad());
   EXPECT_TRUE(keyframes[3]->isBad());
   EXPECT_TRUE(keyframes[4]->isBad()) << "covisibles of equal weight come by falling id";
+}
+
+// 24 keyframes in a chain of IMU data, which all see the same 20 points: any of them is redundant.
+class CullInertialKeyFrames : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kCount = 24;
+
+  // One measurement of IMU data between keyframes that are `seconds` and `metres` apart.
+  int Cull(float seconds, float metres) {
+    for (std::size_t i = 0; i < kCount; ++i) {
+      KeyFrame* keyframe = world.AddKeyFrame({metres * static_cast<float>(i), 0, 0});
+      keyframe->mTimeStamp = static_cast<double>(seconds) * static_cast<double>(i);
+      ImuPreintegration imu;
+      imu.measurements.push_back({.acceleration = {0, 0, 9.81F}, .angular_velocity = {0, 0, 0}, .duration = seconds});
+      Reintegrate(imu, {});
+      keyframe->SetImuPreintegrated(imu);
+      keyframes.push_back(keyframe);
+    }
+    for (std::size_t i = 1; i < kCount; ++i) {
+      keyframes[i]->mPrevKF = keyframes[i - 1];
+      keyframes[i - 1]->mNextKF = keyframes[i];
+    }
+    world.Share(keyframes, 20, 0);
+    for (KeyFrame* keyframe : keyframes) keyframe->UpdateConnections();
+    return CullKeyFrames(*keyframes.back(), {.monocular = true, .inertial = true});
+  }
+
+  World world;
+  std::vector<KeyFrame*> keyframes;
+};
+
+TEST_F(CullInertialKeyFrames, ShortGapsUntil21AreLeft) {
+  EXPECT_EQ(Cull(0.1F, 0.1F), 3);
+  EXPECT_FALSE(keyframes[22]->isBad()) << "the one before the current stays";
+  EXPECT_FALSE(keyframes[18]->isBad());
+  for (const std::size_t culled : {19, 20, 21}) {
+    EXPECT_TRUE(keyframes[culled]->isBad()) << culled;
+    EXPECT_EQ(keyframes[culled]->mPrevKF, nullptr);
+    EXPECT_EQ(keyframes[culled]->mNextKF, nullptr);
+  }
+  EXPECT_EQ(keyframes[22]->mPrevKF, keyframes[18]);
+  EXPECT_EQ(keyframes[18]->mNextKF, keyframes[22]);
+  const ImuPreintegration joined = keyframes[22]->GetImuPreintegrated();
+  EXPECT_EQ(joined.measurements.size(), 4U) << "its own and those of the three";
+  EXPECT_NEAR(joined.duration, 0.4F, 1e-6F);
+}
+
+TEST_F(CullInertialKeyFrames, LongGapsStay) { EXPECT_EQ(Cull(1, 0.1F), 0); }
+
+TEST_F(CullInertialKeyFrames, GapsOfLessThanThreeSecondsAtAStandstill) {
+  EXPECT_EQ(Cull(1, 0), 3);
+  for (const std::size_t culled : {17, 19, 21}) EXPECT_TRUE(keyframes[culled]->isBad()) << culled;
+  EXPECT_EQ(keyframes[22]->mPrevKF, keyframes[20]) << "without 20 there would be three seconds between 19 and 22";
+}
+
+TEST_F(CullInertialKeyFrames, NoStandstillAfterTheSecondAdjustment) {
+  world.map()->SetIniertialBA2();
+  EXPECT_EQ(Cull(1, 0), 0);
+}
+
+TEST_F(CullInertialKeyFrames, OldOnesOfAnInitialisedMap) {
+  world.map()->SetImuInitialized();
+  EXPECT_EQ(Cull(1, 0.1F), 1);
+  EXPECT_TRUE(keyframes[1]->isBad()) << "older than the 21 before the current";
 }
 
 }  // namespace

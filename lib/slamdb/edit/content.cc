@@ -21,7 +21,7 @@ constexpr std::uint64_t ContentCounts::*kFields[] = {
     &ContentCounts::points,         &ContentCounts::features,    &ContentCounts::observations,
     &ContentCounts::slots,          &ContentCounts::connections, &ContentCounts::parents,
     &ContentCounts::children,       &ContentCounts::loop_edges,  &ContentCounts::merge_edges,
-    &ContentCounts::temporal_links, &ContentCounts::references,
+    &ContentCounts::temporal_links, &ContentCounts::references,  &ContentCounts::landmarks,
 };
 static_assert(sizeof(kFields) / sizeof(kFields[0]) == sizeof(ContentCounts) / sizeof(std::uint64_t));
 
@@ -78,6 +78,8 @@ std::uint64_t HashOf(const MapPoint& point) {
   return HashOf(point.descriptor, hash);
 }
 
+std::uint64_t HashOf(const Landmark& landmark) { return HashOf(std::span(landmark.mean.data(), 3), 0); }
+
 }  // namespace
 
 ContentCounts& ContentCounts::operator+=(const ContentCounts& other) {
@@ -91,7 +93,7 @@ ContentCounts& ContentCounts::operator-=(const ContentCounts& other) {
 }
 
 ContentCounts CountContent(const Map& map, int threads) {
-  ContentCounts counts{.maps = 1};
+  ContentCounts counts{.maps = 1, .landmarks = map.landmarks.size()};
   const auto count = [](const auto& entity, ContentCounts& sum) { Count(entity, sum); };
   counts += SumOver<ContentCounts>(map.keyframes, kKeyFrameGrain, threads, count);
   counts += SumOver<ContentCounts>(map.points, kPointGrain, threads, count);
@@ -116,7 +118,8 @@ ContentSignature SignatureOf(const Map& map) {
 std::uint64_t ContentHash(const Map& map, int threads) {
   const auto hash = [](const auto& entity, std::uint64_t& sum) { sum += HashOf(entity); };
   return SumOver<std::uint64_t>(map.keyframes, kKeyFrameGrain, threads, hash) * 3 +
-         SumOver<std::uint64_t>(map.points, kPointGrain, threads, hash);
+         SumOver<std::uint64_t>(map.points, kPointGrain, threads, hash) +
+         SumOver<std::uint64_t>(map.landmarks, kPointGrain, threads, hash) * 5;
 }
 
 }  // namespace slamdb

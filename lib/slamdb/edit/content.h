@@ -17,6 +17,7 @@ struct ContentCounts {
   std::uint64_t parents = 0, children = 0, loop_edges = 0, merge_edges = 0;
   std::uint64_t temporal_links = 0;  // previous and next
   std::uint64_t references = 0;      // reference keyframes of points
+  std::uint64_t landmarks = 0;
 
   ContentCounts& operator+=(const ContentCounts& other);
   ContentCounts& operator-=(const ContentCounts& other);
@@ -35,8 +36,9 @@ struct ContentSignature {
 ContentSignature SignatureOf(const Map& map);
 
 // Tells whether two maps are the same map twice: a hash over timestamps, camera positions, keypoints and descriptors of
-// its keyframes, and positions and descriptors of its points. It depends neither on ids nor on the order of the lists,
-// which differ each time ORB-SLAM3 saves a map, nor on rotations, which it normalises when it loads one. Linear.
+// its keyframes, positions and descriptors of its points, and positions of its landmarks. It depends neither on ids nor
+// on the order of the lists, which differ each time ORB-SLAM3 saves a map, nor on rotations, which it normalises when
+// it loads one. Linear.
 std::uint64_t ContentHash(const Map& map, int threads = 0);
 
 }  // namespace slamdb

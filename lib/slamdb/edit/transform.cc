@@ -8,7 +8,6 @@
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
 #include "slamdb/edit/gravity.h"
-#include "slamdb/edit/landmarks.h"
 #include "slamdb/edit/sentence.h"
 
 namespace slamdb {

@@ -200,8 +200,11 @@ void MapPoint::PrintObservations() { PrintObservations(std::cout); }
 void MapPoint::PrintObservations(std::ostream& out) {
   const std::vector<Observer> observers = CopyObservers();
   out << "MP_OBS: MP " << mnId << '\n';
-  for (const Observer& observer : observers)
-    out << "--OBS in KF " << observer.keyframe->mnId << " in map " << observer.keyframe->GetMap()->GetId() << '\n';
+  for (const Observer& observer : observers) {
+    out << "--OBS in KF " << observer.keyframe->mnId;
+    if (Map* map = observer.keyframe->GetMap(); map != nullptr) out << " in map " << map->GetId();
+    out << '\n';
+  }
 }
 
 }  // namespace slamdb::live

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <unordered_set>
+#include <utility>
 
 #include "slamdb/model/index.h"
 
@@ -18,24 +19,23 @@ void KeepFeatures(Features& before, Features& now) {
   now = std::move(before);
 }
 
-void UpdateKeyFrames(slamdb::Map& map, MapSnapshot& snapshot) {
+void UpdateKeyFrames(slamdb::Map& map, Column<slamdb::KeyFrame> changed, const std::vector<bool>& with_features) {
   const IdTable rows = KeyFrameTable(map);
-  for (std::size_t i = 0; i < snapshot.map.keyframes.size(); ++i) {
-    slamdb::KeyFrame& keyframe = snapshot.map.keyframes[i];
-    const std::uint32_t row = rows.Find(keyframe.id.value());
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    const std::uint32_t row = rows.Find(changed[i].id.value());
     if (row == kNoRow) {
-      map.keyframes.push_back(std::move(keyframe));
+      map.keyframes.push_back(std::move(changed[i]));
       continue;
     }
-    if (!snapshot.with_features[i]) KeepFeatures(map.keyframes[row].features, keyframe.features);
-    map.keyframes[row] = std::move(keyframe);
+    if (!with_features[i]) KeepFeatures(map.keyframes[row].features, changed[i].features);
+    map.keyframes[row] = std::move(changed[i]);
   }
 }
 
-void UpdatePoints(slamdb::Map& map, MapSnapshot& snapshot) {
-  if (snapshot.map.points.empty()) return;
+void UpdatePoints(slamdb::Map& map, Column<slamdb::MapPoint> changed) {
+  if (changed.empty()) return;
   const IdTable rows = PointTable(map);
-  for (slamdb::MapPoint& point : snapshot.map.points) {
+  for (slamdb::MapPoint& point : changed) {
     const std::uint32_t row = rows.Find(point.id.value());
     if (row == kNoRow) {
       map.points.push_back(std::move(point));
@@ -77,14 +77,12 @@ void RemovePoints(slamdb::Map& map, const IdSet<slamdb::MapPoint>& gone) {
 
 slamdb::Map Update(slamdb::Map before, MapSnapshot snapshot) {
   slamdb::Map now = std::move(snapshot.map);
-  std::swap(snapshot.map.keyframes, now.keyframes);
-  std::swap(snapshot.map.points, now.points);
-  now.keyframes = std::move(before.keyframes);
-  now.points = std::move(before.points);
+  Column<slamdb::KeyFrame> keyframes = std::exchange(now.keyframes, std::move(before.keyframes));
+  Column<slamdb::MapPoint> points = std::exchange(now.points, std::move(before.points));
   RemoveKeyFrames(now, {snapshot.erased_keyframes.begin(), snapshot.erased_keyframes.end()});
   RemovePoints(now, {snapshot.erased_points.begin(), snapshot.erased_points.end()});
-  UpdateKeyFrames(now, snapshot);
-  UpdatePoints(now, snapshot);
+  UpdateKeyFrames(now, std::move(keyframes), snapshot.with_features);
+  UpdatePoints(now, std::move(points));
   return now;
 }
 
