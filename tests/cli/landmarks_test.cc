@@ -47,6 +47,11 @@ TEST(Landmarks, OfMrptComeBackByteForByte) {
   EXPECT_EQ(ReadWholeFile(folder / "a.mrpt"), ReadWholeFile(kMrpt));
 }
 
+TEST(Landmarks, AloneAreSound) {
+  const ProcessResult checked = RunSlamdb({"check", "--strict", kMrpt});
+  EXPECT_EQ(checked.exit_code, 0) << checked.out;
+}
+
 TEST(Landmarks, BadUseIsTold) {
   EXPECT_EQ(RunSlamdb({"landmarks"}).exit_code, 2);
   EXPECT_EQ(RunSlamdb({"landmarks", "from-points", kSession, "x.mrpt", "--sigma", "0"}).exit_code, 2);

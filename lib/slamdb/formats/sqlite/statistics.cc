@@ -38,19 +38,20 @@ std::vector<PartSize> TableSizes(Database& database) {
 }  // namespace
 
 std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
-  const auto sum = [&](const char* blob, const char* table, const char* key) {
+  const auto sum = [&](const char* bytes, const char* table, const char* key) {
     Statement statement(database,
-                        std::string("SELECT sum(length(") + blob + ")) FROM map JOIN " + table + " ON " + key +
+                        std::string("SELECT sum(") + bytes + ") FROM map JOIN " + table + " ON " + key +
                             " BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 WHERE map.atlas = ?1",
                         std::string("table ") + table);
     return statement.Bind(1, atlas).Step() ? Unsigned(statement, 0) : 0;
   };
   Statement counts(database, "SELECT points, observations FROM atlas WHERE row = ?1", "table atlas");
   counts.Bind(1, atlas).Step();
-  return {{"features", sum("columns", "keyframe_features", "keyframe_features.keyframe")},
-          {"keyframes", sum("details", "keyframe", "keyframe.row")},
+  return {{"features", sum("length(columns)", "keyframe_features", "keyframe_features.keyframe")},
+          {"keyframes", sum("length(details)", "keyframe", "keyframe.row")},
           {"points", Unsigned(counts, 0) * kPointBytes},
-          {"observations", Unsigned(counts, 1) * kObservationBytes}};
+          {"observations", Unsigned(counts, 1) * kObservationBytes},
+          {"landmarks", sum("length(features) + 144", "landmark", "landmark.row")}};
 }
 
 std::vector<StoredAtlas> ListAtlases(Database& database) {
