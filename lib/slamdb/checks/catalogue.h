@@ -30,7 +30,6 @@ void CheckKeyFrameIdRange(const Subject&, Findings&);
 void CheckMaxKeyFrameId(const Subject&, Findings&);
 std::size_t RaiseMaxKeyFrameIds(Atlas&);
 void CheckCountersAboveIds(const Subject&, Findings&);
-std::size_t RaiseCounters(Atlas&);
 void CheckOriginMapId(const Subject&, Findings&);
 void CheckVocabularyChecksum(const Subject&, Findings&);
 

@@ -4,6 +4,7 @@
 
 #include "slamdb/checks/catalogue.h"
 #include "slamdb/checks/visit.h"
+#include "slamdb/model/counters.h"
 
 namespace slamdb {
 namespace {
@@ -76,24 +77,6 @@ void ReportDuplicatePoints(const Subject& subject, bool same_map, Findings& find
     return PlaceOf(subject.atlas.maps[at.map], subject.atlas.maps[at.map].points[at.row]);
   };
   ReportDuplicates(subject, subject.index.duplicate_points(), same_map, place_of, findings);
-}
-
-// The least counters that are above every id.
-Counters LeastCounters(const Atlas& atlas) {
-  Counters least;
-  const auto raise = [](std::uint64_t& counter, std::uint64_t id) {
-    if (id != MapId::kNone) counter = std::max(counter, id + 1);
-  };
-  for (const Map& map : atlas.maps) {
-    raise(least.map, map.id.value());
-    for (const KeyFrame& keyframe : map.keyframes) {
-      raise(least.keyframe, keyframe.id.value());
-      raise(least.frame, keyframe.frame_id);
-    }
-    for (const MapPoint& point : map.points) raise(least.map_point, point.id.value());
-  }
-  for (const Camera& camera : atlas.cameras) raise(least.camera, camera.id.value());
-  return least;
 }
 
 struct CounterField {
@@ -325,17 +308,6 @@ void CheckCountersAboveIds(const Subject& subject, Findings& findings) {
     if (subject.atlas.next_ids.*field.next < least.*field.next)
       findings.Add(Place{}, "the next ", field.kind, " id is ", subject.atlas.next_ids.*field.next, ", but ids up to ",
                    least.*field.next - 1, " are taken");
-}
-
-std::size_t RaiseCounters(Atlas& atlas) {
-  const Counters least = LeastCounters(atlas);
-  std::size_t raised = 0;
-  for (const CounterField& field : kCounters) {
-    if (atlas.next_ids.*field.next >= least.*field.next) continue;
-    atlas.next_ids.*field.next = least.*field.next;
-    ++raised;
-  }
-  return raised;
 }
 
 void CheckOriginMapId(const Subject& subject, Findings& findings) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/checks/catalogue.h"
+#include "slamdb/model/counters.h"
 
 namespace slamdb {
 namespace {

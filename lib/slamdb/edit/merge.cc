@@ -15,6 +15,7 @@
 #include "slamdb/base/parallel.h"
 #include "slamdb/edit/irregular_entries.h"
 #include "slamdb/edit/references.h"
+#include "slamdb/model/counters.h"
 
 namespace slamdb {
 namespace {
@@ -42,22 +43,6 @@ struct IdRange {
   bool empty() const { return lowest > highest; }
   bool Meets(const IdRange& other) const { return lowest <= other.highest && other.lowest <= highest; }
 };
-
-// Counters are above what is there, also in an atlas where they were not.
-void RaiseCounters(Atlas& atlas) {
-  const auto raise = [](std::uint64_t& counter, std::uint64_t id) {
-    if (id != kNoId) counter = std::max(counter, id + 1);
-  };
-  for (const Camera& camera : atlas.cameras) raise(atlas.next_ids.camera, camera.id.value());
-  for (const Map& map : atlas.maps) {
-    raise(atlas.next_ids.map, map.id.value());
-    for (const KeyFrame& keyframe : map.keyframes) {
-      raise(atlas.next_ids.keyframe, keyframe.id.value());
-      raise(atlas.next_ids.frame, keyframe.frame_id);
-    }
-    for (const MapPoint& point : map.points) raise(atlas.next_ids.map_point, point.id.value());
-  }
-}
 
 // The ids that an atlas names, of entities that are there or were once: those below its counters. Anything else is
 // uninitialised memory.
@@ -195,7 +180,7 @@ class Merger {
 
   void Append(std::size_t i, Atlas& input) {
     report().dropped_list_entries += DropIrregularEntries(input);
-    RaiseCounters(input);
+    RaiseCounters(input);  // an atlas may hold ids above its counters
     const ByKind<IdRange> ranges = FindRanges(input, options_.threads);
     if (i == 0) {
       result_.atlas.vocabulary = std::move(input.vocabulary);

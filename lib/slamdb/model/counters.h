@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slamdb/model/atlas.h"
+
+namespace slamdb {
+
+// The least counters that are above the ids of all that is in the atlas. `initial_keyframe` is 0. Linear.
+Counters LeastCounters(const Atlas& atlas);
+
+// Raises counters to those, so that no id is handed out twice. Returns how many were too low.
+std::size_t RaiseCounters(Atlas& atlas);
+
+}  // namespace slamdb
