@@ -7,6 +7,7 @@
 #include "cli/edit.h"
 #include "cli/json.h"
 #include "cli/layout.h"
+#include "cli/options.h"
 
 namespace slamdb::cli {
 namespace {
@@ -49,6 +50,7 @@ Run BindFromPoints(CLI::App& verb) {
   AddEdit(verb, options->edit);
   verb.add_option("--sigma", options->sigma, "Standard deviation of a keypoint at full size, in pixels [1]")
       ->type_name("PIXELS")
+      ->check(CheckPositive)
       ->check(CLI::Range(1e-3, 1e3).description({}));
   return [options](Console& console) { return RunFromPoints(*options, console); };
 }

@@ -135,8 +135,9 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   const bool good = whole && CheckAtlas(salvage.atlas, {.threads = console.threads()}).ok();
   if (!good) report = RecoverAtlas(salvage.atlas, {.rig = rig ? &*rig : nullptr, .threads = console.threads()});
   if (salvage.atlas.maps.empty() && !good)
-    throw Error(options.edit.input, "",
-                "holds no keyframe that could be read whole" + (whole ? "" : ": " + salvage.damage.front()));
+    throw Error(
+        options.edit.input, "",
+        "holds no keyframe and no landmark that could be read whole" + (whole ? "" : ": " + salvage.damage.front()));
   const std::vector<std::string> losses = LossesOf(salvage, report);
   WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
   const ExitCode code = FinishEdit(TextOf(salvage, report, losses), JsonOf(salvage, report, losses, options.edit.input),

@@ -78,12 +78,20 @@ std::size_t CountKeyFrames(const Subset& subset) {
   return count;
 }
 
+bool HasLandmarks(const Subset& subset) {
+  return std::ranges::any_of(subset.maps,
+                             [](const Subset::MapRows& rows) { return std::ranges::count(rows.landmarks, 1) > 0; });
+}
+
 std::vector<Part> FindParts(const AtlasIndex& index, const SplitOptions& options) {
   const SplitBy by = options.by == "map"       ? SplitBy::kMap
                      : options.by == "session" ? SplitBy::kSession
                                                : SplitBy::kComponent;
   std::vector<Part> parts = SplitAtlas(index, by);
-  std::erase_if(parts, [&](const Part& part) { return CountKeyFrames(part.subset) < options.min_keyframes; });
+  std::erase_if(parts, [&](const Part& part) {
+    const std::size_t keyframes = CountKeyFrames(part.subset);
+    return keyframes < options.min_keyframes && (keyframes > 0 || !HasLandmarks(part.subset));
+  });
   if (parts.empty())
     throw Error(options.edit.input, "", "has no " + options.by + " with " + Counted(options.min_keyframes, "keyframe"));
   return parts;

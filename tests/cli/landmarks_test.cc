@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -52,9 +54,81 @@ TEST(Landmarks, AloneAreSound) {
   EXPECT_EQ(checked.exit_code, 0) << checked.out;
 }
 
+// A store with the atlas of kSession, a landmark for each of its points, and the map of kMrpt.
+std::string StoreOfBoth(const TemporaryFolder& folder) {
+  const std::string points = (folder / "both.db") + "#points", both = (folder / "both.db") + "#both";
+  EXPECT_EQ(RunSlamdb({"landmarks", "from-points", kSession, points}).exit_code, 0);
+  const ProcessResult merged = RunSlamdb({"merge", kMrpt, points, "-o", both});
+  EXPECT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_EQ(merged.err, "") << "landmarks have no vocabulary to differ in";
+  return both;
+}
+
+std::uint64_t LandmarksIn(const std::string& atlas) {
+  const ProcessResult dumped = RunSlamdb({"dump", atlas});
+  EXPECT_EQ(dumped.exit_code, 0) << dumped.err;
+  std::uint64_t count = 0;
+  for (std::size_t at = 0; (at = dumped.out.find("\"type\":\"landmark\"", at)) != std::string::npos; ++at) ++count;
+  return count;
+}
+
+TEST(Landmarks, SurviveEveryVerbThatKeepsTheirMap) {
+  const TemporaryFolder folder;
+  const std::string both = StoreOfBoth(folder), out = (folder / "out.db") + "#out";
+  const auto kept = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--overwrite"});
+    const ProcessResult result = RunSlamdb(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return LandmarksIn(out);
+  };
+  EXPECT_EQ(LandmarksIn(both), 3164U);
+  EXPECT_EQ(RunSlamdb({"check", both}).exit_code, 0) << "the vocabulary is that of the keyframes";
+  EXPECT_EQ(kept({"landmarks", "from-points", both, out}), 3164U);
+  EXPECT_EQ(kept({"fragments", both, out}), 3164U);
+  EXPECT_EQ(kept({"shrink", both, out, "--target-mb", "1"}), 3164U);
+  EXPECT_EQ(kept({"cull", both, out}), 3164U);
+}
+
+TEST(Landmarks, AloneAreAPartOfTheirOwn) {
+  const TemporaryFolder folder;
+  const ProcessResult split = RunSlamdb({"split", StoreOfBoth(folder), (folder / "parts.db") + "#part", "--json"});
+  ASSERT_EQ(split.exit_code, 0) << split.err;
+  ASSERT_EQ(json::parse(split.out)["parts"].size(), 2U);
+  EXPECT_EQ(LandmarksIn((folder / "parts.db") + "#part-map-0"), 2U);
+}
+
+TEST(Landmarks, AreComparedByDiff) {
+  const TemporaryFolder folder;
+  const std::string both = StoreOfBoth(folder), points = (folder / "both.db") + "#points";
+  EXPECT_EQ(RunSlamdb({"diff", kMrpt, kMrpt}).exit_code, 0);
+  const ProcessResult differ = RunSlamdb({"diff", kSession, points});
+  EXPECT_EQ(differ.exit_code, 1) << differ.out;
+  EXPECT_THAT(differ.out, HasSubstr("landmarks that the other has not"));
+}
+
+TEST(Landmarks, TheSameTwiceAreRecognised) {
+  const TemporaryFolder folder;
+  const ProcessResult merged =
+      RunSlamdb({"merge", kMrpt, kMrpt, "-o", folder / "out.db", "--on-conflict", "keep-first"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_EQ(LandmarksIn(folder / "out.db"), 2U);
+}
+
+TEST(Landmarks, StandInTheWayOfVersion1) {
+  const TemporaryFolder folder;
+  StoreOfBoth(folder);
+  for (const char* dry_run : {"--dry-run", "--quiet"}) {
+    const ProcessResult back = RunSlamdb({"migrate", folder / "both.db", "--back", dry_run});
+    EXPECT_EQ(back.exit_code, 1);
+    EXPECT_THAT(back.err, HasSubstr("the store holds landmarks"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "both.db.v2.bak")) << "nothing was changed, so nothing is kept";
+}
+
 TEST(Landmarks, BadUseIsTold) {
   EXPECT_EQ(RunSlamdb({"landmarks"}).exit_code, 2);
   EXPECT_EQ(RunSlamdb({"landmarks", "from-points", kSession, "x.mrpt", "--sigma", "0"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"landmarks", "from-points", kSession, "x.mrpt", "--sigma", "nan"}).exit_code, 2);
   const ProcessResult cut =
       RunSlamdb({"landmarks", "to-points", "-", "--from", "mrpt", "--dry-run"}, ReadWholeFile(kMrpt).substr(0, 700));
   EXPECT_EQ(cut.exit_code, 1);

@@ -2,6 +2,7 @@
 #include "slamdb/edit/content.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <functional>
@@ -78,8 +79,6 @@ std::uint64_t HashOf(const MapPoint& point) {
   return HashOf(point.descriptor, hash);
 }
 
-std::uint64_t HashOf(const Landmark& landmark) { return HashOf(std::span(landmark.mean.data(), 3), 0); }
-
 }  // namespace
 
 ContentCounts& ContentCounts::operator+=(const ContentCounts& other) {
@@ -107,7 +106,8 @@ ContentCounts CountContent(const Atlas& atlas, int threads) {
 }
 
 ContentSignature SignatureOf(const Map& map) {
-  ContentSignature signature{.keyframes = map.keyframes.size(), .points = map.points.size()};
+  ContentSignature signature{
+      .keyframes = map.keyframes.size(), .points = map.points.size(), .landmarks = map.landmarks.size()};
   for (const KeyFrame& keyframe : map.keyframes) {
     signature.features += keyframe.features.descriptors.size();
     signature.timestamps += std::bit_cast<std::uint64_t>(keyframe.timestamp);
@@ -115,11 +115,36 @@ ContentSignature SignatureOf(const Map& map) {
   return signature;
 }
 
+std::uint64_t ContentHash(const Landmark& landmark) {
+  const std::array<double, 12> numbers = {landmark.mean.x(),   landmark.mean.y(),   landmark.mean.z(),
+                                          landmark.normal.x(), landmark.normal.y(), landmark.normal.z(),
+                                          landmark.cov_11,     landmark.cov_22,     landmark.cov_33,
+                                          landmark.cov_12,     landmark.cov_13,     landmark.cov_23};
+  std::uint64_t hash = HashOf(numbers, landmark.last_seen);
+  hash = HashOf(std::array{std::uint64_t{landmark.seen_count}, std::uint64_t{landmark.features.size()}}, hash);
+  for (const LandmarkFeature& feature : landmark.features) {
+    hash = HashOf(std::array{feature.x, feature.y, feature.response, feature.orientation}, hash);
+    hash = HashOf(std::array{feature.depth, feature.initial_depth}, hash);
+    hash = HashOf(std::span(feature.position_in_camera.data(), 3), hash);
+    hash = HashOf(
+        std::array{feature.keypoint_id, static_cast<std::uint64_t>(feature.type), std::uint64_t{feature.track_status},
+                   std::uint64_t{feature.octave}, std::uint64_t{feature.user_flags}, std::uint64_t{feature.patch_size},
+                   std::uint64_t{feature.has_patch}, std::uint64_t{feature.spin_image_rows},
+                   std::uint64_t{feature.polar_images_without_rotation}},
+        hash);
+    hash = HashOf(feature.patch, hash);
+    for (const FeatureDescriptor& descriptor : feature.descriptors)
+      hash = HashOf(descriptor.bytes, hash + static_cast<std::uint64_t>(descriptor.kind));
+  }
+  return hash;
+}
+
 std::uint64_t ContentHash(const Map& map, int threads) {
   const auto hash = [](const auto& entity, std::uint64_t& sum) { sum += HashOf(entity); };
   return SumOver<std::uint64_t>(map.keyframes, kKeyFrameGrain, threads, hash) * 3 +
          SumOver<std::uint64_t>(map.points, kPointGrain, threads, hash) +
-         SumOver<std::uint64_t>(map.landmarks, kPointGrain, threads, hash) * 5;
+         SumOver<std::uint64_t>(map.landmarks, kPointGrain, threads,
+                                [](const Landmark& landmark, std::uint64_t& sum) { sum += ContentHash(landmark); });
 }
 
 }  // namespace slamdb

@@ -30,7 +30,7 @@ ContentCounts CountContent(const Atlas& atlas, int threads = 0);
 
 // A few numbers that equal maps share, cheap to compare before ContentHash.
 struct ContentSignature {
-  std::uint64_t keyframes = 0, points = 0, features = 0, timestamps = 0;
+  std::uint64_t keyframes = 0, points = 0, features = 0, timestamps = 0, landmarks = 0;
   friend bool operator==(const ContentSignature&, const ContentSignature&) = default;
 };
 ContentSignature SignatureOf(const Map& map);
@@ -40,5 +40,8 @@ ContentSignature SignatureOf(const Map& map);
 // on the order of the lists, which differ each time ORB-SLAM3 saves a map, nor on rotations, which it normalises when
 // it loads one. Linear.
 std::uint64_t ContentHash(const Map& map, int threads = 0);
+
+// Of all that a landmark holds but its id.
+std::uint64_t ContentHash(const Landmark& landmark);
 
 }  // namespace slamdb

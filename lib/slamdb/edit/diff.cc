@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "slamdb/base/error.h"
 #include "slamdb/base/parallel.h"
+#include "slamdb/edit/content.h"
 #include "slamdb/edit/diff_pair.h"
 #include "slamdb/edit/umeyama.h"
 #include "slamdb/model/derive.h"
@@ -81,6 +83,25 @@ std::uint64_t IrregularEntries(const Atlas& atlas) {
   std::size_t entries = atlas.repeated_maps.size() + atlas.repeated_cameras.size();
   for (const Map& map : atlas.maps) entries += map.repeated_keyframes.size() + map.repeated_points.size();
   return entries;
+}
+
+std::vector<std::uint64_t> LandmarkHashes(const Atlas& atlas, bool with_ids) {
+  std::vector<std::uint64_t> hashes;
+  for (const Map& map : atlas.maps)
+    for (const Landmark& landmark : map.landmarks)
+      hashes.push_back(ContentHash(landmark) + (with_ids ? landmark.id.value() * 3 : 0));
+  std::ranges::sort(hashes);
+  return hashes;
+}
+
+// How many landmarks each atlas has that the other has not.
+void AddLandmarks(std::vector<FieldDiff>& fields, const char* name, bool with_ids, const Atlas& a, const Atlas& b) {
+  const std::vector<std::uint64_t> before = LandmarkHashes(a, with_ids), after = LandmarkHashes(b, with_ids);
+  std::vector<std::uint64_t> removed, added;
+  std::ranges::set_difference(before, after, std::back_inserter(removed));
+  std::ranges::set_difference(after, before, std::back_inserter(added));
+  if (removed.size() + added.size() > 0)
+    fields.push_back({name, std::to_string(removed.size()), std::to_string(added.size())});
 }
 
 // How many references of each kind an entity has.
@@ -274,6 +295,8 @@ class Comparison {
     AddField(diff_.fields, "vocabulary", a.vocabulary.name, b.vocabulary.name);
     AddField(diff_.fields, "vocabulary checksum", a.vocabulary.checksum, b.vocabulary.checksum);
     AddField(diff_.fields, "null or repeated entries", IrregularEntries(a), IrregularEntries(b));
+    AddLandmarks(diff_.fields, "landmarks that the other has not", false, a, b);
+    AddLandmarks(diff_.numbering, "landmarks of other ids", true, a, b);
     const Counters &before = a.next_ids, &after = b.next_ids;
     AddField(diff_.numbering, "next map id", before.map, after.map);
     AddField(diff_.numbering, "next frame id", before.frame, after.frame);

@@ -75,7 +75,7 @@ struct AtlasDiff {
   EntityDiff maps, cameras, keyframes, points;
   std::vector<LinkDiff> links;       // every kind, differing or not
   std::vector<MapMotion> motions;    // of every map in both
-  std::vector<FieldDiff> fields;     // vocabulary, and what irregular lists repeat
+  std::vector<FieldDiff> fields;     // vocabulary, landmarks, and what irregular lists repeat
   std::vector<FieldDiff> numbering;  // counters and largest ids: what renumbering changes besides ids
   std::uint64_t other_ids = 0;       // ids of frames and of culled keyframes that differ
   std::vector<FieldDiff> encoding;   // how the files are written, which is no difference of the atlases
@@ -86,9 +86,9 @@ struct AtlasDiff {
 
 // Compares two atlases by what they mean. Entities are recognised by content, whatever their ids: keyframes by
 // descriptors and time, points by descriptor and by who observes them where, maps by their keyframes, cameras by their
-// parameters. References are the same when they lead to the same entity. The order of lists does not count, a NaN is
-// the same as any other, and a quaternion the same as its negative. O(n); the result does not depend on the number of
-// threads. Either atlas may hold anything. Thread-safe.
+// parameters, landmarks by all that they hold, to the bit. References are the same when they lead to the same entity.
+// The order of lists does not count, a NaN is the same as any other, and a quaternion the same as its negative. O(n);
+// the result does not depend on the number of threads. Either atlas may hold anything. Thread-safe.
 AtlasDiff DiffAtlases(const Atlas& before, const Atlas& after, const DiffOptions& options);
 
 }  // namespace slamdb

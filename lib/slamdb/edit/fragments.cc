@@ -58,6 +58,8 @@ FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options, int t
   FragmentReport report;
   for (const Map& map : atlas.maps) report.maps.push_back(Describe(map));
   Choose(report.maps, options);
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row)  // maps of landmarks alone are no fragments
+    if (atlas.maps[row].keyframes.empty() && !atlas.maps[row].landmarks.empty()) report.maps[row].kept = true;
   if (std::ranges::none_of(report.maps, &Fragment::kept)) {
     std::uint64_t largest = 0;
     for (const Fragment& map : report.maps) largest = std::max(largest, map.keyframes);

@@ -23,7 +23,8 @@ struct MakeLandmarksReport {
   std::uint64_t bad = 0;           // points flagged bad, of which none was made
 };
 
-// Gives every map a landmark for each of its good points, in their order, in place of those that it has: the point's
+// Gives every map a landmark for each of its good points, in their order, in place of those of the same id; landmarks
+// of no point stay behind them. What is made of a point: the point's
 // id, position and unit normal; the covariance that its observations give it, rounded to the floats that MRPT 2 keeps;
 // how many keyframes observe it, and when the last of them did; one ORB feature, the keypoint of the reference keyframe
 // with the point's descriptor. In place; linear; the same for any number of threads.

@@ -140,6 +140,9 @@ MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& opti
     });
     report.landmarks += landmarks.size();
     report.undetermined += undetermined;
+    const IdTable points = PointTable(map);
+    for (Landmark& landmark : map.landmarks)
+      if (points.Find(landmark.id.value()) == kNoRow) landmarks.push_back(std::move(landmark));
     map.landmarks = std::move(landmarks);
     if (options.progress)
       options.progress("making landmarks",

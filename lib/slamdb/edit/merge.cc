@@ -125,14 +125,24 @@ class Merger {
     return i < options_.names.size() ? options_.names[i] : "input " + std::to_string(i + 1);
   }
 
+  // Landmarks have no bags of words, so atlases of landmarks alone have no vocabulary.
+  static bool HasVocabulary(const Atlas& input) {
+    return !input.vocabulary.checksum.empty() ||
+           std::ranges::any_of(input.maps, [](const Map& map) { return !map.keyframes.empty(); });
+  }
+
   void CompareVocabularies(const std::vector<Atlas>& inputs) {
-    const Vocabulary& first = inputs.front().vocabulary;
-    for (std::size_t i = 1; i < inputs.size(); ++i) {
+    const auto first_with = std::ranges::find_if(inputs, HasVocabulary);
+    if (first_with == inputs.end()) return;
+    vocabulary_input_ = static_cast<std::size_t>(first_with - inputs.begin());
+    const Vocabulary& first = first_with->vocabulary;
+    for (std::size_t i = vocabulary_input_ + 1; i < inputs.size(); ++i) {
       const Vocabulary& other = inputs[i].vocabulary;
-      if (other.checksum == first.checksum) continue;
+      if (other.checksum == first.checksum || !HasVocabulary(inputs[i])) continue;
       if (!options_.ignore_vocabulary)
         throw Error(NameOfInput(i) + ": its bags of words are of vocabulary '" + other.name + "' (MD5 " +
-                    other.checksum + "), those of " + NameOfInput(0) + " of '" + first.name + "' (" + first.checksum +
+                    other.checksum + "), those of " + NameOfInput(vocabulary_input_) + " of '" + first.name + "' (" +
+                    first.checksum +
                     "): place recognition would compare words that mean different things; recompute the bags of words "
                     "of one, or merge all the same and ignore the vocabulary");
       report().other_vocabularies.push_back(NameOfInput(i));
@@ -155,7 +165,8 @@ class Merger {
       for (std::size_t row = 0; row < inputs[input].maps.size(); ++row) {
         const Map& map = inputs[input].maps[row];
         KnownMap known{input, row, SignatureOf(map)};
-        if (const KnownMap* first = map.keyframes.empty() ? nullptr : FindSame(inputs, known); first != nullptr) {
+        if (const KnownMap* first = map.keyframes.empty() && map.landmarks.empty() ? nullptr : FindSame(inputs, known);
+            first != nullptr) {
           known.left_out = options_.same_map == SameMap::kKeepFirst;
           const MapId first_id = inputs[first->input].maps[first->row].id;
           if (options_.same_map == SameMap::kError)
@@ -182,10 +193,8 @@ class Merger {
     report().dropped_list_entries += DropIrregularEntries(input);
     RaiseCounters(input);  // an atlas may hold ids above its counters
     const ByKind<IdRange> ranges = FindRanges(input, options_.threads);
-    if (i == 0) {
-      result_.atlas.vocabulary = std::move(input.vocabulary);
-      result_.atlas.encoding = input.encoding;
-    }
+    if (i == vocabulary_input_) result_.atlas.vocabulary = std::move(input.vocabulary);
+    if (i == 0) result_.atlas.encoding = input.encoding;
     Shift shift = MakeShift(i, ranges, input.next_ids);
     PlaceCameras(i, input, shift);
     RecordIds(i, input, shift);
@@ -366,6 +375,7 @@ class Merger {
 
   const MergeOptions& options_;
   MergeResult result_;
+  std::size_t vocabulary_input_ = 0;   // the first input that has a vocabulary
   ByKind<std::vector<IdRange>> used_;  // ids of the inputs so far
   std::vector<KnownMap> maps_;
 };

@@ -48,10 +48,18 @@ class GreedyCoverage {
       Keep(place);
       ++chosen;
     }
+    KeepLandmarks();
     return std::move(kept_);
   }
 
  private:
+  // Those of every map that stays; .osa files, whose size is the target, hold none.
+  void KeepLandmarks() {
+    for (Subset::MapRows& rows : kept_.maps)
+      if (rows.keyframes.empty() || std::ranges::count(rows.keyframes, 1) > 0)
+        std::ranges::fill(rows.landmarks, std::uint8_t{1});
+  }
+
   struct Candidate {
     Gain gain;
     std::uint32_t place;

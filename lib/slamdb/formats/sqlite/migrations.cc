@@ -33,6 +33,13 @@ void RunStepBack(Database& database, const Migration& migration) {
   database.Execute("PRAGMA user_version=" + std::to_string(migration.number - 1));
 }
 
+// Takes the step and takes it back again, so that a refusal comes before anything is written.
+void TryStepBack(const std::string& path, const MigrateOptions& options, const Migration& migration) {
+  Database database(path, Access::kWrite, options.lock_timeout);
+  const WriteTransaction rolled_back(database, options.lock_timeout);
+  RunStepBack(database, migration);
+}
+
 // Which steps lead from `from` to where the options want to go.
 void PlanSteps(const MigrateOptions& options, std::span<const Migration> migrations, MigrateReport& report) {
   const Migration& last = migrations.back();
@@ -68,6 +75,7 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
   PlanSteps(options, migrations, report);
   if (!report.steps.empty() && options.back && migrations.back().back.empty())
     throw Error(path, "", "there is no way back from version " + std::to_string(report.from));
+  if (!report.steps.empty() && options.back) TryStepBack(path, options, migrations.back());
   if (report.steps.empty() || options.dry_run) return report;
 
   Database database(path, Access::kWrite, options.lock_timeout);

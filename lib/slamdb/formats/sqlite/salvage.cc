@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include "slamdb/formats/sqlite/identity.h"
 #include "slamdb/formats/sqlite/load.h"
@@ -71,13 +72,13 @@ class StoreSalvager {
   }
 
   // Rows of a list are numbered without gaps, so the last one tells how many there are. Where its page is lost, the
-  // number of the whole atlas is an upper bound; that of landmarks is recorded nowhere.
-  std::uint64_t CountRows(std::int64_t map, const std::string& table) {
+  // number of the whole atlas is an upper bound; that of landmarks is recorded nowhere, and so not known.
+  std::optional<std::uint64_t> CountRows(std::int64_t map, const std::string& table) {
     std::int64_t last = -1;
     const std::string range = std::to_string(FirstRowOfMap(map)) + " AND " + std::to_string(LastRowOfMap(map));
     if (Try([&] { last = database_.Integer("SELECT max(row) FROM " + table + " WHERE row BETWEEN " + range); }))
       return last < FirstRowOfMap(map) ? 0 : static_cast<std::uint64_t>(last - FirstRowOfMap(map)) + 1;
-    if (table == "landmark") return 0;
+    if (table == "landmark") return std::nullopt;
     const std::string column = table == "keyframe" ? "keyframes" : "points";
     std::int64_t count = 0;
     Try([&] { count = database_.Integer("SELECT " + column + " FROM atlas WHERE row = " + std::to_string(atlas_)); });
@@ -87,13 +88,17 @@ class StoreSalvager {
   template <class List, class Load>
   void ReadList(std::int64_t map, const std::string& table, std::size_t grain, List& list, SalvagedList& read,
                 const Load& load) {
-    read.listed = CountRows(map, table);
-    for (std::uint64_t first = 0; first < read.listed; first += grain) {
-      const std::uint64_t end = std::min<std::uint64_t>(read.listed, first + grain);
+    const std::optional<std::uint64_t> count = CountRows(map, table);
+    std::size_t before = 0;
+    // Rows whose number is not known are read until a run of them gives nothing.
+    for (std::uint64_t first = 0; count ? first < *count : first == 0 || list.size() > before; first += grain) {
+      before = list.size();
+      const std::uint64_t end = count ? std::min<std::uint64_t>(*count, first + grain) : first + grain;
       ReadRows(FirstRowOfMap(map) + static_cast<std::int64_t>(first), static_cast<std::size_t>(end - first), list,
                load);
     }
     read.read = list.size();
+    read.listed = count.value_or(read.read + 1);  // at least the last one is lost
   }
 
   // Reads a run of rows at once; where that fails, its halves.
