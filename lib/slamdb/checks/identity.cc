@@ -324,7 +324,8 @@ void CheckVocabularyChecksum(const Subject& subject, Findings& findings) {
       checksum, [](char digit) { return (digit >= '0' && digit <= '9') || (digit >= 'a' && digit <= 'f'); });
   const auto is_of_landmarks = [](const Map& map) { return map.keyframes.empty() && !map.landmarks.empty(); };
   const std::vector<Map>& maps = subject.atlas.maps;
-  if (checksum.empty() && !maps.empty() && std::ranges::all_of(maps, is_of_landmarks)) return;  // ORB-SLAM3 has no use
+  // ORB-SLAM3 never sees landmarks, which have no bags of words.
+  if (checksum.empty() && !maps.empty() && std::ranges::all_of(maps, is_of_landmarks)) return;
   if (checksum.empty())
     findings.Add(Place{}, "the vocabulary's checksum is empty");
   else if (checksum.size() != 32 || !hexadecimal)

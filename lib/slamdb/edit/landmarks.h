@@ -24,10 +24,10 @@ struct MakeLandmarksReport {
 };
 
 // Gives every map a landmark for each of its good points, in their order, in place of those of the same id; landmarks
-// of no point stay behind them. What is made of a point: the point's
-// id, position and unit normal; the covariance that its observations give it, rounded to the floats that MRPT 2 keeps;
-// how many keyframes observe it, and when the last of them did; one ORB feature, the keypoint of the reference keyframe
-// with the point's descriptor. In place; linear; the same for any number of threads.
+// of no point stay behind them. A landmark has its point's id, position and unit normal; the covariance that the
+// observations give it, rounded to the floats that MRPT 2 keeps; how many keyframes observe it, and when the last of
+// them did; one ORB feature, the keypoint of the reference keyframe with the point's descriptor. In place; linear; the
+// same for any number of threads.
 MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& options);
 
 struct MakePointsReport {

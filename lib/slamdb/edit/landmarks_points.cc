@@ -6,6 +6,7 @@
 
 #include "slamdb/base/parallel.h"
 #include "slamdb/edit/landmarks.h"
+#include "slamdb/model/counters.h"
 #include "slamdb/model/covariance.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
@@ -108,14 +109,12 @@ MapPoint PointOf(const Landmark& landmark, MapPointId id) {
   return point;
 }
 
-std::uint64_t HighestPointId(const Atlas& atlas) {
-  std::uint64_t next = atlas.next_ids.map_point;
-  for (const Map& map : atlas.maps) {
-    for (const MapPoint& point : map.points)
-      if (point.id) next = std::max(next, point.id.value() + 1);
+// Above the ids of all points and landmarks.
+std::uint64_t NextPointId(const Atlas& atlas) {
+  std::uint64_t next = std::max(atlas.next_ids.map_point, LeastCounters(atlas).map_point);
+  for (const Map& map : atlas.maps)
     for (const Landmark& landmark : map.landmarks)
       if (landmark.id) next = std::max(next, landmark.id.value() + 1);
-  }
   return next;
 }
 
@@ -153,7 +152,7 @@ MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& opti
 
 MakePointsReport MakePoints(Atlas& atlas) {
   MakePointsReport report;
-  std::uint64_t next = HighestPointId(atlas);
+  std::uint64_t next = NextPointId(atlas);
   for (Map& map : atlas.maps) {
     const IdTable rows = PointTable(map);
     std::vector<Landmark> landmarks;
