@@ -96,6 +96,27 @@ TEST(Bridge, ResolvesEveryKindOfLink) {
   EXPECT_EQ(map->GetOriginKF(), keyframes.front());
 }
 
+// Lists of loaded points stand side by side in a block.
+TEST(Bridge, ListsThatGrowLeaveTheirNeighboursAlone) {
+  const LiveAtlas live = FromModel(SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = 12, .points = 260}));
+  Map* map = live.atlas->GetAllMaps().front();
+  const std::vector<MapPoint*> points = map->GetAllMapPoints();
+  const std::vector<KeyFrame*> keyframes = map->GetAllKeyFrames();
+  std::vector<std::map<KeyFrame*, std::tuple<int, int>>> expected;
+  for (MapPoint* point : points) expected.push_back(point->GetObservations());
+  for (std::size_t row = 0; row < points.size(); row += 2) {
+    for (KeyFrame* keyframe : keyframes) {
+      if (points[row]->IsInKeyFrame(keyframe)) continue;
+      points[row]->AddObservation(keyframe, 7);
+      expected[row][keyframe] = {7, -1};
+    }
+    points[row]->EraseObservation(keyframes[row % keyframes.size()]);
+    expected[row].erase(keyframes[row % keyframes.size()]);
+  }
+  for (std::size_t row = 0; row < points.size(); ++row) EXPECT_EQ(points[row]->GetObservations(), expected[row]);
+  live.atlas->clearAtlas();
+}
+
 TEST(Bridge, ReportsWhatDanglesAndLoadsTheRest) {
   slamdb::Atlas model = SynthesizeAtlas({.keyframes = 8, .points = 300});
   slamdb::Map& map = model.maps[0];

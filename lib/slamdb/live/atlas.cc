@@ -110,6 +110,7 @@ void Atlas::RemoveBadMaps() {
   };
   Bridge::ForgetChanges(runtime_, goes);
   bad_maps_.clear();
+  if (maps_.empty()) loaded_observers_.clear();  // points of a map may go over to another one
 }
 
 void Atlas::clearMap() { GetCurrentMap()->clear(); }

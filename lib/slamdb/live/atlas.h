@@ -10,6 +10,7 @@
 
 #include "slamdb/formats/format.h"
 #include "slamdb/live/camera.h"
+#include "slamdb/live/observer_list.h"
 #include "slamdb/live/post_load.h"
 #include "slamdb/live/runtime.h"
 #include "slamdb/model/atlas.h"
@@ -91,7 +92,8 @@ class Atlas {
   void StoreCurrent();
 
   Runtime runtime_;
-  std::mutex mutex_;      // mMutexAtlas: the members below
+  std::vector<Column<Observer>> loaded_observers_;  // blocks that points of loaded maps have their lists in
+  std::mutex mutex_;                                // mMutexAtlas: the members below
   slamdb::Atlas record_;  // without maps and cameras: vocabulary, encoding, repeated entries, next initial keyframe
   std::vector<std::unique_ptr<Map>> maps_, bad_maps_;
   std::vector<std::unique_ptr<GeometricCamera>> cameras_, spare_cameras_;  // spare: given, but equal to another

@@ -42,6 +42,13 @@ Counters FloorsOf(const slamdb::Atlas& atlas) {
 
 bool IsFirst(std::uint64_t id, std::size_t row, const IdTable& rows) { return rows.Find(id) == row; }
 
+std::size_t CountObservations(const Column<slamdb::MapPoint>& points, std::size_t first, std::size_t count) {
+  std::size_t observations = 0;
+  for (std::size_t row = first; row < std::min(points.size(), first + count); ++row)
+    observations += points[row].observations.size();
+  return observations;
+}
+
 // work(row, report) for all rows, in parallel; the reports come together in row order.
 template <class Work>
 void ForEachRow(std::size_t count, std::size_t grain, int threads, PostLoadReport& report, const Work& work) {
@@ -80,7 +87,7 @@ void Bridge::FillMap(Atlas& atlas, slamdb::Map record, int threads, PostLoadRepo
   List(*map, map->keyframes_, keyframes);
   List(*map, map->points_, points);
   const Clock::time_point linking = Clock::now();
-  LinkMap(*map, point_records, {keyframe_rows, point_rows, keyframes, points}, threads, report);
+  LinkMap(atlas, *map, point_records, {keyframe_rows, point_rows, keyframes, points}, threads, report);
   report.seconds += SecondsSince(linking);
 }
 
@@ -93,19 +100,23 @@ void Bridge::List(Map& map, Objects& objects, const std::vector<Object*>& all) {
   }
 }
 
-void Bridge::LinkMap(Map& map, const Column<slamdb::MapPoint>& point_records, const LinkTargets& targets, int threads,
-                     PostLoadReport& report) {
+void Bridge::LinkMap(Atlas& atlas, Map& map, const Column<slamdb::MapPoint>& point_records, const LinkTargets& targets,
+                     int threads, PostLoadReport& report) {
   ForEachRow(targets.keyframes.size(), kKeyFrameGrain, threads, report, [&](std::size_t row, PostLoadReport& block) {
     KeyFrame& keyframe = *targets.keyframes[row];
     block.bad_keyframes += keyframe.bad_ ? 1 : 0;
     block.duplicate_ids += IsFirst(keyframe.mnId, row, targets.keyframe_rows) ? 0 : 1;
     keyframe.Link(targets, block);
   });
+  const std::size_t first_block = atlas.loaded_observers_.size();
+  atlas.loaded_observers_.resize(first_block + (targets.points.size() + kPointGrain - 1) / kPointGrain);
   ForEachRow(targets.points.size(), kPointGrain, threads, report, [&](std::size_t row, PostLoadReport& block) {
+    Column<Observer>& observers = atlas.loaded_observers_[first_block + row / kPointGrain];
+    if (row % kPointGrain == 0) observers.reserve(CountObservations(point_records, row, kPointGrain));
     MapPoint& point = *targets.points[row];
     block.bad_points += point.bad_ ? 1 : 0;
     block.duplicate_ids += IsFirst(point.mnId, row, targets.point_rows) ? 0 : 1;
-    point.Link(point_records[row], targets, block);
+    point.Link(point_records[row], targets, observers, block);
   });
   map.has_unique_ids_ = report.duplicate_ids == 0;
   LinkHeader(map, targets, report);

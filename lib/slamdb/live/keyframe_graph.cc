@@ -78,7 +78,7 @@ void KeyFrame::OrderCovisibles() {
 std::vector<KeyFrame::Covisible> KeyFrame::CountSharedPoints() {
   std::vector<KeyFrame*> observers;  // one entry for each shared point
   for (MapPoint* point : GoodPoints())
-    for (const MapPoint::Observer& observer : point->CopyObservers())
+    for (const Observer& observer : point->CopyObservers())
       if (observer.keyframe != this && !observer.keyframe->isBad() && observer.keyframe->GetMap() == GetMap())
         observers.push_back(observer.keyframe);
   std::vector<Covisible> counted;

@@ -100,7 +100,7 @@ void MapPoint::UpdateNormalAndDepth() {
   {
     const Lock lock(mutex_features_);
     if (bad_) return;
-    observers = observations_;
+    observers = {observations_.begin(), observations_.end()};
     reference = reference_;
     const Lock position_lock(mutex_position_);
     position = position_;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "slamdb/live/listed.h"
+#include "slamdb/live/observer_list.h"
 #include "slamdb/live/post_load.h"
 #include "slamdb/live/runtime.h"
 #include "slamdb/model/map_point.h"
@@ -156,23 +157,19 @@ class MapPoint : public Listed {
   friend struct Bridge;
   friend class KeyFrame;  // counts observers
 
-  struct Observer {
-    KeyFrame* keyframe;
-    std::int32_t left = -1, right = -1;
-  };
-
   // The common part of the constructors.
   MapPoint(Map* map, std::uint64_t id);
   // With what a record says, but for its links.
   MapPoint(const slamdb::MapPoint& record, Map* map);
-  // Makes pointers of the record's ids. What has no target, and all links of a bad point, stays in `unresolved_`.
+  // Makes pointers of the record's ids. The observers go to the end of `block`, which must have room for them and
+  // outlive the point. What has no target, and all links of a bad point, stays in `unresolved_`.
   template <class Targets>
-  void Link(const slamdb::MapPoint& record, const Targets& targets, PostLoadReport& report);
+  void Link(const slamdb::MapPoint& record, const Targets& targets, Column<Observer>& block, PostLoadReport& report);
 
   // The record: links to what `map` lists, and those that were never resolved. Under the closed gate.
   slamdb::MapPoint ToRecord(const Map* map) const;
 
-  std::vector<Observer>::iterator FindObserver(const KeyFrame* keyframe);  // where it is or belongs
+  Observer* FindObserver(const KeyFrame* keyframe);  // where it is or belongs
   std::vector<Observer> CopyObservers();
   void StoreDistanceRange(float distance, int octave, const ScalePyramid& pyramid);
   int PredictScaleIn(float distance, const ScalePyramid& pyramid);
@@ -184,17 +181,16 @@ class MapPoint : public Listed {
   Eigen::Vector3f position_ = Eigen::Vector3f::Zero(), normal_ = Eigen::Vector3f::Zero();
   float min_distance_ = 0, max_distance_ = 0;
 
-  std::mutex mutex_features_;           // mMutexFeatures
-  std::vector<Observer> observations_;  // by keyframe id
+  std::mutex mutex_features_;  // mMutexFeatures
+  ObserverList observations_;  // by keyframe id
   KeyFrame* reference_ = nullptr;
   MapPoint* replaced_ = nullptr;
+  std::unique_ptr<slamdb::MapPoint> unresolved_;  // what of the loaded record has no place in the graph; usually null
+  std::atomic<bool> bad_ = false;
+  Flag recorded_bad_;
   Descriptor descriptor_{};
   MatrixForm descriptor_form_ = MatrixForm::kEmpty;
-  Flag recorded_bad_;
-  std::atomic<bool> bad_ = false;
   int visible_ = 1, found_ = 1;  // not saved
-
-  std::unique_ptr<slamdb::MapPoint> unresolved_;  // what of the loaded record has no place in the graph; usually null
 };
 
 }  // namespace slamdb::live

@@ -11,14 +11,14 @@ namespace slamdb::live {
 
 using Lock = std::lock_guard<std::mutex>;
 
-std::vector<MapPoint::Observer>::iterator MapPoint::FindObserver(const KeyFrame* keyframe) {
+Observer* MapPoint::FindObserver(const KeyFrame* keyframe) {
   return std::lower_bound(observations_.begin(), observations_.end(), keyframe->mnId,
                           [](const Observer& observer, std::uint64_t id) { return observer.keyframe->mnId < id; });
 }
 
-std::vector<MapPoint::Observer> MapPoint::CopyObservers() {
+std::vector<Observer> MapPoint::CopyObservers() {
   const Lock lock(mutex_features_);
-  return observations_;
+  return {observations_.begin(), observations_.end()};
 }
 
 void MapPoint::AddObservation(KeyFrame* pKF, int idx) {
@@ -26,7 +26,7 @@ void MapPoint::AddObservation(KeyFrame* pKF, int idx) {
   {
     const Lock lock(mutex_features_);
     auto observer = FindObserver(pKF);
-    if (observer == observations_.end() || observer->keyframe != pKF) observer = observations_.insert(observer, {pKF});
+    if (observer == observations_.end() || observer->keyframe != pKF) observer = observations_.Insert(observer, {pKF});
     const int before = pKF->WeightOfObservation(observer->left, observer->right);
     (pKF->NLeft != -1 && idx >= pKF->NLeft ? observer->right : observer->left) = idx;
     nObs += pKF->WeightOfObservation(observer->left, observer->right) - before;
@@ -42,8 +42,8 @@ void MapPoint::EraseObservation(KeyFrame* pKF) {
     const auto observer = FindObserver(pKF);
     if (observer == observations_.end() || observer->keyframe != pKF) return;
     nObs -= pKF->WeightOfObservation(observer->left, observer->right);
-    observations_.erase(observer);
-    if (reference_ == pKF) reference_ = observations_.empty() ? nullptr : observations_.front().keyframe;
+    observations_.Erase(observer);
+    if (reference_ == pKF) reference_ = observations_.empty() ? nullptr : observations_.begin()->keyframe;
     too_few = nObs <= 2;
   }
   MarkChanged();
@@ -80,7 +80,7 @@ void MapPoint::SetBadFlag() {
   {
     const Lock lock(mutex_features_);
     bad_ = true;
-    observers.swap(observations_);
+    observers = observations_.Take();
   }
   for (const Observer& observer : observers) {
     if (observer.left >= 0) observer.keyframe->EraseMapPointMatch(observer.left);
@@ -96,7 +96,7 @@ void MapPoint::Replace(MapPoint* pMP) {
   int visible = 0, found = 0;
   {
     const Lock lock(mutex_features_);
-    observers.swap(observations_);
+    observers = observations_.Take();
     bad_ = true;
     replaced_ = pMP;
     visible = visible_;
@@ -125,7 +125,7 @@ void MapPoint::ComputeDistinctiveDescriptors() {
   {
     const Lock lock(mutex_features_);
     if (bad_) return;
-    observers = observations_;
+    observers = {observations_.begin(), observations_.end()};
   }
   std::vector<Descriptor> descriptors;
   descriptors.reserve(observers.size());

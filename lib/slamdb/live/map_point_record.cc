@@ -99,10 +99,13 @@ PostLoadReport MapPoint::PostLoad(std::map<long unsigned int, KeyFrame*>& mpKFid
         {KeyFrameId(keyframe), left, right == mBackupObservationsId2.end() ? -1 : right->second});
   }
   PostLoadReport report;
+  Column<Observer> observers;
+  observers.reserve(record.observations.size());
   const Change change(runtime_.gate);
   {
     const Lock lock(mutex_features_);
-    Link(record, IdMaps{mpKFid, mpMPid}, report);
+    Link(record, IdMaps{mpKFid, mpMPid}, observers, report);
+    observations_.Own();
   }
   MarkChanged();
   return report;

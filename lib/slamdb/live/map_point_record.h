@@ -9,37 +9,38 @@
 namespace slamdb::live {
 
 template <class Targets>
-void MapPoint::Link(const slamdb::MapPoint& record, const Targets& targets, PostLoadReport& report) {
-  slamdb::MapPoint rest;
-  bool complete = true;
-  const auto miss = [&](LinkKind kind, std::uint64_t target) {
-    report.Add({kind, MapId(map_.load()->GetId()), {}, MapPointId(mnId), target});
-    complete = false;
+void MapPoint::Link(const slamdb::MapPoint& record, const Targets& targets, Column<Observer>& block,
+                    PostLoadReport& report) {
+  unresolved_.reset();
+  const auto rest = [this]() -> slamdb::MapPoint& {
+    if (unresolved_ == nullptr) unresolved_ = std::make_unique<slamdb::MapPoint>();
+    return *unresolved_;
   };
-  observations_.clear();
-  observations_.reserve(record.observations.size());
+  const auto miss = [&](LinkKind kind, std::uint64_t target) {
+    if (!bad_) report.Add({kind, MapId(map_.load()->GetId()), {}, MapPointId(mnId), target});
+  };
+  const std::size_t first = block.size();
   for (const Observation& observation : record.observations) {
     KeyFrame* keyframe = bad_ ? nullptr : targets.Find(observation.keyframe);
     if (keyframe != nullptr && !keyframe->isBad() && keyframe->HasRows(observation) &&
-        (observations_.empty() || observations_.back().keyframe->mnId < observation.keyframe.value())) {
-      observations_.push_back({keyframe, observation.left, observation.right});
+        (block.size() == first || block.back().keyframe->mnId < observation.keyframe.value())) {
+      block.push_back({keyframe, observation.left, observation.right});
     } else {
-      if (!bad_) miss(LinkKind::kObservation, observation.keyframe.value());
-      complete = false;
-      rest.observations.push_back(observation);
+      rest().observations.push_back(observation);
+      miss(LinkKind::kObservation, observation.keyframe.value());
     }
   }
+  observations_.Place(std::span(block).subspan(first));
   reference_ = bad_ ? nullptr : targets.Find(record.reference);
-  replaced_ = bad_ ? nullptr : targets.Find(record.replaced_by);
-  if (reference_ == nullptr) rest.reference = record.reference;
-  if (replaced_ == nullptr) rest.replaced_by = record.replaced_by;
-  if (bad_) {
-    complete = false;
-  } else {
-    if (reference_ == nullptr) miss(LinkKind::kReference, record.reference.value());
-    if (replaced_ == nullptr && record.replaced_by) miss(LinkKind::kReplacement, record.replaced_by.value());
+  if (reference_ == nullptr) {
+    rest().reference = record.reference;
+    miss(LinkKind::kReference, record.reference.value());
   }
-  unresolved_ = complete ? nullptr : std::make_unique<slamdb::MapPoint>(std::move(rest));
+  replaced_ = bad_ ? nullptr : targets.Find(record.replaced_by);
+  if (replaced_ == nullptr && record.replaced_by) {
+    rest().replaced_by = record.replaced_by;
+    miss(LinkKind::kReplacement, record.replaced_by.value());
+  }
 }
 
 }  // namespace slamdb::live

@@ -45,8 +45,8 @@ struct Bridge {
   static void FillMap(Atlas& atlas, slamdb::Map record, int threads, PostLoadReport& report);
   template <class Objects, class Object>
   static void List(Map& map, Objects& objects, const std::vector<Object*>& all);
-  static void LinkMap(Map& map, const Column<slamdb::MapPoint>& point_records, const LinkTargets& targets, int threads,
-                      PostLoadReport& report);
+  static void LinkMap(Atlas& atlas, Map& map, const Column<slamdb::MapPoint>& point_records, const LinkTargets& targets,
+                      int threads, PostLoadReport& report);
   static void LinkHeader(Map& map, const LinkTargets& targets, PostLoadReport& report);
 
   static slamdb::Atlas Header(Atlas& atlas);
