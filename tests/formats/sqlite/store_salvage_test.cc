@@ -13,6 +13,7 @@
 namespace slamdb::store_test {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -63,6 +64,16 @@ TEST_F(StoreSalvage, LeavesOutTheRowThatDiffers) {
   EXPECT_THAT(salvage.damage[0], HasSubstr("table keyframe_features, row 4294967298"));
   EXPECT_EQ(salvage.maps[0].points.read + 1, atlas_.maps[0].points.size());
   EXPECT_EQ(salvage.maps[0].keyframes.read + 1, atlas_.maps[0].keyframes.size());
+  ExpectTrue(salvage);
+}
+
+TEST_F(StoreSalvage, MissesLastRowsThatWereDeleted) {
+  Sql(path_, "DELETE FROM map_point WHERE row >= (SELECT max(row) FROM map_point) - 2");
+  const Salvage salvage = Salvaged();
+  std::size_t points = 0;
+  for (const Map& map : atlas_.maps) points += map.points.size();
+  EXPECT_THAT(salvage.damage, Contains("the store records " + std::to_string(points) + " points and lists " +
+                                       std::to_string(points - 3) + ": rows were deleted"));
   ExpectTrue(salvage);
 }
 

@@ -33,6 +33,7 @@ class StoreSalvager {
     Try([&] { maps = RowsOfMaps(database_, atlas_); });
     salvage_.maps_listed = maps.size();
     for (const std::int64_t row : maps) ReadMap(row);
+    CompareCounts();
     return std::move(salvage_);
   }
 
@@ -83,6 +84,27 @@ class StoreSalvager {
     std::int64_t count = 0;
     Try([&] { count = database_.Integer("SELECT " + column + " FROM atlas WHERE row = " + std::to_string(atlas_)); });
     return static_cast<std::uint64_t>(std::clamp<std::int64_t>(count, 0, 0xffffffff));
+  }
+
+  // Last rows that somebody deleted are missed by nothing but the numbers that the store records.
+  void CompareCounts() {
+    const auto compare = [&](const std::string& table, std::uint64_t listed) {
+      std::int64_t recorded = 0;
+      Try([&] {
+        recorded = database_.Integer("SELECT " + table + " FROM atlas WHERE row = " + std::to_string(atlas_));
+      });
+      if (recorded <= 0 || static_cast<std::uint64_t>(recorded) <= listed) return;
+      Note(Error("the store records " + std::to_string(recorded) + " " + table + " and lists " +
+                 std::to_string(listed) + ": rows were deleted"));
+    };
+    std::uint64_t keyframes = 0, points = 0;
+    for (const SalvagedMap& map : salvage_.maps) {
+      keyframes += map.keyframes.listed;
+      points += map.points.listed;
+    }
+    compare("maps", salvage_.maps_listed);
+    compare("keyframes", keyframes);
+    compare("points", points);
   }
 
   template <class List, class Load>
