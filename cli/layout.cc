@@ -97,6 +97,12 @@ std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width
   return out;
 }
 
+void Table::Drop(std::size_t column) {
+  const auto place = static_cast<std::ptrdiff_t>(column);
+  columns_.erase(columns_.begin() + place);
+  for (auto& row : rows_) row.erase(row.begin() + place);
+}
+
 std::string Table::ToString() const {
   std::vector<std::size_t> widths(columns_.size(), 0);
   for (const auto& row : rows_)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -37,6 +38,10 @@ void RefuseLosses(const Notices& notices) {
 bool CutsThroughMaps(Selection selection) {
   selection.map.reset();
   return !selection.everything();
+}
+
+bool HasLandmarks(const Atlas& atlas) {
+  return std::any_of(atlas.maps.begin(), atlas.maps.end(), [](const Map& map) { return !map.landmarks.empty(); });
 }
 
 std::string Summary(const Atlas& atlas, const Location& output) {
@@ -83,6 +88,8 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && (format.writes & kObservations) != 0)
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
+  if (read.selection.has_keyframe_range() && HasLandmarks(atlas))
+    notices.Warn("landmarks belong to no keyframe: the ranges of keyframes and times leave out none of them");
   WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), notices, to, options.strict);
 
   console.Report(notices);

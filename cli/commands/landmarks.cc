@@ -41,7 +41,10 @@ ExitCode RunToPoints(const EditOptions& options, Console& console) {
   WriteResult(atlas, options, "landmarks to-points " + options.input, console, notices);
   std::string text = "moved " + Counted(report.moved, "point") + ", added " + Grouped(report.added) + "\n";
   if (report.plain > 0) text += "  " + Grouped(report.plain) + " of those added have no ORB descriptor\n";
-  const ordered_json json = {{"moved", report.moved}, {"added", report.added}, {"plain", report.plain}};
+  if (report.renamed > 0)
+    text += "  " + Counted(report.renamed, "landmark") + " got new ids, since another map has theirs\n";
+  const ordered_json json = {
+      {"moved", report.moved}, {"added", report.added}, {"plain", report.plain}, {"renamed", report.renamed}};
   return FinishEdit(text, JsonText({{"to_points", json}}), options, console, notices);
 }
 

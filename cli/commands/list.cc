@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <memory>
 
 #include "cli/commands/commands.h"
@@ -22,6 +23,7 @@ nlohmann::ordered_json ToJson(const StoredAtlas& atlas) {
           {"keyframes", atlas.keyframes},
           {"points", atlas.points},
           {"observations", atlas.observations},
+          {"landmarks", atlas.landmarks},
           {"bytes", atlas.bytes},
           {"revision", atlas.revision},
           {"saved_at", atlas.saved_at},
@@ -30,11 +32,15 @@ nlohmann::ordered_json ToJson(const StoredAtlas& atlas) {
 
 std::string ListText(const std::vector<StoredAtlas>& atlases) {
   using enum Table::Align;
-  Table table({kLeft, kRight, kRight, kRight, kRight, kRight, kRight, kLeft});
-  table.Add({"NAME", "MAPS", "KEYFRAMES", "POINTS", "OBSERVATIONS", "SIZE", "REVISION", "SAVED"});
+  constexpr std::size_t kLandmarksColumn = 5;
+  Table table({kLeft, kRight, kRight, kRight, kRight, kRight, kRight, kRight, kLeft});
+  table.Add({"NAME", "MAPS", "KEYFRAMES", "POINTS", "OBSERVATIONS", "LANDMARKS", "SIZE", "REVISION", "SAVED"});
   for (const StoredAtlas& atlas : atlases)
     table.Add({atlas.name, Grouped(atlas.maps), Grouped(atlas.keyframes), Grouped(atlas.points),
-               Grouped(atlas.observations), HumanBytes(atlas.bytes), Grouped(atlas.revision), atlas.saved_at});
+               Grouped(atlas.observations), Grouped(atlas.landmarks), HumanBytes(atlas.bytes), Grouped(atlas.revision),
+               atlas.saved_at});
+  if (std::ranges::all_of(atlases, [](const StoredAtlas& atlas) { return atlas.landmarks == 0; }))
+    table.Drop(kLandmarksColumn);
   return atlases.empty() ? "no atlases\n" : table.ToString();
 }
 

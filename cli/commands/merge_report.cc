@@ -53,15 +53,17 @@ std::string ShiftText(const MergedInput& input) {
 
 std::string InputsTable(const MergeReport& report) {
   using enum Table::Align;
-  Table table({kLeft, kRight, kRight, kRight, kRight, kLeft});
-  table.Add({"input", "maps", "keyframes", "points", "observations", "ids"});
+  constexpr std::size_t kLandmarksColumn = 5;
+  Table table({kLeft, kRight, kRight, kRight, kRight, kRight, kLeft});
+  table.Add({"input", "maps", "keyframes", "points", "observations", "landmarks", "ids"});
   const auto add = [&](const std::string& name, const ContentCounts& counts, const std::string& ids) {
     table.Add({name, Grouped(counts.maps), Grouped(counts.keyframes), Grouped(counts.points),
-               Grouped(counts.observations), ids});
+               Grouped(counts.observations), Grouped(counts.landmarks), ids});
   };
   for (const MergedInput& input : report.inputs) add(input.name, input.counts, ShiftText(input));
   if (report.left_out.maps > 0) add("left out", report.left_out, "");
   add("result", report.result, "");
+  if (report.result.landmarks + report.left_out.landmarks == 0) table.Drop(kLandmarksColumn);
   return table.ToString();
 }
 

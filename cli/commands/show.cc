@@ -23,7 +23,7 @@ struct ShowOptions {
 
 // What `kf/77` names.
 struct Name {
-  std::string kind;  // atlas, camera, map, kf, mp
+  std::string kind;  // atlas, camera, map, kf, mp, landmark
   std::uint64_t id = 0;
 };
 
@@ -32,7 +32,7 @@ std::optional<Name> ParseName(const std::string& text) {
   const std::size_t slash = text.find('/');
   Name name{.kind = text.substr(0, slash)};
   bool known = false;
-  for (const char* kind : {"camera", "map", "kf", "mp"}) known = known || name.kind == kind;
+  for (const char* kind : {"camera", "map", "kf", "mp", "landmark"}) known = known || name.kind == kind;
   if (!known || slash == std::string::npos) return std::nullopt;
   const char* end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data() + slash + 1, end, name.id);
@@ -42,7 +42,7 @@ std::optional<Name> ParseName(const std::string& text) {
 
 std::string CheckName(const std::string& text) {
   if (ParseName(text)) return {};
-  return "expected atlas, camera/ID, map/ID, kf/ID or mp/ID, found '" + text + "'";
+  return "expected atlas, camera/ID, map/ID, kf/ID, mp/ID or landmark/ID, found '" + text + "'";
 }
 
 template <class List>
@@ -60,6 +60,7 @@ std::vector<std::string> FindAll(const Atlas& atlas, const Name& name) {
   for (const Map& map : atlas.maps) {
     if (name.kind == "kf") CollectFrom(map.keyframes, name.id, found);
     if (name.kind == "mp") CollectFrom(map.points, name.id, found);
+    if (name.kind == "landmark") CollectFrom(map.landmarks, name.id, found);
   }
   return found;
 }
@@ -151,8 +152,9 @@ Run AddShow(CLI::App& verb) {
   verb.add_option("FILE", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
       ->type_name("FILE")
       ->required();
-  verb.add_option("ENTITY", options->entities,
-                  "What to show: atlas, camera/ID, map/ID, kf/ID (a keyframe) or mp/ID (a map point)")
+  verb.add_option(
+          "ENTITY", options->entities,
+          "What to show: atlas, camera/ID, map/ID, kf/ID (a keyframe), mp/ID (a map point) or landmark/ID (of MRPT)")
       ->required()
       ->check(CheckName);
   AddFrom(verb, options->from);
@@ -171,7 +173,7 @@ constexpr Example kExamples[] = {
 
 const Command kShow = {
     .name = "show",
-    .summary = "show a keyframe, point, map or camera with all its fields",
+    .summary = "show a keyframe, point, landmark, map or camera with all its fields",
     .description =
         R"(Shows single entities with every field that the file holds, by the names of schema/ndjson.md. The text for people shortens
 long lists; --all and --json do not. Where several entities have the id, as in damaged files, all of them are shown.)",

@@ -10,7 +10,9 @@ namespace slamdb::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kSession = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
 const std::string kMrpt = SLAMDB_FIXTURES "/mrpt/landmarks.bin";
@@ -26,7 +28,7 @@ TEST(Landmarks, AreMadeOfPoints) {
   const ProcessResult exported = RunSlamdb({"convert", store, folder / "a.mrpt.gz"});
   EXPECT_EQ(exported.exit_code, 3);
   EXPECT_THAT(exported.err, HasSubstr("mrpt cannot hold keyframe poses"));
-  EXPECT_THAT(exported.err, ::testing::Not(HasSubstr("landmarks")));
+  EXPECT_THAT(exported.err, Not(HasSubstr("landmarks")));
   const ProcessResult back = RunSlamdb({"landmarks", "to-points", store, "--dry-run"});
   EXPECT_EQ(back.exit_code, 0) << back.err;
   EXPECT_EQ(back.out, "moved 3,162 points, added 0\n");
@@ -52,6 +54,8 @@ TEST(Landmarks, OfMrptComeBackByteForByte) {
 TEST(Landmarks, AloneAreSound) {
   const ProcessResult checked = RunSlamdb({"check", "--strict", kMrpt});
   EXPECT_EQ(checked.exit_code, 0) << checked.out;
+  const std::string empty = "\x99mrpt::maps::CLandmarksMap" + std::string(5, '\0') + "\x88";
+  EXPECT_THAT(RunSlamdb({"check", "-", "--from", "mrpt3"}, empty).out, Not(HasSubstr("vocabulary")));
 }
 
 // A store with the atlas of kSession, a landmark for each of its points, and the map of kMrpt.
@@ -112,6 +116,25 @@ TEST(Landmarks, TheSameTwiceAreRecognised) {
       RunSlamdb({"merge", kMrpt, kMrpt, "-o", folder / "out.db", "--on-conflict", "keep-first"});
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
   EXPECT_EQ(LandmarksIn(folder / "out.db"), 2U);
+}
+
+TEST(Landmarks, AreShownAndListed) {
+  const TemporaryFolder folder;
+  const std::string both = StoreOfBoth(folder);
+  const ProcessResult shown = RunSlamdb({"show", kMrpt, "landmark/7", "--json"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_EQ(json::parse(shown.out)["seen_count"], 5);
+  const ProcessResult listed = RunSlamdb({"list", folder / "both.db"});
+  EXPECT_THAT(listed.out, ContainsRegex("both +2 +[0-9]+ +[0-9,]+ +[0-9,]+ +3,164 "));
+  const ProcessResult merged = RunSlamdb({"merge", kMrpt, both, "-o", folder / "out.db", "--dry-run"});
+  EXPECT_THAT(merged.out, ContainsRegex("result .* 3,166"));
+}
+
+TEST(Landmarks, AreOfNoKeyFrame) {
+  const TemporaryFolder folder;
+  const ProcessResult converted = RunSlamdb({"convert", kMrpt, folder / "a.mrpt", "--keyframes", "3:"});
+  EXPECT_EQ(converted.exit_code, 0) << converted.err;
+  EXPECT_THAT(converted.err, HasSubstr("landmarks belong to no keyframe"));
 }
 
 TEST(Landmarks, StandInTheWayOfVersion1) {

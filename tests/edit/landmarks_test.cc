@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <numbers>
+#include <set>
 
 #include "slamdb/edit/join.h"
 #include "slamdb/edit/renumber.h"
@@ -145,6 +146,33 @@ TEST(MakePoints, AddsWhatIsNotThere) {
   EXPECT_EQ(atlas.next_ids.map_point, 44U);
 }
 
+// Maps of one MRPT stream count their landmarks each from 0, and atlases know a point by its id alone.
+TEST(MakePoints, GivesNoIdTwice) {
+  Atlas atlas;
+  for (const std::uint64_t id : {0, 1}) {
+    Map& map = atlas.maps.emplace_back();
+    map.id = MapId(id);
+    map.landmarks = {LandmarkAt({1, 2, 3}, {1, 1, 1}), LandmarkAt({4, 5, 6}, {1, 1, 1}),
+                     LandmarkAt({7, 8, 9}, {1, 1, 1})};
+    map.landmarks[0].id = LandmarkId(0);
+    map.landmarks[1].id = LandmarkId(static_cast<std::uint64_t>(-2));
+  }
+  const MakePointsReport report = MakePoints(atlas);
+  EXPECT_EQ(report.added, 6U);
+  EXPECT_EQ(report.renamed, 1U);
+  std::set<std::uint64_t> ids;
+  for (const Map& map : atlas.maps)
+    for (std::size_t row = 0; row < 3; ++row) {
+      EXPECT_TRUE(ids.insert(map.points[row].id.value()).second);
+      EXPECT_LT(map.points[row].id.value(), atlas.next_ids.map_point);
+      EXPECT_EQ(map.landmarks[row].id.value(), map.points[row].id.value());
+    }
+  EXPECT_EQ(atlas.maps[0].points[0].id, MapPointId(0));
+  const Atlas once = atlas;
+  EXPECT_EQ(MakePoints(atlas).added, 0U);
+  EXPECT_THAT(atlas, EqualsAtlas(once));
+}
+
 TEST(FuseLandmarks, IsTheProductOfTheGaussians) {
   Landmark a = LandmarkAt({0, 0, 0}, {1, 4, 1}, 3), b = LandmarkAt({1, 1, 1}, {1, 1, 3}, 5);
   a.id = LandmarkId(8);
@@ -177,6 +205,13 @@ TEST(FuseLandmarks, EqualsTheInformationForm) {
     EXPECT_TRUE(fused.mean.isApprox(mean));
     EXPECT_TRUE(fused.pose().covariance.isApprox(information.inverse()));
   }
+}
+
+// Landmarks of one plane, known exactly across it.
+TEST(FuseLandmarks, WorksWhereADirectionHasNoUncertainty) {
+  const Landmark fused = FuseLandmarks(LandmarkAt({0, 0, 2}, {1, 4, 0}), LandmarkAt({1, 1, 2}, {1, 1, 0}));
+  EXPECT_TRUE(fused.mean.isApprox(Eigen::Vector3d(0.5, 0.8, 2)));
+  EXPECT_TRUE(fused.pose().covariance.isApprox(Eigen::Vector3d(0.5, 0.8, 0).asDiagonal().toDenseMatrix()));
 }
 
 TEST(FuseLandmarks, AnUnknownCovarianceYields) {

@@ -10,6 +10,7 @@
 namespace slamdb {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -54,6 +55,20 @@ TEST_P(MergeWorld, IsSoundAndKeepsTheFirstAsItIs) {
   EXPECT_EQ(merged.report.result, sum);
   EXPECT_EQ(CountContent(merged.atlas), sum);
   EXPECT_THAT(MergeAtlases({a, b}, {.threads = 1}).atlas, EqualsAtlas(merged.atlas));
+}
+
+// Landmarks without a point have ids of their own.
+TEST(Merge, TablesNameLandmarks) {
+  Atlas atlas;
+  Map& map = atlas.maps.emplace_back();
+  map.id = MapId(0);
+  map.landmarks.resize(2);
+  map.landmarks[0].id = LandmarkId(4);
+  const MergeResult merged = MergeAtlases({atlas, atlas}, {.id_maps = true});
+  EXPECT_THAT(merged.report.id_maps.at(0)[IdKind::kPoint], ElementsAre(IdPair{4, 4}));
+  const LandmarkId moved = merged.atlas.maps.at(1).landmarks.at(0).id;
+  EXPECT_NE(moved, LandmarkId(4));
+  EXPECT_THAT(merged.report.id_maps.at(1)[IdKind::kPoint], ElementsAre(IdPair{4, moved.value()}));
 }
 
 TEST_P(MergeWorld, TablesNameEveryId) {

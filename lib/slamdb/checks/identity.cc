@@ -319,13 +319,14 @@ void CheckOriginMapId(const Subject& subject, Findings& findings) {
 }
 
 void CheckVocabularyChecksum(const Subject& subject, Findings& findings) {
-  const std::string& checksum = subject.atlas.vocabulary.checksum;
+  const auto& [name, checksum] = subject.atlas.vocabulary;
   const bool hexadecimal = std::ranges::all_of(
       checksum, [](char digit) { return (digit >= '0' && digit <= '9') || (digit >= 'a' && digit <= 'f'); });
-  const auto is_of_landmarks = [](const Map& map) { return map.keyframes.empty() && !map.landmarks.empty(); };
+  // ORB-SLAM3 never sees atlases of landmarks alone, which have no bags of words; its own always name a vocabulary.
   const std::vector<Map>& maps = subject.atlas.maps;
-  // ORB-SLAM3 never sees landmarks, which have no bags of words.
-  if (checksum.empty() && !maps.empty() && std::ranges::all_of(maps, is_of_landmarks)) return;
+  const bool has_words =
+      maps.empty() || std::ranges::any_of(maps, [](const Map& map) { return !map.keyframes.empty(); });
+  if (name.empty() && checksum.empty() && !has_words) return;
   if (checksum.empty())
     findings.Add(Place{}, "the vocabulary's checksum is empty");
   else if (checksum.size() != 32 || !hexadecimal)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/landmarks.h"
 
-#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <limits>
 #include <unordered_map>
@@ -19,9 +19,11 @@ Eigen::Vector3d WeightedMean(const Landmark& a, const Eigen::Vector3d& of_a, con
   return of_a + share * (of_b - of_a);
 }
 
-// In the form m1 + K (m2 - m1) with K = C1 (C1 + C2)^-1, which needs no inverse of either.
+// In the form m1 + K (m2 - m1) with K = C1 (C1 + C2)^-1, which needs no inverse of either. Where both know a direction
+// exactly, the sum has none either; `a` is believed there.
 GaussianPoint Product(const GaussianPoint& a, const GaussianPoint& b) {
-  const Eigen::Matrix3d gain = a.covariance * (a.covariance + b.covariance).inverse();
+  const Eigen::Matrix3d sum = a.covariance + b.covariance;
+  const Eigen::Matrix3d gain = a.covariance * sum.completeOrthogonalDecomposition().pseudoInverse();
   const Eigen::Matrix3d covariance = a.covariance - gain * a.covariance;
   return {a.mean + gain * (b.mean - a.mean), 0.5 * (covariance + covariance.transpose())};
 }
@@ -61,10 +63,11 @@ std::uint64_t TakeLandmarks(std::vector<Landmark>& into, std::span<const Landmar
   std::unordered_map<LandmarkId, std::size_t> rows;
   rows.reserve(into.size() + from.size());
   for (std::size_t row = 0; row < into.size(); ++row)
-    if (into[row].id) rows.emplace(into[row].id, row);
+    if (into[row].is_numbered()) rows.emplace(into[row].id, row);
   std::uint64_t fused = 0;
   for (const Landmark& landmark : from) {
-    const auto [found, is_new] = landmark.id ? rows.emplace(landmark.id, into.size()) : std::pair{rows.end(), true};
+    const auto [found, is_new] =
+        landmark.is_numbered() ? rows.emplace(landmark.id, into.size()) : std::pair{rows.end(), true};
     if (is_new) {
       into.push_back(landmark);
     } else {

@@ -31,15 +31,16 @@ struct MakeLandmarksReport {
 MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& options);
 
 struct MakePointsReport {
-  std::uint64_t moved = 0;  // points of the same id that got position and normal of their landmark
-  std::uint64_t added = 0;  // landmarks without one
-  std::uint64_t plain = 0;  // of those added: without an ORB descriptor of 32 bytes
+  std::uint64_t moved = 0;    // points of the same id that got position and normal of their landmark
+  std::uint64_t added = 0;    // landmarks without one
+  std::uint64_t plain = 0;    // of those added: without an ORB descriptor of 32 bytes
+  std::uint64_t renamed = 0;  // landmarks that got another id, because another map has theirs
 };
 
 // The way back: moves each map's points to their landmarks of the same id, and adds a point for every other landmark.
 // Added points have position, normal and descriptor and no observations, which no landmark has: they can be looked at
-// and exported, but ORB-SLAM3 has no use for them. Landmarks without id get new ones, and those that
-// share one are fused. In place; linear.
+// and exported, but ORB-SLAM3 has no use for them. Landmarks without id, and those whose id
+// another map has, get new ones; those of one map that share one are fused. In place; linear.
 MakePointsReport MakePoints(Atlas& atlas);
 
 // One landmark out of two of the same thing in one frame, as MRPT's CLandmarksMap::fuseWith: the product of the two

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <numbers>
+#include <unordered_map>
 
 #include "slamdb/base/parallel.h"
 #include "slamdb/edit/landmarks.h"
@@ -109,14 +110,25 @@ MapPoint PointOf(const Landmark& landmark, MapPointId id) {
   return point;
 }
 
-// Above the ids of all points and landmarks.
-std::uint64_t NextPointId(const Atlas& atlas) {
-  std::uint64_t next = std::max(atlas.next_ids.map_point, LeastCounters(atlas).map_point);
-  for (const Map& map : atlas.maps)
-    for (const Landmark& landmark : map.landmarks)
-      if (landmark.id) next = std::max(next, landmark.id.value() + 1);
-  return next;
-}
+// Which map each point id of an atlas belongs to; hands out new ones.
+class PointIds {
+ public:
+  explicit PointIds(const Atlas& atlas) : next_(std::max(atlas.next_ids.map_point, LeastCounters(atlas).map_point)) {
+    for (const Map& map : atlas.maps)
+      for (const MapPoint& point : map.points) owners_.emplace(point.id.value(), &map);
+  }
+
+  // The landmark's own id for a point of the map, or a new one.
+  LandmarkId Claim(const Landmark& landmark, const Map& map) {
+    if (landmark.is_numbered() && owners_.emplace(landmark.id.value(), &map).first->second == &map) return landmark.id;
+    return LandmarkId(next_++);
+  }
+  std::uint64_t next() const { return next_; }
+
+ private:
+  std::unordered_map<std::uint64_t, const Map*> owners_;
+  std::uint64_t next_;
+};
 
 }  // namespace
 
@@ -152,24 +164,28 @@ MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& opti
 
 MakePointsReport MakePoints(Atlas& atlas) {
   MakePointsReport report;
-  std::uint64_t next = NextPointId(atlas);
+  PointIds ids(atlas);
   for (Map& map : atlas.maps) {
     const IdTable rows = PointTable(map);
     std::vector<Landmark> landmarks;
     TakeLandmarks(landmarks, map.landmarks);  // one of each id
-    for (const Landmark& landmark : landmarks) {
+    for (Landmark& landmark : landmarks) {
       const std::uint32_t row = rows.Find(landmark.id.value());
       if (row != kNoRow) {
         MoveTo(landmark, map.points[row]);
         ++report.moved;
         continue;
       }
-      map.points.push_back(PointOf(landmark, MapPointId(landmark.id ? landmark.id.value() : next++)));
+      const LandmarkId id = ids.Claim(landmark, map);
+      report.renamed += landmark.is_numbered() && id != landmark.id;
+      landmark.id = id;
+      map.points.push_back(PointOf(landmark, MapPointId(id.value())));
       ++report.added;
       report.plain += !map.points.back().has_descriptor();
     }
+    map.landmarks = std::move(landmarks);
   }
-  atlas.next_ids.map_point = next;
+  atlas.next_ids.map_point = ids.next();
   return report;
 }
 

@@ -293,6 +293,8 @@ class Merger {
         add(IdKindConstant<IdKind::kFrame>(), keyframe.frame_id, left_out);
       }
       for (const MapPoint& point : map.points) add(IdKindConstant<IdKind::kPoint>(), point.id.value(), left_out);
+      for (const Landmark& landmark : map.landmarks)
+        if (landmark.is_numbered()) add(IdKindConstant<IdKind::kPoint>(), landmark.id.value(), left_out);
     }
     for (std::vector<IdPair>& pairs : ids.kinds) {
       std::ranges::sort(pairs, {}, [](const IdPair& pair) { return std::pair(pair.before, pair.after); });

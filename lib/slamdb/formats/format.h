@@ -61,6 +61,7 @@ struct Selection {
   std::optional<Eigen::AlignedBox3f> box;  // points, world coordinates
 
   bool everything() const;
+  bool has_keyframe_range() const;  // by ids or times
   bool Has(const KeyFrame& keyframe) const;
   bool Has(const MapPoint& point) const;
 };

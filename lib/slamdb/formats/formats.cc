@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <new>
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/csv/csv.h"
@@ -138,7 +139,12 @@ const Format& FormatOfOutput(const Location& location, std::string_view id) {
 }
 
 Atlas ReadAtlas(const Location& location, const ReadOptions& options, Notices& notices, std::string_view from) {
-  return FormatOfInput(location, from).read(location, options, notices);
+  const Format& format = FormatOfInput(location, from);
+  try {
+    return format.read(location, options, notices);
+  } catch (const std::bad_alloc&) {
+    throw Error(location.path, "", "the machine has too little memory left to read it");
+  }
 }
 
 void WriteAtlas(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices,

@@ -21,7 +21,9 @@ struct Signature {
 };
 
 constexpr std::array kSignatures = {
-    Signature{0, "\x1f\x8b"sv, "not an atlas: this is gzip-compressed; unpack it first (gunzip)"},
+    Signature{0, "\x1f\x8b"sv,
+              "not an atlas: this is gzip-compressed, and what is in it does not begin like a landmarks map of MRPT, "
+              "the only kind that slamdb reads so; if it is an atlas, unpack it first (gunzip)"},
     Signature{0, "\xfd\x37zXZ\x00"sv, "not an atlas: this is xz-compressed; unpack it first (unxz)"},
     Signature{0, "\x28\xb5\x2f\xfd"sv, "not an atlas: this is zstd-compressed; unpack it first (unzstd)"},
     Signature{0, "BZh"sv, "not an atlas: this is bzip2-compressed; unpack it first (bunzip2)"},
@@ -52,7 +54,8 @@ constexpr std::array kSignatures = {
               "not an atlas: this is a web page; was it saved in place of the file that was to be downloaded?"},
 };
 
-// MRPT writes `0x80 | length` before the class name of an object.
+// MRPT writes `0x80 | length` before the class name of an object, behind it a version and, in a map, a count.
+constexpr std::string_view kMrptLandmarksClass = "mrpt::maps::CLandmarksMap";
 constexpr std::string_view kMrptLandmarks =
     "not an atlas: this is a file of MRPT objects (%); of those slamdb reads landmarks maps of MRPT 2 and 3";
 
@@ -138,6 +141,8 @@ std::optional<std::string> RecognizeObjects(std::string_view head) {
                        "cameras"))
     return "not an atlas: this is a stella_vslam map (MessagePack), which slamdb does not read";
   const std::string_view name = head.substr(std::min<std::size_t>(1, head.size()), first & 0x7fU);
+  if (first > 0x80 && kMrptLandmarksClass.starts_with(name) && head.size() < kMrptLandmarksClass.size() + 6)
+    return "ends in the header of a landmarks map of MRPT: the file is truncated";
   if (first > 0x80 && (name.starts_with("mrpt::") || name.starts_with("CLandmark")))
     return std::string(kMrptLandmarks).replace(kMrptLandmarks.find('%'), 1, name);
   return std::nullopt;

@@ -8,9 +8,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-bool Selection::everything() const {
-  return !map && first_keyframe == 0 && last_keyframe == std::numeric_limits<std::uint64_t>::max() &&
-         begin_time == -kInfinity && end_time == kInfinity && !box;
+bool Selection::everything() const { return !map && !has_keyframe_range() && !box; }
+
+bool Selection::has_keyframe_range() const {
+  return first_keyframe != 0 || last_keyframe != std::numeric_limits<std::uint64_t>::max() ||
+         begin_time != -kInfinity || end_time != kInfinity;
 }
 
 bool Selection::Has(const KeyFrame& keyframe) const {

@@ -17,6 +17,8 @@ Counters LeastCounters(const Atlas& atlas) {
       raise(least.frame, keyframe.frame_id);
     }
     for (const MapPoint& point : map.points) raise(least.map_point, point.id.value());
+    for (const Landmark& landmark : map.landmarks)
+      if (landmark.is_numbered()) raise(least.map_point, landmark.id.value());
   }
   for (const Camera& camera : atlas.cameras) raise(least.camera, camera.id.value());
   return least;

@@ -5,7 +5,8 @@
 
 namespace slamdb {
 
-// The least counters that are above the ids of all that is in the atlas. `initial_keyframe` is 0. Linear.
+// The least counters that are above the ids of all that is in the atlas; points and landmarks share one.
+// `initial_keyframe` is 0. Linear.
 Counters LeastCounters(const Atlas& atlas);
 
 // Raises counters to those, so that no id is handed out twice. Returns how many were too low.

@@ -82,6 +82,9 @@ struct Landmark {
   std::uint32_t seen_count = 0;           //                                                   seenTimesCount
   std::vector<LandmarkFeature> features;  // one, or two for stereo; the first decides the type
 
+  // Has an id that is handed out: not none, and not below 0 in MRPT, whose ids are signed.
+  bool is_numbered() const { return id && id.value() <= std::numeric_limits<std::uint64_t>::max() / 2; }
+
   GaussianPoint pose() const;                // getPose
   void set_pose(const GaussianPoint& pose);  // setPose; of the covariance the upper triangle counts
   // That of the first feature. Throws Error when there is none.    getType

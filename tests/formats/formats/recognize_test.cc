@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
     Files, Recognize,
     ::testing::Values(
         WrongFile{"empty", "", "is empty"}, WrongFile{"zeros", std::string(100, '\0'), "begins with 100 zero bytes"},
-        WrongFile{"gzip", "\x1f\x8b\x08"s, "gzip-compressed; unpack it first (gunzip)"},
+        WrongFile{"gzip", "\x1f\x8b\x08"s, "gzip-compressed, and what is in it does not begin like a landmarks map"},
         WrongFile{"xz", "\xfd\x37zXZ\0"s, "xz-compressed; unpack it first (unxz)"},
         WrongFile{"zstd", "\x28\xb5\x2f\xfd"s, "zstd-compressed"}, WrongFile{"bzip2", "BZh91AY"s, "bzip2-compressed"},
         WrongFile{"zip", "PK\x03\x04"s, "zip archive"}, WrongFile{"seven_zip", "7z\xbc\xaf\x27\x1c"s, "7z archive"},
@@ -81,6 +81,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "\x9a"
                   "mrpt::maps::CLandmarksMap\0"s,
                   "MRPT objects (mrpt::maps::CLandmarksMap"},
+        WrongFile{"cut_mrpt", "\x99mrpt::maps::CLand", "ends in the header of a landmarks map of MRPT"},
+        WrongFile{"cut_mrpt_count", "\x99mrpt::maps::CLandmarksMap\0\2"s, "the file is truncated"},
         WrongFile{"text", "To whom it may concern\n", "looks like a text file"},
         WrongFile{"bytes", "\x01\x02\x03\x00\x7f"s, "neither its first bytes nor its suffix"},
         WrongFile{"ply", "ply\nformat ascii 1.0\n", "is a PLY point cloud, which slamdb writes but does not read"},

@@ -4,12 +4,14 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/number.h"
+#include "slamdb/formats/mrpt/gzip.h"
 #include "slamdb/formats/mrpt/mrpt.h"
 #include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const std::string kRealMap = SLAMDB_FIXTURES "/mrpt/landmarks.bin";
@@ -35,7 +37,7 @@ std::string MapHeader(std::uint32_t count) {
 TEST(MrptDamage, EveryCutIsAnErrorWithItsPlace) {
   const std::string whole = ReadFile(kRealMap);
   for (std::size_t size = 1; size < whole.size(); ++size)
-    EXPECT_THAT(Refusal(whole.substr(0, size)), HasSubstr("byte ")) << size;
+    EXPECT_THAT(Refusal(whole.substr(0, size)), AllOf(HasSubstr("byte "), HasSubstr("the file is truncated"))) << size;
   EXPECT_THAT(Refusal(whole.substr(0, 1000)), HasSubstr("landmark 1"));
 }
 
@@ -86,6 +88,17 @@ TEST(MrptDamage, CompressedFilesAreCheckedToo) {
   EXPECT_THAT(Refusal(flipped), HasSubstr("truncated or damaged"));
   EXPECT_THAT(Refusal(whole + "tail"), HasSubstr("truncated or damaged"));
   EXPECT_EQ(Refusal(whole + whole), "read");
+}
+
+TEST(MrptDamage, FilesMadeToFillTheMemoryAreRefused) {
+  std::string bomb;
+  mrpt::Compressor compressor([&](std::string_view bytes) { bomb += bytes; });
+  for (int megabyte = 0; megabyte < 64; ++megabyte) compressor.Add(std::string(std::size_t{1} << 20, '\0'));
+  compressor.Finish();
+  std::string several;  // gzip files one behind the other are one
+  for (int i = 0; i < 5; ++i) several += bomb;
+  EXPECT_THAT(Refusal(several), AllOf(HasSubstr("swells to more than 268435456 bytes"), HasSubstr("gunzip")));
+  EXPECT_THAT(Refusal(bomb), HasSubstr("byte 1")) << "what is allowed is read";
 }
 
 }  // namespace

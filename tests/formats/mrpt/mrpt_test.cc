@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "slamdb/formats/export/number.h"
+#include "slamdb/formats/mrpt/gzip.h"
 #include "slamdb/formats/mrpt/stream.h"
 #include "tests/formats/formats/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
@@ -161,6 +162,10 @@ TEST(Mrpt, CompressesWhereTheNameSaysSo) {
   kMrptFormat.write(atlas, {folder.Path("b.mrpt.gz"), ""}, {.threads = 3}, notices);
   EXPECT_LT(ReadFile(folder.Path("a.mrpt.gz")).size(), ReadFile(folder.Path("a.mrpt")).size() / 10);
   EXPECT_EQ(ReadFile(folder.Path("a.mrpt.gz")), ReadFile(folder.Path("b.mrpt.gz")));
+  kMrptFormat.write(atlas, {folder.Path("C.MRPT.GZ"), ""}, {}, notices);
+  EXPECT_EQ(ReadFile(folder.Path("a.mrpt.gz")), ReadFile(folder.Path("C.MRPT.GZ")));
+  kMrptTextFormat.write(atlas, {folder.Path("a.mrpt.txt.gz"), ""}, {}, notices);
+  EXPECT_EQ(mrpt::Decompress("a", ReadFile(folder.Path("a.mrpt.txt.gz"))), Written(kMrptTextFormat, atlas));
   EXPECT_TRUE(kMrptFormat.sniff(Probe::Of(folder.Path("a.mrpt.gz"))));
   EXPECT_THAT(ReadFrom(folder.Path("a.mrpt.gz")), EqualsAtlas(atlas));
 }
@@ -220,6 +225,30 @@ TEST(Mrpt, NamesCovariancesThatItRounds) {
   Written(kMrptFormat, AtlasOf({landmark}), notices);
   ASSERT_THAT(notices.items(), SizeIs(1));
   EXPECT_EQ(notices.items()[0].text, "mrpt cannot hold 64-bit covariances of landmarks (1)");
+}
+
+TEST(Mrpt, NamesLatchThatReadsAsOrb) {
+  Landmark landmark;
+  LandmarkFeature& feature = landmark.CreateOneFeature();
+  feature.type = FeatureType::kOrb;
+  feature.descriptors = {{DescriptorKind::kLatch, {1, 2}}};
+  Notices notices;
+  const Atlas back = Read(Written(kMrptFormat, AtlasOf({landmark}), notices));
+  ASSERT_THAT(notices.items(), SizeIs(1));
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("LATCH descriptors"));
+  EXPECT_NE(back.maps[0].landmarks[0].features[0].FindDescriptor(DescriptorKind::kOrb), nullptr);
+}
+
+// MRPT's ids are signed.
+TEST(Mrpt, NegativeIdsAreKeptAndNotCounted) {
+  Landmark landmark;
+  landmark.id = LandmarkId(static_cast<std::uint64_t>(-2));
+  EXPECT_FALSE(landmark.is_numbered());
+  Atlas atlas = AtlasOf({Landmark(), Landmark()});
+  atlas.maps[0].landmarks[0].id = LandmarkId(6);
+  atlas.next_ids.map_point = 7;
+  atlas.maps[0].landmarks[1] = landmark;
+  EXPECT_THAT(Read(Written(kMrptFormat, atlas)), EqualsAtlas(atlas));
 }
 
 TEST(MrptText, IsWhatMrptWrites) {

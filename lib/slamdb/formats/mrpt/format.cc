@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <strings.h>
+
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -11,6 +14,7 @@
 #include "slamdb/formats/mrpt/landmarks.h"
 #include "slamdb/formats/mrpt/mrpt.h"
 #include "slamdb/formats/mrpt/stream.h"
+#include "slamdb/model/counters.h"
 
 namespace slamdb {
 namespace {
@@ -20,7 +24,7 @@ using mrpt::Layout;
 constexpr std::size_t kGrain = 512;  // landmarks
 constexpr std::array<std::string_view, 2> kSuffixes{".mrpt", ".mrpt.gz"};
 constexpr std::array<std::string_view, 2> kSuffixes3{".mrpt3", ".mrpt3.gz"};
-constexpr std::array<std::string_view, 1> kTextSuffixes{".mrpt.txt"};
+constexpr std::array<std::string_view, 2> kTextSuffixes{".mrpt.txt", ".mrpt.txt.gz"};
 
 std::optional<Layout> LayoutOf(const Probe& probe) {
   constexpr std::size_t kEnough = 256;
@@ -37,10 +41,7 @@ Atlas Read(const Location& location, const ReadOptions& options, Notices&) {
   if (mrpt::IsGzip(bytes)) bytes = decompressed = mrpt::Decompress(location.path, bytes);
   Atlas atlas;
   atlas.maps = mrpt::ReadMaps(location.path, bytes);
-  atlas.next_ids.map = atlas.maps.size();
-  for (const Map& map : atlas.maps)
-    for (const Landmark& landmark : map.landmarks)
-      if (landmark.id) atlas.next_ids.map_point = std::max(atlas.next_ids.map_point, landmark.id.value() + 1);
+  RaiseCounters(atlas);
   const Selection& selection = options.selection;
   std::erase_if(atlas.maps, [&](const Map& map) { return selection.map && *selection.map != map.id; });
   if (selection.box)
@@ -57,10 +58,29 @@ std::vector<const Map*> MapsWithLandmarks(const Atlas& atlas, const Location& lo
   return maps;
 }
 
+// A new file, compressed where its name ends in `.gz`.
+class OutputFile {
+ public:
+  OutputFile(const Location& location, const WriteOptions& options) : file_(location.path, FileOptions(options)) {
+    const std::string& path = location.path;
+    if (path.size() > 3 && strncasecmp(path.c_str() + path.size() - 3, ".gz", 3) == 0)
+      compressor_.emplace([this](std::string_view bytes) { file_.Write(bytes); });
+  }
+  void Write(std::string_view bytes) { compressor_ ? compressor_->Add(bytes) : file_.Write(bytes); }
+  void Commit() {
+    if (compressor_) compressor_->Finish();
+    file_.Commit();
+  }
+
+ private:
+  AtomicFile file_;
+  std::optional<mrpt::Compressor> compressor_;
+};
+
 // Blocks of landmarks, made on all threads, to where they go.
 template <class Append>
 void WriteLandmarks(const std::vector<Landmark>& landmarks, const WriteOptions& options, Append append,
-                    const std::function<void(std::string_view)>& write) {
+                    OutputFile& file) {
   const std::size_t blocks = (landmarks.size() + kGrain - 1) / kGrain;
   ProduceInOrder(
       blocks, options.threads,
@@ -71,28 +91,24 @@ void WriteLandmarks(const std::vector<Landmark>& landmarks, const WriteOptions& 
         buffer.assign(out.begin(), out.end());
       },
       [&](std::size_t block, const Column<char>& buffer) {
-        write({buffer.data(), buffer.size()});
+        file.Write({buffer.data(), buffer.size()});
         if (options.progress) options.progress("writing", static_cast<double>(block + 1) / static_cast<double>(blocks));
       });
 }
 
 template <class Append>
 void WriteStream(const Atlas& atlas, const Location& location, const WriteOptions& options, Append append) {
-  AtomicFile file(location.path, FileOptions(options));
-  std::optional<mrpt::Compressor> compressor;
-  if (location.path.ends_with(".gz")) compressor.emplace([&](std::string_view bytes) { file.Write(bytes); });
-  const auto write = [&](std::string_view bytes) { compressor ? compressor->Add(bytes) : file.Write(bytes); };
+  OutputFile file(location, options);
   const auto write_map = [&](const std::vector<Landmark>& landmarks) {
     std::string head = mrpt::HeaderOf(mrpt::kMapClass, mrpt::kMapVersion);
     AppendRaw(head, static_cast<std::uint32_t>(landmarks.size()));
-    write(head);
-    WriteLandmarks(landmarks, options, append, write);
-    write({&mrpt::kEndFlag, 1});
+    file.Write(head);
+    WriteLandmarks(landmarks, options, append, file);
+    file.Write({&mrpt::kEndFlag, 1});
   };
   const std::vector<const Map*> maps = MapsWithLandmarks(atlas, location, options);
   for (const Map* map : maps) write_map(map->landmarks);
   if (maps.empty()) write_map({});
-  if (compressor) compressor->Finish();
   file.Commit();
 }
 
@@ -112,6 +128,14 @@ bool IsRounded(const Landmark& landmark) {
   return false;
 }
 
+// In such a feature the slot of LATCH is read as ORB's.
+bool HasLatchAlone(const Landmark& landmark) {
+  return std::any_of(landmark.features.begin(), landmark.features.end(), [](const LandmarkFeature& feature) {
+    return feature.type == FeatureType::kOrb && feature.FindDescriptor(DescriptorKind::kLatch) != nullptr &&
+           feature.FindDescriptor(DescriptorKind::kOrb) == nullptr;
+  });
+}
+
 void NameLoss(std::uint64_t count, const std::string& format, const std::string& what, Notices& notices) {
   if (count > 0) notices.Lose(format + " cannot hold " + what + " of landmarks (" + Thousands(count) + ")");
 }
@@ -121,6 +145,9 @@ void Write2(const Atlas& atlas, const Location& location, const WriteOptions& op
     mrpt::AppendLandmark2(out, landmark, options.mrpt_own_slots);
   });
   NameLoss(CountLandmarks(atlas, options, IsRounded), "mrpt", "64-bit covariances", notices);
+  if (!options.mrpt_own_slots)
+    NameLoss(CountLandmarks(atlas, options, HasLatchAlone), "mrpt",
+             "LATCH descriptors without ORB descriptors beside them in ORB features", notices);
 }
 
 void Write3(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
@@ -134,10 +161,9 @@ void Write3(const Atlas& atlas, const Location& location, const WriteOptions& op
 }
 
 void WriteText(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(location.path, FileOptions(options));
-  const std::vector<const Map*> maps = MapsWithLandmarks(atlas, location, options);
-  for (const Map* map : maps)
-    WriteLandmarks(map->landmarks, options, mrpt::AppendLandmarkText, [&](std::string_view text) { file.Write(text); });
+  OutputFile file(location, options);
+  for (const Map* map : MapsWithLandmarks(atlas, location, options))
+    WriteLandmarks(map->landmarks, options, mrpt::AppendLandmarkText, file);
   file.Commit();
   const auto all = [](const Landmark&) { return true; };
   NameLoss(CountLandmarks(atlas, options, all), "mrpt-text", "covariances, normals, keypoints and dates", notices);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kBlock = std::size_t{1} << 18;
 constexpr int kGzip = 15 + 16;  // the largest window, with gzip's header
-constexpr std::size_t kMostGrowth = 200, kSmallFile = std::size_t{1} << 20;
+constexpr std::size_t kMostGrowth = 200, kAlwaysAllowed = std::size_t{1} << 28;
 
 // zlib counts in 32 bits.
 unsigned Piece(std::string_view bytes) { return static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1U << 30)); }
@@ -57,12 +57,14 @@ class Inflater {
 bool IsGzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
 std::string Decompress(const std::string& path, std::string_view gzip) {
-  const std::size_t most = kSmallFile + gzip.size() * kMostGrowth;
+  const std::size_t most = std::max(kAlwaysAllowed, gzip.size() * kMostGrowth);
   Inflater inflater(gzip);
   std::string bytes;
   while (inflater.Step(bytes))
     if (bytes.size() > most)
-      throw Error(path, "", "the compressed file swells to more than " + std::to_string(most) + " bytes");
+      throw Error(path, "",
+                  "the compressed file swells to more than " + std::to_string(most) + " bytes, over " +
+                      std::to_string(kMostGrowth) + " times its size; if that is right, unpack it first (gunzip)");
   if (!inflater.whole()) throw Error(path, "", "the compressed file is truncated or damaged");
   return bytes;
 }

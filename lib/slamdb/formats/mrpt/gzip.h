@@ -11,7 +11,7 @@ namespace slamdb::mrpt {
 bool IsGzip(std::string_view bytes);
 
 // The bytes in a gzip file. Throws Error (`path` names it) when it is damaged or truncated, or swells to more than
-// 200 times its size, as only files made to fill a machine's memory do.
+// 256 MB and 200 times its size, as only files made to fill a machine's memory do.
 std::string Decompress(const std::string& path, std::string_view gzip);
 
 // As many of the first bytes as `size` and what of the file is given allow; empty when it is damaged.

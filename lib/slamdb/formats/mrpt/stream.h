@@ -59,6 +59,7 @@ class StreamReader {
     return number;
   }
   void Expect(std::string_view expected, std::string_view what) {
+    if (left() < expected.size() && expected.starts_with(rest())) Take(expected.size(), what);  // throws
     if (!rest().starts_with(expected)) throw Bad("expected " + std::string(what));
     at_ += expected.size();
   }

@@ -56,8 +56,9 @@ std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
 
 std::vector<StoredAtlas> ListAtlases(Database& database) {
   Statement statement(database,
-                      "SELECT row, name, maps, keyframes, points, observations, revision, hash, saved_at FROM atlas "
-                      "ORDER BY name",
+                      "SELECT row, name, maps, keyframes, points, observations, revision, hash, saved_at, "
+                      "(SELECT count(*) FROM map JOIN landmark ON landmark.map = map.row WHERE map.atlas = atlas.row) "
+                      "FROM atlas ORDER BY name",
                       "table atlas");
   std::vector<StoredAtlas> atlases;
   while (statement.Step()) {
@@ -70,6 +71,7 @@ std::vector<StoredAtlas> ListAtlases(Database& database) {
     atlas.revision = Unsigned(statement, 6);
     atlas.hash = Unsigned(statement, 7);
     atlas.saved_at = statement.Text(8);
+    atlas.landmarks = Unsigned(statement, 9);
     for (const PartSize& part : PartSizesOf(database, statement.Integer(0))) atlas.bytes += part.bytes;
   }
   return atlases;

@@ -14,7 +14,7 @@ namespace slamdb {
 // One atlas of a store.
 struct StoredAtlas {
   std::string name;
-  std::uint64_t maps = 0, keyframes = 0, points = 0, observations = 0;
+  std::uint64_t maps = 0, keyframes = 0, points = 0, observations = 0, landmarks = 0;
   std::uint64_t bytes = 0;     // about what it takes in the file
   std::uint64_t revision = 0;  // counts the saves under this name, from 1
   std::uint64_t hash = 0;      // of its content: equal atlases, equal hash
