@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <cstdlib>
 
@@ -9,33 +6,14 @@
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/orbslam3/salvage.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/memory_file.h"
 
 // Any bytes as an .osa file, binary or text by their first bytes. They decode or fail with an Error; what decoded is
 // written to an archive that decodes to the same bytes again.
 namespace {
 
-// A file in memory with a path.
-class MemoryFile {
- public:
-  explicit MemoryFile(slamdb::Bytes bytes) : descriptor_(memfd_create("fuzz", 0)) {
-    for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t written = write(descriptor_, bytes.data() + done, bytes.size() - done);
-      if (written <= 0) std::abort();
-      done += static_cast<std::size_t>(written);
-    }
-  }
-  ~MemoryFile() { close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_;
-};
-
 slamdb::Atlas Decode(slamdb::Bytes bytes, int threads) {
-  const MemoryFile file(bytes);
+  const slamdb::MemoryFile file(bytes);
   slamdb::Notices notices;
   slamdb::ReadOptions options;
   options.threads = threads;
@@ -47,7 +25,7 @@ slamdb::Atlas Decode(slamdb::Bytes bytes, int threads) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const slamdb::Bytes input = std::as_bytes(std::span(data, size));
   try {
-    slamdb::SalvageOrbslam3(MemoryFile(input).path(), {});
+    slamdb::SalvageOrbslam3(slamdb::MemoryFile(input).path(), {});
   } catch (const slamdb::Error&) {  // no header
   }
   std::string encoded;

@@ -5,13 +5,15 @@
 #include <fstream>
 #include <string>
 
+#include "slamdb/base/file.h"
+#include "slamdb/formats/mrpt/gzip.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/features_blob.h"
 #include "slamdb/formats/sqlite/keyframe_blob.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
-// and the store's blobs of their keyframes.
+// the store's blobs of their keyframes, and small files of other formats.
 namespace slamdb {
 namespace {
 
@@ -66,7 +68,43 @@ void WriteStoreSeeds(const path& folder, const path& archive, const std::string&
     }
 }
 
+// A file, parts of it, and what it is with one byte changed.
+void WriteChanged(const path& folder, const std::string& name, const std::string& bytes) {
+  std::filesystem::create_directories(folder);
+  Write(folder / name, bytes);
+  for (std::size_t i = 1; i < 32; ++i) {
+    const std::size_t at = bytes.size() * i / 32;
+    Write(folder / (name + "_cut_" + std::to_string(i)), bytes.substr(0, at));
+    std::string changed = bytes;
+    changed[at] ^= static_cast<char>(0x83);
+    Write(folder / (name + "_changed_" + std::to_string(i)), changed);
+  }
+}
+
+std::string ReadFixture(const std::string& name) {
+  const MappedFile file(std::string(SLAMDB_FIXTURES) + "/" + name);
+  return std::string(file.text());
+}
+
+void WriteSeedsOfFixtures(const path& base) {
+  for (const std::string name : {"landmark.bin", "landmarks.bin"}) {
+    const std::string bytes = ReadFixture("mrpt/" + name);
+    WriteChanged(base / "mrpt", name, bytes);
+    std::string compressed;
+    mrpt::Compressor compressor([&](std::string_view block) { compressed += block; });
+    compressor.Add(bytes);
+    compressor.Finish();
+    WriteChanged(base / "mrpt", name + ".gz", compressed);
+  }
+  for (const std::string name : {"small.txt", "small.bin"})
+    WriteChanged(base / "vocabulary", name, ReadFixture("vocabulary/" + name));
+  WriteChanged(base / "trajectory", "tum", "# time x y z qx qy qz qw\n1.5 1 2 3 0 0 0 1\n2.5e0 -1 nan 3 0 0.6 0 0.8\n");
+  WriteChanged(base / "trajectory", "euroc",
+               "#timestamp, p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,0,0,0,0,0,0\n");
+}
+
 void WriteSeeds(const path& base) {
+  WriteSeedsOfFixtures(base);
   const path archives = base / "orbslam3", blobs = base / "store_blobs";
   std::filesystem::create_directories(archives);
   std::filesystem::create_directories(blobs);
