@@ -113,10 +113,10 @@ void Bridge::LinkMap(Atlas& atlas, Map& map, const Column<slamdb::MapPoint>& poi
   ForEachRow(targets.points.size(), kPointGrain, threads, report, [&](std::size_t row, PostLoadReport& block) {
     Column<Observer>& observers = atlas.loaded_observers_[first_block + row / kPointGrain];
     if (row % kPointGrain == 0) observers.reserve(CountObservations(point_records, row, kPointGrain));
-    MapPoint& point = *targets.points[row];
-    block.bad_points += point.bad_ ? 1 : 0;
-    block.duplicate_ids += IsFirst(point.mnId, row, targets.point_rows) ? 0 : 1;
-    point.Link(point_records[row], targets, observers, block);
+    const slamdb::MapPoint& record = point_records[row];
+    block.bad_points += record.bad ? 1 : 0;
+    block.duplicate_ids += IsFirst(record.id.value(), row, targets.point_rows) ? 0 : 1;
+    targets.points[row]->Link(record, targets, observers, block);
   });
   map.has_unique_ids_ = report.duplicate_ids == 0;
   LinkHeader(map, targets, report);
