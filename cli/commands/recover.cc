@@ -69,6 +69,15 @@ std::vector<std::string> LossesOf(const Salvage& salvage, const RecoverReport& r
     losses.push_back(Counted(report.dropped_points, "point") + " of these dropped, since they were damaged");
   if (report.dropped_landmarks > 0)
     losses.push_back(Counted(report.dropped_landmarks, "landmark") + " of these dropped, since they were damaged");
+  if (salvage.lost_beginning) {
+    if (report.taken_vocabulary)
+      losses.push_back("the vocabulary's name and checksum lost, and taken from --cameras");
+    else if (salvage.atlas.vocabulary == Vocabulary())
+      losses.push_back("the vocabulary's name and checksum lost; 'slamdb vocabulary set' stamps them");
+    if (!salvage.maps.empty())
+      losses.push_back(ToString(salvage.maps.front().id) +
+                       ": its id and its initial keyframe lost, and taken from its keyframes");
+  }
   for (const MapId map : report.rebuilt_maps)
     losses.push_back(ToString(map) + ": origins, initial keyframe and inertial stage lost, and set anew");
   for (const CameraId camera : report.rebuilt_cameras)
@@ -154,7 +163,7 @@ Run AddRecover(CLI::App& verb) {
   const auto options = std::make_shared<RecoverVerbOptions>();
   AddEdit(verb, options->edit);
   verb.add_option("--cameras", options->cameras,
-                  "Another atlas of the same cameras: cameras that are lost are taken from it")
+                  "Another atlas of the same cameras and vocabulary: what of those is lost is taken from it")
       ->type_name("FILE");
   return [options](Console& console) { return RunRecover(*options, console); };
 }
@@ -164,6 +173,8 @@ constexpr Example kExamples[] = {
     {"slamdb recover cut.osa --dry-run", "Only says how much that would be."},
     {"slamdb recover fisheye_cut.osa rescued.osa --cameras yesterday.osa",
      "Cameras are the last thing in a file; a fisheye lens is known from an older atlas alone."},
+    {"slamdb recover zeros_first.osa rescued.osa --cameras yesterday.osa",
+     "A file whose beginning is lost; the vocabulary is known from an older atlas."},
     {"slamdb recover damaged.db#lab lab.osa", "Also of a store with damaged pages."},
 };
 
@@ -179,7 +190,8 @@ the rest; and writes an atlas that 'slamdb check' finds sound. The input is neve
 too.
 
 In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its
-middle still has the keyframes in front of the cut, and the points only of maps before.)",
+middle still has the keyframes in front of the cut, and the points only of maps before. Where the beginning is lost, reading
+starts at the first keyframe that is whole.)",
     .done = "The file is whole and sound: the output is its copy.",
     .failed = "Nothing could be read, the output not be written, or an error is left that has no safe repair.",
     .lossy = "Done, and something is lost; the report says what.",

@@ -64,6 +64,22 @@ TEST_F(RecoverVerb, WritesNothingWhereNothingIsLeft) {
   EXPECT_EQ(RunSlamdb({"recover", Cut(50), In("cut.osa"), "-O"}).exit_code, 1);
 }
 
+TEST_F(RecoverVerb, ReadsFilesWithoutTheirBeginning) {
+  std::string bytes = ReadWholeFile(kSmall);
+  bytes.replace(0, 5000, 5000, '\0');
+  WriteWholeFile(In("zeros.osa"), bytes);
+  EXPECT_THAT(RunSlamdb({"info", In("zeros.osa")}).err, HasSubstr("slamdb recover"));
+  const ProcessResult bare = RunSlamdb({"recover", In("zeros.osa"), In("bare.osa")});
+  EXPECT_EQ(bare.exit_code, 1) << "the vocabulary is an error that is left";
+  EXPECT_THAT(bare.out, HasSubstr("recovered 1 of 1 map, 13 of 14 keyframes, 3,162 of 3,162 points"));
+  EXPECT_THAT(bare.out, HasSubstr("the vocabulary's name and checksum lost; 'slamdb vocabulary set' stamps them"));
+  EXPECT_THAT(bare.out, HasSubstr("map 0: its id and its initial keyframe lost"));
+  const ProcessResult taken = RunSlamdb({"recover", In("zeros.osa"), In("taken.osa"), "--cameras", kSmall});
+  EXPECT_EQ(taken.exit_code, 3) << taken.err;
+  EXPECT_THAT(taken.out, HasSubstr("taken from --cameras"));
+  EXPECT_EQ(RunSlamdb({"check", In("taken.osa")}).exit_code, 0);
+}
+
 // Pages of a store overwritten in the middle of the file.
 TEST_F(RecoverVerb, ReadsWhatADamagedStoreStillHolds) {
   ASSERT_EQ(RunSlamdb({"convert", kSmall, In("lab.db#a")}).exit_code, 0);

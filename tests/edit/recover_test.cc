@@ -193,6 +193,33 @@ TEST_P(RecoverBase, ReadsOnBehindADamagedFirstKeyFrame) {
   EXPECT_EQ(PointsOf(salvage.atlas), PointsOf(whole));
 }
 
+// The first page of a file, or a stretch up to the middle of its first keyframe, holds zeros.
+TEST_P(RecoverBase, FilesWithoutTheirBeginning) {
+  const auto [base, text] = GetParam();
+  const Atlas& whole = SoundAtlas(base);
+  const std::string bytes = Encoded(whole, text);
+  Atlas first_map = whole;
+  first_map.maps.resize(1);
+  first_map.encoding.text = text;
+  const std::size_t keyframe = KeyFrameBytes(first_map) / whole.maps[0].keyframes.size();
+  for (const std::size_t lost :
+       {std::size_t{1}, std::size_t{45}, std::size_t{100}, std::size_t{200}, keyframe / 2, keyframe * 3 / 2}) {
+    SCOPED_TRACE("zeros up to byte " + std::to_string(lost));
+    std::string damaged = bytes;
+    damaged.replace(0, lost, lost, '\0');
+    const Salvage salvage = SalvageBytes(damaged);
+    EXPECT_THAT(salvage.damage, Not(IsEmpty()));
+    EXPECT_GE(KeyFramesOf(salvage.atlas) + lost / keyframe + 1, KeyFramesOf(whole));
+    EXPECT_EQ(salvage.maps[0].keyframes.listed, whole.maps[0].keyframes.size());
+    EXPECT_EQ(PointsOf(salvage.atlas), PointsOf(whole));
+    EXPECT_EQ(salvage.atlas.cameras.size(), whole.cameras.size());
+    EXPECT_EQ(salvage.atlas.next_ids, whole.next_ids);
+    const std::optional<Atlas> recovered = RecoverBytes(damaged);
+    ASSERT_TRUE(recovered);
+    EXPECT_GE(KeyFramesOf(*recovered) + lost / keyframe + 2, KeyFramesOf(whole));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Bases, RecoverBase,
                          ::testing::Combine(::testing::Values(Base::kMonocular, Base::kRgbd, Base::kFisheyeStereo,
                                                               Base::kInertial, Base::kTwoMaps),

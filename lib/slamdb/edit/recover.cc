@@ -170,6 +170,10 @@ bool RecoverReport::sound() const {
 
 RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
   RecoverReport report;
+  if (atlas.vocabulary == Vocabulary() && options.rig != nullptr) {
+    atlas.vocabulary = options.rig->vocabulary;
+    report.taken_vocabulary = true;
+  }
   DropImpossible(atlas, report);
   RebuildMaps(atlas, report);
   RebuildCameras(options, atlas, report);

@@ -156,7 +156,8 @@ std::optional<std::string> RecognizeOther(const Probe& probe) {
   const std::string_view head = probe.head;
   if (std::all_of(head.begin(), head.end(), [](char byte) { return byte == 0; }))
     return "begins with " + std::to_string(head.size()) +
-           " zero bytes and holds no atlas there; was the disk full or the power cut while it was saved?";
+           " zero bytes and holds no atlas there; was the disk full or the power cut while it was saved? 'slamdb "
+           "recover' looks for what stands behind them";
   if (head.starts_with("SQLite format 3\0"sv)) return DescribeSqlite(probe);
   for (const Signature& known : kSignatures)
     if (HasAt(head, known.offset, known.signature)) return std::string(known.sentence);

@@ -1,14 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/salvage.h"
 
+#include <algorithm>
+
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/orbslam3/salvage.h"
 #include "slamdb/formats/sqlite/salvage.h"
 
 namespace slamdb {
 
+namespace {
+
+// Whether nothing but its name says what the file is: a disk that was not written in time holds zeros.
+bool IsArchiveThatBeginsWithZeros(const Location& location) {
+  if (!location.path.ends_with(".osa")) return false;
+  const std::string head = Probe::Of(location.path).head;
+  return !head.empty() && std::all_of(head.begin(), head.end(), [](char byte) { return byte == 0; });
+}
+
+}  // namespace
+
 Salvage SalvageAtlas(const Location& location, const ReadOptions& options, std::string_view from) {
+  if (from.empty() && IsArchiveThatBeginsWithZeros(location)) from = kOrbslam3Format.id;
   const Format& format = FormatOfInput(location, from);
   if (format.id == "orbslam3" || format.id == "orbslam3-text") return SalvageOrbslam3(location.path, options);
   if (format.id == "store") return SalvageStore(location.path, location.name, options);

@@ -25,6 +25,7 @@ struct Salvage {
   std::vector<std::string> damage;  // where reading failed, and how, the first of it; empty: the file is whole
   std::vector<SalvagedMap> maps;    // by row of Atlas::maps
   std::uint64_t maps_listed = 0;
+  bool lost_beginning = false;  // of an ORB-SLAM3 file: vocabulary, number of maps, head of the first map
 };
 
 // Reads what can be read, with the format of the input: ORB-SLAM3 files (orbslam3/salvage.h) and stores

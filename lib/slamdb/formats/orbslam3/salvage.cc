@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/orbslam3/salvage.h"
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string_view>
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::size_t kLeastObjectBytes = 64;  // takes less than any object
 constexpr std::size_t kTruncationBytes = 64;   // failing so close to the end is because of the end
+constexpr std::size_t kMostTries = 1'000'000;  // places that only look like an object: seconds, in files made for it
 
 // Where the pointer to a new object stands.
 struct Sighting {
@@ -120,6 +122,26 @@ std::vector<ClassTable> TablesBehind(ClassTable classes, WireClass wire_class) {
   return tables;
 }
 
+// The class table in front of the keyframes of the first map.
+ClassTable TableOfFirstMap(const ArchiveEncoding& encoding) {
+  ClassTable classes(encoding);
+  classes.FirstUse(WireClass::kAtlas);
+  classes.Register(WireClass::kPinhole);
+  classes.Register(WireClass::kKannalaBrandt8);
+  classes.FirstUse(WireClass::kMapList);
+  classes.FirstUse(WireClass::kMap);
+  return classes;
+}
+
+// What an archive is like whose header is damaged: as ORB-SLAM3 writes it on 64-bit Linux, text when its middle is.
+ArchiveHeader UsualHeader(std::string_view file) {
+  ArchiveHeader header;
+  const std::string_view middle = file.substr(file.size() / 2, 4096);
+  header.encoding.text =
+      std::all_of(middle.begin(), middle.end(), [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
+  return header;
+}
+
 template <class Input>
 class Salvager {
   using Search = std::conditional_t<Input::kText, TextSearch, BinarySearch>;
@@ -132,9 +154,12 @@ class Salvager {
     at_.input.Seek(header.bytes);
   }
 
-  Salvage Run() {
+  // `header_error`: why the header was not read; null: it was.
+  Salvage Run(const Error* header_error) {
+    if (header_error != nullptr) Note(*header_error);
+    salvage_.lost_beginning = header_error != nullptr || !ReadBeginning();
+    if (salvage_.lost_beginning) GoToFirstMap();
     try {
-      ReadPreamble();
       if (ReadMaps()) ReadCameras();
     } catch (const Error& error) {
       Note(error);
@@ -164,20 +189,43 @@ class Salvager {
     at_.classes.Register(WireClass::kKannalaBrandt8);
   }
 
+  // Returns whether the first map stands behind it.
+  bool ReadBeginning() {
+    try {
+      ReadPreamble();
+      salvage_.maps_listed = at_.ClassCount(WireClass::kMapList, 2, 1);
+    } catch (const Error& error) {
+      Note(error);
+      return false;
+    }
+    return salvage_.maps_listed == 0 || MapStandsHere();
+  }
+
+  // Where the beginning is lost, whatever its bytes say: there is a map, and its keyframes stand somewhere.
+  void GoToFirstMap() {
+    constexpr std::size_t kChecksumLength = 32;
+    if (salvage_.atlas.vocabulary.checksum.size() != kChecksumLength) salvage_.atlas.vocabulary = {};
+    objects_ = {};
+    objects_.Add(WireClass::kAtlas, 0, 0);
+    at_.classes = TableOfFirstMap(at_.input.encoding());
+    at_.input.Seek(0);
+    salvage_.maps_listed = 1;
+  }
+
   // Returns whether the cursor stands behind the maps.
   bool ReadMaps() {
-    salvage_.maps_listed = at_.ClassCount(WireClass::kMapList, 2, 1);
     for (std::uint64_t position = 0; position < salvage_.maps_listed; ++position) {
       at_.input.place = {.map = static_cast<std::int64_t>(position)};
-      const Pointer pointer = TakePointer(at_, objects_, {WireClass::kMap});
+      const bool lost_head = salvage_.lost_beginning && position == 0;
+      const Pointer pointer = lost_head ? Pointer{Pointer::Kind::kNew} : TakePointer(at_, objects_, {WireClass::kMap});
       if (pointer.kind != Pointer::Kind::kNew) {
         salvage_.atlas.repeated_maps.push_back(Repeated(at_, objects_, pointer, position));
         continue;
       }
       const auto row = static_cast<std::uint32_t>(salvage_.atlas.maps.size());
       objects_.Add(WireClass::kMap, 0, row);
-      const bool last = position + 1 == salvage_.maps_listed;
-      if (!ReadMap(salvage_.atlas.maps.emplace_back(), salvage_.maps.emplace_back(), row, last) && !SeekBehindMap(last))
+      if (!ReadMap(salvage_.atlas.maps.emplace_back(), salvage_.maps.emplace_back(), row, lost_head) &&
+          !SeekBehindMap())
         return false;
     }
     at_.input.place = {};
@@ -185,24 +233,29 @@ class Salvager {
   }
 
   // Returns whether the cursor stands behind the map.
-  bool ReadMap(Map& map, SalvagedMap& read, std::uint32_t row, bool last) {
-    LayoutMapHead(at_, map);
+  bool ReadMap(Map& map, SalvagedMap& read, std::uint32_t row, bool lost_head) {
+    if (!lost_head) LayoutMapHead(at_, map);
+    const bool reached_end = ReadList(WireClass::kKeyFrameList, WireClass::kKeyFrame, "kf", row, map.keyframes,
+                                      map.repeated_keyframes, read.keyframes, lost_head,
+                                      [](auto& archive, KeyFrame& keyframe) { LayoutKeyFrame(archive, keyframe); });
+    if (lost_head) map.id = MapId(map.keyframes.empty() ? 0 : map.keyframes.front().origin_map);
     read.id = map.id;
-    const bool reached_end =
-        ReadList(WireClass::kKeyFrameList, WireClass::kKeyFrame, "kf", row, map.keyframes, map.repeated_keyframes,
-                 read.keyframes, [this](auto& archive, KeyFrame& keyframe) { LayoutKeyFrame(archive, keyframe); });
     if (!reached_end || !ListBeginsHere(WireClass::kMapPointList, {WireClass::kMapPoint})) {
       if (reached_end && !AtEndOfFile() && !map.keyframes.empty()) map.keyframes.pop_back();
       if (!SeekList(WireClass::kMapPointList, WireClass::kMapPoint)) return false;
     }
     if (!ReadList(WireClass::kMapPointList, WireClass::kMapPoint, "mp", row, map.points, map.repeated_points,
-                  read.points, [this](auto& archive, MapPoint& point) { LayoutMapPoint(archive, point); }))
+                  read.points, false, [](auto& archive, MapPoint& point) { LayoutMapPoint(archive, point); }))
       return false;
-    return ReadMapTail(map, last);
+    return ReadMapTail(map);
+  }
+
+  bool IsLastMap() const {
+    return salvage_.atlas.maps.size() + salvage_.atlas.repeated_maps.size() == salvage_.maps_listed;
   }
 
   // The members behind the lists; they count when what follows them is where it must be.
-  bool ReadMapTail(Map& map, bool last) {
+  bool ReadMapTail(Map& map) {
     Map whole;
     try {
       LayoutMapTail(at_, whole);
@@ -210,7 +263,8 @@ class Salvager {
       Note(error);
       return false;
     }
-    if (last ? !AtEndOfFile() && !ListBeginsHere(WireClass::kCameraList, kCameraClasses) : !MapStandsHere())
+    if (salvage_.lost_beginning && Fits([this](auto& skipper) { PassMapPointer(skipper); })) ++salvage_.maps_listed;
+    if (IsLastMap() ? !AtEndOfFile() && !ListBeginsHere(WireClass::kCameraList, kCameraClasses) : !MapStandsHere())
       return false;
     map.origins = std::move(whole.origins);
     map.first_keyframe = whole.first_keyframe;
@@ -222,21 +276,33 @@ class Salvager {
     return true;
   }
 
-  // Reads a list from its head on, over damaged stretches. Returns whether it came to the list's end.
+  // Reads a list from its head on, over damaged stretches. Returns whether it came to the list's end. Where the head is
+  // lost, with the number of the objects, it ends where points begin.
   template <class Entity, class Layout>
   bool ReadList(WireClass list_class, WireClass wire_class, const char* name, std::uint32_t row, Column<Entity>& list,
-                std::vector<RepeatedEntry>& repeated, SalvagedList& read, const Layout& layout) {
+                std::vector<RepeatedEntry>& repeated, SalvagedList& read, bool lost_head, const Layout& layout) {
     std::size_t begin = at_.input.offset(), begin_before = begin;
     object_behind_ = objects_.next();
     bool doubtful = false;  // the entity in front: what follows it has not been seen
-    try {
-      read.listed = at_.ClassCount(list_class, 2, 1);
-    } catch (const Error& error) {
-      Note(error);
-      return false;
+    std::uint64_t position = 0;
+    if (lost_head) {
+      at_.classes.FirstUse(list_class);
+      read.listed = file_.size() / kLeastObjectBytes;
+    } else {
+      try {
+        read.listed = at_.ClassCount(list_class, 2, 1);
+      } catch (const Error& error) {
+        Note(error);
+        return false;
+      }
     }
     object_behind_ += static_cast<std::uint32_t>(read.listed);
-    for (std::uint64_t position = 0; position < read.listed;) {
+    if (lost_head && !Resume<Entity>({at_.classes}, wire_class, begin, layout, position) &&
+        !Resume<Entity>(TablesBehind(at_.classes, wire_class), wire_class, begin, layout, position)) {
+      read.listed = 0;
+      return false;
+    }
+    while (position < read.listed) {
       const ClassTable classes = at_.classes;
       at_.input.place = {.map = at_.input.place.map, .entity = name, .ordinal = position, .of = read.listed};
       begin = at_.input.offset();
@@ -255,29 +321,50 @@ class Salvager {
         doubtful = true;
         ++position;
       } catch (const Error& error) {
+        if (lost_head && EndsAt(begin, classes)) {
+          read.listed = position;
+          break;
+        }
         Note(error);
         if (doubtful && !AtEndOfFile()) {
           list.pop_back();
           begin = begin_before;
         }
         doubtful = false;
-        std::optional<Sighting> found;
-        for (const ClassTable& table : TablesBehind(classes, wire_class)) {
-          at_.classes = table;
-          found = FindWhole<Entity>(wire_class, begin + 1, layout);
-          if (found) break;
-        }
-        if (!found) {
+        if (!Resume<Entity>(TablesBehind(classes, wire_class), wire_class, begin + 1, layout, position)) {
           at_.classes = TablesBehind(classes, wire_class).front();
+          if (lost_head) read.listed = position;
           return false;
         }
-        position += found->object - objects_.next();
-        SkipObjects(found->object);
-        at_.input.Seek(found->offset);
       }
     }
     at_.input.place.entity = nullptr;
     return true;
+  }
+
+  // Moves the cursor to the next whole object of the list, with the first class table in which there is one.
+  template <class Entity, class Layout>
+  bool Resume(const std::vector<ClassTable>& tables, WireClass wire_class, std::size_t offset, const Layout& layout,
+              std::uint64_t& position) {
+    const ClassTable before = at_.classes;
+    for (const ClassTable& table : tables) {
+      at_.classes = table;
+      if (const auto found = FindWhole<Entity>(wire_class, offset, layout)) {
+        position += found->object - objects_.next();
+        SkipObjects(found->object);
+        at_.input.Seek(found->offset);
+        return true;
+      }
+    }
+    at_.classes = before;
+    return false;
+  }
+
+  // Whether a list of keyframes ends there; moves there.
+  bool EndsAt(std::size_t offset, const ClassTable& classes) {
+    at_.classes = classes;
+    at_.input.Seek(offset);
+    return Fits([this](auto& skipper) { PassListBegin(skipper, WireClass::kMapPointList, {WireClass::kMapPoint}); });
   }
 
   // Counts objects that are lost.
@@ -287,10 +374,10 @@ class Salvager {
 
   // The next object of the list that was read last whose record is whole and has the next pointer behind it.
   template <class Entity, class Layout>
-  std::optional<Sighting> FindWhole(WireClass wire_class, std::size_t offset, const Layout& layout) const {
+  std::optional<Sighting> FindWhole(WireClass wire_class, std::size_t offset, const Layout& layout) {
     if (objects_.next() >= object_behind_) return std::nullopt;
     const Search search(file_, PointerPattern(at_.classes, wire_class, objects_.next(), object_behind_ - 1));
-    for (auto found = search.Next(offset); found; found = search.Next(found->offset + 1)) {
+    for (auto found = search.Next(offset); found && tries_ < kMostTries; found = search.Next(found->offset + 1)) {
       Skipper<Input> skipper(at_.input, at_.classes);
       skipper.input.Seek(found->offset);
       try {
@@ -300,6 +387,7 @@ class Salvager {
         const bool last = found->object + 1 == object_behind_;
         if (last || SkipPointer(skipper, wire_class) == found->object + 1) return found;
       } catch (const Error&) {  // it only looked like one
+        ++tries_;
       }
     }
     return std::nullopt;
@@ -313,24 +401,36 @@ class Salvager {
     return skipper.input.template Take<std::uint32_t>();
   }
 
+  void PassMapPointer(Skipper<Input>& skipper) { TakePointer(skipper, objects_, {WireClass::kMap}); }
+  void PassListBegin(Skipper<Input>& skipper, WireClass list_class, std::initializer_list<WireClass> classes) {
+    if (skipper.ClassCount(list_class, 2, 1) > 0) TakePointer(skipper, objects_, classes);
+  }
+
   // Whether what must follow does, without moving there; tells when not.
   bool MapStandsHere() {
-    return Stands([this](Skipper<Input>& skipper) { TakePointer(skipper, objects_, {WireClass::kMap}); });
+    return Stands([this](auto& skipper) { PassMapPointer(skipper); });
   }
   bool ListBeginsHere(WireClass list_class, std::initializer_list<WireClass> classes) {
-    return Stands([&](Skipper<Input>& skipper) {
-      if (skipper.ClassCount(list_class, 2, 1) > 0) TakePointer(skipper, objects_, classes);
-    });
+    return Stands([&](auto& skipper) { PassListBegin(skipper, list_class, classes); });
   }
   template <class Pass>
   bool Stands(const Pass& pass) {
+    const std::optional<Error> error = WhyNot(pass);
+    if (error) Note(*error);
+    return !error;
+  }
+  template <class Pass>
+  bool Fits(const Pass& pass) const {
+    return !WhyNot(pass);
+  }
+  template <class Pass>
+  std::optional<Error> WhyNot(const Pass& pass) const {
     try {
       Skipper<Input> skipper(at_.input, at_.classes);
       pass(skipper);
-      return true;
+      return std::nullopt;
     } catch (const Error& error) {
-      Note(error);
-      return false;
+      return error;
     }
   }
 
@@ -355,8 +455,8 @@ class Salvager {
     return false;
   }
 
-  bool SeekBehindMap(bool last) {
-    if (last)
+  bool SeekBehindMap() {
+    if (IsLastMap())
       return SeekList(WireClass::kCameraList, WireClass::kPinhole) ||
              SeekList(WireClass::kCameraList, WireClass::kKannalaBrandt8);
     const PointerPattern pattern(at_.classes, WireClass::kMap, objects_.next(), object_behind_);
@@ -392,6 +492,7 @@ class Salvager {
   std::string_view file_;
   Salvage salvage_;
   ObjectTable objects_;
+  std::size_t tries_ = 0;            // in vain
   std::uint32_t object_behind_ = 0;  // behind the last object of the list that was read last
   Decoder<Input> at_;
 };
@@ -404,10 +505,19 @@ namespace slamdb {
 Salvage SalvageOrbslam3(const std::string& path, const ReadOptions&) {
   FileStream file(path);
   Notices notices;
-  const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(file, notices);
+  orbslam3::ArchiveHeader header;
+  std::optional<Error> header_error;
+  try {
+    header = orbslam3::ReadArchiveHeader(file, notices);
+  } catch (const Error& error) {
+    if (file.size() == 0) throw;
+    header_error = error;
+  }
   file.FillTo(file.size());
-  if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run();
-  return orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run();
+  if (header_error) header = orbslam3::UsualHeader({file.data(), file.size()});
+  const Error* why = header_error ? &*header_error : nullptr;
+  if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run(why);
+  return orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run(why);
 }
 
 }  // namespace slamdb
