@@ -8,6 +8,7 @@
 #include "cli/json.h"
 #include "cli/layout.h"
 #include "cli/options.h"
+#include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
 namespace {
@@ -34,17 +35,29 @@ ExitCode RunFromPoints(const FromPointsOptions& options, Console& console) {
   return FinishEdit(text, JsonText({{"from_points", json}}), options.edit, console, notices);
 }
 
+// Whether the output is for more than looking at.
+bool HoldsObservations(const EditOptions& options) {
+  return !options.dry_run &&
+         (FormatOfOutput(Location::Parse(options.output), options.target.to).writes & kObservations);
+}
+
 ExitCode RunToPoints(const EditOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options, console, notices);
   const MakePointsReport report = MakePoints(atlas);
+  if (report.added > 0 && HoldsObservations(options))
+    notices.Warn("points without observations are for viewers and exports: ORB-SLAM3 crashes on them");
   WriteResult(atlas, options, "landmarks to-points " + options.input, console, notices);
   std::string text = "moved " + Counted(report.moved, "point") + ", added " + Grouped(report.added) + "\n";
   if (report.plain > 0) text += "  " + Grouped(report.plain) + " of those added have no ORB descriptor\n";
+  if (report.fused > 0) text += "  " + Counted(report.fused, "landmark") + " fused with another one of the same id\n";
   if (report.renamed > 0)
     text += "  " + Counted(report.renamed, "landmark") + " got new ids, since another map has theirs\n";
-  const ordered_json json = {
-      {"moved", report.moved}, {"added", report.added}, {"plain", report.plain}, {"renamed", report.renamed}};
+  const ordered_json json = {{"moved", report.moved},
+                             {"added", report.added},
+                             {"plain", report.plain},
+                             {"fused", report.fused},
+                             {"renamed", report.renamed}};
   return FinishEdit(text, JsonText({{"to_points", json}}), options, console, notices);
 }
 

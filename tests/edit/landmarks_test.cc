@@ -137,6 +137,7 @@ TEST(MakePoints, AddsWhatIsNotThere) {
   const MakePointsReport report = MakePoints(atlas);
   EXPECT_EQ(report.added, 3U);
   EXPECT_EQ(report.plain, 2U);
+  EXPECT_EQ(report.fused, 1U);
   ASSERT_THAT(map.points, SizeIs(3));
   EXPECT_EQ(map.points[0].id, MapPointId(42));
   EXPECT_EQ(map.points[1].id, MapPointId(41));

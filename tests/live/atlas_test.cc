@@ -3,8 +3,10 @@
 #include "slamdb/live/atlas.h"
 
 #include <filesystem>
+#include <set>
 
 #include "slamdb/base/error.h"
+#include "slamdb/checks/check.h"
 #include "slamdb/live/bridge.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/live/world.h"
@@ -146,6 +148,70 @@ TEST(Atlas, RemovesBadMaps) {
   EXPECT_THAT(ToModel(world.atlas).maps, SizeIs(1));
   world.atlas.clearAtlas();
   EXPECT_EQ(world.atlas.CountMaps(), 0);
+}
+
+// After a merge, what was culled before it is still linked to from what moved.
+TEST(Atlas, KeepsCulledObjectsThatOthersLinkTo) {
+  const LiveAtlas live = FromModel(SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = 12, .points = 300}));
+  Atlas& atlas = *live.atlas;
+  Map* before = atlas.GetAllMaps().front();
+  const std::vector<KeyFrame*> keyframes = before->GetAllKeyFrames();
+  for (std::size_t i = 2; i + 1 < keyframes.size(); i += 3) {
+    keyframes[i + 1]->mPrevKF = keyframes[i];
+    keyframes[i]->SetBadFlag();
+  }
+  before->GetAllMapPoints()[4]->SetBadFlag();
+  const slamdb::Atlas expected = ToModel(atlas);
+  atlas.CreateNewMap();
+  Map* now = atlas.GetCurrentMap();
+  for (KeyFrame* keyframe : before->GetAllKeyFrames()) now->AddKeyFrame(keyframe);
+  for (MapPoint* point : before->GetAllMapPoints()) now->AddMapPoint(point);
+  EXPECT_EQ(now->GetAllMapPoints().front()->GetMap(), now) << "adding moves";
+  atlas.SetMapBad(before);
+  atlas.RemoveBadMaps();
+  const slamdb::Atlas merged = ToModel(atlas);
+  ASSERT_THAT(merged.maps, SizeIs(1));
+  EXPECT_EQ(merged.maps[0].keyframes.size(), expected.maps[0].keyframes.size());
+  for (const RuleResult& result : CheckAtlas(merged, {}).results)
+    EXPECT_NE(result.severity, Severity::kError) << result.id << ": " << result.findings.front().message;
+  for (KeyFrame* keyframe : now->GetAllKeyFrames()) keyframe->UpdateConnections();
+  atlas.clearAtlas();
+}
+
+TEST(Atlas, KnowsTheLowestOfWhatIsLeft) {
+  World world;
+  Map* before = world.map();
+  std::vector<KeyFrame*> keyframes;
+  for (int i = 0; i < 4; ++i) keyframes.push_back(world.AddKeyFrame());
+  world.atlas.CreateNewMap();
+  for (int i = 0; i < 2; ++i) world.map()->AddKeyFrame(keyframes[static_cast<std::size_t>(i)]);
+  EXPECT_EQ(before->GetLowerKFID(), 2U);
+  EXPECT_EQ(before->GetOriginKF(), keyframes[2]);
+  EXPECT_EQ(world.map()->GetLowerKFID(), 0U);
+  const slamdb::Atlas model = ToModel(world.atlas);
+  EXPECT_EQ(model.maps[0].lowest_keyframe, KeyFrameId(2));
+  EXPECT_EQ(model.maps[0].first_keyframe, KeyFrameId(2));
+}
+
+TEST(Atlas, MakesNoMapWhenItIsAsked) {
+  Atlas atlas;
+  EXPECT_EQ(atlas.KeyFramesInMap(), 0U);
+  EXPECT_THAT(atlas.GetAllMapPoints(), SizeIs(0));
+  EXPECT_FALSE(atlas.isInertial());
+  EXPECT_EQ(atlas.CountMaps(), 0);
+}
+
+TEST(Atlas, HandsOutNoIdThatAMapWasGiven) {
+  World world;
+  world.map()->ChangeId(3);
+  for (int i = 0; i < 3; ++i) world.atlas.CreateNewMap();
+  std::set<long unsigned int> ids;
+  for (Map* map : world.atlas.GetAllMaps()) EXPECT_TRUE(ids.insert(map->GetId()).second) << map->GetId();
+}
+
+TEST(Atlas, IsReadWhole) {
+  EXPECT_THROW(Atlas::Load("any.osa", {.features = FeatureColumns::kNone}), Error);
+  EXPECT_THROW(Atlas::Load("any.osa", {.selection = {.first_keyframe = 3}}), Error);
 }
 
 TEST(Atlas, KeepsOneOfEqualCameras) {

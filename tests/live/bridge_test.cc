@@ -176,6 +176,34 @@ TEST(Bridge, GivesIdsAboveThoseInUse) {
   EXPECT_EQ(point.mnId, highest + 1);
 }
 
+// Links to what is missing lead nowhere, not to the next object that is made.
+TEST(Bridge, GivesNoIdThatDangles) {
+  slamdb::Atlas model = SynthesizeAtlas({.keyframes = 8, .points = 300});
+  model.maps[0].keyframes[2].features.map_points[0] = MapPointId(70'000);
+  model.maps[0].keyframes[3].children.push_back(KeyFrameId(80'000));
+  model.maps[0].keyframes[4].children.push_back(KeyFrameId(std::uint64_t{1} << 60));
+  model.next_ids = {};
+  const LiveAtlas live = FromModel(model);
+  Map* map = live.atlas->GetAllMaps()[0];
+  EXPECT_EQ(MapPoint(Eigen::Vector3f::Zero(), map->GetAllKeyFrames()[0], map).mnId, 70'001U);
+  EXPECT_EQ(live.report.keyframe_floor, 80'001U);
+}
+
+TEST(Bridge, ANewObservationTakesThePlaceOfOneThatDangled) {
+  slamdb::Atlas model = SynthesizeAtlas({.keyframes = 8, .points = 300});
+  slamdb::MapPoint& record = model.maps[0].points[3];
+  record.observations.back().left = 99'999;
+  const LiveAtlas live = FromModel(model);
+  Map* map = live.atlas->GetAllMaps()[0];
+  EXPECT_EQ(live.report[LinkKind::kObservation], 1U);
+  for (KeyFrame* keyframe : map->GetAllKeyFrames())
+    if (keyframe->mnId == record.observations.back().keyframe.value())
+      map->GetAllMapPoints()[3]->AddObservation(keyframe, 5);
+  const slamdb::MapPoint saved = ToModel(*live.atlas).maps[0].points[3];
+  ASSERT_EQ(saved.observations.size(), record.observations.size());
+  EXPECT_EQ(saved.observations.back().left, 5);
+}
+
 TEST(Bridge, LeavesOutWhatIsNotInTheMap) {
   const LiveAtlas live = FromModel(SynthesizeAtlas({.keyframes = 10, .points = 300}));
   Map* map = live.atlas->GetAllMaps()[0];

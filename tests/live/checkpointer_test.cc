@@ -2,6 +2,7 @@
 #include "slamdb/live/checkpointer.h"
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <random>
 #include <thread>
@@ -109,6 +110,59 @@ TEST_F(CheckpointerTest, FollowsWhatHappensToMaps) {
   world.map()->ChangeId(7);
   world.map()->InformNewBigChange();
   save_and_compare("numbers of the map");
+}
+
+// ORB-SLAM3 lists a keyframe after its points know of it, and a save may come in between.
+TEST_F(CheckpointerTest, LinksThatWereThereFirstAreSavedOnceTheirTargetsAre) {
+  World world;
+  KeyFrame* first = world.AddKeyFrame();
+  const std::vector<MapPoint*> points = world.Share({first}, 20, 0);
+  Checkpointer checkpointer(world.atlas, location(), by_hand_);
+  Frame frame = world.MakeFrame({1, 0, 0});
+  auto* late = new KeyFrame(frame, world.map());
+  for (int row = 0; row < 20; ++row) World::Observe(points[static_cast<std::size_t>(row)], late, row);
+  late->UpdateConnections();
+  auto* late_point = new MapPoint({0, 0, 4}, first, world.map());
+  World::Observe(late_point, first, 30);
+  first->mNextKF = late;
+  checkpointer.Save();
+  EXPECT_EQ(Stored().maps[0].points[3].observations.size(), 1U) << "the keyframe is in no map";
+  world.map()->AddKeyFrame(late);
+  world.map()->AddMapPoint(late_point);
+  checkpointer.Save();
+  EXPECT_THAT(Stored(), EqualsAtlas(ToModel(world.atlas)));
+  EXPECT_EQ(Stored().maps[0].points[3].observations.size(), 2U);
+  EXPECT_EQ(Stored().maps[0].keyframes[0].connections.size(), 1U);
+  EXPECT_EQ(Stored().maps[0].keyframes[0].features.map_points[30].value(), late_point->mnId);
+  EXPECT_EQ(checkpointer.Save().points, 0U) << "and that is all";
+}
+
+// Merging flags a map bad first and moves what is in it later.
+TEST_F(CheckpointerTest, KeepsABadMapUntilItIsRemoved) {
+  World world;
+  std::vector<KeyFrame*> keyframes;
+  for (int i = 0; i < 4; ++i) keyframes.push_back(world.AddKeyFrame());
+  Map* before = world.map();
+  world.atlas.CreateNewMap();
+  world.AddKeyFrame();
+  Checkpointer checkpointer(world.atlas, location(), by_hand_);
+  world.map()->AddKeyFrame(keyframes[0]);
+  world.atlas.SetMapBad(before);
+  checkpointer.Save();
+  EXPECT_EQ(Stored().maps.size(), 2U);
+  EXPECT_EQ(Stored().maps[1].keyframes.size(), 3U);
+  for (std::size_t i = 1; i < keyframes.size(); ++i) world.map()->AddKeyFrame(keyframes[i]);
+  world.atlas.RemoveBadMaps();
+  checkpointer.Save();
+  EXPECT_THAT(Stored(), EqualsAtlas(ToModel(world.atlas)));
+  EXPECT_EQ(Stored().maps.size(), 1U);
+}
+
+TEST_F(CheckpointerTest, RefusesWhatIsNoStoreAndNoInterval) {
+  World world;
+  EXPECT_THROW(Checkpointer(world.atlas, path() + ".osa#run", by_hand_), Error);
+  for (const double interval : {-1.0, 1e300, std::nan("")})
+    EXPECT_THROW(Checkpointer(world.atlas, location(), {.interval = interval}), Error);
 }
 
 // Random calls, and a comparison with the whole copy after each batch.

@@ -2,6 +2,7 @@
 // MapPoint: observations, going bad, being replaced, PreSave and PostLoad.
 #include <sstream>
 
+#include "slamdb/base/error.h"
 #include "tests/live/world.h"
 
 namespace slamdb::live {
@@ -59,6 +60,14 @@ TEST(AddObservation, AgainDoesNotCountAgain) {
   EXPECT_EQ(point->Observations(), 2);
   point->AddObservation(keyframe, 5);  // moves to a keypoint without depth
   EXPECT_EQ(point->Observations(), 1);
+}
+
+TEST(AddObservation, OfAKeypointThatIsNotThereIsRefused) {
+  World world;
+  KeyFrame* keyframe = world.AddKeyFrame();
+  MapPoint* point = world.AddPoint(keyframe);
+  for (const int row : {-1, World::kFeatures}) EXPECT_THROW(point->AddObservation(keyframe, row), Error);
+  EXPECT_FALSE(point->IsInKeyFrame(keyframe));
 }
 
 TEST(EraseObservation, TakesBackWhatItCountedAndMovesTheReference) {

@@ -94,14 +94,15 @@ std::vector<std::uint64_t> LandmarkHashes(const Atlas& atlas, bool with_ids) {
   return hashes;
 }
 
-// How many landmarks each atlas has that the other has not.
-void AddLandmarks(std::vector<FieldDiff>& fields, const char* name, bool with_ids, const Atlas& a, const Atlas& b) {
+// How many landmarks each atlas has that the other has not. Returns whether there are any.
+bool AddLandmarks(std::vector<FieldDiff>& fields, const char* name, bool with_ids, const Atlas& a, const Atlas& b) {
   const std::vector<std::uint64_t> before = LandmarkHashes(a, with_ids), after = LandmarkHashes(b, with_ids);
   std::vector<std::uint64_t> removed, added;
   std::ranges::set_difference(before, after, std::back_inserter(removed));
   std::ranges::set_difference(after, before, std::back_inserter(added));
-  if (removed.size() + added.size() > 0)
-    fields.push_back({name, std::to_string(removed.size()), std::to_string(added.size())});
+  if (removed.empty() && added.empty()) return false;
+  fields.push_back({name, std::to_string(removed.size()), std::to_string(added.size())});
+  return true;
 }
 
 // How many references of each kind an entity has.
@@ -295,8 +296,8 @@ class Comparison {
     AddField(diff_.fields, "vocabulary", a.vocabulary.name, b.vocabulary.name);
     AddField(diff_.fields, "vocabulary checksum", a.vocabulary.checksum, b.vocabulary.checksum);
     AddField(diff_.fields, "null or repeated entries", IrregularEntries(a), IrregularEntries(b));
-    AddLandmarks(diff_.fields, "landmarks that the other has not", false, a, b);
-    AddLandmarks(diff_.numbering, "landmarks of other ids", true, a, b);
+    if (!AddLandmarks(diff_.fields, "landmarks that the other has not", false, a, b))
+      AddLandmarks(diff_.numbering, "landmarks of other ids", true, a, b);
     const Counters &before = a.next_ids, &after = b.next_ids;
     AddField(diff_.numbering, "next map id", before.map, after.map);
     AddField(diff_.numbering, "next frame id", before.frame, after.frame);

@@ -34,6 +34,7 @@ struct MakePointsReport {
   std::uint64_t moved = 0;    // points of the same id that got position and normal of their landmark
   std::uint64_t added = 0;    // landmarks without one
   std::uint64_t plain = 0;    // of those added: without an ORB descriptor of 32 bytes
+  std::uint64_t fused = 0;    // landmarks that had the id of another one of their map
   std::uint64_t renamed = 0;  // landmarks that got another id, because another map has theirs
 };
 

@@ -168,7 +168,7 @@ MakePointsReport MakePoints(Atlas& atlas) {
   for (Map& map : atlas.maps) {
     const IdTable rows = PointTable(map);
     std::vector<Landmark> landmarks;
-    TakeLandmarks(landmarks, map.landmarks);  // one of each id
+    report.fused += TakeLandmarks(landmarks, map.landmarks);  // one of each id
     for (Landmark& landmark : landmarks) {
       const std::uint32_t row = rows.Find(landmark.id.value());
       if (row != kNoRow) {

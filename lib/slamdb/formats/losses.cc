@@ -74,8 +74,8 @@ Counts CountContent(const Atlas& atlas, std::optional<MapId> chosen) {
   }
   if (Count(counts, kMaps) == 1) Count(counts, kMaps) = 0;
   Count(counts, kCameras) = atlas.cameras.size();
-  Count(counts, kIdentity) =
-      Count(counts, kPoses) + Count(counts, kPoints) + Count(counts, kMaps) + atlas.cameras.size();
+  const std::uint64_t entities = Count(counts, kPoses) + Count(counts, kPoints) + atlas.cameras.size();
+  Count(counts, kIdentity) = entities == 0 ? 0 : entities + Count(counts, kMaps);
   return counts;
 }
 

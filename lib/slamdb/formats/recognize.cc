@@ -22,8 +22,8 @@ struct Signature {
 
 constexpr std::array kSignatures = {
     Signature{0, "\x1f\x8b"sv,
-              "not an atlas: this is gzip-compressed, and what is in it does not begin like a landmarks map of MRPT, "
-              "the only kind that slamdb reads so; if it is an atlas, unpack it first (gunzip)"},
+              "not an atlas: this is gzip-compressed, and what is in it, or left of it, does not begin like a "
+              "landmarks map of MRPT, the only kind that slamdb reads so; if it is an atlas, unpack it first (gunzip)"},
     Signature{0, "\xfd\x37zXZ\x00"sv, "not an atlas: this is xz-compressed; unpack it first (unxz)"},
     Signature{0, "\x28\xb5\x2f\xfd"sv, "not an atlas: this is zstd-compressed; unpack it first (unzstd)"},
     Signature{0, "BZh"sv, "not an atlas: this is bzip2-compressed; unpack it first (bunzip2)"},

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/live/bridge.h"
 #include "slamdb/live/keyframe.h"
@@ -14,10 +15,22 @@ namespace slamdb::live {
 
 using Lock = std::lock_guard<std::mutex>;
 
+namespace {
+
+// What a map answers; nothing, 0 or false when there is none, since asking makes none.
+template <class Value>
+Value Ask(Map* map, Value (Map::*question)()) {
+  return map == nullptr ? Value() : (map->*question)();
+}
+
+}  // namespace
+
 Atlas::Atlas() = default;
 Atlas::~Atlas() = default;
 
 Atlas::Loaded Atlas::Load(const std::string& location, const ReadOptions& options) {
+  if (!options.selection.everything() || options.features != FeatureColumns::kAll)
+    throw Error(location, "", "a live atlas is read whole, or saving it would lose the rest");
   Notices notices;
   LiveAtlas live = FromModel(ReadAtlas(Location::Parse(location), options, notices), options.threads);
   return {std::move(live.atlas), std::move(live.report), std::move(notices)};
@@ -109,8 +122,12 @@ void Atlas::RemoveBadMaps() {
     return std::any_of(bad_maps_.begin(), bad_maps_.end(), [&](const auto& bad) { return bad.get() == map; });
   };
   Bridge::ForgetChanges(runtime_, goes);
+  for (auto& map : bad_maps_)
+    if (map->DeleteListed()) buried_maps_.push_back(std::move(map));
   bad_maps_.clear();
-  if (maps_.empty()) loaded_observers_.clear();  // points of a map may go over to another one
+  if (!maps_.empty()) return;
+  buried_maps_.clear();
+  loaded_observers_.clear();  // points of a map may go over to another one
 }
 
 void Atlas::clearMap() { GetCurrentMap()->clear(); }
@@ -135,18 +152,18 @@ void Atlas::clearAtlas() {
 
 void Atlas::AddKeyFrame(KeyFrame* pKF) { pKF->GetMap()->AddKeyFrame(pKF); }
 void Atlas::AddMapPoint(MapPoint* pMP) { pMP->GetMap()->AddMapPoint(pMP); }
-std::vector<KeyFrame*> Atlas::GetAllKeyFrames() { return GetCurrentMap()->GetAllKeyFrames(); }
-std::vector<MapPoint*> Atlas::GetAllMapPoints() { return GetCurrentMap()->GetAllMapPoints(); }
-std::vector<MapPoint*> Atlas::GetReferenceMapPoints() { return GetCurrentMap()->GetReferenceMapPoints(); }
+std::vector<KeyFrame*> Atlas::GetAllKeyFrames() { return Ask(CurrentOrNull(), &Map::GetAllKeyFrames); }
+std::vector<MapPoint*> Atlas::GetAllMapPoints() { return Ask(CurrentOrNull(), &Map::GetAllMapPoints); }
+std::vector<MapPoint*> Atlas::GetReferenceMapPoints() { return Ask(CurrentOrNull(), &Map::GetReferenceMapPoints); }
 void Atlas::SetReferenceMapPoints(const std::vector<MapPoint*>& vpMPs) {
   GetCurrentMap()->SetReferenceMapPoints(vpMPs);
 }
-long unsigned int Atlas::KeyFramesInMap() { return GetCurrentMap()->KeyFramesInMap(); }
-long unsigned int Atlas::MapPointsInMap() { return GetCurrentMap()->MapPointsInMap(); }
+long unsigned int Atlas::KeyFramesInMap() { return Ask(CurrentOrNull(), &Map::KeyFramesInMap); }
+long unsigned int Atlas::MapPointsInMap() { return Ask(CurrentOrNull(), &Map::MapPointsInMap); }
 void Atlas::InformNewBigChange() { GetCurrentMap()->InformNewBigChange(); }
-int Atlas::GetLastBigChangeIdx() { return GetCurrentMap()->GetLastBigChangeIdx(); }
-bool Atlas::isInertial() { return GetCurrentMap()->IsInertial(); }
-bool Atlas::isImuInitialized() { return GetCurrentMap()->isImuInitialized(); }
+int Atlas::GetLastBigChangeIdx() { return Ask(CurrentOrNull(), &Map::GetLastBigChangeIdx); }
+bool Atlas::isInertial() { return Ask(CurrentOrNull(), &Map::IsInertial); }
+bool Atlas::isImuInitialized() { return Ask(CurrentOrNull(), &Map::isImuInitialized); }
 void Atlas::SetInertialSensor() { GetCurrentMap()->SetInertialSensor(); }
 void Atlas::SetImuInitialized() { GetCurrentMap()->SetImuInitialized(); }
 

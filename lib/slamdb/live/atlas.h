@@ -33,8 +33,8 @@ class Atlas {
 
   struct Loaded;
   // Reads an atlas of any format: a file, or `store.db#name`. No map of it is current: CreateNewMap() begins the
-  // session's own, ChangeMap() continues one. Throws Error when it cannot be read; what is in it but does not hang
-  // together is in the report.
+  // session's own, ChangeMap() continues one. Throws Error when it cannot be read, or the options ask for a part of it;
+  // what is in it but does not hang together is in the report.
   static Loaded Load(const std::string& location, const ReadOptions& options = {});
 
   // Writes the whole atlas as it is at one moment, to any format. What changes meanwhile is not in it; changes wait
@@ -50,10 +50,11 @@ class Atlas {
   int CountMaps();
   long unsigned int GetLastInitKFid();
   void SetMapBad(Map* pMap);
-  // Deletes bad maps with everything in them.
+  // Deletes bad maps with everything that they list. What was culled from them stays while there is any other map,
+  // since points and keyframes that went over to it may link to it. Not inside a Change.
   void RemoveBadMaps();
   void clearMap();    // empties the current map
-  void clearAtlas();  // deletes all maps; ids go on
+  void clearAtlas();  // deletes all maps; ids go on. Not inside a Change
   bool isInertial();
   bool isImuInitialized();
   void SetInertialSensor();
@@ -96,6 +97,7 @@ class Atlas {
   std::mutex mutex_;                                // mMutexAtlas: the members below
   slamdb::Atlas record_;  // without maps and cameras: vocabulary, encoding, repeated entries, next initial keyframe
   std::vector<std::unique_ptr<Map>> maps_, bad_maps_;
+  std::vector<std::unique_ptr<Map>> buried_maps_;  // removed; they keep culled objects that others may link to
   std::vector<std::unique_ptr<GeometricCamera>> cameras_, spare_cameras_;  // spare: given, but equal to another
   Map* current_ = nullptr;
   std::atomic<bool> has_checkpointer_ = false;

@@ -162,8 +162,8 @@ void Bridge::Fill(Atlas& atlas, slamdb::Atlas model, int threads, PostLoadReport
   const Counters& next = atlas.record_.next_ids;
   atlas.runtime_.map_ids.Set(next.map, floors.map);
   atlas.runtime_.frame_ids.Set(next.frame, 0);
-  atlas.runtime_.keyframe_ids.Set(next.keyframe, floors.keyframe);
-  atlas.runtime_.point_ids.Set(next.map_point, floors.map_point);
+  atlas.runtime_.keyframe_ids.Set(next.keyframe, std::max(floors.keyframe, report.keyframe_floor));
+  atlas.runtime_.point_ids.Set(next.map_point, std::max(floors.map_point, report.point_floor));
   atlas.runtime_.camera_ids.Set(next.camera, floors.camera);
 }
 

@@ -3,10 +3,12 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/live/atlas.h"
 #include "slamdb/live/replica.h"
 #include "slamdb/live/snapshot.h"
@@ -101,7 +103,12 @@ void Checkpointer::State::Run() {
 
 Checkpointer::Checkpointer(Atlas& atlas, const std::string& location, const CheckpointOptions& options) {
   const Location target = Location::Parse(location);
+  constexpr double kLongest = 1e9;  // seconds
+  if (!(options.interval >= 0 && options.interval <= kLongest))
+    throw Error("an interval of " + std::to_string(options.interval) + " seconds, expected 0 to 1e9");
   if (target.name.empty()) throw Error(target.path, "", "name the atlas in the store to save to, as STORE#NAME");
+  if (!std::filesystem::exists(target.path) && &FormatOfOutput(target) != &FormatById("store"))
+    throw Error(target.path, "", "is not named like a store, which a checkpointer needs; its suffix is .db");
   state_ = std::make_unique<State>(atlas, target, options);
   state_->Save();
   if (options.interval > 0) state_->thread = std::thread([state = state_.get()] { state->Run(); });

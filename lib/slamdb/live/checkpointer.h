@@ -13,7 +13,7 @@ namespace slamdb::live {
 class Atlas;
 
 struct CheckpointOptions {
-  double interval = 10;                   // seconds from the start of one save to that of the next; 0: only by Save()
+  double interval = 10;  // seconds from the start of one save to that of the next, at most 1e9; 0: only by Save()
   std::string provenance = "checkpoint";  // for the store's history
   bool sync = true;                       // a save survives power loss
   int threads = 1;                        // for the work beside the SLAM threads; 0: every core
@@ -34,7 +34,8 @@ struct CheckpointReport {
 class Checkpointer {
  public:
   // Saves the whole atlas to `location` (`store.db#name`), replacing one of that name, and starts the thread. Throws
-  // Error when that fails, when the location is no store, or when the atlas has a checkpointer.
+  // Error when that fails, when the location is no store, when the interval is negative or no number, or when the atlas
+  // has a checkpointer.
   Checkpointer(Atlas& atlas, const std::string& location, const CheckpointOptions& options = {});
   // Ends the thread; what changed since the last save is not saved.
   ~Checkpointer();

@@ -174,8 +174,8 @@ class KeyFrame : public Listed {
 
   // The record: links to what `map` lists, and those that were never resolved. Under the closed gate. Without
   // `features` only the point slots are in Features.
-  slamdb::KeyFrame ToRecord(const Map* map, bool features) const;
-  void WriteLinks(const Map* map, slamdb::KeyFrame& record) const;
+  slamdb::KeyFrame ToRecord(LinkFilter& links, bool features) const;
+  void WriteLinks(LinkFilter& links, slamdb::KeyFrame& record) const;
 
   // The public members that are saved, for the checkpointer to see that a client wrote one.
   struct PublicMembers {

@@ -14,18 +14,18 @@ namespace {
 KeyFrameId IdOf(const KeyFrame& keyframe) { return KeyFrameId(keyframe.mnId); }
 
 // A link to one keyframe: to what the map lists, or what was recorded when it has never been resolved.
-KeyFrameId LinkOf(const KeyFrame* target, const Map* map, KeyFrameId unresolved) {
+KeyFrameId LinkOf(const KeyFrame* target, LinkFilter& links, KeyFrameId unresolved) {
   if (target == nullptr) return unresolved;
-  return target->IsListedIn(map) ? IdOf(*target) : KeyFrameId();
+  return links.Has(target) ? IdOf(*target) : KeyFrameId();
 }
 
 // Targets that the map lists, then the ids that were never resolved.
-Column<KeyFrameId> LinksOf(const std::vector<KeyFrame*>& targets, const Map* map,
+Column<KeyFrameId> LinksOf(const std::vector<KeyFrame*>& targets, LinkFilter& links,
                            const Column<KeyFrameId>& unresolved) {
   Column<KeyFrameId> ids;
   ids.reserve(targets.size() + unresolved.size());
   for (const KeyFrame* target : targets)
-    if (target->IsListedIn(map)) ids.push_back(IdOf(*target));
+    if (links.Has(target)) ids.push_back(IdOf(*target));
   ids.insert(ids.end(), unresolved.begin(), unresolved.end());
   return ids;
 }
@@ -129,12 +129,12 @@ KeyFrame::PublicMembers KeyFrame::ReadPublicMembers() const {
           mpCamera2};
 }
 
-slamdb::KeyFrame KeyFrame::ToRecord(const Map* map, bool features) const {
+slamdb::KeyFrame KeyFrame::ToRecord(LinkFilter& links, bool features) const {
   slamdb::KeyFrame record = record_;
   if (features) record.features = features_;
   record.features.map_points.resize(slots_.size());
   for (std::size_t row = 0; row < slots_.size(); ++row)
-    if (slots_[row] != nullptr && slots_[row]->IsListedIn(map))
+    if (slots_[row] != nullptr && links.Has(slots_[row]))
       record.features.map_points[row] = MapPointId(slots_[row]->mnId);
   for (const auto& [row, id] : unresolved_slots_) record.features.map_points[row] = id;
 
@@ -146,21 +146,20 @@ slamdb::KeyFrame KeyFrame::ToRecord(const Map* map, bool features) const {
   if (bad_ != static_cast<bool>(record.bad)) record.bad = static_cast<bool>(bad_);
   if (mpCamera != nullptr) record.camera = mpCamera->record().id;
   if (mpCamera2 != nullptr) record.right_camera = mpCamera2->record().id;
-  WriteLinks(map, record);
+  WriteLinks(links, record);
   return record;
 }
 
-void KeyFrame::WriteLinks(const Map* map, slamdb::KeyFrame& record) const {
-  record.parent = LinkOf(parent_, map, record_.parent);
-  record.previous = LinkOf(mPrevKF, map, record_.previous);
-  record.next = LinkOf(mNextKF, map, record_.next);
-  record.children = LinksOf(children_, map, record_.children);
-  record.loop_edges = LinksOf(loop_edges_, map, record_.loop_edges);
-  record.merge_edges = LinksOf(merge_edges_, map, record_.merge_edges);
+void KeyFrame::WriteLinks(LinkFilter& links, slamdb::KeyFrame& record) const {
+  record.parent = LinkOf(parent_, links, record_.parent);
+  record.previous = LinkOf(mPrevKF, links, record_.previous);
+  record.next = LinkOf(mNextKF, links, record_.next);
+  record.children = LinksOf(children_, links, record_.children);
+  record.loop_edges = LinksOf(loop_edges_, links, record_.loop_edges);
+  record.merge_edges = LinksOf(merge_edges_, links, record_.merge_edges);
   const auto unresolved = static_cast<std::ptrdiff_t>(record.connections.size());
   for (const Covisible& covisible : connections_)
-    if (covisible.keyframe->IsListedIn(map))
-      record.connections.push_back({IdOf(*covisible.keyframe), covisible.weight});
+    if (links.Has(covisible.keyframe)) record.connections.push_back({IdOf(*covisible.keyframe), covisible.weight});
   std::inplace_merge(record.connections.begin(), record.connections.begin() + unresolved, record.connections.end(),
                      [](const Connection& a, const Connection& b) { return a.keyframe < b.keyframe; });
 }

@@ -20,10 +20,20 @@ Map::Map(Runtime& runtime, slamdb::Map header)
     : runtime_(runtime), id_(header.id.value()), record_(std::move(header)), lists_as_recorded_(true) {}
 
 Map::~Map() {
-  for (auto* list : {&keyframes_.live, &keyframes_.erased})
-    for (KeyFrame* keyframe : list->ToVector()) delete keyframe;
-  for (auto* list : {&points_.live, &points_.erased})
-    for (MapPoint* point : list->ToVector()) delete point;
+  DeleteListed();
+  for (KeyFrame* keyframe : keyframes_.erased.ToVector()) delete keyframe;
+  for (MapPoint* point : points_.erased.ToVector()) delete point;
+}
+
+bool Map::DeleteListed() {
+  for (KeyFrame* keyframe : keyframes_.live.ToVector()) delete keyframe;
+  for (MapPoint* point : points_.live.ToVector()) delete point;
+  keyframes_.live = {};
+  points_.live = {};
+  reference_points_.clear();
+  mvpKeyFrameOrigins.clear();
+  initial_ = lowest_ = nullptr;
+  return keyframes_.erased.size() + points_.erased.size() > 0;
 }
 
 // ---- lists
@@ -37,6 +47,7 @@ template <class Object>
 bool Map::Add(Objects<Object>& objects, Object* object) {
   if (Map* other = object->Listed::owner_; other != nullptr && other != this) {
     other->GiveUp(other->ObjectsOf(object), object);
+    object->UpdateMap(this);
     const Lock lock(mutex_);
     is_rebuilt_ = true;
   }
@@ -71,6 +82,20 @@ void Map::GiveUp(Objects<Object>& objects, Object* object) {
   object->Listed::owner_ = nullptr;
   is_rebuilt_ = true;
   lists_as_recorded_ = false;
+  Forget(object);
+}
+
+void Map::Forget(const KeyFrame* keyframe) {
+  if (lowest_ == keyframe) lowest_ = nullptr;
+  if (initial_ == keyframe) initial_ = FindLowest();
+}
+
+KeyFrame* Map::FindLowest() const {
+  if (lowest_ != nullptr) return lowest_;
+  const std::vector<KeyFrame*> all = keyframes_.live.ToVector();
+  const auto least =
+      std::min_element(all.begin(), all.end(), [](const KeyFrame* a, const KeyFrame* b) { return a->mnId < b->mnId; });
+  return least == all.end() ? nullptr : *least;
 }
 
 void Map::AddKeyFrame(KeyFrame* pKF) {
@@ -83,7 +108,11 @@ void Map::AddKeyFrame(KeyFrame* pKF) {
       initial_ = lowest_ = pKF;
     }
     record_.max_keyframe_id = std::max<std::uint64_t>(record_.max_keyframe_id, pKF->mnId);
-    if (lowest_ == nullptr || pKF->mnId < lowest_->mnId) lowest_ = pKF;
+    if (lowest_ == nullptr) {
+      lowest_ = FindLowest();
+      record_.lowest_keyframe = {};  // which was missing
+    }
+    if (pKF->mnId < lowest_->mnId) lowest_ = pKF;
   }
   pKF->MarkChanged();
 }
@@ -99,10 +128,8 @@ void Map::EraseKeyFrame(KeyFrame* pKF) {
   {
     const Lock lock(mutex_);
     if (lowest_ == pKF) {
-      const std::vector<KeyFrame*> rest = keyframes_.live.ToVector();
-      const auto least = std::min_element(rest.begin(), rest.end(),
-                                          [](const KeyFrame* a, const KeyFrame* b) { return a->mnId < b->mnId; });
-      lowest_ = least == rest.end() ? nullptr : *least;
+      lowest_ = nullptr;
+      lowest_ = FindLowest();
     }
   }
   pKF->MarkChanged();
@@ -165,6 +192,7 @@ void Map::clear() {
 
 void Map::ChangeId(long unsigned int nId) {
   const Change change(runtime_.gate);
+  runtime_.map_ids.Pass(nId);
   id_ = nId;
 }
 
@@ -191,7 +219,8 @@ KeyFrame* Map::GetOriginKF() {
 
 long unsigned int Map::GetLowerKFID() {
   const Lock lock(mutex_);
-  return lowest_ == nullptr ? 0 : lowest_->mnId;
+  const KeyFrame* lowest = FindLowest();
+  return lowest == nullptr ? 0 : lowest->mnId;
 }
 
 void Map::InformNewBigChange() {
@@ -279,8 +308,10 @@ slamdb::Map Map::ToHeader(bool repeated_entries) const {
     header.repeated_keyframes.clear();
     header.repeated_points.clear();
   }
-  if (initial_ != nullptr) header.first_keyframe = KeyFrameId(initial_->mnId);
-  if (lowest_ != nullptr) header.lowest_keyframe = KeyFrameId(lowest_->mnId);
+  const KeyFrame* lowest = FindLowest();
+  const KeyFrame* initial = initial_ == nullptr || initial_->IsListedIn(this) ? initial_ : lowest;
+  if (initial != nullptr) header.first_keyframe = KeyFrameId(initial->mnId);
+  if (lowest != nullptr && !record_.lowest_keyframe) header.lowest_keyframe = KeyFrameId(lowest->mnId);
   header.origins.clear();
   for (const KeyFrame* origin : mvpKeyFrameOrigins)
     if (origin->IsListedIn(this)) header.origins.push_back(KeyFrameId(origin->mnId));

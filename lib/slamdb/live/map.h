@@ -102,6 +102,11 @@ class Map {
   template <class Object>
   void GiveUp(Objects<Object>& objects, Object* object);  // to another map
   void TakeOver(Listed* object);
+  // Deletes what it lists; what was erased stays, since others may link to it. Returns whether there is any.
+  bool DeleteListed();
+  KeyFrame* FindLowest() const;
+  void Forget(const KeyFrame* keyframe);  // that goes to another map
+  void Forget(const MapPoint*) {}
   Objects<KeyFrame>& ObjectsOf(KeyFrame*) { return keyframes_; }
   Objects<MapPoint>& ObjectsOf(MapPoint*) { return points_; }
 
@@ -119,7 +124,7 @@ class Map {
   Objects<KeyFrame> keyframes_;
   Objects<MapPoint> points_;
   std::vector<MapPoint*> reference_points_;
-  KeyFrame *initial_ = nullptr, *lowest_ = nullptr;
+  KeyFrame *initial_ = nullptr, *lowest_ = nullptr;  // lowest_ null: not known, or there is none
 
   bool has_unique_ids_ = true;
 

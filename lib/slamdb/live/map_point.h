@@ -60,7 +60,8 @@ class MapPoint : public Listed {
   int Observations();
 
   // Keypoint `idx` of the keyframe sees the point; rows from KeyFrame::NLeft up are of the right image of a fisheye
-  // pair. Unlike ORB-SLAM3's, adding an observation again does not count it again.
+  // pair. Unlike ORB-SLAM3's, adding an observation again does not count it again, and a keypoint that the keyframe
+  // does not have throws Error.
   void AddObservation(KeyFrame* pKF, int idx);
   // The reference keyframe, if it is this one, becomes the observer of the lowest id. With two observations or less
   // left the point is flagged bad.
@@ -103,7 +104,8 @@ class MapPoint : public Listed {
   void UpdateMap(Map* pMap);  // the pointer only: mnOriginMapId stays
 
   // Fill the mBackup members with what leads to these keyframes and points, and find the targets again. PreSave changes
-  // nothing else; what dangles is in the report of PostLoad. Saving whole atlases does not use them (bridge.h).
+  // nothing else; what dangles is in the report of PostLoad. Saving and loading whole atlases does not use them
+  // (bridge.h), so they are empty until PreSave is called, and PostLoad then leaves the point without observations.
   void PreSave(std::set<KeyFrame*>& spKF, std::set<MapPoint*>& spMP);
   PostLoadReport PostLoad(std::map<long unsigned int, KeyFrame*>& mpKFid,
                           std::map<long unsigned int, MapPoint*>& mpMPid);
@@ -166,8 +168,9 @@ class MapPoint : public Listed {
   template <class Targets>
   void Link(const slamdb::MapPoint& record, const Targets& targets, Column<Observer>& block, PostLoadReport& report);
 
-  // The record: links to what `map` lists, and those that were never resolved. Under the closed gate.
-  slamdb::MapPoint ToRecord(const Map* map) const;
+  // The record: links that pass the filter, and those that were never resolved. Under the closed gate.
+  slamdb::MapPoint ToRecord(LinkFilter& links) const;
+  void WriteUnresolved(slamdb::MapPoint& record) const;
 
   Observer* FindObserver(const KeyFrame* keyframe);  // where it is or belongs
   std::vector<Observer> CopyObservers();

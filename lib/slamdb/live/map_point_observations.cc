@@ -2,6 +2,7 @@
 // Who sees a map point: observations, going bad, being replaced, the descriptor that follows from them.
 #include <algorithm>
 
+#include "slamdb/base/error.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
@@ -22,9 +23,15 @@ std::vector<Observer> MapPoint::CopyObservers() {
 }
 
 void MapPoint::AddObservation(KeyFrame* pKF, int idx) {
+  if (idx < 0 || idx >= pKF->N)
+    throw Error("kf " + std::to_string(pKF->mnId) + " has " + std::to_string(pKF->N) + " keypoints: none has row " +
+                std::to_string(idx));
   const Change change(runtime_.gate);
   {
     const Lock lock(mutex_features_);
+    if (unresolved_ != nullptr)
+      std::erase_if(unresolved_->observations,
+                    [&](const Observation& observation) { return observation.keyframe.value() == pKF->mnId; });
     auto observer = FindObserver(pKF);
     if (observer == observations_.end() || observer->keyframe != pKF) observer = observations_.Insert(observer, {pKF});
     const int before = pKF->WeightOfObservation(observer->left, observer->right);

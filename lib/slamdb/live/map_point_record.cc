@@ -44,7 +44,7 @@ MapPoint::MapPoint(const slamdb::MapPoint& record, Map* map) : MapPoint(map, rec
   bad_ = record.bad;
 }
 
-slamdb::MapPoint MapPoint::ToRecord(const Map* map) const {
+slamdb::MapPoint MapPoint::ToRecord(LinkFilter& links) const {
   slamdb::MapPoint record;
   record.id = MapPointId(mnId);
   record.first_keyframe = mnFirstKFid;
@@ -59,12 +59,18 @@ slamdb::MapPoint MapPoint::ToRecord(const Map* map) const {
   record.max_distance = max_distance_;
   record.observations.reserve(observations_.size());
   for (const Observer& observer : observations_)
-    if (observer.keyframe->IsListedIn(map))
+    if (links.Has(observer.keyframe))
       record.observations.push_back({KeyFrameId(observer.keyframe->mnId), observer.left, observer.right});
-  if (reference_ != nullptr && reference_->IsListedIn(map)) record.reference = KeyFrameId(reference_->mnId);
-  if (replaced_ != nullptr && replaced_->IsListedIn(map)) record.replaced_by = MapPointId(replaced_->mnId);
-  if (unresolved_ == nullptr) return record;
+  if (replaced_ != nullptr && links.Has(replaced_)) record.replaced_by = MapPointId(replaced_->mnId);
+  if (unresolved_ != nullptr) WriteUnresolved(record);
+  if (reference_ != nullptr && links.Has(reference_))
+    record.reference = KeyFrameId(reference_->mnId);
+  else if (reference_ != nullptr && !record.observations.empty())  // culled, though no observer of the point
+    record.reference = record.observations.front().keyframe;
+  return record;
+}
 
+void MapPoint::WriteUnresolved(slamdb::MapPoint& record) const {
   if (reference_ == nullptr) record.reference = unresolved_->reference;
   if (replaced_ == nullptr) record.replaced_by = unresolved_->replaced_by;
   const auto middle = static_cast<std::ptrdiff_t>(record.observations.size());
@@ -72,7 +78,6 @@ slamdb::MapPoint MapPoint::ToRecord(const Map* map) const {
                              unresolved_->observations.end());
   std::inplace_merge(record.observations.begin(), record.observations.begin() + middle, record.observations.end(),
                      [](const Observation& a, const Observation& b) { return a.keyframe < b.keyframe; });
-  return record;
 }
 
 void MapPoint::PreSave(std::set<KeyFrame*>& spKF, std::set<MapPoint*>& spMP) {

@@ -5,6 +5,13 @@
 #include <numeric>
 
 namespace slamdb::live {
+namespace {
+
+// What the target of a link is; a keyframe otherwise.
+bool IsOfCamera(LinkKind kind) { return kind == LinkKind::kCamera || kind == LinkKind::kRightCamera; }
+bool IsOfPoint(LinkKind kind) { return kind == LinkKind::kSlot || kind == LinkKind::kReplacement; }
+
+}  // namespace
 
 std::string_view ToString(LinkKind kind) {
   constexpr std::array<std::string_view, kLinkKinds> kNames = {
@@ -20,6 +27,11 @@ std::uint64_t PostLoadReport::dangling() const {
 
 void PostLoadReport::Add(const DanglingLink& link) {
   ++counts[static_cast<std::size_t>(link.kind)];
+  constexpr std::uint64_t kLargestId = (std::uint64_t{1} << 31) - 1;  // more is uninitialised memory
+  if (link.target <= kLargestId && !IsOfCamera(link.kind)) {
+    std::uint64_t& floor = IsOfPoint(link.kind) ? point_floor : keyframe_floor;
+    floor = std::max(floor, link.target + 1);
+  }
   if (examples.size() < kMostExamples) examples.push_back(link);
 }
 
@@ -31,6 +43,8 @@ void PostLoadReport::Append(const PostLoadReport& later) {
   bad_keyframes += later.bad_keyframes;
   bad_points += later.bad_points;
   duplicate_ids += later.duplicate_ids;
+  keyframe_floor = std::max(keyframe_floor, later.keyframe_floor);
+  point_floor = std::max(point_floor, later.point_floor);
 }
 
 std::string PostLoadReport::ToString() const {

@@ -58,6 +58,9 @@ struct PostLoadReport {
   std::uint64_t bad_points = 0;        // likewise
   std::uint64_t duplicate_ids = 0;     // of keyframes and points in one map: links go to the first of equals
 
+  // One past the highest ids that dangle: new objects get ids from there on, not those of others that are missing.
+  std::uint64_t keyframe_floor = 0, point_floor = 0;
+
   double seconds = 0;  // that finding the targets took
 
   std::uint64_t operator[](LinkKind kind) const { return counts[static_cast<std::size_t>(kind)]; }

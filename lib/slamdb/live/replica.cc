@@ -61,7 +61,8 @@ void RemoveKeyFrames(slamdb::Map& map, const IdSet<slamdb::KeyFrame>& gone) {
   }
   for (slamdb::MapPoint& point : map.points) {
     std::erase_if(point.observations, [&](const Observation& o) { return is_gone(o.keyframe); });
-    clear(point.reference);
+    if (is_gone(point.reference))
+      point.reference = point.observations.empty() ? KeyFrameId() : point.observations.front().keyframe;
   }
 }
 

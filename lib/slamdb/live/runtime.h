@@ -36,6 +36,12 @@ class IdCounter {
     } while (!next_.compare_exchange_weak(next, id + 1, std::memory_order_relaxed));
     return id;
   }
+  // Never hands out this one, nor any below.
+  void Pass(std::uint64_t id) {
+    std::uint64_t next = next_.load(std::memory_order_relaxed);
+    while (next <= id && !next_.compare_exchange_weak(next, id + 1, std::memory_order_relaxed)) {
+    }
+  }
   std::uint64_t recorded() const { return next_.load(std::memory_order_relaxed); }
 
   // Before other threads use it: as a file says, which may be too low for the ids that the file holds.

@@ -25,6 +25,14 @@ std::vector<Object*> OfMap(const std::vector<Object*>& changed, const Map* map) 
 
 }  // namespace
 
+template <class Object, class... More>
+auto Bridge::RecordOf(Object& object, const Map& map, More... more) {
+  LinkFilter links(&map);
+  auto record = object.ToRecord(links, more...);
+  if (links.waits()) object.MarkChanged();
+  return record;
+}
+
 bool Bridge::HasRepeatedEntries(const Atlas& atlas) {
   return atlas.lists_as_recorded_ &&
          std::all_of(atlas.maps_.begin(), atlas.maps_.end(), [](const auto& map) { return map->lists_as_recorded_; });
@@ -51,12 +59,12 @@ slamdb::Map Bridge::CopyMap(const Map& map, bool repeated_entries, int threads) 
   const std::vector<KeyFrame*> keyframes = map.keyframes_.live.ToVector();
   copy.keyframes.resize(keyframes.size());
   ParallelFor(keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) copy.keyframes[row] = keyframes[row]->ToRecord(&map, true);
+    for (std::size_t row = begin; row < end; ++row) copy.keyframes[row] = RecordOf(*keyframes[row], map, true);
   });
   const std::vector<MapPoint*> points = map.points_.live.ToVector();
   copy.points.resize(points.size());
   ParallelFor(points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) copy.points[row] = points[row]->ToRecord(&map);
+    for (std::size_t row = begin; row < end; ++row) copy.points[row] = RecordOf(*points[row], map);
   });
   return copy;
 }
@@ -93,12 +101,12 @@ MapSnapshot Bridge::CopyChanged(Map& map, bool repeated_entries, const std::vect
       continue;
     }
     snapshot.with_features.push_back(!keyframe->was_saved_);
-    snapshot.map.keyframes.push_back(keyframe->ToRecord(&map, !keyframe->was_saved_));
+    snapshot.map.keyframes.push_back(RecordOf(*keyframe, map, !keyframe->was_saved_));
     NoteSaved(*keyframe);
   }
   for (MapPoint* point : points) {
     if (point->IsListedIn(&map)) {
-      snapshot.map.points.push_back(point->ToRecord(&map));
+      snapshot.map.points.push_back(RecordOf(*point, map));
     } else {
       snapshot.erased_points.push_back(MapPointId(point->mnId));
     }
@@ -106,9 +114,20 @@ MapSnapshot Bridge::CopyChanged(Map& map, bool repeated_entries, const std::vect
   return snapshot;
 }
 
+// A map that is merged into another one goes bad first, and then gives up its keyframes: until those are moved or
+// removed they are not lost.
+std::vector<Map*> Bridge::CheckpointedMaps(Atlas& atlas) {
+  std::vector<Map*> maps;
+  for (const auto& map : atlas.maps_)
+    if (map->IsSaved()) maps.push_back(map.get());
+  for (const auto& map : atlas.bad_maps_)
+    if (map->keyframes_.live.size() > 0) maps.push_back(map.get());
+  return maps;
+}
+
 // Those in the log, and those of which a client wrote a public member without a word.
 std::vector<KeyFrame*> Bridge::TakeChangedKeyFrames(Atlas& atlas) {
-  for (const auto& map : atlas.maps_)
+  for (const Map* map : CheckpointedMaps(atlas))
     for (KeyFrame* keyframe : map->keyframes_.live.ToVector())
       if (keyframe->saved_members_ != keyframe->ReadPublicMembers()) keyframe->MarkChanged();
   return atlas.runtime_.changed_keyframes.Take();
@@ -119,12 +138,11 @@ Snapshot Bridge::TakeChanges(Atlas& atlas, bool everything, int threads) {
   const std::vector<KeyFrame*> keyframes = TakeChangedKeyFrames(atlas);
   const std::vector<MapPoint*> points = atlas.runtime_.changed_points.Take();
   const bool repeated = HasRepeatedEntries(atlas);
-  for (const auto& map : atlas.maps_) {
-    if (!map->IsSaved()) continue;
+  for (Map* map : CheckpointedMaps(atlas)) {
     if (everything || map->is_rebuilt_ || !map->has_unique_ids_) {
       snapshot.maps.push_back(CopyWhole(*map, repeated, threads));
     } else {
-      snapshot.maps.push_back(CopyChanged(*map, repeated, OfMap(keyframes, map.get()), OfMap(points, map.get())));
+      snapshot.maps.push_back(CopyChanged(*map, repeated, OfMap(keyframes, map), OfMap(points, map)));
     }
   }
   return snapshot;

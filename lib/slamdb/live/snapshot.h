@@ -49,6 +49,10 @@ struct Bridge {
                       int threads, PostLoadReport& report);
   static void LinkHeader(Map& map, const LinkTargets& targets, PostLoadReport& report);
 
+  static std::vector<Map*> CheckpointedMaps(Atlas& atlas);
+  // The object's record. What links to an object that is in no map yet counts as changed until that is added.
+  template <class Object, class... More>
+  static auto RecordOf(Object& object, const Map& map, More... more);
   static slamdb::Atlas Header(Atlas& atlas);
   static bool HasRepeatedEntries(const Atlas& atlas);  // that still hold
   static slamdb::Map CopyMap(const Map& map, bool repeated_entries, int threads);

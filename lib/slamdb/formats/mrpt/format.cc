@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "slamdb/base/file_stream.h"
@@ -97,7 +98,8 @@ void WriteLandmarks(const std::vector<Landmark>& landmarks, const WriteOptions& 
 }
 
 template <class Append>
-void WriteStream(const Atlas& atlas, const Location& location, const WriteOptions& options, Append append) {
+void WriteStream(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices,
+                 Append append) {
   OutputFile file(location, options);
   const auto write_map = [&](const std::vector<Landmark>& landmarks) {
     std::string head = mrpt::HeaderOf(mrpt::kMapClass, mrpt::kMapVersion);
@@ -110,6 +112,9 @@ void WriteStream(const Atlas& atlas, const Location& location, const WriteOption
   for (const Map* map : maps) write_map(map->landmarks);
   if (maps.empty()) write_map({});
   file.Commit();
+  if (maps.size() > 1)
+    notices.Note("the stream holds " + std::to_string(maps.size()) +
+                 " maps, one behind the other; programs that read one see the first (--map writes one)");
 }
 
 template <class Test>
@@ -141,7 +146,7 @@ void NameLoss(std::uint64_t count, const std::string& format, const std::string&
 }
 
 void Write2(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  WriteStream(atlas, location, options, [&](std::string& out, const Landmark& landmark) {
+  WriteStream(atlas, location, options, notices, [&](std::string& out, const Landmark& landmark) {
     mrpt::AppendLandmark2(out, landmark, options.mrpt_own_slots);
   });
   NameLoss(CountLandmarks(atlas, options, IsRounded), "mrpt", "64-bit covariances", notices);
@@ -151,7 +156,7 @@ void Write2(const Atlas& atlas, const Location& location, const WriteOptions& op
 }
 
 void Write3(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  WriteStream(atlas, location, options, mrpt::AppendLandmark3);
+  WriteStream(atlas, location, options, notices, mrpt::AppendLandmark3);
   const auto lose = [&](const std::string& what, bool (*has)(const Landmark&)) {
     NameLoss(CountLandmarks(atlas, options, has), "mrpt3", what, notices);
   };
@@ -167,6 +172,10 @@ void WriteText(const Atlas& atlas, const Location& location, const WriteOptions&
   file.Commit();
   const auto all = [](const Landmark&) { return true; };
   NameLoss(CountLandmarks(atlas, options, all), "mrpt-text", "covariances, normals, keypoints and dates", notices);
+  const auto has_wide_id = [](const Landmark& landmark) {
+    return landmark.id && landmark.id.value() > std::numeric_limits<std::int32_t>::max();
+  };
+  NameLoss(CountLandmarks(atlas, options, has_wide_id), "mrpt-text", "ids of more than 31 bits", notices);
 }
 
 }  // namespace
@@ -174,8 +183,8 @@ void WriteText(const Atlas& atlas, const Location& location, const WriteOptions&
 const Format kMrptFormat{.id = "mrpt",
                          .title = "MRPT 2 landmarks map",
                          .suffixes = kSuffixes,
-                         .reads = kLandmarks,
-                         .writes = kLandmarks,
+                         .reads = kLandmarks | kMaps,
+                         .writes = kLandmarks | kMaps,
                          .sniff = Sniff2,
                          .read = Read,
                          .write = Write2};
@@ -183,8 +192,8 @@ const Format kMrptFormat{.id = "mrpt",
 const Format kMrpt3Format{.id = "mrpt3",
                           .title = "MRPT 3 landmarks map",
                           .suffixes = kSuffixes3,
-                          .reads = kLandmarks,
-                          .writes = kLandmarks,
+                          .reads = kLandmarks | kMaps,
+                          .writes = kLandmarks | kMaps,
                           .sniff = Sniff3,
                           .read = Read,
                           .write = Write3};
