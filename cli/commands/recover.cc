@@ -187,7 +187,7 @@ const Command kRecover = {
         R"(Reads every keyframe and point that is whole in an ORB-SLAM3 file that was cut short or damaged, binary or text, or in a
 damaged store; finds again what the keyframes tell of what is lost (cameras, the next ids); drops or repairs what refers to
 the rest; and writes an atlas that 'slamdb check' finds sound. The input is never changed. Landmarks of a store are saved
-too.
+too, and those of an MRPT file in front of a cut.
 
 In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its
 middle still has the keyframes in front of the cut, and the points only of maps before. Where the beginning is lost, reading

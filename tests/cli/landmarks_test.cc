@@ -148,6 +148,22 @@ TEST(Landmarks, StandInTheWayOfVersion1) {
   EXPECT_FALSE(std::filesystem::exists(folder / "both.db.v2.bak")) << "nothing was changed, so nothing is kept";
 }
 
+TEST(Landmarks, InFrontOfACutAreRecovered) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "a.mrpt.gz", "--quiet"}).exit_code, 3);
+  for (const std::string input : {"a.mrpt", "a.mrpt3", "a.mrpt.gz"}) {
+    if (input != "a.mrpt.gz") RunSlamdb({"convert", folder / "a.mrpt.gz", folder / input});
+    const std::string whole = ReadWholeFile(folder / input);
+    WriteWholeFile(folder / ("cut_" + input), whole.substr(0, whole.size() / 2));
+    const ProcessResult result = RunSlamdb({"recover", folder / ("cut_" + input), folder / ("got_" + input), "--json"});
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    const json landmarks = json::parse(result.out).at("landmarks");
+    EXPECT_NEAR(landmarks.at("recovered").get<double>(), 1581, input == "a.mrpt.gz" ? 200 : 2) << input;
+    EXPECT_EQ(landmarks.at("listed"), 3162);
+    EXPECT_EQ(RunSlamdb({"check", folder / ("got_" + input)}).exit_code, 0);
+  }
+}
+
 TEST(Landmarks, BadUseIsTold) {
   EXPECT_EQ(RunSlamdb({"landmarks"}).exit_code, 2);
   EXPECT_EQ(RunSlamdb({"landmarks", "from-points", kSession, "x.mrpt", "--sigma", "0"}).exit_code, 2);

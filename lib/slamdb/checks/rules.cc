@@ -573,7 +573,7 @@ constexpr Rule kRules[] = {
      Unfixable("the two may be different things; `slamdb landmarks to-points` takes them for one and fuses them")},
     {"landmark-finite", kError, "landmarks and their normals are finite",
      "does not see landmarks, but MRPT computes with NaN", CheckLandmarkFinite,
-     Unfixable("where it is, is recorded nowhere else; `slamdb recover` leaves it out of a store")},
+     Unfixable("where it is, is recorded nowhere else; `slamdb recover` leaves the landmark out")},
     {"landmark-covariance", kWarning, "covariances of landmarks have no negative variance in any direction",
      "does not see landmarks, but whoever weighs by the covariance gets wrong estimates", CheckLandmarkCovariance,
      Unfixable(

@@ -116,7 +116,7 @@ void RaiseCounters(Atlas& atlas, RecoverReport& report) {
   Counters& next = atlas.next_ids;
   for (Map& map : atlas.maps) {
     raise(next.map, map.id.value());
-    raise(next.keyframe, map.max_keyframe_id);
+    if (!map.keyframes.empty()) raise(next.keyframe, map.max_keyframe_id);
     for (const KeyFrame& keyframe : map.keyframes) {
       raise(next.frame, keyframe.frame_id);
       raise(next.map, keyframe.origin_map);

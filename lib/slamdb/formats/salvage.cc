@@ -5,6 +5,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/mrpt/mrpt.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/orbslam3/salvage.h"
 #include "slamdb/formats/sqlite/salvage.h"
@@ -27,8 +28,9 @@ Salvage SalvageAtlas(const Location& location, const ReadOptions& options, std::
   const Format& format = FormatOfInput(location, from);
   if (format.id == "orbslam3" || format.id == "orbslam3-text") return SalvageOrbslam3(location.path, options);
   if (format.id == "store") return SalvageStore(location.path, location.name, options);
+  if (format.id == "mrpt" || format.id == "mrpt3") return SalvageMrpt(location.path);
   throw Error(location.path, "",
-              "is a " + std::string(format.title) + "; only ORB-SLAM3 files and stores are recovered");
+              "is a " + std::string(format.title) + "; only ORB-SLAM3 files, stores and MRPT landmarks are recovered");
 }
 
 }  // namespace slamdb

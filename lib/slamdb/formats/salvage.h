@@ -28,8 +28,8 @@ struct Salvage {
   bool lost_beginning = false;  // of an ORB-SLAM3 file: vocabulary, number of maps, head of the first map
 };
 
-// Reads what can be read, with the format of the input: ORB-SLAM3 files (orbslam3/salvage.h) and stores
-// (sqlite/salvage.h). Throws Error when nothing can, or for another format.
+// Reads what can be read, with the format of the input: ORB-SLAM3 files (orbslam3/salvage.h), stores (sqlite/salvage.h)
+// and MRPT landmarks (mrpt/mrpt.h). Throws Error when nothing can, or for another format.
 Salvage SalvageAtlas(const Location& location, const ReadOptions& options, std::string_view from = {});
 
 }  // namespace slamdb

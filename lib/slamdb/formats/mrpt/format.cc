@@ -180,6 +180,17 @@ void WriteText(const Atlas& atlas, const Location& location, const WriteOptions&
 
 }  // namespace
 
+Salvage SalvageMrpt(const std::string& path) {
+  FileStream file(path);
+  file.FillTo(file.size());
+  std::string_view bytes(file.data(), file.size());
+  std::string decompressed;
+  if (mrpt::IsGzip(bytes)) bytes = decompressed = mrpt::DecompressHead(bytes, mrpt::MostBytes(bytes));
+  Salvage salvage = mrpt::SalvageMaps(path, bytes);
+  RaiseCounters(salvage.atlas);
+  return salvage;
+}
+
 const Format kMrptFormat{.id = "mrpt",
                          .title = "MRPT 2 landmarks map",
                          .suffixes = kSuffixes,

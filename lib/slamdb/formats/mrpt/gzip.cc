@@ -56,8 +56,10 @@ class Inflater {
 
 bool IsGzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
+std::size_t MostBytes(std::string_view gzip) { return std::max(kAlwaysAllowed, gzip.size() * kMostGrowth); }
+
 std::string Decompress(const std::string& path, std::string_view gzip) {
-  const std::size_t most = std::max(kAlwaysAllowed, gzip.size() * kMostGrowth);
+  const std::size_t most = MostBytes(gzip);
   Inflater inflater(gzip);
   std::string bytes;
   while (inflater.Step(bytes))

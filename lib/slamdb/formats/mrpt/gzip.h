@@ -14,6 +14,9 @@ bool IsGzip(std::string_view bytes);
 // 256 MB and 200 times its size, as only files made to fill a machine's memory do.
 std::string Decompress(const std::string& path, std::string_view gzip);
 
+// How many bytes Decompress takes from such a file at most.
+std::size_t MostBytes(std::string_view gzip);
+
 // As many of the first bytes as `size` and what of the file is given allow; empty when it is damaged.
 std::string DecompressHead(std::string_view gzip, std::size_t size);
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/formats/salvage.h"
 #include "slamdb/model/atlas.h"
 
 // The objects of landmarks in MRPT's streams, one by one.
@@ -20,6 +21,9 @@ std::optional<Layout> LayoutOf(std::string_view bytes);
 // Every object of the stream, the maps with ids 0, 1, ...; bare landmarks, one behind the other, share a map.
 // Throws Error naming byte and landmark.
 std::vector<Map> ReadMaps(const std::string& path, std::string_view bytes);
+
+// The landmarks in front of what is damaged; no object behind it can be told from it.
+Salvage SalvageMaps(const std::string& path, std::string_view bytes);
 
 // Appends one landmark as MRPT 2 or 3 has it in a map. With `own_slots` an ORB descriptor of MRPT 2 goes where its
 // writer puts it, otherwise where its reader looks for it.

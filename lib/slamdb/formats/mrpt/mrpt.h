@@ -2,6 +2,7 @@
 #pragma once
 
 #include "slamdb/formats/format.h"
+#include "slamdb/formats/salvage.h"
 
 namespace slamdb {
 
@@ -11,5 +12,9 @@ namespace slamdb {
 extern const Format kMrptFormat;      // mrpt: MRPT 2
 extern const Format kMrpt3Format;     // mrpt3: MRPT 3, whose landmarks have no features, normals and times
 extern const Format kMrptTextFormat;  // mrpt-text: what CLandmarksMap::saveToTextFile of MRPT 2 writes; write only
+
+// The landmarks of a stream, plain or compressed, in front of what is damaged or cut. Throws Error when the file cannot
+// be read.
+Salvage SalvageMrpt(const std::string& path);
 
 }  // namespace slamdb

@@ -155,25 +155,67 @@ bool StartsLikeLandmark2(std::string_view bytes) {
          bytes.substr(1).starts_with(kLandmarkClass);
 }
 
-std::vector<Landmark> ReadLandmarks(StreamReader& in) {
-  const auto count = in.Get<std::uint32_t>("a number of landmarks");
-  const bool is_mrpt2 = StartsLikeLandmark2(in.rest());
-  const std::size_t least = is_mrpt2 ? kLeastLandmark2 : kRecord3;
-  if (count > in.left() / least)
-    throw in.Bad("a count of " + std::to_string(count) + " landmarks does not fit into the " +
-                 std::to_string(in.left()) + " bytes left: the file is truncated");
-  std::vector<Landmark> landmarks;
-  landmarks.reserve(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    in.SetPlace("landmark " + std::to_string(i));
-    std::uint8_t version = 0;
-    if (is_mrpt2) ExpectObject(in, kLandmarkClass, kLandmarkVersion, kLandmarkVersion, version);
-    landmarks.push_back(is_mrpt2 ? ReadLandmark2(in) : ReadLandmark3(in));
+// The objects of a stream, one behind the other.
+class MapsReader {
+ public:
+  MapsReader(const std::string& path, std::string_view bytes, Salvage& into) : in_(path, bytes), into_(into) {}
+
+  // What was read before an Error stays in `into`. With `all` an impossible count is an Error; otherwise what is there
+  // is read until it ends.
+  void Run(bool all) {
+    while (in_.left() > 0) {
+      const ObjectHeader header = ReadHeader(in_);
+      const bool is_map = header.name == kMapClass && header.version == kMapVersion;
+      const bool is_landmark = header.name == kLandmarkClass && header.version == kLandmarkVersion;
+      if (!is_map && !is_landmark)
+        throw in_.Bad("expected a landmarks map of MRPT 2 or 3, found a " + std::string(header.name) + " of version " +
+                      std::to_string(header.version));
+      if (is_map || !bare_) AddMap();
+      bare_ = is_landmark;
+      if (is_map)
+        ReadLandmarks(all);
+      else
+        Add(ReadLandmark2(in_), 1);
+    }
   }
-  in.SetPlace("");
-  in.ExpectEndFlag("the map");
-  return landmarks;
-}
+
+ private:
+  void AddMap() {
+    const MapId id(into_.maps.size());
+    into_.atlas.maps.emplace_back().id = id;
+    into_.maps.push_back({.id = id});
+    into_.maps_listed = into_.maps.size();
+  }
+
+  void Add(Landmark landmark, std::uint64_t listed) {
+    into_.atlas.maps.back().landmarks.push_back(std::move(landmark));
+    ++into_.maps.back().landmarks.read;
+    into_.maps.back().landmarks.listed += listed;
+  }
+
+  void ReadLandmarks(bool all) {
+    const auto count = in_.Get<std::uint32_t>("a number of landmarks");
+    const bool is_mrpt2 = StartsLikeLandmark2(in_.rest());
+    const std::size_t most = in_.left() / (is_mrpt2 ? kLeastLandmark2 : kRecord3);
+    if (all && count > most)
+      throw in_.Bad("a count of " + std::to_string(count) + " landmarks does not fit into the " +
+                    std::to_string(in_.left()) + " bytes left: the file is truncated");
+    into_.maps.back().landmarks.listed = count;
+    into_.atlas.maps.back().landmarks.reserve(std::min<std::size_t>(count, most));
+    for (std::uint32_t i = 0; i < count; ++i) {
+      in_.SetPlace("landmark " + std::to_string(i));
+      std::uint8_t version = 0;
+      if (is_mrpt2) ExpectObject(in_, kLandmarkClass, kLandmarkVersion, kLandmarkVersion, version);
+      Add(is_mrpt2 ? ReadLandmark2(in_) : ReadLandmark3(in_), 0);
+    }
+    in_.SetPlace("");
+    in_.ExpectEndFlag("the map");
+  }
+
+  StreamReader in_;
+  Salvage& into_;
+  bool bare_ = false;  // the last map is one of bare landmarks
+};
 
 }  // namespace
 
@@ -187,27 +229,19 @@ std::optional<Layout> LayoutOf(std::string_view bytes) {
 }
 
 std::vector<Map> ReadMaps(const std::string& path, std::string_view bytes) {
-  StreamReader in(path, bytes);
-  std::vector<Map> maps;
-  bool bare = false;  // the last map is one of bare landmarks
-  while (in.left() > 0) {
-    const ObjectHeader header = ReadHeader(in);
-    const bool is_map = header.name == kMapClass && header.version == kMapVersion;
-    const bool is_landmark = header.name == kLandmarkClass && header.version == kLandmarkVersion;
-    if (!is_map && !is_landmark)
-      throw in.Bad("expected a landmarks map of MRPT 2 or 3, found a " + std::string(header.name) + " of version " +
-                   std::to_string(header.version));
-    if (is_map || !bare) {
-      const MapId id(maps.size());
-      maps.emplace_back().id = id;
-    }
-    bare = is_landmark;
-    if (is_map)
-      maps.back().landmarks = ReadLandmarks(in);
-    else
-      maps.back().landmarks.push_back(ReadLandmark2(in));
+  Salvage read;
+  MapsReader(path, bytes, read).Run(true);
+  return std::move(read.atlas.maps);
+}
+
+Salvage SalvageMaps(const std::string& path, std::string_view bytes) {
+  Salvage salvage;
+  try {
+    MapsReader(path, bytes, salvage).Run(false);
+  } catch (const Error& error) {
+    salvage.damage.push_back(error.place() + ": " + error.problem());
   }
-  return maps;
+  return salvage;
 }
 
 }  // namespace slamdb::mrpt
