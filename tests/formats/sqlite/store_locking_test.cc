@@ -45,6 +45,19 @@ TEST_F(StoreLocking, ReadersSeeTheOldStateWhileAWriterSaves) {
   EXPECT_EQ(FirstDifference(reader.Load("a"), SoundAtlas()), "");
 }
 
+// A reader with several connections sees one moment in all of them, however often somebody saves.
+TEST_F(StoreLocking, ReadersFindAMomentBetweenTheSavesOfABusyWriter) {
+  SaveIn(path_, SoundAtlas());
+  std::jthread writer([this](const std::stop_token& stop) {
+    Store store = Store::OpenForWriting(path_, {.sync = false});
+    for (bool odd = true; !stop.stop_requested(); odd = !odd) store.Save("a", odd ? OddAtlas() : SoundAtlas());
+  });
+  for (int i = 0; i < 20; ++i) {
+    const Atlas atlas = LoadFrom(path_, "a", {.threads = 4});
+    EXPECT_TRUE(FirstDifference(atlas, OddAtlas()).empty() || FirstDifference(atlas, SoundAtlas()).empty());
+  }
+}
+
 TEST_F(StoreLocking, SecondWriterIsToldWhoHoldsTheLockAfterTheWait) {
   SaveIn(path_, OddAtlas());
   Store writer = Store::OpenForWriting(path_, {.sync = false});

@@ -160,7 +160,9 @@ Atlas Store::Load(const std::string& name, const ReadOptions& options) {
     try {
       Transaction transaction(database, Transaction::Kind::kBegin);
       const std::int64_t row = state_->RowOf(name);
-      Atlas atlas = LoadAtlas(database, row, options);
+      ReadOptions how = options;
+      if (attempt == kLoadAttempts) how.threads = 1;  // one connection sees one moment, whoever saves
+      Atlas atlas = LoadAtlas(database, row, how);
       if (options.part_sizes != nullptr) *options.part_sizes = PartSizesOf(database, row);
       if (!database.immutable() || FileState::Of(path()) == before) return atlas;
     } catch (const SnapshotChanged&) {
