@@ -158,6 +158,21 @@ TEST_F(CheckpointerTest, KeepsABadMapUntilItIsRemoved) {
   EXPECT_EQ(Stored().maps.size(), 1U);
 }
 
+TEST_F(CheckpointerTest, LeavesBadEntriesAsTheyWereRecorded) {
+  slamdb::Atlas model = SynthesizeAtlas({.keyframes = 10, .points = 300, .features = 300});
+  slamdb::MapPoint& bad = model.maps[0].points[7];
+  const KeyFrameId goes = bad.observations.back().keyframe;
+  bad.bad = true;
+  const LiveAtlas live = FromModel(model);
+  Checkpointer checkpointer(*live.atlas, location(), by_hand_);
+  for (KeyFrame* keyframe : live.atlas->GetAllMaps().front()->GetAllKeyFrames())
+    if (keyframe->mnId == goes.value()) keyframe->SetBadFlag();
+  checkpointer.Save();
+  EXPECT_THAT(Stored(), EqualsAtlas(ToModel(*live.atlas)));
+  const slamdb::Atlas stored = Stored();
+  EXPECT_EQ(AtlasIndex(stored).FindPoint(0, bad.id)->observations, bad.observations);
+}
+
 TEST_F(CheckpointerTest, RefusesWhatIsNoStoreAndNoInterval) {
   World world;
   EXPECT_THROW(Checkpointer(world.atlas, path() + ".osa#run", by_hand_), Error);

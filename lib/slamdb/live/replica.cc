@@ -45,7 +45,8 @@ void UpdatePoints(slamdb::Map& map, Column<slamdb::MapPoint> changed) {
   }
 }
 
-// Removes what was erased, and every link to it that somebody still has.
+// Removes what was erased, and every link to it that somebody still has. Bad entries of the lists are no part of the
+// graph: they stay as they were recorded.
 void RemoveKeyFrames(slamdb::Map& map, const IdSet<slamdb::KeyFrame>& gone) {
   if (gone.empty()) return;
   const auto is_gone = [&](KeyFrameId id) { return gone.contains(id); };
@@ -54,12 +55,14 @@ void RemoveKeyFrames(slamdb::Map& map, const IdSet<slamdb::KeyFrame>& gone) {
   };
   std::erase_if(map.keyframes, [&](const slamdb::KeyFrame& keyframe) { return is_gone(keyframe.id); });
   for (slamdb::KeyFrame& keyframe : map.keyframes) {
+    if (keyframe.bad) continue;
     std::erase_if(keyframe.connections, [&](const Connection& c) { return is_gone(c.keyframe); });
     for (Column<KeyFrameId>* links : {&keyframe.children, &keyframe.loop_edges, &keyframe.merge_edges})
       std::erase_if(*links, is_gone);
     for (KeyFrameId* link : {&keyframe.parent, &keyframe.previous, &keyframe.next}) clear(*link);
   }
   for (slamdb::MapPoint& point : map.points) {
+    if (point.bad) continue;
     std::erase_if(point.observations, [&](const Observation& o) { return is_gone(o.keyframe); });
     if (is_gone(point.reference))
       point.reference = point.observations.empty() ? KeyFrameId() : point.observations.front().keyframe;
@@ -70,10 +73,12 @@ void RemovePoints(slamdb::Map& map, const IdSet<slamdb::MapPoint>& gone) {
   if (gone.empty()) return;
   std::erase_if(map.points, [&](const slamdb::MapPoint& point) { return gone.contains(point.id); });
   for (slamdb::MapPoint& point : map.points)
-    if (gone.contains(point.replaced_by)) point.replaced_by = {};
-  for (slamdb::KeyFrame& keyframe : map.keyframes)
+    if (!point.bad && gone.contains(point.replaced_by)) point.replaced_by = {};
+  for (slamdb::KeyFrame& keyframe : map.keyframes) {
+    if (keyframe.bad) continue;
     for (MapPointId& slot : keyframe.features.map_points)
       if (slot && gone.contains(slot)) slot = {};
+  }
 }
 
 slamdb::Map Update(slamdb::Map before, MapSnapshot snapshot) {
