@@ -193,7 +193,7 @@ TEST_P(RecoverBase, ReadsOnBehindADamagedFirstKeyFrame) {
   EXPECT_EQ(PointsOf(salvage.atlas), PointsOf(whole));
 }
 
-// The first page of a file, or a stretch up to the middle of its first keyframe, holds zeros.
+// A stretch at the beginning of a file, or behind its header, up to its first keyframes, holds zeros.
 TEST_P(RecoverBase, FilesWithoutTheirBeginning) {
   const auto [base, text] = GetParam();
   const Atlas& whole = SoundAtlas(base);
@@ -214,6 +214,7 @@ TEST_P(RecoverBase, FilesWithoutTheirBeginning) {
     EXPECT_EQ(PointsOf(salvage.atlas), PointsOf(whole));
     EXPECT_EQ(salvage.atlas.cameras.size(), whole.cameras.size());
     EXPECT_EQ(salvage.atlas.next_ids, whole.next_ids);
+    EXPECT_EQ(salvage.lost_beginning, lost > 1) << "a damaged header is all that is lost";
     const std::optional<Atlas> recovered = RecoverBytes(damaged);
     ASSERT_TRUE(recovered);
     EXPECT_GE(KeyFramesOf(*recovered) + lost / keyframe + 2, KeyFramesOf(whole));

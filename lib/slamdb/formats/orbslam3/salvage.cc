@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kLeastObjectBytes = 64;  // takes less than any object
 constexpr std::size_t kTruncationBytes = 64;   // failing so close to the end is because of the end
+constexpr std::size_t kMostBehindNoMaps = 4096;
 constexpr std::size_t kMostTries = 1'000'000;  // places that only look like an object: seconds, in files made for it
 
 // Where the pointer to a new object stands.
@@ -139,6 +140,7 @@ ArchiveHeader UsualHeader(std::string_view file) {
   const std::string_view middle = file.substr(file.size() / 2, 4096);
   header.encoding.text =
       std::all_of(middle.begin(), middle.end(), [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
+  header.bytes = WriteArchiveHeader(header.encoding).size();
   return header;
 }
 
@@ -157,7 +159,7 @@ class Salvager {
   // `header_error`: why the header was not read; null: it was.
   Salvage Run(const Error* header_error) {
     if (header_error != nullptr) Note(*header_error);
-    salvage_.lost_beginning = header_error != nullptr || !ReadBeginning();
+    salvage_.lost_beginning = !ReadBeginning();
     if (salvage_.lost_beginning) GoToFirstMap();
     try {
       if (ReadMaps()) ReadCameras();
@@ -198,7 +200,8 @@ class Salvager {
       Note(error);
       return false;
     }
-    return salvage_.maps_listed == 0 || MapStandsHere();
+    // Zeros look like an atlas without maps, behind which only cameras and counters stand.
+    return salvage_.maps_listed == 0 ? at_.input.remaining() <= kMostBehindNoMaps : MapStandsHere();
   }
 
   // Where the beginning is lost, whatever its bytes say: there is a map, and its keyframes stand somewhere.
