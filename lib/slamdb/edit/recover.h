@@ -8,7 +8,7 @@ namespace slamdb {
 struct RecoverOptions {
   // Another atlas of the same cameras and vocabulary: those that are lost are taken from it.
   const Atlas* rig = nullptr;
-  int threads = 0;             // 0: every core
+  int threads = 0;  // 0: every core
 };
 
 struct RecoverReport {
@@ -20,7 +20,7 @@ struct RecoverReport {
   std::vector<CameraId> guessed_lenses;   // of those, fisheye cameras whose lens parameters nothing tells: set to 0
   std::vector<CameraId> taken_cameras;    // from the rig
   std::vector<MapId> rebuilt_maps;        // whose members behind the lists were lost: origins, inertial stage and such
-  bool taken_vocabulary = false;  // from the rig
+  bool taken_vocabulary = false;          // from the rig
   bool rebuilt_counters = false;
   std::vector<AppliedFix> repairs;  // of what depended on what is lost
   std::vector<Unrepaired> left;     // as in RepairReport

@@ -50,7 +50,8 @@ INSTANTIATE_TEST_SUITE_P(
     Files, Recognize,
     ::testing::Values(
         WrongFile{"empty", "", "is empty"}, WrongFile{"zeros", std::string(100, '\0'), "begins with 100 zero bytes"},
-        WrongFile{"gzip", "\x1f\x8b\x08"s, "gzip-compressed, and what is in it, or left of it, does not begin like a landmarks map"},
+        WrongFile{"gzip", "\x1f\x8b\x08"s,
+                  "gzip-compressed, and what is in it, or left of it, does not begin like a landmarks map"},
         WrongFile{"xz", "\xfd\x37zXZ\0"s, "xz-compressed; unpack it first (unxz)"},
         WrongFile{"zstd", "\x28\xb5\x2f\xfd"s, "zstd-compressed"}, WrongFile{"bzip2", "BZh91AY"s, "bzip2-compressed"},
         WrongFile{"zip", "PK\x03\x04"s, "zip archive"}, WrongFile{"seven_zip", "7z\xbc\xaf\x27\x1c"s, "7z archive"},
