@@ -147,6 +147,16 @@ TEST(MakePoints, AddsWhatIsNotThere) {
   EXPECT_EQ(atlas.next_ids.map_point, 44U);
 }
 
+TEST(MakePoints, FindsTheOrbDescriptorThatMrptMisplaced) {
+  Atlas atlas;
+  atlas.maps.emplace_back().landmarks = {LandmarkAt({1, 2, 3}, {0, 0, 0}), LandmarkAt({1, 2, 3}, {0, 0, 0})};
+  for (Landmark& landmark : atlas.maps[0].landmarks)
+    landmark.CreateOneFeature().descriptors = {{DescriptorKind::kBld, std::vector<std::uint8_t>(32, 9)}};
+  atlas.maps[0].landmarks[0].features[0].type = FeatureType::kOrb;
+  EXPECT_EQ(MakePoints(atlas).plain, 1U);
+  EXPECT_EQ(atlas.maps[0].points[0].descriptor[5], 9);
+}
+
 // Maps of one MRPT stream count their landmarks each from 0, and atlases know a point by its id alone.
 TEST(MakePoints, GivesNoIdTwice) {
   Atlas atlas;

@@ -94,6 +94,12 @@ void MoveTo(const Landmark& landmark, MapPoint& point) {
   point.normal = landmark.normal.cast<float>();
 }
 
+// MRPT 2 makes BLD of ORB when it reads a file and writes it again; the type of the feature stays.
+const FeatureDescriptor* OrbOf(const LandmarkFeature& feature) {
+  const FeatureDescriptor* orb = feature.FindDescriptor(DescriptorKind::kOrb);
+  return orb != nullptr || feature.type != FeatureType::kOrb ? orb : feature.FindDescriptor(DescriptorKind::kBld);
+}
+
 MapPoint PointOf(const Landmark& landmark, MapPointId id) {
   MapPoint point;
   point.id = id;
@@ -101,7 +107,7 @@ MapPoint PointOf(const Landmark& landmark, MapPointId id) {
   MoveTo(landmark, point);
   point.descriptor_form = MatrixForm::kEmpty;
   for (const LandmarkFeature& feature : landmark.features) {
-    const FeatureDescriptor* orb = feature.FindDescriptor(DescriptorKind::kOrb);
+    const FeatureDescriptor* orb = OrbOf(feature);
     if (orb == nullptr || orb->bytes.size() != point.descriptor.size()) continue;
     std::copy(orb->bytes.begin(), orb->bytes.end(), point.descriptor.begin());
     point.descriptor_form = MatrixForm::kUsual;

@@ -143,8 +143,12 @@ std::optional<std::string> RecognizeObjects(std::string_view head) {
   const std::string_view name = head.substr(std::min<std::size_t>(1, head.size()), first & 0x7fU);
   if (first > 0x80 && kMrptLandmarksClass.starts_with(name) && head.size() < kMrptLandmarksClass.size() + 6)
     return "ends in the header of a landmarks map of MRPT: the file is truncated";
-  if (first > 0x80 && (name.starts_with("mrpt::") || name.starts_with("CLandmark")))
-    return std::string(kMrptLandmarks).replace(kMrptLandmarks.find('%'), 1, name);
+  if (first > 0x80 && (name.starts_with("mrpt::") || name.starts_with("CLandmark"))) {
+    std::string what(name);
+    if (head.size() > 1 + name.size())
+      what += " of version " + std::to_string(static_cast<unsigned char>(head[1 + name.size()]));
+    return std::string(kMrptLandmarks).replace(kMrptLandmarks.find('%'), 1, what);
+  }
   return std::nullopt;
 }
 

@@ -78,10 +78,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "\x86\xa7"
                   "cameras\x81"s,
                   "stella_vslam map (MessagePack)"},
-        WrongFile{"mrpt",
-                  "\x9a"
-                  "mrpt::maps::CLandmarksMap\0"s,
-                  "MRPT objects (mrpt::maps::CLandmarksMap"},
+        WrongFile{"mrpt", "\x99mrpt::maps::CLandmarksMap\x07\1\0\0\0"s,
+                  "MRPT objects (mrpt::maps::CLandmarksMap of version 7)"},
         WrongFile{"cut_mrpt", "\x99mrpt::maps::CLand", "ends in the header of a landmarks map of MRPT"},
         WrongFile{"cut_mrpt_count", "\x99mrpt::maps::CLandmarksMap\0\2"s, "the file is truncated"},
         WrongFile{"text", "To whom it may concern\n", "looks like a text file"},
