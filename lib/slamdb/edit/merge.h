@@ -67,11 +67,10 @@ struct MergeResult {
 // Brings the maps of all inputs into one atlas, side by side: nothing is aligned or changed but ids. The first input
 // keeps its ids; each later one is shifted as a whole, kind by kind, where the range of its ids meets that of those
 // before it. Cameras that are the same (model and parameters, within 1e-6 as ORB-SLAM3 compares them) become one.
-// Counters end up above all ids. The encoding is the first input's, the vocabulary that of
-// the first input that has keyframes. The inputs are used up: their columns
-// move into the result and are not copied. The result does not depend on the number of threads. Linear. Throws Error
-// when there is no input, when vocabularies differ, when a map comes twice and SameMap says so, or when ids would pass
-// LargestId.
+// Counters end up above all ids. The encoding is the first input's, the vocabulary that of the first input that has
+// keyframes. The inputs are used up: their columns move into the result and are not copied. The result does not depend
+// on the number of threads. Linear. Throws Error when there is no input, when vocabularies differ, when a map comes
+// twice and SameMap says so, or when ids would pass LargestId.
 MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options);
 
 }  // namespace slamdb

@@ -82,6 +82,7 @@ class KeyFrame : public Listed {
   // Camera z of the points that it sees, sorted: element (n - 1) / q. -1 when it sees none.
   float ComputeSceneMedianDepth(int q);
   int WeightOfObservation(int left, int right) const;  // what it adds to MapPoint::nObs; -1: not seen there
+  void RequireRow(std::size_t row) const;              // throws Error when there is no such keypoint
   bool HasRows(const Observation& observation) const;  // whether it has those keypoints
 
   // ---- Covisibility (keyframe_graph.cc)
@@ -199,7 +200,7 @@ class KeyFrame : public Listed {
   std::vector<Covisible> CountSharedPoints();
   void GiveChildrenAway();                         // finds new parents for them
   void LeaveGraph();                               // SetBadFlag, once it is decided
-  void SetSlot(std::size_t row, MapPoint* point);  // throws Error when there is no such keypoint
+  void SetSlot(std::size_t row, MapPoint* point);  // see RequireRow
   std::vector<MapPoint*> GoodPoints();             // by slot
 
   Runtime& runtime_;

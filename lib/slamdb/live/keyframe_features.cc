@@ -49,13 +49,17 @@ bool KeyFrame::HasRows(const Observation& observation) const {
 
 // ---- point slots
 
+void KeyFrame::RequireRow(std::size_t row) const {
+  if (row >= slots_.size())
+    throw Error("kf " + std::to_string(mnId) + " has " + std::to_string(slots_.size()) + " keypoints: none has row " +
+                std::to_string(static_cast<std::int64_t>(row)));
+}
+
 void KeyFrame::SetSlot(std::size_t row, MapPoint* point) {
+  RequireRow(row);
   const Change change(runtime_.gate);
   {
     const Lock lock(mutex_features_);
-    if (row >= slots_.size())
-      throw Error("kf " + std::to_string(mnId) + " has " + std::to_string(slots_.size()) + " keypoints: none has row " +
-                  std::to_string(row));
     slots_[row] = point;
     std::erase_if(unresolved_slots_, [&](const auto& slot) { return slot.first == row; });
   }

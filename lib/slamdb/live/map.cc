@@ -127,10 +127,7 @@ void Map::EraseKeyFrame(KeyFrame* pKF) {
   if (!Erase(keyframes_, pKF)) return;
   {
     const Lock lock(mutex_);
-    if (lowest_ == pKF) {
-      lowest_ = nullptr;
-      lowest_ = FindLowest();
-    }
+    if (lowest_ == pKF) lowest_ = nullptr;
   }
   pKF->MarkChanged();
 }

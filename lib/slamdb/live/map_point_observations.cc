@@ -2,7 +2,6 @@
 // Who sees a map point: observations, going bad, being replaced, the descriptor that follows from them.
 #include <algorithm>
 
-#include "slamdb/base/error.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
@@ -23,9 +22,7 @@ std::vector<Observer> MapPoint::CopyObservers() {
 }
 
 void MapPoint::AddObservation(KeyFrame* pKF, int idx) {
-  if (idx < 0 || idx >= pKF->N)
-    throw Error("kf " + std::to_string(pKF->mnId) + " has " + std::to_string(pKF->N) + " keypoints: none has row " +
-                std::to_string(idx));
+  pKF->RequireRow(static_cast<std::size_t>(idx));
   const Change change(runtime_.gate);
   {
     const Lock lock(mutex_features_);

@@ -34,14 +34,28 @@ std::optional<Layout> LayoutOf(const Probe& probe) {
 bool Sniff2(const Probe& probe) { return LayoutOf(probe) == Layout::kMrpt2; }
 bool Sniff3(const Probe& probe) { return LayoutOf(probe) == Layout::kMrpt3; }
 
+// The bytes of a stream, decompressed where it is compressed.
+class InputFile {
+ public:
+  // Not `whole`: as much as can be had of a damaged one.
+  InputFile(const std::string& path, bool whole) : file_(path) {
+    file_.FillTo(file_.size());
+    bytes_ = {file_.data(), file_.size()};
+    if (!mrpt::IsGzip(bytes_)) return;
+    decompressed_ = whole ? mrpt::Decompress(path, bytes_) : mrpt::DecompressHead(bytes_, mrpt::MostBytes(bytes_));
+    bytes_ = decompressed_;
+  }
+  std::string_view bytes() const { return bytes_; }
+
+ private:
+  FileStream file_;
+  std::string decompressed_;
+  std::string_view bytes_;
+};
+
 Atlas Read(const Location& location, const ReadOptions& options, Notices&) {
-  FileStream file(location.path);
-  file.FillTo(file.size());
-  std::string_view bytes(file.data(), file.size());
-  std::string decompressed;
-  if (mrpt::IsGzip(bytes)) bytes = decompressed = mrpt::Decompress(location.path, bytes);
   Atlas atlas;
-  atlas.maps = mrpt::ReadMaps(location.path, bytes);
+  atlas.maps = mrpt::ReadMaps(location.path, InputFile(location.path, true).bytes());
   RaiseCounters(atlas);
   const Selection& selection = options.selection;
   std::erase_if(atlas.maps, [&](const Map& map) { return selection.map && *selection.map != map.id; });
@@ -181,12 +195,7 @@ void WriteText(const Atlas& atlas, const Location& location, const WriteOptions&
 }  // namespace
 
 Salvage SalvageMrpt(const std::string& path) {
-  FileStream file(path);
-  file.FillTo(file.size());
-  std::string_view bytes(file.data(), file.size());
-  std::string decompressed;
-  if (mrpt::IsGzip(bytes)) bytes = decompressed = mrpt::DecompressHead(bytes, mrpt::MostBytes(bytes));
-  Salvage salvage = mrpt::SalvageMaps(path, bytes);
+  Salvage salvage = mrpt::SalvageMaps(path, InputFile(path, false).bytes());
   RaiseCounters(salvage.atlas);
   return salvage;
 }

@@ -2,13 +2,13 @@
 #include "slamdb/formats/orbslam3/salvage.h"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <string_view>
 
 #include "slamdb/formats/orbslam3/archive_header.h"
 #include "slamdb/formats/orbslam3/decoder.h"
 #include "slamdb/formats/orbslam3/encoder.h"
+#include "slamdb/formats/orbslam3/pointer_search.h"
 #include "slamdb/formats/orbslam3/pointers.h"
 #include "slamdb/formats/orbslam3/skipper.h"
 
@@ -19,84 +19,6 @@ constexpr std::size_t kLeastObjectBytes = 64;  // takes less than any object
 constexpr std::size_t kTruncationBytes = 64;   // failing so close to the end is because of the end
 constexpr std::size_t kMostBehindNoMaps = 4096;
 constexpr std::size_t kMostTries = 1'000'000;  // places that only look like an object: seconds, in files made for it
-
-// Where the pointer to a new object stands.
-struct Sighting {
-  std::size_t offset = 0;
-  std::uint32_t object = 0;
-};
-
-// What the pointer to a new object looks like.
-struct PointerPattern {
-  std::int16_t class_id;
-  bool with_info;             // the class stands in the archive for the first time
-  std::uint32_t first, last;  // object ids
-
-  PointerPattern(ClassTable classes, WireClass wire_class, std::uint32_t first_object, std::uint32_t last_object)
-      : class_id(classes.Register(wire_class)),
-        with_info(classes.FirstUse(wire_class)),
-        first(first_object),
-        last(last_object) {}
-};
-
-// Finds pointers by their looks alone, from `offset` on.
-class BinarySearch {
- public:
-  BinarySearch(std::string_view file, const PointerPattern& pattern) : file_(file), pattern_(pattern) {}
-
-  std::optional<Sighting> Next(std::size_t offset) const {
-    std::string head(reinterpret_cast<const char*>(&pattern_.class_id), sizeof(pattern_.class_id));
-    if (pattern_.with_info) head += std::string_view("\1\0\0\0\0", 5);
-    for (offset = file_.find(head, offset); offset != std::string_view::npos; offset = file_.find(head, offset + 1)) {
-      std::uint32_t object = 0;
-      if (file_.size() - offset < head.size() + sizeof(object)) return std::nullopt;
-      std::memcpy(&object, file_.data() + offset + head.size(), sizeof(object));
-      if (object >= pattern_.first && object <= pattern_.last) return Sighting{offset, object};
-    }
-    return std::nullopt;
-  }
-  // Where the list begins whose first pointer stands at `offset`.
-  static std::size_t ListBegin(std::string_view, std::size_t offset, bool list_with_info, std::uint8_t size_bytes) {
-    const std::size_t head = size_bytes + sizeof(std::uint32_t) + (list_with_info ? 5 : 0);
-    return offset < head ? 0 : offset - head;
-  }
-
- private:
-  std::string_view file_;
-  PointerPattern pattern_;
-};
-
-// A text archive begins a line before the number of a new object, and nowhere else.
-class TextSearch {
- public:
-  TextSearch(std::string_view file, const PointerPattern& pattern) : file_(file), pattern_(pattern) {}
-
-  std::optional<Sighting> Next(std::size_t offset) const {
-    const std::string head = std::to_string(pattern_.class_id) + (pattern_.with_info ? " 1 0" : "");
-    for (std::size_t line = file_.find('\n', offset); line != std::string_view::npos;
-         line = file_.find('\n', line + 1)) {
-      std::uint32_t object = 0;
-      const char* const end = file_.data() + file_.size();
-      const auto [behind, error] = std::from_chars(file_.data() + line + 1, end, object);
-      if (error != std::errc() || behind == end || *behind != ' ') continue;
-      if (object < pattern_.first || object > pattern_.last || line < offset + head.size() + 1) continue;
-      const std::size_t begin = line - head.size();
-      if (file_.substr(begin, head.size()) == head && file_[begin - 1] == ' ') return Sighting{begin, object};
-    }
-    return std::nullopt;
-  }
-  static std::size_t ListBegin(std::string_view file, std::size_t offset, bool list_with_info, std::uint8_t) {
-    for (int tokens = list_with_info ? 4 : 2; tokens > 0 && offset > 0; --tokens) {
-      offset = file.find_last_not_of(' ', offset - 1);
-      offset = offset == std::string_view::npos ? 0 : file.find_last_of(" \n", offset) + 1;
-    }
-    return offset;
-  }
-
- private:
-  std::string_view file_;
-  PointerPattern pattern_;
-};
 
 // The class table behind a keyframe that has everything that ORB-SLAM3 gives it.
 ClassTable TableBehindKeyFrame(const ClassTable& in_front, bool measurements) {
@@ -288,23 +210,7 @@ class Salvager {
     object_behind_ = objects_.next();
     bool doubtful = false;  // the entity in front: what follows it has not been seen
     std::uint64_t position = 0;
-    if (lost_head) {
-      at_.classes.FirstUse(list_class);
-      read.listed = file_.size() / kLeastObjectBytes;
-    } else {
-      try {
-        read.listed = at_.ClassCount(list_class, 2, 1);
-      } catch (const Error& error) {
-        Note(error);
-        return false;
-      }
-    }
-    object_behind_ += static_cast<std::uint32_t>(read.listed);
-    if (lost_head && !Resume<Entity>({at_.classes}, wire_class, begin, layout, position) &&
-        !Resume<Entity>(TablesBehind(at_.classes, wire_class), wire_class, begin, layout, position)) {
-      read.listed = 0;
-      return false;
-    }
+    if (!BeginList<Entity>(list_class, wire_class, lost_head, layout, read, position)) return false;
     while (position < read.listed) {
       const ClassTable classes = at_.classes;
       at_.input.place = {.map = at_.input.place.map, .entity = name, .ordinal = position, .of = read.listed};
@@ -345,6 +251,31 @@ class Salvager {
     return true;
   }
 
+  // Reads the head of a list; where it is lost, moves to the list's first whole object.
+  template <class Entity, class Layout>
+  bool BeginList(WireClass list_class, WireClass wire_class, bool lost_head, const Layout& layout, SalvagedList& read,
+                 std::uint64_t& position) {
+    if (!lost_head) {
+      try {
+        read.listed = at_.ClassCount(list_class, 2, 1);
+      } catch (const Error& error) {
+        Note(error);
+        return false;
+      }
+      object_behind_ += static_cast<std::uint32_t>(read.listed);
+      return true;
+    }
+    at_.classes.FirstUse(list_class);
+    read.listed = file_.size() / kLeastObjectBytes;
+    object_behind_ += static_cast<std::uint32_t>(read.listed);
+    const std::size_t begin = at_.input.offset();
+    if (Resume<Entity>({at_.classes}, wire_class, begin, layout, position) ||
+        Resume<Entity>(TablesBehind(at_.classes, wire_class), wire_class, begin, layout, position))
+      return true;
+    read.listed = 0;
+    return false;
+  }
+
   // Moves the cursor to the next whole object of the list, with the first class table in which there is one.
   template <class Entity, class Layout>
   bool Resume(const std::vector<ClassTable>& tables, WireClass wire_class, std::size_t offset, const Layout& layout,
@@ -380,7 +311,8 @@ class Salvager {
   std::optional<Sighting> FindWhole(WireClass wire_class, std::size_t offset, const Layout& layout) {
     if (objects_.next() >= object_behind_) return std::nullopt;
     const Search search(file_, PointerPattern(at_.classes, wire_class, objects_.next(), object_behind_ - 1));
-    for (auto found = search.Next(offset); found && tries_ < kMostTries; found = search.Next(found->offset + 1)) {
+    for (auto found = search.Next(offset); found && tries_ < kMostTries;
+         found = search.Next(found->offset + 1), ++tries_) {
       Skipper<Input> skipper(at_.input, at_.classes);
       skipper.input.Seek(found->offset);
       try {
@@ -390,7 +322,6 @@ class Salvager {
         const bool last = found->object + 1 == object_behind_;
         if (last || SkipPointer(skipper, wire_class) == found->object + 1) return found;
       } catch (const Error&) {  // it only looked like one
-        ++tries_;
       }
     }
     return std::nullopt;
