@@ -10,7 +10,7 @@
 #include "cli/command.h"
 #include "cli/console.h"
 #include "cli/options.h"
-#include "slamdb/base/parallel.h"
+#include "slamdb/base/detail/parallel.h"
 
 namespace slamdb::cli {
 

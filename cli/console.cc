@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "cli/layout.h"
+#include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "cli/json.h"
+#include "cli/report/json.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "slamdb/base/file.h"
-#include "slamdb/edit/id_map.h"
+#include "slamdb/edit/ids/id_map.h"
 
 // Files of id maps: JSON when their name ends with .json (schema/id_map.schema.json), CSV otherwise.
 namespace slamdb::cli {

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <utility>
 
-#include "cli/json.h"
+#include "cli/report/json.h"
+#include "slamdb/base/detail/hash.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
-#include "slamdb/base/hash.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "slamdb/edit/journal.h"
+#include "slamdb/edit/repair/journal.h"
 
 // The journal of a repair as a file: docs/repair.md and schema/journal.schema.json describe it.
 namespace slamdb::cli {

@@ -9,9 +9,9 @@
 
 #include "cli/command.h"
 #include "cli/console.h"
-#include "cli/help.h"
+#include "cli/help/help.h"
+#include "cli/help/tree.h"
 #include "cli/options.h"
-#include "cli/tree.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/console.h"
-#include "cli/tree.h"
+#include "cli/help/tree.h"
 #include "slamdb/formats/format.h"
 
 // Options that more than one verb takes, spelled once. Each function binds and does nothing else.

@@ -2,12 +2,11 @@
 # its headers, and the package that find_package(slamdb) finds.
 include(CMakePackageConfigHelpers)
 
-get_property(SLAMDB_LAYERS GLOBAL PROPERTY SLAMDB_LAYERS)
-install(TARGETS slamdb ${SLAMDB_LAYERS} EXPORT slamdbTargets)
-if(NOT SLAMDB_BUILD_LIVE)
-  set(without_live PATTERN live EXCLUDE)
+set(libraries slamdb)
+if(SLAMDB_BUILD_LIVE)
+  list(APPEND libraries slamdb_live_library)
 endif()
-install(DIRECTORY lib/slamdb DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" ${without_live})
+install(TARGETS ${libraries} EXPORT slamdbTargets FILE_SET HEADERS)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/slamdb)
 install(EXPORT slamdbTargets NAMESPACE slamdb:: DESTINATION ${package_folder})
 configure_package_config_file(cmake/slamdbConfig.cmake.in slamdbConfig.cmake INSTALL_DESTINATION ${package_folder})

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
-#include "cli/layout.h"
 #include "cli/options.h"
+#include "cli/report/layout.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {

@@ -7,7 +7,7 @@
 
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
-#include "cli/help.h"
+#include "cli/help/help.h"
 #include "cli/options.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"

@@ -5,7 +5,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/console.h"
-#include "cli/tree.h"
+#include "cli/help/tree.h"
 
 namespace slamdb::cli {
 namespace {

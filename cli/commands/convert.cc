@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
-#include "cli/layout.h"
 #include "cli/options.h"
+#include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 

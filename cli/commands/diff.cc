@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/diff.h"
+#include "slamdb/edit/diff/diff.h"
 
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands/commands.h"
-#include "cli/json.h"
-#include "cli/layout.h"
 #include "cli/options.h"
-#include "cli/similarity.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
+#include "cli/report/similarity.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {

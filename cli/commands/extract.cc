@@ -4,10 +4,10 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/json.h"
-#include "cli/part_report.h"
+#include "cli/report/json.h"
+#include "cli/report/part_report.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/select.h"
+#include "slamdb/edit/part/select.h"
 
 namespace slamdb::cli {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/fragments.h"
+#include "slamdb/edit/part/fragments.h"
 
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/json.h"
-#include "cli/layout.h"
-#include "cli/part_report.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
+#include "cli/report/part_report.h"
 
 namespace slamdb::cli {
 namespace {

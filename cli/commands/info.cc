@@ -4,9 +4,9 @@
 
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
-#include "cli/commands/info_report.h"
-#include "cli/json.h"
 #include "cli/options.h"
+#include "cli/report/info_report.h"
+#include "cli/report/json.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/landmarks.h"
+#include "slamdb/edit/landmarks/landmarks.h"
 
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/json.h"
-#include "cli/layout.h"
 #include "cli/options.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {

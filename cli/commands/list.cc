@@ -3,10 +3,10 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
-#include "cli/json.h"
-#include "cli/layout.h"
 #include "cli/options.h"
-#include "slamdb/base/hash.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
+#include "slamdb/base/detail/hash.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {

@@ -4,10 +4,10 @@
 
 #include "cli/commands/commands.h"
 #include "cli/console.h"
-#include "cli/help.h"
-#include "cli/manual.h"
+#include "cli/help/help.h"
+#include "cli/help/manual.h"
+#include "cli/help/tree.h"
 #include "cli/options.h"
-#include "cli/tree.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/merge.h"
+#include "slamdb/edit/merge/merge.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,12 +7,12 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
-#include "cli/commands/merge_report.h"
 #include "cli/edit.h"
 #include "cli/id_map_file.h"
-#include "cli/similarity.h"
+#include "cli/report/merge_report.h"
+#include "cli/report/similarity.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/anchors.h"
+#include "slamdb/edit/merge/anchors.h"
 
 namespace slamdb::cli {
 namespace {

@@ -4,10 +4,10 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/json.h"
-#include "cli/layout.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/origin.h"
+#include "slamdb/edit/ids/origin.h"
 
 namespace slamdb::cli {
 namespace {

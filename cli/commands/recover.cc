@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/recover.h"
+#include "slamdb/edit/repair/recover.h"
 
 #include <memory>
 #include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/json.h"
-#include "cli/layout.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/formats/formats.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/renumber.h"
+#include "slamdb/edit/ids/renumber.h"
 
 #include <map>
 #include <memory>
@@ -7,8 +7,8 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/id_map_file.h"
-#include "cli/json.h"
-#include "cli/layout.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {

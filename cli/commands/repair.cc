@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/repair.h"
+#include "slamdb/edit/repair/repair.h"
 
 #include <filesystem>
 #include <memory>
@@ -7,10 +7,10 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/help.h"
+#include "cli/help/help.h"
 #include "cli/journal.h"
-#include "cli/json.h"
-#include "cli/layout.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 

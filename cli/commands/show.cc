@@ -3,9 +3,9 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
-#include "cli/json.h"
-#include "cli/layout.h"
 #include "cli/options.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/ndjson/json.h"

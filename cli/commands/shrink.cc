@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/shrink.h"
+#include "slamdb/edit/part/shrink.h"
 
 #include <cmath>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/json.h"
-#include "cli/layout.h"
-#include "cli/part_report.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
+#include "cli/report/part_report.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/transform.h"
+#include "slamdb/edit/frame/transform.h"
 
 #include <functional>
 #include <memory>
@@ -8,14 +8,14 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/json.h"
-#include "cli/layout.h"
-#include "cli/similarity.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
+#include "cli/report/similarity.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/align_trajectory.h"
-#include "slamdb/edit/axes.h"
-#include "slamdb/edit/georeference.h"
-#include "slamdb/edit/gravity.h"
+#include "slamdb/edit/frame/align_trajectory.h"
+#include "slamdb/edit/frame/axes.h"
+#include "slamdb/edit/frame/georeference.h"
+#include "slamdb/edit/frame/gravity.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
 

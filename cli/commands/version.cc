@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
-#include "cli/json.h"
-#include "cli/layout.h"
 #include "cli/options.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {

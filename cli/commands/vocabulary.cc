@@ -6,11 +6,11 @@
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/json.h"
-#include "cli/layout.h"
 #include "cli/options.h"
+#include "cli/report/json.h"
+#include "cli/report/layout.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/words.h"
+#include "slamdb/edit/words/words.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/base/file_stream.h"
+#include "slamdb/base/detail/file_stream.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/base/parallel.h"
+#include "slamdb/base/detail/parallel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/base/pipeline.h"
+#include "slamdb/base/detail/pipeline.h"
 
 #include <gtest/gtest.h>
 

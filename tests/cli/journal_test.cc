@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/base/error.h"
-#include "slamdb/edit/repair.h"
+#include "slamdb/edit/repair/repair.h"
 #include "tests/support/cli.h"
 #include "tests/support/corrupt.h"
 #include "tests/support/equals_atlas.h"

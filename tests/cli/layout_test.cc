@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/layout.h"
+#include "cli/report/layout.h"
 
 #include <gtest/gtest.h>
 

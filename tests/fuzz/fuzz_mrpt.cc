@@ -3,8 +3,8 @@
 #include <cstdlib>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/mrpt/gzip.h"
-#include "slamdb/formats/mrpt/landmarks.h"
+#include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/mrpt/detail/landmarks.h"
 #include "tests/fuzz/fuzz.h"
 
 // Any bytes as a stream of MRPT, compressed or not. They decode or fail with an Error; what decoded is written to

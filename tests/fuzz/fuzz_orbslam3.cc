@@ -3,8 +3,8 @@
 #include <cstdlib>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/orbslam3/detail/salvage.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
-#include "slamdb/formats/orbslam3/salvage.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/memory_file.h"
 

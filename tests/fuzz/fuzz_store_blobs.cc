@@ -4,8 +4,8 @@
 #include <cstdlib>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/sqlite/features_blob.h"
-#include "slamdb/formats/sqlite/keyframe_blob.h"
+#include "slamdb/formats/sqlite/detail/features_blob.h"
+#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
 #include "tests/fuzz/fuzz.h"
 
 // Any bytes as the two blobs that the store keeps of a keyframe: one byte each for its three counts of features, then

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/error.h"
-#include "slamdb/formats/trajectory/trajectory.h"
+#include "slamdb/formats/trajectory/detail/trajectory.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/memory_file.h"
 

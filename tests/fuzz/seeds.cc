@@ -6,10 +6,10 @@
 #include <string>
 
 #include "slamdb/base/file.h"
-#include "slamdb/formats/mrpt/gzip.h"
+#include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
-#include "slamdb/formats/sqlite/features_blob.h"
-#include "slamdb/formats/sqlite/keyframe_blob.h"
+#include "slamdb/formats/sqlite/detail/features_blob.h"
+#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "slamdb/model/derive.h"
-#include "slamdb/synthetic/random.h"
+#include "slamdb/synthetic/detail/random.h"
 
 namespace slamdb {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/model/spanning_tree.h"
+#include "slamdb/model/detail/spanning_tree.h"
 
 #include <gmock/gmock.h>
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "slamdb/base/hash.h"
-#include "slamdb/synthetic/portable.h"
+#include "slamdb/base/detail/hash.h"
+#include "slamdb/synthetic/detail/portable.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/support/equals_atlas.h"
 

@@ -3,28 +3,57 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
+
+#include "slamdb/export.h"
 
 namespace slamdb {
 
-// The one exception type of the library. what() reads `<path>: <place>: <problem>`, with empty parts left out.
-//   path     the file that was read or written
-//   place    where in it: `byte 48213, map 0, kf 77, descriptors`, or `table map_point, row 12`
-//   problem  what is wrong, what was expected and found, and the likely cause or the remedy
-// Immutable, and so safe to share between threads.
-class Error : public std::runtime_error {
- public:
-  explicit Error(std::string problem) : Error("", "", std::move(problem)) {}
-  Error(std::string path, std::string place, std::string problem);
+// What went wrong, for programs to act on.
+enum class ErrorKind {
+  kNotFound,        // no such file, folder, atlas of a store, or entity
+  kAlreadyExists,   // the target is there, and overwriting was not asked for
+  kPermission,      // the system denies it: rights, a read-only disk
+  kDamaged,         // bytes that cannot be what they claim: truncated, overwritten, not an atlas at all
+  kUnsupported,     // sound, but of a newer version, another fork, another program
+  kLocked,          // another program is at work on it; trying again later may help
+  kOutOfResources,  // memory, disk space, open files
+  kUsage,           // the caller asks for what makes no sense: options, arguments, texts it gave
+  kNotPossible,     // sensible, but this input does not allow it: too few pairs, vocabularies that differ
+  kInternal,        // a fault of slamdb
+};
 
+// `not found`, `already exists`, `permission`, `damaged`, `unsupported`, `locked`, `out of resources`, `usage`,
+// `not possible`, `internal`.
+SLAMDB_EXPORT std::string_view ToString(ErrorKind kind);
+
+// The one exception type of the library.
+// what() reads `<path>: <place>: <problem>`, with empty parts left out.
+// Immutable, and so safe to share between threads.
+class SLAMDB_EXPORT Error : public std::runtime_error {
+ public:
+  Error(ErrorKind kind, std::string problem) : Error(kind, "", "", std::move(problem)) {}
+  Error(ErrorKind kind, std::string path, std::string place, std::string problem);
+
+  explicit Error(std::string problem) : Error(ErrorKind::kUsage, std::move(problem)) {}
+  Error(std::string path, std::string place, std::string problem)
+      : Error(ErrorKind::kDamaged, std::move(path), std::move(place), std::move(problem)) {}
+
+  ErrorKind kind() const { return kind_; }
+  // The file that was read or written.
   const std::string& path() const { return path_; }
+  // Where in it: `byte 48213, map 0, kf 77, descriptors`, or `table map_point, row 12`.
   const std::string& place() const { return place_; }
+  // What is wrong, what was expected and found, and the likely cause or the remedy.
   const std::string& problem() const { return problem_; }
 
  private:
+  ErrorKind kind_;
   std::string path_, place_, problem_;
 };
 
 // An error with the text of errno behind the problem: `cannot open: No such file or directory`.
-Error SystemError(const std::string& path, const std::string& problem);
+// Its kind is that of errno: ENOENT is kNotFound, EACCES kPermission, ENOSPC kOutOfResources, and so on.
+SLAMDB_EXPORT Error SystemError(const std::string& path, const std::string& problem);
 
 }  // namespace slamdb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/base/file_stream.h"
+#include "slamdb/base/detail/file_stream.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/base/hash.h"
+#include "slamdb/base/detail/hash.h"
 
 #include <md5.h>
 #define XXH_INLINE_ALL

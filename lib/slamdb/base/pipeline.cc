@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/base/pipeline.h"
+#include "slamdb/base/detail/pipeline.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "slamdb/base/parallel.h"
+#include "slamdb/base/detail/parallel.h"
 
 namespace slamdb {
 namespace {

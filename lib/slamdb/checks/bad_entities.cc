@@ -2,8 +2,8 @@
 // Keyframes and points that are flagged bad: culled, but stored all the same.
 #include <algorithm>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
 
 namespace slamdb {
 namespace {

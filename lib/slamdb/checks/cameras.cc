@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
 
 namespace slamdb {
 namespace {

@@ -2,8 +2,8 @@
 // The chain of keyframes in time: what previous and next keyframes say about each other.
 #include <array>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
 
 namespace slamdb {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/parallel.h"
 
 namespace slamdb {
 namespace {

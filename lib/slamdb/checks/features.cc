@@ -5,8 +5,8 @@
 #include <numeric>
 #include <string_view>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb {

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <unordered_set>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
-#include "slamdb/model/spanning_tree.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
+#include "slamdb/model/detail/spanning_tree.h"
 
 namespace slamdb {
 namespace {

@@ -2,8 +2,8 @@
 // Lists, ids and counters: what must be there once, and what the next id must be.
 #include <algorithm>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/counters.h"
 
 namespace slamdb {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
-#include "slamdb/model/uninitialised.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
+#include "slamdb/model/detail/uninitialised.h"
 
 namespace slamdb {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
 
 namespace slamdb {
 namespace {

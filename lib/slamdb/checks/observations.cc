@@ -2,8 +2,8 @@
 // Observations: what points and keyframes say about each other.
 #include <algorithm>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb {

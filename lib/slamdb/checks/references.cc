@@ -2,8 +2,8 @@
 // References: every id leads to an entity of the same map, and to one that is not bad.
 #include <algorithm>
 
-#include "slamdb/checks/catalogue.h"
-#include "slamdb/checks/visit.h"
+#include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/visit.h"
 
 namespace slamdb {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "slamdb/checks/concat.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/checks/report.h"
 
 namespace slamdb {
@@ -32,7 +32,7 @@ Json ResultJson(const RuleResult& result) {
   json["rule"] = result.id;
   json["severity"] = ToString(result.severity);
   json["title"] = result.title;
-  if (!result.consequence.empty()) json["consequence"] = Concat({"ORB-SLAM3 ", result.consequence});
+  if (!result.consequence.empty()) json["consequence"] = detail::Concat("ORB-SLAM3 ", result.consequence);
   if (!result.fix.empty()) json["fix"] = result.fix;
   json["count"] = result.count;
   json["findings"] = Json::array();
@@ -92,7 +92,7 @@ std::string JsonCatalogue() {
     Json entry{{"id", rule.id},
                {"severity", ToString(rule.severity)},
                {"title", rule.title},
-               {"consequence", Concat({"ORB-SLAM3 ", rule.consequence})}};
+               {"consequence", detail::Concat("ORB-SLAM3 ", rule.consequence)}};
     if (rule.fix) entry["fix"] = rule.fix.name;
     json["rules"].push_back(std::move(entry));
   }

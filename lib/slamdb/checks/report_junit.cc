@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "slamdb/checks/concat.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/checks/report.h"
 
 namespace slamdb {
@@ -49,7 +49,7 @@ std::string Escaped(std::string_view text) {
 }
 
 std::string Attribute(std::string_view name, std::string_view value) {
-  return Concat({" ", name, "=\"", Escaped(value), "\""});
+  return detail::Concat(" ", name, "=\"", Escaped(value), "\"");
 }
 
 const RuleResult* FindResult(const CheckReport& report, const std::string& id) {
@@ -59,28 +59,29 @@ const RuleResult* FindResult(const CheckReport& report, const std::string& id) {
 
 std::string Lines(const RuleResult& result) {
   std::string text;
-  for (const Finding& finding : result.findings) text += Concat({ToString(finding.place), ": ", finding.message, "\n"});
+  for (const Finding& finding : result.findings)
+    text += detail::Concat(ToString(finding.place), ": ", finding.message, "\n");
   if (result.count > result.findings.size())
-    text += Concat({"... and ", std::to_string(result.count - result.findings.size()), " more\n"});
-  if (!result.consequence.empty()) text += Concat({"otherwise ORB-SLAM3 ", result.consequence, "\n"});
+    text += detail::Concat("... and ", std::to_string(result.count - result.findings.size()), " more\n");
+  if (!result.consequence.empty()) text += detail::Concat("otherwise ORB-SLAM3 ", result.consequence, "\n");
   return text;
 }
 
 void AppendCase(const CheckedFile& file, const std::string& id, std::string& xml) {
-  xml += Concat({"    <testcase", Attribute("classname", file.name), Attribute("name", id)});
+  xml += detail::Concat("    <testcase", Attribute("classname", file.name), Attribute("name", id));
   const RuleResult* result = FindResult(file.report, id);
   if (result == nullptr) {
     xml += "/>\n";
     return;
   }
-  const std::string summary = Concat({result->title, ": ", std::to_string(result->count), " ",
-                                      ToString(result->severity), result->count == 1 ? "" : "s"});
+  const std::string summary = detail::Concat(result->title, ": ", std::to_string(result->count), " ",
+                                             ToString(result->severity), result->count == 1 ? "" : "s");
   if (result->severity == Severity::kError)
-    xml += Concat({">\n      <failure", Attribute("type", "error"), Attribute("message", summary), ">",
-                   Escaped(Lines(*result)), "</failure>\n    </testcase>\n"});
+    xml += detail::Concat(">\n      <failure", Attribute("type", "error"), Attribute("message", summary), ">",
+                          Escaped(Lines(*result)), "</failure>\n    </testcase>\n");
   else
-    xml += Concat({">\n      <system-out>", Escaped(Concat({summary, "\n", Lines(*result)})),
-                   "</system-out>\n    </testcase>\n"});
+    xml += detail::Concat(">\n      <system-out>", Escaped(detail::Concat(summary, "\n", Lines(*result))),
+                          "</system-out>\n    </testcase>\n");
 }
 
 std::size_t FailedCases(const CheckReport& report) {
@@ -89,14 +90,15 @@ std::size_t FailedCases(const CheckReport& report) {
 
 void AppendSuite(const CheckedFile& file, std::string& xml) {
   const bool read = file.failure.empty();
-  xml += Concat({"  <testsuite", Attribute("name", file.name),
-                 Attribute("tests", std::to_string(read ? file.report.checked.size() : 1)),
-                 Attribute("failures", std::to_string(FailedCases(file.report))), Attribute("errors", read ? "0" : "1"),
-                 ">\n"});
+  xml += detail::Concat("  <testsuite", Attribute("name", file.name),
+                        Attribute("tests", std::to_string(read ? file.report.checked.size() : 1)),
+                        Attribute("failures", std::to_string(FailedCases(file.report))),
+                        Attribute("errors", read ? "0" : "1"), ">\n");
   for (const std::string& id : file.report.checked) AppendCase(file, id, xml);
   if (!read)
-    xml += Concat({"    <testcase", Attribute("classname", file.name), Attribute("name", "read"), ">\n      <error",
-                   Attribute("type", "unreadable"), Attribute("message", file.failure), "/>\n    </testcase>\n"});
+    xml +=
+        detail::Concat("    <testcase", Attribute("classname", file.name), Attribute("name", "read"), ">\n      <error",
+                       Attribute("type", "unreadable"), Attribute("message", file.failure), "/>\n    </testcase>\n");
   xml += "  </testsuite>\n";
 }
 
@@ -112,9 +114,9 @@ std::string JUnitReport(std::span<const CheckedFile> files) {
     errors += read ? 0 : 1;
     AppendSuite(file, suites);
   }
-  return Concat({"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites", Attribute("name", "slamdb check"),
-                 Attribute("tests", std::to_string(tests)), Attribute("failures", std::to_string(failures)),
-                 Attribute("errors", std::to_string(errors)), ">\n", suites, "</testsuites>\n"});
+  return detail::Concat("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites", Attribute("name", "slamdb check"),
+                        Attribute("tests", std::to_string(tests)), Attribute("failures", std::to_string(failures)),
+                        Attribute("errors", std::to_string(errors)), ">\n", suites, "</testsuites>\n");
 }
 
 }  // namespace slamdb

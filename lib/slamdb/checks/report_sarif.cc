@@ -3,7 +3,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "slamdb/checks/concat.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/checks/report.h"
 
 namespace slamdb {
@@ -33,7 +33,7 @@ std::string Uri(std::string_view path) {
 std::string QualifiedName(const Place& place) {
   std::string name;
   const auto append = [&](const char* kind, std::uint64_t id) {
-    name += Concat({name.empty() ? "" : "/", kind, "/", std::to_string(id)});
+    name += detail::Concat(name.empty() ? "" : "/", kind, "/", std::to_string(id));
   };
   if (place.map) append("map", place.map.value());
   if (place.keyframe) append("kf", place.keyframe.value());
@@ -55,9 +55,9 @@ Json RulesJson() {
   Json rules = Json::array();
   for (const Rule& rule : ReadRules())
     rules.push_back(
-        RuleJson(rule.id, rule.title, Concat({"Otherwise ORB-SLAM3 ", rule.consequence, "."}), rule.severity));
+        RuleJson(rule.id, rule.title, detail::Concat("Otherwise ORB-SLAM3 ", rule.consequence, "."), rule.severity));
   for (const Gate& gate : ReadGates())
-    rules.push_back(RuleJson(GateRuleId(gate.id), Concat({"passes the quality gate ", gate.id}),
+    rules.push_back(RuleJson(GateRuleId(gate.id), detail::Concat("passes the quality gate ", gate.id),
                              "The limit is set on the command line.", Severity::kError));
   return rules;
 }
@@ -82,7 +82,7 @@ void AppendResults(const CheckedFile& file, Json& results) {
       results.push_back({{"ruleId", result.id},
                          {"ruleIndex", RuleIndex(result.id)},
                          {"level", ToString(result.severity)},
-                         {"message", {{"text", Concat({ToString(finding.place), ": ", finding.message})}}},
+                         {"message", {{"text", detail::Concat(ToString(finding.place), ": ", finding.message)}}},
                          {"locations", {LocationJson(file.name, finding.place)}}});
     if (result.count > result.findings.size())
       results.push_back({{"ruleId", result.id},

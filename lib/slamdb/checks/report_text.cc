@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "slamdb/checks/concat.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/checks/report.h"
 
 namespace slamdb {
@@ -11,7 +11,7 @@ namespace {
 constexpr std::array kWorstFirst{Severity::kError, Severity::kWarning, Severity::kNote};
 
 std::string Counted(std::uint64_t count, std::string_view noun) {
-  return Concat({std::to_string(count), " ", noun, count == 1 ? "" : "s"});
+  return detail::Concat(std::to_string(count), " ", noun, count == 1 ? "" : "s");
 }
 
 // "1 error, 2 warnings, 530 notes"; kinds without any are left out, and nothing at all is "sound".
@@ -25,35 +25,35 @@ std::string Totals(const CheckReport& report) {
 
 void AppendHead(const RuleResult& result, std::string& text) {
   text += Concat(
-      {"  ", ToString(result.severity), " ", result.id, " (", std::to_string(result.count), "): ", result.title, "\n"});
+      {"  ", ToString(result.severity), " ", result.id, " (", std::to_string(result.count), "): ", result.title, "\n");
 }
 
 void AppendResult(const RuleResult& result, std::size_t shown, std::string& text) {
-  text += "\n";
-  AppendHead(result, text);
-  if (!result.consequence.empty()) text += Concat({"    otherwise ORB-SLAM3 ", result.consequence, "\n"});
-  shown = std::min(shown, result.findings.size());
-  for (std::size_t i = 0; i < shown; ++i)
-    text += Concat({"      ", ToString(result.findings[i].place), ": ", result.findings[i].message, "\n"});
-  if (result.count > shown) text += Concat({"      ... and ", std::to_string(result.count - shown), " more\n"});
+    text += "\n";
+    AppendHead(result, text);
+    if (!result.consequence.empty()) text += detail::Concat("    otherwise ORB-SLAM3 ", result.consequence, "\n");
+    shown = std::min(shown, result.findings.size());
+    for (std::size_t i = 0; i < shown; ++i)
+      text += detail::Concat("      ", ToString(result.findings[i].place), ": ", result.findings[i].message, "\n");
+    if (result.count > shown) text += detail::Concat("      ... and ", std::to_string(result.count - shown), " more\n");
 }
 
 void AppendFile(const CheckedFile& file, const TextReportOptions& options, std::string& text) {
-  if (!file.failure.empty()) {
-    text += Concat({file.name, ": cannot be checked\n\n  ", file.failure, "\n"});
-    return;
-  }
-  text +=
-      Concat({file.name, ": ", Totals(file.report), " (", Counted(file.report.checked.size(), "rule"), " checked)\n"});
-  for (const Severity severity : kWorstFirst) {
-    if (severity == Severity::kNote && !options.show_notes) continue;
-    const bool brief = severity == Severity::kNote && !options.note_findings;
-    if (brief && file.report.Count(severity) > 0) text += "\n";
-    for (const RuleResult& result : file.report.results) {
-      if (result.severity != severity) continue;
-      brief ? AppendHead(result, text) : AppendResult(result, options.shown_per_rule, text);
+    if (!file.failure.empty()) {
+      text += detail::Concat(file.name, ": cannot be checked\n\n  ", file.failure, "\n");
+      return;
     }
-  }
+    text += detail::Concat(file.name, ": ", Totals(file.report), " (", Counted(file.report.checked.size(), "rule"),
+                           " checked)\n");
+    for (const Severity severity : kWorstFirst) {
+      if (severity == Severity::kNote && !options.show_notes) continue;
+      const bool brief = severity == Severity::kNote && !options.note_findings;
+      if (brief && file.report.Count(severity) > 0) text += "\n";
+      for (const RuleResult& result : file.report.results) {
+        if (result.severity != severity) continue;
+        brief ? AppendHead(result, text) : AppendResult(result, options.shown_per_rule, text);
+      }
+    }
 }
 
 }  // namespace
@@ -70,9 +70,10 @@ std::string TextReport(std::span<const CheckedFile> files, const TextReportOptio
       ++with_errors;
   }
   if (files.size() < 2) return text;
-  text += Concat({"\n", std::to_string(files.size()), " files: ", std::to_string(files.size() - with_errors - failed),
-                  " without errors, ", std::to_string(with_errors), " with errors"});
-  if (failed > 0) text += Concat({", ", std::to_string(failed), " not readable"});
+  text += detail::Concat("\n", std::to_string(files.size()),
+                         " files: ", std::to_string(files.size() - with_errors - failed), " without errors, ",
+                         std::to_string(with_errors), " with errors");
+  if (failed > 0) text += detail::Concat(", ", std::to_string(failed), " not readable");
   return text + "\n";
 }
 
@@ -83,11 +84,11 @@ std::string TextCatalogue() {
     line.resize(9, ' ');
     line += id;
     line.resize(std::max<std::size_t>(line.size() + 2, 38), ' ');
-    text += Concat({line, title, "\n"});
+    text += detail::Concat(line, title, "\n");
   };
   for (const Rule& rule : ReadRules()) append(ToString(rule.severity), rule.id, rule.title);
   for (const Gate& gate : ReadGates())
-    append("gate", gate.id, Concat({gate.is_minimum ? "at least so many " : "at most so many ", gate.title}));
+    append("gate", gate.id, detail::Concat(gate.is_minimum ? "at least so many " : "at most so many ", gate.title));
   return text;
 }
 
@@ -96,13 +97,14 @@ std::string MarkdownCatalogue() {
       "| id | severity | what holds in a sound atlas | otherwise ORB-SLAM3 | repair |\n"
       "|---|---|---|---|---|\n";
   for (const Rule& rule : ReadRules()) {
-    const std::string fix = rule.fix ? Concat({"`", rule.fix.name, "`"}) : "";
-    text += Concat({"| `", rule.id, "` | ", ToString(rule.severity), " | ", rule.title, " | ", rule.consequence, " | ",
-                    fix, " |\n"});
+    const std::string fix = rule.fix ? detail::Concat("`", rule.fix.name, "`") : "";
+    text += detail::Concat("| `", rule.id, "` | ", ToString(rule.severity), " | ", rule.title, " | ", rule.consequence,
+                           " | ", fix, " |\n");
   }
   text += "\n| gate | passes with |\n|---|---|\n";
   for (const Gate& gate : ReadGates())
-    text += Concat({"| `--", gate.id, " N` | ", gate.is_minimum ? "at least N " : "at most N ", gate.title, " |\n"});
+    text +=
+        detail::Concat("| `--", gate.id, " N` | ", gate.is_minimum ? "at least N " : "at most N ", gate.title, " |\n");
   return text;
 }
 

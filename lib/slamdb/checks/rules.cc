@@ -3,7 +3,7 @@
 // look them up, references before what is counted along them. Severity follows what the owner of the file suffers.
 #include <algorithm>
 
-#include "slamdb/checks/catalogue.h"
+#include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/model/counters.h"
 
 namespace slamdb {

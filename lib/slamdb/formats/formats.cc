@@ -7,16 +7,16 @@
 #include <new>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/csv/csv.h"
-#include "slamdb/formats/losses.h"
-#include "slamdb/formats/mrpt/mrpt.h"
-#include "slamdb/formats/ndjson/ndjson.h"
+#include "slamdb/formats/csv/detail/csv.h"
+#include "slamdb/formats/detail/losses.h"
+#include "slamdb/formats/detail/recognize.h"
+#include "slamdb/formats/mrpt/detail/mrpt.h"
+#include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
-#include "slamdb/formats/pcd/pcd.h"
-#include "slamdb/formats/ply/ply.h"
-#include "slamdb/formats/recognize.h"
-#include "slamdb/formats/sqlite/store_format.h"
-#include "slamdb/formats/trajectory/trajectory.h"
+#include "slamdb/formats/pcd/detail/pcd.h"
+#include "slamdb/formats/ply/detail/ply.h"
+#include "slamdb/formats/sqlite/detail/store_format.h"
+#include "slamdb/formats/trajectory/detail/trajectory.h"
 
 namespace slamdb {
 namespace {

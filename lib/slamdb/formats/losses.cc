@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/losses.h"
+#include "slamdb/formats/detail/losses.h"
 
 #include <array>
 
-#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/detail/number.h"
 
 namespace slamdb {
 namespace {

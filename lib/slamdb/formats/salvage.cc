@@ -5,10 +5,10 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/mrpt/mrpt.h"
+#include "slamdb/formats/mrpt/detail/mrpt.h"
+#include "slamdb/formats/orbslam3/detail/salvage.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
-#include "slamdb/formats/orbslam3/salvage.h"
-#include "slamdb/formats/sqlite/salvage.h"
+#include "slamdb/formats/sqlite/detail/salvage.h"
 
 namespace slamdb {
 

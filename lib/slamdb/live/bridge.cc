@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "slamdb/base/parallel.h"
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "slamdb/base/parallel.h"
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map_point.h"
 

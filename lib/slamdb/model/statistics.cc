@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "slamdb/base/parallel.h"
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/model/uninitialised.h"
+#include "slamdb/model/detail/uninitialised.h"
 
 namespace slamdb {
 namespace {

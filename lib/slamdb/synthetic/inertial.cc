@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/synthetic/inertial.h"
+#include "slamdb/synthetic/detail/inertial.h"
 
 namespace slamdb::synthetic {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/synthetic/portable.h"
+#include "slamdb/synthetic/detail/portable.h"
 
 #include <array>
 #include <cmath>

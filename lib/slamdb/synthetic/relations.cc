@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/synthetic/relations.h"
+#include "slamdb/synthetic/detail/relations.h"
 
 #include <algorithm>
 #include <cstdint>
 
-#include "slamdb/base/parallel.h"
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb::synthetic {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/synthetic/rig.h"
+#include "slamdb/synthetic/detail/rig.h"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/synthetic/room.h"
+#include "slamdb/synthetic/detail/room.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "slamdb/base/error.h"
-#include "slamdb/synthetic/random.h"
+#include "slamdb/synthetic/detail/random.h"
 
 namespace slamdb::synthetic {
 namespace {

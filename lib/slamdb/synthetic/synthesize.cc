@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/parallel.h"
-#include "slamdb/synthetic/inertial.h"
-#include "slamdb/synthetic/random.h"
-#include "slamdb/synthetic/relations.h"
-#include "slamdb/synthetic/rig.h"
-#include "slamdb/synthetic/room.h"
-#include "slamdb/synthetic/view.h"
+#include "slamdb/synthetic/detail/inertial.h"
+#include "slamdb/synthetic/detail/random.h"
+#include "slamdb/synthetic/detail/relations.h"
+#include "slamdb/synthetic/detail/rig.h"
+#include "slamdb/synthetic/detail/room.h"
+#include "slamdb/synthetic/detail/view.h"
 
 // Steps: plan a room that fits the numbers, hang points on its wall, let a camera go round and list what each keyframe
 // sees; then all else follows from that: observations, normals and descriptors of points, covisibility, spanning tree.

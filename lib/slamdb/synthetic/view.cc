@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/synthetic/view.h"
+#include "slamdb/synthetic/detail/view.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "slamdb/model/derive.h"
-#include "slamdb/synthetic/random.h"
-#include "slamdb/synthetic/words.h"
+#include "slamdb/synthetic/detail/random.h"
+#include "slamdb/synthetic/detail/words.h"
 
 namespace slamdb::synthetic {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/synthetic/words.h"
+#include "slamdb/synthetic/detail/words.h"
 
 #include <algorithm>
 #include <array>
 
-#include "slamdb/synthetic/random.h"
+#include "slamdb/synthetic/detail/random.h"
 
 namespace slamdb::synthetic {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/csv/csv.h"
+#include "slamdb/formats/csv/detail/csv.h"
 
 #include <gtest/gtest.h>
 

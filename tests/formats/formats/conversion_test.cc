@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/ndjson/ndjson.h"
+#include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/formats/formats/temporary_folder.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/losses.h"
+#include "slamdb/formats/detail/losses.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 #include <mrpt/maps/CLandmarksMap.h>
 #include <mrpt/serialization/CArchive.h>
 
-#include "slamdb/formats/mrpt/mrpt.h"
+#include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/formats/formats/temporary_folder.h"
 #include "tests/support/equals_atlas.h"

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/mrpt/gzip.h"
-#include "slamdb/formats/mrpt/mrpt.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {

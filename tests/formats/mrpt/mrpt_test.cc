@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/mrpt/mrpt.h"
+#include "slamdb/formats/mrpt/detail/mrpt.h"
 
 #include <gmock/gmock.h>
 
 #include <cstring>
 
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/mrpt/gzip.h"
-#include "slamdb/formats/mrpt/stream.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/mrpt/detail/stream.h"
 #include "tests/formats/formats/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
 

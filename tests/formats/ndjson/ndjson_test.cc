@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/ndjson/ndjson.h"
+#include "slamdb/formats/ndjson/detail/ndjson.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include <regex>
 #include <sstream>
 
-#include "slamdb/formats/ndjson/ndjson.h"
+#include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/formats/formats/temporary_folder.h"
 

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "slamdb/base/detail/hash.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/hash.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/formats/orbslam3/real_atlases.h"

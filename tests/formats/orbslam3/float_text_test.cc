@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/float_text.h"
+#include "slamdb/formats/orbslam3/detail/float_text.h"
 
 #include <gtest/gtest.h>
 

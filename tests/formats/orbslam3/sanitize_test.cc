@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/sanitize.h"
+#include "slamdb/formats/orbslam3/detail/sanitize.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/pcd/pcd.h"
+#include "slamdb/formats/pcd/detail/pcd.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

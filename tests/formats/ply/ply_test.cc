@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/ply/ply.h"
+#include "slamdb/formats/ply/detail/ply.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

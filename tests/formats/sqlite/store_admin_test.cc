@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "slamdb/formats/sqlite/migrations.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {

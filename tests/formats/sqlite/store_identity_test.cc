@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "slamdb/formats/sqlite/store_format.h"
+#include "slamdb/formats/sqlite/detail/store_format.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
-#include "slamdb/formats/sqlite/migrations.h"
-#include "slamdb/formats/sqlite/salvage.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/salvage.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {

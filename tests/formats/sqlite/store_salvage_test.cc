@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "slamdb/formats/sqlite/salvage.h"
+#include "slamdb/formats/sqlite/detail/salvage.h"
 #include "tests/formats/sqlite/atlases.h"
 #include "tests/support/equals_atlas.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/trajectory/trajectory.h"
+#include "slamdb/formats/trajectory/detail/trajectory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

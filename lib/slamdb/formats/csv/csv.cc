@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/csv/csv.h"
+#include "slamdb/formats/csv/detail/csv.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
 
-#include "slamdb/formats/export/maps.h"
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/export/points.h"
-#include "slamdb/formats/export/pose.h"
-#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/points.h"
+#include "slamdb/formats/export/detail/pose.h"
+#include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb {

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstring>
 
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/parallel.h"
-#include "slamdb/formats/dbow2/encoding.h"
+#include "slamdb/formats/dbow2/detail/encoding.h"
 
 namespace slamdb::dbow2 {
 namespace {

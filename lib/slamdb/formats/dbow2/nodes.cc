@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/dbow2/encoding.h"
+#include "slamdb/formats/dbow2/detail/encoding.h"
 
 namespace slamdb::dbow2 {
 namespace {

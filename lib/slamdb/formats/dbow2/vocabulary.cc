@@ -6,10 +6,10 @@
 #include <future>
 #include <string_view>
 
+#include "slamdb/base/detail/file_stream.h"
+#include "slamdb/base/detail/hash.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/file_stream.h"
-#include "slamdb/base/hash.h"
-#include "slamdb/formats/dbow2/encoding.h"
+#include "slamdb/formats/dbow2/detail/encoding.h"
 
 namespace slamdb {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/export/maps.h"
+#include "slamdb/formats/export/detail/maps.h"
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/detail/number.h"
 
 namespace slamdb {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/detail/number.h"
 
 #include <array>
 #include <bit>

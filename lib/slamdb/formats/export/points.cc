@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/export/points.h"
+#include "slamdb/formats/export/detail/points.h"
 
 #include <limits>
 
-#include "slamdb/formats/export/maps.h"
-#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/number.h"
 
 namespace slamdb {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/export/pose.h"
+#include "slamdb/formats/export/detail/pose.h"
 
 #include "slamdb/model/derive.h"
 

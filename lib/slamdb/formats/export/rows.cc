@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/export/detail/rows.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "slamdb/base/parallel.h"
+#include "slamdb/base/detail/parallel.h"
 
 namespace slamdb {
 

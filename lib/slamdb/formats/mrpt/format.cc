@@ -6,15 +6,15 @@
 #include <limits>
 #include <optional>
 
-#include "slamdb/base/file_stream.h"
-#include "slamdb/base/pipeline.h"
-#include "slamdb/formats/export/maps.h"
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/export/rows.h"
-#include "slamdb/formats/mrpt/gzip.h"
-#include "slamdb/formats/mrpt/landmarks.h"
-#include "slamdb/formats/mrpt/mrpt.h"
-#include "slamdb/formats/mrpt/stream.h"
+#include "slamdb/base/detail/file_stream.h"
+#include "slamdb/base/detail/pipeline.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/rows.h"
+#include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/mrpt/detail/landmarks.h"
+#include "slamdb/formats/mrpt/detail/mrpt.h"
+#include "slamdb/formats/mrpt/detail/stream.h"
 #include "slamdb/model/counters.h"
 
 namespace slamdb {

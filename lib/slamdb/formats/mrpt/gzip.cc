@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/mrpt/gzip.h"
+#include "slamdb/formats/mrpt/detail/gzip.h"
 
 #include <zlib.h>
 

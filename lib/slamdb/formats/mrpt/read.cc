@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "slamdb/formats/mrpt/landmarks.h"
-#include "slamdb/formats/mrpt/stream.h"
+#include "slamdb/formats/mrpt/detail/landmarks.h"
+#include "slamdb/formats/mrpt/detail/stream.h"
 
 namespace slamdb::mrpt {
 namespace {

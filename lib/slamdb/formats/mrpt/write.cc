@@ -3,9 +3,9 @@
 #include <array>
 #include <charconv>
 
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/mrpt/landmarks.h"
-#include "slamdb/formats/mrpt/stream.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/mrpt/detail/landmarks.h"
+#include "slamdb/formats/mrpt/detail/stream.h"
 
 namespace slamdb::mrpt {
 namespace {

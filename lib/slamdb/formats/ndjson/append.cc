@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/ndjson/append.h"
+#include "slamdb/formats/ndjson/detail/append.h"
 
 #include <cmath>
 
-#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/detail/number.h"
 
 namespace slamdb {
 namespace {

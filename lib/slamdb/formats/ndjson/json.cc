@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/ndjson/json.h"
 
-#include "slamdb/formats/ndjson/append.h"
-#include "slamdb/formats/ndjson/names.h"
+#include "slamdb/formats/ndjson/detail/append.h"
+#include "slamdb/formats/ndjson/detail/names.h"
 
 namespace slamdb {
 namespace {

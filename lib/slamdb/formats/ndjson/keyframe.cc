@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstring>
 
-#include "slamdb/formats/ndjson/append.h"
+#include "slamdb/formats/ndjson/detail/append.h"
+#include "slamdb/formats/ndjson/detail/names.h"
 #include "slamdb/formats/ndjson/json.h"
-#include "slamdb/formats/ndjson/names.h"
 
 namespace slamdb {
 namespace {

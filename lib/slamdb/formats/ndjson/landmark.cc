@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/ndjson/append.h"
+#include "slamdb/formats/ndjson/detail/append.h"
+#include "slamdb/formats/ndjson/detail/names.h"
 #include "slamdb/formats/ndjson/json.h"
-#include "slamdb/formats/ndjson/names.h"
 
 namespace slamdb {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/ndjson/ndjson.h"
+#include "slamdb/formats/ndjson/detail/ndjson.h"
 
 #include <array>
 
-#include "slamdb/formats/export/maps.h"
-#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/ndjson/json.h"
 
 namespace slamdb {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
 
 #include <charconv>
 #include <cstring>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/archive_plan.h"
+#include "slamdb/formats/orbslam3/detail/archive_plan.h"
 
 #include <algorithm>
 #include <limits>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/orbslam3/archive_header.h"
-#include "slamdb/formats/orbslam3/encoder.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/encoder.h"
 
 namespace slamdb::orbslam3 {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
-#include "slamdb/formats/orbslam3/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 
 namespace slamdb {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/input.h"
+#include "slamdb/formats/orbslam3/detail/input.h"
 
 #include <algorithm>
 #include <cmath>

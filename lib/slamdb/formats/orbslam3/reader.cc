@@ -3,12 +3,12 @@
 #include <memory>
 #include <optional>
 
-#include "slamdb/base/parallel.h"
-#include "slamdb/formats/orbslam3/archive_header.h"
-#include "slamdb/formats/orbslam3/decode_jobs.h"
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/decode_jobs.h"
+#include "slamdb/formats/orbslam3/detail/pointers.h"
+#include "slamdb/formats/orbslam3/detail/skipper.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
-#include "slamdb/formats/orbslam3/pointers.h"
-#include "slamdb/formats/orbslam3/skipper.h"
 
 // How an atlas is read: the calling thread walks the file once from front to back, follows pointers and the class
 // table, checks every count, and finds where each keyframe and map point begins; it passes over their contents.

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/salvage.h"
+#include "slamdb/formats/orbslam3/detail/salvage.h"
 
 #include <algorithm>
 #include <optional>
 #include <string_view>
 
-#include "slamdb/formats/orbslam3/archive_header.h"
-#include "slamdb/formats/orbslam3/decoder.h"
-#include "slamdb/formats/orbslam3/encoder.h"
-#include "slamdb/formats/orbslam3/pointer_search.h"
-#include "slamdb/formats/orbslam3/pointers.h"
-#include "slamdb/formats/orbslam3/skipper.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/decoder.h"
+#include "slamdb/formats/orbslam3/detail/encoder.h"
+#include "slamdb/formats/orbslam3/detail/pointer_search.h"
+#include "slamdb/formats/orbslam3/detail/pointers.h"
+#include "slamdb/formats/orbslam3/detail/skipper.h"
 
 namespace slamdb::orbslam3 {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/orbslam3/sanitize.h"
+#include "slamdb/formats/orbslam3/detail/sanitize.h"
 
 #include <algorithm>
 
+#include "slamdb/model/detail/uninitialised.h"
 #include "slamdb/model/index.h"
-#include "slamdb/model/uninitialised.h"
 
 namespace slamdb {
 namespace {

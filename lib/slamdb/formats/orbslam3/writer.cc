@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/detail/pipeline.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/pipeline.h"
-#include "slamdb/formats/orbslam3/archive_header.h"
-#include "slamdb/formats/orbslam3/archive_plan.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/archive_plan.h"
+#include "slamdb/formats/orbslam3/detail/sanitize.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
-#include "slamdb/formats/orbslam3/sanitize.h"
 
 // How an atlas is written: a plan cuts the archive into segments, threads encode them, and the caller writes the
 // finished ones in order.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/pcd/pcd.h"
+#include "slamdb/formats/pcd/detail/pcd.h"
 
 #include <array>
 #include <bit>
 
-#include "slamdb/formats/export/maps.h"
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/export/points.h"
-#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/points.h"
+#include "slamdb/formats/export/detail/rows.h"
 
 namespace slamdb {
 namespace {

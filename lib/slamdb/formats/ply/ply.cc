@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/ply/ply.h"
+#include "slamdb/formats/ply/detail/ply.h"
 
 #include <array>
 
-#include "slamdb/formats/export/maps.h"
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/export/points.h"
-#include "slamdb/formats/export/rows.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/points.h"
+#include "slamdb/formats/export/detail/rows.h"
 
 namespace slamdb {
 namespace {

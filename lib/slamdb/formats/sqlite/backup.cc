@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/backup.h"
+#include "slamdb/formats/sqlite/detail/backup.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -5,7 +5,7 @@
 //   3. map_point_box_rowid says which leaf has a point, map_point_box_parent which node is whose parent
 // A node is big endian: depth (root only) and number of cells, 2 bytes each; cells of an 8-byte row or node number and
 // the bounds min x, max x, min y, ... as 4-byte floats; zeros up to the size that all nodes have.
-#include "slamdb/formats/sqlite/box_tree.h"
+#include "slamdb/formats/sqlite/detail/box_tree.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/database.h"
+#include "slamdb/formats/sqlite/detail/database.h"
 
 #include <chrono>
 #include <cmath>

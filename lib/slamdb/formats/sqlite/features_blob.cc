@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/features_blob.h"
+#include "slamdb/formats/sqlite/detail/features_blob.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/identity.h"
+#include "slamdb/formats/sqlite/detail/identity.h"
 
-#include "slamdb/formats/sqlite/migrations.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 
 namespace slamdb::sqlite {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/keyframe_blob.h"
+#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/landmark_blob.h"
+#include "slamdb/formats/sqlite/detail/landmark_blob.h"
 
 namespace slamdb::sqlite {
 namespace {

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstring>
 
-#include "slamdb/formats/sqlite/landmark_blob.h"
-#include "slamdb/formats/sqlite/load.h"
-#include "slamdb/formats/sqlite/save.h"
+#include "slamdb/formats/sqlite/detail/landmark_blob.h"
+#include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/save.h"
 
 namespace slamdb::sqlite {
 namespace {

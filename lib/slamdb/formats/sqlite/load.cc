@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/load.h"
+#include "slamdb/formats/sqlite/detail/load.h"
 
 #include <algorithm>
 #include <atomic>
@@ -7,8 +7,8 @@
 #include <cstring>
 #include <thread>
 
-#include "slamdb/base/parallel.h"
-#include "slamdb/formats/sqlite/packing.h"
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/sqlite/detail/packing.h"
 
 namespace slamdb::sqlite {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstring>
 
-#include "slamdb/formats/sqlite/features_blob.h"
-#include "slamdb/formats/sqlite/keyframe_blob.h"
-#include "slamdb/formats/sqlite/load.h"
+#include "slamdb/formats/sqlite/detail/features_blob.h"
+#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
+#include "slamdb/formats/sqlite/detail/load.h"
 
 namespace slamdb::sqlite {
 namespace {

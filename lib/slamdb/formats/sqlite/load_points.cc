@@ -2,7 +2,7 @@
 #include <array>
 #include <cstring>
 
-#include "slamdb/formats/sqlite/load.h"
+#include "slamdb/formats/sqlite/detail/load.h"
 
 namespace slamdb::sqlite {
 namespace {

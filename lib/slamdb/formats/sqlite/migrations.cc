@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/migrations.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 
 #include <algorithm>
 #include <filesystem>
 
-#include "slamdb/formats/sqlite/backup.h"
-#include "slamdb/formats/sqlite/identity.h"
-#include "slamdb/formats/sqlite/writer_lock.h"
+#include "slamdb/formats/sqlite/detail/backup.h"
+#include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/writer_lock.h"
 
 namespace slamdb::sqlite {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/plan.h"
+#include "slamdb/formats/sqlite/detail/plan.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/row_hash.h"
+#include "slamdb/formats/sqlite/detail/row_hash.h"
 
 #include <string_view>
 
-#include "slamdb/base/hash.h"
-#include "slamdb/base/parallel.h"
-#include "slamdb/formats/sqlite/keyframe_blob.h"
-#include "slamdb/formats/sqlite/landmark_blob.h"
-#include "slamdb/formats/sqlite/packing.h"
+#include "slamdb/base/detail/hash.h"
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
+#include "slamdb/formats/sqlite/detail/landmark_blob.h"
+#include "slamdb/formats/sqlite/detail/packing.h"
 
 namespace slamdb::sqlite {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/salvage.h"
+#include "slamdb/formats/sqlite/detail/salvage.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 #include <fstream>
 #include <optional>
 
-#include "slamdb/formats/sqlite/identity.h"
-#include "slamdb/formats/sqlite/load.h"
-#include "slamdb/formats/sqlite/migrations.h"
-#include "slamdb/formats/sqlite/plan.h"
+#include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/plan.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/save.h"
+#include "slamdb/formats/sqlite/detail/save.h"
 
 #include <algorithm>
 #include <charconv>
 
-#include "slamdb/formats/sqlite/packing.h"
-#include "slamdb/formats/sqlite/writer_lock.h"
+#include "slamdb/formats/sqlite/detail/packing.h"
+#include "slamdb/formats/sqlite/detail/writer_lock.h"
 
 namespace slamdb::sqlite {
 namespace {

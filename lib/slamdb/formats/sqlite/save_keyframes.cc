@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "slamdb/base/parallel.h"
-#include "slamdb/formats/sqlite/features_blob.h"
-#include "slamdb/formats/sqlite/keyframe_blob.h"
-#include "slamdb/formats/sqlite/save.h"
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/sqlite/detail/features_blob.h"
+#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
+#include "slamdb/formats/sqlite/detail/save.h"
 
 namespace slamdb::sqlite {
 namespace {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 
-#include "slamdb/formats/sqlite/box_tree.h"
-#include "slamdb/formats/sqlite/save.h"
+#include "slamdb/formats/sqlite/detail/box_tree.h"
+#include "slamdb/formats/sqlite/detail/save.h"
 
 namespace slamdb::sqlite {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "slamdb/formats/sqlite/load.h"
-#include "slamdb/formats/sqlite/plan.h"
+#include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/plan.h"
 
 namespace slamdb::sqlite {
 namespace {

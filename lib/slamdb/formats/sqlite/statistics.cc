@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/statistics.h"
+#include "slamdb/formats/sqlite/detail/statistics.h"
 
 #include <algorithm>
 #include <filesystem>
 
-#include "slamdb/formats/sqlite/migrations.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 
 namespace slamdb::sqlite {
 namespace {

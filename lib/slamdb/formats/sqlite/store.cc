@@ -3,13 +3,13 @@
 
 #include <filesystem>
 
-#include "slamdb/formats/sqlite/backup.h"
-#include "slamdb/formats/sqlite/identity.h"
-#include "slamdb/formats/sqlite/load.h"
-#include "slamdb/formats/sqlite/migrations.h"
-#include "slamdb/formats/sqlite/save.h"
-#include "slamdb/formats/sqlite/statistics.h"
-#include "slamdb/formats/sqlite/writer_lock.h"
+#include "slamdb/formats/sqlite/detail/backup.h"
+#include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/save.h"
+#include "slamdb/formats/sqlite/detail/statistics.h"
+#include "slamdb/formats/sqlite/detail/writer_lock.h"
 
 namespace slamdb {
 

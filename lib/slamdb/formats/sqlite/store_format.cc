@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/store_format.h"
+#include "slamdb/formats/sqlite/detail/store_format.h"
 
 #include <filesystem>
 
-#include "slamdb/formats/sqlite/identity.h"
-#include "slamdb/formats/sqlite/migrations.h"
+#include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb {

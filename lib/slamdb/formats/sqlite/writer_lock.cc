@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/writer_lock.h"
+#include "slamdb/formats/sqlite/detail/writer_lock.h"
 
 #include <signal.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <ctime>
@@ -62,10 +61,9 @@ void WriteTransaction::Commit() {
 }
 
 Error LockedError(Database& database, double lock_timeout) {
-  std::array<char, 32> seconds{};
-  std::snprintf(seconds.data(), seconds.size(), "%g", lock_timeout);
-  return Error(database.path(), "",
-               "locked by " + Holder(database) + " (waited " + seconds.data() + " s): try again when it is done");
+  return Error(
+      ErrorKind::kLocked, database.path(), "",
+      detail::Concat("locked by ", Holder(database), " (waited ", lock_timeout, " s): try again when it is done"));
 }
 
 std::string ToolName() { return "slamdb " SLAMDB_VERSION; }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/trajectory/lines.h"
+#include "slamdb/formats/trajectory/detail/lines.h"
 
 #include <charconv>
 #include <vector>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/export/number.h"
+#include "slamdb/formats/export/detail/number.h"
 
 namespace slamdb {
 namespace {

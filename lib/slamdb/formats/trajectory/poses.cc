@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/trajectory/poses.h"
+#include "slamdb/formats/trajectory/detail/poses.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "slamdb/formats/export/maps.h"
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/export/pose.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/pose.h"
 
 namespace slamdb {
 namespace {

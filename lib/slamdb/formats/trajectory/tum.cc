@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
-#include "slamdb/formats/export/maps.h"
-#include "slamdb/formats/export/number.h"
-#include "slamdb/formats/export/rows.h"
-#include "slamdb/formats/trajectory/lines.h"
-#include "slamdb/formats/trajectory/poses.h"
-#include "slamdb/formats/trajectory/trajectory.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/rows.h"
+#include "slamdb/formats/trajectory/detail/lines.h"
+#include "slamdb/formats/trajectory/detail/poses.h"
+#include "slamdb/formats/trajectory/detail/trajectory.h"
 
 namespace slamdb {
 namespace {

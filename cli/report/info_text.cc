@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "cli/report/info_report.h"
+#include "cli/report/layout.h"
+
+namespace slamdb::cli {
+namespace {
+
+using enum Table::Align;
+
+std::string VectorText(const Eigen::Vector3f& vector) {
+  return Short(vector.x()) + " " + Short(vector.y()) + " " + Short(vector.z());
+}
+
+// Durations for people: 75.2 -> "1 min 15 s".
+std::string DurationText(double seconds) {
+  if (seconds < 60) return Short(seconds, 3) + " s";
+  const auto whole = static_cast<std::uint64_t>(seconds + 0.5);
+  if (whole < 3600) return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
+  return Grouped(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
+}
+
+std::string SensorText(const MapStatistics& map) {
+  std::string text = map.sensor == MapSensor::kStereoOrRgbd    ? "stereo or RGB-D"
+                     : map.sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
+                                                               : SensorName(map.sensor);
+  if (map.keyframes == 0) return map.landmarks == 0 ? "empty" : Counted(map.landmarks, "landmark");
+  return map.has_imu ? text + " with IMU" : text;
+}
+
+std::string InertialText(const MapStatistics& map) {
+  if (!map.imu_initialized) return "not initialised";
+  if (map.imu_ba2) return "initialised, both bundle adjustments done";
+  return map.imu_ba1 ? "initialised, first bundle adjustment done" : "initialised, no bundle adjustment yet";
+}
+
+std::string WithBad(std::uint64_t count, std::uint64_t bad) {
+  return Grouped(count) + (bad == 0 ? "" : " (" + Grouped(bad) + " flagged bad)");
+}
+
+std::string OriginsText(const MapStatistics& map) {
+  std::string text;
+  for (const OriginCount& origin : map.origins)
+    text += (text.empty() ? "" : ", ") + ("map " + std::to_string(origin.map)) + " (" +
+            Counted(origin.count, "keyframe") + ")";
+  return text;
+}
+
+template <class Entity>
+std::string IdText(Id<Entity> id) {
+  return id.has_value() ? std::to_string(id.value()) : "none";
+}
+
+// Whether any keyframe was made in another map.
+bool HasForeignOrigins(const MapStatistics& map) {
+  return std::any_of(map.origins.begin(), map.origins.end(),
+                     [&](const OriginCount& origin) { return origin.map != map.id.value(); });
+}
+
+void AddShape(const MapStatistics& map, Table& table) {
+  if (!map.bounding_box.isEmpty())
+    table.Add({"bounding box", VectorText(map.bounding_box.min()) + "  to  " + VectorText(map.bounding_box.max())});
+  table.Add({"trajectory", Short(map.trajectory_length) +
+                               (map.sensor == MapSensor::kMonocular && !map.imu_initialized ? " units" : " m") +
+                               " in " + DurationText(map.end_time - map.begin_time)});
+}
+
+std::string MapText(const MapStatistics& map) {
+  std::string text = "\nmap " + IdText(map.id) + "  " + SensorText(map) + "\n";
+  if (map.keyframes == 0 && map.points == 0) return text;
+  Table table({kLeft, kLeft}, 2);
+  table.Add({"keyframes", WithBad(map.keyframes, map.bad_keyframes)});
+  table.Add({"points", WithBad(map.points, map.bad_points)});
+  if (map.landmarks > 0) table.Add({"landmarks", Grouped(map.landmarks)});
+  table.Add({"features", Grouped(map.features)});
+  table.Add({"observations", Grouped(map.observations) + "; a point is seen by " + Short(map.observers.mean, 3) +
+                                 " keyframes, median " + Short(map.observers.median) + ", at most " +
+                                 Short(map.observers.max, 6)});
+  if (map.reprojection_error.count > 0)
+    table.Add({"reprojection", Short(map.reprojection_error.mean, 3) + " px on average, median " +
+                                   Short(map.reprojection_error.median, 3)});
+  table.Add({"covisibility", Counted(map.covisibility_edges, "edge") + " in " + Counted(map.components, "component")});
+  if (map.loop_edges + map.merge_edges > 0)
+    table.Add({"closures", Counted(map.loop_edges, "loop edge") + ", " + Counted(map.merge_edges, "merge edge")});
+  AddShape(map, table);
+  if (map.has_imu) table.Add({"inertial", InertialText(map)});
+  table.Add({"keyframe ids", "initial " + IdText(map.initial_keyframe) + ", lowest " + IdText(map.lowest_keyframe) +
+                                 ", largest " + std::to_string(map.largest_keyframe_id)});
+  if (HasForeignOrigins(map)) table.Add({"made in", OriginsText(map)});
+  return text + table.ToString();
+}
+
+std::string CameraText(const Camera& camera) {
+  const std::vector<std::string> names = ParameterNames(camera.model);
+  std::string text = CameraModelName(camera.model);
+  for (std::size_t i = 0; i < camera.parameters.size(); ++i)
+    text += "  " + (i < names.size() ? names[i] : "?") + " " + Short(camera.parameters[i], 6);
+  return text;
+}
+
+std::string ArchiveText(const ArchiveEncoding& encoding) {
+  const std::string releases = BoostReleases(encoding.boost_version);
+  std::string text = std::string(encoding.text ? "text" : "binary") + ", library version " +
+                     std::to_string(encoding.boost_version) + (releases.empty() ? "" : " (" + releases + ")");
+  text += ", " + std::to_string(encoding.long_bytes) + "-byte long";
+  return text;
+}
+
+std::string HeaderText(const InfoReport& report) {
+  Table table({kLeft, kLeft}, 2);
+  table.Add({"format", report.format_title});
+  if (report.has_encoding) table.Add({"archive", ArchiveText(report.encoding)});
+  if (report.size_bytes) table.Add({"size", HumanBytes(*report.size_bytes)});
+  if (!report.vocabulary.name.empty() || !report.vocabulary.checksum.empty())
+    table.Add({"vocabulary", report.vocabulary.name + "  MD5 " + report.vocabulary.checksum});
+  const Counters& next = report.next_ids;
+  table.Add({"next ids", "map " + std::to_string(next.map) + ", keyframe " + std::to_string(next.keyframe) +
+                             ", map point " + std::to_string(next.map_point) + ", frame " + std::to_string(next.frame) +
+                             ", camera " + std::to_string(next.camera)});
+  for (const Camera& camera : report.cameras) table.Add({"camera " + IdText(camera.id), CameraText(camera)});
+  if (report.repeated_maps > 0)
+    table.Add({"list of maps", Counted(report.repeated_maps, "entry", "entries") +
+                                   " null or listed twice, which ORB-SLAM3 does not survive; see 'slamdb check'"});
+  return table.ToString();
+}
+
+std::string PartsText(const std::vector<PartSize>& parts) {
+  std::uint64_t sum = 0;
+  for (const PartSize& part : parts) sum += part.bytes;
+  if (sum == 0) return {};
+  std::vector<PartSize> sorted = parts;
+  std::erase_if(sorted, [](const PartSize& part) { return part.bytes == 0; });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const PartSize& a, const PartSize& b) { return a.bytes > b.bytes; });
+  Table table({kLeft, kRight, kRight}, 2);
+  for (const PartSize& part : sorted) table.Add({part.part, HumanBytes(part.bytes), Percent(part.bytes, sum)});
+  return "\nsize on disk\n" + table.ToString();
+}
+
+}  // namespace
+
+std::string BoostReleases(std::uint32_t version) {
+  switch (version) {
+    case 10:
+      return "Boost 1.53 to 1.55";
+    case 11:
+      return "Boost 1.56, 1.57";
+    case 12:
+      return "Boost 1.58";
+    case 13:
+      return "Boost 1.59";
+    case 14:
+      return "Boost 1.60 to 1.63";
+    case 15:
+      return "Boost 1.64, 1.65";
+    case 16:
+      return "Boost 1.66, 1.67";
+    case 17:
+      return "Boost 1.68 to 1.72";
+    case 18:
+      return "Boost 1.73 to 1.75";
+    case 19:
+      return "Boost 1.76 to 1.83";
+    case 20:
+      return "Boost 1.84, 1.85";
+    default:
+      return {};
+  }
+}
+
+std::string InfoText(const InfoReport& report) {
+  std::string text = report.file + "\n" + HeaderText(report);
+  for (const MapStatistics& map : report.statistics.maps) text += MapText(map);
+  return text + PartsText(report.parts);
+}
+
+}  // namespace slamdb::cli

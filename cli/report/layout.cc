@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/report/layout.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace slamdb::cli {
+namespace {
+
+// Columns that a UTF-8 text takes, one per code point.
+std::size_t Columns(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::string WrappedParagraph(std::string_view text, std::size_t indent, std::size_t width) {
+  std::string out, line;
+  const auto finish = [&] {
+    if (!line.empty()) out += std::string(indent, ' ') + line + "\n";
+    line.clear();
+  };
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(" \n"), text.size());
+    const std::string_view word = text.substr(0, end);
+    if (!word.empty()) {
+      if (!line.empty() && indent + Columns(line) + 1 + Columns(word) > width) finish();
+      if (!line.empty()) line += ' ';
+      line += word;
+    }
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  finish();
+  return out;
+}
+
+}  // namespace
+
+std::string Grouped(std::uint64_t number) {
+  std::string digits = std::to_string(number);
+  for (std::size_t place = digits.size(); place > 3; place -= 3) digits.insert(place - 3, ",");
+  return digits;
+}
+
+std::string Short(double number, int digits) {
+  std::array<char, 64> text{};
+  const auto [end, error] =
+      std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::general, digits);
+  return std::string(text.data(), end);
+}
+
+std::string HumanBytes(std::uint64_t bytes) {
+  if (bytes < 1000) return std::to_string(bytes) + " B";
+  constexpr std::array<const char*, 6> kUnits = {" B", " kB", " MB", " GB", " TB", " PB"};
+  auto amount = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  while (amount >= 999.5 && unit + 1 < kUnits.size()) {
+    amount /= 1000;
+    ++unit;
+  }
+  std::array<char, 32> text{};
+  const auto [end, error] =
+      std::to_chars(text.data(), text.data() + text.size(), amount, std::chars_format::fixed, amount < 99.95 ? 1 : 0);
+  return std::string(text.data(), end) + kUnits[unit];
+}
+
+std::string Percent(std::uint64_t part, std::uint64_t whole) {
+  if (whole == 0 || part == 0) return "0%";
+  const double percent = 100 * static_cast<double>(part) / static_cast<double>(whole);
+  return percent < 1 ? "< 1%" : std::to_string(static_cast<int>(percent + 0.5)) + "%";
+}
+
+std::string Counted(std::uint64_t number, std::string_view one, std::string_view many) {
+  std::string text = Grouped(number).append(" ").append(number == 1 || many.empty() ? one : many);
+  if (number != 1 && many.empty()) text += 's';
+  return text;
+}
+
+std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width) {
+  std::string out;
+  std::string paragraph;
+  const auto finish = [&] {
+    out += WrappedParagraph(paragraph, indent, width);
+    paragraph.clear();
+  };
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    if (line.empty() || line.front() == ' ') {
+      finish();
+      out += line.empty() ? "\n" : std::string(indent, ' ') + std::string(line) + "\n";
+    } else {
+      paragraph += std::string(line) + "\n";
+    }
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  finish();
+  return out;
+}
+
+void Table::Drop(std::size_t column) {
+  const auto place = static_cast<std::ptrdiff_t>(column);
+  columns_.erase(columns_.begin() + place);
+  for (auto& row : rows_) row.erase(row.begin() + place);
+}
+
+std::string Table::ToString() const {
+  std::vector<std::size_t> widths(columns_.size(), 0);
+  for (const auto& row : rows_)
+    for (std::size_t c = 0; c < row.size() && c < widths.size(); ++c) widths[c] = std::max(widths[c], Columns(row[c]));
+  std::string out;
+  for (const auto& row : rows_) {
+    std::string line(indent_, ' ');
+    for (std::size_t c = 0; c < row.size() && c < widths.size(); ++c) {
+      const std::string padding(widths[c] - Columns(row[c]), ' ');
+      if (c > 0) line += "  ";
+      line += columns_[c] == Align::kRight ? padding + row[c] : row[c] + padding;
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    out += line + "\n";
+  }
+  return out;
+}
+
+}  // namespace slamdb::cli

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. Keyframes by what does not change while a map is edited: descriptors and time; the id decides between equal ones.
+// 2. Maps by the keyframes that they share.
+// 3. Points by descriptor and observers, then by any keypoint that sees both.
+#include "slamdb/edit/diff/detail/diff_match.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <map>
+#include <tuple>
+
+#include "slamdb/base/detail/hash.h"
+#include "slamdb/base/detail/parallel.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::size_t kPerBlock = 64;
+
+template <class Values>
+std::uint64_t HashOf(const Values& values, std::uint64_t seed = 0) {
+  return ContentHash(std::as_bytes(std::span(values.data(), values.size())), seed);
+}
+
+// Never kNoKey.
+std::uint64_t Mixed(std::uint64_t a, std::uint64_t b) {
+  const std::array<std::uint64_t, 2> both{a, b};
+  return HashOf(both) & ~std::uint64_t{1};
+}
+
+std::uint64_t TimeKey(const KeyFrame& keyframe) { return std::bit_cast<std::uint64_t>(keyframe.timestamp); }
+
+// What keyframes are told by; kNoKey where there is nothing.
+struct KeyFrameKeys {
+  std::vector<std::uint64_t> descriptors, keypoints;
+  bool any_descriptors = false;
+};
+
+KeyFrameKeys KeysOf(const NumberedAtlas& atlas, int threads) {
+  const std::size_t count = atlas.keyframes.size();
+  KeyFrameKeys keys{.descriptors = std::vector<std::uint64_t>(count, Pairing::kNoKey),
+                    .keypoints = std::vector<std::uint64_t>(count, Pairing::kNoKey)};
+  ParallelFor(count, kPerBlock, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) {
+      const Features& features = atlas.keyframes[n]->features;
+      if (!features.descriptors.empty()) keys.descriptors[n] = Mixed(HashOf(features.descriptors), 0);
+      if (!features.keypoints.empty())
+        keys.keypoints[n] = Mixed(HashOf(features.keypoints), TimeKey(*atlas.keyframes[n]));
+    }
+  });
+  keys.any_descriptors =
+      std::ranges::any_of(keys.descriptors, [](std::uint64_t key) { return key != Pairing::kNoKey; });
+  return keys;
+}
+
+Pairing PairKeyFrames(const NumberedAtlas& before, const NumberedAtlas& after, int threads) {
+  const KeyFrameKeys before_keys = KeysOf(before, threads), after_keys = KeysOf(after, threads);
+  Pairing pairing(before.keyframes.size(), after.keyframes.size());
+  const auto join = [&](const auto& key) {
+    pairing.Join([&](std::uint32_t n) { return key(*before.keyframes[n], before_keys, n); },
+                 [&](std::uint32_t n) { return key(*after.keyframes[n], after_keys, n); });
+  };
+  const auto look = [](const KeyFrame& keyframe, const KeyFrameKeys& keys, std::uint32_t n) {
+    return keys.descriptors[n] == Pairing::kNoKey ? Pairing::kNoKey : Mixed(keys.descriptors[n], TimeKey(keyframe));
+  };
+  const auto with_id = [](std::uint64_t key, const KeyFrame& keyframe) {
+    return key == Pairing::kNoKey ? key : Mixed(key, keyframe.id.value());
+  };
+  join([&](const KeyFrame& keyframe, const KeyFrameKeys& keys, std::uint32_t n) {
+    return with_id(look(keyframe, keys, n), keyframe);
+  });
+  join(look);
+  join([](const KeyFrame&, const KeyFrameKeys& keys, std::uint32_t n) { return keys.descriptors[n]; });
+  join([](const KeyFrame&, const KeyFrameKeys& keys, std::uint32_t n) { return keys.keypoints[n]; });
+  if (before_keys.any_descriptors && after_keys.any_descriptors) return pairing;
+  // A format without descriptors: only times are left. Sessions that began at the same second must not mix otherwise.
+  const auto time = [](const KeyFrame& keyframe, const KeyFrameKeys&, std::uint32_t) {
+    return Mixed(TimeKey(keyframe), 0);
+  };
+  join([&](const KeyFrame& keyframe, const KeyFrameKeys& keys, std::uint32_t n) {
+    return with_id(time(keyframe, keys, n), keyframe);
+  });
+  join(time);
+  return pairing;
+}
+
+// The maps that share most keyframes first; those without keyframes by id.
+Pairing PairMaps(const NumberedAtlas& before, const NumberedAtlas& after, const Pairing& keyframes) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> shared;
+  for (std::uint32_t n = 0; n < before.keyframes.size(); ++n)
+    if (keyframes.AfterOf(n) != kNoRow)
+      ++shared[{before.map_of_keyframe[n], after.map_of_keyframe[keyframes.AfterOf(n)]}];
+  std::vector<std::tuple<std::size_t, std::uint32_t, std::uint32_t>> order;
+  for (const auto& [maps, count] : shared) order.emplace_back(count, maps.first, maps.second);
+  std::ranges::stable_sort(order, [](const auto& a, const auto& b) { return std::get<0>(a) > std::get<0>(b); });
+  const std::vector<Map>&before_maps = before.atlas().maps, &after_maps = after.atlas().maps;
+  Pairing pairing(before_maps.size(), after_maps.size());
+  for (const auto& [count, a, b] : order)
+    if (pairing.AfterOf(a) == kNoRow && pairing.BeforeOf(b) == kNoRow) pairing.Add(a, b);
+  const auto empty_id = [](const std::vector<Map>& maps, std::uint32_t row) {
+    return maps[row].keyframes.empty() ? maps[row].id.value() : Pairing::kNoKey;
+  };
+  pairing.Join([&](std::uint32_t row) { return empty_id(before_maps, row); },
+               [&](std::uint32_t row) { return empty_id(after_maps, row); });
+  const auto is_empty = [](const std::vector<Map>& maps, std::uint32_t row) {
+    return maps[row].keyframes.empty() && maps[row].points.empty() ? 0 : Pairing::kNoKey;
+  };
+  pairing.Join([&](std::uint32_t row) { return is_empty(before_maps, row); },
+               [&](std::uint32_t row) { return is_empty(after_maps, row); });
+  return pairing;
+}
+
+Pairing PairCameras(const Atlas& before, const Atlas& after) {
+  Pairing pairing(before.cameras.size(), after.cameras.size());
+  const auto content = [](const Camera& camera) {
+    return Mixed(HashOf(camera.parameters), static_cast<std::uint64_t>(camera.model));
+  };
+  const auto join = [&](const auto& key) {
+    pairing.Join([&](std::uint32_t row) { return key(before.cameras[row]); },
+                 [&](std::uint32_t row) { return key(after.cameras[row]); });
+  };
+  join([&](const Camera& camera) { return Mixed(content(camera), camera.id.value()); });
+  join(content);
+  join([](const Camera& camera) { return camera.id.value(); });
+  return pairing;
+}
+
+// Points are compared under the numbers that keyframes have in the atlas after.
+class PointPairing {
+ public:
+  PointPairing(const NumberedAtlas& before, const NumberedAtlas& after, const Pairing& keyframes, int threads)
+      : before_(before), after_(after), keyframes_(keyframes), pairing_(before.points.size(), after.points.size()) {
+    before_seen_ = SeenKeys(before_, threads, [&](std::uint32_t n) { return keyframes_.AfterOf(n); });
+    after_seen_ =
+        SeenKeys(after_, threads, [&](std::uint32_t n) { return keyframes_.BeforeOf(n) == kNoRow ? kNoRow : n; });
+  }
+
+  Pairing Run() {
+    const auto with = [](std::uint64_t key, std::uint64_t other) {
+      return key == Pairing::kNoKey ? key : Mixed(key, other);
+    };
+    const auto look = [](const MapPoint& point) { return HashOf(point.descriptor); };
+    Join([&](const MapPoint& point, std::uint64_t seen) { return with(with(seen, look(point)), point.id.value()); });
+    Join([&](const MapPoint& point, std::uint64_t seen) { return with(seen, look(point)); });
+    Join([](const MapPoint&, std::uint64_t seen) { return seen; });
+    PairByVotes();
+    Join([&](const MapPoint& point, std::uint64_t) {
+      return point.has_descriptor() ? Mixed(look(point), point.id.value()) : Pairing::kNoKey;
+    });
+    Join([&](const MapPoint& point, std::uint64_t) { return Mixed(look(point), HashOf(point.position)); });
+    return std::move(pairing_);
+  }
+
+ private:
+  // A key of the set of observations in keyframes that both atlases have.
+  template <class Number>
+  static std::vector<std::uint64_t> SeenKeys(const NumberedAtlas& atlas, int threads, const Number& number) {
+    std::vector<std::uint64_t> keys(atlas.points.size(), Pairing::kNoKey);
+    ParallelFor(keys.size(), 16 * kPerBlock, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        std::uint64_t sum = 0;
+        bool any = false;
+        for (const Observation& observation : atlas.points[n]->observations) {
+          const std::uint32_t own = atlas.FindKeyFrame(atlas.map_of_point[n], observation.keyframe);
+          const std::uint32_t observer = own == kNoRow ? kNoRow : number(own);
+          if (observer == kNoRow) continue;
+          any = true;
+          sum += Mixed(observer, std::uint64_t{static_cast<std::uint32_t>(observation.left)} << 32 |
+                                     static_cast<std::uint32_t>(observation.right));
+        }
+        if (any) keys[n] = Mixed(sum, 0);
+      }
+    });
+    return keys;
+  }
+
+  template <class Key>
+  void Join(const Key& key) {
+    pairing_.Join([&](std::uint32_t n) { return key(*before_.points[n], before_seen_[n]); },
+                  [&](std::uint32_t n) { return key(*after_.points[n], after_seen_[n]); });
+  }
+
+  // visit(key of a keypoint) for the keypoints that see a point.
+  template <class Number, class Visit>
+  static void ForEachKeypoint(const NumberedAtlas& atlas, std::uint32_t n, const Number& number, const Visit& visit) {
+    for (const Observation& observation : atlas.points[n]->observations) {
+      const std::uint32_t own = atlas.FindKeyFrame(atlas.map_of_point[n], observation.keyframe);
+      const std::uint32_t observer = own == kNoRow ? kNoRow : number(own);
+      if (observer == kNoRow) continue;
+      for (const std::int32_t row : {observation.left, observation.right})
+        if (row >= 0) visit(std::uint64_t{observer} << 32 | static_cast<std::uint32_t>(row));
+    }
+  }
+
+  // A point that lost or won observers goes by the keypoints it still has; most of them decide.
+  void PairByVotes() {
+    std::vector<std::uint64_t> keypoints;
+    std::vector<std::uint32_t> owners;
+    for (std::uint32_t n = 0; n < after_.points.size(); ++n) {
+      if (pairing_.BeforeOf(n) != kNoRow) continue;
+      ForEachKeypoint(
+          after_, n, [](std::uint32_t own) { return own; },
+          [&](std::uint64_t keypoint) {
+            keypoints.push_back(keypoint);
+            owners.push_back(n);
+          });
+    }
+    if (keypoints.empty()) return;
+    const auto [lowest, highest] = std::ranges::minmax(keypoints);
+    IdTable table(lowest, highest, keypoints.size());
+    for (std::size_t i = 0; i < keypoints.size(); ++i) table.Insert(keypoints[i], owners[i]);
+    std::vector<std::uint32_t> votes;
+    for (std::uint32_t n = 0; n < before_.points.size(); ++n) {
+      if (pairing_.AfterOf(n) != kNoRow) continue;
+      votes.clear();
+      ForEachKeypoint(
+          before_, n, [&](std::uint32_t own) { return keyframes_.AfterOf(own); },
+          [&](std::uint64_t keypoint) {
+            const std::uint32_t owner = table.Find(keypoint);
+            if (owner != kNoRow && pairing_.BeforeOf(owner) == kNoRow) votes.push_back(owner);
+          });
+      if (!votes.empty()) pairing_.Add(n, MostFrequent(votes));
+    }
+  }
+
+  static std::uint32_t MostFrequent(std::vector<std::uint32_t>& votes) {
+    std::ranges::sort(votes);
+    std::uint32_t best = votes[0];
+    std::size_t most = 0;
+    for (std::size_t begin = 0, end = 0; begin < votes.size(); begin = end) {
+      while (end < votes.size() && votes[end] == votes[begin]) ++end;
+      if (end - begin > most) most = end - begin, best = votes[begin];
+    }
+    return best;
+  }
+
+  const NumberedAtlas &before_, &after_;
+  const Pairing& keyframes_;
+  Pairing pairing_;
+  std::vector<std::uint64_t> before_seen_, after_seen_;
+};
+
+}  // namespace
+
+NumberedAtlas::NumberedAtlas(const Atlas& atlas) : index_(atlas) {
+  for (std::uint32_t row = 0; row < atlas.maps.size(); ++row) {
+    const Map& map = atlas.maps[row];
+    first_keyframe_.push_back(static_cast<std::uint32_t>(keyframes.size()));
+    first_point_.push_back(static_cast<std::uint32_t>(points.size()));
+    for (const KeyFrame& keyframe : map.keyframes) keyframes.push_back(&keyframe);
+    for (const MapPoint& point : map.points) points.push_back(&point);
+    map_of_keyframe.resize(keyframes.size(), row);
+    map_of_point.resize(points.size(), row);
+  }
+  first_keyframe_.push_back(static_cast<std::uint32_t>(keyframes.size()));
+  first_point_.push_back(static_cast<std::uint32_t>(points.size()));
+}
+
+void Pairing::Add(std::uint32_t before, std::uint32_t after) {
+  after_of_[before] = after;
+  before_of_[after] = before;
+}
+
+void Pairing::Join(const Key& before_key, const Key& after_key) {
+  std::vector<std::uint64_t> keys;
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t n = 0; n < before_of_.size(); ++n) {
+    if (before_of_[n] != kNoRow) continue;
+    const std::uint64_t key = after_key(n);
+    if (key == kNoKey) continue;
+    keys.push_back(key);
+    numbers.push_back(n);
+  }
+  if (keys.empty()) return;
+  // Entries of one key form a chain, whose first the table knows.
+  const auto [lowest, highest] = std::ranges::minmax(keys);
+  IdTable table(lowest, highest, keys.size());
+  std::vector<std::uint32_t> next(keys.size(), kNoRow), head(keys.size()), last(keys.size());
+  for (std::uint32_t entry = 0; entry < keys.size(); ++entry) {
+    const std::uint32_t first = table.Insert(keys[entry], entry);
+    head[entry] = last[entry] = entry;
+    if (first == kNoRow) continue;
+    next[last[first]] = entry;
+    last[first] = entry;
+  }
+  for (std::uint32_t n = 0; n < after_of_.size(); ++n) {
+    if (after_of_[n] != kNoRow) continue;
+    const std::uint32_t first = table.Find(before_key(n));
+    if (first == kNoRow || head[first] == kNoRow) continue;
+    Add(n, numbers[head[first]]);
+    head[first] = next[head[first]];
+  }
+}
+
+AtlasPairing PairEntities(const NumberedAtlas& before, const NumberedAtlas& after, int threads) {
+  Pairing keyframes = PairKeyFrames(before, after, threads);
+  Pairing maps = PairMaps(before, after, keyframes);
+  Pairing cameras = PairCameras(before.atlas(), after.atlas());
+  Pairing points = PointPairing(before, after, keyframes, threads).Run();
+  return {std::move(maps), std::move(cameras), std::move(keyframes), std::move(points)};
+}
+
+}  // namespace slamdb

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/diff/detail/diff_pair.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace slamdb {
+namespace {
+
+// A reference and what it carries, under the number of its target in the atlas after.
+struct Link {
+  std::uint64_t target;
+  std::uint64_t value;
+};
+constexpr std::uint64_t kOnlyBefore = std::uint64_t{1} << 62;  // its target has no partner
+constexpr std::uint64_t kDangling = std::uint64_t{1} << 63;    // the target is in neither; the id is all there is
+
+LinkCounts CompareLinks(std::vector<Link>& before, std::vector<Link>& after) {
+  const auto by_target = [](const Link& a, const Link& b) { return a.target < b.target; };
+  std::ranges::stable_sort(before, by_target);
+  std::ranges::stable_sort(after, by_target);
+  LinkCounts counts;
+  auto a = before.begin(), b = after.begin();
+  while (a != before.end() && b != after.end()) {
+    if (a->target != b->target) {
+      if (a->target < b->target)
+        ++counts.removed, ++a;
+      else
+        ++counts.added, ++b;
+      continue;
+    }
+    if (a->value != b->value) ++counts.changed;
+    ++a, ++b;
+  }
+  counts.removed += static_cast<std::uint32_t>(before.end() - a);
+  counts.added += static_cast<std::uint32_t>(after.end() - b);
+  return counts;
+}
+
+std::uint64_t RowsOf(const Observation& observation) {
+  return std::uint64_t{static_cast<std::uint32_t>(observation.left)} << 32 |
+         static_cast<std::uint32_t>(observation.right);
+}
+
+}  // namespace
+
+// References lead to the same when their targets are partners, or both lead nowhere.
+bool PairComparison::SameKeyFrame(std::uint32_t map_a, KeyFrameId a, std::uint32_t map_b, KeyFrameId b) const {
+  const std::uint32_t target_a = before_.FindKeyFrame(map_a, a), target_b = after_.FindKeyFrame(map_b, b);
+  if (target_a == kNoRow || target_b == kNoRow) return target_a == target_b && a.has_value() == b.has_value();
+  return pairing_.keyframes.AfterOf(target_a) == target_b;
+}
+
+bool PairComparison::SamePoint(std::uint32_t map_a, MapPointId a, std::uint32_t map_b, MapPointId b) const {
+  const std::uint32_t target_a = before_.FindPoint(map_a, a), target_b = after_.FindPoint(map_b, b);
+  if (target_a == kNoRow || target_b == kNoRow) return target_a == target_b && a.has_value() == b.has_value();
+  return pairing_.points.AfterOf(target_a) == target_b;
+}
+
+bool PairComparison::SameCamera(CameraId a, CameraId b) const {
+  const std::uint32_t row_a = before_.index().CameraRow(a), row_b = after_.index().CameraRow(b);
+  if (row_a == kNoRow || row_b == kNoRow) return row_a == row_b;
+  return pairing_.cameras.AfterOf(row_a) == row_b;
+}
+
+bool PairComparison::SameOrigin(std::uint32_t a, std::uint32_t b) const {
+  const std::uint32_t row = before_.index().MapRow(MapId(a));
+  const std::uint32_t partner = row == kNoRow ? kNoRow : pairing_.maps.AfterOf(row);
+  return partner == kNoRow ? a == b : after_.atlas().maps[partner].id == MapId(b);
+}
+
+bool PairComparison::SameCalibration(const KeyFrame& a, const KeyFrame& b) const {
+  return SameCamera(a.camera, b.camera) && SameCamera(a.right_camera, b.right_camera) &&
+         same_(a.intrinsics, b.intrinsics) && same_(a.calibration_matrix, b.calibration_matrix) &&
+         same_(a.distortion, b.distortion) && same_(a.half_baseline, b.half_baseline) &&
+         same_(a.left_from_right, b.left_from_right) && same_(a.bounds, b.bounds) && same_(a.pyramid, b.pyramid);
+}
+
+bool PairComparison::SameInertial(const KeyFrame& a, const KeyFrame& b) const {
+  return same_(a.imu_bias, b.imu_bias) && same_(a.preintegration, b.preintegration) &&
+         same_(a.imu_calibration, b.imu_calibration) && a.imu_initialized == b.imu_initialized &&
+         same_(a.velocity, b.velocity) && same_(a.body_position, b.body_position) && a.has_velocity == b.has_velocity;
+}
+
+KeyFramePairDiff PairComparison::CompareKeyFrame(std::uint32_t n) const {
+  const std::uint32_t partner = pairing_.keyframes.AfterOf(n);
+  KeyFramePairDiff diff;
+  if (partner == kNoRow) return diff;
+  const KeyFrame &a = *before_.keyframes[n], &b = *after_.keyframes[partner];
+  diff.renumbered = a.id != b.id;
+  diff.other_ids = a.frame_id != b.frame_id;
+  diff.Note(kPose, same_(a.camera_from_world, b.camera_from_world));
+  if (diff.Has(kPose)) {
+    const Rigid3f first = a.camera_from_world.Normalized(), second = b.camera_from_world.Normalized();
+    diff.distance = (first.Center() - second.Center()).norm();
+    diff.degrees = first.rotation.angularDistance(second.rotation) * 180 / std::numbers::pi_v<float>;
+  }
+  diff.Note(kTime, same_(a.timestamp, b.timestamp));
+  diff.Note(kCalibration, SameCalibration(a, b));
+  diff.Note(kFeatures, same_(a.features, b.features));
+  diff.Note(kBagOfWords, same_(a.features.bag_of_words, b.features.bag_of_words) &&
+                             a.features.feature_vector == b.features.feature_vector);
+  diff.Note(kInertial, SameInertial(a, b));
+  diff.Note(kState, a.first_connection == b.first_connection && a.not_erase == b.not_erase &&
+                        a.to_be_erased == b.to_be_erased && a.bad == b.bad && same_(a.merge_scale, b.merge_scale) &&
+                        same_(a.camera_from_parent, b.camera_from_parent));
+  diff.Note(kOriginMap, SameOrigin(a.origin_map, b.origin_map));
+  CompareEdges(n, partner, diff);
+  CompareSlots(n, partner, diff.links[kSlots]);
+  return diff;
+}
+
+void PairComparison::CompareEdges(std::uint32_t n, std::uint32_t partner, KeyFramePairDiff& diff) const {
+  const KeyFrame &a = *before_.keyframes[n], &b = *after_.keyframes[partner];
+  const std::uint32_t map_a = before_.map_of_keyframe[n], map_b = after_.map_of_keyframe[partner];
+  auto& links = diff.links;
+  std::vector<Link> first, second;
+  for (const Connection& each : a.connections)
+    first.push_back({TargetBefore(map_a, each.keyframe), static_cast<std::uint64_t>(each.weight)});
+  for (const Connection& each : b.connections)
+    second.push_back({TargetAfter(map_b, each.keyframe), static_cast<std::uint64_t>(each.weight)});
+  links[kCovisibility] = CompareLinks(first, second);
+  const auto compare = [&](LinkKind kind, const Column<KeyFrameId>& list_a, const Column<KeyFrameId>& list_b) {
+    first.clear();
+    second.clear();
+    for (const KeyFrameId id : list_a) first.push_back({TargetBefore(map_a, id), 0});
+    for (const KeyFrameId id : list_b) second.push_back({TargetAfter(map_b, id), 0});
+    links[kind] = CompareLinks(first, second);
+  };
+  compare(kChildren, a.children, b.children);
+  compare(kLoops, a.loop_edges, b.loop_edges);
+  compare(kMerges, a.merge_edges, b.merge_edges);
+  const auto compare_one = [&](LinkKind kind, KeyFrameId id_a, KeyFrameId id_b) {
+    if (!SameKeyFrame(map_a, id_a, map_b, id_b)) links[kind].Count(id_a.has_value(), id_b.has_value());
+  };
+  compare_one(kParents, a.parent, b.parent);
+  compare_one(kInTime, a.previous, b.previous);
+  compare_one(kInTime, a.next, b.next);
+}
+
+void PairComparison::CompareSlots(std::uint32_t n, std::uint32_t partner, LinkCounts& slots) const {
+  const Column<MapPointId>& slots_a = before_.keyframes[n]->features.map_points;
+  const Column<MapPointId>& slots_b = after_.keyframes[partner]->features.map_points;
+  const std::uint32_t map_a = before_.map_of_keyframe[n], map_b = after_.map_of_keyframe[partner];
+  for (std::size_t row = 0; row < std::max(slots_a.size(), slots_b.size()); ++row) {
+    const MapPointId a = row < slots_a.size() ? slots_a[row] : MapPointId();
+    const MapPointId b = row < slots_b.size() ? slots_b[row] : MapPointId();
+    if ((a || b) && !SamePoint(map_a, a, map_b, b)) slots.Count(a.has_value(), b.has_value());
+  }
+}
+
+PointPairDiff PairComparison::ComparePoint(std::uint32_t n) const {
+  const std::uint32_t partner = pairing_.points.AfterOf(n);
+  PointPairDiff diff;
+  if (partner == kNoRow) return diff;
+  const MapPoint &a = *before_.points[n], &b = *after_.points[partner];
+  const std::uint32_t map_a = before_.map_of_point[n], map_b = after_.map_of_point[partner];
+  diff.renumbered = a.id != b.id;
+  diff.Note(kPosition, same_(a.position, b.position));
+  if (diff.Has(kPosition)) diff.distance = (a.position - b.position).norm();
+  diff.Note(kNormal, same_(a.normal, b.normal));
+  diff.Note(kDistances, same_(a.min_distance, b.min_distance) && same_(a.max_distance, b.max_distance));
+  diff.Note(kDescriptor, a.has_descriptor() == b.has_descriptor() && a.descriptor == b.descriptor);
+  diff.Note(kObservationCount, a.observation_count == b.observation_count);
+  diff.Note(kReference, SameKeyFrame(map_a, a.reference, map_b, b.reference));
+  diff.Note(kReplacement, SamePoint(map_a, a.replaced_by, map_b, b.replaced_by));
+  diff.Note(kBad, a.bad == b.bad);
+  CompareFirst(n, partner, diff);
+  CompareObservations(n, partner, diff.observations);
+  return diff;
+}
+
+// A first keyframe that was culled has only its id left, which may be renumbered too.
+void PairComparison::CompareFirst(std::uint32_t n, std::uint32_t partner, PairDiff& diff) const {
+  const MapPoint &a = *before_.points[n], &b = *after_.points[partner];
+  const std::uint32_t map_a = before_.map_of_point[n], map_b = after_.map_of_point[partner];
+  const KeyFrameId first_a(static_cast<std::uint64_t>(a.first_keyframe));
+  const KeyFrameId first_b(static_cast<std::uint64_t>(b.first_keyframe));
+  const bool culled = before_.FindKeyFrame(map_a, first_a) == kNoRow || after_.FindKeyFrame(map_b, first_b) == kNoRow;
+  diff.other_ids = a.first_frame != b.first_frame || (culled && first_a != first_b);
+  diff.Note(kFirstKeyFrame, culled || SameKeyFrame(map_a, first_a, map_b, first_b));
+}
+
+void PairComparison::CompareObservations(std::uint32_t n, std::uint32_t partner, LinkCounts& observations) const {
+  const std::uint32_t map_a = before_.map_of_point[n], map_b = after_.map_of_point[partner];
+  std::vector<Link> first, second;
+  for (const Observation& each : before_.points[n]->observations)
+    first.push_back({TargetBefore(map_a, each.keyframe), RowsOf(each)});
+  for (const Observation& each : after_.points[partner]->observations)
+    second.push_back({TargetAfter(map_b, each.keyframe), RowsOf(each)});
+  observations = CompareLinks(first, second);
+}
+
+PairDiff PairComparison::CompareMap(std::uint32_t row) const {
+  const std::uint32_t partner = pairing_.maps.AfterOf(row);
+  PairDiff diff;
+  if (partner == kNoRow) return diff;
+  const Map &a = before_.atlas().maps[row], &b = after_.atlas().maps[partner];
+  diff.renumbered = a.id != b.id;
+  diff.Note(kFlags, a.imu_initialized == b.imu_initialized && a.inertial == b.inertial && a.imu_ba1 == b.imu_ba1 &&
+                        a.imu_ba2 == b.imu_ba2);
+  diff.Note(kBigChange, a.big_change_index == b.big_change_index);
+  const auto same = [&](KeyFrameId id_a, KeyFrameId id_b) { return SameKeyFrame(row, id_a, partner, id_b); };
+  bool roots = same(a.initial_keyframe, b.initial_keyframe) && same(a.first_keyframe, b.first_keyframe) &&
+               same(a.lowest_keyframe, b.lowest_keyframe) && a.origins.size() == b.origins.size();
+  for (std::size_t i = 0; roots && i < a.origins.size(); ++i) roots = same(a.origins[i], b.origins[i]);
+  diff.Note(kRoots, roots);
+  return diff;
+}
+
+PairDiff PairComparison::CompareCamera(std::uint32_t row) const {
+  const std::uint32_t partner = pairing_.cameras.AfterOf(row);
+  PairDiff diff;
+  if (partner == kNoRow) return diff;
+  const Camera &a = before_.atlas().cameras[row], &b = after_.atlas().cameras[partner];
+  diff.renumbered = a.id != b.id;
+  diff.Note(kParameters, a.model == b.model && a.recorded_type == b.recorded_type &&
+                             same_(a.parameters, b.parameters) && same_(a.precision, b.precision));
+  return diff;
+}
+
+std::uint64_t PairComparison::TargetBefore(std::uint32_t map, KeyFrameId id) const {
+  const std::uint32_t number = before_.FindKeyFrame(map, id);
+  if (number == kNoRow) return kDangling | id.value();
+  const std::uint32_t partner = pairing_.keyframes.AfterOf(number);
+  return partner == kNoRow ? kOnlyBefore | number : partner;
+}
+
+std::uint64_t PairComparison::TargetAfter(std::uint32_t map, KeyFrameId id) const {
+  const std::uint32_t number = after_.FindKeyFrame(map, id);
+  return number == kNoRow ? kDangling | id.value() : number;
+}
+
+}  // namespace slamdb

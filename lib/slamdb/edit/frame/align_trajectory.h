@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/umeyama.h"
+
+namespace slamdb {
+
+struct TimedPosition {
+  double timestamp = 0;  // seconds
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
+struct TrajectoryAlignmentOptions {
+  double max_time_difference = 0.02;  // seconds, between a keyframe and the nearest position
+  bool body = false;                  // positions are those of the body (IMU), not of the camera
+  UmeyamaOptions fit;
+};
+
+// Of distances in units of the reference; all 0 when there are none.
+struct ResidualStatistics {
+  double rmse = 0, mean = 0, median = 0, max = 0;
+};
+
+struct TrajectoryAlignment {
+  Similarity3d reference_from_map;
+  std::size_t keyframes = 0;     // that are good and finite
+  std::size_t pairs = 0;         // of them with a position at their time
+  std::size_t inliers = 0;       // of the pairs, that the transform was solved from
+  ResidualStatistics residuals;  // of the inliers
+  double largest_residual = 0;   // of all pairs
+  double spread = 0;             // RMS distance of the inliers' positions from their mean, to hold residuals against
+};
+
+// The similarity that lays the keyframes of a map onto a reference trajectory: each keyframe is paired with the
+// position at its time, interpolated where the two samples around it are at most twice the greatest time difference
+// apart, and the nearest in time otherwise; then SolveUmeyama. `reference` may be in any order. O(n log n).
+// Throws Error when fewer than three keyframes find a position (naming both time spans), when these do not determine
+// the transform, and when the body is asked for in a map without IMU calibration.
+TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosition> reference,
+                                      const TrajectoryAlignmentOptions& options);
+
+// Whether the sensor leaves the scale of a map open: one camera without depths and without an initialised IMU.
+bool HasOpenScale(const Map& map);
+
+}  // namespace slamdb

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "slamdb/edit/frame/align_trajectory.h"
+
+namespace slamdb {
+
+// A place on or above the ellipsoid of WGS84.
+struct Geodetic {
+  double latitude = 0, longitude = 0;  // degrees, north and east positive
+  double altitude = 0;                 // metres above the ellipsoid
+  friend bool operator==(const Geodetic&, const Geodetic&) = default;
+};
+
+struct GpsFix {
+  double timestamp = 0;  // seconds
+  Geodetic place;
+};
+
+// Earth-centred, earth-fixed coordinates in metres (EPSG:4978), and back: to a micrometre from the ground up to orbits.
+Eigen::Vector3d EcefFromGeodetic(const Geodetic& place);
+Geodetic GeodeticFromEcef(const Eigen::Vector3d& ecef);
+
+// Local east, north, up coordinates in metres, on the plane that touches the ellipsoid's parallel surface at an origin.
+class LocalFrame {
+ public:
+  // Throws Error when the origin is no place: a latitude beyond 90 degrees, or not finite.
+  explicit LocalFrame(const Geodetic& origin);
+
+  const Geodetic& origin() const { return origin_; }
+  Eigen::Vector3d FromGeodetic(const Geodetic& place) const;
+  Geodetic ToGeodetic(const Eigen::Vector3d& enu) const;
+
+ private:
+  Geodetic origin_;
+  Eigen::Vector3d ecef_;
+  Eigen::Matrix3d enu_from_ecef_;
+};
+
+// The fixes of a CSV file. Columns are found by the names in the first line: time or timestamp; lat or latitude; lon,
+// lng, long or longitude; alt, altitude, ele, elevation or height, with units behind them ignored (`lat [deg]`).
+// Without a header they are time, latitude, longitude, altitude in this order. Seconds, degrees, metres; `#` begins a
+// comment, unless it begins the header. Cells are separated by commas, semicolons or tabs. Throws Error naming the line
+// that is not so.
+std::vector<GpsFix> ParseFixes(std::string_view csv);
+
+// `LAT,LON` or `LAT,LON,ALT`. Throws Error.
+Geodetic ParseGeodetic(std::string_view text);
+
+// The fixes as positions in the frame.
+std::vector<TimedPosition> PositionsIn(const LocalFrame& frame, const std::vector<GpsFix>& fixes);
+
+}  // namespace slamdb

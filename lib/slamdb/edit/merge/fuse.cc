@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. The uncertainty of every point, and the points of the first part in a hash by place.
+// 2. For each point of the second part the most alike one near it.
+// 3. Pairs are fused, the most alike first.
+// 4. What survives gets its descriptor and normal, what went is erased, covisibility is counted anew.
+#include "slamdb/edit/merge/fuse.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <tuple>
+#include <vector>
+
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/edit/merge/detail/covisibility.h"
+#include "slamdb/model/derive.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb {
+namespace {
+
+constexpr float kLargestUncertainty = 4;  // in medians: bounds how many cells are searched
+
+using Cell = Eigen::Vector3i;
+
+// Points by the cell of a regular grid that they are in: a chain for each hash value.
+class PlaceTable {
+ public:
+  PlaceTable(float width, std::size_t count) : width_(width), heads_(std::bit_ceil(2 * count + 1), kNoRow) {}
+
+  Cell CellOf(const Eigen::Vector3f& position) const {
+    return (position / width_).array().floor().max(-1e9F).min(1e9F).cast<int>();
+  }
+
+  void Insert(const Eigen::Vector3f& position, std::uint32_t row) {
+    std::uint32_t& head = heads_[PlaceOf(CellOf(position))];
+    entries_.push_back({CellOf(position), row, head});
+    head = static_cast<std::uint32_t>(entries_.size() - 1);
+  }
+
+  template <class Visit>
+  void VisitCell(const Cell& cell, const Visit& visit) const {
+    for (std::uint32_t at = heads_[PlaceOf(cell)]; at != kNoRow; at = entries_[at].next)
+      if (entries_[at].cell == cell) visit(entries_[at].row);
+  }
+
+ private:
+  struct Entry {
+    Cell cell;
+    std::uint32_t row, next;
+  };
+
+  std::size_t PlaceOf(const Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (int axis = 0; axis < 3; ++axis) hash = (hash ^ static_cast<std::uint32_t>(cell[axis])) * 0x9E3779B97F4A7C15U;
+    return (hash >> 20) & (heads_.size() - 1);
+  }
+
+  float width_;
+  std::vector<std::uint32_t> heads_;
+  std::vector<Entry> entries_;
+};
+
+struct Pair {
+  std::uint32_t first = kNoRow, second = kNoRow;  // rows of points
+  int hamming = 0;
+  float distance = 0;
+
+  friend bool operator<(const Pair& a, const Pair& b) {
+    return std::tie(a.hamming, a.distance, a.first, a.second) < std::tie(b.hamming, b.distance, b.first, b.second);
+  }
+};
+
+class Fuser {
+ public:
+  Fuser(Map& map, std::size_t second, const FuseOptions& options, int threads)
+      : map_(map), second_(second), options_(options), threads_(threads), keyframes_(KeyFrameTable(map)) {}
+
+  FuseReport Run() {
+    FindUncertainties();
+    std::vector<Pair> pairs = FindPairs();
+    report_.candidates = pairs.size();
+    std::ranges::sort(pairs, std::less<>());
+    survivor_.assign(map_.points.size(), kNoRow);
+    for (const Pair& pair : pairs) Fuse(pair);
+    if (report_.fused == 0) return report_;
+    report_.mean_distance /= static_cast<double>(report_.fused);
+    RefreshSurvivors();
+    RedirectTheRest();
+    EraseFused();
+    UpdateTouched();
+    return report_;
+  }
+
+ private:
+  // max_distance is the distance from the reference keyframe times the scale of the level that it saw the point at.
+  void FindUncertainties() {
+    uncertainty_.assign(map_.points.size(), 0);
+    std::vector<float> known;
+    for (std::size_t row = 0; row < map_.points.size(); ++row) {
+      const MapPoint& point = map_.points[row];
+      const std::uint32_t reference = keyframes_.Find(point.reference.value());
+      if (reference == kNoRow || point.bad || !point.has_descriptor() || !point.position.allFinite()) continue;
+      const float sigma = point.max_distance / map_.keyframes[reference].intrinsics.fx;
+      if (!(sigma > 0 && std::isfinite(sigma))) continue;
+      uncertainty_[row] = sigma;
+      known.push_back(sigma);
+    }
+    if (known.empty()) return;
+    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+    std::ranges::nth_element(known, middle);
+    cell_width_ = static_cast<float>(options_.radius) * *middle;
+    for (float& sigma : uncertainty_) sigma = std::min(sigma, kLargestUncertainty * *middle);
+  }
+
+  std::vector<Pair> FindPairs() const {
+    std::vector<Pair> pairs;
+    if (!(cell_width_ > 0)) return pairs;
+    PlaceTable places(cell_width_, second_);
+    for (std::uint32_t row = 0; row < second_; ++row)
+      if (uncertainty_[row] > 0) places.Insert(map_.points[row].position, row);
+    std::vector<Pair> best(map_.points.size() - second_);
+    ParallelFor(best.size(), 256, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) best[i] = FindBest(places, static_cast<std::uint32_t>(second_ + i));
+    });
+    std::ranges::copy_if(best, std::back_inserter(pairs), [](const Pair& pair) { return pair.first != kNoRow; });
+    return pairs;
+  }
+
+  Pair FindBest(const PlaceTable& places, std::uint32_t row) const {
+    Pair best;
+    if (!(uncertainty_[row] > 0)) return best;
+    const MapPoint& point = map_.points[row];
+    const float reach = static_cast<float>(options_.radius) * uncertainty_[row];
+    const Cell low = places.CellOf(point.position.array() - reach),
+               high = places.CellOf(point.position.array() + reach);
+    const auto look = [&](std::uint32_t other) {
+      const float distance = (map_.points[other].position - point.position).norm();
+      if (distance > static_cast<float>(options_.radius) * std::min(uncertainty_[row], uncertainty_[other])) return;
+      const Pair pair{other, row, HammingDistance(map_.points[other].descriptor, point.descriptor), distance};
+      if (pair.hamming <= options_.hamming && (best.first == kNoRow || pair < best)) best = pair;
+    };
+    for (int x = low.x(); x <= high.x(); ++x)
+      for (int y = low.y(); y <= high.y(); ++y)
+        for (int z = low.z(); z <= high.z(); ++z) places.VisitCell({x, y, z}, look);
+    return best;
+  }
+
+  bool SeenTogether(const MapPoint& a, const MapPoint& b) const {
+    return std::ranges::any_of(b.observations, [&](const Observation& observation) {
+      return std::ranges::binary_search(a.observations, observation.keyframe, {}, &Observation::keyframe);
+    });
+  }
+
+  void Fuse(const Pair& pair) {
+    MapPoint &kept = map_.points[pair.first], &gone = map_.points[pair.second];
+    if (SeenTogether(kept, gone)) {
+      ++report_.seen_together;
+      return;
+    }
+    for (const Observation& observation : gone.observations) {
+      const std::uint32_t row = keyframes_.Find(observation.keyframe.value());
+      if (row == kNoRow) continue;
+      KeyFrame& keyframe = map_.keyframes[row];
+      for (const std::int32_t slot : {observation.left, observation.right})
+        if (slot >= 0 && static_cast<std::size_t>(slot) < keyframe.features.map_points.size())
+          keyframe.features.map_points[static_cast<std::size_t>(slot)] = kept.id;
+      kept.observations.insert(
+          std::ranges::lower_bound(kept.observations, observation.keyframe, {}, &Observation::keyframe), observation);
+      kept.observation_count += ObservationWeight(keyframe, observation);
+      ++report_.observations;
+    }
+    survivor_[pair.second] = pair.first;
+    report_.mean_distance += static_cast<double>(pair.distance);
+    ++report_.fused;
+  }
+
+  // The points that others went into, each once, ascending.
+  std::vector<std::uint32_t> Survivors() const {
+    std::vector<std::uint32_t> rows;
+    std::ranges::copy_if(survivor_, std::back_inserter(rows), [](std::uint32_t row) { return row != kNoRow; });
+    std::ranges::sort(rows);
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    return rows;
+  }
+
+  void RefreshSurvivors() {
+    std::vector<Descriptor> descriptors;
+    for (const std::uint32_t row : Survivors()) {
+      MapPoint& point = map_.points[row];
+      descriptors.clear();
+      Eigen::Vector3f normals = Eigen::Vector3f::Zero();
+      float views = 0;
+      const auto see = [&](const Eigen::Vector3f& center) {
+        normals += (point.position - center).normalized();
+        ++views;
+      };
+      for (const Observation& observation : point.observations) {
+        const std::uint32_t observer = keyframes_.Find(observation.keyframe.value());
+        if (observer == kNoRow) continue;
+        const KeyFrame& keyframe = map_.keyframes[observer];
+        touched_.push_back(observer);
+        for (const std::int32_t feature : {observation.left, observation.right})
+          if (feature >= 0 && static_cast<std::size_t>(feature) < keyframe.features.descriptors.size())
+            descriptors.push_back(keyframe.features.descriptors[static_cast<std::size_t>(feature)]);
+        if (observation.left >= 0) see(CameraCenter(keyframe));
+        if (observation.right >= 0) see(RightCameraCenter(keyframe));
+      }
+      if (!descriptors.empty()) point.descriptor = descriptors[MostDistinctiveDescriptor(descriptors)];
+      if (views > 0) point.normal = normals / views;
+    }
+  }
+
+  // Slots that hold a fused point though it does not record them are emptied, as nothing says that they see the other.
+  void RedirectTheRest() {
+    const IdTable points = PointTable(map_);
+    const auto survivor_of = [&](MapPointId id) {
+      const std::uint32_t row = points.Find(id.value());
+      return row == kNoRow ? kNoRow : survivor_[row];
+    };
+    for (KeyFrame& keyframe : map_.keyframes)
+      for (MapPointId& slot : keyframe.features.map_points) {
+        if (survivor_of(slot) == kNoRow) continue;
+        slot = {};
+        ++report_.cleared_slots;
+      }
+    for (MapPoint& point : map_.points)
+      if (const std::uint32_t survivor = survivor_of(point.replaced_by); survivor != kNoRow)
+        point.replaced_by = map_.points[survivor].id;
+  }
+
+  void EraseFused() {
+    for (std::size_t row = second_; row < map_.points.size(); ++row)
+      if (survivor_[row] != kNoRow) report_.replaced.emplace_back(map_.points[row].id, map_.points[survivor_[row]].id);
+    std::size_t kept = 0;
+    for (std::size_t row = 0; row < map_.points.size(); ++row) {
+      if (survivor_[row] != kNoRow) continue;
+      if (kept != row) map_.points[kept] = std::move(map_.points[row]);
+      ++kept;
+    }
+    map_.points.resize(kept);
+  }
+
+  void UpdateTouched() {
+    std::ranges::sort(touched_);
+    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    report_.keyframes = touched_.size();
+    UpdateCovisibility(map_, touched_);
+  }
+
+  Map& map_;
+  const std::size_t second_;
+  const FuseOptions& options_;
+  const int threads_;
+  const IdTable keyframes_;
+  FuseReport report_;
+  std::vector<float> uncertainty_;  // by point row; 0: not to be fused
+  float cell_width_ = 0;
+  std::vector<std::uint32_t> survivor_;  // by point row: the point it went into, or kNoRow
+  std::vector<std::uint32_t> touched_;   // rows of keyframes that see a point that others went into
+};
+
+}  // namespace
+
+FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options, int threads) {
+  return Fuser(map, second, options, threads).Run();
+}
+
+}  // namespace slamdb

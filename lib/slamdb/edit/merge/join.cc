@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. The transform: given, or solved from what both maps have in common.
+// 2. The second map is moved by it.
+// 3. The pair of keyframes by which the maps are linked.
+// 4. The second tree is turned round and hung on; lists and flags of the second map go into the first.
+// 5. Points that are there twice are fused.
+#include "slamdb/edit/merge/join.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <unordered_map>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/frame/transform.h"
+#include "slamdb/edit/ids/detail/references.h"
+#include "slamdb/edit/landmarks/landmarks.h"
+#include "slamdb/model/derive.h"
+#include "slamdb/model/detail/spanning_tree.h"
+#include "slamdb/model/index.h"
+#include "slamdb/model/umeyama.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::size_t kMostCompared = 4096;  // keyframes of each map among which the linked pair is sought
+
+bool IsMetric(const Map& map) {
+  if (map.imu_initialized) return true;
+  return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) {
+    return keyframe.right_camera || keyframe.intrinsics.baseline_fx > 0;
+  });
+}
+
+std::size_t RowOfMap(const Atlas& atlas, MapId id) {
+  std::string ids;
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    if (atlas.maps[row].id != id) {
+      ids += (ids.empty() ? "" : ", ") + std::to_string(atlas.maps[row].id.value());
+      continue;
+    }
+    if (atlas.maps[row].keyframes.empty()) throw Error(ToString(id) + " has no keyframes, so there is nothing to join");
+    return row;
+  }
+  throw Error("there is no " + ToString(id) + "; maps are " + (ids.empty() ? "none" : ids));
+}
+
+std::uint32_t RowOfKeyFrame(const Map& map, const IdTable& rows, KeyFrameId id) {
+  const std::uint32_t row = rows.Find(id.value());
+  if (row == kNoRow) throw Error(ToString(id) + " is not in " + ToString(map.id));
+  return row;
+}
+
+// ---- the transform
+
+struct Correspondences {
+  std::vector<Eigen::Vector3d> first, second;
+};
+
+Correspondences Gather(const Map& first, const Map& second, const JoinOptions& options) {
+  Correspondences pairs;
+  const IdTable first_rows = KeyFrameTable(first), second_rows = KeyFrameTable(second);
+  for (const KeyFramePair& anchor : options.anchors) {
+    const auto a = RowOfKeyFrame(first, first_rows, anchor.first);
+    const auto b = RowOfKeyFrame(second, second_rows, anchor.second);
+    pairs.first.emplace_back(CameraCenter(first.keyframes[a]).cast<double>());
+    pairs.second.emplace_back(CameraCenter(second.keyframes[b]).cast<double>());
+  }
+  for (const PlacePair& place : options.places) {
+    pairs.first.push_back(place.first);
+    pairs.second.push_back(place.second);
+  }
+  return pairs;
+}
+
+Similarity3d Solve(const Map& first, const Map& second, const JoinOptions& options, JoinReport& report) {
+  const Correspondences pairs = Gather(first, second, options);
+  if (pairs.first.empty()) throw Error("joining needs a transform, or anchors to solve it from");
+  UmeyamaOptions umeyama;
+  umeyama.with_scale = options.with_scale.value_or(!IsMetric(first) || !IsMetric(second));
+  umeyama.outlier_distance = options.outlier_distance;
+  UmeyamaResult solved = SolveUmeyama(pairs.second, pairs.first, umeyama);
+  if (auto poor = PoorFitWarning(solved.rms, solved.spread)) report.warnings.push_back(*std::move(poor));
+  AnchorFit fit{.rms = solved.rms};
+  for (std::size_t i = 0; i < solved.residuals.size(); ++i)
+    if (solved.inliers[i]) fit.max = std::max(fit.max, solved.residuals[i]);
+  fit.residuals = std::move(solved.residuals);
+  fit.inliers = std::move(solved.inliers);
+  report.fit = std::move(fit);
+  return solved.target_from_source;
+}
+
+// ---- the link
+
+struct View {
+  KeyFrameId id;
+  Eigen::Vector3f center, direction;
+};
+
+// Evenly spaced keyframes of a map, all of them when they are few.
+std::vector<View> ViewsOf(const Map& map) {
+  const std::size_t step = map.keyframes.size() / kMostCompared + 1;
+  std::vector<View> views;
+  for (std::size_t row = 0; row < map.keyframes.size(); row += step) {
+    const KeyFrame& keyframe = map.keyframes[row];
+    if (keyframe.bad) continue;
+    const Quaternionf world_from_camera = keyframe.camera_from_world.rotation.normalized().conjugate();
+    views.push_back({keyframe.id, CameraCenter(keyframe), world_from_camera * Eigen::Vector3f::UnitZ()});
+  }
+  return views;
+}
+
+// The mean distance of points from their reference keyframes; 1 when there is none.
+float SceneDepth(const Map& map) {
+  const IdTable rows = KeyFrameTable(map);
+  double sum = 0, count = 0;
+  for (const MapPoint& point : map.points) {
+    const std::uint32_t row = rows.Find(point.reference.value());
+    if (row == kNoRow || !point.position.allFinite()) continue;
+    sum += static_cast<double>((point.position - CameraCenter(map.keyframes[row])).norm());
+    ++count;
+  }
+  return count > 0 && sum > 0 ? static_cast<float>(sum / count) : 1;
+}
+
+// The pair whose images differ least: by the baseline against the depth of the scene, and by the viewing direction.
+KeyFramePair FindLink(const Map& first, const Map& second) {
+  const std::vector<View> first_views = ViewsOf(first), second_views = ViewsOf(second);
+  const float closeness = 1 / SceneDepth(first);
+  KeyFramePair best{first.keyframes.front().id, second.keyframes.front().id};
+  float least = std::numeric_limits<float>::infinity();
+  for (const View& a : first_views)
+    for (const View& b : second_views) {
+      const float cost = ((a.center - b.center) * closeness).squaredNorm() + (a.direction - b.direction).squaredNorm();
+      if (!(cost < least)) continue;
+      least = cost;
+      best = {a.id, b.id};
+    }
+  return best;
+}
+
+KeyFramePair ChooseLink(const Map& first, const Map& second, const JoinOptions& options, const JoinReport& report) {
+  if (options.anchors.empty()) return FindLink(first, second);
+  if (!report.fit) return options.anchors.front();
+  const auto end = report.fit->residuals.begin() + static_cast<std::ptrdiff_t>(options.anchors.size());
+  return options.anchors[static_cast<std::size_t>(std::min_element(report.fit->residuals.begin(), end) -
+                                                  report.fit->residuals.begin())];
+}
+
+void AddMergeEdge(KeyFrame& keyframe, KeyFrameId other) {
+  keyframe.not_erase = true;
+  if (std::ranges::find(keyframe.merge_edges, other) == keyframe.merge_edges.end())
+    keyframe.merge_edges.push_back(other);
+}
+
+// The diagonal of the box around its camera centres.
+double Extent(const Map& map) {
+  Eigen::AlignedBox3f box;
+  for (const KeyFrame& keyframe : map.keyframes) box.extend(CameraCenter(keyframe));
+  return static_cast<double>(box.diagonal().norm());
+}
+
+void WarnIfFarApart(const Map& first, const Map& second, JoinReport& report) {
+  const double extent = std::max(Extent(first), Extent(second));
+  if (report.link_distance <= extent) return;
+  report.warnings.push_back(
+      detail::Concat("the maps lie far apart: ", detail::Digits(report.link_distance, 3),
+                     " between the keyframes that link them, where the larger map spans ", detail::Digits(extent, 3),
+                     "; see whether the transform takes the second map to the first, and not back"));
+}
+
+// Hangs the second tree, turned round to the linked keyframe, on the first.
+void Link(Map& first, Map& second, const KeyFramePair& link, JoinReport& report) {
+  RerootTree(second, link.second);
+  KeyFrame& parent = first.keyframes[KeyFrameTable(first).Find(link.first.value())];
+  KeyFrame& child = second.keyframes[KeyFrameTable(second).Find(link.second.value())];
+  child.parent = parent.id;
+  parent.children.push_back(child.id);
+  for (KeyFrame& keyframe : second.keyframes)
+    if (keyframe.parent) keyframe.first_connection = false;
+  AddMergeEdge(parent, child.id);
+  AddMergeEdge(child, parent.id);
+  report.link = link;
+  report.link_distance = static_cast<double>((CameraCenter(parent) - CameraCenter(child)).norm());
+}
+
+// ---- one map of both
+
+template <class Entity>
+void MoveList(Column<Entity>& from, Column<Entity>& to) {
+  to.reserve(to.size() + from.size());
+  std::ranges::move(from, std::back_inserter(to));
+  from.clear();
+}
+
+void Absorb(Map& first, Map& second, JoinReport& report) {
+  report.keyframes = second.keyframes.size();
+  report.points = second.points.size();
+  report.left_inertial = first.inertial && !second.inertial;
+  first.max_keyframe_id = std::max(first.max_keyframe_id, second.max_keyframe_id);
+  first.big_change_index = std::max(first.big_change_index, second.big_change_index) + 1;
+  MoveList(second.keyframes, first.keyframes);
+  MoveList(second.points, first.points);
+  first.lowest_keyframe = SmallestKeyFrame(first);
+  first.inertial = first.inertial && second.inertial;
+  first.imu_initialized = first.imu_initialized && second.imu_initialized;
+  first.imu_ba1 = first.imu_ba1 && second.imu_ba1;
+  first.imu_ba2 = first.imu_ba2 && second.imu_ba2;
+}
+
+// Landmarks follow the points that they stand for, of which some went into others.
+std::uint64_t AbsorbLandmarks(Map& first, Map& second, const std::optional<FuseReport>& fused) {
+  if (fused) {
+    std::unordered_map<std::uint64_t, MapPointId> survivors;
+    for (const auto& [gone, survivor] : fused->replaced) survivors.emplace(gone.value(), survivor);
+    for (Landmark& landmark : second.landmarks)
+      if (const auto found = survivors.find(landmark.id.value()); found != survivors.end())
+        landmark.id = LandmarkId(found->second.value());
+  }
+  return TakeLandmarks(first.landmarks, second.landmarks);
+}
+
+// Lists with null pointers and repetitions name rows of lists that are about to change, and of two entities with one id
+// one would be lost.
+void RefuseIrregular(const Atlas& atlas) {
+  bool irregular = !atlas.repeated_maps.empty();
+  for (const Map& map : atlas.maps) irregular |= !map.repeated_keyframes.empty() || !map.repeated_points.empty();
+  if (irregular) throw Error("lists hold null pointers or repetitions; 'slamdb repair' drops them");
+  const AtlasIndex index(atlas);
+  if (!index.duplicate_keyframes().empty() || !index.duplicate_points().empty())
+    throw Error("ids are there more than once; 'slamdb check' lists them");
+}
+
+}  // namespace
+
+JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
+  RefuseIrregular(atlas);
+  const std::size_t first_row = RowOfMap(atlas, options.first), second_row = RowOfMap(atlas, options.second);
+  if (first_row == second_row) throw Error(ToString(options.first) + " cannot be joined with itself");
+  Map &first = atlas.maps[first_row], &second = atlas.maps[second_row];
+  Gather(first, second, options);  // anchors must be there, whether they are needed for the transform or not
+  JoinReport report{.first = options.first, .second = options.second};
+  report.first_from_second =
+      options.first_from_second ? *options.first_from_second : Solve(first, second, options, report);
+  std::ranges::move(TransformWarnings(second, report.first_from_second), std::back_inserter(report.warnings));
+  TransformMap(second, report.first_from_second, options.threads);
+  Link(first, second, ChooseLink(first, second, options, report), report);
+  WarnIfFarApart(first, second, report);
+  const std::size_t own_points = first.points.size();
+  Absorb(first, second, report);
+  if (options.fuse) report.fused = FusePoints(first, own_points, *options.fuse, options.threads);
+  report.fused_landmarks = AbsorbLandmarks(first, second, report.fused);
+  atlas.maps.erase(atlas.maps.begin() + static_cast<std::ptrdiff_t>(second_row));
+  return report;
+}
+
+}  // namespace slamdb

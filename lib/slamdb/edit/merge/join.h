@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slamdb/edit/merge/fuse.h"
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/similarity.h"
+
+namespace slamdb {
+
+// Two keyframes that were taken at one place: one of the first map, one of the second.
+struct KeyFramePair {
+  KeyFrameId first, second;
+  friend bool operator==(const KeyFramePair&, const KeyFramePair&) = default;
+};
+
+// A place in the coordinates of both maps.
+struct PlacePair {
+  Eigen::Vector3d first, second;
+};
+
+struct JoinOptions {
+  MapId first, second;                            // the second is moved into the first
+  std::optional<Similarity3d> first_from_second;  // without it, it is solved from anchors and places
+  std::vector<KeyFramePair> anchors;              // by their camera centres
+  std::vector<PlacePair> places;
+  std::optional<bool> with_scale;  // when solved; by default only when one of the maps is monocular without IMU
+  double outlier_distance = 0;     // of the solution, see UmeyamaOptions
+  std::optional<FuseOptions> fuse;
+  int threads = 0;
+};
+
+// How well anchors and places fit the transform; first those, then these.
+struct AnchorFit {
+  std::vector<double> residuals;  // first map's units
+  std::vector<std::uint8_t> inliers;
+  double rms = 0, max = 0;  // of the inliers
+};
+
+struct JoinReport {
+  MapId first, second;  // the second is gone
+  Similarity3d first_from_second;
+  std::optional<AnchorFit> fit;             // when the transform was solved
+  KeyFramePair link;                        // joined by a merge edge and in the spanning tree
+  double link_distance = 0;                 // between their camera centres after the move
+  std::uint64_t keyframes = 0, points = 0;  // that changed map
+  bool left_inertial = false;               // the first map was inertial, the second not: the result is not
+  std::vector<std::string> warnings;        // a poor fit, maps far apart, and TransformWarnings of the second map
+  std::optional<FuseReport> fused;
+  std::uint64_t fused_landmarks = 0;  // landmarks of the second map that went into those of the same thing
+};
+
+// Moves the second map into the world frame of the first and makes one map of both, as ORB-SLAM3's merge does but for
+// what docs/merge.md names: entities keep their ids and origin maps; the second spanning tree is turned round so that
+// it hangs, by the linked keyframe, on the linked keyframe of the first; both get a merge edge and may not be culled.
+// The linked pair is the anchor that fits best, or without anchors the pair of keyframes that look at most of the same:
+// close to each other for the depth of the scene, and in the same direction. The first map keeps its id, its root and
+// its origins. Ids must be unique in the atlas. Linear (the pair is sought among at most a few thousand keyframes of
+// each map). Changes nothing when it throws Error: when a map or a keyframe is not there, a map is empty or both are
+// one, or when the transform cannot be solved or is not one. Landmarks of the second map
+// come along; those of equal ids, and those of points that are fused, become one (landmarks.h).
+JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options);
+
+}  // namespace slamdb

@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. The vocabularies must agree.
+// 2. Maps that came before are recognised by their content.
+// 3. For each later input: the range of its ids of each kind, the shift that takes it out of the way, its cameras.
+// 4. The shift goes over all ids, the maps move into the result.
+// 5. Everything is counted again.
+// 6. Two maps are joined, if asked.
+#include "slamdb/edit/merge/merge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/ids/detail/references.h"
+#include "slamdb/model/counters.h"
+#include "slamdb/model/detail/irregular_entries.h"
+
+namespace slamdb {
+namespace {
+
+constexpr float kSameParameter = 1e-6F;
+
+template <class Value>
+using ByKind = std::array<Value, kIdKinds>;
+
+constexpr std::size_t Row(IdKind kind) { return static_cast<std::size_t>(kind); }
+
+// ---- ids
+
+struct IdRange {
+  std::uint64_t lowest = kNoId, highest = 0;  // inclusive; empty when lowest > highest
+
+  void Add(std::uint64_t id) {
+    lowest = std::min(lowest, id);
+    highest = std::max(highest, id);
+  }
+  void Add(const IdRange& other) {
+    lowest = std::min(lowest, other.lowest);
+    highest = std::max(highest, other.highest);
+  }
+  bool empty() const { return lowest > highest; }
+  bool Meets(const IdRange& other) const { return lowest <= other.highest && other.lowest <= highest; }
+};
+
+// The ids that an atlas names, of entities that are there or were once: those below its counters. Anything else is
+// uninitialised memory.
+ByKind<IdRange> FindRanges(const Atlas& atlas, int threads) {
+  ByKind<std::uint64_t> limits;
+  for (std::size_t kind = 0; kind < kIdKinds; ++kind) limits[kind] = NextId(atlas.next_ids, static_cast<IdKind>(kind));
+  ByKind<IdRange> ranges;
+  std::mutex mutex;
+  const auto scan = [&](const auto& list, std::size_t grain) {
+    ParallelFor(list.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
+      ByKind<IdRange> found;
+      for (std::size_t row = begin; row < end; ++row)
+        VisitIds(list[row], [&](auto kind, const auto& field) {
+          constexpr std::size_t kKind = Row(decltype(kind)::value);
+          const std::uint64_t id = IdValue(field);
+          if (id < limits[kKind]) found[kKind].Add(id);
+        });
+      const std::lock_guard lock(mutex);
+      for (std::size_t kind = 0; kind < kIdKinds; ++kind) ranges[kind].Add(found[kind]);
+    });
+  };
+  scan(atlas.cameras, 1024);
+  scan(atlas.maps, 1024);
+  for (const Map& map : atlas.maps) {
+    scan(map.keyframes, 16);
+    scan(map.points, 4096);
+  }
+  return ranges;
+}
+
+// translate(kind, id) for TranslateAtlas: ids that were handed out move by the shift of their kind, cameras by a table.
+struct Shift {
+  ByKind<std::uint64_t> limits{}, offsets{};
+  std::vector<IdPair> cameras;
+
+  bool empty() const {
+    return std::ranges::all_of(offsets, [](std::uint64_t offset) { return offset == 0; }) &&
+           std::ranges::all_of(cameras, [](const IdPair& pair) { return pair.before == pair.after; });
+  }
+
+  template <IdKind kind>
+  std::uint64_t operator()(IdKindConstant<kind>, std::uint64_t id) const {
+    if constexpr (kind == IdKind::kCamera) {
+      const auto found = std::ranges::find(cameras, id, &IdPair::before);
+      if (found != cameras.end()) return found->after;
+    }
+    return id < limits[Row(kind)] ? id + offsets[Row(kind)] : id;
+  }
+};
+
+// ---- cameras
+
+bool IsSame(const Camera& a, const Camera& b) {
+  const auto close = [](float x, float y) { return std::abs(x - y) <= kSameParameter; };
+  return a.model == b.model && std::ranges::equal(a.parameters, b.parameters, close) &&
+         (a.model != CameraModel::kKannalaBrandt8 || close(a.precision, b.precision));
+}
+
+// ---- the merge
+
+class Merger {
+ public:
+  explicit Merger(const MergeOptions& options) : options_(options) {}
+
+  MergeResult Run(std::vector<Atlas> inputs) {
+    if (inputs.empty()) throw Error("there is nothing to merge");
+    CompareVocabularies(inputs);
+    for (const Atlas& input : inputs) CountInput(input);
+    FindSameMaps(inputs);
+    std::optional<JoinOptions> join = options_.join;
+    if (join) ChooseMaps(inputs, *join);
+    for (std::size_t i = 0; i < inputs.size(); ++i) Append(i, inputs[i]);
+    Verify();
+    if (join) Join(*join, inputs.size());
+    return std::move(result_);
+  }
+
+ private:
+  std::string NameOfInput(std::size_t i) const {
+    return i < options_.names.size() ? options_.names[i] : "input " + std::to_string(i + 1);
+  }
+
+  // Landmarks have no bags of words, so atlases of landmarks alone have no vocabulary.
+  static bool HasVocabulary(const Atlas& input) {
+    return !input.vocabulary.checksum.empty() ||
+           std::ranges::any_of(input.maps, [](const Map& map) { return !map.keyframes.empty(); });
+  }
+
+  void CompareVocabularies(const std::vector<Atlas>& inputs) {
+    const auto first_with = std::ranges::find_if(inputs, HasVocabulary);
+    if (first_with == inputs.end()) return;
+    vocabulary_input_ = static_cast<std::size_t>(first_with - inputs.begin());
+    const Vocabulary& first = first_with->vocabulary;
+    for (std::size_t i = vocabulary_input_ + 1; i < inputs.size(); ++i) {
+      const Vocabulary& other = inputs[i].vocabulary;
+      if (other.checksum == first.checksum || !HasVocabulary(inputs[i])) continue;
+      if (!options_.ignore_vocabulary)
+        throw Error(NameOfInput(i) + ": its bags of words are of vocabulary '" + other.name + "' (MD5 " +
+                    other.checksum + "), those of " + NameOfInput(vocabulary_input_) + " of '" + first.name + "' (" +
+                    first.checksum +
+                    "): place recognition would compare words that mean different things; recompute the bags of words "
+                    "of one, or merge all the same and ignore the vocabulary");
+      report().other_vocabularies.push_back(NameOfInput(i));
+    }
+  }
+
+  void CountInput(const Atlas& input) {
+    report().inputs.push_back(
+        {.name = NameOfInput(report().inputs.size()), .counts = CountContent(input, options_.threads)});
+  }
+
+  struct KnownMap {
+    std::size_t input, row;
+    ContentSignature signature;
+    bool left_out = false;
+  };
+
+  void FindSameMaps(const std::vector<Atlas>& inputs) {
+    for (std::size_t input = 0; input < inputs.size(); ++input)
+      for (std::size_t row = 0; row < inputs[input].maps.size(); ++row) {
+        const Map& map = inputs[input].maps[row];
+        KnownMap known{input, row, SignatureOf(map)};
+        if (const KnownMap* first = map.keyframes.empty() && map.landmarks.empty() ? nullptr : FindSame(inputs, known);
+            first != nullptr) {
+          known.left_out = options_.same_map == SameMap::kKeepFirst;
+          const MapId first_id = inputs[first->input].maps[first->row].id;
+          if (options_.same_map == SameMap::kError)
+            throw Error(NameOfInput(input) + ": its " + ToString(map.id) + " is " + ToString(first_id) + " of " +
+                        NameOfInput(first->input) + " again: the same images and points");
+          report().same_maps.push_back({input, first->input, map.id, first_id, known.left_out});
+        }
+        maps_.push_back(known);
+      }
+  }
+
+  const KnownMap* FindSame(const std::vector<Atlas>& inputs, const KnownMap& sought) const {
+    const auto map_of = [&](const KnownMap& known) -> const Map& { return inputs[known.input].maps[known.row]; };
+    std::optional<std::uint64_t> hash;
+    for (const KnownMap& known : maps_) {
+      if (known.input == sought.input || known.left_out || known.signature != sought.signature) continue;
+      if (!hash) hash = ContentHash(map_of(sought), options_.threads);
+      if (ContentHash(map_of(known), options_.threads) == *hash) return &known;
+    }
+    return nullptr;
+  }
+
+  void Append(std::size_t i, Atlas& input) {
+    report().dropped_list_entries += DropIrregularEntries(input);
+    RaiseCounters(input);  // an atlas may hold ids above its counters
+    const ByKind<IdRange> ranges = FindRanges(input, options_.threads);
+    if (i == vocabulary_input_) result_.atlas.vocabulary = std::move(input.vocabulary);
+    if (i == 0) result_.atlas.encoding = input.encoding;
+    Shift shift = MakeShift(i, ranges, input.next_ids);
+    PlaceCameras(i, input, shift);
+    RecordIds(i, input, shift);
+    if (!shift.empty()) TranslateAtlas(input, shift, options_.threads);
+    RaiseTo(input.next_ids, shift);
+    report().inputs[i].shift = shift.offsets;
+    report().inputs[i].cameras = std::move(shift.cameras);
+    MoveMaps(i, input);
+  }
+
+  // Kind by kind nothing when the range is free, else what takes it to the first free id.
+  Shift MakeShift(std::size_t i, const ByKind<IdRange>& ranges, const Counters& limits) {
+    Shift shift;
+    for (std::size_t kind = 0; kind < kIdKinds; ++kind) {
+      const auto as_kind = static_cast<IdKind>(kind);
+      shift.limits[kind] = NextId(limits, as_kind);
+      IdRange range = ranges[kind];
+      if (range.empty() || as_kind == IdKind::kCamera) continue;
+      const auto meets = [&](const IdRange& used) { return used.Meets(range); };
+      if (std::ranges::any_of(used_[kind], meets)) {
+        shift.offsets[kind] = NextId(result_.atlas.next_ids, as_kind) - range.lowest;
+        range.lowest += shift.offsets[kind];
+        range.highest += shift.offsets[kind];
+        if (range.highest > LargestId(as_kind))
+          throw Error(NameOfInput(i) + ": its " + std::string(NameOf(as_kind)) + " ids would reach " +
+                      std::to_string(range.highest) + ", expected at most " + std::to_string(LargestId(as_kind)) +
+                      "; make the inputs' ids dense first: 'slamdb renumber'");
+      }
+      used_[kind].push_back(range);
+    }
+    return shift;
+  }
+
+  // Cameras that an earlier input has go by its id; others keep theirs where it is free.
+  void PlaceCameras(std::size_t i, Atlas& input, Shift& shift) {
+    std::vector<Camera>& cameras = result_.atlas.cameras;
+    std::uint64_t& next = result_.atlas.next_ids.camera;
+    const std::size_t earlier = cameras.size();
+    for (Camera& camera : input.cameras) {
+      const auto end = cameras.begin() + static_cast<std::ptrdiff_t>(earlier);
+      const auto same = std::find_if(cameras.begin(), end, [&](const Camera& other) { return IsSame(other, camera); });
+      const std::uint64_t before = camera.id.value();
+      if (same != end) {
+        ++report().inputs[i].unified_cameras;
+        ++report().left_out.cameras;
+        shift.cameras.push_back({before, same->id.value()});
+        continue;
+      }
+      const bool taken = std::any_of(cameras.begin(), end, [&](const Camera& other) { return other.id == camera.id; });
+      const std::uint64_t after = taken ? std::max(next, shift.limits[Row(IdKind::kCamera)]) : before;
+      if (after != kNoId) next = std::max(next, after + 1);
+      shift.cameras.push_back({before, after});
+      camera.id = CameraId(after);
+      cameras.push_back(std::move(camera));
+    }
+    input.cameras.clear();
+  }
+
+  void RaiseTo(const Counters& counters, const Shift& shift) {
+    Counters& next = result_.atlas.next_ids;
+    const auto raise = [&](std::uint64_t& counter, std::uint64_t other, IdKind kind) {
+      counter = std::max(counter, other + shift.offsets[Row(kind)]);
+    };
+    for (const CounterField& counter : CounterFields())
+      raise(next.*counter.field, counters.*counter.field, counter.kind);
+  }
+
+  bool IsLeftOut(std::size_t input, std::size_t row) const {
+    return std::ranges::any_of(
+        maps_, [&](const KnownMap& map) { return map.input == input && map.row == row && map.left_out; });
+  }
+
+  void MoveMaps(std::size_t i, Atlas& input) {
+    for (std::size_t row = 0; row < input.maps.size(); ++row) {
+      if (IsLeftOut(i, row))
+        report().left_out += CountContent(input.maps[row], options_.threads);
+      else
+        result_.atlas.maps.push_back(std::move(input.maps[row]));
+    }
+  }
+
+  // Before the ids change.
+  void RecordIds(std::size_t i, const Atlas& input, const Shift& shift) {
+    if (!options_.id_maps) return;
+    IdMap ids{.input = NameOfInput(i)};
+    ids[IdKind::kCamera] = shift.cameras;
+    const auto add = [&](auto kind, std::uint64_t id, bool left_out) {
+      if (id != kNoId) ids[kind].push_back({id, left_out ? kNoId : shift(kind, id)});
+    };
+    for (std::size_t row = 0; row < input.maps.size(); ++row) {
+      const Map& map = input.maps[row];
+      const bool left_out = IsLeftOut(i, row);
+      add(IdKindConstant<IdKind::kMap>(), map.id.value(), left_out);
+      for (const KeyFrame& keyframe : map.keyframes) {
+        add(IdKindConstant<IdKind::kKeyFrame>(), keyframe.id.value(), left_out);
+        add(IdKindConstant<IdKind::kFrame>(), keyframe.frame_id, left_out);
+      }
+      for (const MapPoint& point : map.points) add(IdKindConstant<IdKind::kPoint>(), point.id.value(), left_out);
+      for (const Landmark& landmark : map.landmarks)
+        if (landmark.is_numbered()) add(IdKindConstant<IdKind::kPoint>(), landmark.id.value(), left_out);
+    }
+    for (std::vector<IdPair>& pairs : ids.kinds) {
+      std::ranges::sort(pairs, {}, [](const IdPair& pair) { return std::pair(pair.before, pair.after); });
+      pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    }
+    report().id_maps.push_back(std::move(ids));
+  }
+
+  void Verify() {
+    ContentCounts expected;
+    for (const MergedInput& input : report().inputs) expected += input.counts;
+    expected -= report().left_out;
+    report().result = CountContent(result_.atlas, options_.threads);
+    if (report().result != expected)
+      throw Error("the merged atlas does not hold what its inputs do; this is a fault of slamdb, nothing was written");
+  }
+
+  // Which maps are joined, when that is not said: the only ones that there are.
+  void ChooseMaps(const std::vector<Atlas>& inputs, JoinOptions& join) const {
+    if (inputs.size() > 2) throw Error("two maps can be joined at a time; merge the first two inputs, then the next");
+    std::vector<MapId> first, second;
+    for (const Map& map : inputs.front().maps)
+      if (!map.keyframes.empty()) first.push_back(map.id);
+    for (const Map& map : inputs.back().maps)
+      if (!map.keyframes.empty()) second.push_back(map.id);
+    if (inputs.size() == 1 && first.size() == 2) {
+      second = {first.back()};
+      first.pop_back();
+    }
+    if ((!join.first && first.size() != 1) || (!join.second && second.size() != 1))
+      throw Error("there are several maps to choose from, or none: say which two to join");
+    if (!join.first) join.first = first.front();
+    if (!join.second) join.second = second.front();
+    RequireMap(inputs.front(), NameOfInput(0), join.first);
+    RequireMap(inputs.back(), NameOfInput(inputs.size() - 1), join.second);
+    for (const KeyFramePair& anchor : join.anchors) {
+      RequireKeyFrame(inputs.front(), NameOfInput(0), join.first, anchor.first);
+      RequireKeyFrame(inputs.back(), NameOfInput(inputs.size() - 1), join.second, anchor.second);
+    }
+  }
+
+  // In the ids that the user knows, before they change.
+  static void RequireMap(const Atlas& input, const std::string& name, MapId id) {
+    if (std::ranges::find(input.maps, id, &Map::id) == input.maps.end())
+      throw Error(name + ": has no " + ToString(id) + " to join");
+  }
+  static void RequireKeyFrame(const Atlas& input, const std::string& name, MapId map, KeyFrameId id) {
+    const Map& of = *std::ranges::find(input.maps, map, &Map::id);
+    if (std::ranges::find(of.keyframes, id, &KeyFrame::id) == of.keyframes.end())
+      throw Error(name + ": " + ToString(id) + " is not in " + ToString(map) + ", so it cannot be an anchor");
+  }
+
+  // In the ids that the second input has now.
+  void Join(JoinOptions join, std::size_t inputs) {
+    const ByKind<std::uint64_t>& shift = report().inputs.back().shift;
+    if (inputs > 1) {
+      join.second = MapId(join.second.value() + shift[Row(IdKind::kMap)]);
+      for (KeyFramePair& anchor : join.anchors)
+        anchor.second = KeyFrameId(anchor.second.value() + shift[Row(IdKind::kKeyFrame)]);
+    }
+    join.threads = options_.threads;
+    report().join = JoinMaps(result_.atlas, join);
+    for (IdMap& ids : report().id_maps) FollowJoin(join, ids);
+  }
+
+  // Tables say where things are in the end.
+  void FollowJoin(const JoinOptions& join, IdMap& ids) const {
+    for (IdPair& pair : ids[IdKind::kMap])
+      if (pair.after == join.second.value()) pair.after = join.first.value();
+    if (!result_.report.join->fused) return;
+    const auto& replaced = result_.report.join->fused->replaced;
+    for (IdPair& pair : ids[IdKind::kPoint]) {
+      const auto found =
+          std::ranges::lower_bound(replaced, MapPointId(pair.after), {}, &std::pair<MapPointId, MapPointId>::first);
+      if (found != replaced.end() && found->first.value() == pair.after) pair.after = found->second.value();
+    }
+  }
+
+  MergeReport& report() { return result_.report; }
+
+  const MergeOptions& options_;
+  MergeResult result_;
+  std::size_t vocabulary_input_ = 0;   // the first input that has a vocabulary
+  ByKind<std::vector<IdRange>> used_;  // ids of the inputs so far
+  std::vector<KnownMap> maps_;
+};
+
+}  // namespace
+
+MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options) {
+  return Merger(options).Run(std::move(inputs));
+}
+
+}  // namespace slamdb

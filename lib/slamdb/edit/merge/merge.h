@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slamdb/edit/ids/id_map.h"
+#include "slamdb/edit/merge/join.h"
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/content.h"
+
+namespace slamdb {
+
+// What becomes of a map that an earlier input has already: the same images and points, whatever their ids.
+enum class SameMap {
+  kKeepBoth,   // it gets new ids like any other
+  kError,      // the merge is refused
+  kKeepFirst,  // it is left out
+};
+
+struct MergeOptions {
+  std::vector<std::string> names;  // of the inputs, for messages and tables; may be shorter than the inputs
+  SameMap same_map = SameMap::kKeepBoth;
+  bool ignore_vocabulary = false;  // keep the first vocabulary though another input has a different one
+  bool id_maps = false;            // fill MergeReport::id_maps
+  // Also make one map of two. Ids are those in the inputs: `first` and what goes with it in the first input, `second`
+  // in the second, or both in the only one; a map of `none` is the only one with keyframes that there is to choose.
+  std::optional<JoinOptions> join;
+  int threads = 0;  // 0: every core
+};
+
+// What was made of one input.
+struct MergedInput {
+  std::string name;
+  ContentCounts counts;                         // as it came
+  std::array<std::uint64_t, kIdKinds> shift{};  // added to its ids (mod 2^64), by IdKind; cameras have their table
+  std::vector<IdPair> cameras;                  // old and new ids
+  std::uint64_t unified_cameras = 0;            // of them, those that an earlier input has
+};
+
+// A map that came twice.
+struct MapTwice {
+  std::size_t input = 0, first_input = 0;  // rows of the inputs
+  MapId map, first_map;                    // ids in these inputs
+  bool left_out = false;
+};
+
+struct MergeReport {
+  std::vector<MergedInput> inputs;
+  std::vector<MapTwice> same_maps;
+  std::uint64_t dropped_list_entries = 0;  // null pointers and repetitions in lists, which the result does not have
+  std::vector<std::string> other_vocabularies;  // names of inputs whose vocabulary is not the first one's
+  ContentCounts left_out;                       // maps left out, and cameras unified
+  ContentCounts result;                         // counted before joining: the inputs' sum without `left_out`
+  std::vector<IdMap> id_maps;                   // one for each input; a fused point's new id is the survivor's
+  std::optional<JoinReport> join;
+};
+
+struct MergeResult {
+  Atlas atlas;
+  MergeReport report;
+};
+
+// Brings the maps of all inputs into one atlas, side by side: nothing is aligned or changed but ids. The first input
+// keeps its ids; each later one is shifted as a whole, kind by kind, where the range of its ids meets that of those
+// before it. Cameras that are the same (model and parameters, within 1e-6 as ORB-SLAM3 compares them) become one.
+// Counters end up above all ids. The encoding is the first input's, the vocabulary that of the first input that has
+// keyframes. The inputs are used up: their columns move into the result and are not copied. The result does not depend
+// on the number of threads. Linear. Throws Error when there is no input, when vocabularies differ, when a map comes
+// twice and SameMap says so, or when ids would pass LargestId.
+MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options);
+
+}  // namespace slamdb

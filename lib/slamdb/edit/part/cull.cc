@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// For each map: points that a rule takes, then keyframes one after the other; then the rest is closed over what stays.
+#include "slamdb/edit/part/cull.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/part/detail/cull_keyframes.h"
+#include "slamdb/model/derive.h"
+#include "slamdb/model/reprojection.h"
+#include "slamdb/model/statistics.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::size_t kGrain = 1024;
+constexpr double kRedundancy = 0.9, kRedundancyWithImuAndDepth = 0.5;
+constexpr int kFewForMonocular = 3, kFewForDepth = 4;
+constexpr std::int64_t kKeyFramesToProve = 2;  // a point may be young until so many keyframes after its first
+
+enum class Verdict : std::uint8_t { kStays, kBad, kFew, kError, kParallax, kUnseen };
+
+void RequireSense(const CullOptions& options) {
+  const auto require = [](bool holds, const char* what) {
+    if (!holds) throw Error(what);
+  };
+  require(!options.redundancy || (*options.redundancy >= 0 && *options.redundancy <= 1),
+          "the share of redundant points must be between 0 and 1");
+  require(options.redundant_observers > 0, "the number of other keyframes must be 1 or more");
+  require(!options.min_observations || *options.min_observations >= 0,
+          "the number of observations must not be negative");
+  require(!options.max_error || *options.max_error > 0, "the largest reprojection error must be above 0");
+  require(!options.min_parallax || (*options.min_parallax > 0 && *options.min_parallax < 180),
+          "the least parallax must be between 0 and 180 degrees");
+  require(!options.unseen_since || std::isfinite(*options.unseen_since), "the time since when must be finite");
+}
+
+// Judges the points of one map. Const, for many threads.
+class PointRules {
+ public:
+  PointRules(const AtlasIndex& index, std::size_t map_row, const MapStatistics& statistics, const CullOptions& options)
+      : index_(index),
+        row_(map_row),
+        map_(index.atlas().maps[map_row]),
+        options_(options),
+        reprojection_(index.atlas(), map_),
+        newest_(static_cast<std::int64_t>(statistics.largest_keyframe_id)),
+        min_observations_(options.min_observations.value_or(0)) {
+    if (options.min_observations == CullOptions::kOfSensor)
+      min_observations_ = statistics.sensor == MapSensor::kMonocular ? kFewForMonocular : kFewForDepth;
+  }
+
+  Verdict Judge(const MapPoint& point) const {
+    if (point.bad) return Verdict::kBad;
+    if (options_.min_observations && point.observation_count < min_observations_ &&
+        newest_ - point.first_keyframe >= kKeyFramesToProve)
+      return Verdict::kFew;
+    if (options_.max_error && !(Error(point) <= *options_.max_error)) return Verdict::kError;
+    if (options_.min_parallax && !HasDepth(point) && !HasParallax(point)) return Verdict::kParallax;
+    if (options_.unseen_since && !IsSeenSince(point)) return Verdict::kUnseen;
+    return Verdict::kStays;
+  }
+
+ private:
+  // Root mean square over the observations that can be projected; infinite when none can.
+  double Error(const MapPoint& point) const {
+    double sum = 0;
+    int count = 0;
+    for (const Observation& observation : point.observations) {
+      const KeyFrame* keyframe = reprojection_.Find(observation.keyframe);
+      if (keyframe == nullptr) continue;
+      const Reprojection::Errors errors = reprojection_.Of(point, observation);
+      const auto add = [&](std::int32_t row, float error) {
+        if (!std::isfinite(error)) return;
+        const double scaled = error / ScaleOf(*keyframe, row);
+        sum += scaled * scaled;
+        ++count;
+      };
+      add(observation.left, errors.left);
+      add(observation.right, errors.right);
+    }
+    return count == 0 ? std::numeric_limits<double>::infinity() : std::sqrt(sum / count);
+  }
+
+  static float ScaleOf(const KeyFrame& keyframe, std::int32_t row) {
+    const std::vector<float>& factors = keyframe.pyramid.factors;
+    const auto octave = static_cast<std::size_t>(std::max(ObservedKeypoint(keyframe, row)->octave, 0));
+    return octave < factors.size() ? factors[octave] : 1.0F;
+  }
+
+  bool HasDepth(const MapPoint& point) const {
+    return std::ranges::any_of(point.observations, [&](const Observation& observation) {
+      const KeyFrame* keyframe = index_.FindKeyFrame(row_, observation.keyframe);
+      return keyframe != nullptr && ObservationWeight(*keyframe, observation) >= 2;
+    });
+  }
+
+  bool HasParallax(const MapPoint& point) const {
+    const auto enough = static_cast<float>(std::cos(*options_.min_parallax * std::numbers::pi / 180));
+    std::vector<Eigen::Vector3f> rays;
+    for (const Observation& observation : point.observations) {
+      const KeyFrame* keyframe = index_.FindKeyFrame(row_, observation.keyframe);
+      if (keyframe == nullptr) continue;
+      const Eigen::Vector3f ray = (point.position - CameraCenter(*keyframe)).normalized();
+      if (std::ranges::any_of(rays, [&](const Eigen::Vector3f& other) { return other.dot(ray) <= enough; }))
+        return true;
+      rays.push_back(ray);
+    }
+    return false;
+  }
+
+  bool IsSeenSince(const MapPoint& point) const {
+    return std::ranges::any_of(point.observations, [&](const Observation& observation) {
+      const KeyFrame* keyframe = index_.FindKeyFrame(row_, observation.keyframe);
+      return keyframe != nullptr && keyframe->timestamp >= *options_.unseen_since;
+    });
+  }
+
+  const AtlasIndex& index_;
+  const std::size_t row_;
+  const Map& map_;
+  const CullOptions& options_;
+  const Reprojection reprojection_;
+  const std::int64_t newest_;
+  int min_observations_;
+};
+
+void CullPoints(const AtlasIndex& index, std::size_t map_row, const MapStatistics& statistics,
+                const CullOptions& options, int threads, Subset::MapRows& rows, CullReport& report) {
+  const Map& map = index.atlas().maps[map_row];
+  const PointRules rules(index, map_row, statistics, options);
+  std::vector<Verdict> verdicts(map.points.size(), Verdict::kStays);
+  ParallelFor(map.points.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row)
+      if (rows.points[row]) verdicts[row] = rules.Judge(map.points[row]);
+  });
+  std::uint64_t ignored = 0;
+  std::uint64_t* counts[] = {
+      &ignored,      &report.bad_points, &report.few_observations, &report.large_errors, &report.small_parallax,
+      &report.unseen};
+  for (std::size_t row = 0; row < verdicts.size(); ++row) {
+    ++*counts[static_cast<std::size_t>(verdicts[row])];
+    if (verdicts[row] != Verdict::kStays) rows.points[row] = 0;
+  }
+}
+
+double RedundancyOf(const MapStatistics& statistics, double asked) {
+  if (asked != CullOptions::kOfSensor) return asked;
+  const bool has_depth = statistics.sensor != MapSensor::kMonocular;
+  return statistics.has_imu && has_depth ? kRedundancyWithImuAndDepth : kRedundancy;
+}
+
+std::uint64_t CountPoints(const Subset& subset) {
+  std::uint64_t count = 0;
+  for (const Subset::MapRows& rows : subset.maps)
+    count += static_cast<std::uint64_t>(std::ranges::count(rows.points, 1));
+  return count;
+}
+
+}  // namespace
+
+CullReport Cull(Atlas& atlas, const CullOptions& options, int threads) {
+  RequireSense(options);
+  CullReport report;
+  const AtlasIndex index(atlas);
+  const AtlasStatistics statistics = ComputeStatistics(atlas, threads);
+  Subset kept = Subset::Everything(atlas);
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    CullPoints(index, row, statistics.maps[row], options, threads, kept.maps[row], report);
+    if (!options.redundancy) continue;
+    const double share = RedundancyOf(statistics.maps[row], *options.redundancy);
+    report.redundant_keyframes += CullKeyFrames(index, row,
+                                                {.share = share,
+                                                 .observers = options.redundant_observers,
+                                                 .depth_counts = statistics.maps[row].sensor != MapSensor::kMonocular},
+                                                kept.maps[row]);
+  }
+  SettleBorder(index, Border::kSmart, kept, threads);
+  const std::uint64_t by_rules =
+      report.bad_points + report.few_observations + report.large_errors + report.small_parallax + report.unseen;
+  report.unheld = statistics.points - by_rules - CountPoints(kept);
+  report.coverage = MeasureCoverage(index, kept);
+  report.removed = KeepSubset(atlas, kept, threads);
+  return report;
+}
+
+}  // namespace slamdb

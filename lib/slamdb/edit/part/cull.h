@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "slamdb/edit/part/coverage.h"
+#include "slamdb/edit/part/subset.h"
+
+namespace slamdb {
+
+// What to cull; what is left at its default culls nothing. ORB-SLAM3's rules are those of its LocalMapping. What it
+// also goes by, the share of views in which a point was found, is not in its files.
+struct CullOptions {
+  // Keyframes of whose points this share is seen by `redundant_observers` others at the same scale or a finer one (an
+  // octave at most one above). In a keyframe with depths only points not beyond the depth threshold count. kOfSensor:
+  // 0.9, and 0.5 for stereo and RGB-D with IMU.
+  std::optional<double> redundancy;
+  int redundant_observers = 3;
+
+  // Points with fewer observations, one with depth counting twice; not those that the last two keyframes made.
+  // kOfSensor: 3 for monocular maps, 4 for others.
+  std::optional<int> min_observations;
+
+  // Points whose root mean square reprojection error is larger, in pixels of the octave where each keypoint was found;
+  // ORB-SLAM3's bundle adjustment drops observations beyond sqrt(5.991) = 2.45.
+  std::optional<double> max_error;
+
+  // Points that no two keyframes see from directions at least so far apart, degrees, and none with depth. ORB-SLAM3
+  // triangulates from 1.15 degrees (cosine 0.9998).
+  std::optional<double> min_parallax;
+
+  // Points that no keyframe at or after this time observes, seconds.
+  std::optional<double> unseen_since;
+
+  static constexpr int kOfSensor = 0;
+  static CullOptions Orbslam3() { return {.redundancy = kOfSensor, .min_observations = kOfSensor}; }
+};
+
+struct CullReport {
+  std::uint64_t redundant_keyframes = 0;
+  // Points by the first rule that took them, in this order; `unheld` went since the culled keyframes held them.
+  std::uint64_t bad_points = 0, few_observations = 0, large_errors = 0, small_parallax = 0, unseen = 0, unheld = 0;
+  SubsetReport removed;  // all in all
+  Coverage coverage;
+};
+
+// Culls points, then keyframes, oldest first, each seeing what those before it left; points that culled keyframes leave
+// with 2 observations or fewer go too, as in MapPoint::EraseObservation. The first keyframe of a map, the one that
+// bundle adjustment fixes, and those that must not be erased (loop and merge edges) always stay. In maps with IMU
+// keyframes go only where ORB-SLAM3 lets the gap in time grow: to 0.5 s, or 3 s for older ones and those without
+// motion. Bad points go in any case. In place; linear but for points that very many keyframes see; on `threads` threads
+// (0: every core) with the same result for any number. Throws Error, before anything changes, when an option makes no
+// sense.
+CullReport Cull(Atlas& atlas, const CullOptions& options, int threads = 0);
+
+}  // namespace slamdb

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Steps: 1. what cannot be an entity goes: ids that are none or taken, landmarks at no finite place, maps with nothing;
+//        2. what stands at the end of a file is found again: members of maps, cameras, counters;
+//        3. the repairs of the rules drop what depends on what is lost;
+//        4. entities that break a rule without repair go, and 3 again, until no error is left.
+#include "slamdb/edit/repair/recover.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "slamdb/edit/part/subset.h"
+#include "slamdb/model/detail/irregular_entries.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::uint64_t kLargestId = (std::uint64_t{1} << 31) - 1;  // what ORB-SLAM3 numbers its vertices by
+constexpr int kMostRounds = 8;
+
+template <class Entity>
+bool IsId(Id<Entity> id) {
+  return id.value() <= kLargestId;
+}
+
+// Of several entities with one id the first one counts.
+template <class List>
+std::uint64_t DropImpossible(List& list) {
+  std::set<std::uint64_t> seen;
+  return std::erase_if(list,
+                       [&](const auto& entity) { return !IsId(entity.id) || !seen.insert(entity.id.value()).second; });
+}
+
+void DropImpossible(Atlas& atlas, RecoverReport& report) {
+  DropIrregularEntries(atlas);
+  for (Map& map : atlas.maps) {
+    report.dropped_keyframes += DropImpossible(map.keyframes);
+    report.dropped_points += DropImpossible(map.points);
+    report.dropped_landmarks += std::erase_if(map.landmarks, [](const Landmark& landmark) {
+      return !landmark.mean.allFinite() || !landmark.normal.allFinite();
+    });
+  }
+  report.dropped_maps =
+      std::erase_if(atlas.maps, [](const Map& map) { return map.keyframes.empty() && map.landmarks.empty(); });
+}
+
+// A map whose members behind the lists were lost has no initial keyframe; its links the repairs choose anew.
+void RebuildMaps(Atlas& atlas, RecoverReport& report) {
+  for (Map& map : atlas.maps) {
+    if (map.first_keyframe || map.keyframes.empty()) continue;
+    report.rebuilt_maps.push_back(map.id);
+    const auto any = [&](const auto& has) { return std::ranges::any_of(map.keyframes, has); };
+    map.inertial = any([](const KeyFrame& keyframe) {
+      return keyframe.imu_calibration.is_set && keyframe.preintegration.duration > 0;
+    });
+    map.imu_initialized = map.inertial && any([](const KeyFrame& keyframe) { return bool{keyframe.imu_initialized}; });
+  }
+}
+
+bool IsUsable(const Camera& camera) {
+  const std::size_t expected = camera.model == CameraModel::kKannalaBrandt8 ? 8 : 4;
+  return camera.parameters.size() == expected && camera.parameters[0] > 0 && camera.parameters[1] > 0 &&
+         std::ranges::all_of(camera.parameters, [](float value) { return std::isfinite(value); });
+}
+
+const Camera* FindCamera(const Atlas& atlas, CameraId id) {
+  const auto found = std::ranges::find(atlas.cameras, id, &Camera::id);
+  return found == atlas.cameras.end() ? nullptr : &*found;
+}
+
+// A keyframe holds the four parameters of a pinhole camera, and of a fisheye camera all but those of its lens.
+Camera CameraOf(const KeyFrame& keyframe, CameraId id) {
+  const bool fisheye = keyframe.features.is_fisheye_stereo();
+  const Intrinsics& k = keyframe.intrinsics;
+  Camera camera{.id = id,
+                .model = fisheye ? CameraModel::kKannalaBrandt8 : CameraModel::kPinhole,
+                .recorded_type = fisheye ? 1U : 0U,
+                .parameters = {k.fx, k.fy, k.cx, k.cy}};
+  if (fisheye) camera.parameters.resize(8, 0.0F);
+  return camera;
+}
+
+void RebuildCamera(const KeyFrame& keyframe, CameraId id, const RecoverOptions& options, Atlas& atlas,
+                   RecoverReport& report) {
+  if (!id || id.value() > std::numeric_limits<std::uint32_t>::max() || FindCamera(atlas, id) != nullptr) return;
+  if (const Camera* known = options.rig == nullptr ? nullptr : FindCamera(*options.rig, id); known != nullptr) {
+    atlas.cameras.push_back(*known);
+    report.taken_cameras.push_back(id);
+    return;
+  }
+  Camera camera = CameraOf(keyframe, id);
+  if (!IsUsable(camera)) return;
+  report.rebuilt_cameras.push_back(id);
+  if (camera.model == CameraModel::kKannalaBrandt8) report.guessed_lenses.push_back(id);
+  atlas.cameras.push_back(std::move(camera));
+}
+
+void RebuildCameras(const RecoverOptions& options, Atlas& atlas, RecoverReport& report) {
+  std::erase_if(atlas.cameras, [](const Camera& camera) { return !IsUsable(camera); });
+  if (!atlas.cameras.empty()) return;  // the repairs decide what a keyframe without its camera means
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) {
+      RebuildCamera(keyframe, keyframe.camera, options, atlas, report);
+      if (keyframe.features.is_fisheye_stereo()) RebuildCamera(keyframe, keyframe.right_camera, options, atlas, report);
+    }
+  std::ranges::sort(atlas.cameras, {}, &Camera::id);
+}
+
+// Above all ids that are mentioned too, so that the ids of what is lost are not given to something else.
+void RaiseCounters(Atlas& atlas, RecoverReport& report) {
+  const Counters before = atlas.next_ids;
+  const auto raise = [](std::uint64_t& next, std::uint64_t id) {
+    if (id <= kLargestId) next = std::max(next, id + 1);
+  };
+  Counters& next = atlas.next_ids;
+  for (Map& map : atlas.maps) {
+    raise(next.map, map.id.value());
+    if (!map.keyframes.empty()) raise(next.keyframe, map.max_keyframe_id);
+    for (const KeyFrame& keyframe : map.keyframes) {
+      raise(next.frame, keyframe.frame_id);
+      raise(next.map, keyframe.origin_map);
+      for (const MapPointId slot : keyframe.features.map_points) raise(next.map_point, slot.value());
+    }
+    for (const MapPoint& point : map.points)
+      for (const Observation& observation : point.observations) raise(next.keyframe, observation.keyframe.value());
+  }
+  if (next == before) return;
+  report.rebuilt_counters = true;
+  next.initial_keyframe = std::max(next.initial_keyframe, next.keyframe);
+}
+
+void Repair(const RecoverOptions& options, Atlas& atlas, RecoverReport& report) {
+  RepairReport repair = RepairAtlas(atlas, {.threads = options.threads, .journal = false});
+  std::ranges::move(repair.applied, std::back_inserter(report.repairs));
+  report.left = std::move(repair.left);
+}
+
+// Takes the keyframes and points that errors name out of `subset`; returns how many.
+std::uint64_t LeaveOutErrors(const Atlas& atlas, const RecoverOptions& options, Subset& subset, RecoverReport& report) {
+  const CheckReport check =
+      CheckAtlas(atlas, {.threads = options.threads, .max_findings = std::numeric_limits<std::size_t>::max()});
+  const AtlasIndex index(atlas);
+  std::uint64_t left_out = 0;
+  const auto leave_out = [&](std::vector<std::uint8_t>& rows, std::uint32_t row, std::uint64_t& dropped) {
+    if (row == kNoRow || rows[row] == 0) return;
+    rows[row] = 0;
+    ++dropped;
+    ++left_out;
+  };
+  for (const RuleResult& result : check.results) {
+    if (result.severity != Severity::kError) continue;
+    for (const Finding& finding : result.findings) {
+      const std::uint32_t map = index.MapRow(finding.place.map);
+      if (map == kNoRow) continue;
+      if (finding.place.point)
+        leave_out(subset.maps[map].points, index.PointRow(map, finding.place.point), report.dropped_points);
+      else
+        leave_out(subset.maps[map].keyframes, index.KeyFrameRow(map, finding.place.keyframe), report.dropped_keyframes);
+    }
+  }
+  return left_out;
+}
+
+}  // namespace
+
+bool RecoverReport::sound() const {
+  return std::ranges::none_of(left, [](const Unrepaired& rule) { return rule.severity == Severity::kError; });
+}
+
+RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
+  RecoverReport report;
+  if (atlas.vocabulary == Vocabulary() && options.rig != nullptr) {
+    atlas.vocabulary = options.rig->vocabulary;
+    report.taken_vocabulary = true;
+  }
+  DropImpossible(atlas, report);
+  RebuildMaps(atlas, report);
+  RebuildCameras(options, atlas, report);
+  RaiseCounters(atlas, report);
+  Repair(options, atlas, report);
+  for (int round = 0; round < kMostRounds && !report.sound(); ++round) {
+    Subset subset = Subset::Everything(atlas);
+    if (LeaveOutErrors(atlas, options, subset, report) == 0) break;
+    KeepSubset(atlas, subset);
+    Repair(options, atlas, report);
+  }
+  return report;
+}
+
+}  // namespace slamdb

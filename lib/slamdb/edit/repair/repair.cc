@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/repair/repair.h"
+
+#include <algorithm>
+
+#include "slamdb/base/error.h"
+
+namespace slamdb {
+namespace {
+
+constexpr int kMostRounds = 16;  // what one fix uncovers another one repairs; two or three rounds are usual
+
+void RequireFixes(const std::vector<std::string>& ids) {
+  for (const std::string& id : ids) {
+    const Rule* rule = FindRule(id);
+    if (rule == nullptr) throw Error("no rule is called '" + id + "'; `slamdb check --list` names all");
+    if (!rule->fix) throw Error("rule '" + id + "' has no repair: " + std::string(rule->fix.unfixable));
+  }
+}
+
+bool IsChosen(const RepairOptions& options, std::string_view rule) {
+  return options.rules.empty() || std::ranges::find(options.rules, rule) != options.rules.end();
+}
+
+CheckReport Check(const Atlas& atlas, const RepairOptions& options) {
+  return CheckAtlas(atlas, {.threads = options.threads, .vocabulary_words = options.vocabulary_words});
+}
+
+// Applies the fixes of the chosen rules that found something; returns whether any of them changed anything.
+bool ApplyFixes(const CheckReport& check, const RepairOptions& options, Atlas& atlas, RepairReport& report) {
+  const std::size_t before = report.applied.size();
+  for (const RuleResult& result : check.results) {
+    const Rule* rule = FindRule(result.id);
+    if (!rule->fix || !IsChosen(options, result.id)) continue;
+    const Atlas original = options.journal ? atlas : Atlas();
+    const std::size_t changes = rule->fix.apply(atlas);
+    if (changes == 0) continue;
+    if (options.journal) AppendChanges(original, atlas, result.id, report.journal);
+    report.applied.push_back({.rule = result.id,
+                              .fix = result.fix,
+                              .severity = result.severity,
+                              .title = result.title,
+                              .findings = result.count,
+                              .changes = changes,
+                              .first = result.findings.front()});
+  }
+  return report.applied.size() > before;
+}
+
+std::string ReasonOf(const Rule& rule, const RepairOptions& options) {
+  if (!IsChosen(options, rule.id)) return rule.fix ? "not chosen" : std::string(rule.fix.unfixable);
+  if (!rule.fix.unfixable.empty()) return std::string(rule.fix.unfixable);
+  return "its repair did not reach it";
+}
+
+}  // namespace
+
+bool RepairReport::sound() const {
+  return std::ranges::none_of(left, [](const Unrepaired& rule) { return rule.severity == Severity::kError; });
+}
+
+RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options) {
+  RequireFixes(options.rules);
+  RepairReport report;
+  CheckReport check = Check(atlas, options);
+  for (int round = 0; round < kMostRounds && ApplyFixes(check, options, atlas, report); ++round)
+    check = Check(atlas, options);
+  for (RuleResult& result : check.results)
+    report.left.push_back({.rule = result.id,
+                           .severity = result.severity,
+                           .title = result.title,
+                           .findings = result.count,
+                           .first = std::move(result.findings.front()),
+                           .reason = ReasonOf(*FindRule(result.id), options)});
+  return report;
+}
+
+}  // namespace slamdb

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <type_traits>
+
+#include "slamdb/base/detail/file_stream.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/orbslam3/detail/class_table.h"
+
+// The two token layers that decoding stands on: bounded cursors over a binary and over a text archive. They have the
+// same functions; every one checks the bytes left and throws Error with byte offset and object path. Both are small
+// values: a copy is a second cursor at the same place.
+namespace slamdb::orbslam3 {
+
+// Where in the atlas a cursor is, for error messages. Names are literals.
+struct Place {
+  std::int64_t map = -1;         // position in the list of maps
+  const char* entity = nullptr;  // "kf" or "mp"
+  std::uint64_t ordinal = 0;     // its position in its list ...
+  std::uint64_t of = 0;          // ... of that many
+  std::uint64_t id = Id<KeyFrame>::kNone;
+  const char* field = nullptr;
+
+  std::string ToString(std::size_t offset) const;
+};
+
+// What both cursors share: the position, the place, and how to fail. The cursor that a stream is given reads on through
+// it; the others stay within what was filled when they were made.
+class Cursor {
+ public:
+  Cursor(FileStream* stream, const ArchiveEncoding& encoding)
+      : stream_(stream), encoding_(&encoding), begin_(stream->data()), next_(begin_), end_(begin_ + stream->filled()) {}
+
+  std::size_t offset() const { return static_cast<std::size_t>(next_ - begin_); }
+  void Seek(std::size_t offset) { next_ = begin_ + offset; }
+  // Of the whole file.
+  std::size_t remaining() const { return stream_->size() - offset(); }
+  const ArchiveEncoding& encoding() const { return *encoding_; }
+  FileStream& stream() const { return *stream_; }
+
+  // Makes this a cursor over [begin, end) alone, all of it filled: for another thread.
+  void Confine(std::size_t begin, std::size_t end) {
+    next_ = begin_ + begin;
+    end_ = begin_ + end;
+    reads_on_ = false;
+  }
+
+  [[noreturn]] void Fail(const std::string& problem) const;
+  [[noreturn]] void FailTruncated() const;
+  // A count that the bytes left cannot hold.
+  [[noreturn]] void FailCount(std::uint64_t count) const;
+
+  Place place;
+
+ protected:
+  // Makes sure that `bytes` bytes can be looked at.
+  void Need(std::size_t bytes) {
+    if (bytes > static_cast<std::size_t>(end_ - next_)) ReadOn(bytes);
+  }
+  [[gnu::cold, gnu::noinline]] void ReadOn(std::size_t bytes);
+  std::string WholeSoFar() const;
+
+  FileStream* stream_;
+  const ArchiveEncoding* encoding_;
+  const char* begin_;
+  const char* next_;
+  const char* end_;  // of what can be looked at
+  bool reads_on_ = true;
+};
+
+class BinaryInput : public Cursor {
+ public:
+  using Cursor::Cursor;
+  static constexpr bool kText = false;
+
+  template <class T>
+  T Take() {
+    T value;
+    TakeArray(&value, 1);
+    return value;
+  }
+  template <class T>
+  void TakeArray(T* values, std::size_t count) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const std::size_t bytes = count * sizeof(T);
+    Need(bytes);
+    if (bytes > 0) std::memcpy(values, next_, bytes);  // an empty column has no address
+    next_ += bytes;
+  }
+  // Passes `count` values of T.
+  template <class T>
+  void SkipArray(std::size_t count) {
+    const std::size_t bytes = count * sizeof(T);
+    Need(bytes);
+    next_ += bytes;
+  }
+
+  std::uint64_t TakeUnsignedLong() {
+    if (encoding_->long_bytes == 8) return Take<std::uint64_t>();
+    return Widen(Take<std::uint32_t>());
+  }
+  std::int64_t TakeLong() {
+    if (encoding_->long_bytes == 8) return Take<std::int64_t>();
+    return Take<std::int32_t>();
+  }
+  // Bulk forms, for columns of ids.
+  void TakeUnsignedLongs(std::uint64_t* values, std::size_t count) {
+    if (encoding_->long_bytes == 8) return TakeArray(values, count);
+    for (std::size_t i = 0; i < count; ++i) values[i] = TakeUnsignedLong();
+  }
+  std::uint64_t TakeSize() {
+    if (encoding_->size_bytes == 8) return Take<std::uint64_t>();
+    return Take<std::uint32_t>();
+  }
+  // Entries of vector<size_t>.
+  void TakeSizes(std::uint64_t* values, std::size_t count) {
+    if (encoding_->size_bytes == 8) return TakeArray(values, count);
+    for (std::size_t i = 0; i < count; ++i) values[i] = Take<std::uint32_t>();
+  }
+  void SkipUnsignedLongs(std::size_t count) { SkipBytes(count, encoding_->long_bytes); }
+  void SkipSizes(std::size_t count) { SkipBytes(count, encoding_->size_bytes); }
+
+  // A number of things that take at least `bytes` each (or `tokens` in text).
+  std::uint64_t CheckCount(std::uint64_t count, std::size_t bytes, std::size_t /*tokens*/) const {
+    if (count > remaining() / bytes) FailCount(count);
+    return count;
+  }
+  std::string TakeString();
+  // Whether nothing but padding is left.
+  bool AtEnd() const { return remaining() == 0; }
+
+  // -1 in 32 bits means none, as it does in 64.
+  static std::uint64_t Widen(std::uint32_t value) {
+    return value == std::numeric_limits<std::uint32_t>::max() ? ~std::uint64_t{0} : value;
+  }
+
+ private:
+  void SkipBytes(std::size_t count, std::size_t each) {
+    Need(count * each);
+    next_ += count * each;
+  }
+};
+
+class TextInput : public Cursor {
+ public:
+  using Cursor::Cursor;
+  static constexpr bool kText = true;
+
+  template <class T>
+  T Take() {
+    const char* const token = SkipSpace();
+    if constexpr (std::is_same_v<T, std::uint8_t> || std::is_same_v<T, std::int16_t>) {
+      return static_cast<T>(TakeInteger<int>(token));
+    } else if constexpr (std::is_integral_v<T>) {
+      return TakeInteger<T>(token);
+    } else {
+      return TakeFloat<T>(token);
+    }
+  }
+  template <class T>
+  void TakeArray(T* values, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) values[i] = Take<T>();
+  }
+  template <class T>
+  void SkipArray(std::size_t count) {
+    SkipTokens(count);
+  }
+
+  std::uint64_t TakeUnsignedLong() {
+    const auto value = Take<std::uint64_t>();
+    return encoding_->long_bytes == 8 || value > std::numeric_limits<std::uint32_t>::max()
+               ? value
+               : BinaryInput::Widen(static_cast<std::uint32_t>(value));
+  }
+  std::int64_t TakeLong() { return Take<std::int64_t>(); }
+  void TakeUnsignedLongs(std::uint64_t* values, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) values[i] = TakeUnsignedLong();
+  }
+  std::uint64_t TakeSize() { return Take<std::uint64_t>(); }
+  void TakeSizes(std::uint64_t* values, std::size_t count) { TakeArray(values, count); }
+  void SkipUnsignedLongs(std::size_t count) { SkipTokens(count); }
+  void SkipSizes(std::size_t count) { SkipTokens(count); }
+
+  std::uint64_t CheckCount(std::uint64_t count, std::size_t /*bytes*/, std::size_t tokens) const {
+    if (count > (remaining() + 1) / (2 * tokens)) FailCount(count);
+    return count;
+  }
+  std::string TakeString();
+  bool AtEnd();
+
+ private:
+  static constexpr std::ptrdiff_t kLongestToken = 64;
+  static bool IsSpace(char c) { return static_cast<unsigned char>(c) <= ' '; }
+  // Moves to the next token and returns its begin; fails at the end of the file.
+  const char* SkipSpace() {
+    while (true) {
+      while (next_ != end_ && IsSpace(*next_)) ++next_;
+      if (!reads_on_ || end_ - next_ >= kLongestToken || next_ + remaining() == end_) break;
+      ReadOn(std::min<std::size_t>(remaining(), kLongestToken));
+    }
+    if (next_ == end_) FailTruncated();
+    return next_;
+  }
+  void SkipTokens(std::size_t count);
+  // A token that touches the end of the file may have been cut, so only a following space makes it whole.
+  void Finish(const char* parsed, bool valid) {
+    if (parsed == end_) FailTruncated();
+    if (!valid || !IsSpace(*parsed)) FailToken();
+    next_ = parsed;
+  }
+  [[noreturn]] void FailToken() const;
+
+  template <class T>
+  T TakeInteger(const char* token) {
+    T value{};
+    const auto [parsed, error] = std::from_chars(token, end_, value);
+    Finish(parsed, error == std::errc());
+    return value;
+  }
+  template <class T>
+  T TakeFloat(const char* token);
+};
+
+}  // namespace slamdb::orbslam3

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slamdb/formats/orbslam3/detail/input.h"
+#include "slamdb/formats/orbslam3/detail/layout.h"
+
+namespace slamdb::orbslam3 {
+
+// What the two archives (see layout.h) that read share, Decoder and Skipper: class info, counts and list headers. Every
+// count is checked against the bytes left, before any allocation.
+template <class Input>
+class ReadingArchive {
+ public:
+  ReadingArchive(const Input& at, const ClassTable& table) : input(at), classes(table) {}
+
+  Input input;
+  ClassTable classes;
+
+  void ClassInfo(WireClass wire_class) {
+    if (!classes.FirstUse(wire_class)) return;
+    input.template Take<std::uint8_t>();  // tracking: a property of the writer's types, which we know
+    const auto version = input.template Take<std::uint32_t>();
+    if (version != 0)
+      input.Fail("class version " + std::to_string(version) +
+                 ", expected 0: written by a fork, or by an ORB-SLAM3 later than v1.0");
+  }
+  // The size of a container that Boost writes as a class: a map, or a vector of classes or pointers. An element takes
+  // at least `bytes` bytes (`tokens` tokens in a text archive).
+  std::uint64_t ClassCount(WireClass wire_class, std::size_t bytes, std::size_t tokens) {
+    ClassInfo(wire_class);
+    const std::uint64_t count = input.CheckCount(input.TakeSize(), bytes, tokens);
+    input.template Take<std::uint32_t>();  // item version
+    return count;
+  }
+  // The size of a vector of numbers.
+  std::uint64_t VectorCount(WireClass wire_class, std::size_t bytes) {
+    classes.Register(wire_class);
+    const std::uint64_t count = input.CheckCount(input.TakeSize(), bytes, 1);
+    if constexpr (Input::kText) input.template Take<std::uint32_t>();
+    return count;
+  }
+  // The headers of a bag of words and of a map<unsigned long, int>, up to their first entry.
+  std::uint64_t BowCount() {
+    ClassInfo(WireClass::kBowVector);
+    const std::uint64_t count = ClassCount(WireClass::kBowMap, 12, 2);
+    if (count > 0) ClassInfo(WireClass::kBowPair);
+    return count;
+  }
+  std::uint64_t WeightCount() {
+    const std::uint64_t count =
+        ClassCount(WireClass::kWeightMap, input.encoding().long_bytes + sizeof(std::int32_t), 2);
+    if (count > 0) ClassInfo(WireClass::kWeightPair);
+    return count;
+  }
+  // Passes the entries of a bag of words: a word and a weight each.
+  void SkipBowEntries(std::uint64_t count) {
+    if constexpr (Input::kText)
+      input.template SkipArray<std::uint32_t>(count * 2);
+    else
+      input.template SkipArray<std::uint8_t>(count * 12);
+  }
+  std::uint64_t UnsignedLongCount() { return VectorCount(WireClass::kUnsignedLongs, input.encoding().long_bytes); }
+  std::uint64_t KeypointCount() {
+    const auto count = input.template Take<std::int32_t>();
+    if (count < 0) input.FailCount(static_cast<std::uint32_t>(count));
+    return input.CheckCount(static_cast<std::uint64_t>(count), sizeof(Keypoint), 7);
+  }
+  // A descriptor matrix: rows, after checking that it is one.
+  std::uint64_t DescriptorRows(MatrixForm* form) {
+    const auto columns = input.template Take<std::int32_t>();
+    const auto rows = input.template Take<std::int32_t>();
+    const auto type = input.template Take<std::int32_t>();
+    const bool continuous = input.template Take<std::uint8_t>() != 0;
+    if (rows == 0 && columns == 0 && type == 0) {
+      *form = continuous ? MatrixForm::kEmptyContinuous : MatrixForm::kEmpty;
+      return 0;
+    }
+    if (columns != 32 || type != 0 || rows < 0)
+      input.Fail("a descriptor matrix of " + std::to_string(rows) + " x " + std::to_string(columns) + ", type " +
+                 std::to_string(type) + ", expected N x 32, type 0: not ORB descriptors (a fork's file?), or damaged");
+    *form = continuous ? MatrixForm::kUsual : MatrixForm::kUsualNotContinuous;
+    return input.CheckCount(static_cast<std::uint64_t>(rows), sizeof(Descriptor), sizeof(Descriptor));
+  }
+  // A small matrix of any type: its header, returns the number of data bytes.
+  std::uint64_t MatrixBytes(Matrix& matrix) {
+    matrix.columns = input.template Take<std::int32_t>();
+    matrix.rows = input.template Take<std::int32_t>();
+    matrix.type = input.template Take<std::int32_t>();
+    matrix.continuous.recorded = input.template Take<std::uint8_t>();
+    constexpr std::array<std::uint64_t, 8> kDepthBytes{1, 1, 2, 2, 4, 4, 8, 2};  // OpenCV's CV_8U .. CV_16F
+    if (matrix.columns < 0 || matrix.rows < 0 || matrix.type < 0 || matrix.type >= 4096)
+      input.Fail("a matrix of " + std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns) + ", type " +
+                 std::to_string(matrix.type) + ": the file is damaged, or written by a fork with other members");
+    const std::uint64_t element =
+        kDepthBytes[static_cast<std::size_t>(matrix.type & 7)] * (static_cast<std::uint64_t>(matrix.type >> 3) + 1);
+    const std::uint64_t cells = static_cast<std::uint64_t>(matrix.columns) * static_cast<std::uint64_t>(matrix.rows);
+    return input.CheckCount(cells, element, element) * element;
+  }
+};
+
+}  // namespace slamdb::orbslam3

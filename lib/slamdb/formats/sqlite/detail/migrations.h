@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "slamdb/formats/sqlite/detail/database.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb::sqlite {
+
+// One step of the schema: schema/<name>.sql brings a store from version number - 1 to `number`, and
+// schema/<name>.back.sql, where there is one, back again; it fails where something would be lost.
+struct Migration {
+  int number;
+  std::string_view name;
+  std::string_view sql;
+  std::string_view back = {};
+};
+
+// All of them, ascending from 1. Their SQL is compiled into the library.
+std::span<const Migration> Migrations();
+
+// `SLDB`: PRAGMA application_id of every store.
+constexpr std::int64_t kApplicationId = 0x534C4442;
+
+// The version of store that this library reads and writes.
+int NewestVersion();
+
+// PRAGMA user_version.
+int VersionOf(Database& database);
+
+// Runs the steps that `database` lacks, inside the caller's transaction, and stamps it with the last one's number.
+void RunMigrations(Database& database, std::span<const Migration> migrations);
+
+// MigrateStore of store.h, with any list of migrations up to this program's version.
+MigrateReport Migrate(const std::string& path, const MigrateOptions& options, std::span<const Migration> migrations);
+
+}  // namespace slamdb::sqlite

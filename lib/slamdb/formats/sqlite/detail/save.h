@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <deque>
+#include <string>
+
+#include "slamdb/formats/sqlite/detail/database.h"
+#include "slamdb/formats/sqlite/detail/plan.h"
+#include "slamdb/formats/sqlite/detail/row_hash.h"
+#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/model/atlas.h"
+
+// Saving an atlas, in the caller's transaction. Steps:
+//   1. hash every row of the atlas (in memory, on all threads) - before the store is locked
+//   2. match its entities with the rows in the store by id, so that unchanged ones keep their rows (plan.h)
+//   3. delete, insert and update what differs, table by table, in row order, so that B-trees grow at their end
+namespace slamdb::sqlite {
+
+// Counts what happens to the rows of each table.
+class ChangeCounter {
+ public:
+  TableChanges& operator[](const std::string& table);
+  std::vector<TableChanges> Take() const { return {tables_.begin(), tables_.end()}; }
+
+ private:
+  std::deque<TableChanges> tables_;  // so that references stay valid
+};
+
+// What the parts of a save share.
+struct SaveContext {
+  Database& database;
+  const SaveOptions& options;
+  ChangeCounter& changes;
+  std::int64_t atlas = 0;  // its row
+  std::size_t entities = 0, entities_done = 0;
+
+  void Report(std::size_t done);  // progress; throws what the callback throws
+};
+
+// Saves everything. `hashes` is HashesOf(atlas).
+void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
+               const SaveOptions& options, SaveReport& report);
+
+// Deletes the atlas of row `atlas` and all that belongs to it.
+void DeleteAtlas(Database& database, std::int64_t atlas, ChangeCounter& changes);
+
+// The parts, for one map of row `row`.
+void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
+void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
+void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
+
+// The rows of a map's list as the store has them. `table` is keyframe or map_point, `details_hash` its second hash;
+// `expected` is about how many there will be.
+std::vector<StoredRow> ReadStoredRows(Database& database, const std::string& table, const std::string& details_hash,
+                                      std::int64_t map, std::size_t expected);
+
+// ---- values as columns
+
+inline std::int64_t ToColumn(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+template <class Entity>
+std::int64_t ToColumn(Id<Entity> id) {
+  return static_cast<std::int64_t>(id.value());
+}
+// As a reference: NULL for none.
+template <class Entity>
+std::optional<std::int64_t> ToReference(Id<Entity> id) {
+  return id.has_value() ? std::optional(static_cast<std::int64_t>(id.value())) : std::nullopt;
+}
+// False for NaN and -0.0, which a REAL column does not keep.
+inline bool FitsReal(double value) { return value == value && !(value == 0 && std::signbit(value)); }
+
+}  // namespace slamdb::sqlite

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "slamdb/formats/sqlite/detail/database.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb::sqlite {
+
+std::vector<StoredAtlas> ListAtlases(Database& database);
+std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& name);
+StoreStats ReadStatistics(Database& database);
+
+// Bytes of one atlas' rows by kind of data.
+std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas);
+
+}  // namespace slamdb::sqlite

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "slamdb/formats/sqlite/detail/database.h"
+
+namespace slamdb::sqlite {
+
+// The write lock of a store for one transaction. SQLite keeps the lock; a row of the table `writer`, committed before,
+// tells others who holds it. Commit() removes the row with the work itself.
+class WriteTransaction {
+ public:
+  // Waits for another writer at most `lock_timeout` seconds, then throws Error: `locked by slamdb 0.1.0, process 4711
+  // on host lab, since ...`.
+  WriteTransaction(Database& database, double lock_timeout);
+  void Commit();
+
+ private:
+  std::unique_ptr<Transaction> transaction_;
+  Database& database_;
+};
+
+// The error of a store that somebody else is writing: says who, as far as is known.
+Error LockedError(Database& database, double lock_timeout);
+
+std::string ToolName();   // `slamdb 0.1.0`
+std::string TimeOfDay();  // now, UTC, ISO 8601
+
+}  // namespace slamdb::sqlite

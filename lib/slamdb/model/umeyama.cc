@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. Without an outlier distance every pair is an inlier. Otherwise three pairs drawn at random are solved again and
+//    again, and the transform that most pairs agree with says which are inliers (RANSAC, Fischler and Bolles 1981).
+// 2. The inliers are solved by least squares, which says anew which pairs are inliers, until these stay the same.
+#include "slamdb/model/umeyama.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <string>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb {
+namespace {
+
+using Points = std::span<const Eigen::Vector3d>;
+using Rows = std::vector<std::size_t>;
+
+constexpr std::size_t kFewestPairs = 3;
+constexpr int kMostDraws = 1000, kMostRefinements = 50;
+constexpr double kConfidence = 0.9999;
+
+// Of the cross-covariance, second singular value to first: below it the points lie on one line, within a thousandth of
+// its length, and the rotation about that line is noise.
+constexpr double kLineRatio = 1e-6;
+
+// Least squares over some of the pairs; nullopt when they do not determine the transform.
+std::optional<Similarity3d> Solve(Points source, Points target, const Rows& rows, bool with_scale) {
+  const auto count = static_cast<double>(rows.size());
+  Eigen::Vector3d source_mean = Eigen::Vector3d::Zero(), target_mean = Eigen::Vector3d::Zero();
+  for (const std::size_t row : rows) {
+    source_mean += source[row] / count;
+    target_mean += target[row] / count;
+  }
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double variance = 0;
+  for (const std::size_t row : rows) {
+    const Eigen::Vector3d from_mean = source[row] - source_mean;
+    covariance += (target[row] - target_mean) * from_mean.transpose() / count;
+    variance += from_mean.squaredNorm() / count;
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Vector3d singular = svd.singularValues();
+  if (!(singular[1] > kLineRatio * singular[0])) return std::nullopt;
+  const double handedness = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
+  const Eigen::Vector3d signs(1, 1, handedness);
+  Similarity3d result;
+  result.rotation = Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()));
+  result.rotation.normalize();
+  if (with_scale) result.scale = singular.dot(signs) / variance;
+  result.translation = target_mean - result.scale * (result.rotation * source_mean);
+  return result;
+}
+
+// Root mean square of `distance(row)` over the rows.
+template <class Distance>
+double RootMeanSquare(const Rows& rows, const Distance& distance) {
+  double squares = 0;
+  for (const std::size_t row : rows) squares += distance(row) * distance(row);
+  return std::sqrt(squares / static_cast<double>(rows.size()));
+}
+
+double Residual(Points source, Points target, const Similarity3d& transform, std::size_t row) {
+  return (target[row] - transform * source[row]).norm();
+}
+
+Rows RowsWithin(Points source, Points target, const Similarity3d& transform, double distance) {
+  Rows rows;
+  for (std::size_t row = 0; row < source.size(); ++row)
+    if (Residual(source, target, transform, row) <= distance) rows.push_back(row);
+  return rows;
+}
+
+// SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): the same draws on every machine.
+class Draws {
+ public:
+  explicit Draws(std::size_t count) : count_(count) {}
+
+  Rows Three() {
+    Rows rows;
+    while (rows.size() < kFewestPairs) {
+      const std::size_t row = Next() % count_;
+      if (std::ranges::find(rows, row) == rows.end()) rows.push_back(row);
+    }
+    return rows;
+  }
+
+ private:
+  std::uint64_t Next() {
+    std::uint64_t value = state_ += 0x9E3779B97F4A7C15;
+    value = (value ^ value >> 30) * 0xBF58476D1CE4E5B9;
+    value = (value ^ value >> 27) * 0x94D049BB133111EB;
+    return value ^ value >> 31;
+  }
+
+  std::uint64_t count_, state_ = 0;
+};
+
+// How many draws find three inliers with that confidence when this share of the pairs are.
+int DrawsNeeded(std::size_t inliers, std::size_t count) {
+  const double share = static_cast<double>(inliers) / static_cast<double>(count);
+  const double miss = std::log1p(-share * share * share);
+  return miss < 0 ? static_cast<int>(std::min<double>(kMostDraws, std::ceil(std::log(1 - kConfidence) / miss)))
+                  : kMostDraws;
+}
+
+Rows Consensus(Points source, Points target, const UmeyamaOptions& options) {
+  Draws draws(source.size());
+  Rows best;
+  int needed = kMostDraws;
+  for (int draw = 0; draw < needed; ++draw) {
+    const auto transform = Solve(source, target, draws.Three(), options.with_scale);
+    if (!transform || !(transform->scale > 0)) continue;
+    Rows rows = RowsWithin(source, target, *transform, options.outlier_distance);
+    if (rows.size() <= best.size()) continue;
+    best = std::move(rows);
+    needed = DrawsNeeded(best.size(), source.size());
+  }
+  if (best.size() < kFewestPairs)
+    throw Error("no three of " + std::to_string(source.size()) +
+                " pairs of points agree on a transform within the outlier distance; allow a larger one");
+  return best;
+}
+
+Similarity3d SolveOrThrow(Points source, Points target, const Rows& rows, bool with_scale) {
+  const auto transform = Solve(source, target, rows, with_scale);
+  if (!transform || !(transform->scale > 0))
+    throw Error("the " + std::to_string(rows.size()) +
+                " pairs of points lie on one line, or in one place: they do not determine a rotation");
+  return *transform;
+}
+
+void RequirePoints(Points source, Points target) {
+  if (source.size() != target.size())
+    throw Error("points must correspond: there are " + std::to_string(source.size()) + " and " +
+                std::to_string(target.size()));
+  if (source.size() < kFewestPairs)
+    throw Error("at least 3 pairs of points determine a transform; there are " + std::to_string(source.size()));
+  const auto finite = [](const Eigen::Vector3d& point) { return point.allFinite(); };
+  if (!std::ranges::all_of(source, finite) || !std::ranges::all_of(target, finite))
+    throw Error("a point to align by holds NaN or infinity");
+}
+
+}  // namespace
+
+UmeyamaResult SolveUmeyama(Points source, Points target, const UmeyamaOptions& options) {
+  RequirePoints(source, target);
+  Rows rows(source.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  const bool robust = options.outlier_distance > 0;
+  if (robust) rows = Consensus(source, target, options);
+  UmeyamaResult result;
+  result.target_from_source = SolveOrThrow(source, target, rows, options.with_scale);
+  for (int round = 0; robust && round < kMostRefinements; ++round) {
+    Rows again = RowsWithin(source, target, result.target_from_source, options.outlier_distance);
+    if (again == rows || again.size() < kFewestPairs) break;
+    rows = std::move(again);
+    result.target_from_source = SolveOrThrow(source, target, rows, options.with_scale);
+  }
+  for (std::size_t row = 0; row < source.size(); ++row)
+    result.residuals.push_back(Residual(source, target, result.target_from_source, row));
+  result.inliers.assign(source.size(), 0);
+  for (const std::size_t row : rows) result.inliers[row] = 1;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const std::size_t row : rows) mean += target[row] / static_cast<double>(rows.size());
+  result.rms = RootMeanSquare(rows, [&](std::size_t row) { return result.residuals[row]; });
+  result.spread = RootMeanSquare(rows, [&](std::size_t row) { return (target[row] - mean).norm(); });
+  return result;
+}
+
+std::optional<std::string> PoorFitWarning(double rms, double spread) {
+  constexpr double kPoorShare = 0.1;
+  if (rms <= kPoorShare * spread) return std::nullopt;
+  return detail::Concat("the fit is poor: points that spread by ", detail::Digits(spread, 3), " miss their places by ",
+                        detail::Digits(rms, 3),
+                        " (RMS); see whether all pairs belong together, or leave out those that are far off");
+}
+
+}  // namespace slamdb

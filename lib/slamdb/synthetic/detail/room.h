@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "slamdb/synthetic/detail/portable.h"
+#include "slamdb/synthetic/detail/rig.h"
+#include "slamdb/synthetic/synthesize.h"
+
+namespace slamdb::synthetic {
+
+// How a camera goes round a round room, so that every point is seen at least twice and no keyframe has more points
+// before it than features. Room coordinates: z up, origin at the middle of the floor circle at camera height, metres.
+// The camera stays kWallDistance off the wall and looks at it; the finer the points, the larger the room.
+struct RoomPlan {
+  double wall_radius = 0, path_radius = 0;
+  double half_height = 0;    // of the wall
+  double safe_distance = 0;  // metres; farther points may be too small to be found
+  double step = 0;           // radians along the circle from keyframe to keyframe
+  double arc = 0;            // radians of wall that carry points, from angle 0
+  double visible_arc = 0;    // no camera sees farther to either side, radians
+
+  bool is_closed() const { return arc == 2 * kPi; }
+};
+
+inline constexpr double kWallDistance = 4;         // metres
+inline constexpr double kKeyframeInterval = 0.25;  // seconds
+
+// Throws Error when the keyframes cannot see all points twice.
+RoomPlan PlanRoom(const SyntheticOptions& options, const Rig& rig);
+
+// The plan with points on its wall: a little inside of it, sorted by angle.
+struct Room {
+  RoomPlan plan;
+  Pose world_from_room;                 // the first camera's frame; with inertial data z up, at the first body
+  std::vector<double> angles;           // [0, arc)
+  std::vector<Eigen::Vector3d> points;  // room coordinates
+
+  // At any time from -1 s; the first keyframe is at 0. All motion is smooth, for the IMU.
+  Pose RoomFromCamera(double seconds) const;
+  Pose WorldFromCamera(double seconds) const { return world_from_room * RoomFromCamera(seconds); }
+};
+
+Room MakeRoom(const SyntheticOptions& options, const Rig& rig, const RoomPlan& plan, std::uint64_t map);
+
+}  // namespace slamdb::synthetic

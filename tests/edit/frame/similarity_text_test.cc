@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/frame/similarity_text.h"
+
+#include <gmock/gmock.h>
+
+#include "slamdb/base/error.h"
+#include "slamdb/edit/frame/axes.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <class Parse>
+std::string MessageOf(const Parse& parse) {
+  try {
+    parse();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+std::string TransformMessage(const char* text) {
+  return MessageOf([text] { ParseSimilarity(text); });
+}
+std::string AxesMessage(const char* text) {
+  return MessageOf([text] { ParseAxes(text); });
+}
+
+void ExpectTakes(const Similarity3d& transform, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  EXPECT_LT((transform * from - to).norm(), 1e-9) << (transform * from).transpose();
+}
+
+TEST(ParseSimilarity, SevenEightTwelveAndSixteenNumbers) {
+  // A quarter turn about z.
+  ExpectTakes(ParseSimilarity("1 2 3 0 0 1 1"), {1, 0, 0}, {1, 3, 3});
+  ExpectTakes(ParseSimilarity("# t q s\n1, 2, 3;\t0 0 1 1\n2 # twice\n"), {1, 0, 0}, {1, 4, 3});
+  ExpectTakes(ParseSimilarity("0 -1 0 1\n1 0 0 2\n0 0 1 3\n"), {1, 0, 0}, {1, 3, 3});
+  ExpectTakes(ParseSimilarity("0 -2 0 1  2 0 0 2  0 0 2 3  0 0 0 1"), {1, 0, 0}, {1, 4, 3});
+}
+
+TEST(ParseSimilarity, TextComesBackExactly) {
+  const Similarity3d transform{1.1, Eigen::Quaterniond(0.1, 0.2, -0.3, 0.4).normalized(), {1e-7, -3e5, 1.0 / 3}};
+  const Similarity3d again = ParseSimilarity(ToText(transform));
+  EXPECT_EQ(again.scale, transform.scale);
+  EXPECT_EQ(again.translation, transform.translation);
+  EXPECT_LE(again.rotation.angularDistance(transform.rotation), 1e-15);
+}
+
+TEST(ParseSimilarity, RefusesWhatIsNone) {
+  EXPECT_THAT(TransformMessage("1 2 3"), HasSubstr("not 3"));
+  EXPECT_THAT(TransformMessage(""), HasSubstr("not 0"));
+  EXPECT_THAT(TransformMessage("1 2 3 0 0 0 x"), HasSubstr("'x' is none"));
+  EXPECT_THAT(TransformMessage("1 2 3 0 0 0 0"), HasSubstr("quaternion of the transform is zero"));
+  EXPECT_THAT(TransformMessage("1 2 3 0 0 0 1 0"), HasSubstr("scale"));
+  EXPECT_THAT(TransformMessage("1 2 3 0 0 0 1 -2"), HasSubstr("scale"));
+  EXPECT_THAT(TransformMessage("1 2 nan 0 0 0 1"), HasSubstr("NaN"));
+  EXPECT_THAT(TransformMessage("0 0 0 1  0 0 0 2  0 0 1 3"), HasSubstr("singular"));
+  EXPECT_THAT(TransformMessage("-1 0 0 0  0 1 0 0  0 0 1 0"), HasSubstr("mirrors"));
+  EXPECT_THAT(TransformMessage("2 0 0 0  0 1 0 0  0 0 1 0"), HasSubstr("shears"));
+  EXPECT_THAT(TransformMessage("nan 0 0 0  0 1 0 0  0 0 1 0"), HasSubstr("NaN"));
+  EXPECT_THAT(TransformMessage("1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 2"), HasSubstr("last row"));
+}
+
+Eigen::Vector3d Turned(const char* axes, const Eigen::Vector3d& x) { return ParseAxes(axes) * x; }
+
+TEST(ParseAxes, ListsAndConventions) {
+  const Eigen::Vector3d x(1, 2, 3);  // of a camera: 1 right, 2 down, 3 forward
+  EXPECT_TRUE(Turned("x,y,z", x).isApprox(x));
+  EXPECT_TRUE(Turned("x,-z,y", x).isApprox(Eigen::Vector3d(1, -3, 2)));
+  EXPECT_TRUE(Turned("+z,-x,-y", x).isApprox(Eigen::Vector3d(3, -1, -2)));
+  EXPECT_TRUE(Turned("camera:ros", x).isApprox(Eigen::Vector3d(3, -1, -2)));
+  EXPECT_TRUE(Turned("camera:enu", x).isApprox(Eigen::Vector3d(1, 3, -2)));
+  EXPECT_TRUE(Turned("camera:ned", x).isApprox(Eigen::Vector3d(3, 1, 2)));
+  EXPECT_TRUE(Turned("camera:opengl", x).isApprox(Eigen::Vector3d(1, -2, -3)));
+  EXPECT_TRUE(Turned("ros:camera", {3, -1, -2}).isApprox(x));
+  EXPECT_TRUE(Turned("ned:enu", {3, 1, 2}).isApprox(Eigen::Vector3d(1, 3, -2)));
+}
+
+TEST(ParseAxes, RefusesWhatIsNone) {
+  EXPECT_THAT(AxesMessage("x,y"), HasSubstr("as camera:ros"));
+  EXPECT_THAT(AxesMessage("x,y,z,x"), HasSubstr("'x,y,z,x'"));
+  EXPECT_THAT(AxesMessage("ros"), HasSubstr("'ros'"));
+  EXPECT_THAT(AxesMessage("camera:mars"), HasSubstr("'camera:mars'"));
+  EXPECT_THAT(AxesMessage("x,x,z"), HasSubstr("twice"));
+  EXPECT_THAT(AxesMessage("y,x,z"), HasSubstr("mirror"));
+}
+
+}  // namespace
+}  // namespace slamdb

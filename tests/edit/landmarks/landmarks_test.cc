@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/landmarks/landmarks.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/LU>
+#include <numbers>
+#include <set>
+
+#include "slamdb/edit/ids/renumber.h"
+#include "slamdb/edit/merge/join.h"
+#include "slamdb/model/derive.h"
+#include "slamdb/model/index.h"
+#include "slamdb/synthetic/synthesize.h"
+#include "tests/support/equals_atlas.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::SizeIs;
+
+Landmark LandmarkAt(const Eigen::Vector3d& mean, const Eigen::Vector3d& variances, std::uint32_t seen = 1) {
+  Landmark landmark;
+  landmark.mean = mean;
+  landmark.cov_11 = variances.x();
+  landmark.cov_22 = variances.y();
+  landmark.cov_33 = variances.z();
+  landmark.seen_count = seen;
+  return landmark;
+}
+
+Similarity3d SomeTransform() {
+  return {2, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, -2, 3).normalized())), {4, 5, -6}};
+}
+
+class EverySensor : public ::testing::TestWithParam<Sensor> {
+ protected:
+  static Atlas Make() {
+    return SynthesizeAtlas({.sensor = GetParam(), .maps = 2, .keyframes = 10, .points = 300, .features = 300});
+  }
+};
+
+TEST_P(EverySensor, PointsBecomeLandmarks) {
+  Atlas atlas = Make();
+  atlas.maps[1].points[3].bad = true;
+  const Atlas before = atlas;
+  const MakeLandmarksReport report = MakeLandmarks(atlas, {});
+  EXPECT_EQ(report.bad, 1U);
+  EXPECT_EQ(report.landmarks, before.maps[0].points.size() + before.maps[1].points.size() - 1);
+  EXPECT_LT(report.undetermined, report.landmarks / 10);
+  const AtlasIndex index(atlas);
+  for (const Landmark& landmark : atlas.maps[0].landmarks) {
+    const MapPoint& point = *index.FindPoint(0, MapPointId(landmark.id.value()));
+    EXPECT_EQ(landmark.mean, point.position.cast<double>());
+    EXPECT_NEAR(landmark.normal.norm(), 1, 1e-12);
+    EXPECT_EQ(landmark.seen_count, point.observations.size());
+    std::uint64_t newest = 0;
+    for (const Observation& observation : point.observations)
+      newest = std::max(newest, TicksOfSeconds(index.FindKeyFrame(0, observation.keyframe)->timestamp));
+    EXPECT_EQ(landmark.last_seen, newest);
+    ASSERT_THAT(landmark.features, SizeIs(1));
+    const LandmarkFeature& feature = landmark.features[0];
+    const KeyFrame& reference = *index.FindKeyFrame(0, point.reference);
+    const auto& keypoint = *ObservedKeypoint(reference, static_cast<std::int32_t>(feature.keypoint_id));
+    EXPECT_EQ(reference.features.map_points[feature.keypoint_id], point.id);
+    EXPECT_EQ(feature.x, keypoint.x);
+    EXPECT_EQ(feature.octave, keypoint.octave);
+    EXPECT_FLOAT_EQ(feature.orientation, keypoint.angle * std::numbers::pi_v<float> / 180);
+    EXPECT_EQ(feature.depth, feature.position_in_camera.z());
+    EXPECT_GT(feature.depth, 0);
+    ASSERT_THAT(feature.descriptors, SizeIs(1));
+    EXPECT_TRUE(std::equal(point.descriptor.begin(), point.descriptor.end(), feature.descriptors[0].bytes.begin()));
+    const Eigen::Matrix3d covariance = landmark.pose().covariance;
+    EXPECT_TRUE(covariance.isZero(0) || covariance.determinant() > 0);
+  }
+  for (Map& map : atlas.maps) map.landmarks.clear();
+  EXPECT_THAT(atlas, EqualsAtlas(before));
+}
+
+TEST_P(EverySensor, ThreadsMakeNoDifference) {
+  Atlas one = Make(), many = one;
+  MakeLandmarks(one, {.threads = 1});
+  MakeLandmarks(many, {.threads = 4});
+  EXPECT_THAT(many, EqualsAtlas(one));
+}
+
+TEST_P(EverySensor, ThereAndBackPutsPointsWhereTheyWere) {
+  Atlas atlas = Make();
+  const Atlas before = atlas;
+  MakeLandmarks(atlas, {});
+  for (Map& map : atlas.maps)
+    for (MapPoint& point : map.points) point.position.x() += 1;
+  const MakePointsReport report = MakePoints(atlas);
+  EXPECT_EQ(report.added, 0U);
+  for (std::size_t m = 0; m < atlas.maps.size(); ++m) {
+    atlas.maps[m].landmarks.clear();
+    for (std::size_t i = 0; i < atlas.maps[m].points.size(); ++i) {
+      EXPECT_LT((atlas.maps[m].points[i].normal.normalized() - before.maps[m].points[i].normal.normalized()).norm(),
+                1e-6F);
+      atlas.maps[m].points[i].normal = before.maps[m].points[i].normal;  // a mean, which a landmark has of unit length
+    }
+  }
+  EXPECT_THAT(atlas, EqualsAtlas(before));
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, EverySensor,
+                         ::testing::Values(Sensor::kMonocular, Sensor::kStereo, Sensor::kRgbd, Sensor::kFisheyeStereo));
+
+TEST(MakeLandmarks, CovarianceGrowsWithTheNoise) {
+  Atlas one = SynthesizeAtlas({.keyframes = 6, .points = 100}), three = one;
+  MakeLandmarks(one, {.pixel_sigma = 1});
+  MakeLandmarks(three, {.pixel_sigma = 3});
+  for (std::size_t i = 0; i < one.maps[0].landmarks.size(); ++i)
+    EXPECT_NEAR(three.maps[0].landmarks[i].cov_22, 9 * one.maps[0].landmarks[i].cov_22,
+                1e-5 * three.maps[0].landmarks[i].cov_22);
+}
+
+TEST(MakeLandmarks, TakesDanglingReferencesAsTheyAre) {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 6, .points = 100});
+  atlas.maps[0].points[0].observations = {{.keyframe = KeyFrameId(4711), .left = 3}};
+  atlas.maps[0].points[1].observations.clear();
+  atlas.maps[0].points[2].observations[0].left = 100'000;
+  atlas.maps[0].points[2].reference = atlas.maps[0].points[2].observations[0].keyframe;
+  EXPECT_GE(MakeLandmarks(atlas, {}).undetermined, 2U);
+  EXPECT_TRUE(atlas.maps[0].landmarks[0].features.empty());
+  EXPECT_EQ(atlas.maps[0].landmarks[1].seen_count, 0U);
+}
+
+TEST(MakePoints, AddsWhatIsNotThere) {
+  Atlas atlas;
+  Map& map = atlas.maps.emplace_back();
+  map.landmarks = {LandmarkAt({1, 2, 3}, {0, 0, 0}), LandmarkAt({4, 5, 6}, {0, 0, 0}), LandmarkAt({0, 0, 0}, {0, 0, 0}),
+                   LandmarkAt({2, 2, 2}, {0, 0, 0})};
+  map.landmarks[1].id = map.landmarks[3].id = LandmarkId(41);
+  map.landmarks[1].CreateOneFeature().descriptors = {{DescriptorKind::kOrb, std::vector<std::uint8_t>(32, 7)}};
+  map.landmarks[2].CreateOneFeature().descriptors = {{DescriptorKind::kSift, std::vector<std::uint8_t>(128, 7)}};
+  const MakePointsReport report = MakePoints(atlas);
+  EXPECT_EQ(report.added, 3U);
+  EXPECT_EQ(report.plain, 2U);
+  EXPECT_EQ(report.fused, 1U);
+  ASSERT_THAT(map.points, SizeIs(3));
+  EXPECT_EQ(map.points[0].id, MapPointId(42));
+  EXPECT_EQ(map.points[1].id, MapPointId(41));
+  EXPECT_EQ(map.points[1].position, Eigen::Vector3f(3, 3.5F, 4));  // the two of this id, fused
+  EXPECT_EQ(map.points[1].descriptor[31], 7);
+  EXPECT_FALSE(map.points[2].has_descriptor());
+  EXPECT_EQ(atlas.next_ids.map_point, 44U);
+}
+
+TEST(MakePoints, FindsTheOrbDescriptorThatMrptMisplaced) {
+  Atlas atlas;
+  atlas.maps.emplace_back().landmarks = {LandmarkAt({1, 2, 3}, {0, 0, 0}), LandmarkAt({1, 2, 3}, {0, 0, 0})};
+  for (Landmark& landmark : atlas.maps[0].landmarks)
+    landmark.CreateOneFeature().descriptors = {{DescriptorKind::kBld, std::vector<std::uint8_t>(32, 9)}};
+  atlas.maps[0].landmarks[0].features[0].type = FeatureType::kOrb;
+  EXPECT_EQ(MakePoints(atlas).plain, 1U);
+  EXPECT_EQ(atlas.maps[0].points[0].descriptor[5], 9);
+}
+
+// Maps of one MRPT stream count their landmarks each from 0, and atlases know a point by its id alone.
+TEST(MakePoints, GivesNoIdTwice) {
+  Atlas atlas;
+  for (const std::uint64_t id : {0, 1}) {
+    Map& map = atlas.maps.emplace_back();
+    map.id = MapId(id);
+    map.landmarks = {LandmarkAt({1, 2, 3}, {1, 1, 1}), LandmarkAt({4, 5, 6}, {1, 1, 1}),
+                     LandmarkAt({7, 8, 9}, {1, 1, 1})};
+    map.landmarks[0].id = LandmarkId(0);
+    map.landmarks[1].id = LandmarkId(static_cast<std::uint64_t>(-2));
+  }
+  const MakePointsReport report = MakePoints(atlas);
+  EXPECT_EQ(report.added, 6U);
+  EXPECT_EQ(report.renamed, 1U);
+  std::set<std::uint64_t> ids;
+  for (const Map& map : atlas.maps)
+    for (std::size_t row = 0; row < 3; ++row) {
+      EXPECT_TRUE(ids.insert(map.points[row].id.value()).second);
+      EXPECT_LT(map.points[row].id.value(), atlas.next_ids.map_point);
+      EXPECT_EQ(map.landmarks[row].id.value(), map.points[row].id.value());
+    }
+  EXPECT_EQ(atlas.maps[0].points[0].id, MapPointId(0));
+  const Atlas once = atlas;
+  EXPECT_EQ(MakePoints(atlas).added, 0U);
+  EXPECT_THAT(atlas, EqualsAtlas(once));
+}
+
+TEST(FuseLandmarks, IsTheProductOfTheGaussians) {
+  Landmark a = LandmarkAt({0, 0, 0}, {1, 4, 1}, 3), b = LandmarkAt({1, 1, 1}, {1, 1, 3}, 5);
+  a.id = LandmarkId(8);
+  a.last_seen = 70;
+  b.last_seen = 90;
+  a.normal = {0, 0, 1};
+  b.normal = {0, 0, 1};
+  b.CreateOneFeature().type = FeatureType::kOrb;
+  const Landmark fused = FuseLandmarks(a, b);
+  EXPECT_TRUE(fused.mean.isApprox(Eigen::Vector3d(0.5, 0.8, 0.25)));
+  EXPECT_DOUBLE_EQ(fused.cov_11, 0.5);
+  EXPECT_DOUBLE_EQ(fused.cov_22, 0.8);
+  EXPECT_DOUBLE_EQ(fused.cov_33, 0.75);
+  EXPECT_EQ(fused.seen_count, 8U);
+  EXPECT_EQ(fused.last_seen, 90U);
+  EXPECT_EQ(fused.id, LandmarkId(8));
+  EXPECT_TRUE(fused.normal.isApprox(Eigen::Vector3d(0, 0, 1)));
+  EXPECT_EQ(fused.type(), FeatureType::kOrb);
+}
+
+TEST(FuseLandmarks, EqualsTheInformationForm) {
+  Landmark a = LandmarkAt({0.1, 0.2, 0.3}, {1, 2, 3}), b = LandmarkAt({0.3, 0.1, -0.3}, {2, 0.5, 1});
+  a.cov_12 = 0.7;
+  a.cov_23 = -0.4;
+  b.cov_13 = 0.9;
+  const Eigen::Matrix3d information = a.pose().covariance.inverse() + b.pose().covariance.inverse();
+  const Eigen::Vector3d mean =
+      information.inverse() * (a.pose().covariance.inverse() * a.mean + b.pose().covariance.inverse() * b.mean);
+  for (const Landmark& fused : {FuseLandmarks(a, b), FuseLandmarks(b, a)}) {
+    EXPECT_TRUE(fused.mean.isApprox(mean));
+    EXPECT_TRUE(fused.pose().covariance.isApprox(information.inverse()));
+  }
+}
+
+// Landmarks of one plane, known exactly across it.
+TEST(FuseLandmarks, WorksWhereADirectionHasNoUncertainty) {
+  const Landmark fused = FuseLandmarks(LandmarkAt({0, 0, 2}, {1, 4, 0}), LandmarkAt({1, 1, 2}, {1, 1, 0}));
+  EXPECT_TRUE(fused.mean.isApprox(Eigen::Vector3d(0.5, 0.8, 2)));
+  EXPECT_TRUE(fused.pose().covariance.isApprox(Eigen::Vector3d(0.5, 0.8, 0).asDiagonal().toDenseMatrix()));
+}
+
+TEST(FuseLandmarks, AnUnknownCovarianceYields) {
+  const Landmark known = LandmarkAt({1, 1, 1}, {2, 2, 2}, 1), a = LandmarkAt({3, 3, 3}, {0, 0, 0}, 9),
+                 b = LandmarkAt({0, 0, 0}, {0, 0, 0}, 3);
+  EXPECT_EQ(FuseLandmarks(known, a).mean, known.mean);
+  EXPECT_EQ(FuseLandmarks(a, known).cov_11, 2);
+  EXPECT_TRUE(FuseLandmarks(a, b).mean.isApprox(Eigen::Vector3d(2.25, 2.25, 2.25)));  // 9 to 3
+  Landmark often = a;
+  often.seen_count = 0xffffffff;
+  EXPECT_EQ(FuseLandmarks(often, b).seen_count, 0xffffffffU);
+}
+
+TEST(TakeLandmarks, FusesEqualIdsAndAddsTheRest) {
+  std::vector<Landmark> into{LandmarkAt({0, 0, 0}, {1, 1, 1}), LandmarkAt({5, 5, 5}, {1, 1, 1})};
+  into[0].id = LandmarkId(1);
+  std::vector<Landmark> from{LandmarkAt({1, 1, 1}, {1, 1, 1}), LandmarkAt({2, 2, 2}, {1, 1, 1}),
+                             LandmarkAt({3, 3, 3}, {1, 1, 1})};
+  from[0].id = LandmarkId(1);
+  from[2].id = LandmarkId(2);
+  EXPECT_EQ(TakeLandmarks(into, from), 1U);
+  ASSERT_THAT(into, SizeIs(4));
+  EXPECT_TRUE(into[0].mean.isApprox(Eigen::Vector3d(0.5, 0.5, 0.5)));
+  EXPECT_EQ(into[0].seen_count, 2U);
+  EXPECT_EQ(into[2].mean, from[1].mean);
+  EXPECT_EQ(into[3].id, LandmarkId(2));
+}
+
+// Landmarks keep the ids of their points, and stay where those are, whatever happens to the maps.
+TEST(MakeLandmarks, TravelThroughRenumberingAndJoining) {
+  Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kRgbd, .maps = 2, .keyframes = 6, .points = 100});
+  MakeLandmarks(atlas, {});
+  const std::size_t landmarks = atlas.maps[0].landmarks.size() + atlas.maps[1].landmarks.size();
+  Renumber(atlas, {.kinds = {IdKind::kPoint}, .start = 5000});
+  JoinMaps(atlas, {.first = atlas.maps[0].id, .second = atlas.maps[1].id, .first_from_second = SomeTransform()});
+  ASSERT_THAT(atlas.maps, SizeIs(1));
+  ASSERT_THAT(atlas.maps[0].landmarks, SizeIs(landmarks));
+  const AtlasIndex index(atlas);
+  for (const Landmark& landmark : atlas.maps[0].landmarks) {
+    const MapPoint* point = index.FindPoint(0, MapPointId(landmark.id.value()));
+    ASSERT_NE(point, nullptr);
+    EXPECT_LT((landmark.mean - point->position.cast<double>()).norm(), 1e-5);
+  }
+}
+
+TEST(TransformLandmarks, MovesMeanCovarianceAndNormal) {
+  Landmark landmark = LandmarkAt({1, 2, 3}, {1, 2, 3});
+  landmark.cov_12 = 0.5;
+  landmark.normal = {0, 0, 1};
+  landmark.CreateOneFeature().depth = 4;
+  const GaussianPoint before = landmark.pose();
+  const Similarity3d transform = SomeTransform();
+  TransformLandmarks({&landmark, 1}, transform);
+  const Eigen::Matrix3d turn = transform.rotation.toRotationMatrix();
+  EXPECT_TRUE(landmark.mean.isApprox(transform * before.mean));
+  EXPECT_TRUE(landmark.pose().covariance.isApprox(4 * turn * before.covariance * turn.transpose()));
+  EXPECT_TRUE(landmark.normal.isApprox(turn.col(2)));
+  EXPECT_EQ(landmark.features[0].depth, 8);
+  TransformLandmarks({&landmark, 1}, transform.Inverse());
+  EXPECT_TRUE(landmark.mean.isApprox(before.mean));
+  EXPECT_TRUE(landmark.pose().covariance.isApprox(before.covariance));
+}
+
+}  // namespace
+}  // namespace slamdb

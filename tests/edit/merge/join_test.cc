@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/merge/join.h"
+
+#include <gmock/gmock.h>
+
+#include "slamdb/edit/frame/transform.h"
+#include "slamdb/edit/landmarks/landmarks.h"
+#include "slamdb/edit/merge/anchors.h"
+#include "slamdb/edit/merge/detail/covisibility.h"
+#include "slamdb/edit/merge/merge.h"
+#include "slamdb/model/content.h"
+#include "slamdb/model/derive.h"
+#include "tests/edit/worlds.h"
+#include "tests/support/equals_atlas.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// Yaw alone, so that gravity stays; with a scale only where nothing has the unit fixed.
+Similarity3d Turn(const World& world) {
+  return {world.sensor == Sensor::kMonocular && !world.inertial ? 1.7 : 1.0,
+          Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ())),
+          {3, -2, 0.5}};
+}
+
+// The same map twice, the second in a frame of its own: joining them with Turn fits exactly.
+std::vector<Atlas> Twins(const World& world) {
+  std::vector<Atlas> atlases = {MakeWorld(world, 1), MakeWorld(world, 1)};
+  TransformMap(atlases[1].maps[0], Turn(world).Inverse());
+  return atlases;
+}
+
+MergeResult JoinTwins(const World& world, JoinOptions join) {
+  return MergeAtlases(Twins(world), {.id_maps = true, .join = std::move(join)});
+}
+
+const KeyFrame& Find(const Map& map, KeyFrameId id) { return *std::ranges::find(map.keyframes, id, &KeyFrame::id); }
+
+class JoinWorld : public ::testing::TestWithParam<World> {};
+INSTANTIATE_TEST_SUITE_P(All, JoinWorld, ::testing::ValuesIn(kWorlds), NameOfWorld);
+
+TEST_P(JoinWorld, LinksTheTrees) {
+  const Atlas original = MakeWorld(GetParam(), 1);
+  const MergeResult result = JoinTwins(GetParam(), {.first_from_second = Turn(GetParam())});
+  ASSERT_THAT(result.atlas.maps, SizeIs(1));
+  const Map& map = result.atlas.maps[0];
+  EXPECT_EQ(map.keyframes.size(), 24U);
+  EXPECT_EQ(map.points.size(), 2 * original.maps[0].points.size());
+  EXPECT_EQ(map.id, original.maps[0].id);
+  EXPECT_EQ(map.first_keyframe, original.maps[0].first_keyframe);
+  EXPECT_THAT(TroubleCounts(result.atlas), IsEmpty());
+  const JoinReport& join = *result.report.join;
+  EXPECT_LT(join.link_distance, 1e-4);  // the twin of the keyframe
+  const KeyFrame &first = Find(map, join.link.first), &second = Find(map, join.link.second);
+  EXPECT_EQ(second.parent, first.id);
+  EXPECT_THAT(first.merge_edges, ElementsAre(second.id));
+  EXPECT_THAT(second.merge_edges, ElementsAre(first.id));
+  EXPECT_TRUE(first.not_erase && second.not_erase);
+  EXPECT_EQ(map.keyframes.front().origin_map, 0U);
+  EXPECT_EQ(map.keyframes.back().origin_map, 1U);
+  for (const IdPair& pair : result.report.id_maps[1][IdKind::kMap]) EXPECT_EQ(pair.after, map.id.value());
+}
+
+TEST_P(JoinWorld, FusesEveryPointWithItsTwin) {
+  const Atlas original = MakeWorld(GetParam(), 1);
+  const MergeResult result = JoinTwins(GetParam(), {.first_from_second = Turn(GetParam()), .fuse = FuseOptions()});
+  const Map &map = result.atlas.maps[0], &before = original.maps[0];
+  const FuseReport& fused = *result.report.join->fused;
+  EXPECT_THAT(TroubleCounts(result.atlas), IsEmpty());
+  EXPECT_GE(fused.fused, before.points.size() * 98 / 100);  // a point may prefer a neighbour that looks like it
+  EXPECT_EQ(map.points.size(), 2 * before.points.size() - fused.fused);
+  EXPECT_EQ(CountContent(map).observations, 2 * CountContent(before).observations);
+  EXPECT_EQ(CountContent(map).slots + fused.cleared_slots, 2 * CountContent(before).slots);
+  for (std::size_t row = 0; row < before.points.size(); ++row) {
+    EXPECT_EQ(map.points[row].position, before.points[row].position);
+    std::int32_t count = 0;
+    for (const Observation& observation : map.points[row].observations)
+      count += ObservationWeight(Find(map, observation.keyframe), observation);
+    EXPECT_EQ(map.points[row].observation_count, count);
+  }
+  EXPECT_THAT(result.report.id_maps[1][IdKind::kPoint],
+              Contains(IdPair{before.points[0].id.value(), before.points[0].id.value()}));
+}
+
+TEST(Join, LandmarksFollowTheirPoints) {
+  const World& world = kWorlds[0];
+  Atlas first = MakeWorld(world, 1), second = first;
+  MakeLandmarks(first, {});
+  MakeLandmarks(second, {});
+  second.maps[0].landmarks.emplace_back();  // without id: of no point
+  TransformMap(second.maps[0], Turn(world).Inverse());
+  JoinOptions join{.first_from_second = Turn(world)};
+  const MergeResult apart = MergeAtlases({first, second}, {.join = join});
+  EXPECT_EQ(apart.report.join->fused_landmarks, 0U);
+  EXPECT_EQ(apart.atlas.maps[0].landmarks.size(), 2 * first.maps[0].landmarks.size() + 1);
+  EXPECT_EQ(apart.report.result.landmarks, apart.atlas.maps[0].landmarks.size()) << "counted as conserved";
+  join.fuse = FuseOptions();
+  const MergeResult fused = MergeAtlases({first, second}, {.join = join});
+  const std::vector<Landmark>&before = first.maps[0].landmarks, &after = fused.atlas.maps[0].landmarks;
+  EXPECT_EQ(fused.report.join->fused_landmarks, fused.report.join->fused->fused);
+  EXPECT_EQ(after.size(), 2 * before.size() + 1 - fused.report.join->fused_landmarks);
+  for (std::size_t row = 0; row < before.size(); ++row) {
+    if (after[row].seen_count == before[row].seen_count) continue;  // a neighbour looked more alike
+    EXPECT_EQ(after[row].seen_count, 2 * before[row].seen_count);
+    EXPECT_LT(after[row].cov_33, 0.51 * before[row].cov_33) << "known twice as well";
+  }
+}
+
+TEST_P(JoinWorld, AnchorsSolveTheTransform) {
+  const Atlas original = MakeWorld(GetParam(), 1);
+  JoinOptions join;
+  for (const KeyFrame& keyframe : original.maps[0].keyframes) join.anchors.push_back({keyframe.id, keyframe.id});
+  join.anchors.push_back({join.anchors[0].first, join.anchors[6].second});  // is wrong
+  join.outlier_distance = 0.1;
+  const MergeResult result = JoinTwins(GetParam(), join);
+  const Similarity3d error = result.report.join->first_from_second * Turn(GetParam()).Inverse();
+  EXPECT_NEAR(error.scale, 1, 1e-4);
+  EXPECT_LT(error.translation.norm(), 1e-3);
+  EXPECT_NEAR(std::abs(error.rotation.w()), 1, 1e-6);
+  const AnchorFit& fit = *result.report.join->fit;
+  EXPECT_EQ(fit.inliers.back(), 0);
+  EXPECT_GT(fit.residuals.back(), 0.1);
+  EXPECT_LT(fit.max, 1e-3);
+  EXPECT_EQ(result.report.join->link.first.value() + 12, result.report.join->link.second.value());
+}
+
+TEST_P(JoinWorld, DoesNotDependOnThreads) {
+  MergeOptions options{.join = JoinOptions{.first_from_second = Turn(GetParam()), .fuse = FuseOptions()}};
+  options.threads = 1;
+  const MergeResult one = MergeAtlases(Twins(GetParam()), options);
+  options.threads = 4;
+  EXPECT_THAT(MergeAtlases(Twins(GetParam()), options).atlas, EqualsAtlas(one.atlas));
+}
+
+TEST(Join, TwoMapsOfOneAtlas) {
+  Atlas atlas = MakeWorld(kWorlds[4], 2);
+  const MergeResult result = MergeAtlases({atlas}, {.join = JoinOptions{.first_from_second = Similarity3d()}});
+  ASSERT_THAT(result.atlas.maps, SizeIs(1));
+  EXPECT_EQ(result.atlas.maps[0].keyframes.size(), 24U);
+  EXPECT_EQ(result.atlas.maps[0].keyframes.back().origin_map, 1U);
+}
+
+TEST(Join, WarnsOfWhatLooksWrong) {
+  const auto warnings = [](JoinOptions join) {
+    Atlas atlas = MakeWorld(kWorlds[4], 2);
+    join.first = atlas.maps[0].id;
+    join.second = atlas.maps[1].id;
+    for (std::size_t row = 0; row < join.anchors.size(); ++row)
+      join.anchors[row] = {atlas.maps[0].keyframes[row].id, atlas.maps[1].keyframes[5 * row % 7].id};
+    return JoinMaps(atlas, join).warnings;
+  };
+  EXPECT_THAT(warnings({.first_from_second = Similarity3d()}), IsEmpty());
+  Similarity3d far;
+  far.translation = {0, 500, 0};
+  EXPECT_THAT(warnings({.first_from_second = far}), ElementsAre(HasSubstr("the maps lie far apart")));
+  EXPECT_THAT(warnings({.anchors = std::vector<KeyFramePair>(7)}), Contains(HasSubstr("the fit is poor")));
+}
+
+TEST(Join, BadInputChangesNothing) {
+  const Atlas original = MakeWorld(kWorlds[4], 2);
+  const auto error = [&](const JoinOptions& join) {
+    Atlas atlas = original;
+    const std::string text = ErrorOf([&] { JoinMaps(atlas, join); });
+    EXPECT_THAT(atlas, EqualsAtlas(original));
+    return text;
+  };
+  const MapId a = original.maps[0].id, b = original.maps[1].id;
+  EXPECT_THAT(error({.first = a, .second = b}), HasSubstr("needs a transform, or anchors"));
+  EXPECT_THAT(error({.first = a, .second = a, .first_from_second = Similarity3d()}), HasSubstr("with itself"));
+  EXPECT_THAT(error({.first = a, .second = MapId(9), .first_from_second = Similarity3d()}),
+              HasSubstr("there is no map 9; maps are 0, 1"));
+  EXPECT_THAT(error({.first = a, .second = b, .anchors = {{KeyFrameId(0), KeyFrameId(0)}}}),
+              HasSubstr("kf 0 is not in map 1"));
+  EXPECT_THAT(error({.first = a, .second = b, .anchors = {{KeyFrameId(0), original.maps[1].keyframes[0].id}}}),
+              HasSubstr("at least 3 pairs"));
+  Similarity3d flat;
+  flat.scale = 0;
+  EXPECT_THAT(error({.first = a, .second = b, .first_from_second = flat}), HasSubstr("scale"));
+}
+
+TEST(Join, RefusesToGuess) {
+  const Atlas a = MakeWorld(kWorlds[4], 2, 1), b = MakeWorld(kWorlds[4], 1, 2);
+  const JoinOptions join{.first_from_second = Similarity3d()};
+  EXPECT_THAT(ErrorOf([&] { MergeAtlases({a, b}, {.join = join}); }), HasSubstr("several maps to choose from"));
+  EXPECT_THAT(ErrorOf([&] { MergeAtlases({b, b, b}, {.join = join}); }), HasSubstr("at a time"));
+}
+
+// Two keyframes that see one point each, at one place.
+Map TwoPoints(float apart, std::uint8_t descriptor) {
+  Map map = MakeWorld(kWorlds[4], 1).maps[0];
+  map.points.erase(map.points.begin() + 1, map.points.end());
+  map.keyframes.erase(map.keyframes.begin() + 2, map.keyframes.end());
+  MapPoint& point = map.points[0];
+  const MapPointId id = point.id;
+  for (KeyFrame& keyframe : map.keyframes) {
+    std::ranges::fill(keyframe.features.map_points, MapPointId());
+    keyframe.connections.clear();
+  }
+  point.observations = {{map.keyframes[0].id, 5, -1}};
+  point.observation_count = ObservationWeight(map.keyframes[0], point.observations[0]);
+  point.reference = map.keyframes[0].id;
+  point.max_distance = map.keyframes[0].intrinsics.fx * 0.01F;  // an uncertainty of 0.01
+  point.descriptor = {};
+  map.keyframes[0].features.map_points[5] = id;
+  MapPoint other = point;
+  other.id = MapPointId(id.value() + 1000);
+  other.position.x() += apart;
+  other.observations[0].keyframe = other.reference = map.keyframes[1].id;
+  other.descriptor[0] = descriptor;
+  map.keyframes[1].features.map_points[5] = other.id;
+  map.points.push_back(other);
+  return map;
+}
+
+TEST(Fuse, ByPlaceAndLooks) {
+  Map near = TwoPoints(0.02F, 3);
+  const FuseReport report = FusePoints(near, 1, {});
+  EXPECT_EQ(report.fused, 1U);
+  EXPECT_NEAR(report.mean_distance, 0.02, 1e-6);
+  ASSERT_THAT(near.points, SizeIs(1));
+  EXPECT_THAT(near.points[0].observations, SizeIs(2));
+  EXPECT_EQ(near.keyframes[1].features.map_points[5], near.points[0].id);
+  EXPECT_THAT(near.keyframes[0].connections, ElementsAre(Connection{near.keyframes[1].id, 1}));
+  EXPECT_THAT(near.keyframes[1].connections, ElementsAre(Connection{near.keyframes[0].id, 1}));
+  Map far = TwoPoints(0.04F, 3);
+  EXPECT_EQ(FusePoints(far, 1, {}).fused, 0U);
+  EXPECT_EQ(FusePoints(far, 1, {.radius = 5}).fused, 1U);
+  Map unlike = TwoPoints(0.01F, 3);
+  EXPECT_EQ(FusePoints(unlike, 1, {.hamming = 1}).fused, 0U);
+  EXPECT_EQ(FusePoints(unlike, 1, {.hamming = 2}).fused, 1U);
+}
+
+TEST(Fuse, NotWhatOneKeyframeSeesTwice) {
+  Map map = TwoPoints(0.01F, 0);
+  map.points[1].observations[0] = {map.keyframes[0].id, 6, -1};
+  map.keyframes[0].features.map_points[6] = map.points[1].id;
+  const FuseReport report = FusePoints(map, 1, {});
+  EXPECT_EQ(report.fused, 0U);
+  EXPECT_EQ(report.seen_together, 1U);
+}
+
+TEST(Covisibility, IsWhatSynthesisMade) {
+  Map map = MakeWorld(kWorlds[0], 1).maps[0];
+  const auto expected = map.keyframes[3].connections;
+  map.keyframes[3].connections = {{map.keyframes[4].id, 999}};
+  const std::uint32_t row = 3;
+  UpdateCovisibility(map, {&row, 1});
+  EXPECT_EQ(map.keyframes[3].connections, expected);
+}
+
+TEST(Anchors, FromText) {
+  EXPECT_THAT(ParseAnchors("12:7,30:41").keyframes,
+              ElementsAre(KeyFramePair{KeyFrameId(12), KeyFrameId(7)}, KeyFramePair{KeyFrameId(30), KeyFrameId(41)}));
+  EXPECT_THAT(ErrorOf([] { ParseAnchors("12-7"); }), HasSubstr("FIRST:SECOND"));
+}
+
+TEST(Anchors, FromATable) {
+  const Anchors anchors = ParseAnchorsCsv(
+      "name,first,second,first_x,first_y,first_z,second_x,second_y,second_z\na,1,2,,,,,,\nb,,,1,2,3,4,5,6.5\n");
+  EXPECT_THAT(anchors.keyframes, ElementsAre(KeyFramePair{KeyFrameId(1), KeyFrameId(2)}));
+  ASSERT_THAT(anchors.places, SizeIs(1));
+  EXPECT_EQ(anchors.places[0].second, Eigen::Vector3d(4, 5, 6.5));
+  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("a,b\n1,2\n"); }), HasSubstr("line 1: expected the columns"));
+  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("first,second\n1,x\n"); }), HasSubstr("line 2: expected a number"));
+}
+
+}  // namespace
+}  // namespace slamdb

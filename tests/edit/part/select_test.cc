@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/part/select.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "slamdb/base/error.h"
+#include "slamdb/model/derive.h"
+#include "tests/edit/soundness.h"
+#include "tests/formats/orbslam3/real_atlases.h"
+#include "tests/support/equals_atlas.h"
+
+namespace slamdb::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::ThrowsMessage;
+
+// Two maps of four keyframes in a row along x, a second apart, ids 0 to 3 and 10 to 13; point i at the place of
+// keyframe i, 5 m in front, seen by it and the next.
+Atlas Rows() {
+  Atlas atlas;
+  for (std::uint64_t m = 0; m < 2; ++m) {
+    Map& map = atlas.maps.emplace_back();
+    map.id = MapId(m);
+    for (std::uint64_t i = 0; i < 4; ++i) {
+      KeyFrame& keyframe = map.keyframes.emplace_back();
+      keyframe.id = KeyFrameId(10 * m + i);
+      keyframe.timestamp = static_cast<double>(10 * m + i);
+      keyframe.camera_from_world.translation.x() = -static_cast<float>(i);
+      keyframe.origin_map = i < 2 ? 0 : 7;
+      if (i > 0 && i != 2) keyframe.connections = {{KeyFrameId(10 * m + i - 1), 20}};
+      MapPoint& point = map.points.emplace_back();
+      point.id = MapPointId(10 * m + i);
+      point.position = {static_cast<float>(i), 0, 5};
+      point.observations = {{keyframe.id, 0, -1}};
+      if (i < 3) point.observations.push_back({KeyFrameId(10 * m + i + 1), 1, -1});
+    }
+  }
+  return atlas;
+}
+
+std::vector<int> Flagged(const Subset& subset, std::vector<std::uint8_t> Subset::MapRows::*list) {
+  std::vector<int> flagged;
+  for (std::size_t map = 0; map < subset.maps.size(); ++map)
+    for (std::size_t row = 0; row < (subset.maps[map].*list).size(); ++row)
+      if ((subset.maps[map].*list)[row]) flagged.push_back(static_cast<int>(10 * map + row));
+  return flagged;
+}
+std::vector<int> KeyFrames(const SelectOptions& options) {
+  const Atlas atlas = Rows();
+  return Flagged(Select(AtlasIndex(atlas), options), &Subset::MapRows::keyframes);
+}
+std::vector<int> Points(const SelectOptions& options) {
+  const Atlas atlas = Rows();
+  return Flagged(Select(AtlasIndex(atlas), options), &Subset::MapRows::points);
+}
+
+Eigen::AlignedBox3f Box(float x0, float z0, float x1, float z1) {
+  return {Eigen::Vector3f(x0, -1, z0), Eigen::Vector3f(x1, 1, z1)};
+}
+
+TEST(Select, ByMapIdsTimeSessionAndOrder) {
+  EXPECT_THAT(KeyFrames({.map = MapId(1)}), ElementsAre(10, 11, 12, 13));
+  EXPECT_THAT(KeyFrames({.first_keyframe = 2, .last_keyframe = 10}), ElementsAre(2, 3, 10));
+  EXPECT_THAT(KeyFrames({.keyframes = {KeyFrameId(3), KeyFrameId(11)}}), ElementsAre(3, 11));
+  EXPECT_THAT(KeyFrames({.begin_time = 3, .end_time = 10}), ElementsAre(3, 10));
+  EXPECT_THAT(KeyFrames({.session = 7}), ElementsAre(2, 3, 12, 13));
+  EXPECT_THAT(KeyFrames({.map = MapId(0), .session = 7}), ElementsAre(2, 3));
+  EXPECT_THAT(KeyFrames({.every = 3}), ElementsAre(0, 3, 10, 13));
+  EXPECT_THAT(KeyFrames({.first_keyframe = 1, .every = 2}), ElementsAre(1, 3, 10, 12));
+}
+
+TEST(Select, ComponentsByTheirSize) {
+  Atlas atlas = Rows();
+  atlas.maps[1].keyframes[2].connections = {{KeyFrameId(11), 15}};  // all of map 1 hangs together
+  const AtlasIndex index(atlas);
+  const std::vector<Component> components = FindComponents(index);
+  ASSERT_THAT(components, SizeIs(3));
+  EXPECT_EQ(components[0].map, 1U);
+  EXPECT_THAT(components[1].keyframes, ElementsAre(0, 1));
+  EXPECT_THAT(Flagged(Select(index, {.component = 3}), &Subset::MapRows::keyframes), ElementsAre(2, 3));
+  EXPECT_THAT(Flagged(Select(index, {.map = MapId(0), .component = 1}), &Subset::MapRows::keyframes),
+              ElementsAre(0, 1));
+}
+
+TEST(Select, TakesThePointsThatItsKeyframesObserve) {
+  EXPECT_THAT(Points({.first_keyframe = 2, .last_keyframe = 2}), ElementsAre(1, 2));
+  EXPECT_THAT(Points({.map = MapId(1)}), ElementsAre(10, 11, 12, 13));
+}
+
+TEST(Select, CutsByRegion) {
+  const Eigen::AlignedBox3f cameras = Box(0.5F, -1, 2.5F, 1), points = Box(0.5F, 4, 2.5F, 6), all = Box(0.5F, -1, 9, 9);
+  EXPECT_THAT(KeyFrames({.map = MapId(0), .box = cameras, .region = RegionOf::kCameras}), ElementsAre(1, 2));
+  EXPECT_THAT(Points({.map = MapId(0), .box = cameras, .region = RegionOf::kCameras}), ElementsAre(0, 1, 2));
+  EXPECT_THAT(Points({.map = MapId(0), .box = points, .region = RegionOf::kPoints}), ElementsAre(1, 2));
+  EXPECT_THAT(KeyFrames({.map = MapId(0), .box = points, .region = RegionOf::kPoints}), ElementsAre(1, 2, 3));
+  EXPECT_THAT(KeyFrames({.map = MapId(0), .box = all}), ElementsAre(1, 2, 3));
+  EXPECT_THAT(Points({.map = MapId(0), .box = all}), ElementsAre(1, 2, 3));
+  // Points alone: the border may bring the keyframes that observe them.
+  EXPECT_THAT(KeyFrames({.map = MapId(0), .box = points}), IsEmpty());
+  EXPECT_THAT(Points({.map = MapId(0), .box = points}), ElementsAre(1, 2));
+}
+
+TEST(Select, CutsByPolygonInThePlan) {
+  const std::vector<Eigen::Vector2f> triangle = {{0.5F, -1}, {2.5F, -1}, {2.5F, 9}};  // x and z
+  EXPECT_THAT(Points({.map = MapId(0), .polygon = triangle, .region = RegionOf::kPoints}), ElementsAre(2));
+  EXPECT_THAT(KeyFrames({.map = MapId(0), .polygon = triangle, .region = RegionOf::kCameras}), ElementsAre(1, 2));
+  const SelectOptions in_xy{.map = MapId(0), .polygon = triangle, .plane = PlanPlane::kXy, .region = RegionOf::kPoints};
+  EXPECT_THAT(Points(in_xy), ElementsAre(1, 2));
+}
+
+TEST(Select, EverythingElse) {
+  EXPECT_THAT(KeyFrames({.first_keyframe = 1, .except = true}), ElementsAre(0));
+  EXPECT_THAT(Points({.begin_time = 1, .end_time = 1, .except = true}), SizeIs(8));  // as long as others observe them
+  const SelectOptions hole{.box = Box(0.5F, 4, 2.5F, 6), .region = RegionOf::kPoints, .except = true};
+  EXPECT_THAT(KeyFrames(hole), SizeIs(8));
+  EXPECT_THAT(Points(hole), ElementsAre(0, 3, 10, 13));
+}
+
+TEST(Select, RefusesWhatIsNotThere) {
+  const Atlas atlas = Rows();
+  const AtlasIndex index(atlas);
+  const auto expect = [&](const SelectOptions& options, const char* text) {
+    EXPECT_THAT([&] { Select(index, options); }, ThrowsMessage<Error>(HasSubstr(text)));
+  };
+  expect({.map = MapId(5)}, "there is no map 5; there are 0, 1");
+  expect({.keyframes = {KeyFrameId(99)}}, "no keyframe 99");
+  expect({.session = 3}, "session 3; sessions are 0, 7");
+  expect({.component = 5}, "no component 5; the covisibility graph has 4");
+  expect({.polygon = {{0, 0}, {1, 1}}}, "three corners or more, found 2");
+  expect({.begin_time = 100}, "nothing is selected");
+  expect({.first_keyframe = 0, .except = true}, "nothing is left");
+  expect({.every = 0}, "every 0th");
+}
+
+TEST(SplitAtlas, ByMapSessionAndComponent) {
+  const Atlas atlas = Rows();
+  const AtlasIndex index(atlas);
+  const auto names = [&](SplitBy by) {
+    std::vector<std::string> found;
+    for (const Part& part : SplitAtlas(index, by)) found.push_back(part.name);
+    return found;
+  };
+  EXPECT_THAT(names(SplitBy::kMap), ElementsAre("map-0", "map-1"));
+  EXPECT_THAT(names(SplitBy::kSession), ElementsAre("session-0", "session-7"));
+  EXPECT_THAT(names(SplitBy::kComponent),
+              ElementsAre("map-0-component-1", "map-0-component-2", "map-1-component-1", "map-1-component-2"));
+}
+
+TEST(TakePart, IsWhatKeepingTheSubsetLeaves) {
+  const Atlas atlas = SynthesizeAtlas({.maps = 3, .keyframes = 8, .points = 150, .features = 120});
+  const AtlasIndex index(atlas);
+  for (const Part& part : SplitAtlas(index, SplitBy::kMap)) {
+    SubsetReport taken, kept;
+    const Atlas own = TakePart(atlas, part.subset, taken);
+    Atlas whole = atlas;
+    kept = KeepSubset(whole, part.subset);
+    EXPECT_THAT(own, EqualsAtlas(whole)) << part.name;
+    EXPECT_EQ(taken.maps, 2U);
+    EXPECT_EQ(taken.keyframes, kept.keyframes);
+    EXPECT_EQ(taken.points, kept.points);
+    EXPECT_THAT(Troubles(own), IsEmpty());
+  }
+}
+
+// Map 0 has landmarks at x = 0 to 3; map 2 is landmarks alone, at x = 2 and 3.
+Atlas RowsWithLandmarks() {
+  Atlas atlas = Rows();
+  const auto add = [&](std::size_t map, double x) {
+    Landmark& landmark = atlas.maps[map].landmarks.emplace_back();
+    landmark.mean = {x, 0, 5};
+  };
+  for (int x = 0; x < 4; ++x) add(0, x);
+  atlas.maps.emplace_back().id = MapId(2);
+  for (int x = 2; x < 4; ++x) add(2, x);
+  return atlas;
+}
+
+TEST(Select, LandmarksByRegionOrWithTheirMap) {
+  const Atlas atlas = RowsWithLandmarks();
+  const auto landmarks = [&](const SelectOptions& options) {
+    return Flagged(Select(AtlasIndex(atlas), options), &Subset::MapRows::landmarks);
+  };
+  EXPECT_THAT(landmarks({.keyframes = {KeyFrameId(3)}}), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(landmarks({.map = MapId(0)}), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(landmarks({.map = MapId(1)}), IsEmpty());
+  EXPECT_THAT(landmarks({.map = MapId(2)}), ElementsAre(20, 21));
+  EXPECT_THAT(landmarks({.map = MapId(0), .except = true}), ElementsAre(20, 21));
+  const Eigen::AlignedBox3f box = Box(1.5F, 4, 2.5F, 6);
+  EXPECT_THAT(landmarks({.box = box}), ElementsAre(2, 20));
+  EXPECT_THAT(landmarks({.box = box, .except = true}), ElementsAre(0, 1, 3, 21));
+  EXPECT_THAT(landmarks({.map = MapId(0), .box = box}), ElementsAre(2));
+  EXPECT_THAT(landmarks({.box = Box(0.5F, -1, 1.5F, 1), .region = RegionOf::kCameras}), ElementsAre(0, 1, 2, 3));
+}
+
+TEST(Select, MapsOfLandmarksAloneStayWithThem) {
+  const Atlas atlas = RowsWithLandmarks();
+  const AtlasIndex index(atlas);
+  Atlas part = atlas;
+  const SubsetReport removed = KeepSubset(part, Select(index, {.map = MapId(2), .box = Box(1.5F, 4, 2.5F, 6)}));
+  ASSERT_THAT(part.maps, SizeIs(1));
+  EXPECT_EQ(part.maps[0].id, MapId(2));
+  ASSERT_THAT(part.maps[0].landmarks, SizeIs(1));
+  EXPECT_EQ(part.maps[0].landmarks[0].mean.x(), 2);
+  EXPECT_EQ(removed.landmarks, 5U);
+  const std::vector<Part> parts = SplitAtlas(index, SplitBy::kMap);
+  ASSERT_THAT(parts, SizeIs(3));
+  SubsetReport taken;
+  EXPECT_THAT(TakePart(atlas, parts[2].subset, taken).maps[0].landmarks, SizeIs(2));
+  EXPECT_EQ(taken.landmarks, 4U);
+  Atlas whole = atlas;
+  KeepSubset(whole, Subset::Everything(whole));
+  ASSERT_THAT(whole.maps, SizeIs(3));
+  EXPECT_THAT(whole.maps[0].landmarks, SizeIs(4));
+  EXPECT_THAT(whole.maps[2].landmarks, SizeIs(2));
+}
+
+// Many parts of an atlas, none of which may be less sound than the whole.
+void ExpectSoundParts(const Atlas& atlas, const std::string& name) {
+  const AtlasIndex index(atlas);
+  const std::set<std::string> known = Troubles(atlas);
+  const Map& map = *std::ranges::max_element(atlas.maps, {}, [](const Map& each) { return each.keyframes.size(); });
+  const KeyFrame& middle = map.keyframes[map.keyframes.size() / 2];
+  const Eigen::Vector3f center = CameraCenter(middle);
+  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(2);
+  const SelectOptions parts[] = {{.map = map.id},
+                                 {.last_keyframe = middle.id.value()},
+                                 {.begin_time = middle.timestamp},
+                                 {.every = 2},
+                                 {.every = 5},
+                                 {.component = 1},
+                                 {.session = middle.origin_map},
+                                 {.keyframes = {middle.id}},
+                                 {.box = {{center - reach, center + reach}}, .region = RegionOf::kCameras},
+                                 {.box = {{center - reach, center + reach}}, .region = RegionOf::kPoints},
+                                 {.begin_time = middle.timestamp, .except = true}};
+  int number = 0;
+  for (const SelectOptions& options : parts) {
+    for (const Border border : {Border::kStrict, Border::kCompletePoints, Border::kSmart}) {
+      SCOPED_TRACE(name + ", part " + std::to_string(number) + ", border " + std::to_string(static_cast<int>(border)));
+      Subset subset;
+      try {
+        subset = Select(index, options);
+      } catch (const Error&) {
+        continue;  // the box may hold no point
+      }
+      SettleBorder(index, border, subset);
+      Atlas part = atlas;
+      KeepSubset(part, subset);
+      EXPECT_THAT(NewTroubles(known, part), IsEmpty());
+    }
+    ++number;
+  }
+}
+
+TEST(Select, LeavesSoundPartsOfEverySensorKind) {
+  for (const SyntheticOptions& kind : SensorKinds()) ExpectSoundParts(SynthesizeAtlas(kind), NameOf(kind));
+}
+
+class RealAtlasParts : public ::testing::TestWithParam<const char*> {};
+TEST_P(RealAtlasParts, AreSound) {
+  SLAMDB_REQUIRE_REAL_ATLAS(path, GetParam());
+  Notices notices;
+  ExpectSoundParts(ReadOrbslam3(path, {}, notices), GetParam());
+}
+INSTANTIATE_TEST_SUITE_P(Files, RealAtlasParts,
+                         ::testing::Values("stereo_inertial", "fisheye_stereo", "multimap_rgbd", "race_mono"));
+
+}  // namespace
+}  // namespace slamdb::testing
