@@ -4,9 +4,12 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <ctime>
+
+#include "slamdb/base/detail/concat.h"
 
 namespace slamdb::sqlite {
 namespace {
