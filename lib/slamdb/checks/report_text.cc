@@ -24,8 +24,7 @@ std::string Totals(const CheckReport& report) {
 }
 
 void AppendHead(const RuleResult& result, std::string& text) {
-  text += Concat(
-      {"  ", ToString(result.severity), " ", result.id, " (", std::to_string(result.count), "): ", result.title, "\n");
+  text += detail::Concat("  ", result.severity, " ", result.id, " (", result.count, "): ", result.title, "\n");
 }
 
 void AppendResult(const RuleResult& result, std::size_t shown, std::string& text) {
