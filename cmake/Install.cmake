@@ -17,6 +17,17 @@ write_basic_package_version_file(slamdbConfigVersion.cmake COMPATIBILITY SameMin
 install(FILES ${PROJECT_BINARY_DIR}/slamdbConfig.cmake ${PROJECT_BINARY_DIR}/slamdbConfigVersion.cmake
   DESTINATION ${package_folder})
 
+# For builds without CMake: pkg-config --cflags --libs slamdb
+if(NOT BUILD_SHARED_LIBS)
+  set(pc_static_libs " -lsqlite3 -lz -lmd -pthread")
+endif()
+configure_file(cmake/slamdb.pc.in slamdb.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/slamdb.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+if(SLAMDB_BUILD_LIVE)
+  configure_file(cmake/slamdb-live.pc.in slamdb-live.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/slamdb-live.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "the slamdb authors")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)

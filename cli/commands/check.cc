@@ -13,6 +13,7 @@
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/version.h"
 
 namespace slamdb::cli {
 namespace {
@@ -50,7 +51,7 @@ std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptio
                      const Console& console) {
   if (format == "json") return JsonReport(files);
   if (format == "junit") return JUnitReport(files);
-  if (format == "sarif") return SarifReport(files, SLAMDB_VERSION);
+  if (format == "sarif") return SarifReport(files, std::string(Version()));
   TextReportOptions text;
   text.shown_per_rule = options.max_findings.value_or(text.shown_per_rule);
   text.show_notes = !console.quiet();

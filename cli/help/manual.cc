@@ -6,6 +6,7 @@
 
 #include "cli/help/help.h"
 #include "cli/help/tree.h"
+#include "slamdb/version.h"
 
 namespace slamdb::cli {
 namespace {
@@ -164,8 +165,8 @@ std::string ManualPage(const CLI::App& app) {
   std::string title = PageTitle(app);
   std::string upper = title;
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
-  std::string text =
-      ".TH " + Escaped(upper) + " 1 " SLAMDB_MANUAL_DATE " \"slamdb " SLAMDB_VERSION "\" \"slamdb manual\"\n";
+  std::string text = ".TH " + Escaped(upper) + " 1 " SLAMDB_MANUAL_DATE " \"slamdb " + std::string(Version()) +
+                     "\" \"slamdb manual\"\n";
   text += ".SH NAME\n" + Escaped(title) + " \\- " + Escaped(app.get_description()) + "\n";
   text += ".SH SYNOPSIS\n" + SynopsisLine(app);
   text += ".SH DESCRIPTION\n" + Paragraphs(command == nullptr ? kProgramDescription : command->description);
