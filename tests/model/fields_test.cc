@@ -319,6 +319,73 @@ std::string TestName(const ::testing::TestParamInfo<FieldCase>& info) {
 
 INSTANTIATE_TEST_SUITE_P(All, Fields, ::testing::ValuesIn(AllCases()), TestName);
 
+// ---- Landmarks come and go
+
+class JournalOfLandmarks : public ::testing::Test {
+ protected:
+  JournalOfLandmarks() {
+    for (std::uint64_t id : {4, 5, 6, 7}) Add(before_, id);
+    after_ = before_;
+  }
+  static void Add(Atlas& atlas, std::uint64_t id) {
+    Landmark& landmark = atlas.maps[0].landmarks.emplace_back();
+    landmark.id = LandmarkId(id);
+    landmark.mean.x() = static_cast<double>(id);
+    landmark.CreateOneFeature().descriptors = {{DescriptorKind::kOrb, {static_cast<std::uint8_t>(id)}}};
+  }
+  std::vector<Landmark>& landmarks() { return after_.maps[0].landmarks; }
+
+  // Writes down what was done, takes it back, and returns how many edits it took.
+  std::size_t ThereAndBack() {
+    Journal journal;
+    AppendChanges(before_, after_, "test", journal);
+    Atlas back = after_;
+    TakeBack(journal, back);
+    EXPECT_EQ(FirstDifference(back, before_), "");
+    return journal.edits.size();
+  }
+
+  Atlas before_ = Base(), after_;
+};
+
+TEST_F(JournalOfLandmarks, Added) {
+  Add(after_, 8);
+  landmarks().insert(landmarks().begin() + 1, Landmark());
+  EXPECT_EQ(ThereAndBack(), 2U);
+}
+
+TEST_F(JournalOfLandmarks, Removed) {
+  landmarks().erase(landmarks().begin() + 4);
+  landmarks().pop_back();
+  EXPECT_EQ(ThereAndBack(), 2U);
+}
+
+TEST_F(JournalOfLandmarks, AddedRemovedAndChanged) {
+  landmarks().erase(landmarks().begin() + 3, landmarks().begin() + 5);
+  landmarks()[1].seen_count = 77;
+  Add(after_, 30);
+  EXPECT_EQ(ThereAndBack(), 4U);
+}
+
+TEST_F(JournalOfLandmarks, TurnedRound) {
+  std::reverse(landmarks().begin(), landmarks().end());
+  Add(after_, 9);
+  EXPECT_GT(ThereAndBack(), 0U);
+}
+
+TEST_F(JournalOfLandmarks, GoWithTheirMap) {
+  after_.maps.clear();
+  EXPECT_GT(ThereAndBack(), 0U);
+}
+
+TEST_F(JournalOfLandmarks, AnotherAtlasIsRefused) {
+  Add(after_, 8);
+  Journal journal;
+  AppendChanges(before_, after_, "test", journal);
+  landmarks().back().mean.y() = 1;
+  EXPECT_THROW(TakeBack(journal, after_), Error);
+}
+
 // How an atlas is written down is hashed and stored, and is no change of what it says.
 TEST(EncodingFields, CountInTheHashOnly) {
   fields::ForEachEncodingField([](std::string_view name, auto... members) {

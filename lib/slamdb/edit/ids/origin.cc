@@ -62,8 +62,8 @@ Replacements Gather(const OriginOptions& options, const Histogram& origins) {
   Replacements replacements;
   for (const auto& [from, to] : options.replace) {
     if (!origins.contains(from))
-      throw Error(ErrorKind::kNotFound,
-                  "nothing has origin map " + std::to_string(from) + "; origins are " + ListOf(origins));
+      throw Error(ErrorKind::kNotPossible,
+                  "no keyframe or point has origin map " + std::to_string(from) + "; origins are " + ListOf(origins));
     if (!replacements.emplace(from, to).second)
       throw Error(ErrorKind::kUsage, "origin map " + std::to_string(from) + " is replaced twice");
   }

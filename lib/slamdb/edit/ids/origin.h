@@ -30,8 +30,8 @@ struct OriginReport {
 };
 
 // Changes the origin map ids of all keyframes, and of the points that have one.
-// Throws Error, and then changes nothing: kNotFound when `replace` names an origin that nothing has; kUsage when it
-// names one twice or swaps origins in a circle; kNotPossible when an id leaves [0, 2^32 - 1).
+// Throws Error, and then changes nothing: kNotPossible when `replace` names an origin that nothing has, or an id leaves
+// [0, 2^32 - 1); kUsage when `replace` names an origin twice or swaps origins in a circle.
 // Linear.
 SLAMDB_EXPORT OriginReport ReassignOrigins(Atlas& atlas, const OriginOptions& options);
 
