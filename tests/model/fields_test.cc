@@ -67,8 +67,9 @@ template <class Entity>
 void FillEmptyLists(Entity& entity) {
   ForEachField(&entity, [&](std::string_view, auto... members) {
     auto& field = Member(entity, members...);
-    if constexpr (kIsSequence<std::remove_cvref_t<decltype(field)>>)
-      if (field.empty()) field.emplace_back();
+    using Field = std::remove_cvref_t<decltype(field)>;
+    if constexpr (kIsSequence<Field> && !std::is_same_v<Field, Column<ImuMeasurement>>)  // of which there are some
+      if (field.empty()) field.push_back({});
   });
 }
 
@@ -78,8 +79,8 @@ const Atlas& Base() {
     Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo,
                                    .inertial = true,
                                    .keyframes = 4,
-                                   .points = 20,
-                                   .features = 24,
+                                   .points = 10,
+                                   .features = 60,
                                    .threads = 1});
     atlas.maps[0].landmarks.resize(3);
     Landmark& landmark = The<Landmark>(atlas);
@@ -116,12 +117,18 @@ struct FieldCase {
   std::vector<Change> changes;
   std::function<bool(Atlas&, Atlas&)> same;       // whether two atlases hold the same bits in the field
   std::function<std::string(const Atlas&)> json;  // of the entity
+
+  friend void PrintTo(const FieldCase& field, std::ostream* out) { *out << field.name; }
 };
 
+// Changes a scalar a little, or much: another sign.
 template <class Scalar>
-void Touch(Scalar& scalar) {
+void Touch(Scalar& scalar, bool much = false) {
   if constexpr (std::is_floating_point_v<Scalar>) {
-    scalar = std::isfinite(scalar) ? scalar + 1 + std::abs(scalar) : 0;
+    const Scalar size = std::isfinite(scalar) ? std::abs(scalar) : 0;
+    scalar = much ? -3 - 2 * size : std::isfinite(scalar) ? scalar + 1 + size : 0;
+  } else if constexpr (std::is_integral_v<Scalar> && std::is_signed_v<Scalar>) {
+    scalar = static_cast<Scalar>(much ? ~scalar : scalar ^ 1);
   } else {
     field_bits::FromBits(field_bits::ToBits(scalar) ^ 1, scalar);
   }
@@ -135,9 +142,9 @@ std::size_t ScalarsOf(const Element& element) {
 }
 
 template <class Element>
-void TouchScalar(Element& element, std::size_t which) {
+void TouchScalar(Element& element, std::size_t which, bool much) {
   field_bits::ForEachScalar(element, [&](auto& scalar) {
-    if (which-- == 0) Touch(scalar);
+    if (which-- == 0) Touch(scalar, much);
   });
 }
 
@@ -150,8 +157,9 @@ void AddTouches(const Access& field, std::vector<Change>& changes) {
     if (kIsSequence<Field> && i != 0 && i + 1 != size) continue;
     const std::size_t scalars = ScalarsOf(field_bits::ElementAt(field(base), i));
     for (std::size_t k = 0; k < scalars; ++k)
-      changes.push_back({"scalar " + std::to_string(k) + " of element " + std::to_string(i),
-                         [=](Atlas& atlas) { TouchScalar(field_bits::ElementAt(field(atlas), i), k); }});
+      for (const bool much : {false, true})
+        changes.push_back({"scalar " + std::to_string(k) + " of element " + std::to_string(i),
+                           [=](Atlas& atlas) { TouchScalar(field_bits::ElementAt(field(atlas), i), k, much); }});
   }
 }
 
@@ -212,6 +220,15 @@ constexpr Exception kExceptions[] = {
     {"osa", "MapPoint.origin_map", "no .osa file holds it; a loss"},
     {"osa", "MapPoint.visible_count", "no .osa file holds it; a loss"},
     {"osa", "MapPoint.found_count", "no .osa file holds it; a loss"},
+    {"osa", "Atlas.repeated_maps", "the owner is not used; an entry behind the end is at the end"},
+    {"osa", "Atlas.repeated_cameras", "the owner is not used; an entry behind the end is at the end"},
+    {"osa", "KeyFrame.features.grid.cell_sizes", "its length follows from column_sizes"},
+    {"osa", "KeyFrame.features.grid.keypoints", "its length follows from cell_sizes"},
+    {"osa", "KeyFrame.features.right_grid.cell_sizes", "its length follows from column_sizes"},
+    {"osa", "KeyFrame.features.right_grid.keypoints", "its length follows from cell_sizes"},
+    {"osa", "KeyFrame.features.bag_of_words.weights", "its length is that of words"},
+    {"osa", "KeyFrame.features.feature_vector.sizes", "its length is that of nodes"},
+    {"osa", "KeyFrame.features.feature_vector.features", "its length follows from sizes"},
     {"osa", "Landmark.*", "no .osa file holds them; a loss"},
     {"osa", "LandmarkFeature.*", "no .osa file holds them; a loss"},
     {"osa", "FeatureDescriptor.*", "no .osa file holds them; a loss"},
@@ -219,6 +236,7 @@ constexpr Exception kExceptions[] = {
     {"diff", "Atlas.repeated_cameras", "irregular entries count by their number (diff.h)"},
     {"diff", "Map.repeated_keyframes", "irregular entries count by their number (diff.h)"},
     {"diff", "Map.repeated_points", "irregular entries count by their number (diff.h)"},
+    {"diff", "KeyFrame.features.map_points", "slots that hold no point do not count (diff.h)"},
     {"diff", "KeyFrame.distortion.continuous", "how a matrix stands in its file (diff.h)"},
     {"diff", "KeyFrame.features.descriptors_form", "how a matrix stands in its file (diff.h)"},
     {"diff", "MapPoint.descriptor_form", "how a matrix stands in its file (diff.h)"},

@@ -89,7 +89,7 @@ struct AtlasDiff {
 // parameters, landmarks by all that they hold, to the bit. References are the same when they lead to the same entity.
 // What does not count: the order of lists; which NaN a NaN is; the sign of a quaternion; how a matrix stands in its
 // file (the flag of a continuous one, the form of an empty one); which entries a list has as null or repeated, beyond
-// their number.
+// their number; how many slots of a keyframe hold no point.
 // O(n); the result does not depend on the number of threads. Either atlas may hold anything. Thread-safe.
 AtlasDiff DiffAtlases(const Atlas& before, const Atlas& after, const DiffOptions& options);
 
