@@ -6,7 +6,7 @@
 #include <boost/serialization/tracking.hpp>
 #include <utility>
 
-#include "slamdb/boost/detail/objects.h"
+#include "slamdb/boost/objects.h"
 
 // `archive & x` of the model in archives of stock Boost.Serialization, as ORB-SLAM3 v1.0 archives its own classes: a
 // program's boost::archive::binary_oarchive and text_oarchive write what ORB-SLAM3 and slamdb read, byte for byte, and

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "slamdb/boost/detail/helpers.h"
+#include "slamdb/boost/helpers.h"
 #include "slamdb/model/atlas.h"
 
 // The members of ORB-SLAM3's classes in archive order. formats/orbslam3 has them a second time on purpose: each side

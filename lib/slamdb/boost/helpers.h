@@ -4,7 +4,7 @@
 #include <boost/serialization/array.hpp>
 #include <limits>
 
-#include "slamdb/boost/detail/containers.h"
+#include "slamdb/boost/containers.h"
 
 // What ORB-SLAM3 archives by helper functions instead of as classes: no class information stands in the archive.
 namespace slamdb::detail {

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "slamdb/boost/detail/members.h"
+#include "slamdb/boost/members.h"
 
 // ORB-SLAM3's atlas is a graph of pointers, and Boost numbers the objects that pointers lead to. The model holds
 // values. So each value has an entry here, a small object whose address Boost tracks in its place: Boost archives lists

@@ -198,9 +198,10 @@ inline void Pair(const Column<Connection>& left, const Column<Connection>& right
   while (l != left.end() || r != right.end()) {
     const bool from_left = l != left.end() && (r == right.end() || l->keyframe <= r->keyframe);
     const bool from_right = r != right.end() && (l == left.end() || r->keyframe <= l->keyframe);
-    Observation& observation = observations.emplace_back(from_left ? l->keyframe : r->keyframe);
-    observation.left = from_left ? l++->weight : Observation::kAbsent;
-    observation.right = from_right ? r++->weight : Observation::kAbsent;
+    observations.push_back({from_left ? l->keyframe : r->keyframe, from_left ? l->weight : Observation::kAbsent,
+                            from_right ? r->weight : Observation::kAbsent});
+    if (from_left) ++l;
+    if (from_right) ++r;
   }
 }
 
