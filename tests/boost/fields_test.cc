@@ -29,7 +29,7 @@ void Touch(Rigid3f& pose) { pose.rotation.y() += 0.5F; }
 void Touch(Keypoint& keypoint) { Touch(keypoint.octave); }
 void Touch(Connection& connection) { Touch(connection.weight); }
 void Touch(Observation& observation) { Touch(observation.right); }
-void Touch(ImuMeasurement& measurement) { Touch(measurement.duration); }
+void Touch(Column<ImuMeasurement>& measurements) { Touch(measurements.at(0).duration); }
 void Touch(Descriptor& descriptor) { Touch(descriptor[31]); }
 template <class Entity>
 void Touch(Id<Entity>& id) {
@@ -99,7 +99,7 @@ class BoostFields : public ::testing::Test {
                                .inertial = true,
                                .keyframes = 4,
                                .points = 30,
-                               .features = 60,
+                               .features = 100,
                                .threads = 1})) {
     base_.encoding = {};
     bytes_ = Saved<Kind>(base_);

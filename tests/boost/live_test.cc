@@ -16,18 +16,10 @@ template <class Kind>
 class BoostLive : public ::testing::Test {
  protected:
   BoostLive() : world_(Eyes::kStereo) {
+    for (int i = 0; i < 2; ++i) keyframes_[i] = world_.AddKeyFrame({static_cast<float>(i), 0, 0});
     for (int i = 0; i < 2; ++i) {
-      Frame frame = world_.MakeFrame({static_cast<float>(i), 0, 0});
-      keyframes_[i] = new KeyFrame(frame, world_.map(), nullptr);
-      world_.map()->AddKeyFrame(keyframes_[i]);
-    }
-    for (int i = 0; i < 2; ++i) {
-      points_[i] = new MapPoint({0, static_cast<float>(i), 4}, keyframes_[0], world_.map());
-      world_.map()->AddMapPoint(points_[i]);
-      for (int k = 0; k < 2; ++k) {
-        points_[i]->AddObservation(keyframes_[k], 4 * i + k);
-        keyframes_[k]->AddMapPoint(points_[i], static_cast<std::size_t>(4 * i + k));
-      }
+      points_[i] = world_.AddPoint(keyframes_[0], {0, static_cast<float>(i), 4});
+      for (int k = 0; k < 2; ++k) World::Observe(points_[i], keyframes_[k], 4 * i + k);
       points_[i]->ComputeDistinctiveDescriptors();
       points_[i]->UpdateNormalAndDepth();
     }
@@ -58,8 +50,9 @@ TYPED_TEST(BoostLive, APointComesBackWithItsLinks) {
   EXPECT_EQ(other.GetNormal(), point.GetNormal());
   EXPECT_EQ(other.GetMaxDistanceInvariance(), point.GetMaxDistanceInvariance());
   EXPECT_EQ(other.GetMinDistanceInvariance(), point.GetMinDistanceInvariance());
-  EXPECT_TRUE(
-      std::equal(other.GetDescriptor().datastart, other.GetDescriptor().dataend, point.GetDescriptor().datastart));
+  const cv::Mat descriptor = point.GetDescriptor(), other_descriptor = other.GetDescriptor();
+  ASSERT_EQ(descriptor.total(), 32U);
+  EXPECT_TRUE(std::equal(descriptor.datastart, descriptor.dataend, other_descriptor.datastart));
   EXPECT_FALSE(other.isBad());
 
   std::map<long unsigned int, KeyFrame*> keyframes;

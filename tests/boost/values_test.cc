@@ -17,8 +17,12 @@ using testing::Loaded;
 using testing::Saved;
 
 Atlas MakeAtlas() {
-  return SynthesizeAtlas(
-      {.sensor = Sensor::kFisheyeStereo, .inertial = true, .keyframes = 4, .points = 60, .features = 80, .threads = 1});
+  return SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo,
+                          .inertial = true,
+                          .keyframes = 4,
+                          .points = 60,
+                          .features = 200,
+                          .threads = 1});
 }
 
 template <class Kind>
