@@ -2,7 +2,7 @@
 # its headers, and the package that find_package(slamdb) finds.
 include(CMakePackageConfigHelpers)
 
-set(libraries slamdb)
+set(libraries slamdb slamdb_boost)
 if(SLAMDB_BUILD_LIVE)
   list(APPEND libraries slamdb_live_library)
 endif()

@@ -157,6 +157,7 @@ class MapPoint : public Listed {
 
  private:
   friend struct Bridge;
+  friend struct BoostAccess;  // boost.h
   friend class KeyFrame;  // counts observers
 
   // The common part of the constructors.
