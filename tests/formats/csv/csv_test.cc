@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {

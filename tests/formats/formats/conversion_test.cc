@@ -9,7 +9,7 @@
 #include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "slamdb/formats/format.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {

@@ -7,7 +7,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {

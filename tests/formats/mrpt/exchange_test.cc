@@ -11,7 +11,7 @@
 
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
 
 namespace slamdb {

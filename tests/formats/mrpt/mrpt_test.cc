@@ -8,7 +8,7 @@
 #include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/mrpt/detail/stream.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
 
 namespace slamdb {

@@ -12,7 +12,7 @@
 
 #include "slamdb/formats/ndjson/json.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
