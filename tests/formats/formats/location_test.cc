@@ -30,6 +30,14 @@ TEST(Location, KeepsTheHashOfAFileThatIsThere) {
   EXPECT_EQ(Location::Parse(path + "#a"), (Location{path, "a"}));
 }
 
+TEST(Location, IsMadeOfText) {
+  const std::string text = "store.db#office";
+  const Location parsed("store.db", "office");
+  EXPECT_EQ(Location(text), parsed);
+  EXPECT_EQ(Location(text.c_str()), parsed);
+  EXPECT_EQ(Location(std::string_view(text)), parsed);
+}
+
 TEST(Location, PrintsAsItIsParsed) {
   for (const std::string text : {"a.osa", "store.db#office", "-"}) EXPECT_EQ(Location::Parse(text).ToString(), text);
 }
