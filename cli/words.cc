@@ -10,7 +10,6 @@ struct Word {
   std::string_view library, command;
 };
 
-// A name that others begin with stands behind them.
 constexpr std::array kWords = {
     Word{"WriteOptions::overwrite", "-O/--overwrite"},
     Word{"WriteOptions::strict", "--strict"},
@@ -20,7 +19,8 @@ constexpr std::array kWords = {
     Word{"Orbslam3WriteOptions::sanitize", "--sanitize"},
     Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
     Word{"SalvageAtlas", "`slamdb recover`"},
-    Word{"MigrateStore", "`slamdb migrate`"},
+    Word{"`overwrite` of Store::Backup", "-O/--overwrite"},
+    Word{"migrate it first", "run `slamdb migrate`"},
 };
 
 }  // namespace
