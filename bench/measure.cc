@@ -21,6 +21,7 @@
 #include "slamdb/edit/part/cull.h"
 #include "slamdb/edit/part/select.h"
 #include "slamdb/edit/part/shrink.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/statistics.h"
@@ -77,8 +78,8 @@ void Write(Atlas& atlas, const std::string& path, bool text, bool sanitize = fal
   WriteOptions options;
   options.overwrite = true;
   options.sync = false;
-  options.sanitize = sanitize;
-  options.boost_version = std::min(reference::ArchiveVersion(), 12U);
+  options.of<Orbslam3WriteOptions>() = {.boost_version = std::min(reference::ArchiveVersion(), 12U),
+                                        .sanitize = sanitize};
   atlas.encoding.text = text;
   WriteOrbslam3(atlas, path, options, notices);
 }

@@ -10,6 +10,7 @@
 #include "cli/command.h"
 #include "cli/console.h"
 #include "cli/options.h"
+#include "cli/words.h"
 #include "slamdb/base/detail/parallel.h"
 
 namespace slamdb::cli {
@@ -28,9 +29,10 @@ struct Outcome {
 // Calls work(path, read options, notices) for every input, several at a time; an input that fails does not stop the
 // others. Outcomes are in the order of the inputs. One input alone has all threads and a progress bar of its own.
 template <class Result, class Work>
-std::vector<Outcome<Result>> ForEachInput(const std::vector<std::string>& paths, Console& console, const Work& work) {
+std::vector<Outcome<Result>> ForEachInput(const InputOptions& inputs, Console& console, const Work& work) {
+  const std::vector<std::string>& paths = inputs.paths;
   std::vector<Outcome<Result>> outcomes(paths.size());
-  ReadOptions options = MakeReadOptions(console);
+  ReadOptions options = MakeReadOptions(console, inputs.from);
   const Progress progress = options.progress;
   if (paths.size() > 1) {
     options.progress = console.MakeProgress(/*show=*/false);
@@ -45,7 +47,7 @@ std::vector<Outcome<Result>> ForEachInput(const std::vector<std::string>& paths,
       try {
         outcome.result = work(paths[i], options, outcome.notices);
       } catch (const std::exception& error) {
-        outcome.error = error.what();
+        outcome.error = InCommandWords(error.what());
       }
       if (paths.size() == 1) continue;
       const std::lock_guard lock(mutex);

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -19,8 +20,15 @@ struct ConsoleOptions {
   int progress = 0;      // 1 asked for, -1 forbidden, 0 on a terminal
 };
 
+// What the user's Ctrl-C throws out of the library. No Error, so that nothing takes it for one of a file.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
 // Where a verb speaks: results on standard output, diagnostics on standard error, progress there too when it is a
-// terminal and the work lasts longer than a second. Thread-safe but for Print.
+// terminal and the work lasts longer than a second. What the library says is told in the words of the command.
+// Thread-safe but for Print.
 class Console {
  public:
   explicit Console(ConsoleOptions options);
@@ -38,8 +46,8 @@ class Console {
   // All of them, each behind `prefix`; losses are shown even when quiet.
   void Report(const Notices& notices, const std::string& prefix = {});
 
-  // For the library. Throws Error out of it when the user pressed Ctrl-C, so that nothing half-written stays behind.
-  // With `show` false it does only that, and may be called from several threads.
+  // For the library. Throws Interrupted out of it when the user pressed Ctrl-C, so that nothing half-written stays
+  // behind. With `show` false it does only that, and may be called from several threads.
   Progress MakeProgress(bool show = true);
 
   // Whether the user pressed Ctrl-C since.

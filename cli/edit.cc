@@ -27,7 +27,7 @@ void RefuseBadOutput(const EditOptions& options) {
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
       FormatOfOutput(output, options.target.to).id != "store")
-    throw Error(output.path, "", "is there already; -O replaces it");
+    throw Error(ErrorKind::kAlreadyExists, output.path, "", "is there already; -O replaces it");
 }
 
 void AddEdit(CLI::App& verb, EditOptions& options) {
@@ -49,19 +49,15 @@ void AddEditTarget(CLI::App& verb, EditOptions& options) {
 
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) {
   RefuseBadOutput(options);
-  ReadOptions read = MakeReadOptions(console);
-  read.lock_timeout = options.wait;
-  return ReadAtlas(Location::Parse(options.input), read, notices, options.from);
+  return ReadAtlas(options.input, MakeReadOptions(console, options.from, options.wait), &notices);
 }
 
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
                  Notices& notices) {
   if (options.dry_run) return;
-  WriteOptions write = MakeWriteOptions(console, options.target);
-  write.lock_timeout = options.wait;
-  write.provenance = provenance;
-  const Location output = Location::Parse(options.output);
-  WriteAtlas(atlas, output, write, notices, FormatToWrite(atlas, output, options.target.to));
+  WriteOptions write = MakeWriteOptions(console, options.target, provenance, options.wait);
+  write.format = FormatToWrite(atlas, options.output, options.target.to);
+  WriteAtlas(atlas, options.output, write, &notices);
 }
 
 ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,

@@ -8,6 +8,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/options.h"
 
 namespace slamdb::cli {
 namespace {
@@ -190,37 +191,41 @@ std::string CheckNonNegative(const std::string& text) {
 }
 
 void RefuseSideFile(const std::string& side, const std::vector<std::string>& others) {
-  if (side == "-") throw Error("a file beside the atlas cannot go to standard output; name a file");
+  if (side == "-") throw Error(ErrorKind::kUsage, "a file beside the atlas cannot go to standard output; name a file");
   for (const std::string& other : others) {
     const std::string path = Location::Parse(other).path;
     if (!side.empty() && !path.empty() && path != "-" && IsSameFile(side, path))
-      throw Error(side, "", "is the atlas " + other + "; name another file for what goes beside it");
+      throw Error(ErrorKind::kUsage, side, "", "is the atlas " + other + "; name another file for what goes beside it");
   }
 }
 
 void RefuseSameFile(const Location& input, const Location& output) {
   if (input.path == "-" || output.path == "-" || input.name != output.name) return;
   if (IsSameFile(input.path, output.path))
-    throw Error(output.ToString(), "", "is the input, which is never changed; name another output");
+    throw Error(ErrorKind::kUsage, output.ToString(), "", "is the input, which is never changed; name another output");
 }
 
 void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii) {
-  const bool cloud = format.id == "ply" || format.id == "pcd";
-  const bool binary = format.id == "orbslam3" || (cloud && !ascii);
+  const bool binary = format.kind == FileKind::kBinary || (format.kind == FileKind::kBinaryOrText && !ascii);
   if (!binary || output.path != "-" || ::isatty(STDOUT_FILENO) == 0) return;
-  throw Error(std::string(format.title) +
-              " is binary and would garble the terminal; name a file, or redirect the output");
+  throw Error(ErrorKind::kUsage, std::string(format.title) +
+                                     " is binary and would garble the terminal; name a file, or redirect the output");
 }
 
-ReadOptions MakeReadOptions(Console& console) {
+ReadOptions MakeReadOptions(Console& console, const std::string& from, double wait) {
   ReadOptions options;
+  options.format = from;
+  options.of<StoreReadOptions>().lock_timeout = wait;
   options.threads = console.threads();
   options.progress = console.MakeProgress();
   return options;
 }
 
-WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target) {
+WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target, const std::string& provenance,
+                              double wait) {
   WriteOptions options;
+  options.format = target.to;
+  options.of<StoreWriteOptions>() = {.provenance = provenance, .lock_timeout = wait};
   options.overwrite = target.overwrite;
   options.sync = !target.no_sync;
   options.threads = console.threads();

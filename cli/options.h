@@ -14,6 +14,8 @@
 // Options that more than one verb takes, spelled once. Each function binds and does nothing else.
 namespace slamdb::cli {
 
+constexpr double kUsualWait = 5;  // seconds, for another program that writes to a store
+
 // -q/--quiet -v/--verbose --threads --progress/--no-progress: every verb has them.
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options);
 
@@ -46,7 +48,7 @@ void AddTarget(CLI::App& verb, TargetOptions& options);
 // The positional STORE, and --wait SECONDS, for the store's own verbs.
 struct StoreVerbOptions {
   std::string path;
-  double wait = 5;
+  double wait = kUsualWait;
 };
 void AddStore(CLI::App& verb, StoreVerbOptions& options);
 // --wait SECONDS alone.
@@ -95,8 +97,10 @@ void RefuseSideFile(const std::string& side, const std::vector<std::string>& oth
 // Throws Error when bytes that are not text would go to a terminal.
 void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii = false);
 
-// Read and write options as the console and the groups above have them.
-ReadOptions MakeReadOptions(Console& console);
-WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target);
+// Read and write options as the console and the groups above have them. Stores are waited for `wait` seconds, and
+// enter `provenance` in their history.
+ReadOptions MakeReadOptions(Console& console, const std::string& from = {}, double wait = kUsualWait);
+WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target, const std::string& provenance,
+                              double wait = kUsualWait);
 
 }  // namespace slamdb::cli

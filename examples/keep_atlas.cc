@@ -11,8 +11,7 @@
 namespace {
 
 void KeepAtlas(const char* atlas_path, const char* store_path) {
-  slamdb::Notices notices;
-  const slamdb::Atlas atlas = slamdb::ReadAtlas({atlas_path, ""}, {}, notices);
+  const slamdb::Atlas atlas = slamdb::ReadAtlas(atlas_path);
   for (const slamdb::Map& map : atlas.maps)
     std::printf("%s: %zu keyframes, %zu map points\n", ToString(map.id).c_str(), map.keyframes.size(),
                 map.points.size());

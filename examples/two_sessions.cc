@@ -14,6 +14,7 @@
 #include <tuple>
 
 #include "slamdb/checks/check.h"
+#include "slamdb/formats/sqlite/options.h"
 #include "slamdb/live/atlas.h"
 #include "slamdb/live/bridge.h"
 #include "slamdb/live/checkpointer.h"
@@ -92,7 +93,7 @@ void SessionOne(const std::string& location) {
   Atlas atlas;
   Mapper mapper(atlas);
   for (std::size_t i = 0; i < kFirstSession; ++i) mapper.See(i);
-  atlas.Save(location, {.provenance = "session one"});
+  atlas.Save(location, slamdb::WriteOptions{}.With(slamdb::StoreWriteOptions{.provenance = "session one"}));
   std::printf("  saved %lu keyframes, %lu points\n", atlas.KeyFramesInMap(), atlas.MapPointsInMap());
 }
 
@@ -125,7 +126,8 @@ void SessionThree(const std::string& location, unsigned long saved) {
   Expect(saved > kFirstSession && atlas.KeyFramesInMap() >= saved, "nothing that was saved is lost");
   const unsigned long before = atlas.KeyFramesInMap();
   mapper.See(before);
-  atlas.Save(location, {.overwrite = true, .provenance = "session three"});
+  const slamdb::StoreWriteOptions how{.provenance = "session three"};
+  atlas.Save(location, slamdb::WriteOptions{.overwrite = true}.With(how));
   Expect(Atlas::Load(location).atlas->GetAllMaps().front()->KeyFramesInMap() == before + 1, "and it goes on");
 }
 

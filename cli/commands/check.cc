@@ -68,10 +68,10 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   if (options.inputs.paths.empty()) throw CLI::RequiredError("FILE");
   const CheckOptions check = CheckOptionsOf(options, console);
   const auto outcomes = ForEachInput<CheckReport>(
-      options.inputs.paths, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+      options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
         CheckOptions mine = check;
         mine.threads = read.threads;
-        return CheckAtlas(ReadAtlas(Location::Parse(path), read, notices, options.inputs.from), mine);
+        return CheckAtlas(ReadAtlas(path, read, &notices), mine);
       });
   std::vector<CheckedFile> files;
   for (const auto& outcome : outcomes)

@@ -7,7 +7,10 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/mrpt/options.h"
+#include "slamdb/formats/orbslam3/options.h"
 
 namespace slamdb::cli {
 namespace {
@@ -20,18 +23,19 @@ struct ConvertOptions {
   bool mrpt_own_slots = false;
   std::optional<std::uint32_t> boost_version;
   std::optional<int> long_bytes;
-  double wait = 5;
+  double wait = kUsualWait;
 };
 
 void RefuseEmptySelection(const Atlas& atlas, const ConvertOptions& options) {
   if (options.selection.map && atlas.maps.empty())
-    throw Error(options.input, "", "has no map " + std::to_string(*options.selection.map));
+    throw Error(ErrorKind::kNotFound, options.input, "", "has no map " + std::to_string(*options.selection.map));
 }
 
 // What the reader had to leave out; WriteAtlas refuses what the target cannot hold.
 void RefuseLosses(const Notices& notices) {
   for (const Notice& notice : notices.items())
-    if (notice.kind == Notice::Kind::kLoss) throw Error(notice.text + "; --strict refuses that");
+    if (notice.kind == Notice::Kind::kLoss)
+      throw Error(ErrorKind::kNotPossible, notice.text + "; --strict refuses that");
 }
 
 // Whether references lead from what is selected to what is not. None lead from one map to another.
@@ -58,39 +62,39 @@ std::string Summary(const Atlas& atlas, const Location& output) {
          (ignored ? "" : "; " + HumanBytes(size));
 }
 
+// Empty: as the output's suffix has it.
+std::string FormatAsked(const ConvertOptions& options) { return options.text ? "orbslam3-text" : options.target.to; }
+
 WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& selection, Console& console) {
-  WriteOptions write = MakeWriteOptions(console, options.target);
-  write.sanitize = options.sanitize;
-  write.boost_version = options.boost_version;
-  write.long_bytes = options.long_bytes;
-  write.binary = !options.ascii;
-  write.map = selection.map;
-  write.pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
-  write.mrpt_own_slots = options.mrpt_own_slots;
-  write.lock_timeout = options.wait;
-  write.provenance = "convert " + options.input;
+  WriteOptions write = MakeWriteOptions(console, options.target, "convert " + options.input, options.wait);
+  write.format = FormatAsked(options);
+  write.strict = options.strict;
+  write.of<Orbslam3WriteOptions>() = {
+      .boost_version = options.boost_version, .long_bytes = options.long_bytes, .sanitize = options.sanitize};
+  write.of<ExportOptions>().map = selection.map;
+  write.of<PointCloudOptions>().binary = !options.ascii;
+  write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
+  write.of<MrptWriteOptions>().own_slots = options.mrpt_own_slots;
   return write;
 }
 
 ExitCode RunConvert(const ConvertOptions& options, Console& console) {
-  const Location input = Location::Parse(options.input), output = Location::Parse(options.output);
-  const std::string to = options.text ? "orbslam3-text" : options.target.to;
-  const Format& format = FormatOfOutput(output, to);
+  const Location input(options.input), output(options.output);
+  const Format& format = FormatOfOutput(output, FormatAsked(options));
   RefuseSameFile(input, output);
   RefuseBinaryOnTerminal(output, format, options.ascii);
 
-  ReadOptions read = MakeReadOptions(console);
-  read.lock_timeout = options.wait;
+  ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.selection = ParseSelection(options.selection);
   Notices notices;
-  const Atlas atlas = ReadAtlas(input, read, notices, options.from);
+  const Atlas atlas = ReadAtlas(input, read, &notices);
   RefuseEmptySelection(atlas, options);
   if (options.strict) RefuseLosses(notices);
-  if (CutsThroughMaps(read.selection) && (format.writes & kObservations) != 0)
+  if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
   if (read.selection.has_keyframe_range() && HasLandmarks(atlas))
     notices.Warn("landmarks belong to no keyframe: the ranges of keyframes and times leave out none of them");
-  WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), notices, to, options.strict);
+  WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), &notices);
 
   console.Report(notices);
   if (output.path != "-" && !console.quiet())

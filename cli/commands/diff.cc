@@ -217,11 +217,10 @@ ordered_json JsonOf(const AtlasDiff& diff, const DiffVerbOptions& options) {
 }
 
 ExitCode RunDiff(const DiffVerbOptions& options, Console& console) {
-  ReadOptions read = MakeReadOptions(console);
-  read.lock_timeout = options.wait;
+  const ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   Notices notices;
-  const Atlas before = ReadAtlas(Location::Parse(options.before), read, notices, options.from);
-  const Atlas after = ReadAtlas(Location::Parse(options.after), read, notices, options.from);
+  const Atlas before = ReadAtlas(options.before, read, &notices);
+  const Atlas after = ReadAtlas(options.after, read, &notices);
   const AtlasDiff diff = DiffAtlases(before, after, {.tolerance = options.tolerance, .threads = console.threads()});
   console.Report(notices);
   if (options.json)

@@ -15,17 +15,18 @@ struct DumpOptions {
 };
 
 ExitCode RunDump(const DumpOptions& options, Console& console) {
-  ReadOptions read = MakeReadOptions(console);
+  ReadOptions read = MakeReadOptions(console, options.from);
   read.selection = ParseSelection(options.selection);
-  Notices read_notices, write_notices;
-  const Atlas atlas = ReadAtlas(Location::Parse(options.input), read, read_notices, options.from);
+  Notices read_notices;
+  const Atlas atlas = ReadAtlas(options.input, read, &read_notices);
   console.Report(read_notices);
   WriteOptions write;
+  write.format = options.format;
   write.overwrite = options.output.overwrite;
   write.threads = console.threads();
   write.progress = console.MakeProgress();
-  // A table of points is asked for, so that it holds no poses is no loss to tell: these notices are left out.
-  WriteAtlas(atlas, Location{.path = options.output.path, .name = {}}, write, write_notices, options.format);
+  // A table of points is asked for, so that it holds no poses is no loss to tell: notices are left out.
+  WriteAtlas(atlas, Location(options.output.path, {}), write);
   return ExitCode::kDone;
 }
 

@@ -28,13 +28,13 @@ bool NeedsMaps(const std::string& key) {
 }
 
 InfoReport MakeReport(const std::string& path, const InfoOptions& options, ReadOptions read, Notices& notices) {
-  const Location location = Location::Parse(path);
-  const Format& format = FormatOfInput(location, options.inputs.from);
+  const Location location(path);
+  const Format& format = FormatOfInput(location, read.format);
   InfoReport report;
   const bool statistics = NeedsMaps(options.key);
   read.features = statistics ? FeatureColumns::kGeometry : FeatureColumns::kNone;
   read.part_sizes = &report.parts;
-  const Atlas atlas = ReadAtlas(location, read, notices, options.inputs.from);
+  const Atlas atlas = ReadAtlas(location, read, &notices);
   report.file = path;
   report.format_id = format.id;
   report.format_title = format.title;
@@ -79,7 +79,7 @@ std::string ValueText(const ordered_json& value) {
 
 ExitCode RunInfo(const InfoOptions& options, Console& console) {
   const auto outcomes = ForEachInput<InfoReport>(
-      options.inputs.paths, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+      options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
         return MakeReport(path, options, read, notices);
       });
   const bool several = outcomes.size() > 1;

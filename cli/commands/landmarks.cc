@@ -37,8 +37,7 @@ ExitCode RunFromPoints(const FromPointsOptions& options, Console& console) {
 
 // Whether the output is for more than looking at.
 bool HoldsObservations(const EditOptions& options) {
-  return !options.dry_run &&
-         (FormatOfOutput(Location::Parse(options.output), options.target.to).writes & kObservations);
+  return !options.dry_run && HasAny(FormatOfOutput(options.output, options.target.to).writes, Content::kObservations);
 }
 
 ExitCode RunToPoints(const EditOptions& options, Console& console) {

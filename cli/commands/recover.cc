@@ -133,12 +133,11 @@ std::string JsonOf(const Salvage& salvage, const RecoverReport& report, const st
 
 ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   RefuseBadOutput(options.edit);
-  ReadOptions read = MakeReadOptions(console);
-  read.lock_timeout = options.edit.wait;
+  const double wait = options.edit.wait;
   Notices notices;
   std::optional<Atlas> rig;
-  if (!options.cameras.empty()) rig = ReadAtlas(Location::Parse(options.cameras), read, notices);
-  Salvage salvage = SalvageAtlas(Location::Parse(options.edit.input), read, options.edit.from);
+  if (!options.cameras.empty()) rig = ReadAtlas(options.cameras, MakeReadOptions(console, {}, wait), &notices);
+  Salvage salvage = SalvageAtlas(options.edit.input, MakeReadOptions(console, options.edit.from, wait));
   RecoverReport report;
   const bool whole = salvage.damage.empty();
   const bool good = whole && CheckAtlas(salvage.atlas, {.threads = console.threads()}).ok();

@@ -119,8 +119,8 @@ std::string EntityText(const std::string& json, bool all) {
   return text;
 }
 
-ReadOptions ReadOptionsFor(const std::vector<Name>& names, Console& console) {
-  ReadOptions read = MakeReadOptions(console);
+ReadOptions ReadOptionsFor(const std::vector<Name>& names, const std::string& from, Console& console) {
+  ReadOptions read = MakeReadOptions(console, from);
   if (names.size() != 1 || names.front().kind != "kf") return read;
   read.selection.first_keyframe = read.selection.last_keyframe = names.front().id;
   return read;
@@ -130,7 +130,7 @@ ExitCode RunShow(const ShowOptions& options, Console& console) {
   std::vector<Name> names;
   for (const std::string& entity : options.entities) names.push_back(*ParseName(entity));
   Notices notices;
-  const Atlas atlas = ReadAtlas(Location::Parse(options.input), ReadOptionsFor(names, console), notices, options.from);
+  const Atlas atlas = ReadAtlas(options.input, ReadOptionsFor(names, options.from, console), &notices);
   console.Report(notices);
   ExitCode code = ExitCode::kDone;
   for (std::size_t i = 0; i < names.size(); ++i) {

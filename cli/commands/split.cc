@@ -66,9 +66,7 @@ void RefuseBadOutputs(const SplitOptions& options, const std::vector<Part>& part
 Atlas ReadWhole(const SplitOptions& options, Console& console, Notices& notices) {
   if (options.edit.output == "-") RefuseUsage("several atlases do not fit into standard output; name files");
   RequireOutput(options.edit);
-  ReadOptions read = MakeReadOptions(console);
-  read.lock_timeout = options.edit.wait;
-  return ReadAtlas(Location::Parse(options.edit.input), read, notices, options.edit.from);
+  return ReadAtlas(options.edit.input, MakeReadOptions(console, options.edit.from, options.edit.wait), &notices);
 }
 
 std::size_t CountKeyFrames(const Subset& subset) {

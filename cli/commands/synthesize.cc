@@ -49,10 +49,9 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   wanted.progress = console.MakeProgress();
   if (options.size > 0) ScaleTo(options.size, wanted);
   const Atlas atlas = SynthesizeAtlas(wanted);
-  WriteOptions write = MakeWriteOptions(console, options.target);
-  write.provenance = "synthesize --seed " + std::to_string(wanted.seed);
   Notices notices;
-  WriteAtlas(atlas, output, write, notices, options.target.to);
+  WriteAtlas(atlas, output,
+             MakeWriteOptions(console, options.target, "synthesize --seed " + std::to_string(wanted.seed)), &notices);
   console.Report(notices);
   if (output.path != "-" && !console.quiet())
     console.Print("wrote " + output.ToString() + ": " + Counted(atlas.maps.size(), "map") + " of " +

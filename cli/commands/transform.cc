@@ -62,7 +62,7 @@ std::string NameOf(UpMethod method) {
 std::vector<TimedPosition> ReadReference(const TransformOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console);
   read.features = FeatureColumns::kNone;
-  Atlas reference = ReadAtlas(Location::Parse(options.onto), read, notices);
+  Atlas reference = ReadAtlas(options.onto, read, &notices);
   std::erase_if(reference.maps, [](const Map& map) { return map.keyframes.empty(); });
   if (reference.maps.size() != 1)
     throw Error(options.onto, "", "must hold one trajectory, not " + std::to_string(reference.maps.size()));

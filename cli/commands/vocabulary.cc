@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/dbow2/vocabulary.h"
 
+#include <filesystem>
 #include <memory>
 
 #include "cli/batch.h"
@@ -48,35 +49,25 @@ struct Shown {
   std::optional<VocabularyShape> shape;
 };
 
-Vocabulary VocabularyOfAtlas(const std::string& path, const std::string& from, ReadOptions read, Notices& notices) {
+Vocabulary VocabularyOfAtlas(const std::string& path, ReadOptions read, Notices& notices) {
   read.features = FeatureColumns::kNone;
-  return ReadAtlas(Location::Parse(path), read, notices, from).vocabulary;
+  return ReadAtlas(path, read, &notices).vocabulary;
 }
 
-bool IsAtlas(const std::string& path, const std::string& from) {
-  if (!from.empty()) return true;
-  try {
-    FormatOfInput(Location::Parse(path));
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
+// A folder is neither an atlas nor a vocabulary file, and reading it as an atlas says best what it is.
+bool IsAtlas(const std::string& path, const ReadOptions& read) {
+  return !read.format.empty() || std::filesystem::is_directory(path) || FindFormatOfInput(path) != nullptr;
 }
 
-Shown ShowOne(const std::string& path, const std::string& from, const ReadOptions& read, Notices& notices) {
+Shown ShowOne(const std::string& path, const ReadOptions& read, Notices& notices) {
   Shown shown;
-  if (IsAtlas(path, from)) {
-    shown.vocabulary = VocabularyOfAtlas(path, from, read, notices);
+  if (IsAtlas(path, read)) {
+    shown.vocabulary = VocabularyOfAtlas(path, read, notices);
     return shown;
   }
-  try {
-    const VocabularyFile file = ReadVocabularyFile(path);
-    shown = {.vocabulary = file.identity, .is_file = true, .shape = file.shape};
-  } catch (const Error&) {
-    FormatOfInput(Location::Parse(path));  // says better what is wrong with a file that is neither
-    throw;
-  }
-  if (shown.vocabulary.checksum == kChecksumOfNothing) throw Error(path, "", "is empty");
+  const VocabularyFile file = ReadVocabularyFile(path);
+  shown = {.vocabulary = file.identity, .is_file = true, .shape = file.shape};
+  if (shown.vocabulary.checksum == kChecksumOfNothing) throw Error(ErrorKind::kDamaged, path, "", "is empty");
   return shown;
 }
 
@@ -107,10 +98,9 @@ ordered_json ShownJson(const Outcome<Shown>& outcome) {
 }
 
 ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
-  const auto outcomes = ForEachInput<Shown>(options.inputs.paths, console,
-                                            [&](const std::string& path, const ReadOptions& read, Notices& notices) {
-                                              return ShowOne(path, options.inputs.from, read, notices);
-                                            });
+  const auto outcomes = ForEachInput<Shown>(
+      options.inputs, console,
+      [&](const std::string& path, const ReadOptions& read, Notices& notices) { return ShowOne(path, read, notices); });
   ordered_json report = ordered_json::array();
   for (const auto& outcome : outcomes) {
     if (!outcome.ok()) continue;
@@ -126,8 +116,8 @@ ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
 ExitCode RunVerify(const VerifyOptions& options, Console& console) {
   const Vocabulary wanted = ReadVocabularyFile(options.vocabulary).identity;
   const auto outcomes = ForEachInput<Vocabulary>(
-      options.inputs.paths, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
-        return VocabularyOfAtlas(path, options.inputs.from, read, notices);
+      options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+        return VocabularyOfAtlas(path, read, notices);
       });
   ExitCode code = ReportOutcomes(outcomes, console);
   for (const auto& outcome : outcomes) {
@@ -152,15 +142,15 @@ Vocabulary WantedVocabulary(const SetOptions& options, const Vocabulary& found) 
 ExitCode RunSet(const SetOptions& options, Console& console) {
   if (options.vocabulary.empty() && options.name.empty() && options.checksum.empty())
     throw CLI::ValidationError("vocabulary set", "give --vocabulary, or --name and --checksum");
-  const Location input = Location::Parse(options.input), output = Location::Parse(options.output);
+  const Location input(options.input), output(options.output);
   RefuseSameFile(input, output);
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   Notices notices;
-  Atlas atlas = ReadAtlas(input, MakeReadOptions(console), notices, options.from);
+  Atlas atlas = ReadAtlas(input, MakeReadOptions(console, options.from), &notices);
   atlas.vocabulary = WantedVocabulary(options, atlas.vocabulary);
-  WriteOptions write = MakeWriteOptions(console, options.target);
-  write.provenance = "vocabulary set " + options.input;
-  WriteAtlas(atlas, output, write, notices, FormatToWrite(atlas, output, options.target.to));
+  WriteOptions write = MakeWriteOptions(console, options.target, "vocabulary set " + options.input);
+  write.format = FormatToWrite(atlas, output, options.target.to);
+  WriteAtlas(atlas, output, write, &notices);
   console.Report(notices);
   if (output.path != "-" && !console.quiet())
     console.Print("wrote " + output.ToString() + " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum +

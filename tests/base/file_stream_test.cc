@@ -3,13 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "slamdb/base/error.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -18,20 +17,23 @@ using testing::HasSubstr;
 
 constexpr std::size_t kBlock = std::size_t{2} << 20;
 
-// A file of `bytes` bytes in which every byte depends on its place.
+// Bytes each of which depends on its place.
+std::string Content(std::size_t bytes) {
+  std::string content(bytes, '\0');
+  for (std::size_t i = 0; i < bytes; ++i) content[i] = static_cast<char>(i * 2654435761U >> 13);
+  return content;
+}
+
+// A file of them.
 class StreamFile {
  public:
-  explicit StreamFile(std::size_t bytes) : content_(bytes, '\0') {
-    for (std::size_t i = 0; i < bytes; ++i) content_[i] = static_cast<char>(i * 2654435761U >> 13);
-    std::ofstream(path_, std::ios::binary) << content_;
-  }
-  ~StreamFile() { std::filesystem::remove(path_); }
+  explicit StreamFile(std::size_t bytes) : content_(Content(bytes)), path_(folder_.Make("stream", content_)) {}
   const std::string& path() const { return path_; }
   const std::string& content() const { return content_; }
 
  private:
-  std::string path_ = testing::TempDir() + "slamdb_stream_" + std::to_string(::getpid());
-  std::string content_;
+  const TemporaryFolder folder_;
+  const std::string content_, path_;
 };
 
 TEST(FileStream, ShowsTheWholeFile) {
@@ -79,7 +81,20 @@ TEST(FileStream, AFileThatBecomesShorterIsAnError) {
     FAIL() << "bytes that are not there were read";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("became shorter"));
+    EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
   }
+}
+
+TEST(FileStream, ShowsMemoryWhereItIs) {
+  const std::string content = Content(3 * kBlock + 77);
+  FileStream stream({std::as_bytes(std::span(content)), "name"});
+  EXPECT_EQ(stream.path(), "name");
+  EXPECT_EQ(stream.data(), content.data());
+  EXPECT_EQ(stream.size(), content.size());
+  EXPECT_EQ(stream.filled(), content.size());
+  stream.FillTo(kBlock);
+  stream.Release(2 * kBlock);
+  EXPECT_TRUE(std::string_view(stream.data(), stream.size()) == Content(3 * kBlock + 77));
 }
 
 TEST(FileStream, RefusesWhatIsNoFile) {

@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "slamdb/base/error.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -16,42 +16,27 @@ namespace {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-// A folder of its own for each test.
 class Files : public ::testing::Test {
  protected:
-  Files() {
-    std::string name = (fs::temp_directory_path() / "slamdb_file_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~Files() override { fs::remove_all(folder_); }
+  std::string Path(const std::string& name) const { return folder_.Path(name); }
+  std::string Put(const std::string& name, const std::string& text) const { return folder_.Make(name, text); }
+  std::size_t CountFiles() const { return folder_.Names().size(); }
 
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-
-  std::string Put(const std::string& name, const std::string& text) const {
-    std::ofstream(Path(name), std::ios::binary) << text;
-    return Path(name);
-  }
-
-  static std::string Get(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-
-  std::size_t CountFiles() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-  }
-
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 template <class Work>
-std::string MessageOf(Work work) {
+Error ErrorOf(Work work) {
   try {
     work();
   } catch (const Error& error) {
-    return error.what();
+    return error;
   }
-  return "no error";
+  return {ErrorKind::kInternal, "no error"};
+}
+template <class Work>
+std::string MessageOf(Work work) {
+  return ErrorOf(work).what();
 }
 
 std::string TextOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
@@ -64,6 +49,16 @@ TEST_F(Files, MapsAFileForReading) {
 
 TEST_F(Files, MapsAnEmptyFile) { EXPECT_TRUE(MappedFile(Put("empty", "")).bytes().empty()); }
 
+TEST_F(Files, MapsMemoryWithoutCopyingIt) {
+  const std::string text = "in memory";
+  MappedFile file(Source(std::as_bytes(std::span(text)), "name"));
+  EXPECT_EQ(file.text().data(), text.data());
+  EXPECT_EQ(file.text(), text);
+  EXPECT_EQ(file.path(), "name");
+  file = MappedFile(Put("a", "mapped"));
+  EXPECT_EQ(file.text(), "mapped");
+}
+
 TEST_F(Files, MovesAMapping) {
   MappedFile first(Put("a", "one"));
   MappedFile second(Put("b", "two"));
@@ -73,8 +68,12 @@ TEST_F(Files, MovesAMapping) {
 }
 
 TEST_F(Files, SaysWhatCannotBeMapped) {
-  EXPECT_THAT(MessageOf([&] { MappedFile(Path("missing")); }), HasSubstr("missing: cannot open: No such file"));
-  EXPECT_THAT(MessageOf([&] { MappedFile(folder_.string()); }), HasSubstr("is a directory"));
+  const Error missing = ErrorOf([&] { MappedFile(Path("missing")); });
+  EXPECT_THAT(missing.what(), HasSubstr("missing: cannot open: No such file"));
+  EXPECT_EQ(missing.kind(), ErrorKind::kNotFound);
+  const Error folder = ErrorOf([&] { MappedFile(folder_.path().string()); });
+  EXPECT_THAT(folder.what(), HasSubstr("is a directory"));
+  EXPECT_EQ(folder.kind(), ErrorKind::kUsage);
   EXPECT_THAT(MessageOf([] { MappedFile("/dev/null"); }), HasSubstr("is not a regular file"));
 }
 
@@ -85,7 +84,7 @@ TEST_F(Files, AppearWholeWhenCommitted) {
   EXPECT_EQ(file.size(), 7U);
   EXPECT_FALSE(fs::exists(Path("new")));
   file.Commit();
-  EXPECT_EQ(Get(Path("new")), "one two");
+  EXPECT_EQ(ReadFile(Path("new")), "one two");
   EXPECT_EQ(CountFiles(), 1U);
 }
 
@@ -96,17 +95,19 @@ TEST_F(Files, DoNotAppearWithoutCommit) {
 
 TEST_F(Files, AreNotOverwrittenUnasked) {
   const std::string path = Put("old", "precious");
-  EXPECT_THAT(MessageOf([&] { AtomicFile file(path); }), HasSubstr("give --overwrite"));
-  EXPECT_EQ(Get(path), "precious");
+  const Error refusal = ErrorOf([&] { AtomicFile file(path); });
+  EXPECT_THAT(refusal.what(), HasSubstr("is there already; WriteOptions::overwrite replaces it"));
+  EXPECT_EQ(refusal.kind(), ErrorKind::kAlreadyExists);
+  EXPECT_EQ(ReadFile(path), "precious");
   {
     AtomicFile file(path, {.overwrite = true});
     file.Write("never finished");
   }
-  EXPECT_EQ(Get(path), "precious");
+  EXPECT_EQ(ReadFile(path), "precious");
   AtomicFile file(path, {.overwrite = true, .sync = false});
   file.Write("replaced");
   file.Commit();
-  EXPECT_EQ(Get(path), "replaced");
+  EXPECT_EQ(ReadFile(path), "replaced");
   EXPECT_EQ(CountFiles(), 1U);
 }
 
@@ -118,7 +119,7 @@ TEST_F(Files, KeepTheirModeAndTheirLinkWhenReplaced) {
   file.Write("two");
   file.Commit();
   EXPECT_TRUE(fs::is_symlink(Path("link")));
-  EXPECT_EQ(Get(path), "two");
+  EXPECT_EQ(ReadFile(path), "two");
   EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
@@ -131,8 +132,20 @@ TEST_F(Files, FollowTheUmaskWhenNew) {
 }
 
 TEST_F(Files, SayWhyTheyCannotBeWritten) {
-  EXPECT_THAT(MessageOf([&] { AtomicFile file(folder_.string()); }), HasSubstr("is a directory"));
-  EXPECT_THAT(MessageOf([&] { AtomicFile file(Path("missing/new")); }), HasSubstr("cannot create a temporary file in"));
+  EXPECT_THAT(MessageOf([&] { AtomicFile file(folder_.path().string()); }), HasSubstr("is a directory"));
+  const Error missing = ErrorOf([&] { AtomicFile file(Path("missing/new")); });
+  EXPECT_THAT(missing.what(), HasSubstr("cannot create a temporary file in"));
+  EXPECT_EQ(missing.kind(), ErrorKind::kNotFound);
+}
+
+TEST_F(Files, GoToASinkPieceByPiece) {
+  std::vector<std::string> pieces;
+  AtomicFile file(Target([&](Bytes bytes) { pieces.push_back(TextOf(bytes)); }, "sink"));
+  file.Write("one ");
+  file.Write("two");
+  file.Commit();
+  EXPECT_EQ(file.size(), 7U);
+  EXPECT_THAT(pieces, ::testing::ElementsAre("one ", "two"));
 }
 
 TEST_F(Files, AreProbedByTheirFirstBytes) {
@@ -143,8 +156,13 @@ TEST_F(Files, AreProbedByTheirFirstBytes) {
   const Probe large = Probe::Of(Put("large", std::string(10000, 'x')));
   EXPECT_EQ(large.head, std::string(4096, 'x'));
   EXPECT_EQ(large.size, 10000U);
-  EXPECT_TRUE(Probe::Of(folder_.string()).is_directory);
+  EXPECT_TRUE(Probe::Of(folder_.path().string()).is_directory);
   EXPECT_TRUE(Probe::Of("-").head.empty());
+  const std::string text(5000, 'y');
+  const Probe memory = Probe::Of({std::as_bytes(std::span(text)), "name"});
+  EXPECT_EQ(memory.path, "name");
+  EXPECT_EQ(memory.head, std::string(4096, 'y'));
+  EXPECT_EQ(memory.size, 5000U);
   EXPECT_THAT(MessageOf([&] { Probe::Of(Path("missing")); }), HasSubstr("cannot open"));
 }
 

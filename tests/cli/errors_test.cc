@@ -9,6 +9,7 @@ namespace slamdb::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 const std::string kTiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
@@ -29,6 +30,40 @@ void ExpectFailure(const std::string& path) {
     EXPECT_THAT(result.err, HasSubstr(path));
     EXPECT_FALSE(std::filesystem::exists(folder / "out.osa"));
   }
+}
+
+// The library speaks of its own options; the command names its switches.
+TEST(Errors, SpeakOfTheSwitchesOfTheCommand) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "there.osa", "mine");
+  WriteWholeFile(folder / "voc.txt", "10 6  0 0 \n0 0 252 188\n");
+  ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "maps.db#lab"}).exit_code, 0);
+  struct Case {
+    std::vector<std::string> words;
+    std::string says;
+  };
+  const Case cases[] = {
+      {{"convert", kTiny, folder / "there.osa"}, "there.osa: is there already; -O/--overwrite replaces it"},
+      {{"convert", kTiny, folder / "maps.db#lab"}, "holds an atlas named 'lab' already; -O/--overwrite replaces it"},
+      {{"convert", kTiny, "-"}, "standard output has no suffix to tell the format by; --to names it (orbslam3, "},
+      {{"convert", kTiny, folder / "a.xyz"}, "or name the format by --to (orbslam3, "},
+      {{"info", "-"}, "standard input has no name to tell its format by; --from names it (orbslam3, "},
+      {{"convert", kTiny, folder / "a.ply", "--strict"}, "; --strict refuses that"},
+      {{"info", folder / "voc.txt"}, "`slamdb vocabulary show` tells its name and MD5"},
+      {{"convert", kTiny, folder / "a.ply", "--map", "7"}, "has no map 7"},
+  };
+  for (const auto& [words, says] : cases) {
+    const ProcessResult result = RunSlamdb(words);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr(says));
+    EXPECT_THAT(result.err, Not(HasSubstr("::")));
+  }
+}
+
+TEST(Errors, InReportsSpeakOfTheSwitchesToo) {
+  const ProcessResult result = RunSlamdb({"check", "-", "--json"});
+  EXPECT_THAT(result.out, HasSubstr("--from names it"));
+  EXPECT_THAT(result.out, Not(HasSubstr("::")));
 }
 
 TEST(Errors, MissingFile) { ExpectFailure("/nowhere/missing.osa"); }

@@ -6,18 +6,16 @@
 #include "slamdb/formats/orbslam3/detail/salvage.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/memory_file.h"
 
 // Any bytes as an .osa file, binary or text by their first bytes. They decode or fail with an Error; what decoded is
 // written to an archive that decodes to the same bytes again.
 namespace {
 
 slamdb::Atlas Decode(slamdb::Bytes bytes, int threads) {
-  const slamdb::MemoryFile file(bytes);
   slamdb::Notices notices;
   slamdb::ReadOptions options;
   options.threads = threads;
-  return slamdb::ReadOrbslam3(file.path(), options, notices);
+  return slamdb::ReadOrbslam3({bytes, "fuzz"}, options, notices);
 }
 
 }  // namespace
@@ -25,7 +23,7 @@ slamdb::Atlas Decode(slamdb::Bytes bytes, int threads) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const slamdb::Bytes input = std::as_bytes(std::span(data, size));
   try {
-    slamdb::SalvageOrbslam3(slamdb::MemoryFile(input).path(), {});
+    slamdb::SalvageOrbslam3({input, "fuzz"}, {});
   } catch (const slamdb::Error&) {  // no header
   }
   std::string encoded;

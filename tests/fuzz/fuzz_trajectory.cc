@@ -2,15 +2,14 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/memory_file.h"
 
 // Any bytes as a trajectory, TUM's and EuRoC's in turn. They are read or fail with an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const slamdb::MemoryFile file(std::as_bytes(std::span(data, size)));
+  const slamdb::Source file(std::as_bytes(std::span(data, size)), "fuzz");
   for (const slamdb::Format* format : {&slamdb::kTumFormat, &slamdb::kEurocFormat}) {
     slamdb::Notices notices;
     try {
-      format->read({file.path(), ""}, {}, notices);
+      format->read(file, {}, notices);
     } catch (const slamdb::Error&) {
     }
   }

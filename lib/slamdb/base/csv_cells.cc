@@ -28,7 +28,7 @@ void SplitCells(std::string_view line, std::vector<std::string_view>& cells) {
 }
 
 Error LineError(std::size_t line, const std::string& problem) {
-  return Error("", "line " + std::to_string(line), problem);
+  return Error(ErrorKind::kDamaged, "", "line " + std::to_string(line), problem);
 }
 
 }  // namespace slamdb

@@ -6,10 +6,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <utility>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -50,7 +54,7 @@ Bytes ReadStandardInput(const std::string& path) {
     void* larger = ::mremap(memory, capacity, capacity * 2, MREMAP_MAYMOVE);
     if (larger == MAP_FAILED) {
       ::munmap(memory, capacity);
-      throw Error(path, "", "standard input does not fit into memory");
+      throw Error(ErrorKind::kOutOfResources, path, "", "standard input does not fit into memory");
     }
     memory = static_cast<std::byte*>(larger);
     capacity *= 2;
@@ -70,8 +74,9 @@ Bytes MapRegularFile(const std::string& path) {
   if (file.value < 0) throw SystemError(path, "cannot open");
   struct stat status {};
   if (::fstat(file.value, &status) != 0) throw SystemError(path, "cannot read its size");
-  if (S_ISDIR(status.st_mode)) throw Error(path, "", "is a directory, expected a file");
-  if (!S_ISREG(status.st_mode)) throw Error(path, "", "is not a regular file; pipe it in and name the input `-`");
+  if (S_ISDIR(status.st_mode)) throw Error(ErrorKind::kUsage, path, "", "is a directory, expected a file");
+  if (!S_ISREG(status.st_mode))
+    throw Error(ErrorKind::kUsage, path, "", "is not a regular file; pipe it in and name the input `-`");
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) return {};
   void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.value, 0);
@@ -87,7 +92,7 @@ std::string FolderOf(const std::string& path) {
 
 void WriteAll(const std::string& path, int descriptor, Bytes bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    const ssize_t written = detail::CallsOfFiles().write(descriptor, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) throw SystemError(path, "cannot write");
     bytes = bytes.subspan(static_cast<std::size_t>(written));
@@ -96,34 +101,50 @@ void WriteAll(const std::string& path, int descriptor, Bytes bytes) {
 
 }  // namespace
 
-MappedFile::MappedFile(const std::string& path)
-    : path_(path), bytes_(path == "-" ? ReadStandardInput(path) : MapRegularFile(path)) {}
+detail::FileCalls& detail::CallsOfFiles() {
+  static FileCalls calls{.write = ::write, .fsync = ::fsync, .close = ::close, .rename = std::rename};
+  return calls;
+}
+
+MappedFile::MappedFile(const Source& source) : path_(source.path), mapped_(!source.memory) {
+  if (source.memory)
+    bytes_ = *source.memory;
+  else
+    bytes_ = source.is_file() ? MapRegularFile(path_) : ReadStandardInput(path_);
+}
 
 MappedFile::~MappedFile() {
-  if (bytes_.data() != nullptr) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+  if (mapped_ && bytes_.data() != nullptr) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
 }
 
 MappedFile::MappedFile(MappedFile&& other) noexcept
-    : path_(std::move(other.path_)), bytes_(std::exchange(other.bytes_, {})) {}
+    : path_(std::move(other.path_)), bytes_(std::exchange(other.bytes_, {})), mapped_(other.mapped_) {}
 
 MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(bytes_, other.bytes_);
+  std::swap(mapped_, other.mapped_);
   return *this;
 }
 
-AtomicFile::AtomicFile(const std::string& path, AtomicFileOptions options) : path_(path), options_(options) {
-  if (path_ == "-") {
+AtomicFile::AtomicFile(const Target& target, AtomicFileOptions options)
+    : path_(target.path), sink_(target.sink), options_(options) {
+  if (target.is_file())
+    CreateTemporary();
+  else if (!sink_)
     descriptor_ = STDOUT_FILENO;
-    return;
-  }
+}
+
+void AtomicFile::CreateTemporary() {
   std::error_code ignored;
   const std::filesystem::path followed = std::filesystem::weakly_canonical(path_, ignored);
   target_ = followed.empty() ? path_ : followed.string();
   struct stat status {};
   const bool exists = ::stat(target_.c_str(), &status) == 0;
-  if (exists && S_ISDIR(status.st_mode)) throw Error(path_, "", "is a directory, expected a file to write");
-  if (exists && !options_.overwrite) throw Error(path_, "", "is there already; give --overwrite to replace it");
+  if (exists && S_ISDIR(status.st_mode))
+    throw Error(ErrorKind::kUsage, path_, "", "is a directory, expected a file to write");
+  if (exists && !options_.overwrite)
+    throw Error(ErrorKind::kAlreadyExists, path_, "", "is there already; WriteOptions::overwrite replaces it");
   temporary_ = target_ + ".XXXXXX";
   descriptor_ = ::mkostemp(temporary_.data(), O_CLOEXEC);
   if (descriptor_ < 0) throw SystemError(path_, "cannot create a temporary file in " + FolderOf(target_));
@@ -133,33 +154,55 @@ AtomicFile::AtomicFile(const std::string& path, AtomicFileOptions options) : pat
 }
 
 AtomicFile::~AtomicFile() {
-  if (temporary_.empty() || descriptor_ < 0) return;
-  ::close(descriptor_);
+  if (temporary_.empty()) return;
+  if (descriptor_ >= 0) ::close(descriptor_);
   ::unlink(temporary_.c_str());
 }
 
 void AtomicFile::Write(Bytes bytes) {
-  WriteAll(path_, descriptor_, bytes);
+  if (sink_)
+    sink_(bytes);
+  else
+    WriteAll(path_, descriptor_, bytes);
   size_ += bytes.size();
 }
 
 void AtomicFile::Commit() {
   if (temporary_.empty()) return;
-  if (options_.sync && ::fsync(descriptor_) != 0) throw SystemError(path_, "cannot sync to disk");
-  const int closed = ::close(std::exchange(descriptor_, -1));
-  if (closed != 0 || ::rename(temporary_.c_str(), target_.c_str()) != 0) {
-    const Error error = SystemError(path_, "cannot rename the finished file into place");
-    ::unlink(temporary_.c_str());
-    throw error;
-  }
-  if (!options_.sync) return;
-  const Descriptor folder(::open(FolderOf(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (folder.value >= 0) ::fsync(folder.value);
+  if (options_.sync && detail::CallsOfFiles().fsync(descriptor_) != 0)
+    throw SystemError(path_, "cannot be synced to disk");
+  Place();
+  if (options_.sync) SyncFolder();
 }
 
-Probe Probe::Of(const std::string& path) {
-  Probe probe{.path = path, .head = {}};
-  if (path == "-") return probe;
+// Closes the temporary file, which tells of writing that the system had put off, and renames it.
+void AtomicFile::Place() {
+  if (detail::CallsOfFiles().close(std::exchange(descriptor_, -1)) != 0)
+    throw SystemError(path_, "cannot finish the file");
+  if (detail::CallsOfFiles().rename(temporary_.c_str(), target_.c_str()) != 0)
+    throw SystemError(path_, "cannot rename the finished file into place");
+  temporary_.clear();
+}
+
+void AtomicFile::SyncFolder() {
+  const std::string folder = FolderOf(target_);
+  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.value >= 0 && detail::CallsOfFiles().fsync(opened.value) == 0) return;
+  if (opened.value >= 0 && errno == EINVAL) return;  // a file system that has no way to sync a folder
+  throw SystemError(path_, detail::Concat("is written, but its folder ", folder,
+                                          " cannot be synced to disk, so that a power cut may lose the file"));
+}
+
+Probe Probe::Of(const Source& source) {
+  constexpr std::size_t kHeadBytes = 4096;
+  const std::string& path = source.path;
+  Probe probe{.path = path, .head = {}, .memory = source.memory};
+  if (source.memory) {
+    const Bytes head = source.memory->first(std::min(source.memory->size(), kHeadBytes));
+    probe.head.assign(reinterpret_cast<const char*>(head.data()), head.size());
+    probe.size = source.memory->size();
+  }
+  if (!source.is_file()) return probe;
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.value < 0) throw SystemError(path, "cannot open");
   struct stat status {};
@@ -167,7 +210,7 @@ Probe Probe::Of(const std::string& path) {
   probe.is_directory = S_ISDIR(status.st_mode);
   if (probe.is_directory) return probe;
   probe.size = static_cast<std::uint64_t>(status.st_size);
-  std::array<char, 4096> head{};
+  std::array<char, kHeadBytes> head{};
   const ssize_t got = ::pread(file.value, head.data(), head.size(), 0);
   if (got > 0) probe.head.assign(head.data(), static_cast<std::size_t>(got));
   return probe;

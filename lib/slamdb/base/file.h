@@ -4,20 +4,56 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include "slamdb/export.h"
 
 namespace slamdb {
 
 using Bytes = std::span<const std::byte>;
 
-// A file mapped for reading. Opening never changes it. `-` reads the whole of standard input into memory.
+// What is read: a file, `-` for standard input, or bytes in memory, which are not copied and must outlive the reading.
+struct Source {
+  Source(std::string file) : path(std::move(file)) {}  // NOLINT(google-explicit-constructor): a path is a source
+  Source(const char* file) : path(file) {}             // NOLINT(google-explicit-constructor)
+  Source(std::string file, std::string atlas) : path(std::move(file)), name(std::move(atlas)) {}
+  Source(Bytes bytes, std::string called) : path(std::move(called)), memory(bytes) {}
+
+  std::string path;             // of bytes in memory: what errors call them
+  std::string name;             // of the atlas that is meant, where a file holds several; empty: the only one
+  std::optional<Bytes> memory;  // nullopt: a file
+
+  bool is_file() const { return !memory && path != "-"; }
+};
+
+// Where bytes go: a file, `-` for standard output, or a function that takes them in order.
+struct Target {
+  using Sink = std::function<void(Bytes)>;
+
+  Target(std::string file) : path(std::move(file)) {}  // NOLINT(google-explicit-constructor): a path is a target
+  Target(const char* file) : path(file) {}             // NOLINT(google-explicit-constructor)
+  Target(std::string file, std::string atlas) : path(std::move(file)), name(std::move(atlas)) {}
+  Target(Sink to, std::string called) : path(std::move(called)), sink(std::move(to)) {}
+
+  std::string path;  // with a sink: what errors call it
+  std::string name;  // of the atlas that is written, where a file holds several
+  Sink sink;         // empty: a file
+
+  bool is_file() const { return !sink && path != "-"; }
+};
+
+// The bytes of a source, all of them at hand: a file is mapped, standard input is read into memory.
+// Opening never changes a file.
 // Throws Error when the path is missing, a directory, not a regular file, or not readable.
 // A file that another program shortens while it is mapped raises SIGBUS, as with every mapping.
-class MappedFile {
+class SLAMDB_EXPORT MappedFile {
  public:
-  explicit MappedFile(const std::string& path);
+  explicit MappedFile(const Source& source);
   ~MappedFile();
   MappedFile(MappedFile&& other) noexcept;
   MappedFile& operator=(MappedFile&& other) noexcept;
@@ -29,6 +65,7 @@ class MappedFile {
  private:
   std::string path_;
   Bytes bytes_;
+  bool mapped_;  // by this object; otherwise the bytes are somebody else's
 };
 
 struct AtomicFileOptions {
@@ -36,41 +73,50 @@ struct AtomicFileOptions {
   bool sync = true;        // fsync file and folder, so that the file survives a power cut
 };
 
-// A file that appears whole or not at all: bytes go to a temporary file beside the target, which Commit() syncs and
-// renames over it. Without Commit() (an exception, a return) the temporary file is removed and the target is as it was.
-// The target `-` writes to standard output instead, with nothing atomic about it.
-// Throws Error: target there and not `overwrite`, target a directory, folder missing, disk full, no permission.
-class AtomicFile {
+// A file that appears whole or not at all.
+// Bytes go to a temporary file beside the target, which Commit() syncs and renames over it. Without Commit() (an
+// exception, a return) the temporary file is removed and the target is as it was.
+// Standard output and sinks get the bytes as they come, with nothing atomic about it.
+// Throws Error: target there and not `overwrite`, target a directory, folder missing, disk full, no permission, and
+// whatever a sink throws.
+class SLAMDB_EXPORT AtomicFile {
  public:
-  explicit AtomicFile(const std::string& path, AtomicFileOptions options = {});
+  explicit AtomicFile(const Target& target, AtomicFileOptions options = {});
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void Write(Bytes bytes);
   void Write(std::string_view text) { Write(std::as_bytes(std::span(text))); }
+  // Throws Error also when the file is in place but its folder cannot be synced: a power cut may then lose it.
   void Commit();
 
   std::uint64_t size() const { return size_; }
 
  private:
+  void CreateTemporary();
+  void Place();
+  void SyncFolder();
+
   std::string path_;       // as the user named it
   std::string target_;     // where the rename goes: the path with symbolic links followed
-  std::string temporary_;  // empty for standard output
+  std::string temporary_;  // empty for standard output and sinks
+  Target::Sink sink_;
   AtomicFileOptions options_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
 };
 
-// The first bytes of a file and its path: what a format looks at to say whether a file is its own.
+// The first bytes of a source: what a format looks at to say whether it is its own.
 struct Probe {
   std::string path;
   std::string head;        // up to 4096 bytes
   std::uint64_t size = 0;  // of the file
   bool is_directory = false;
+  std::optional<Bytes> memory;  // of a source in memory, all of it
 
   // Throws Error when the path is missing or not readable. Standard input (`-`) gives an empty head.
-  static Probe Of(const std::string& path);
+  SLAMDB_EXPORT static Probe Of(const Source& source);
 };
 
 }  // namespace slamdb

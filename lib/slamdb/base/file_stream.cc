@@ -46,17 +46,24 @@ bool MoveMemory(char* from, char* to) {
 
 }  // namespace
 
-FileStream::FileStream(const std::string& path) : path_(path) {
-  if (path == "-") {
+FileStream::FileStream(const Source& source) : path_(source.path) {
+  if (source.memory) {
+    data_ = reinterpret_cast<const char*>(source.memory->data());
+    size_ = filled_ = source.memory->size();
+  } else if (source.is_file()) {
+    OpenFile();
+  } else {
     ReadStandardInput();
-    return;
   }
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) throw SystemError(path, "cannot open");
+}
+
+void FileStream::OpenFile() {
+  descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) throw SystemError(path_, "cannot open");
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0 || S_ISDIR(status.st_mode) || !S_ISREG(status.st_mode)) {
+  if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor_);
-    throw Error(path, "",
+    throw Error(ErrorKind::kUsage, path_, "",
                 S_ISDIR(status.st_mode) ? "is a directory, expected a file"
                                         : "is not a regular file; pipe it in and name the input `-`");
   }
@@ -74,7 +81,7 @@ void FileStream::ReserveAddresses(std::size_t bytes) {
   void* range = ::mmap(nullptr, reserved_bytes_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (range == MAP_FAILED) throw SystemError(path_, "cannot reserve addresses for the file");
   reserved_ = static_cast<char*>(range);
-  data_ = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(reserved_) + kBlock - 1) & ~(kBlock - 1));
+  data_ = window_ = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(reserved_) + kBlock - 1) & ~(kBlock - 1));
 }
 
 // The size is not known before the end, so a large range of addresses is set aside for it.
@@ -82,16 +89,17 @@ void FileStream::ReadStandardInput() {
   constexpr std::size_t kMostBytes = std::size_t{1} << 38;
   ReserveAddresses(kMostBytes);
   while (filled_ == backed_) {
-    if (backed_ == kMostBytes) throw Error(path_, "", "standard input is larger than 256 GiB");
+    if (backed_ == kMostBytes)
+      throw Error(ErrorKind::kOutOfResources, path_, "", "standard input is larger than 256 GiB");
     AddBlock();
-    filled_ += ReadFully(path_, STDIN_FILENO, data_ + filled_, kBlock);
+    filled_ += ReadFully(path_, STDIN_FILENO, window_ + filled_, kBlock);
   }
   size_ = filled_;
 }
 
 // Puts memory behind the next block of addresses: that of a released block if there is one.
 void FileStream::AddBlock() {
-  char* const block = data_ + backed_;
+  char* const block = window_ + backed_;
   char* spare = nullptr;
   {
     const std::lock_guard lock(mutex_);
@@ -114,15 +122,17 @@ void FileStream::FillTo(std::size_t offset) {
   while (filled_ < wanted) {
     if (backed_ <= filled_) AddBlock();
     const std::size_t bytes = std::min(size_, backed_) - filled_;
-    if (ReadFully(path_, descriptor_, data_ + filled_, bytes) != bytes)
-      throw Error(path_, "byte " + std::to_string(filled_), "the file became shorter while it was read");
+    if (ReadFully(path_, descriptor_, window_ + filled_, bytes) != bytes)
+      throw Error(ErrorKind::kDamaged, path_, "byte " + std::to_string(filled_),
+                  "the file became shorter while it was read");
     filled_ += bytes;
   }
 }
 
 void FileStream::Release(std::size_t offset) {
+  if (window_ == nullptr) return;
   const std::lock_guard lock(mutex_);
-  for (; (released_ + 1) * kBlock <= offset; ++released_) spare_.push_back(data_ + released_ * kBlock);
+  for (; (released_ + 1) * kBlock <= offset; ++released_) spare_.push_back(window_ + released_ * kBlock);
 }
 
 }  // namespace slamdb

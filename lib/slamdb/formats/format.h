@@ -7,28 +7,24 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "slamdb/base/file.h"
 #include "slamdb/base/notices.h"
 #include "slamdb/base/progress.h"
+#include "slamdb/export.h"
+#include "slamdb/formats/format_options.h"
+#include "slamdb/formats/location.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
 
-// Where an atlas is: a file, or one atlas of several in a store (`store.db#name`). `-` is standard input or output.
-struct Location {
-  std::string path;
-  std::string name;  // in a store; empty: the only one
+struct Format;
+struct Salvage;
 
-  // Splits at the last `#` of the last path component, unless a file of the whole name exists.
-  static Location Parse(std::string_view text);
-  std::string ToString() const { return name.empty() ? path : path + "#" + name; }
-  friend bool operator==(const Location&, const Location&) = default;
-};
-
-// What a format can hold. Flags.
-enum Content : std::uint32_t {
+// What a format can hold, or an atlas has: a set, combined with | & ~.
+enum class Content : std::uint32_t {
   kNothing = 0,
   kPoses = 1U << 0,         // keyframe poses with timestamps
   kPoints = 1U << 1,        // map point positions
@@ -47,14 +43,26 @@ enum Content : std::uint32_t {
   kTracking = 1U << 13,     // of points: origin maps, visible and found counts
   kEverything = kAtlas | kLandmarks | kTracking,
 };
-inline Content operator|(Content a, Content b) {
+constexpr Content operator|(Content a, Content b) {
   return static_cast<Content>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
 }
+constexpr Content operator&(Content a, Content b) {
+  return static_cast<Content>(static_cast<std::uint32_t>(a) & static_cast<std::uint32_t>(b));
+}
+// Everything else.
+constexpr Content operator~(Content a) {
+  return static_cast<Content>(~static_cast<std::uint32_t>(a) & static_cast<std::uint32_t>(Content::kEverything));
+}
+constexpr Content& operator|=(Content& a, Content b) { return a = a | b; }
+constexpr Content& operator&=(Content& a, Content b) { return a = a & b; }
+// Whether `content` holds some of `parts`, or all of them.
+constexpr bool HasAny(Content content, Content parts) { return (content & parts) != Content::kNothing; }
+constexpr bool HasAll(Content content, Content parts) { return (content & parts) == parts; }
 
 // Which part of an atlas to read. Default: all. Keyframes outside the ranges are left out, and so are points outside
 // the box; references to what was left out stay as they are, so a partial atlas is for looking at, not for saving as
 // whole.
-struct Selection {
+struct SLAMDB_EXPORT Selection {
   std::optional<MapId> map;
   std::uint64_t first_keyframe = 0, last_keyframe = std::numeric_limits<std::uint64_t>::max();  // ids, inclusive
   double begin_time = -std::numeric_limits<double>::infinity();                                 // seconds, inclusive
@@ -81,52 +89,83 @@ enum class FeatureColumns {
 };
 
 struct ReadOptions {
-  int threads = 0;  // 0: every core
+  std::string format;                     // id of one of Formats(); empty: told by the content, then by the suffix
+  const Format* custom_format = nullptr;  // one of your own instead
   FeatureColumns features = FeatureColumns::kAll;
   Selection selection;
-  Progress progress;                            // may be empty
-  double lock_timeout = 5;                      // seconds to wait for another process that holds a store
   std::vector<PartSize>* part_sizes = nullptr;  // filled where the format can tell
+  FormatOptions formats;                        // of single formats, see of()
+  int threads = 0;                              // 0: every core
+  Progress progress;                            // may be empty
+
+  // Options that only one format has: `options.of<StoreReadOptions>().lock_timeout = 60`.
+  template <class Options>
+  Options& of() {
+    return formats.of<Options>();
+  }
+  template <class Options>
+  const Options& of() const {
+    return formats.of<Options>();
+  }
+  // The same in one expression: `ReadOptions{.threads = 1}.With(StoreReadOptions{.lock_timeout = 60})`.
+  template <class Options>
+  ReadOptions With(Options of_format) const {
+    ReadOptions options = *this;
+    options.of<Options>() = std::move(of_format);
+    return options;
+  }
 };
 
-// In which frame a trajectory is written.
-enum class PoseFrame { kCamera, kBody };
-
 struct WriteOptions {
-  bool overwrite = false;
-  bool sync = true;  // fsync before the rename; false is faster and safe against everything but power loss
-  int threads = 0;
-  Progress progress;
-  double lock_timeout = 5;
+  std::string format;                     // id of one of Formats(); empty: told by the suffix
+  const Format* custom_format = nullptr;  // one of your own instead
+  bool strict = false;                    // Error, and nothing written, where the target cannot hold all of the atlas
+  bool overwrite = false;                 // replace what is there; otherwise Error
+  bool sync = true;       // wait for the disk; false is faster and safe against everything but power loss
+  FormatOptions formats;  // of single formats, see of()
+  int threads = 0;        // 0: every core
+  Progress progress;      // may be empty
 
-  // orbslam3
-  std::optional<std::uint32_t> boost_version;  // default: as read
-  std::optional<int> long_bytes;               // 8, or 4 for a writer with sizeof(long) == 4; default: as read
-  bool sanitize = false;                       // write what ORB-SLAM3 itself reads safely, see sanitize.h
+  // Options that only one format has: `options.of<Orbslam3WriteOptions>().sanitize = true`.
+  template <class Options>
+  Options& of() {
+    return formats.of<Options>();
+  }
+  template <class Options>
+  const Options& of() const {
+    return formats.of<Options>();
+  }
+  // The same in one expression: `WriteOptions{.overwrite = true}.With(Orbslam3WriteOptions{.sanitize = true})`.
+  template <class Options>
+  WriteOptions With(Options of_format) const {
+    WriteOptions options = *this;
+    options.of<Options>() = std::move(of_format);
+    return options;
+  }
+};
 
-  // stores
-  std::string provenance;  // one line for the history: what made this atlas (`convert session_a.osa`)
-
-  // mrpt
-  bool mrpt_own_slots = false;  // ORB descriptors where MRPT 2 itself writes them, which then reads them as BLD
-
-  // point clouds and trajectories
-  bool binary = true;        // PLY and PCD; false: ascii
-  std::optional<MapId> map;  // only this map; otherwise all of them
-  PoseFrame pose_frame = PoseFrame::kCamera;
+// Whether the bytes of a format are for people, or would garble a terminal.
+enum class FileKind {
+  kText,
+  kBinary,
+  kBinaryOrText,  // as options say
 };
 
 // A file format. One folder each; formats.cc lists them all. Functions are null where the format cannot do it.
 // Readers are strict about bytes and lenient about content: everything decodable loads, dangling ids included.
-// All throw Error; `notices` receives what a successful run has to tell.
+// All throw Error, of kind kDamaged where bytes are wrong, kUnsupported where they are sound but of another version.
+// `notices` receives what a successful run has to tell.
 struct Format {
-  std::string_view id;                         // as --from and --to take it
+  std::string_view id;                         // for ReadOptions::format and WriteOptions::format
   std::string_view title;                      // for people
   std::span<const std::string_view> suffixes;  // `.osa`
-  Content reads = kNothing, writes = kNothing;
+  FileKind kind = FileKind::kText;
+  bool named = false;  // a file holds several atlases, each under a name
+  Content reads = Content::kNothing, writes = Content::kNothing;
   bool (*sniff)(const Probe&) = nullptr;  // by first bytes; null: by suffix only
-  Atlas (*read)(const Location&, const ReadOptions&, Notices&) = nullptr;
-  void (*write)(const Atlas&, const Location&, const WriteOptions&, Notices&) = nullptr;
+  Atlas (*read)(const Source&, const ReadOptions&, Notices&) = nullptr;
+  void (*write)(const Atlas&, const Target&, const WriteOptions&, Notices&) = nullptr;
+  Salvage (*salvage)(const Source&, const ReadOptions&) = nullptr;  // what can be read of a damaged file
 };
 
 }  // namespace slamdb

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <new>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/csv/detail/csv.h"
-#include "slamdb/formats/detail/losses.h"
+#include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "slamdb/formats/ndjson/detail/ndjson.h"
@@ -19,9 +19,20 @@
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 
 namespace slamdb {
+
+// In the order in which sniffers are asked: formats with a signature before those that are only lines of numbers.
+std::span<const Format> Formats() {
+  static const std::array kFormats = {
+      kOrbslam3Format, kOrbslam3TextFormat, kStoreFormat,  kMrptFormat, kMrpt3Format,        kMrptTextFormat,
+      kPlyFormat,      kPcdFormat,          kNdjsonFormat, kCsvFormat,  kCsvKeyFramesFormat, kCsvObservationsFormat,
+      kEurocFormat,    kTumFormat,          kKittiFormat,
+  };
+  return kFormats;
+}
+
 namespace {
 
-constexpr std::string_view kStoreId = "store";
+using detail::Concat;
 
 std::string Lower(std::string_view text) {
   std::string lower(text);
@@ -48,7 +59,7 @@ const Format* FormatBySuffix(const std::string& path, bool (*has)(const Format&)
 bool CanRead(const Format& format) { return format.read != nullptr; }
 bool CanWrite(const Format& format) { return format.write != nullptr; }
 
-// `orbslam3, store and tum` of those that can.
+// `orbslam3, store, tum` of those that can.
 std::string Ids(bool (*has)(const Format&)) {
   std::string list;
   for (const Format& format : Formats())
@@ -56,51 +67,91 @@ std::string Ids(bool (*has)(const Format&)) {
   return list;
 }
 
-void RequireReadable(const Format& format, const Location& location) {
-  if (CanRead(format)) return;
-  throw Error(location.path, "",
-              "is a " + std::string(format.title) +
-                  ", which slamdb writes but does not read, since it holds only a part "
-                  "of an atlas; give the file it was made from (readable: " +
-                  Ids(CanRead) + ")");
+// The same of their suffixes, each once.
+std::string SuffixesToWrite() {
+  std::string list;
+  for (const Format& format : Formats())
+    for (const std::string_view suffix : format.suffixes)
+      if (CanWrite(format) && list.find(suffix) == std::string::npos)
+        list.append(list.empty() ? "" : ", ").append(suffix);
+  return list;
 }
 
-void RequireWritable(const Format& format, const Location& location) {
+void RequireReadable(const Format& format, const std::string& path) {
+  if (CanRead(format)) return;
+  throw Error(ErrorKind::kUnsupported, path, "",
+              Concat("is a ", format.title,
+                     ", which slamdb writes but does not read, since it holds only a part of an atlas; give the file "
+                     "it was made from (readable: ",
+                     Ids(CanRead), ")"));
+}
+
+void RequireWritable(const Format& format, const std::string& path) {
   if (CanWrite(format)) return;
-  throw Error(location.path, "",
-              "format `" + std::string(format.id) + "` can only be read; writable are " + Ids(CanWrite));
+  throw Error(ErrorKind::kUsage, path, "",
+              Concat("format `", format.id, "` can only be read; writable are ", Ids(CanWrite)));
 }
 
 // `file#name` is for stores.
-void RequirePlain(const Format& format, const Location& location) {
-  if (location.name.empty() || format.id == kStoreId) return;
-  throw Error(location.path, "",
-              "`#" + location.name + "` names one atlas of a store, but " + std::string(format.title) +
-                  " files hold one atlas without a name");
+void RequirePlain(const Format& format, const std::string& path, const std::string& name) {
+  if (name.empty() || format.named) return;
+  throw Error(
+      ErrorKind::kUsage, path, "",
+      Concat("`#", name, "` names one atlas of a store, but ", format.title, " files hold one atlas without a name"));
 }
 
-const Format& DetectFormat(const Location& location) {
-  if (location.path == "-")
-    throw Error(location.path, "",
-                "standard input has no name to tell its format by; give --from (" + Ids(CanRead) + ")");
-  const Probe probe = Probe::Of(location.path);
+// What a file is: of a format, or something else that is known, or neither.
+struct Detected {
+  const Format* format = nullptr;
+  std::optional<ForeignFile> foreign;
+};
+
+Detected Detect(const Probe& probe) {
   for (const Format& format : Formats())
-    if (format.sniff != nullptr && format.sniff(probe)) return format;
-  if (const auto known = RecognizeOther(probe)) throw Error(location.path, "", *known);
-  if (const Format* format = FormatBySuffix(location.path, CanRead)) return *format;
-  throw Error(location.path, "", DescribeUnknown(probe));
+    if (format.sniff != nullptr && format.sniff(probe)) return {.format = &format};
+  if (auto foreign = RecognizeOther(probe)) return {.foreign = std::move(foreign)};
+  return {.format = FormatBySuffix(probe.path, CanRead)};
+}
+
+const Format& DetectFormat(const Source& source) {
+  if (!source.memory && !source.is_file())
+    throw Error(
+        ErrorKind::kUsage, source.path, "",
+        Concat("standard input has no name to tell its format by; ReadOptions::format names it (", Ids(CanRead), ")"));
+  const Probe probe = Probe::Of(source);
+  const Detected detected = Detect(probe);
+  if (detected.format != nullptr) return *detected.format;
+  if (detected.foreign) throw Error(detected.foreign->kind, source.path, "", detected.foreign->sentence);
+  throw Error(ErrorKind::kDamaged, source.path, "", DescribeUnknown(probe));
+}
+
+const Format& FormatOfSuffix(const Target& target) {
+  if (!target.is_file())
+    throw Error(ErrorKind::kUsage, target.path, "",
+                Concat(target.sink ? "" : "standard output ",
+                       "has no suffix to tell the format by; WriteOptions::format names it (", Ids(CanWrite), ")"));
+  if (const Format* format = FormatBySuffix(target.path, CanWrite)) return *format;
+  throw Error(ErrorKind::kUsage, target.path, "",
+              Concat("its suffix tells no format; use one of ", SuffixesToWrite(),
+                     ", or name the format by WriteOptions::format (", Ids(CanWrite), ")"));
 }
 
 }  // namespace
 
-// In the order in which sniffers are asked: formats with a signature before those that are only lines of numbers.
-std::span<const Format> Formats() {
-  static const std::array kFormats = {
-      kOrbslam3Format, kOrbslam3TextFormat, kStoreFormat,  kMrptFormat, kMrpt3Format,        kMrptTextFormat,
-      kPlyFormat,      kPcdFormat,          kNdjsonFormat, kCsvFormat,  kCsvKeyFramesFormat, kCsvObservationsFormat,
-      kEurocFormat,    kTumFormat,          kKittiFormat,
-  };
-  return kFormats;
+const Format& FormatToRead(const Source& source, const ReadOptions& options) {
+  const Format* format = options.custom_format;
+  if (format == nullptr) format = options.format.empty() ? &DetectFormat(source) : &FormatById(options.format);
+  RequireReadable(*format, source.path);
+  RequirePlain(*format, source.path, source.name);
+  return *format;
+}
+
+const Format& FormatToWrite(const Target& target, const WriteOptions& options) {
+  const Format* format = options.custom_format;
+  if (format == nullptr) format = options.format.empty() ? &FormatOfSuffix(target) : &FormatById(options.format);
+  RequireWritable(*format, target.path);
+  RequirePlain(*format, target.path, target.name);
+  return *format;
 }
 
 const Format& FormatById(std::string_view id) {
@@ -108,53 +159,24 @@ const Format& FormatById(std::string_view id) {
   const auto found =
       std::find_if(formats.begin(), formats.end(), [id](const Format& format) { return format.id == id; });
   if (found == formats.end())
-    throw Error("unknown format `" + std::string(id) + "`; known are " + Ids([](const Format&) { return true; }));
+    throw Error(ErrorKind::kUsage,
+                Concat("unknown format `", id, "`; known are ", Ids([](const Format&) { return true; })));
   return *found;
 }
 
 const Format& FormatOfInput(const Location& location, std::string_view id) {
-  const Format& format = id.empty() ? DetectFormat(location) : FormatById(id);
-  RequireReadable(format, location);
-  RequirePlain(format, location);
-  return format;
+  return FormatToRead({location.path, location.name}, {.format = std::string(id)});
+}
+
+const Format* FindFormatOfInput(const Location& location) {
+  const Source source(location.path);
+  if (!source.is_file()) return nullptr;
+  const Format* format = Detect(Probe::Of(source)).format;
+  return format != nullptr && CanRead(*format) ? format : nullptr;
 }
 
 const Format& FormatOfOutput(const Location& location, std::string_view id) {
-  const Format* format = id.empty() ? FormatBySuffix(location.path, CanWrite) : &FormatById(id);
-  if (format == nullptr && location.path == "-")
-    throw Error(location.path, "",
-                "standard output has no suffix to tell the format by; give --to (" + Ids(CanWrite) + ")");
-  if (format == nullptr) {
-    std::string suffixes;
-    for (const Format& known : Formats())
-      for (const std::string_view suffix : known.suffixes)
-        if (CanWrite(known) && suffixes.find(suffix) == std::string::npos)
-          suffixes.append(suffixes.empty() ? "" : ", ").append(suffix);
-    throw Error(location.path, "",
-                "its suffix tells no format; use one of " + suffixes + ", or give --to (" + Ids(CanWrite) + ")");
-  }
-  RequireWritable(*format, location);
-  RequirePlain(*format, location);
-  return *format;
-}
-
-Atlas ReadAtlas(const Location& location, const ReadOptions& options, Notices& notices, std::string_view from) {
-  const Format& format = FormatOfInput(location, from);
-  try {
-    return format.read(location, options, notices);
-  } catch (const std::bad_alloc&) {
-    throw Error(location.path, "", "the machine has too little memory left to read it");
-  }
-}
-
-void WriteAtlas(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices,
-                std::string_view to, bool strict) {
-  const Format& format = FormatOfOutput(location, to);
-  const std::vector<std::string> losses = LossesOf(atlas, format, options);
-  if (strict && !losses.empty())
-    throw Error(location.path, "", losses.front() + "; without --strict it is written all the same");
-  for (const std::string& loss : losses) notices.Lose(loss);
-  format.write(atlas, location, options, notices);
+  return FormatToWrite({location.path, location.name}, {.format = std::string(id)});
 }
 
 }  // namespace slamdb

@@ -1,32 +1,61 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <iosfwd>
 #include <span>
+#include <string>
 #include <string_view>
 
+#include "slamdb/export.h"
 #include "slamdb/formats/format.h"
 
+// The way in and out: `Atlas atlas = ReadAtlas("map.osa"); WriteAtlas(atlas, "maps.db#lab");`.
+// Everything here is thread-safe and throws Error; `notices`, when given, receives what a successful run has to tell.
 namespace slamdb {
 
+// ---- reading
+
+// Reads with the format of the options, or else of the input. Throws Error that says what the file looks like when no
+// format reads it (`not an atlas: this looks like a COLMAP database`).
+[[nodiscard]] SLAMDB_EXPORT Atlas ReadAtlas(const Location& location, const ReadOptions& options = {},
+                                            Notices* notices = nullptr);
+// Reads the stream to its end.
+[[nodiscard]] SLAMDB_EXPORT Atlas ReadAtlas(std::istream& stream, const ReadOptions& options = {},
+                                            Notices* notices = nullptr);
+// The same of bytes in memory, which are not copied. A store is a file, and refused with kNotPossible.
+[[nodiscard]] SLAMDB_EXPORT Atlas DecodeAtlas(Bytes bytes, const ReadOptions& options = {}, Notices* notices = nullptr);
+[[nodiscard]] SLAMDB_EXPORT Atlas DecodeAtlas(std::string_view bytes, const ReadOptions& options = {},
+                                              Notices* notices = nullptr);
+
+// ---- writing
+
+// Writes with the format of the options, or else by the suffix. Names in `notices`, as losses, what the atlas has and
+// the target cannot hold; with options.strict it throws Error of kind kNotPossible for the first of them and writes
+// nothing. Throws Error of kind kAlreadyExists when the target is there and options.overwrite is not set.
+SLAMDB_EXPORT void WriteAtlas(const Atlas& atlas, const Location& location, const WriteOptions& options = {},
+                              Notices* notices = nullptr);
+// Writes to a stream, or to bytes in memory. They have no suffix: the options must name the format.
+SLAMDB_EXPORT void WriteAtlas(const Atlas& atlas, std::ostream& stream, const WriteOptions& options,
+                              Notices* notices = nullptr);
+[[nodiscard]] SLAMDB_EXPORT std::string EncodeAtlas(const Atlas& atlas, const WriteOptions& options,
+                                                    Notices* notices = nullptr);
+
+// ---- which formats there are
+
 // Every format, in the order in which their sniffers are asked.
-std::span<const Format> Formats();
+SLAMDB_EXPORT std::span<const Format> Formats();
 
 // The format of that id. Throws Error naming the known ids.
-const Format& FormatById(std::string_view id);
+SLAMDB_EXPORT const Format& FormatById(std::string_view id);
 
-// The format of a file that is there: by content first, then by suffix; `id` (--from) overrides. Throws Error that says
-// what the file looks like when no format reads it (`not an atlas: this looks like a COLMAP database`).
-const Format& FormatOfInput(const Location& location, std::string_view id = {});
+// The format of a file that is there: by content first, then by suffix; `id` overrides. Throws Error as ReadAtlas does.
+SLAMDB_EXPORT const Format& FormatOfInput(const Location& location, std::string_view id = {});
 
-// The format to write: `id` (--to), or by suffix. Throws Error naming the suffixes.
-const Format& FormatOfOutput(const Location& location, std::string_view id = {});
+// The same, or null for a file that is no atlas which slamdb reads, and for standard input. Throws Error when there is
+// no such file.
+[[nodiscard]] SLAMDB_EXPORT const Format* FindFormatOfInput(const Location& location);
 
-// Reads with the format of the input.
-Atlas ReadAtlas(const Location& location, const ReadOptions& options, Notices& notices, std::string_view from = {});
-
-// Writes with the format of the output. Names in `notices`, as losses, what the atlas has and the target cannot hold;
-// with `strict` it throws Error for the first of them and writes nothing.
-void WriteAtlas(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices,
-                std::string_view to = {}, bool strict = false);
+// The format to write: `id`, or by suffix. Throws Error naming the suffixes.
+SLAMDB_EXPORT const Format& FormatOfOutput(const Location& location, std::string_view id = {});
 
 }  // namespace slamdb

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <filesystem>
+#include "slamdb/formats/location.h"
 
-#include "slamdb/formats/format.h"
+#include <filesystem>
 
 namespace slamdb {
 
@@ -11,8 +11,8 @@ Location Location::Parse(std::string_view text) {
   const std::size_t hash = text.rfind('#');
   std::error_code ignored;
   if (hash == std::string_view::npos || hash <= component || std::filesystem::exists(text, ignored))
-    return {.path = std::string(text), .name = {}};
-  return {.path = std::string(text.substr(0, hash)), .name = std::string(text.substr(hash + 1))};
+    return {std::string(text), {}};
+  return {std::string(text.substr(0, hash)), std::string(text.substr(hash + 1))};
 }
 
 }  // namespace slamdb

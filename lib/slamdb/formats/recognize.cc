@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/detail/concat.h"
+
 namespace slamdb {
 namespace {
 
@@ -65,7 +67,7 @@ bool HasAt(std::string_view text, std::size_t offset, std::string_view part) {
 
 // SQLite keeps the text of its CREATE TABLE statements in the first page, and in further ones when there are many.
 std::string DescribeSqlite(const Probe& probe) {
-  const MappedFile file(probe.path);
+  const MappedFile file(probe.memory ? Source(*probe.memory, probe.path) : Source(probe.path));
   const std::string_view text = file.text().substr(0, std::size_t{1} << 20);
   const auto has = [text](std::string_view part) { return text.find(part) != std::string_view::npos; };
   if (has("two_view_geometries") && has("keypoints"))
@@ -80,7 +82,7 @@ std::string DescribeSqlite(const Probe& probe) {
   return "not an atlas: this is an SQLite database, but not a slamdb store";
 }
 
-std::string DescribeDirectory(const std::string& path) {
+ForeignFile DescribeDirectory(const std::string& path) {
   std::vector<std::string> names;
   std::error_code failed;
   for (std::filesystem::directory_iterator entry(path, failed), end; !failed && entry != end; entry.increment(failed))
@@ -88,14 +90,15 @@ std::string DescribeDirectory(const std::string& path) {
   std::sort(names.begin(), names.end());
   const auto has = [&names](std::string_view name) { return std::binary_search(names.begin(), names.end(), name); };
   if ((has("images.bin") && has("points3D.bin")) || (has("images.txt") && has("points3D.txt")))
-    return "not an atlas: this folder is a COLMAP model, which slamdb does not read";
+    return {ErrorKind::kUnsupported, "not an atlas: this folder is a COLMAP model, which slamdb does not read"};
   if (has("metadata.yaml"))
-    return "not an atlas: this folder is a ROS 2 bag; run a SLAM system on it and give the atlas that it saves";
+    return {ErrorKind::kUnsupported,
+            "not an atlas: this folder is a ROS 2 bag; run a SLAM system on it and give the atlas that it saves"};
   const auto atlas =
       std::find_if(names.begin(), names.end(), [](const std::string& name) { return name.ends_with(".osa"); });
-  if (atlas == names.end()) return "is a directory, expected an atlas file";
-  return "is a directory, expected an atlas file; did you mean " + (std::filesystem::path(path) / *atlas).string() +
-         "?";
+  std::string problem = "is a directory, expected an atlas file";
+  if (atlas != names.end()) problem += "; did you mean " + (std::filesystem::path(path) / *atlas).string() + "?";
+  return {ErrorKind::kUsage, std::move(problem)};
 }
 
 // The first line of a DBoW2 vocabulary as text: branching factor, depth, scoring and weighting.
@@ -119,8 +122,7 @@ bool IsVocabulary(std::string_view head) {
 
 std::optional<std::string> RecognizeText(std::string_view head) {
   if (IsVocabulary(head))
-    return "not an atlas: this is a DBoW2 vocabulary as ORB-SLAM3 uses it; `slamdb vocabulary show` tells its name and "
-           "MD5";
+    return "not an atlas: this is a DBoW2 vocabulary as ORB-SLAM3 uses it; ReadVocabularyFile tells its name and MD5";
   if (head.starts_with("%YAML"))
     return head.find("mappointsFile") != std::string_view::npos
                ? "not an atlas: this is the header of an osmap map (ORB-SLAM2), which slamdb does not read"
@@ -130,43 +132,51 @@ std::optional<std::string> RecognizeText(std::string_view head) {
   return std::nullopt;
 }
 
-std::optional<std::string> RecognizeObjects(std::string_view head) {
+std::optional<ForeignFile> RecognizeObjects(std::string_view head) {
   if (head.substr(0, 64).find("serialization::archive") != std::string_view::npos)
-    return "not an atlas: this is an archive of Boost.Serialization, but what it holds is not an ORB-SLAM3 v1.0 atlas";
+    return ForeignFile{
+        ErrorKind::kUnsupported,
+        "not an atlas: this is an archive of Boost.Serialization, but what it holds is not an ORB-SLAM3 v1.0 atlas"};
   // A MessagePack map whose first key, in byte order, is `cameras`.
   const auto first = head.empty() ? 0U : static_cast<unsigned char>(head[0]);
   const std::size_t key = first >= 0x80 && first <= 0x8f ? 1 : first == 0xde ? 3 : 0;
   if (key > 0 && HasAt(head, key,
                        "\xa7"
                        "cameras"))
-    return "not an atlas: this is a stella_vslam map (MessagePack), which slamdb does not read";
+    return ForeignFile{ErrorKind::kUnsupported,
+                       "not an atlas: this is a stella_vslam map (MessagePack), which slamdb does not read"};
   const std::string_view name = head.substr(std::min<std::size_t>(1, head.size()), first & 0x7fU);
   if (first > 0x80 && kMrptLandmarksClass.starts_with(name) && head.size() < kMrptLandmarksClass.size() + 6)
-    return "ends in the header of a landmarks map of MRPT: the file is truncated";
+    return ForeignFile{ErrorKind::kDamaged, "ends in the header of a landmarks map of MRPT: the file is truncated"};
   if (first > 0x80 && (name.starts_with("mrpt::") || name.starts_with("CLandmark"))) {
     std::string what(name);
     if (head.size() > 1 + name.size())
       what += " of version " + std::to_string(static_cast<unsigned char>(head[1 + name.size()]));
-    return std::string(kMrptLandmarks).replace(kMrptLandmarks.find('%'), 1, what);
+    return ForeignFile{ErrorKind::kUnsupported, std::string(kMrptLandmarks).replace(kMrptLandmarks.find('%'), 1, what)};
   }
   return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<std::string> RecognizeOther(const Probe& probe) {
+std::optional<ForeignFile> RecognizeOther(const Probe& probe) {
   if (probe.is_directory) return DescribeDirectory(probe.path);
-  if (probe.size == 0) return "is empty; was the program that saved it stopped before it could?";
+  if (probe.size == 0)
+    return ForeignFile{ErrorKind::kDamaged, "is empty; was the program that saved it stopped before it could?"};
   const std::string_view head = probe.head;
   if (std::all_of(head.begin(), head.end(), [](char byte) { return byte == 0; }))
-    return "begins with " + std::to_string(head.size()) +
-           " zero bytes and holds no atlas there; was the disk full or the power cut while it was saved? 'slamdb "
-           "recover' looks for what stands behind them";
-  if (head.starts_with("SQLite format 3\0"sv)) return DescribeSqlite(probe);
+    return ForeignFile{
+        ErrorKind::kDamaged,
+        detail::Concat("begins with ", head.size(),
+                       " zero bytes and holds no atlas there; was the disk full or the power cut while it was saved? "
+                       "SalvageAtlas looks for what stands behind them")};
+  if (head.starts_with("SQLite format 3\0"sv)) return ForeignFile{ErrorKind::kUnsupported, DescribeSqlite(probe)};
   for (const Signature& known : kSignatures)
-    if (HasAt(head, known.offset, known.signature)) return std::string(known.sentence);
+    if (HasAt(head, known.offset, known.signature))
+      return ForeignFile{ErrorKind::kUnsupported, std::string(known.sentence)};
   if (auto objects = RecognizeObjects(head)) return objects;
-  return RecognizeText(head);
+  if (auto text = RecognizeText(head)) return ForeignFile{ErrorKind::kUnsupported, *std::move(text)};
+  return std::nullopt;
 }
 
 std::string DescribeUnknown(const Probe& probe) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/formats/format.h"
 
 namespace slamdb {
@@ -28,8 +30,11 @@ struct Salvage {
   bool lost_beginning = false;  // of an ORB-SLAM3 file: vocabulary, number of maps, head of the first map
 };
 
-// Reads what can be read, with the format of the input: ORB-SLAM3 files (orbslam3/salvage.h), stores (sqlite/salvage.h)
-// and MRPT landmarks (mrpt/mrpt.h). Throws Error when nothing can, or for another format.
-Salvage SalvageAtlas(const Location& location, const ReadOptions& options, std::string_view from = {});
+// Reads what can be read, with the format of the options, or else of the input: of ORB-SLAM3 files, stores and MRPT
+// landmarks. Throws Error when nothing can be read, and of kind kUnsupported for another format. Thread-safe.
+[[nodiscard]] SLAMDB_EXPORT Salvage SalvageAtlas(const Location& location, const ReadOptions& options = {});
+
+// The same of bytes in memory, which are not copied.
+[[nodiscard]] SLAMDB_EXPORT Salvage SalvageBytes(Bytes bytes, const ReadOptions& options = {});
 
 }  // namespace slamdb

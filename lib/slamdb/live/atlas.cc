@@ -32,13 +32,13 @@ Atlas::Loaded Atlas::Load(const std::string& location, const ReadOptions& option
   if (!options.selection.everything() || options.features != FeatureColumns::kAll)
     throw Error(location, "", "a live atlas is read whole, or saving it would lose the rest");
   Notices notices;
-  LiveAtlas live = FromModel(ReadAtlas(Location::Parse(location), options, notices), options.threads);
+  LiveAtlas live = FromModel(ReadAtlas(location, options, &notices), options.threads);
   return {std::move(live.atlas), std::move(live.report), std::move(notices)};
 }
 
 Notices Atlas::Save(const std::string& location, const WriteOptions& options) {
   Notices notices;
-  WriteAtlas(ToModel(*this, options.threads), Location::Parse(location), options, notices);
+  WriteAtlas(ToModel(*this, options.threads), location, options, &notices);
   return notices;
 }
 

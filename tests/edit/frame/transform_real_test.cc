@@ -34,9 +34,8 @@ class RealMap : public ::testing::TestWithParam<Session> {
     if (atlases == nullptr || meaning == nullptr) GTEST_SKIP() << "set SLAMDB_ATLASES and SLAMDB_MEANING";
     const std::string name = GetParam().name;
     const auto truth = std::filesystem::path(meaning).parent_path() / "ground_truth" / (name + "_frames.txt");
-    Notices notices;
-    atlas_ = ReadAtlas({std::string(atlases) + "/" + name + ".osa", ""}, {}, notices);
-    const Atlas poses = ReadAtlas({truth.string(), ""}, {}, notices);
+    atlas_ = ReadAtlas(std::string(atlases) + "/" + name + ".osa");
+    const Atlas poses = ReadAtlas(truth.string());
     for (const KeyFrame& pose : poses.maps.at(0).keyframes)
       truth_.push_back({pose.timestamp, CameraCenter(pose).cast<double>()});
   }
@@ -86,8 +85,7 @@ TEST_P(RealMap, IsStillSoundAndReadByBoost) {
   EXPECT_EQ(severe(atlas_), 0U);
   const auto path = std::filesystem::temp_directory_path() /
                     (std::string("slamdb_transform_") + GetParam().name + std::to_string(::getpid()) + ".osa");
-  Notices notices;
-  WriteAtlas(atlas_, {path.string(), ""}, {.sync = false}, notices);
+  WriteAtlas(atlas_, path.string(), {.sync = false});
   const Atlas loaded = reference::Load(path.string(), reference::Encoding::kBinary);
   std::filesystem::remove(path);
   const Map& map = loaded.maps.at(0);
@@ -107,8 +105,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(RealInertialMap, ItsInertiaTellsGravity) {
   const char* atlases = std::getenv("SLAMDB_ATLASES");
   if (atlases == nullptr) GTEST_SKIP() << "set SLAMDB_ATLASES";
-  Notices notices;
-  Map map = ReadAtlas({std::string(atlases) + "/stereo_inertial.osa", ""}, {}, notices).maps.at(0);
+  Map map = ReadAtlas(std::string(atlases) + "/stereo_inertial.osa").maps.at(0);
   const auto gravity = GravityByInertia(map);
   ASSERT_TRUE(gravity);
   EXPECT_NEAR(gravity->norm(), 9.81, 0.01);

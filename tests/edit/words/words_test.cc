@@ -140,8 +140,7 @@ TEST_P(RealWords, ComeOutToTheLastBit) {
   const std::string file = folder == nullptr ? "" : std::string(folder) + "/labvoc.txt";
   if (file.empty() || !std::filesystem::exists(file)) GTEST_SKIP() << "SLAMDB_ATLASES names no folder with labvoc.txt";
   static const LoadedVocabulary vocabulary = LoadVocabulary(file);
-  Notices notices;
-  const Atlas before = ReadAtlas({path, ""}, {}, notices);
+  const Atlas before = ReadAtlas(path);
   Atlas atlas = before;
   const RecomputeWordsReport report = RecomputeWords(atlas, vocabulary.tree, vocabulary.identity, {});
   EXPECT_EQ(report.recomputed, report.keyframes);

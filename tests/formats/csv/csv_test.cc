@@ -5,16 +5,14 @@
 
 #include <algorithm>
 
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {
 namespace {
 
 std::string Write(const Format& format, const Atlas& atlas, Notices& notices) {
-  const TemporaryFolder folder;
-  format.write(atlas, {folder.Path("a.csv"), ""}, {}, notices);
-  return ReadFile(folder.Path("a.csv"));
+  return Encoded(format, atlas, {}, notices);
 }
 
 TEST(Csv, WritesPoints) {

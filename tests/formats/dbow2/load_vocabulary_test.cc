@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <cstring>
 
@@ -18,16 +17,13 @@ const std::string kText = SLAMDB_FIXTURES "/vocabulary/small.txt";
 const std::string kBinary = SLAMDB_FIXTURES "/vocabulary/small.bin";
 const std::string kBytes = " 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 255 ";
 
-std::string Written(const std::string& name, const std::string& bytes) {
-  const std::string path = testing::TempDir() + std::to_string(::getpid()) + name;  // tests run side by side
-  WriteWhole(path, bytes);
-  return path;
-}
+// Bytes in memory, which must outlive it.
+Source File(const std::string& bytes) { return {std::as_bytes(std::span(bytes)), "vocabulary"}; }
 
 // What loading says of a file that it refuses; "loaded" when it does not.
 std::string Refusal(const std::string& bytes) {
   try {
-    LoadVocabulary(Written("refused", bytes), 2);
+    static_cast<void>(LoadVocabulary(File(bytes), 2));
   } catch (const Error& error) {
     return (error.place().empty() ? "" : error.place() + ": ") + error.problem();
   }
@@ -71,16 +67,18 @@ TEST(LoadVocabulary, BothEncodingsAndAnyThreadsGiveTheSameTree) {
 TEST(LoadVocabulary, TakesLineFeedsAtTheEndAndCarriageReturns) {
   const std::string text = ReadWhole(kText);
   const VocabularyTree tree = LoadVocabulary(kText).tree;
-  ExpectSameTree(LoadVocabulary(Written("feed", text + "\n")).tree, tree);
+  const std::string feed = text + "\n";
+  ExpectSameTree(LoadVocabulary(File(feed)).tree, tree);
   std::string windows;
   for (const char c : text) windows.append(c == '\n' ? "\r\n" : std::string(1, c));
-  ExpectSameTree(LoadVocabulary(Written("windows", windows + "\r\n")).tree, tree);
+  windows += "\r\n";
+  ExpectSameTree(LoadVocabulary(File(windows)).tree, tree);
 }
 
 TEST(LoadVocabulary, ChildrenNeedNotStandTogether) {
   const std::string text =
       "2 2 0 0\n0 0" + kBytes + "0\n0 0" + kBytes + "0\n1 1" + kBytes + "1\n2 1" + kBytes + "2\n1 1" + kBytes + "3";
-  const VocabularyTree tree = LoadVocabulary(Written("apart", text)).tree;
+  const VocabularyTree tree = LoadVocabulary(File(text)).tree;
   EXPECT_THAT(tree.children, ElementsAre(1, 2, 3, 5, 4));
   EXPECT_THAT(tree.first_child, ElementsAre(0, 2, 4, 5, 5, 5, 5));
 }

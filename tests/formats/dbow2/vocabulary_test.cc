@@ -13,15 +13,13 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::string Written(const std::string& name, const std::string& bytes) {
-  const std::string path = testing::TempDir() + name;
-  WriteWhole(path, bytes);
-  return path;
+VocabularyFile ReadBytes(const std::string& name, const std::string& bytes) {
+  return ReadVocabularyFile({std::as_bytes(std::span(bytes)), name});
 }
 
 TEST(ReadVocabularyFile, GivesNameChecksumAndShape) {
-  const std::string path = Written("three.txt", "10 6 0 0 \n0 0 1 2 3 0\n1 1 4 5 6 0.5\n1 1 7 8 9 0.25\n0 1 1 1 1 2\n");
-  const VocabularyFile file = ReadVocabularyFile(path);
+  const VocabularyFile file =
+      ReadBytes("three.txt", "10 6 0 0 \n0 0 1 2 3 0\n1 1 4 5 6 0.5\n1 1 7 8 9 0.25\n0 1 1 1 1 2\n");
   EXPECT_EQ(file.identity.name, "three.txt");
   EXPECT_EQ(file.identity.checksum.size(), 32U);
   ASSERT_TRUE(file.shape.has_value());
@@ -33,16 +31,18 @@ TEST(ReadVocabularyFile, GivesNameChecksumAndShape) {
 }
 
 TEST(ReadVocabularyFile, ChecksumsOfKnownTexts) {  // RFC 1321, appendix A.5
-  EXPECT_EQ(ReadVocabularyFile(Written("empty", "")).identity.checksum, kChecksumOfNothing);
-  EXPECT_EQ(ReadVocabularyFile(Written("abc", "abc")).identity.checksum, "900150983cd24fb0d6963f7d28e17f72");
+  EXPECT_EQ(ReadBytes("empty", "").identity.checksum, kChecksumOfNothing);
+  EXPECT_EQ(ReadBytes("abc", "abc").identity.checksum, "900150983cd24fb0d6963f7d28e17f72");
 }
 
 TEST(ReadVocabularyFile, AnotherKindOfFileHasNoShape) {
-  EXPECT_FALSE(ReadVocabularyFile(Written("binary", std::string("\x01\x02\0\xff garbage", 12))).shape.has_value());
-  EXPECT_FALSE(ReadVocabularyFile(Written("prose", "to be or not\nto be\n")).shape.has_value());
+  EXPECT_FALSE(ReadBytes("binary", std::string("\x01\x02\0\xff garbage", 12)).shape.has_value());
+  EXPECT_FALSE(ReadBytes("prose", "to be or not\nto be\n").shape.has_value());
 }
 
-TEST(ReadVocabularyFile, MissingFileIsAnError) { EXPECT_THROW(ReadVocabularyFile("/nowhere/ORBvoc.txt"), Error); }
+TEST(ReadVocabularyFile, MissingFileIsAnError) {
+  EXPECT_THROW(static_cast<void>(ReadVocabularyFile("/nowhere/ORBvoc.txt")), Error);
+}
 
 TEST(ReadVocabularyFile, TheRealOneMatchesTheRealAtlases) {
   const char* folder = std::getenv("SLAMDB_ATLASES");

@@ -10,9 +10,11 @@
 #include <set>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -20,8 +22,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-constexpr std::string_view kStore = "store";  // updates files in place instead of replacing them
 
 std::string ProblemOf(const std::function<void()>& work) {
   try {
@@ -36,9 +36,11 @@ std::string Written(const Format& format, const Atlas& atlas, WriteOptions optio
   const TemporaryFolder folder;
   Notices notices;
   options.sync = false;
-  format.write(atlas, {folder.Path("out"), ""}, options, notices);
+  format.write(atlas, folder.Path("out"), options, notices);
   return ReadFile(folder.Path("out"));
 }
+
+const WriteOptions kAscii = WriteOptions{}.With(PointCloudOptions{.binary = false});
 
 // LandmarkAtlas() with so many points, keyframes and landmarks that every format writes them in several blocks.
 Atlas LongAtlas() {
@@ -87,8 +89,8 @@ TEST(Formats, AreListedOnceWithTheirSuffixes) {
   for (const Format& format : Formats()) {
     EXPECT_TRUE(ids.insert(format.id).second) << format.id;
     EXPECT_FALSE(format.title.empty()) << format.id;
-    EXPECT_EQ(format.read != nullptr, format.reads != kNothing) << format.id;
-    EXPECT_EQ(format.write != nullptr, format.writes != kNothing) << format.id;
+    EXPECT_EQ(format.read != nullptr, format.reads != Content::kNothing) << format.id;
+    EXPECT_EQ(format.write != nullptr, format.writes != Content::kNothing) << format.id;
     for (const std::string_view suffix : format.suffixes) {
       EXPECT_TRUE(suffix.starts_with('.')) << format.id;
       EXPECT_TRUE(std::none_of(suffix.begin(), suffix.end(), [](char c) { return c >= 'A' && c <= 'Z'; }));
@@ -112,15 +114,15 @@ TEST(Formats, AreToldByTheLongestSuffix) {
 TEST(Formats, ThatAreUnknownAreAnsweredWithTheKnownOnes) {
   EXPECT_THAT(ProblemOf([] { FormatById("plyy"); }), HasSubstr("unknown format `plyy`; known are "));
   EXPECT_THAT(ProblemOf([] { FormatOfOutput({"a.xyz", ""}); }), HasSubstr(".ply"));
-  EXPECT_THAT(ProblemOf([] { FormatOfOutput({"-", ""}); }), HasSubstr("give --to"));
-  EXPECT_THAT(ProblemOf([] { FormatOfInput({"-", ""}); }), HasSubstr("give --from"));
+  EXPECT_THAT(ProblemOf([] { FormatOfOutput({"-", ""}); }), HasSubstr("WriteOptions::format names it"));
+  EXPECT_THAT(ProblemOf([] { FormatOfInput({"-", ""}); }), HasSubstr("ReadOptions::format names it"));
   EXPECT_THAT(ProblemOf([] { FormatOfOutput({"a.ply", "office"}); }), HasSubstr("names one atlas of a store"));
 }
 
 class EveryFormat : public ::testing::TestWithParam<std::string> {
  protected:
   const Format& format() const { return FormatById(GetParam()); }
-  bool is_store() const { return format().id == kStore; }
+  bool is_store() const { return format().named; }  // updates files in place instead of replacing them
 };
 
 TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
@@ -151,6 +153,18 @@ TEST_P(EveryFormat, WritesToStandardOutput) {
   EXPECT_EQ(text, Written(format(), SmallAtlas()));
 }
 
+TEST_P(EveryFormat, ReadsAndWritesMemory) {
+  if (is_store()) {
+    EXPECT_THAT(ProblemOf([&] { Encoded(format(), SmallAtlas()); }), HasSubstr("a store is a file"));
+    EXPECT_THAT(ProblemOf([&] { Decoded(format(), "SQLite format 3"); }), HasSubstr("a store is a file"));
+    return;
+  }
+  const std::string bytes = Encoded(format(), LandmarkAtlas());
+  EXPECT_EQ(bytes, Written(format(), LandmarkAtlas()));
+  if (format().read == nullptr) return;
+  EXPECT_EQ(Encoded(format(), Decoded(format(), bytes)), bytes);
+}
+
 TEST_P(EveryFormat, OverwritesOnlyWhenTold) {
   if (is_store()) GTEST_SKIP() << "a store is added to";
   const TemporaryFolder folder;
@@ -159,7 +173,7 @@ TEST_P(EveryFormat, OverwritesOnlyWhenTold) {
   EXPECT_THAT(ProblemOf([&] {
                 format().write(SmallAtlas(), {path, ""}, {}, notices);
               }),
-              HasSubstr("is there already; give --overwrite"));
+              HasSubstr("is there already; WriteOptions::overwrite replaces it"));
   EXPECT_EQ(ReadFile(path), "mine");
   format().write(SmallAtlas(), {path, ""}, {.overwrite = true}, notices);
   EXPECT_EQ(ReadFile(path), Written(format(), SmallAtlas()));
@@ -171,7 +185,7 @@ TEST_P(EveryFormat, LeavesNothingBehindWhenItFails) {
   EXPECT_NE(ProblemOf([&] { format().write(SmallAtlas(), {folder.Path("no/such/folder/out"), ""}, {}, notices); }), "");
   if (is_store()) return;  // its transaction is undone, in a file that stays
   WriteOptions options;
-  options.progress = [](std::string_view, double) { throw Error("stopped"); };
+  options.progress = [](std::string_view, double) { throw Error(ErrorKind::kNotPossible, "stopped"); };
   try {
     format().write(SmallAtlas(), {folder.Path("out"), ""}, options, notices);
   } catch (const Error&) {
@@ -189,9 +203,9 @@ TEST_P(EveryFormat, DoesNotDependOnThreads) {
 
 TEST_P(EveryFormat, DoesNotDependOnTheLocale) {
   if (is_store()) GTEST_SKIP() << "a store records when it was written";
-  const std::string text = Written(format(), SmallAtlas(), {.binary = false});
+  const std::string text = Written(format(), SmallAtlas(), kAscii);
   const CommaDecimalLocale locale;
-  EXPECT_EQ(Written(format(), SmallAtlas(), {.binary = false}), text);
+  EXPECT_EQ(Written(format(), SmallAtlas(), kAscii), text);
 }
 
 std::vector<std::string> WritableIds() {

@@ -6,10 +6,9 @@
 #include <tuple>
 
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -17,11 +16,8 @@ namespace {
 // Everything that an atlas holds, as text, but for how its file was encoded: what is compared to tell that nothing is
 // lost.
 std::string Everything(Atlas atlas) {
-  const TemporaryFolder folder;
-  Notices notices;
   atlas.encoding = {};
-  kNdjsonFormat.write(atlas, {folder.Path("a.ndjson"), ""}, {.sync = false}, notices);
-  return ReadFile(folder.Path("a.ndjson"));
+  return EncodeAtlas(atlas, {.format = "ndjson"});
 }
 
 std::vector<double> Times(const Atlas& atlas) {
@@ -42,10 +38,9 @@ bool LooksLike(const Format& format, const Format& expected) {
 
 Atlas ThroughFormat(const Atlas& atlas, const Format& format) {
   const TemporaryFolder folder;
-  Notices notices;
-  WriteAtlas(atlas, {folder.Path("a"), ""}, {.sync = false}, notices, format.id);
-  EXPECT_TRUE(LooksLike(FormatOfInput({folder.Path("a"), ""}), format)) << format.id;
-  return ReadAtlas({folder.Path("a"), ""}, {}, notices);
+  WriteAtlas(atlas, folder.Path("a"), {.format = std::string(format.id), .sync = false});
+  EXPECT_TRUE(LooksLike(FormatOfInput(folder.Path("a")), format)) << format.id;
+  return ReadAtlas(folder.Path("a"));
 }
 
 std::vector<std::string> Ids(bool both_ways) {
@@ -63,14 +58,14 @@ TEST_P(BothWays, ReadsWhatItWrites) {
       {.sensor = Sensor::kStereo, .inertial = true, .maps = 2, .keyframes = 8, .points = 300, .features = 300});
   for (const Atlas& atlas : {SmallAtlas(), LandmarkAtlas(), InertialAtlas(), synthetic}) {
     const Atlas back = ThroughFormat(atlas, format);
-    if ((format.writes & kPoses) != 0) {
+    if (HasAny(format.writes, Content::kPoses)) {
       EXPECT_EQ(Times(back), Times(atlas));
     }
-    if ((format.writes & kLandmarks) != 0) {
+    if (HasAny(format.writes, Content::kLandmarks)) {
       EXPECT_EQ(back.maps[0].landmarks.size(), atlas.maps[0].landmarks.size());
     }
-    const Content all = atlas.maps[0].landmarks.empty() ? kAtlas : kEverything;
-    if ((format.reads & format.writes & all) != all) continue;
+    const Content all = atlas.maps[0].landmarks.empty() ? Content::kAtlas : Content::kEverything;
+    if (!HasAll(format.reads & format.writes, all)) continue;
     EXPECT_EQ(Everything(back), Everything(atlas));
   }
 }
@@ -82,15 +77,15 @@ class Conversion : public ::testing::TestWithParam<FromTo> {};
 TEST_P(Conversion, GivesAFileOfThatFormat) {
   const auto& [from, to] = GetParam();
   const TemporaryFolder folder;
-  Notices notices;
+  const WriteOptions options{.format = to, .sync = false};
   const Atlas atlas = ThroughFormat(SmallAtlas(), FormatById(from));
-  WriteAtlas(atlas, {folder.Path("b"), ""}, {.sync = false}, notices, to);
+  WriteAtlas(atlas, folder.Path("b"), options);
   const Probe probe = Probe::Of(folder.Path("b"));
-  const bool has_something = (FormatById(from).reads & FormatById(to).writes & ~kMaps) != 0;
+  const bool has_something = HasAny(FormatById(from).reads & FormatById(to).writes, ~Content::kMaps);
   EXPECT_TRUE(!has_something || FormatById(to).sniff == nullptr || FormatById(to).sniff(probe) ||
               (to == "mrpt3" && FormatById("mrpt").sniff(probe)));
-  if ((FormatById(from).reads & kAtlas) != kAtlas || to == "store" || to == "ndjson") return;
-  WriteAtlas(SmallAtlas(), {folder.Path("c"), ""}, {.sync = false}, notices, to);
+  if (!HasAll(FormatById(from).reads, Content::kAtlas) || to == "store" || to == "ndjson") return;
+  WriteAtlas(SmallAtlas(), folder.Path("c"), options);
   EXPECT_EQ(ReadFile(folder.Path("b")), ReadFile(folder.Path("c")));
 }
 

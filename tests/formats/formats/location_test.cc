@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "slamdb/formats/format.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -28,6 +28,14 @@ TEST(Location, KeepsTheHashOfAFileThatIsThere) {
   const std::string path = folder.Make("map#2.osa", "x");
   EXPECT_EQ(Location::Parse(path), (Location{path, ""}));
   EXPECT_EQ(Location::Parse(path + "#a"), (Location{path, "a"}));
+}
+
+TEST(Location, IsMadeOfText) {
+  const std::string text = "store.db#office";
+  const Location parsed("store.db", "office");
+  EXPECT_EQ(Location(text), parsed);
+  EXPECT_EQ(Location(text.c_str()), parsed);
+  EXPECT_EQ(Location(std::string_view(text)), parsed);
 }
 
 TEST(Location, PrintsAsItIsParsed) {

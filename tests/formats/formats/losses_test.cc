@@ -5,9 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -19,19 +20,33 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 TEST(ContentOf, IsWhatTheAtlasHas) {
-  EXPECT_EQ(ContentOf({}), kNothing);
-  const Content one =
-      kPoses | kPoints | kNormals | kObservations | kKeypoints | kDescriptors | kGraph | kCameras | kIdentity;
+  EXPECT_EQ(ContentOf({}), Content::kNothing);
+  const Content one = Content::kPoses | Content::kPoints | Content::kNormals | Content::kObservations |
+                      Content::kKeypoints | Content::kDescriptors | Content::kGraph | Content::kCameras |
+                      Content::kIdentity;
   EXPECT_EQ(ContentOf(OneMapAtlas()), one);
-  EXPECT_EQ(ContentOf(SmallAtlas()), one | kMaps);
-  EXPECT_EQ(ContentOf(InertialAtlas()), one | kInertial);
+  EXPECT_EQ(ContentOf(SmallAtlas()), one | Content::kMaps);
+  EXPECT_EQ(ContentOf(InertialAtlas()), one | Content::kInertial);
   EXPECT_EQ(ContentOf(SmallAtlas(), MapId(0)), one);
+}
+
+TEST(Content, IsASet) {
+  using enum Content;
+  static_assert((kPoses | kPoints) == (kPoints | kPoses));
+  static_assert(HasAny(kPoses | kPoints, kPoints | kMaps) && !HasAny(kPoses, kPoints));
+  static_assert(HasAll(kAtlas, kPoses | kPoints) && !HasAll(kPoses, kPoses | kPoints));
+  static_assert(~kNothing == kEverything && ~kAtlas == kLandmarks && ~kEverything == kNothing);
+  Content content = kPoses;
+  content |= kMaps;
+  EXPECT_EQ(content, kPoses | kMaps);
+  content &= ~kPoses;
+  EXPECT_EQ(content, kMaps);
 }
 
 TEST(ContentOf, KnowsBagsOfWords) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].keyframes[0].features.bag_of_words = {.words = {1}, .weights = {1.0}};
-  EXPECT_EQ(ContentOf(atlas) & kBagOfWords, kBagOfWords);
+  EXPECT_EQ(ContentOf(atlas) & Content::kBagOfWords, Content::kBagOfWords);
 }
 
 TEST(LossesOf, NamesEachWithItsCount) {
@@ -42,7 +57,8 @@ TEST(LossesOf, NamesEachWithItsCount) {
                           "ply cannot hold cameras (1)",
                           "ply cannot hold all ids and flags, the counters and the vocabulary's name"));
   EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("kitti"), {}), Contains("kitti cannot hold several maps (2)"));
-  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("kitti"), {.map = MapId(0)}), Not(Contains(HasSubstr("several maps"))));
+  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("kitti"), WriteOptions{}.With(ExportOptions{.map = MapId(0)})),
+              Not(Contains(HasSubstr("several maps"))));
   EXPECT_THAT(LossesOf(InertialAtlas(), FormatById("tum"), {}),
               Contains("tum cannot hold inertial data of keyframes (2)"));
 }
@@ -76,7 +92,7 @@ TEST(LossesOf, AreNoneWhereEverythingFits) {
 TEST(WriteAtlas, TellsLosses) {
   const TemporaryFolder folder;
   Notices notices;
-  WriteAtlas(OneMapAtlas(), {folder.Path("a.ply"), ""}, {}, notices);
+  WriteAtlas(OneMapAtlas(), folder.Path("a.ply"), {}, &notices);
   EXPECT_TRUE(notices.lossy());
   EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kLoss, "ply cannot hold keyframe poses (2)"}));
   EXPECT_THAT(folder.Names(), ElementsAre("a.ply"));
@@ -86,15 +102,16 @@ TEST(WriteAtlas, WritesNothingWhenStrict) {
   const TemporaryFolder folder;
   Notices notices;
   try {
-    WriteAtlas(OneMapAtlas(), {folder.Path("a.ply"), ""}, {}, notices, {}, true);
+    WriteAtlas(OneMapAtlas(), folder.Path("a.ply"), {.strict = true}, &notices);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.path(), folder.Path("a.ply"));
-    EXPECT_THAT(error.problem(), HasSubstr("ply cannot hold keyframe poses (2)"));
+    EXPECT_EQ(error.kind(), ErrorKind::kNotPossible);
+    EXPECT_EQ(error.problem(), "ply cannot hold keyframe poses (2); WriteOptions::strict refuses that");
   }
   EXPECT_THAT(folder.Names(), IsEmpty());
   EXPECT_THAT(notices.items(), IsEmpty());
-  WriteAtlas(OneMapAtlas(), {folder.Path("a.ndjson"), ""}, {}, notices, {}, true);
+  WriteAtlas(OneMapAtlas(), folder.Path("a.ndjson"), {.strict = true}, &notices);
   EXPECT_THAT(folder.Names(), ElementsAre("a.ndjson"));
 }
 

@@ -8,7 +8,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -16,19 +16,21 @@ namespace {
 using std::string_literals::operator""s;
 using ::testing::HasSubstr;
 
-// What FormatOfInput says of a file that is no atlas.
-std::string Problem(const std::string& path) {
+// What FormatOfInput throws of a file that is no atlas.
+Error Refusal(const std::string& path) {
   try {
     FormatOfInput({path, ""});
   } catch (const Error& error) {
     EXPECT_EQ(error.path(), path);
-    return error.problem();
+    return error;
   }
-  return "";
+  return {ErrorKind::kInternal, "an atlas"};
 }
+std::string Problem(const std::string& path) { return Refusal(path).problem(); }
 
 struct WrongFile {
   std::string name, content, sentence;
+  ErrorKind kind = ErrorKind::kUnsupported;
 };
 
 class Recognize : public ::testing::TestWithParam<WrongFile> {};
@@ -36,7 +38,25 @@ class Recognize : public ::testing::TestWithParam<WrongFile> {};
 TEST_P(Recognize, SaysWhatItIs) {
   const TemporaryFolder folder;
   const std::string bare = folder.Make("file", GetParam().content);
-  EXPECT_THAT(Problem(bare), HasSubstr(GetParam().sentence));
+  const Error refusal = Refusal(bare);
+  EXPECT_THAT(refusal.problem(), HasSubstr(GetParam().sentence));
+  EXPECT_EQ(refusal.kind(), GetParam().kind);
+}
+
+TEST_P(Recognize, SaysTheSameOfBytesInMemory) {
+  try {
+    static_cast<void>(DecodeAtlas(GetParam().content));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.path(), "memory");
+    EXPECT_THAT(error.problem(), HasSubstr(GetParam().sentence));
+    EXPECT_EQ(error.kind(), GetParam().kind);
+  }
+}
+
+TEST_P(Recognize, FindsNoFormatForIt) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(FindFormatOfInput(folder.Make("file", GetParam().content)), nullptr);
 }
 
 std::string Padded(std::string text, std::size_t size) {
@@ -49,7 +69,8 @@ std::string Sqlite(const std::string& schema) { return Padded("SQLite format 3\0
 INSTANTIATE_TEST_SUITE_P(
     Files, Recognize,
     ::testing::Values(
-        WrongFile{"empty", "", "is empty"}, WrongFile{"zeros", std::string(100, '\0'), "begins with 100 zero bytes"},
+        WrongFile{"empty", "", "is empty", ErrorKind::kDamaged},
+        WrongFile{"zeros", std::string(100, '\0'), "begins with 100 zero bytes", ErrorKind::kDamaged},
         WrongFile{"gzip", "\x1f\x8b\x08"s,
                   "gzip-compressed, and what is in it, or left of it, does not begin like a landmarks map"},
         WrongFile{"xz", "\xfd\x37zXZ\0"s, "xz-compressed; unpack it first (unxz)"},
@@ -80,10 +101,11 @@ INSTANTIATE_TEST_SUITE_P(
                   "stella_vslam map (MessagePack)"},
         WrongFile{"mrpt", "\x99mrpt::maps::CLandmarksMap\x07\1\0\0\0"s,
                   "MRPT objects (mrpt::maps::CLandmarksMap of version 7)"},
-        WrongFile{"cut_mrpt", "\x99mrpt::maps::CLand", "ends in the header of a landmarks map of MRPT"},
-        WrongFile{"cut_mrpt_count", "\x99mrpt::maps::CLandmarksMap\0\2"s, "the file is truncated"},
-        WrongFile{"text", "To whom it may concern\n", "looks like a text file"},
-        WrongFile{"bytes", "\x01\x02\x03\x00\x7f"s, "neither its first bytes nor its suffix"},
+        WrongFile{"cut_mrpt", "\x99mrpt::maps::CLand", "ends in the header of a landmarks map of MRPT",
+                  ErrorKind::kDamaged},
+        WrongFile{"cut_mrpt_count", "\x99mrpt::maps::CLandmarksMap\0\2"s, "the file is truncated", ErrorKind::kDamaged},
+        WrongFile{"text", "To whom it may concern\n", "looks like a text file", ErrorKind::kDamaged},
+        WrongFile{"bytes", "\x01\x02\x03\x00\x7f"s, "neither its first bytes nor its suffix", ErrorKind::kDamaged},
         WrongFile{"ply", "ply\nformat ascii 1.0\n", "is a PLY point cloud, which slamdb writes but does not read"},
         WrongFile{"kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n",
                   "is a KITTI trajectory, which slamdb writes but does not read"}),
@@ -104,13 +126,25 @@ TEST(RecognizeFolder, KnowsRos2Bags) {
 TEST(RecognizeFolder, NamesTheAtlasInIt) {
   const TemporaryFolder folder;
   EXPECT_EQ(Problem(folder.Path("")), "is a directory, expected an atlas file");
+  EXPECT_EQ(Refusal(folder.Path("")).kind(), ErrorKind::kUsage);
   folder.Make("b.osa", ""), folder.Make("a.osa", "");
   EXPECT_THAT(Problem(folder.Path("")), HasSubstr("did you mean " + folder.Path("a.osa") + "?"));
 }
 
 TEST(FormatOfInput, SaysWhenTheFileIsMissing) {
   const TemporaryFolder folder;
-  EXPECT_THAT(Problem(folder.Path("no.osa")), HasSubstr("No such file"));
+  const Error missing = Refusal(folder.Path("no.osa"));
+  EXPECT_THAT(missing.problem(), HasSubstr("No such file"));
+  EXPECT_EQ(missing.kind(), ErrorKind::kNotFound);
+  EXPECT_THROW(static_cast<void>(FindFormatOfInput(folder.Path("no.osa"))), Error);
+}
+
+TEST(FindFormatOfInput, IsTheFormatOfWhatIsReadAndNullOtherwise) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(FindFormatOfInput(SLAMDB_FIXTURES "/tiny/tiny.osa"), &FormatById("orbslam3"));
+  EXPECT_EQ(FindFormatOfInput(folder.Make("a.tum", "# only comments\n")), &FormatById("tum"));
+  EXPECT_EQ(FindFormatOfInput(folder.Path("")), nullptr);
+  EXPECT_EQ(FindFormatOfInput("-"), nullptr);
 }
 
 }  // namespace

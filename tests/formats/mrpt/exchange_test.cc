@@ -10,9 +10,10 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include "slamdb/formats/mrpt/detail/mrpt.h"
+#include "slamdb/formats/mrpt/options.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -87,7 +88,8 @@ TEST(Exchange, MrptsFilesComeBackByteForByte) {
   ASSERT_THAT(landmark.features, SizeIs(1));
   EXPECT_EQ(landmark.features[0].FindDescriptor(DescriptorKind::kOrb)->bytes, std::vector<std::uint8_t>(32, 16));
   Notices notices;
-  kMrptFormat.write(atlas, {folder.Path("by_us"), ""}, {.mrpt_own_slots = true}, notices);
+  kMrptFormat.write(atlas, {folder.Path("by_us"), ""}, WriteOptions{}.With(MrptWriteOptions{.own_slots = true}),
+                    notices);
   EXPECT_EQ(ReadFile(folder.Path("by_us")), ReadFile(folder.Path("by_mrpt")));
 }
 

@@ -6,7 +6,8 @@
 #include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/formats/formats/in_memory.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -18,10 +19,8 @@ const std::string kRealMap = SLAMDB_FIXTURES "/mrpt/landmarks.bin";
 
 // What reading says of bytes that it refuses; "read" when it does not.
 std::string Refusal(const std::string& bytes) {
-  static const TemporaryFolder folder;  // thousands of files go through it
-  Notices notices;
   try {
-    kMrptFormat.read({folder.Make("in", bytes), ""}, {}, notices);
+    Decoded(kMrptFormat, bytes);
   } catch (const Error& error) {
     return error.place() + ": " + error.problem();
   }

@@ -6,10 +6,13 @@
 #include <cstring>
 
 #include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/options.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/mrpt/detail/stream.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "slamdb/formats/mrpt/options.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -27,22 +30,15 @@ Atlas ReadFrom(const std::string& path) {
   return kMrptFormat.read({path, ""}, {}, notices);
 }
 
-std::string Written(const Format& format, const Atlas& atlas, Notices& notices, WriteOptions options = {},
-                    const std::string& name = "out") {
-  const TemporaryFolder folder;
-  options.sync = false;
-  format.write(atlas, {folder.Path(name), ""}, options, notices);
-  return ReadFile(folder.Path(name));
+std::string Written(const Format& format, const Atlas& atlas, Notices& notices, const WriteOptions& options = {}) {
+  return Encoded(format, atlas, options, notices);
 }
-std::string Written(const Format& format, const Atlas& atlas, WriteOptions options = {}) {
-  Notices notices;
-  return Written(format, atlas, notices, options);
+std::string Written(const Format& format, const Atlas& atlas, const WriteOptions& options = {}) {
+  return Encoded(format, atlas, options);
 }
+WriteOptions OwnSlots(bool own) { return WriteOptions{}.With(MrptWriteOptions{.own_slots = own}); }
 
-Atlas Read(const std::string& bytes) {
-  const TemporaryFolder folder;
-  return ReadFrom(folder.Make("in", bytes));
-}
+Atlas Read(const std::string& bytes) { return Decoded(kMrptFormat, bytes); }
 
 // A landmark with everything that one can hold.
 Landmark FullLandmark() {
@@ -115,7 +111,7 @@ TEST(Mrpt, ReadsBareLandmarks) {
 }
 
 TEST(Mrpt, WritesTheSameBytesAsMrpt) {
-  EXPECT_EQ(Written(kMrptFormat, ReadFrom(kRealMap), {.mrpt_own_slots = true}), ReadFile(kRealMap));
+  EXPECT_EQ(Written(kMrptFormat, ReadFrom(kRealMap), OwnSlots(true)), ReadFile(kRealMap));
 }
 
 TEST(Mrpt, PutsOrbWhereMrptReadsIt) {
@@ -131,7 +127,7 @@ TEST(Mrpt, KeepsEverything) {
   const Atlas atlas = AtlasOf({FullLandmark(), Landmark(), FullLandmark()});
   for (const bool own : {false, true}) {
     Notices notices;
-    const std::string bytes = Written(kMrptFormat, atlas, notices, {.mrpt_own_slots = own});
+    const std::string bytes = Written(kMrptFormat, atlas, notices, OwnSlots(own));
     EXPECT_FALSE(notices.lossy());
     EXPECT_THAT(Read(bytes), EqualsAtlas(atlas));
   }
@@ -176,7 +172,7 @@ TEST(Mrpt, SeveralMapsAreSeveralObjects) {
   atlas.maps[1].id = MapId(1);
   atlas.next_ids.map = 2;
   EXPECT_THAT(Read(Written(kMrptFormat, atlas)), EqualsAtlas(atlas));
-  const Atlas second = Read(Written(kMrptFormat, atlas, {.map = MapId(1)}));
+  const Atlas second = Read(Written(kMrptFormat, atlas, WriteOptions{}.With(ExportOptions{.map = MapId(1)})));
   EXPECT_THAT(second.maps, SizeIs(1));
 }
 

@@ -10,9 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "slamdb/formats/export/options.h"
 #include "slamdb/formats/ndjson/json.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -21,10 +22,7 @@ using nlohmann::json;
 using ::testing::ElementsAre;
 
 std::vector<std::string> Lines(const Atlas& atlas, const WriteOptions& options = {}) {
-  const TemporaryFolder folder;
-  Notices notices;
-  kNdjsonFormat.write(atlas, {folder.Path("a.ndjson"), ""}, options, notices);
-  std::istringstream text(ReadFile(folder.Path("a.ndjson")));
+  std::istringstream text(Encoded(kNdjsonFormat, atlas, options));
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   return lines;
@@ -147,7 +145,7 @@ TEST(Ndjson, NamesRepeatedEntries) {
 }
 
 TEST(Ndjson, WritesOneMap) {
-  const std::vector<std::string> lines = Lines(SmallAtlas(), {.map = MapId(1)});
+  const std::vector<std::string> lines = Lines(SmallAtlas(), WriteOptions{}.With(ExportOptions{.map = MapId(1)}));
   ASSERT_EQ(lines.size(), 5U);
   EXPECT_EQ(json::parse(lines[2])["id"], 1);
 }

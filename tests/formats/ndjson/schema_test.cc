@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "slamdb/formats/ndjson/detail/ndjson.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -91,10 +91,7 @@ class NdjsonSchema : public ::testing::Test {
   static std::string ProblemOf(const Atlas& atlas) {
     std::ifstream file(SLAMDB_FIXTURES "/../schema/ndjson.schema.json");
     json root = json::parse(file);
-    const TemporaryFolder folder;
-    Notices notices;
-    kNdjsonFormat.write(atlas, {folder.Path("a"), ""}, {}, notices);
-    std::istringstream lines(ReadFile(folder.Path("a")));
+    std::istringstream lines(Encoded(kNdjsonFormat, atlas));
     for (std::string line; std::getline(lines, line);) {
       // Of the kinds of line, the one that this line says it is: its problem is the one to tell.
       const json value = json::parse(line);

@@ -6,10 +6,12 @@
 
 #include <exception>
 
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/formats/orbslam3/real_atlases.h"
+#include "tests/support/temporary_folder.h"
 
 // Stock Boost reads what we write and we read what it writes, with the same bytes both ways.
 namespace slamdb {
@@ -19,28 +21,9 @@ using reference::Encoding;
 using ::testing::HasSubstr;
 using ::testing::Values;
 
-// A file of this test, which goes with it.
-class Scratch {
- public:
-  explicit Scratch(const std::string& name) {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string test = std::string(info->test_suite_name()) + "_" + info->name();
-    for (char& c : test)
-      if (c == '/') c = '_';
-    path_ = ::testing::TempDir() + "boost_reference_" + test + "_" + name;
-  }
-  ~Scratch() { std::filesystem::remove(path_); }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  operator const std::string&() const { return path_; }  // NOLINT(google-explicit-constructor): it is a path
-
- private:
-  std::string path_;
-};
-
-Atlas Read(const std::string& path) {
+Atlas Read(const Source& source) {
   Notices notices;
-  return ReadOrbslam3(path, {}, notices);
+  return ReadOrbslam3(source, {}, notices);
 }
 
 void Write(const Atlas& atlas, const std::string& path, std::uint32_t version) {
@@ -48,7 +31,7 @@ void Write(const Atlas& atlas, const std::string& path, std::uint32_t version) {
   WriteOptions options;
   options.overwrite = true;
   options.sync = false;
-  options.boost_version = version;
+  options.of<Orbslam3WriteOptions>().boost_version = version;
   WriteOrbslam3(atlas, path, options, notices);
 }
 
@@ -56,7 +39,9 @@ void Write(const Atlas& atlas, const std::string& path, std::uint32_t version) {
 void ExpectAgreement(Atlas atlas, bool text) {
   atlas.encoding = {.text = text, .boost_version = reference::ArchiveVersion()};
   const Encoding encoding = text ? Encoding::kText : Encoding::kBinary;
-  const Scratch ours("ours.osa"), theirs("theirs.osa"), again("again.osa");
+  const TemporaryFolder folder;
+  const std::string ours = folder.Path("ours.osa"), theirs = folder.Path("theirs.osa"),
+                    again = folder.Path("again.osa");
   Write(atlas, ours, reference::ArchiveVersion());
   reference::Save(reference::Load(ours, encoding), theirs, encoding);
   EXPECT_TRUE(ReadWhole(ours) == ReadWhole(theirs)) << "stock Boost writes other bytes";
@@ -101,17 +86,17 @@ INSTANTIATE_TEST_SUITE_P(
 class CraftedForBoost : public ::testing::TestWithParam<bool> {};
 
 TEST_P(CraftedForBoost, EveryIrregularityAgrees) {
-  const Scratch path("odd.osa");
-  WriteWhole(path, CraftOddAtlas({.text = GetParam()}).bytes);
-  ExpectAgreement(Read(path), GetParam());
+  const std::string odd = CraftOddAtlas({.text = GetParam()}).bytes;
+  ExpectAgreement(Read({std::as_bytes(std::span(odd)), "odd.osa"}), GetParam());
 }
 
 // A newer library reads what an older one wrote; an older one refuses a newer archive by its version alone.
 TEST_P(CraftedForBoost, LoadsEveryVersionUpToItsOwn) {
   const Encoding encoding = GetParam() ? Encoding::kText : Encoding::kBinary;
-  const Scratch tiny("tiny.osa"), path("version.osa");
-  WriteWhole(tiny, CraftTinyAtlas({.text = GetParam()}).bytes);
-  const Atlas atlas = Read(tiny);
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("version.osa");
+  const std::string tiny = CraftTinyAtlas({.text = GetParam()}).bytes;
+  const Atlas atlas = Read({std::as_bytes(std::span(tiny)), "tiny.osa"});
   for (std::uint32_t version = 10; version <= reference::ArchiveVersion(); ++version) {
     Write(atlas, path, version);
     const Atlas loaded = reference::Load(path, encoding);

@@ -19,17 +19,7 @@ using ::testing::Values;
 std::string Md5Of(const std::string& bytes) { return Md5(std::as_bytes(std::span(bytes))); }
 
 Atlas ReadBytes(const std::string& bytes, Notices& notices) {
-  const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-  std::string test = std::string(info->test_suite_name()) + "_" + info->name();
-  for (char& c : test)
-    if (c == '/') c = '_';
-  const std::string path = ::testing::TempDir() + "crafted_" + test + ".osa";
-  WriteWhole(path, bytes);
-  struct Remove {
-    const std::string& path;
-    ~Remove() { std::filesystem::remove(path); }
-  } remove{path};
-  return ReadOrbslam3(path, {}, notices);
+  return ReadOrbslam3({std::as_bytes(std::span(bytes)), "crafted.osa"}, {}, notices);
 }
 
 // The generator itself, against the same atlas saved by Boost 1.74 from ORB-SLAM3's own classes.

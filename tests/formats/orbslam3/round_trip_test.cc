@@ -1,51 +1,53 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
 #include <numeric>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/orbslam3/real_atlases.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
 
-// A file name of this test process, removed at the end.
-class Scratch {
- public:
-  explicit Scratch(const std::string& suffix)
-      : path_(testing::TempDir() + "slamdb_" + std::to_string(::getpid()) + "_" + suffix) {
-    std::filesystem::remove(path_);
-  }
-  ~Scratch() { std::filesystem::remove(path_); }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 std::string Fixture(const std::string& name) { return std::string(SLAMDB_FIXTURES) + "/" + name; }
 
-Atlas ReadWith(const std::string& path, int threads) {
+Atlas ReadWith(const Source& source, int threads) {
   Notices notices;
-  Atlas atlas = ReadOrbslam3(path, {.threads = threads}, notices);
+  Atlas atlas = ReadOrbslam3(source, {.threads = threads}, notices);
   EXPECT_TRUE(notices.items().empty());
   return atlas;
+}
+
+// Bytes in memory, which must outlive it.
+Source Archive(const std::string& bytes) { return {std::as_bytes(std::span(bytes)), "archive.osa"}; }
+
+std::string Written(const Atlas& atlas, const Orbslam3WriteOptions& options) {
+  std::string written;
+  const auto append = [&written](Bytes bytes) {
+    written.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  Notices notices;
+  WriteOrbslam3(atlas, Target(append, "memory"), WriteOptions{}.With(options), notices);
+  return written;
 }
 
 void ExpectSameBytesAfterWriting(const std::string& path) {
   const std::string bytes = ReadWhole(path);
   for (const int threads : {1, 2, 5}) {
-    const Scratch copy("copy.osa");
+    const TemporaryFolder folder;
+    const std::string copy = folder.Path("copy.osa");
     Notices notices;
-    WriteOrbslam3(ReadWith(path, threads), copy.path(), {.sync = false, .threads = threads}, notices);
-    EXPECT_TRUE(ReadWhole(copy.path()) == bytes) << path << " with " << threads << " threads";
+    WriteOrbslam3(ReadWith(path, threads), copy, {.sync = false, .threads = threads}, notices);
+    EXPECT_TRUE(ReadWhole(copy) == bytes) << path << " with " << threads << " threads";
+    EXPECT_TRUE(EncodeOrbslam3(ReadWith(Archive(bytes), threads)) == bytes) << path << " in memory";
   }
 }
 
@@ -72,9 +74,7 @@ TEST_P(RoundTripOfRealAtlas, TextLosesOnlyNanPayloads) {
   Atlas atlas = ReadWith(path, 0);
   atlas.encoding.text = true;
   const std::string text = EncodeOrbslam3(atlas);
-  const Scratch file("text.osa");
-  WriteWhole(file.path(), text);
-  Atlas back = ReadWith(file.path(), 0);
+  Atlas back = ReadWith(Archive(text), 0);
   EXPECT_TRUE(EncodeOrbslam3(back) == text);
 
   atlas.encoding.text = back.encoding.text = false;
@@ -109,9 +109,7 @@ TEST(RoundTripOfSyntheticAtlas, GivesTheSameBytesForEverySensor) {
             SynthesizeAtlas({.sensor = sensor, .inertial = inertial, .maps = 2, .keyframes = 12, .points = 400});
         atlas.encoding.text = text;
         const std::string bytes = EncodeOrbslam3(atlas);
-        const Scratch file("synthetic.osa");
-        WriteWhole(file.path(), bytes);
-        EXPECT_TRUE(EncodeOrbslam3(ReadWith(file.path(), 3)) == bytes);
+        EXPECT_TRUE(EncodeOrbslam3(ReadWith(Archive(bytes), 3)) == bytes);
       }
     }
   }
@@ -119,55 +117,60 @@ TEST(RoundTripOfSyntheticAtlas, GivesTheSameBytesForEverySensor) {
 
 TEST(WriteOrbslam3, ChangesOnlyOneByteForAnotherBoostVersion) {
   const Atlas atlas = ReadWith(Fixture("tiny/tiny.osa"), 1);
-  const Scratch file("version.osa");
-  Notices notices;
-  WriteOrbslam3(atlas, file.path(), {.boost_version = 12}, notices);
   std::string expected = ReadWhole(Fixture("tiny/tiny.osa"));
   ASSERT_EQ(expected[0x1e], 18);
   expected[0x1e] = 12;
-  EXPECT_EQ(ReadWhole(file.path()), expected);
+  EXPECT_EQ(Written(atlas, {.boost_version = 12}), expected);
+}
+
+// What writing throws, into a folder that then is empty.
+Error RefusalToWrite(const Atlas& atlas, const Orbslam3WriteOptions& options) {
+  const TemporaryFolder folder;
+  Notices notices;
+  try {
+    WriteOrbslam3(atlas, folder.Path("refused.osa"), WriteOptions{}.With(options), notices);
+  } catch (const Error& error) {
+    EXPECT_THAT(folder.Names(), testing::IsEmpty());
+    return error;
+  }
+  return {ErrorKind::kInternal, "written"};
 }
 
 TEST(WriteOrbslam3, RefusesBoostVersionsThatWriteOtherBytes) {
-  const Atlas atlas = ReadWith(Fixture("tiny/tiny.osa"), 1);
-  const Scratch file("version.osa");
-  Notices notices;
-  EXPECT_THROW(WriteOrbslam3(atlas, file.path(), {.boost_version = 9}, notices), Error);
-  EXPECT_FALSE(std::filesystem::exists(file.path()));
+  const Error error = RefusalToWrite(ReadWith(Fixture("tiny/tiny.osa"), 1), {.boost_version = 9});
+  EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+  EXPECT_THAT(error.what(), testing::HasSubstr("version 9 cannot be written"));
+}
+
+TEST(WriteOrbslam3, RefusesLongsThatNoMachineHas) {
+  const Error error = RefusalToWrite(ReadWith(Fixture("tiny/tiny.osa"), 1), {.long_bytes = 6});
+  EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+  EXPECT_THAT(error.what(), testing::HasSubstr("a long of 6 bytes"));
 }
 
 TEST(WriteOrbslam3, FourByteLongsComeBackTheSame) {
   const Atlas atlas = ReadWith(Fixture("session_small_a/session_small_a.osa"), 0);
-  Notices notices;
-  const Scratch sanitized("sanitized.osa"), narrow("narrow.osa"), wide("wide.osa");
-  WriteOrbslam3(atlas, sanitized.path(), {.sanitize = true}, notices);
-  WriteOrbslam3(ReadWith(sanitized.path(), 0), narrow.path(), {.long_bytes = 4}, notices);
-  const Atlas back = ReadWith(narrow.path(), 0);
+  const std::string sanitized = Written(atlas, {.sanitize = true});
+  const std::string narrow = Written(ReadWith(Archive(sanitized), 0), {.long_bytes = 4});
+  const Atlas back = ReadWith(Archive(narrow), 0);
   EXPECT_EQ(back.encoding.long_bytes, 4);
-  EXPECT_LT(std::filesystem::file_size(narrow.path()), std::filesystem::file_size(sanitized.path()));
-  WriteOrbslam3(back, wide.path(), {.long_bytes = 8}, notices);
-  EXPECT_TRUE(ReadWhole(wide.path()) == ReadWhole(sanitized.path()));
+  EXPECT_LT(narrow.size(), sanitized.size());
+  EXPECT_TRUE(Written(back, {.long_bytes = 8}) == sanitized);
 }
 
 TEST(WriteOrbslam3, RefusesAnIdThatDoesNotFitIntoFourBytes) {
   Atlas atlas = ReadWith(Fixture("tiny/tiny.osa"), 1);
   atlas.maps[0].keyframes[0].id = KeyFrameId(std::uint64_t{1} << 40);
-  const Scratch file("narrow.osa");
-  Notices notices;
-  try {
-    WriteOrbslam3(atlas, file.path(), {.long_bytes = 4}, notices);
-    FAIL() << "an id was cut";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("1099511627776"));
-  }
-  EXPECT_FALSE(std::filesystem::exists(file.path()));
+  const Error error = RefusalToWrite(atlas, {.long_bytes = 4});
+  EXPECT_EQ(error.kind(), ErrorKind::kNotPossible);
+  EXPECT_THAT(error.what(), testing::HasSubstr("1099511627776"));
 }
 
 TEST(ReadOrbslam3, PartSizesAddUpToTheFile) {
   const std::string path = Fixture("session_small_a/session_small_a.osa");
   std::vector<PartSize> parts;
   Notices notices;
-  ReadOrbslam3(path, {.part_sizes = &parts}, notices);
+  static_cast<void>(ReadOrbslam3(path, {.part_sizes = &parts}, notices));
   const std::uint64_t sum =
       std::accumulate(parts.begin(), parts.end(), std::uint64_t{0},
                       [](std::uint64_t total, const PartSize& part) { return total + part.bytes; });
@@ -229,20 +232,38 @@ TEST(ReadOrbslam3, SelectsKeyFramesAndPoints) {
 }
 
 TEST(ReadOrbslam3, TellsBytesBehindTheEnd) {
-  const Scratch file("longer.osa");
-  WriteWhole(file.path(), ReadWhole(Fixture("tiny/tiny.osa")) + "xyz");
+  const std::string longer = ReadWhole(Fixture("tiny/tiny.osa")) + "xyz";
   Notices notices;
-  ReadOrbslam3(file.path(), {}, notices);
+  static_cast<void>(ReadOrbslam3(Archive(longer), {}, notices));
   ASSERT_EQ(notices.items().size(), 1U);
   EXPECT_TRUE(notices.lossy());
   EXPECT_THAT(notices.items()[0].text, testing::HasSubstr("3 bytes behind the end"));
 }
 
+struct Cancelled {};
+
 TEST(ReadOrbslam3, CancelsWhenProgressThrows) {
   Notices notices;
   ReadOptions options;
-  options.progress = [](std::string_view, double) { throw Error("enough"); };
-  EXPECT_THROW(ReadOrbslam3(Fixture("session_small_a/session_small_a.osa"), options, notices), Error);
+  options.progress = [](std::string_view, double) { throw Cancelled(); };
+  const std::string path = Fixture("session_small_a/session_small_a.osa");
+  EXPECT_THROW(static_cast<void>(ReadOrbslam3(path, options, notices)), Cancelled);
+}
+
+// Text that does not read is read again with other widths, but not when something else than its bytes is wrong.
+TEST(ReadOrbslam3, DoesNotStartAgainWhatWasCancelled) {
+  Atlas atlas = ReadWith(Fixture("session_small_a/session_small_a.osa"), 0);
+  atlas.encoding.text = true;
+  const std::string text = EncodeOrbslam3(atlas);
+  int calls = 0;
+  ReadOptions options;
+  options.progress = [&](std::string_view, double) {
+    ++calls;
+    throw Error(ErrorKind::kNotPossible, "enough");
+  };
+  Notices notices;
+  EXPECT_THROW(static_cast<void>(ReadOrbslam3(Archive(text), options, notices)), Error);
+  EXPECT_EQ(calls, 1);
 }
 
 }  // namespace

@@ -9,23 +9,21 @@
 #include <cstring>
 #include <sstream>
 
+#include "slamdb/formats/export/options.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {
 namespace {
 
 using ::testing::HasSubstr;
 
-std::string Write(const Atlas& atlas, const WriteOptions& options) {
-  const TemporaryFolder folder;
-  Notices notices;
-  kPcdFormat.write(atlas, {folder.Path("a.pcd"), ""}, options, notices);
-  return ReadFile(folder.Path("a.pcd"));
-}
+const WriteOptions kAscii = WriteOptions{}.With(PointCloudOptions{.binary = false});
+
+std::string Write(const Atlas& atlas, const WriteOptions& options) { return Encoded(kPcdFormat, atlas, options); }
 
 TEST(Pcd, WritesAscii) {
-  const std::string text = Write(OneMapAtlas(), {.binary = false});
+  const std::string text = Write(OneMapAtlas(), kAscii);
   const std::string header =
       "# .PCD v0.7 - Point Cloud Data file format\n"
       "VERSION 0.7\n"
@@ -67,7 +65,7 @@ TEST(Pcd, WritesLargeIdsAsDoubles) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].id = MapId(std::uint64_t{1} << 33);
   atlas.maps[0].points[0].id = MapPointId(std::uint64_t{1} << 40);
-  const std::string text = Write(atlas, {.binary = false});
+  const std::string text = Write(atlas, kAscii);
   EXPECT_THAT(text, HasSubstr("SIZE 4 4 4 4 4 4 4 4 4 4 4 8 8\nTYPE F F F F F F F F F U F F F\n"));
   EXPECT_THAT(text, HasSubstr(" 8589934592 1099511627776\n"));
 }

@@ -8,8 +8,9 @@
 #include <cstring>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/export/options.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -17,17 +18,17 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+const WriteOptions kAscii = WriteOptions{}.With(PointCloudOptions{.binary = false});
+
 std::string Write(const Atlas& atlas, const WriteOptions& options, Notices& notices) {
-  const TemporaryFolder folder;
-  kPlyFormat.write(atlas, {folder.Path("a.ply"), ""}, options, notices);
-  return ReadFile(folder.Path("a.ply"));
+  return Encoded(kPlyFormat, atlas, options, notices);
 }
 
 constexpr std::string_view kHeaderEnd = "end_header\n";
 
 TEST(Ply, WritesAscii) {
   Notices notices;
-  EXPECT_EQ(Write(SmallAtlas(), {.binary = false}, notices),
+  EXPECT_EQ(Write(SmallAtlas(), kAscii, notices),
             "ply\n"
             "format ascii 1.0\n"
             "comment written by slamdb: map points\n"
@@ -67,7 +68,7 @@ TEST(Ply, WritesLargeIdsAsDoubles) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].points[0].id = MapPointId(std::uint64_t{1} << 40);
   Notices notices;
-  const std::string text = Write(atlas, {.binary = false}, notices);
+  const std::string text = Write(atlas, kAscii, notices);
   EXPECT_THAT(text, HasSubstr("property uint map\nproperty double id\n"));
   EXPECT_THAT(text, HasSubstr(" 2.5 0 1099511627776\n"));
   const std::string binary = Write(atlas, {}, notices);
@@ -78,7 +79,7 @@ TEST(Ply, WritesLargeIdsAsDoubles) {
 
 TEST(Ply, WritesOneMap) {
   Notices notices;
-  const std::string text = Write(SmallAtlas(), {.binary = false, .map = MapId(1)}, notices);
+  const std::string text = Write(SmallAtlas(), kAscii.With(ExportOptions{.map = MapId(1)}), notices);
   EXPECT_THAT(text, HasSubstr("element vertex 1\n"));
   EXPECT_TRUE(notices.items().empty());
 }
@@ -86,7 +87,7 @@ TEST(Ply, WritesOneMap) {
 TEST(Ply, RefusesAMapThatIsNotThere) {
   Notices notices;
   try {
-    Write(SmallAtlas(), {.map = MapId(5)}, notices);
+    Write(SmallAtlas(), WriteOptions{}.With(ExportOptions{.map = MapId(5)}), notices);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.problem(), "the atlas has no map 5; it has map 0, map 1");

@@ -103,11 +103,12 @@ TEST_F(StoreIdentity, Sniffing) {
 
 TEST_F(StoreIdentity, FormatUsesTheOnlyAtlasOrAsksWhich) {
   Notices notices;
-  const Location unnamed{path_, ""};
+  const std::string unnamed = path_;
   kStoreFormat.write(OddAtlas(), unnamed, {}, notices);
   EXPECT_EQ(FirstDifference(kStoreFormat.read(unnamed, {}, notices), OddAtlas()), "");
   EXPECT_EQ(Store::Open(path_).OnlyName(), "atlas");
-  EXPECT_THAT(ErrorOf([&] { kStoreFormat.write(Atlas(), unnamed, {}, notices); }), HasSubstr("use --overwrite"));
+  EXPECT_THAT(ErrorOf([&] { kStoreFormat.write(Atlas(), unnamed, {}, notices); }),
+              HasSubstr("WriteOptions::overwrite replaces it"));
   WriteOptions overwrite;
   overwrite.overwrite = true;
   EXPECT_TRUE(notices.items().empty());

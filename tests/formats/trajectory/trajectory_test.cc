@@ -7,8 +7,10 @@
 #include <cmath>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/export/options.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -16,21 +18,20 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string Write(const Format& format, const Atlas& atlas, const WriteOptions& options, Notices& notices) {
-  const TemporaryFolder folder;
-  format.write(atlas, {folder.Path("trajectory"), ""}, options, notices);
-  return ReadFile(folder.Path("trajectory"));
+  return Encoded(format, atlas, options, notices);
 }
 
 std::string Write(const Format& format, const Atlas& atlas, const WriteOptions& options = {}) {
-  Notices ignored;
-  return Write(format, atlas, options, ignored);
+  return Encoded(format, atlas, options);
 }
 
+const WriteOptions kBody = WriteOptions{}.With(TrajectoryOptions{.pose_frame = PoseFrame::kBody});
+
+WriteOptions OnlyMap(std::uint64_t id) { return WriteOptions{}.With(ExportOptions{.map = MapId(id)}); }
+
 std::string ReadProblem(const Format& format, std::string_view text) {
-  const TemporaryFolder folder;
-  Notices notices;
   try {
-    format.read({folder.Make("trajectory", text), ""}, {}, notices);
+    Decoded(format, text);
   } catch (const Error& error) {
     return error.place() + ": " + error.problem();
   }
@@ -46,7 +47,7 @@ TEST(Tum, WritesCameraPosesByTime) {
 
 TEST(Tum, WritesBodyPoses) {
   Notices notices;
-  EXPECT_EQ(Write(kTumFormat, InertialAtlas(), {.pose_frame = PoseFrame::kBody}, notices),
+  EXPECT_EQ(Write(kTumFormat, InertialAtlas(), kBody, notices),
             "# timestamp tx ty tz qx qy qz qw\n"
             "0.5 0 0 1 0 0 0 1\n"
             "1.5 1 0 1 0 0 0 1\n");
@@ -55,7 +56,7 @@ TEST(Tum, WritesBodyPoses) {
 
 TEST(Tum, WarnsWhenThereIsNoBody) {
   Notices notices;
-  Write(kTumFormat, OneMapAtlas(), {.pose_frame = PoseFrame::kBody}, notices);
+  Write(kTumFormat, OneMapAtlas(), kBody, notices);
   ASSERT_EQ(notices.items().size(), 1U);
   EXPECT_THAT(notices.items()[0].text, HasSubstr("for want of IMU calibration: 2 keyframes"));
 }
@@ -69,7 +70,7 @@ TEST(Tum, SeparatesMaps) {
   EXPECT_EQ(notices.items()[0].kind, Notice::Kind::kWarning);
   EXPECT_THAT(notices.items()[0].text, HasSubstr("frame of reference of its own"));
 
-  const std::string one = Write(kTumFormat, SmallAtlas(), {.map = MapId(1)});
+  const std::string one = Write(kTumFormat, SmallAtlas(), OnlyMap(1));
   EXPECT_EQ(one, "# timestamp tx ty tz qx qy qz qw\n2 0 -3 0 -0.5 -0.5 -0.5 0.5\n");
 }
 
@@ -102,10 +103,7 @@ TEST(Tum, WritesTimesInFull) {
 }
 
 TEST(Tum, ReadsWhatItWrites) {
-  const TemporaryFolder folder;
-  Notices notices;
-  kTumFormat.write(SmallAtlas(), {folder.Path("a.tum"), ""}, {}, notices);
-  const Atlas atlas = kTumFormat.read({folder.Path("a.tum"), ""}, {}, notices);
+  const Atlas atlas = Decoded(kTumFormat, Write(kTumFormat, SmallAtlas()));
   ASSERT_EQ(atlas.maps.size(), 2U);
   EXPECT_EQ(atlas.maps[0].id, MapId(0));
   EXPECT_EQ(atlas.maps[1].id, MapId(1));
@@ -121,10 +119,7 @@ TEST(Tum, ReadsWhatItWrites) {
 }
 
 TEST(Tum, ReadsOtherWritersLines) {
-  const TemporaryFolder folder;
-  Notices notices;
-  const std::string path = folder.Make("a.txt", "#comment\r\n\n  1.25\t1 2 3 0 0 0 2\r\n1e1 0 0 0 0 0 0 1");
-  const Atlas atlas = kTumFormat.read({path, ""}, {}, notices);
+  const Atlas atlas = Decoded(kTumFormat, "#comment\r\n\n  1.25\t1 2 3 0 0 0 2\r\n1e1 0 0 0 0 0 0 1");
   ASSERT_EQ(atlas.maps.size(), 1U);
   ASSERT_EQ(atlas.maps[0].keyframes.size(), 2U);
   EXPECT_EQ(atlas.maps[0].keyframes[0].timestamp, 1.25);
@@ -133,13 +128,10 @@ TEST(Tum, ReadsOtherWritersLines) {
 }
 
 TEST(Tum, ReadsASelection) {
-  const TemporaryFolder folder;
-  Notices notices;
-  kTumFormat.write(SmallAtlas(), {folder.Path("a.tum"), ""}, {}, notices);
   ReadOptions options;
   options.selection.map = MapId(0);
   options.selection.begin_time = 1;
-  const Atlas atlas = kTumFormat.read({folder.Path("a.tum"), ""}, options, notices);
+  const Atlas atlas = Decoded(kTumFormat, Write(kTumFormat, SmallAtlas()), options);
   ASSERT_EQ(atlas.maps.size(), 1U);
   ASSERT_EQ(atlas.maps[0].keyframes.size(), 1U);
   EXPECT_EQ(atlas.maps[0].keyframes[0].timestamp, 1.5);
@@ -183,14 +175,21 @@ TEST(Kitti, LosesTimesOnStandardOutput) {
   EXPECT_TRUE(notices.lossy());
 }
 
+TEST(Kitti, LosesTimesInMemory) {
+  Notices notices;
+  EXPECT_EQ(Encoded(kKittiFormat, OneMapAtlas(), {}, notices), "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
+  ASSERT_EQ(notices.items().size(), 1U);
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("memory has no second file for them"));
+}
+
 TEST(Euroc, WritesNanosecondsAndScalarFirst) {
-  EXPECT_EQ(Write(kEurocFormat, SmallAtlas(), {.map = MapId(1)}),
+  EXPECT_EQ(Write(kEurocFormat, SmallAtlas(), OnlyMap(1)),
             "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
             "2000000000,0,-3,0,0.5,-0.5,-0.5,-0.5\n");
 }
 
 TEST(Euroc, WritesVelocityAndBiases) {
-  const std::string text = Write(kEurocFormat, InertialAtlas(), {.pose_frame = PoseFrame::kBody});
+  const std::string text = Write(kEurocFormat, InertialAtlas(), kBody);
   EXPECT_THAT(text, HasSubstr("b_a_RS_S_z [m s^-2]\n"
                               "500000000,0,0,1,1,0,0,0,0.5,0,1,0,0.0625,0,0.125,0,0\n"
                               "1500000000,1,0,1,1,0,0,0,0.5,0,3,0,0.0625,0,0.125,0,0\n"));
@@ -215,12 +214,9 @@ TEST(Euroc, LeavesOutTimesThatAreNotSeconds) {
 }
 
 TEST(Euroc, ReadsWhatItWrites) {
-  const TemporaryFolder folder;
   Atlas atlas = InertialAtlas();
   atlas.maps[0].keyframes[0].timestamp = 1403636579.7635555;
-  Notices notices;
-  kEurocFormat.write(atlas, {folder.Path("a.euroc.csv"), ""}, {}, notices);
-  const Atlas back = kEurocFormat.read({folder.Path("a.euroc.csv"), ""}, {}, notices);
+  const Atlas back = Decoded(kEurocFormat, Write(kEurocFormat, atlas));
   ASSERT_EQ(back.maps.size(), 1U);
   ASSERT_EQ(back.maps[0].keyframes.size(), 2U);
   EXPECT_EQ(back.maps[0].keyframes[1].timestamp, 1403636579.7635555);

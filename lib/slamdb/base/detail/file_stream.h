@@ -6,25 +6,28 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/base/file.h"
+
 namespace slamdb {
 
 // A file read from front to back through a window: its bytes appear at fixed addresses [data(), data() + size()), of
 // which those between the last Release() and filled() can be looked at. Memory is that of the window; the huge pages of
 // what was released are moved to where reading goes on, so that the kernel neither clears nor finds new ones. That is
 // several times faster than mapping the file, whose page faults cost more than copying it, and a file that somebody
-// shortens meanwhile is an Error instead of a SIGBUS. `-` is standard input, which is read whole.
+// shortens meanwhile is an Error instead of a SIGBUS. `-` is standard input, which is read whole; bytes in memory are
+// filled from the start and stay where they are.
 // FillTo() belongs to one thread; Release() may be called from any.
 class FileStream {
  public:
   // Throws Error when the path is missing, a directory, not a regular file, or not readable.
-  explicit FileStream(const std::string& path);
+  explicit FileStream(const Source& source);
   ~FileStream();
   FileStream(const FileStream&) = delete;
   FileStream& operator=(const FileStream&) = delete;
 
   const std::string& path() const { return path_; }
   const char* data() const { return data_; }
-  std::size_t size() const { return size_; }
+  std::size_t size() const { return size_; }  // of the whole file
   std::size_t filled() const { return filled_; }
 
   // Reads until at least `offset` bytes are filled, or the whole file. Throws Error.
@@ -33,6 +36,7 @@ class FileStream {
   void Release(std::size_t offset);
 
  private:
+  void OpenFile();
   void ReserveAddresses(std::size_t bytes);
   void ReadStandardInput();
   void AddBlock();
@@ -41,7 +45,8 @@ class FileStream {
   int descriptor_ = -1;
   char* reserved_ = nullptr;  // the whole range of addresses, with room to align
   std::size_t reserved_bytes_ = 0;
-  char* data_ = nullptr;  // aligned to blocks
+  char* window_ = nullptr;      // in that range, aligned to blocks; null for bytes in memory
+  const char* data_ = nullptr;  // the window, or the bytes in memory
   std::size_t size_ = 0, filled_ = 0;
   std::size_t backed_ = 0;    // bytes behind data_ that have had memory
   std::mutex mutex_;          // guards the rest

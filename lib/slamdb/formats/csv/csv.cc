@@ -72,9 +72,9 @@ void AppendPoint(std::string& out, const PointRows& points, std::size_t row) {
   line.End();
 }
 
-void WritePoints(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(location.path, FileOptions(options));
-  const PointRows points(atlas, location, options, notices);
+void WritePoints(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(target, FileOptions(options));
+  const PointRows points(atlas, target, options, notices);
   WarnOfSeveralFrames(points.maps(), "the column `map` tells them apart", notices);
   file.Write(kPointsHeader);
   WriteRows(file, points.size(), 4096, options, [&](std::size_t begin, std::size_t end, std::string& out) {
@@ -108,9 +108,9 @@ void AppendKeyFrame(std::string& out, MapId map, const KeyFrame& keyframe) {
   line.End();
 }
 
-void WriteKeyFrames(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(location.path, FileOptions(options));
-  const std::vector<const Map*> maps = ChooseMaps(atlas, options.map, location.path);
+void WriteKeyFrames(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(target, FileOptions(options));
+  const std::vector<const Map*> maps = ChooseMaps(atlas, options, target);
   WarnOfSeveralFrames(maps, "the column `map` tells them apart", notices);
   file.Write(kKeyFramesHeader);
   std::vector<std::pair<MapId, const KeyFrame*>> rows;
@@ -154,9 +154,9 @@ void AppendObservations(std::string& out, const PointRows& points, const PointRo
   }
 }
 
-void WriteObservations(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(location.path, FileOptions(options));
-  const PointRows points(atlas, location, options, notices);
+void WriteObservations(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(target, FileOptions(options));
+  const PointRows points(atlas, target, options, notices);
   file.Write(kObservationsHeader);
   WriteRows(file, points.size(), 1024, options, [&](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) AppendObservations(out, points, points[row]);
@@ -178,21 +178,21 @@ constexpr std::array<std::string_view, 1> kObservationsSuffixes = {".observation
 const Format kCsvFormat = {.id = "csv",
                            .title = "CSV table of map points",
                            .suffixes = kPointsSuffixes,
-                           .writes = kPoints | kNormals | kMaps,
+                           .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = Sniff<kPointsHeader>,
                            .write = WritePoints};
 
 const Format kCsvKeyFramesFormat = {.id = "csv-keyframes",
                                     .title = "CSV table of keyframes",
                                     .suffixes = kKeyFramesSuffixes,
-                                    .writes = kPoses | kMaps,
+                                    .writes = Content::kPoses | Content::kMaps,
                                     .sniff = Sniff<kKeyFramesHeader>,
                                     .write = WriteKeyFrames};
 
 const Format kCsvObservationsFormat = {.id = "csv-observations",
                                        .title = "CSV table of observations",
                                        .suffixes = kObservationsSuffixes,
-                                       .writes = kObservations | kMaps,
+                                       .writes = Content::kObservations | Content::kMaps,
                                        .sniff = Sniff<kObservationsHeader>,
                                        .write = WriteObservations};
 

@@ -48,7 +48,7 @@ VocabularyTree ParseBinary(const std::string& path, std::string_view file, const
   const std::size_t bytes = file.size() - kHeader;
   const std::size_t nodes = bytes / kRecord;
   if (bytes % kRecord != 0 || nodes + 1 != announced)
-    throw Error(path, "byte 0",
+    throw Error(ErrorKind::kDamaged, path, "byte 0",
                 "announces " + std::to_string(announced) + " nodes with the root, but " + std::to_string(bytes) +
                     " bytes follow, which are " + std::to_string(nodes) + " nodes of " + std::to_string(kRecord) +
                     " bytes" + (nodes + 1 < announced ? ": the file is truncated" : ""));

@@ -41,7 +41,7 @@ Column<std::uint32_t> Survey(NodeTable& table) {
   tree.words.resize(nodes, VocabularyTree::kNoWord);
   for (std::uint32_t node = 1; node < nodes; ++node) {
     const std::string problem = Problem(table, node, levels, children);
-    if (!problem.empty()) throw Error(table.path, table.place(node), problem);
+    if (!problem.empty()) throw Error(ErrorKind::kDamaged, table.path, table.place(node), problem);
     const std::uint32_t parent = table.parents[node];
     ++children[parent];
     levels[node] = static_cast<std::uint8_t>(levels[parent] + 1);
@@ -49,7 +49,7 @@ Column<std::uint32_t> Survey(NodeTable& table) {
   }
   for (std::uint32_t node = 1; node < nodes; ++node)
     if (children[node] == 0 && table.is_word[node] == 0)
-      throw Error(table.path, table.place(node), Name(node) + " is no word and has no children");
+      throw Error(ErrorKind::kDamaged, table.path, table.place(node), Name(node) + " is no word and has no children");
   return children;
 }
 
@@ -57,8 +57,9 @@ Column<std::uint32_t> Survey(NodeTable& table) {
 
 NodeTable::NodeTable(const Header& header, std::size_t nodes, std::string path_of_file)
     : path(std::move(path_of_file)) {
-  if (nodes == 0) throw Error(path, "", "is a vocabulary without words");
-  if (nodes >= VocabularyTree::kNoWord) throw Error(path, "", "has more nodes than a vocabulary can number");
+  if (nodes == 0) throw Error(ErrorKind::kDamaged, path, "", "is a vocabulary without words");
+  if (nodes >= VocabularyTree::kNoWord)
+    throw Error(ErrorKind::kUnsupported, path, "", "has more nodes than a vocabulary can number");
   tree.branching = header.branching;
   tree.depth = header.depth;
   tree.scoring = static_cast<WordScoring>(header.scoring);

@@ -131,7 +131,8 @@ void Lines::Parse(NodeTable& table, int threads) {
   });
   for (const Block& block : blocks_)
     if (block.problem != nullptr)
-      throw Error(table.path, table.place(static_cast<std::uint32_t>(block.bad_node)), block.problem);
+      throw Error(ErrorKind::kDamaged, table.path, table.place(static_cast<std::uint32_t>(block.bad_node)),
+                  block.problem);
 }
 
 }  // namespace
@@ -160,14 +161,15 @@ VocabularyTree ParseText(const std::string& path, std::string_view file, const H
   Lines lines(body.substr(0, last_line));
   const std::size_t nodes = lines.Count(threads) + !last.empty();
   if (nodes > body.size() / kShortestLine + 1)
-    throw Error(path, "",
+    throw Error(ErrorKind::kDamaged, path, "",
                 "has " + std::to_string(nodes) + " lines in " + std::to_string(file.size()) +
                     " bytes, too short for a node each");
   NodeTable table(header, nodes, path);
   table.place = [](std::uint32_t node) { return "line " + std::to_string(node + 1); };
   lines.Parse(table, threads);
   const char* problem = ParseLine(last.data(), last.data() + last.size(), table, nodes);
-  if (problem != nullptr) throw Error(path, table.place(static_cast<std::uint32_t>(nodes)), problem);
+  if (problem != nullptr)
+    throw Error(ErrorKind::kDamaged, path, table.place(static_cast<std::uint32_t>(nodes)), problem);
   return LinkNodes(std::move(table));
 }
 

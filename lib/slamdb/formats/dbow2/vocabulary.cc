@@ -63,27 +63,27 @@ VocabularyTree ParseTree(const std::string& path, std::string_view file, int thr
     return dbow2::ParseText(path, file, *text, threads);
   if (const auto binary = dbow2::ParseBinaryHeader(file); IsUsable(binary))
     return dbow2::ParseBinary(path, file, *binary, threads);
-  throw Error(path, "", DescribeOther(file));
+  throw Error(file.empty() ? ErrorKind::kDamaged : ErrorKind::kUnsupported, path, "", DescribeOther(file));
 }
 
 }  // namespace
 
-VocabularyFile ReadVocabularyFile(const std::string& path) {
-  FileStream file(path);
+VocabularyFile ReadVocabularyFile(const Source& source) {
+  FileStream file(source);
   file.FillTo(file.size());
   const std::string_view bytes(file.data(), file.size());
   auto shape = std::async(std::launch::async, [&] { return ReadShape(bytes); });
-  VocabularyFile vocabulary{.identity = Identify(path, bytes)};
+  VocabularyFile vocabulary{.identity = Identify(source.path, bytes)};
   vocabulary.shape = shape.get();
   return vocabulary;
 }
 
-LoadedVocabulary LoadVocabulary(const std::string& path, int threads) {
-  FileStream file(path);
+LoadedVocabulary LoadVocabulary(const Source& source, int threads) {
+  FileStream file(source);
   file.FillTo(file.size());
   const std::string_view bytes(file.data(), file.size());
-  auto identity = std::async(std::launch::async, [&] { return Identify(path, bytes); });
-  LoadedVocabulary vocabulary{.tree = ParseTree(path, bytes, threads)};
+  auto identity = std::async(std::launch::async, [&] { return Identify(source.path, bytes); });
+  LoadedVocabulary vocabulary{.tree = ParseTree(source.path, bytes, threads)};
   vocabulary.identity = identity.get();
   return vocabulary;
 }

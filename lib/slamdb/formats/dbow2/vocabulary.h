@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "slamdb/base/file.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/vocabulary_tree.h"
 
@@ -25,9 +27,10 @@ struct VocabularyFile {
   std::optional<VocabularyShape> shape;  // nullopt when it is not a text vocabulary (a binary conversion, an archive)
 };
 
-// Reads the file once. The checksum is the one that ORB-SLAM3 computes on Linux: MD5 over all bytes, so the text file,
-// its binary conversion and its archive differ although the vocabulary is the same. Throws Error.
-VocabularyFile ReadVocabularyFile(const std::string& path);
+// Reads the file, or bytes in memory, once. The checksum is the one that ORB-SLAM3 computes on Linux: MD5 over all
+// bytes, so the text file, its binary conversion and its archive differ although the vocabulary is the same. Throws
+// Error.
+[[nodiscard]] SLAMDB_EXPORT VocabularyFile ReadVocabularyFile(const Source& source);
 
 // A vocabulary to compute words with.
 struct LoadedVocabulary {
@@ -39,13 +42,13 @@ struct LoadedVocabulary {
 // binary form that forks of them make of it (schema/vocabulary.md). The latter has weights rounded to float, so bags
 // made with it differ in the last digits. Trusts nothing in the file; memory stays below twice its size. Throws Error
 // with the line or byte that is wrong, or the name of what the file is instead.
-LoadedVocabulary LoadVocabulary(const std::string& path, int threads = 0);
+[[nodiscard]] SLAMDB_EXPORT LoadedVocabulary LoadVocabulary(const Source& source, int threads = 0);
 
 // The MD5 of no bytes, which ORB-SLAM3 stores where its reading loop gets none (built with libc++, as on macOS).
 inline constexpr const char* kChecksumOfNothing = "d41d8cd98f00b204e9800998ecf8427e";
 
 // Whether ORB-SLAM3 takes an atlas when it is started with that vocabulary: empty when it does, else why it exits
 // (after reading the whole map). It compares checksums alone; the name is for people.
-std::string VocabularyMismatch(const Vocabulary& of_atlas, const Vocabulary& of_file);
+[[nodiscard]] SLAMDB_EXPORT std::string VocabularyMismatch(const Vocabulary& of_atlas, const Vocabulary& of_file);
 
 }  // namespace slamdb

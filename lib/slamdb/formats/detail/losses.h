@@ -13,7 +13,7 @@ namespace slamdb {
 Content ContentOf(const Atlas& atlas, std::optional<MapId> map = std::nullopt);
 
 // One sentence with a count for each kind of content that the atlas has and the format cannot hold, in the order of
-// Content: `ply cannot hold keyframe poses (27)`. With options.map only that map counts. O(keyframes + points).
+// Content: `ply cannot hold keyframe poses (27)`. With ExportOptions::map only that map counts. O(keyframes + points).
 std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, const WriteOptions& options);
 
 }  // namespace slamdb

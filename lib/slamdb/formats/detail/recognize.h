@@ -4,13 +4,19 @@
 #include <optional>
 #include <string>
 
+#include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 
 namespace slamdb {
 
-// Says what a file is that no format reads, by its first bytes, with what to do about it: `not an atlas: this is a
-// COLMAP database ...`. nullopt when nothing is known about it. May look into a folder, or further into a database.
-std::optional<std::string> RecognizeOther(const Probe& probe);
+// What a file is that no format reads, with what to do about it: `not an atlas: this is a COLMAP database ...`.
+struct ForeignFile {
+  ErrorKind kind;
+  std::string sentence;
+};
+
+// By its first bytes; nullopt when nothing is known about it. May look into a folder, or further into a database.
+std::optional<ForeignFile> RecognizeOther(const Probe& probe);
 
 // The sentence for everything else: text or bytes that mean nothing here.
 std::string DescribeUnknown(const Probe& probe);

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/export/detail/maps.h"
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/options.h"
 
 namespace slamdb {
 
-std::vector<const Map*> ChooseMaps(const Atlas& atlas, std::optional<MapId> map, const std::string& path) {
+using detail::Concat;
+
+std::vector<const Map*> ChooseMaps(const Atlas& atlas, const WriteOptions& options, const Target& target) {
+  const std::optional<MapId> map = options.of<ExportOptions>().map;
   std::vector<const Map*> chosen;
   std::string known;
   for (const Map& candidate : atlas.maps) {
@@ -14,8 +19,8 @@ std::vector<const Map*> ChooseMaps(const Atlas& atlas, std::optional<MapId> map,
     known += (known.empty() ? "" : ", ") + ToString(candidate.id);
   }
   if (map && chosen.empty())
-    throw Error(path, "",
-                "the atlas has no " + ToString(*map) + "; it has " + (known.empty() ? "no map at all" : known));
+    throw Error(ErrorKind::kNotFound, target.path, "",
+                Concat("the atlas has no ", *map, "; it has ", known.empty() ? "no map at all" : known));
   return chosen;
 }
 
@@ -23,9 +28,10 @@ void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string&
   std::size_t filled = 0;
   for (const Map* map : maps) filled += map->keyframes.empty() && map->points.empty() ? 0 : 1;
   if (filled < 2) return;
-  notices.Warn(Thousands(filled) +
-               " maps are in one file, each in a frame of reference of its own and not aligned with " +
-               "the others: " + how_told_apart + ", and --map writes one alone");
+  notices.Warn(
+      Concat(Thousands(filled),
+             " maps are in one file, each in a frame of reference of its own and not aligned with the others: ",
+             how_told_apart, ", and ExportOptions::map writes one alone"));
 }
 
 }  // namespace slamdb

@@ -13,8 +13,8 @@ constexpr std::uint64_t kLargestUnsigned32 = std::numeric_limits<std::uint32_t>:
 
 }  // namespace
 
-PointRows::PointRows(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices)
-    : maps_(ChooseMaps(atlas, options.map, location.path)) {
+PointRows::PointRows(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices)
+    : maps_(ChooseMaps(atlas, options, target)) {
   std::size_t all = 0;
   for (const Map* map : maps_) all += map->points.size();
   rows_.reserve(all);

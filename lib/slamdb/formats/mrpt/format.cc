@@ -6,15 +6,19 @@
 #include <limits>
 #include <optional>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/file_stream.h"
 #include "slamdb/base/detail/pipeline.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/rows.h"
+#include "slamdb/formats/export/options.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/mrpt/detail/landmarks.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "slamdb/formats/mrpt/detail/stream.h"
+#include "slamdb/formats/mrpt/options.h"
+#include "slamdb/formats/salvage.h"
 #include "slamdb/model/counters.h"
 
 namespace slamdb {
@@ -38,11 +42,12 @@ bool Sniff3(const Probe& probe) { return LayoutOf(probe) == Layout::kMrpt3; }
 class InputFile {
  public:
   // Not `whole`: as much as can be had of a damaged one.
-  InputFile(const std::string& path, bool whole) : file_(path) {
+  InputFile(const Source& source, bool whole) : file_(source) {
     file_.FillTo(file_.size());
     bytes_ = {file_.data(), file_.size()};
     if (!mrpt::IsGzip(bytes_)) return;
-    decompressed_ = whole ? mrpt::Decompress(path, bytes_) : mrpt::DecompressHead(bytes_, mrpt::MostBytes(bytes_));
+    decompressed_ =
+        whole ? mrpt::Decompress(source.path, bytes_) : mrpt::DecompressHead(bytes_, mrpt::MostBytes(bytes_));
     bytes_ = decompressed_;
   }
   std::string_view bytes() const { return bytes_; }
@@ -53,9 +58,9 @@ class InputFile {
   std::string_view bytes_;
 };
 
-Atlas Read(const Location& location, const ReadOptions& options, Notices&) {
+Atlas Read(const Source& source, const ReadOptions& options, Notices&) {
   Atlas atlas;
-  atlas.maps = mrpt::ReadMaps(location.path, InputFile(location.path, true).bytes());
+  atlas.maps = mrpt::ReadMaps(source.path, InputFile(source, true).bytes());
   RaiseCounters(atlas);
   const Selection& selection = options.selection;
   std::erase_if(atlas.maps, [&](const Map& map) { return selection.map && *selection.map != map.id; });
@@ -67,8 +72,8 @@ Atlas Read(const Location& location, const ReadOptions& options, Notices&) {
 }
 
 // The maps that have landmarks; the first one when none has, since a file holds at least one map.
-std::vector<const Map*> MapsWithLandmarks(const Atlas& atlas, const Location& location, const WriteOptions& options) {
-  std::vector<const Map*> maps = ChooseMaps(atlas, options.map, location.path);
+std::vector<const Map*> MapsWithLandmarks(const Atlas& atlas, const Target& target, const WriteOptions& options) {
+  std::vector<const Map*> maps = ChooseMaps(atlas, options, target);
   std::erase_if(maps, [](const Map* map) { return map->landmarks.empty(); });
   return maps;
 }
@@ -76,8 +81,8 @@ std::vector<const Map*> MapsWithLandmarks(const Atlas& atlas, const Location& lo
 // A new file, compressed where its name ends in `.gz`.
 class OutputFile {
  public:
-  OutputFile(const Location& location, const WriteOptions& options) : file_(location.path, FileOptions(options)) {
-    const std::string& path = location.path;
+  OutputFile(const Target& target, const WriteOptions& options) : file_(target, FileOptions(options)) {
+    const std::string& path = target.path;
     if (path.size() > 3 && strncasecmp(path.c_str() + path.size() - 3, ".gz", 3) == 0)
       compressor_.emplace([this](std::string_view bytes) { file_.Write(bytes); });
   }
@@ -112,9 +117,9 @@ void WriteLandmarks(const std::vector<Landmark>& landmarks, const WriteOptions& 
 }
 
 template <class Append>
-void WriteStream(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices,
+void WriteStream(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices,
                  Append append) {
-  OutputFile file(location, options);
+  OutputFile file(target, options);
   const auto write_map = [&](const std::vector<Landmark>& landmarks) {
     std::string head = mrpt::HeaderOf(mrpt::kMapClass, mrpt::kMapVersion);
     AppendRaw(head, static_cast<std::uint32_t>(landmarks.size()));
@@ -122,20 +127,22 @@ void WriteStream(const Atlas& atlas, const Location& location, const WriteOption
     WriteLandmarks(landmarks, options, append, file);
     file.Write({&mrpt::kEndFlag, 1});
   };
-  const std::vector<const Map*> maps = MapsWithLandmarks(atlas, location, options);
+  const std::vector<const Map*> maps = MapsWithLandmarks(atlas, target, options);
   for (const Map* map : maps) write_map(map->landmarks);
   if (maps.empty()) write_map({});
   file.Commit();
   if (maps.size() > 1)
-    notices.Note("the stream holds " + std::to_string(maps.size()) +
-                 " maps, one behind the other; programs that read one see the first (--map writes one)");
+    notices.Note(detail::Concat("the stream holds ", maps.size(),
+                                " maps, one behind the other; programs that read one see the first "
+                                "(ExportOptions::map writes one)"));
 }
 
 template <class Test>
 std::uint64_t CountLandmarks(const Atlas& atlas, const WriteOptions& options, Test test) {
+  const std::optional<MapId> chosen = options.of<ExportOptions>().map;
   std::uint64_t count = 0;
   for (const Map& map : atlas.maps)
-    if (!options.map || map.id == *options.map)
+    if (!chosen || map.id == *chosen)
       count += static_cast<std::uint64_t>(std::count_if(map.landmarks.begin(), map.landmarks.end(), test));
   return count;
 }
@@ -159,18 +166,18 @@ void NameLoss(std::uint64_t count, const std::string& format, const std::string&
   if (count > 0) notices.Lose(format + " cannot hold " + what + " of landmarks (" + Thousands(count) + ")");
 }
 
-void Write2(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  WriteStream(atlas, location, options, notices, [&](std::string& out, const Landmark& landmark) {
-    mrpt::AppendLandmark2(out, landmark, options.mrpt_own_slots);
-  });
+void Write2(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  const bool own_slots = options.of<MrptWriteOptions>().own_slots;
+  WriteStream(atlas, target, options, notices,
+              [&](std::string& out, const Landmark& landmark) { mrpt::AppendLandmark2(out, landmark, own_slots); });
   NameLoss(CountLandmarks(atlas, options, IsRounded), "mrpt", "64-bit covariances", notices);
-  if (!options.mrpt_own_slots)
+  if (!own_slots)
     NameLoss(CountLandmarks(atlas, options, HasLatchAlone), "mrpt",
              "LATCH descriptors without ORB descriptors beside them in ORB features", notices);
 }
 
-void Write3(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  WriteStream(atlas, location, options, notices, mrpt::AppendLandmark3);
+void Write3(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  WriteStream(atlas, target, options, notices, mrpt::AppendLandmark3);
   const auto lose = [&](const std::string& what, bool (*has)(const Landmark&)) {
     NameLoss(CountLandmarks(atlas, options, has), "mrpt3", what, notices);
   };
@@ -179,9 +186,9 @@ void Write3(const Atlas& atlas, const Location& location, const WriteOptions& op
   lose("times of last sight", [](const Landmark& landmark) { return landmark.last_seen != 0; });
 }
 
-void WriteText(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  OutputFile file(location, options);
-  for (const Map* map : MapsWithLandmarks(atlas, location, options))
+void WriteText(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  OutputFile file(target, options);
+  for (const Map* map : MapsWithLandmarks(atlas, target, options))
     WriteLandmarks(map->landmarks, options, mrpt::AppendLandmarkText, file);
   file.Commit();
   const auto all = [](const Landmark&) { return true; };
@@ -192,36 +199,41 @@ void WriteText(const Atlas& atlas, const Location& location, const WriteOptions&
   NameLoss(CountLandmarks(atlas, options, has_wide_id), "mrpt-text", "ids of more than 31 bits", notices);
 }
 
-}  // namespace
-
-Salvage SalvageMrpt(const std::string& path) {
-  Salvage salvage = mrpt::SalvageMaps(path, InputFile(path, false).bytes());
+// The landmarks in front of what is damaged or cut.
+Salvage SalvageLandmarks(const Source& source, const ReadOptions&) {
+  Salvage salvage = mrpt::SalvageMaps(source.path, InputFile(source, false).bytes());
   RaiseCounters(salvage.atlas);
   return salvage;
 }
 
+}  // namespace
+
 const Format kMrptFormat{.id = "mrpt",
                          .title = "MRPT 2 landmarks map",
                          .suffixes = kSuffixes,
-                         .reads = kLandmarks | kMaps,
-                         .writes = kLandmarks | kMaps,
+                         .kind = FileKind::kBinary,
+                         .reads = Content::kLandmarks | Content::kMaps,
+                         .writes = Content::kLandmarks | Content::kMaps,
                          .sniff = Sniff2,
                          .read = Read,
-                         .write = Write2};
+                         .write = Write2,
+                         .salvage = SalvageLandmarks};
 
 const Format kMrpt3Format{.id = "mrpt3",
                           .title = "MRPT 3 landmarks map",
                           .suffixes = kSuffixes3,
-                          .reads = kLandmarks | kMaps,
-                          .writes = kLandmarks | kMaps,
+                          .kind = FileKind::kBinary,
+                          .reads = Content::kLandmarks | Content::kMaps,
+                          .writes = Content::kLandmarks | Content::kMaps,
                           .sniff = Sniff3,
                           .read = Read,
-                          .write = Write3};
+                          .write = Write3,
+                          .salvage = SalvageLandmarks};
 
 const Format kMrptTextFormat{.id = "mrpt-text",
                              .title = "MRPT landmarks as text",
                              .suffixes = kTextSuffixes,
-                             .writes = kLandmarks,
+                             .writes = Content::kLandmarks,
                              .write = WriteText};
 
 }  // namespace slamdb

@@ -64,10 +64,10 @@ std::string Decompress(const std::string& path, std::string_view gzip) {
   std::string bytes;
   while (inflater.Step(bytes))
     if (bytes.size() > most)
-      throw Error(path, "",
+      throw Error(ErrorKind::kOutOfResources, path, "",
                   "the compressed file swells to more than " + std::to_string(most) + " bytes, over " +
                       std::to_string(kMostGrowth) + " times its size; if that is right, unpack it first (gunzip)");
-  if (!inflater.whole()) throw Error(path, "", "the compressed file is truncated or damaged");
+  if (!inflater.whole()) throw Error(ErrorKind::kDamaged, path, "", "the compressed file is truncated or damaged");
   return bytes;
 }
 

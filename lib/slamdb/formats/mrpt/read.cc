@@ -32,7 +32,8 @@ void ExpectObject(StreamReader& in, std::string_view name, std::uint8_t newest, 
   version = header.version;
   if (version < oldest || version > newest)
     throw in.Bad(std::string(name) + " of version " + std::to_string(version) + ", known are " +
-                 std::to_string(oldest) + " to " + std::to_string(newest));
+                     std::to_string(oldest) + " to " + std::to_string(newest),
+                 ErrorKind::kUnsupported);
 }
 
 bool ReadBool(StreamReader& in, std::string_view what) { return in.Get<std::uint8_t>(what) != 0; }
@@ -169,7 +170,8 @@ class MapsReader {
       const bool is_landmark = header.name == kLandmarkClass && header.version == kLandmarkVersion;
       if (!is_map && !is_landmark)
         throw in_.Bad("expected a landmarks map of MRPT 2 or 3, found a " + std::string(header.name) + " of version " +
-                      std::to_string(header.version));
+                          std::to_string(header.version),
+                      header.name.starts_with("mrpt::") ? ErrorKind::kUnsupported : ErrorKind::kDamaged);
       if (is_map || !bare_) AddMap();
       bare_ = is_landmark;
       if (is_map)

@@ -49,9 +49,9 @@ void WriteList(AtomicFile& file, const Map& map, const List& list, std::size_t g
   });
 }
 
-void WriteNdjson(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices&) {
-  AtomicFile file(location.path, FileOptions(options));
-  const std::vector<const Map*> maps = ChooseMaps(atlas, options.map, location.path);
+void WriteNdjson(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices&) {
+  AtomicFile file(target, FileOptions(options));
+  const std::vector<const Map*> maps = ChooseMaps(atlas, options, target);
   PartProgress progress(options, maps);
   std::string head;
   AppendJson(head, atlas);
@@ -81,7 +81,7 @@ constexpr std::array<std::string_view, 2> kSuffixes = {".ndjson", ".jsonl"};
 const Format kNdjsonFormat = {.id = "ndjson",
                               .title = "JSON lines dump",
                               .suffixes = kSuffixes,
-                              .writes = kEverything,
+                              .writes = Content::kEverything,
                               .sniff = SniffNdjson,
                               .write = WriteNdjson};
 

@@ -22,7 +22,7 @@ void CheckVersion(const FileStream& file, std::uint32_t version, Notices& notice
   const std::string found = "Boost archive version " + std::to_string(version);
   if (version < kOldestBoost)
     throw Error(
-        file.path(), "archive header",
+        ErrorKind::kUnsupported, file.path(), "archive header",
         found + " (Boost 1.52 or older), which writes other bytes; oldest known is " + std::to_string(kOldestBoost));
   if (version > kNewestBoost)
     notices.Warn(file.path() + ": written by " + found + ", newest known is " + std::to_string(kNewestBoost) +
@@ -35,16 +35,17 @@ ArchiveHeader ReadBinary(const FileStream& file, std::string_view text) {
   header.encoding.size_bytes = text.size() > 4 && text.substr(4).starts_with(kSignature) ? 4 : 8;
   const std::size_t version_at = header.encoding.size_bytes + kSignature.size();
   header.bytes = version_at + 10;
-  if (text.size() < header.bytes) throw Error(file.path(), "archive header", "the file ends here: it is truncated");
+  if (text.size() < header.bytes)
+    throw Error(ErrorKind::kDamaged, file.path(), "archive header", "the file ends here: it is truncated");
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[version_at + i]); };
   if (std::memcmp(text.data() + version_at + 6, kEndianProbe, 4) != 0)
-    throw Error(file.path(), "archive header",
+    throw Error(ErrorKind::kUnsupported, file.path(), "archive header",
                 "written on a big-endian machine, or damaged; expected a little-endian archive");
   header.encoding.boost_version = static_cast<std::uint32_t>(byte(0) | byte(1) << 8);
   header.encoding.long_bytes = byte(3);
   if (byte(2) != 4 || byte(4) != 4 || byte(5) != 8 || (byte(3) != 4 && byte(3) != 8) ||
       (header.encoding.size_bytes == 4 && byte(3) == 8))
-    throw Error(file.path(), "archive header",
+    throw Error(ErrorKind::kUnsupported, file.path(), "archive header",
                 "sizes of int, long, float, double are " + std::to_string(byte(2)) + ", " + std::to_string(byte(3)) +
                     ", " + std::to_string(byte(4)) + ", " + std::to_string(byte(5)) + ", expected 4, 8 (or 4), 4, 8");
   return header;
@@ -56,7 +57,8 @@ ArchiveHeader ReadText(const FileStream& file, std::string_view text) {
   const char* begin = text.data() + kTextStart.size();
   const auto [end, error] = std::from_chars(begin, text.data() + text.size(), header.encoding.boost_version);
   if (error != std::errc())
-    throw Error(file.path(), "archive header", "the library version is missing: the file is truncated or damaged");
+    throw Error(ErrorKind::kDamaged, file.path(), "archive header",
+                "the library version is missing: the file is truncated or damaged");
   header.bytes = static_cast<std::size_t>(end - text.data());
   return header;
 }
@@ -74,9 +76,12 @@ std::optional<bool> SniffArchive(std::string_view head) {
 
 ArchiveHeader ReadArchiveHeader(FileStream& file, Notices& notices) {
   const std::string_view text = Begin(file);
-  if (text.empty()) throw Error(file.path(), "", "the file is empty; was its writer killed, or the disk full?");
+  if (text.empty())
+    throw Error(ErrorKind::kDamaged, file.path(), "", "the file is empty; was its writer killed, or the disk full?");
   const std::optional<bool> kind = SniffArchive(text);
-  if (!kind) throw Error(file.path(), "byte 0", "not a Boost archive: expected the signature 'serialization::archive'");
+  if (!kind)
+    throw Error(ErrorKind::kDamaged, file.path(), "byte 0",
+                "not a Boost archive: expected the signature 'serialization::archive'");
   const ArchiveHeader header = *kind ? ReadText(file, text) : ReadBinary(file, text);
   CheckVersion(file, header.encoding.boost_version, notices);
   return header;

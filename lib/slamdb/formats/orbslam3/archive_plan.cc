@@ -127,7 +127,8 @@ ArchivePlan::ArchivePlan(const Atlas& atlas, const ArchiveEncoding& encoding) : 
     }
     PointerRun run{.kind = PointerRun::Kind::kNull};
     if (repeated->owner_map != RepeatedEntry::kNull) {
-      if (repeated->row >= objects_.size()) throw Error("a repeated map entry refers to no map before it");
+      if (repeated->row >= objects_.size())
+        throw Error(ErrorKind::kNotPossible, "a repeated map entry refers to no map before it");
       run = {.kind = PointerRun::Kind::kAgain, .object = objects_[repeated->row].map};
     }
     ++repeated;
@@ -177,7 +178,7 @@ std::vector<PointerRun> ArchivePlan::Runs(std::uint64_t rows, std::uint32_t firs
       continue;
     }
     if (first_of != nullptr && entry.owner_map >= objects_.size())
-      throw Error("a repeated list entry refers to no map before it");
+      throw Error(ErrorKind::kNotPossible, "a repeated list entry refers to no map before it");
     const std::uint32_t first = first_of == nullptr ? first_object : objects_[entry.owner_map].*first_of;
     runs.push_back({.kind = PointerRun::Kind::kAgain, .object = first + static_cast<std::uint32_t>(entry.row)});
     runs.back().row = entry.row;  // tells the class of a camera

@@ -18,7 +18,9 @@ std::string Place::ToString(std::size_t offset) const {
   return text;
 }
 
-void Cursor::Fail(const std::string& problem) const { throw Error(stream_->path(), place.ToString(offset()), problem); }
+void Cursor::Fail(const std::string& problem, ErrorKind kind) const {
+  throw Error(kind, stream_->path(), place.ToString(offset()), problem);
+}
 
 // How much of the list that the cursor is in was read before it.
 std::string Cursor::WholeSoFar() const {
@@ -29,7 +31,8 @@ std::string Cursor::WholeSoFar() const {
 }
 
 void Cursor::FailTruncated() const {
-  throw Error(stream_->path(), place.ToString(stream_->size()), "the file ends here: it is truncated" + WholeSoFar());
+  throw Error(ErrorKind::kDamaged, stream_->path(), place.ToString(stream_->size()),
+              "the file ends here: it is truncated" + WholeSoFar());
 }
 
 void Cursor::ReadOn(std::size_t bytes) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
+#include "slamdb/export.h"
 #include "slamdb/formats/format.h"
 
 // ORB-SLAM3 v1.0 atlas files (.osa): Boost.Serialization archives, binary and text, without ORB-SLAM3 and without
@@ -12,17 +15,18 @@
 // codec.
 namespace slamdb {
 
-extern const Format kOrbslam3Format;      // `orbslam3`: writes binary archives
-extern const Format kOrbslam3TextFormat;  // `orbslam3-text`: writes text archives
+SLAMDB_EXPORT extern const Format kOrbslam3Format;      // `orbslam3`: writes binary archives
+SLAMDB_EXPORT extern const Format kOrbslam3TextFormat;  // `orbslam3-text`: writes text archives
 
 // Reads either kind. Thread-safe. Throws Error with byte offset and object path.
-Atlas ReadOrbslam3(const std::string& path, const ReadOptions& options, Notices& notices);
+[[nodiscard]] SLAMDB_EXPORT Atlas ReadOrbslam3(const Source& source, const ReadOptions& options, Notices& notices);
 
-// Writes the kind that atlas.encoding says, with options.boost_version and options.long_bytes in place of its own.
+// Writes the kind that atlas.encoding says, as Orbslam3WriteOptions has it.
 // Throws Error, also when an id does not fit into a 4-byte long.
-void WriteOrbslam3(const Atlas& atlas, const std::string& path, const WriteOptions& options, Notices& notices);
+SLAMDB_EXPORT void WriteOrbslam3(const Atlas& atlas, const Target& target, const WriteOptions& options,
+                                 Notices& notices);
 
 // The same bytes in memory.
-std::string EncodeOrbslam3(const Atlas& atlas);
+[[nodiscard]] SLAMDB_EXPORT std::string EncodeOrbslam3(const Atlas& atlas);
 
 }  // namespace slamdb

@@ -250,19 +250,25 @@ Atlas ReadArchive(FileStream& file, const ArchiveHeader& header, const ReadOptio
   return atlas;
 }
 
+// What makes a reading with other widths of long and size_t worth a try; not that the disk fails or the user cancels.
+bool IsOfTheBytes(const Error& error) {
+  return error.kind() == ErrorKind::kDamaged || error.kind() == ErrorKind::kUnsupported;
+}
+
 // Text does not say how wide the writer's long and size_t were, which decides what vectors are of one class. Nearly
 // every writer is a 64-bit Unix; what does not read as such may be from Windows or a 32-bit system. Nothing when it is
 // not.
-std::optional<Atlas> ReadTextOfShorterLongs(const std::string& path, const ReadOptions& options, Notices& notices) {
+std::optional<Atlas> ReadTextOfShorterLongs(const Source& source, const ReadOptions& options, Notices& notices) {
   for (const std::uint8_t size_bytes : {std::uint8_t{8}, std::uint8_t{4}}) {
     try {
-      FileStream file(path);
+      FileStream file(source);
       Notices known;
       ArchiveHeader header = ReadArchiveHeader(file, known);
       header.encoding.long_bytes = 4;
       header.encoding.size_bytes = size_bytes;
       return ReadArchive<TextInput>(file, header, options, notices);
-    } catch (const Error&) {  // the error of the first reading tells more
+    } catch (const Error& error) {
+      if (!IsOfTheBytes(error)) throw;  // the error of the first reading tells more
     }
   }
   return std::nullopt;
@@ -273,15 +279,16 @@ std::optional<Atlas> ReadTextOfShorterLongs(const std::string& path, const ReadO
 
 namespace slamdb {
 
-Atlas ReadOrbslam3(const std::string& path, const ReadOptions& options, Notices& notices) {
-  FileStream file(path);
+Atlas ReadOrbslam3(const Source& source, const ReadOptions& options, Notices& notices) {
+  FileStream file(source);
   const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(file, notices);
   if (!header.encoding.text) return orbslam3::ReadArchive<orbslam3::BinaryInput>(file, header, options, notices);
   try {
     return orbslam3::ReadArchive<orbslam3::TextInput>(file, header, options, notices);
-  } catch (const Error&) {
-    if (path == "-") throw;
-    if (auto atlas = orbslam3::ReadTextOfShorterLongs(path, options, notices)) return *std::move(atlas);
+  } catch (const Error& error) {
+    const bool can_be_read_again = source.memory || source.is_file();
+    if (!can_be_read_again || !orbslam3::IsOfTheBytes(error)) throw;
+    if (auto atlas = orbslam3::ReadTextOfShorterLongs(source, options, notices)) return *std::move(atlas);
     throw;
   }
 }

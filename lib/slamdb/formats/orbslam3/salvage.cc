@@ -436,8 +436,8 @@ class Salvager {
 
 namespace slamdb {
 
-Salvage SalvageOrbslam3(const std::string& path, const ReadOptions&) {
-  FileStream file(path);
+Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
+  FileStream file(source);
   Notices notices;
   orbslam3::ArchiveHeader header;
   std::optional<Error> header_error;

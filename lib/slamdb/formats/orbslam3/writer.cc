@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/pipeline.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/archive_plan.h"
 #include "slamdb/formats/orbslam3/detail/sanitize.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 
 // How an atlas is written: a plan cuts the archive into segments, threads encode them, and the caller writes the
@@ -11,15 +13,17 @@
 namespace slamdb {
 namespace {
 
-ArchiveEncoding EncodingFor(const Atlas& atlas, const WriteOptions& options) {
+using detail::Concat;
+
+ArchiveEncoding EncodingFor(const Atlas& atlas, const Orbslam3WriteOptions& options) {
   ArchiveEncoding encoding = atlas.encoding;
   if (options.boost_version) encoding.boost_version = *options.boost_version;
   if (encoding.boost_version < orbslam3::kOldestBoost || encoding.boost_version > 255)
-    throw Error("Boost archive version " + std::to_string(encoding.boost_version) +
-                " cannot be written, expected 10 (Boost 1.53) to 20 (Boost 1.84)");
+    throw Error(ErrorKind::kUsage, Concat("Boost archive version ", encoding.boost_version,
+                                          " cannot be written, expected 10 (Boost 1.53) to 20 (Boost 1.84)"));
   if (options.long_bytes) {
     if (*options.long_bytes != 4 && *options.long_bytes != 8)
-      throw Error("a long of " + std::to_string(*options.long_bytes) + " bytes, expected 4 or 8");
+      throw Error(ErrorKind::kUsage, Concat("a long of ", *options.long_bytes, " bytes, expected 4 or 8"));
     if (*options.long_bytes != encoding.long_bytes) encoding.size_bytes = 8;  // 64-bit Windows, 64-bit Linux and macOS
     encoding.long_bytes = static_cast<std::uint8_t>(*options.long_bytes);
   }
@@ -31,10 +35,10 @@ bool HasNonFinite(const Column<char>& text) {
   return view.find(" nan") != view.npos || view.find(" -nan") != view.npos || view.find("inf") != view.npos;
 }
 
-void WriteArchive(const Atlas& atlas, const std::string& path, const WriteOptions& options, Notices& notices) {
-  const ArchiveEncoding encoding = EncodingFor(atlas, options);
+void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  const ArchiveEncoding encoding = EncodingFor(atlas, options.of<Orbslam3WriteOptions>());
   const orbslam3::ArchivePlan plan(atlas, encoding);
-  AtomicFile file(path, {.overwrite = options.overwrite, .sync = options.sync});
+  AtomicFile file(target, {.overwrite = options.overwrite, .sync = options.sync});
   bool non_finite = false;
   ProduceInOrder(
       plan.size(), options.threads, [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
@@ -42,22 +46,22 @@ void WriteArchive(const Atlas& atlas, const std::string& path, const WriteOption
         file.Write(std::as_bytes(std::span(buffer)));
         if (encoding.text && !non_finite) non_finite = HasNonFinite(buffer);
         if (options.progress)
-          options.progress("writing " + path, static_cast<double>(i + 1) / static_cast<double>(plan.size()));
+          options.progress("writing " + target.path, static_cast<double>(i + 1) / static_cast<double>(plan.size()));
       });
   file.Commit();
   if (non_finite)
-    notices.Warn(path +
+    notices.Warn(target.path +
                  ": the text holds nan or inf, which slamdb reads back but ORB-SLAM3's own loader does not; "
-                 "--sanitize clears those in uninitialised members");
+                 "Orbslam3WriteOptions::sanitize clears those in uninitialised members");
 }
 
 }  // namespace
 
-void WriteOrbslam3(const Atlas& atlas, const std::string& path, const WriteOptions& options, Notices& notices) {
-  if (!options.sanitize) return WriteArchive(atlas, path, options, notices);
+void WriteOrbslam3(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  if (!options.of<Orbslam3WriteOptions>().sanitize) return WriteArchive(atlas, target, options, notices);
   Atlas sanitized = atlas;
   for (std::string& change : SanitizeForOrbslam3(sanitized)) notices.Note("sanitized: " + std::move(change));
-  WriteArchive(sanitized, path, options, notices);
+  WriteArchive(sanitized, target, options, notices);
 }
 
 std::string EncodeOrbslam3(const Atlas& atlas) {

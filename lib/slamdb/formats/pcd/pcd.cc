@@ -8,6 +8,7 @@
 #include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/points.h"
 #include "slamdb/formats/export/detail/rows.h"
+#include "slamdb/formats/export/options.h"
 
 namespace slamdb {
 namespace {
@@ -72,15 +73,16 @@ void AppendAsciiRow(std::string& out, const PointRows& points, std::size_t row) 
   out += '\n';
 }
 
-void WritePcd(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(location.path, FileOptions(options));
-  const PointRows points(atlas, location, options, notices);
+void WritePcd(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  const bool binary = options.of<PointCloudOptions>().binary;
+  AtomicFile file(target, FileOptions(options));
+  const PointRows points(atlas, target, options, notices);
   WarnOfSeveralFrames(points.maps(), "the field `map` and the colour tell them apart", notices);
   const Columns columns{.map = ColumnForMapIds(points), .point = ColumnForPointIds(points)};
-  file.Write(Header(points.size(), columns, options.binary));
+  file.Write(Header(points.size(), columns, binary));
   WriteRows(file, points.size(), kRowsPerBlock, options, [&](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) {
-      if (options.binary)
+      if (binary)
         AppendBinaryRow(out, points, row, columns);
       else
         AppendAsciiRow(out, points, row);
@@ -101,7 +103,8 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".pcd"};
 const Format kPcdFormat = {.id = "pcd",
                            .title = "PCD point cloud",
                            .suffixes = kSuffixes,
-                           .writes = kPoints | kNormals | kMaps,
+                           .kind = FileKind::kBinaryOrText,
+                           .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = SniffPcd,
                            .write = WritePcd};
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/sqlite/options.h"
 #include "slamdb/model/detail/packing.h"
 
 namespace slamdb::sqlite {
@@ -130,7 +131,7 @@ void LoadLists(Database& database, std::int64_t atlas_row, const ReadOptions& op
   }
   const std::vector<Slice> slices = CutSlices(maps);
   const std::int64_t revision = database.Integer("SELECT revision FROM atlas WHERE row = " + std::to_string(atlas_row));
-  ConnectionPool pool(database.path(), options.lock_timeout, atlas_row, revision);
+  ConnectionPool pool(database.path(), options.of<StoreReadOptions>().lock_timeout, atlas_row, revision);
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<std::size_t> done{0};
   ParallelFor(slices.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {

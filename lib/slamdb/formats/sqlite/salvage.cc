@@ -12,6 +12,7 @@
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/plan.h"
+#include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb {
@@ -192,9 +193,10 @@ class LengthenedCopy {
 }  // namespace sqlite
 
 Salvage SalvageStore(const std::string& path, const std::string& name, const ReadOptions& options) {
+  const double lock_timeout = options.of<StoreReadOptions>().lock_timeout;
   const sqlite::LengthenedCopy copy(path);
-  const std::string chosen = name.empty() ? Store::Open(copy.path(), options.lock_timeout).OnlyName() : name;
-  sqlite::Database database(copy.path(), sqlite::Access::kRead, options.lock_timeout);
+  const std::string chosen = name.empty() ? Store::Open(copy.path(), lock_timeout).OnlyName() : name;
+  sqlite::Database database(copy.path(), sqlite::Access::kRead, lock_timeout);
   sqlite::CheckIsStore(database, sqlite::NewestVersion());
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, chosen).Step())

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/store_format.h"
 
-#include <filesystem>
-
+#include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/salvage.h"
+#include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb {
@@ -18,28 +19,43 @@ bool Sniff(const Probe& probe) {
   return header.is_sqlite && header.application_id == sqlite::kApplicationId;
 }
 
-Atlas Read(const Location& location, const ReadOptions& options, Notices&) {
-  Store store = Store::Open(location.path, options.lock_timeout);
-  return store.Load(location.name.empty() ? store.OnlyName() : location.name, options);
+void RefuseMemory(bool is_memory, const std::string& path) {
+  if (is_memory)
+    throw Error(ErrorKind::kNotPossible, path, "",
+                "a store is a file, which is neither read from memory nor written to it");
 }
 
-void Write(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  Store store = Store::OpenForWriting(location.path, {.sync = options.sync, .lock_timeout = options.lock_timeout});
+Atlas Read(const Source& source, const ReadOptions& options, Notices&) {
+  RefuseMemory(source.memory.has_value(), source.path);
+  Store store = Store::Open(source.path, options.of<StoreReadOptions>().lock_timeout);
+  return store.Load(source.name.empty() ? store.OnlyName() : source.name, options);
+}
+
+void Write(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  RefuseMemory(target.sink != nullptr, target.path);
+  const StoreWriteOptions& how = options.of<StoreWriteOptions>();
+  Store store = Store::OpenForWriting(target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout});
   const std::vector<StoredAtlas> stored = store.List();
-  std::string name = location.name;
+  std::string name = target.name;
   if (name.empty()) name = stored.empty() ? std::string(kDefaultName) : store.OnlyName();
   for (const StoredAtlas& other : stored) {
     if (other.name == name && !options.overwrite) {
-      throw Error(location.path, "", "holds an atlas named '" + name + "' already; use --overwrite to replace it");
+      throw Error(ErrorKind::kAlreadyExists, target.path, "",
+                  "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
     }
   }
-  const SaveReport report = store.Save(
-      name, atlas, {.provenance = options.provenance, .threads = options.threads, .progress = options.progress});
+  const SaveReport report =
+      store.Save(name, atlas, {.provenance = how.provenance, .threads = options.threads, .progress = options.progress});
   if (!report.replaced) return;
   const TableChanges rows = report.Total();
   notices.Note("replaced atlas '" + name + "': " + std::to_string(rows.inserted) + " rows new, " +
                std::to_string(rows.updated) + " changed, " + std::to_string(rows.deleted) + " removed, " +
                std::to_string(rows.unchanged) + " as they were");
+}
+
+Salvage SalvageOne(const Source& source, const ReadOptions& options) {
+  RefuseMemory(source.memory.has_value(), source.path);
+  return SalvageStore(source.path, source.name, options);
 }
 
 }  // namespace
@@ -48,11 +64,14 @@ const Format kStoreFormat = {
     .id = "store",
     .title = "slamdb store (SQLite), several atlases with history in one file",
     .suffixes = kSuffixes,
-    .reads = kEverything,
-    .writes = kEverything,
+    .kind = FileKind::kBinary,
+    .named = true,
+    .reads = Content::kEverything,
+    .writes = Content::kEverything,
     .sniff = &Sniff,
     .read = &Read,
     .write = &Write,
+    .salvage = &SalvageOne,
 };
 
 }  // namespace slamdb

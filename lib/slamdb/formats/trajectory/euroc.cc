@@ -70,9 +70,9 @@ bool IsInertial(const std::vector<MapTrajectory>& trajectories) {
   });
 }
 
-void WriteEuroc(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(location.path, FileOptions(options));
-  std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, location, options, notices);
+void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(target, FileOptions(options));
+  std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, target, options, notices);
   DropUnreachableTimes(trajectories, notices);
   std::vector<const Map*> maps;
   for (const MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
@@ -99,8 +99,8 @@ std::optional<ReadPose> PoseOf(const PoseLine& line) {
                   {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
 }
 
-Atlas ReadEuroc(const Location& location, const ReadOptions& options, Notices&) {
-  return ReadPoseLines(location, options, kSeparators,
+Atlas ReadEuroc(const Source& source, const ReadOptions& options, Notices&) {
+  return ReadPoseLines(source, options, kSeparators,
                        "at least 8 cells: timestamp [ns], position x y z, quaternion w x y z", PoseOf);
 }
 
@@ -117,8 +117,8 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".euroc.csv"};
 const Format kEurocFormat = {.id = "euroc",
                              .title = "EuRoC ground truth csv",
                              .suffixes = kSuffixes,
-                             .reads = kPoses | kMaps,
-                             .writes = kPoses | kMaps,
+                             .reads = Content::kPoses | Content::kMaps,
+                             .writes = Content::kPoses | Content::kMaps,
                              .sniff = SniffEuroc,
                              .read = ReadEuroc,
                              .write = WriteEuroc};

@@ -2,6 +2,7 @@
 #include <array>
 #include <optional>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -37,19 +38,20 @@ std::string LinesOfMaps(const std::vector<MapTrajectory>& trajectories) {
   return text;
 }
 
-void WriteKitti(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(location.path, FileOptions(options));
-  const bool to_stdout = location.path == "-";
+void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(target, FileOptions(options));
+  const std::string times_path = target.path + ".times";
   std::optional<AtomicFile> times;
-  if (!to_stdout) times.emplace(location.path + ".times", FileOptions(options));
-  const std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, location, options, notices);
+  if (target.is_file()) times.emplace(times_path, FileOptions(options));
+  const std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, target, options, notices);
   std::vector<const Map*> maps;
   for (const MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
   WarnOfSeveralFrames(maps, LinesOfMaps(trajectories), notices);
-  if (to_stdout)
-    notices.Lose("kitti has no timestamps in its lines, and standard output has no second file for them");
+  if (times)
+    notices.Note("the timestamps are in " + times_path + ", one line for each pose");
   else
-    notices.Note("the timestamps are in " + location.path + ".times, one line for each pose");
+    notices.Lose(detail::Concat("kitti has no timestamps in its lines, and ",
+                                target.sink ? target.path : "standard output", " has no second file for them"));
   for (const auto& [map, poses] : trajectories) {
     std::string lines, seconds;
     for (const TimedPose& pose : poses) {
@@ -73,7 +75,7 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};
 const Format kKittiFormat = {.id = "kitti",
                              .title = "KITTI trajectory",
                              .suffixes = kSuffixes,
-                             .writes = kPoses,
+                             .writes = Content::kPoses,
                              .sniff = SniffKitti,
                              .write = WriteKitti};
 

@@ -56,9 +56,9 @@ std::optional<MapId> MapOfComment(std::string_view line) {
 std::optional<double> ParseNumber(std::string_view text) { return Parse<double>(text); }
 std::optional<std::int64_t> ParseInteger(std::string_view text) { return Parse<std::int64_t>(text); }
 
-Atlas ReadPoseLines(const Location& location, const ReadOptions& options, std::string_view separators,
+Atlas ReadPoseLines(const Source& source, const ReadOptions& options, std::string_view separators,
                     const std::string& expected, const std::function<std::optional<ReadPose>(const PoseLine&)>& pose) {
-  const MappedFile file(location.path);
+  const MappedFile file(source);
   std::string_view text = file.text();
   PoseAtlas atlas;
   std::vector<double> values;
@@ -76,7 +76,7 @@ Atlas ReadPoseLines(const Location& location, const ReadOptions& options, std::s
     }
     const auto read = numbers ? pose({cells[0], values}) : std::nullopt;
     if (!read)
-      throw Error(location.path, "line " + std::to_string(number),
+      throw Error(ErrorKind::kDamaged, source.path, "line " + std::to_string(number),
                   "expected " + expected + ", found `" + std::string(line.substr(0, 80)) + "`");
     atlas.Add(read->timestamp, read->world_from_camera);
   }

@@ -8,6 +8,7 @@
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/pose.h"
+#include "slamdb/formats/export/options.h"
 
 namespace slamdb {
 namespace {
@@ -50,15 +51,16 @@ MapTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
 
 }  // namespace
 
-std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Location& location,
-                                               const WriteOptions& options, Notices& notices) {
+std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
+                                               Notices& notices) {
+  const PoseFrame frame = options.of<TrajectoryOptions>().pose_frame;
   std::vector<MapTrajectory> trajectories;
   Census census;
-  for (const Map* map : ChooseMaps(atlas, options.map, location.path)) {
-    MapTrajectory trajectory = Collect(*map, options.pose_frame, census);
+  for (const Map* map : ChooseMaps(atlas, options, target)) {
+    MapTrajectory trajectory = Collect(*map, frame, census);
     if (!trajectory.poses.empty()) trajectories.push_back(std::move(trajectory));
   }
-  census.Tell(options.pose_frame, notices);
+  census.Tell(frame, notices);
   return trajectories;
 }
 

@@ -24,9 +24,9 @@ void AppendLine(std::string& out, const TimedPose& pose) {
   out += '\n';
 }
 
-void WriteTum(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(location.path, FileOptions(options));
-  const std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, location, options, notices);
+void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(target, FileOptions(options));
+  const std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, target, options, notices);
   std::vector<const Map*> maps;
   for (const MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
   WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
@@ -48,8 +48,8 @@ std::optional<ReadPose> PoseOf(const PoseLine& line) {
   return ReadPose{*timestamp, {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
 }
 
-Atlas ReadTum(const Location& location, const ReadOptions& options, Notices&) {
-  return ReadPoseLines(location, options, kSeparators, "8 numbers: timestamp tx ty tz qx qy qz qw", PoseOf);
+Atlas ReadTum(const Source& source, const ReadOptions& options, Notices&) {
+  return ReadPoseLines(source, options, kSeparators, "8 numbers: timestamp tx ty tz qx qy qz qw", PoseOf);
 }
 
 bool SniffTum(const Probe& probe) { return NumbersInFirstLine(probe, kSeparators) == 8; }
@@ -61,8 +61,8 @@ constexpr std::array<std::string_view, 2> kSuffixes = {".tum", ".txt"};
 const Format kTumFormat = {.id = "tum",
                            .title = "TUM trajectory",
                            .suffixes = kSuffixes,
-                           .reads = kPoses | kMaps,
-                           .writes = kPoses | kMaps,
+                           .reads = Content::kPoses | Content::kMaps,
+                           .writes = Content::kPoses | Content::kMaps,
                            .sniff = SniffTum,
                            .read = ReadTum,
                            .write = WriteTum};

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "slamdb/base/notices.h"
-#include "slamdb/model/atlas.h"
+#include "slamdb/formats/format.h"
 
 namespace slamdb {
 
-// The maps to write: that of id `map`, or all of them, by their place in Atlas::maps. Throws Error (`path` names the
-// output) when the atlas has no map of that id.
-std::vector<const Map*> ChooseMaps(const Atlas& atlas, std::optional<MapId> map, const std::string& path);
+// The maps to write: that of ExportOptions::map, or all of them, by their place in Atlas::maps. Throws Error of kind
+// kNotFound when the atlas has no map of that id.
+std::vector<const Map*> ChooseMaps(const Atlas& atlas, const WriteOptions& options, const Target& target);
 
 // Warns when more than one of the maps has content: they are not aligned with each other, and side by side in one file
 // they look as if they were. `how_told_apart` ends the sentence (`the property "map" tells them apart`).

@@ -19,8 +19,8 @@ class PointRows {
     std::uint32_t map;  // row of maps()
   };
 
-  // Throws Error when options.map names a map that the atlas does not have.
-  PointRows(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices& notices);
+  // Throws Error when ExportOptions::map names a map that the atlas does not have.
+  PointRows(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices);
 
   std::size_t size() const { return rows_.size(); }
   const Row& operator[](std::size_t row) const { return rows_[row]; }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "slamdb/formats/format.h"
+#include "slamdb/formats/export/options.h"
+#include "slamdb/model/keyframe.h"
 
 namespace slamdb {
 

@@ -41,8 +41,8 @@ class StreamReader {
 
   // What is being read, for errors: `landmark 3`.
   void SetPlace(std::string place) { place_ = std::move(place); }
-  Error Bad(const std::string& problem) const {
-    return Error(path_, "byte " + std::to_string(at_) + (place_.empty() ? "" : ", " + place_), problem);
+  Error Bad(const std::string& problem, ErrorKind kind = ErrorKind::kDamaged) const {
+    return Error(kind, path_, "byte " + std::to_string(at_) + (place_.empty() ? "" : ", " + place_), problem);
   }
 
   std::string_view Take(std::size_t size, std::string_view what) {

@@ -51,7 +51,7 @@ class Cursor {
     reads_on_ = false;
   }
 
-  [[noreturn]] void Fail(const std::string& problem) const;
+  [[noreturn]] void Fail(const std::string& problem, ErrorKind kind = ErrorKind::kDamaged) const;
   [[noreturn]] void FailTruncated() const;
   // A count that the bytes left cannot hold.
   [[noreturn]] void FailCount(std::uint64_t count) const;

@@ -20,13 +20,15 @@ namespace slamdb::orbslam3 {
 inline std::uint32_t Narrow(std::uint64_t value) {
   if (value == ~std::uint64_t{0}) return std::numeric_limits<std::uint32_t>::max();
   if (value > std::numeric_limits<std::uint32_t>::max())
-    throw Error("the id " + std::to_string(value) +
-                " does not fit into a 4-byte long; if it is uninitialised memory, --sanitize clears it");
+    throw Error(ErrorKind::kNotPossible,
+                "the id " + std::to_string(value) +
+                    " does not fit into a 4-byte long; if it is uninitialised memory, Orbslam3WriteOptions::sanitize "
+                    "clears it");
   return static_cast<std::uint32_t>(value);
 }
 inline std::int32_t Narrow(std::int64_t value) {
   if (value < std::numeric_limits<std::int32_t>::min() || value > std::numeric_limits<std::int32_t>::max())
-    throw Error("the number " + std::to_string(value) + " does not fit into a 4-byte long");
+    throw Error(ErrorKind::kNotPossible, "the number " + std::to_string(value) + " does not fit into a 4-byte long");
   return static_cast<std::int32_t>(value);
 }
 

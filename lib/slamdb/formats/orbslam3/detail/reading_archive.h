@@ -22,7 +22,8 @@ class ReadingArchive {
     const auto version = input.template Take<std::uint32_t>();
     if (version != 0)
       input.Fail("class version " + std::to_string(version) +
-                 ", expected 0: written by a fork, or by an ORB-SLAM3 later than v1.0");
+                     ", expected 0: written by a fork, or by an ORB-SLAM3 later than v1.0",
+                 ErrorKind::kUnsupported);
   }
   // The size of a container that Boost writes as a class: a map, or a vector of classes or pointers. An element takes
   // at least `bytes` bytes (`tokens` tokens in a text archive).

@@ -14,6 +14,6 @@ namespace slamdb {
 // first map goes by the origin map of its first keyframe.
 // Numbers that were changed in a record without changing its shape are read as they are. Throws Error when the file is
 // empty or cannot be read. Thread-safe.
-Salvage SalvageOrbslam3(const std::string& path, const ReadOptions& options);
+Salvage SalvageOrbslam3(const Source& source, const ReadOptions& options);
 
 }  // namespace slamdb

@@ -25,7 +25,7 @@ struct ReadPose {
   double timestamp;
   Rigid3f world_from_camera;
 };
-Atlas ReadPoseLines(const Location& location, const ReadOptions& options, std::string_view separators,
+Atlas ReadPoseLines(const Source& source, const ReadOptions& options, std::string_view separators,
                     const std::string& expected, const std::function<std::optional<ReadPose>(const PoseLine&)>& pose);
 
 // A decimal number that fills the whole text; nullopt when it does not.

@@ -21,9 +21,10 @@ struct MapTrajectory {
 
 // The trajectories to write, one per chosen map, maps without poses left out. Keyframes flagged bad are left out with a
 // note; those whose pose or time is not finite are left out as a loss. Warns when the body frame is asked for and a
-// keyframe has no IMU calibration, in which case camera and body are the same. Throws Error when options.map is no map.
-std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Location& location,
-                                               const WriteOptions& options, Notices& notices);
+// keyframe has no IMU calibration, in which case camera and body are the same. Throws Error when ExportOptions::map is
+// no map.
+std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
+                                               Notices& notices);
 
 // An atlas that is being made of poses read from a file: ids are given in the order of the file.
 class PoseAtlas {

@@ -9,7 +9,7 @@
 
 namespace slamdb {
 
-// A folder of its own for one test, removed with everything in it.
+// A folder of its own for one test, in one process, removed with everything in it.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -17,6 +17,7 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
+  const std::filesystem::path& path() const { return path_; }
   std::string Path(std::string_view name) const { return (path_ / name).string(); }
   std::string Make(std::string_view name, std::string_view content) const;  // writes a file, gives its path
   std::vector<std::string> Names() const;                                   // what is in it, sorted

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace slamdb {
 
 TemporaryFolder::TemporaryFolder() {
-  std::string name = ::testing::TempDir() + "slamdb_formats.XXXXXX";
+  std::string name = ::testing::TempDir() + "slamdb_test.XXXXXX";
   if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder: " + name);
   path_ = name;
 }

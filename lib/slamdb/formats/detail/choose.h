@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slamdb/formats/format.h"
+
+namespace slamdb {
+
+// The format to read a source with: that of the options, or by content, then by suffix. Throws Error when there is
+// none, or it does not read, or holds no atlases by name and one is named.
+const Format& FormatToRead(const Source& source, const ReadOptions& options);
+
+// The format to write a target with: that of the options, or by suffix. Throws Error likewise.
+const Format& FormatToWrite(const Target& target, const WriteOptions& options);
+
+}  // namespace slamdb

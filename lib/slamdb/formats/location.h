@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "slamdb/export.h"
+
+namespace slamdb {
+
+// Where an atlas is: a file, or one atlas of several in a store (`store.db#name`).
+// `-` is standard input or output. A text converts by Parse().
+struct SLAMDB_EXPORT Location {
+  std::string path;
+  std::string name;  // in a store; empty: the only one
+
+  Location() = default;
+  Location(std::string file, std::string atlas) : path(std::move(file)), name(std::move(atlas)) {}
+  Location(std::string_view text) : Location(Parse(text)) {}               // NOLINT(google-explicit-constructor)
+  Location(const char* text) : Location(std::string_view(text)) {}         // NOLINT(google-explicit-constructor)
+  Location(const std::string& text) : Location(std::string_view(text)) {}  // NOLINT(google-explicit-constructor)
+
+  // Splits at the last `#` of the last path component, unless a file of the whole name exists.
+  static Location Parse(std::string_view text);
+  std::string ToString() const { return name.empty() ? path : path + "#" + name; }
+  friend bool operator==(const Location&, const Location&) = default;
+};
+
+}  // namespace slamdb

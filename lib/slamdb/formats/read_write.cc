@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <istream>
+#include <new>
+#include <ostream>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/detail/choose.h"
+#include "slamdb/formats/detail/losses.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb {
+namespace {
+
+constexpr const char *kMemory = "memory", *kStream = "stream";  // what errors call them
+
+// What `work` gives; running out of memory, which large and damaged files make it do, becomes an Error.
+template <class Work>
+auto InMemory(const std::string& path, const char* problem, const Work& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorKind::kOutOfResources, path, "", problem);
+  }
+}
+
+Atlas Read(const Source& source, const ReadOptions& options, Notices* notices) {
+  Notices unheard;
+  return InMemory(source.path, "the machine has too little memory left to read it", [&] {
+    return FormatToRead(source, options).read(source, options, notices == nullptr ? unheard : *notices);
+  });
+}
+
+void Write(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices* notices) {
+  const Format& format = FormatToWrite(target, options);
+  const std::vector<std::string> losses = LossesOf(atlas, format, options);
+  if (options.strict && !losses.empty())
+    throw Error(ErrorKind::kNotPossible, target.path, "", losses.front() + "; WriteOptions::strict refuses that");
+  Notices unheard;
+  Notices& heard = notices == nullptr ? unheard : *notices;
+  for (const std::string& loss : losses) heard.Lose(loss);
+  InMemory(target.path, "the machine has too little memory left to write it",
+           [&] { format.write(atlas, target, options, heard); });
+}
+
+std::string WholeStream(std::istream& stream) {
+  constexpr std::size_t kBlock = std::size_t{1} << 20;
+  std::string bytes;
+  for (std::size_t size = 0; stream; size += static_cast<std::size_t>(stream.gcount())) {
+    bytes.resize(size + kBlock);
+    stream.read(bytes.data() + size, static_cast<std::streamsize>(kBlock));
+    bytes.resize(size + static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad() || !stream.eof()) throw Error(ErrorKind::kNotPossible, kStream, "", "cannot be read");
+  return bytes;
+}
+
+}  // namespace
+
+Atlas ReadAtlas(const Location& location, const ReadOptions& options, Notices* notices) {
+  return Read({location.path, location.name}, options, notices);
+}
+
+Atlas ReadAtlas(std::istream& stream, const ReadOptions& options, Notices* notices) {
+  const std::string bytes = InMemory(kStream, "does not fit into memory", [&] { return WholeStream(stream); });
+  return Read({std::as_bytes(std::span(bytes)), kStream}, options, notices);
+}
+
+Atlas DecodeAtlas(Bytes bytes, const ReadOptions& options, Notices* notices) {
+  return Read({bytes, kMemory}, options, notices);
+}
+
+Atlas DecodeAtlas(std::string_view bytes, const ReadOptions& options, Notices* notices) {
+  return DecodeAtlas(std::as_bytes(std::span(bytes)), options, notices);
+}
+
+void WriteAtlas(const Atlas& atlas, const Location& location, const WriteOptions& options, Notices* notices) {
+  Write(atlas, {location.path, location.name}, options, notices);
+}
+
+void WriteAtlas(const Atlas& atlas, std::ostream& stream, const WriteOptions& options, Notices* notices) {
+  const auto put = [&stream](Bytes bytes) {
+    if (!stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
+      throw Error(ErrorKind::kNotPossible, kStream, "", "cannot be written");
+  };
+  Write(atlas, Target(put, kStream), options, notices);
+}
+
+std::string EncodeAtlas(const Atlas& atlas, const WriteOptions& options, Notices* notices) {
+  std::string encoded;
+  const auto append = [&encoded](Bytes bytes) {
+    encoded.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  Write(atlas, Target(append, kMemory), options, notices);
+  return encoded;
+}
+
+}  // namespace slamdb

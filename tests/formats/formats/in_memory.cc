@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/formats/formats/in_memory.h"
+
+namespace slamdb {
+
+std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions& options, Notices& notices) {
+  std::string encoded;
+  const auto append = [&encoded](Bytes bytes) {
+    encoded.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  format.write(atlas, Target(append, "memory"), options, notices);
+  return encoded;
+}
+
+std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions& options) {
+  Notices ignored;
+  return Encoded(format, atlas, options, ignored);
+}
+
+Atlas Decoded(const Format& format, std::string_view bytes, const ReadOptions& options) {
+  Notices ignored;
+  return format.read({std::as_bytes(std::span(bytes)), "memory"}, options, ignored);
+}
+
+}  // namespace slamdb
