@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 
@@ -22,7 +23,7 @@ std::vector<PlannedRule> PlanRules(const CheckOptions& options) {
   const auto change = [&](const std::vector<std::string>& ids, std::optional<Severity> severity) {
     for (const std::string& id : ids) {
       const auto found = std::ranges::find(plan, std::string_view(id), [](const PlannedRule& p) { return p.rule->id; });
-      if (found == plan.end()) throw Error("no rule is called '" + id + "'; `slamdb check --list` names all");
+      if (found == plan.end()) throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'"));
       found->severity = severity;
     }
   };
@@ -37,7 +38,7 @@ std::vector<PlannedRule> PlanRules(const CheckOptions& options) {
 const Gate& FindGate(std::string_view id) {
   const auto gates = ReadGates();
   const auto found = std::ranges::find(gates, id, &Gate::id);
-  if (found == gates.end()) throw Error("no quality gate is called '" + std::string(id) + "'");
+  if (found == gates.end()) throw Error(ErrorKind::kUsage, detail::Concat("no quality gate is called '", id, "'"));
   return *found;
 }
 

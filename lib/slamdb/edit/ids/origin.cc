@@ -41,7 +41,7 @@ void RefuseCircles(const Replacements& replacements) {
       at = next->second;
     }
     if (at == from && to != from)
-      throw Error("the replacements lead from origin " + std::to_string(from) +
+      throw Error(ErrorKind::kUsage, "the replacements lead from origin " + std::to_string(from) +
                   " back to it; to swap origins, move one of them out of the way first");
   }
 }
@@ -50,9 +50,9 @@ Replacements Gather(const OriginOptions& options, const Histogram& origins) {
   Replacements replacements;
   for (const auto& [from, to] : options.replace) {
     if (!origins.contains(from))
-      throw Error("no keyframe has origin map " + std::to_string(from) + "; origins are " + ListOf(origins));
+      throw Error(ErrorKind::kNotPossible, "no keyframe has origin map " + std::to_string(from) + "; origins are " + ListOf(origins));
     if (!replacements.emplace(from, to).second)
-      throw Error("origin map " + std::to_string(from) + " is replaced twice");
+      throw Error(ErrorKind::kUsage, "origin map " + std::to_string(from) + " is replaced twice");
   }
   RefuseCircles(replacements);
   return replacements;
@@ -67,7 +67,7 @@ Replacements Plan(const OriginOptions& options, const Histogram& origins) {
     const auto replaced = replacements.find(origin);
     const std::int64_t moved = std::int64_t{replaced == replacements.end() ? origin : replaced->second} + options.shift;
     if (moved < 0 || moved > static_cast<std::int64_t>(LargestId(IdKind::kMap)))
-      throw Error("origin map " + std::to_string(origin) + " would become " + std::to_string(moved) +
+      throw Error(ErrorKind::kNotPossible, "origin map " + std::to_string(origin) + " would become " + std::to_string(moved) +
                   ", expected 0 to " + std::to_string(LargestId(IdKind::kMap)));
     plan[origin] = static_cast<std::uint32_t>(moved);
     compact[plan[origin]];
@@ -87,7 +87,7 @@ Histogram CountAfterSetting(const Atlas& atlas, const OriginOptions& options) {
     if (map.keyframes.empty()) continue;
     const std::uint64_t origin = options.set ? *options.set : map.id.value();
     if (origin > LargestId(IdKind::kMap))
-      throw Error(ToString(map.id) + " cannot be an origin, expected an id up to " +
+      throw Error(ErrorKind::kNotPossible, ToString(map.id) + " cannot be an origin, expected an id up to " +
                   std::to_string(LargestId(IdKind::kMap)));
     counts[static_cast<std::uint32_t>(origin)] += map.keyframes.size();
   }

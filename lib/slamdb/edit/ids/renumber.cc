@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -67,8 +68,8 @@ IdTable MakeTable(std::vector<Present>& present, IdKind kind) {
       once.push_back(each);
     else if (kind != IdKind::kFrame)
       throw Error(
-          std::string(NameOf(kind)) + " id " + std::to_string(each.id) +
-          " is there more than once, so a table of ids cannot say which one is meant; 'slamdb check' lists all");
+          ErrorKind::kNotPossible, std::string(NameOf(kind)) + " id " + std::to_string(each.id) +
+          " is there more than once, so a table of ids cannot say which one is meant");
   }
   present = std::move(once);
   return table;
@@ -125,11 +126,11 @@ class Numbering {
       Add(id, Moved(id));
       next_ = std::max(next_, Moved(id) + 1);
     } else {
-      throw Error("an offset of " + std::to_string(*options_.offset) + " makes the id of " +
+      throw Error(ErrorKind::kNotPossible, "an offset of " + std::to_string(*options_.offset) + " makes the id of " +
                   std::string(NameOf(kind_)) + " " + std::to_string(id) + " negative");
     }
     if (pairs_.back().after > LargestId(kind_))
-      throw Error(std::string(NameOf(kind_)) + " " + std::to_string(id) + " would get id " +
+      throw Error(ErrorKind::kNotPossible, std::string(NameOf(kind_)) + " " + std::to_string(id) + " would get id " +
                   std::to_string(pairs_.back().after) + ", expected at most " + std::to_string(LargestId(kind_)));
   }
 

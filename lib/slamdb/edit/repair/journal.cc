@@ -72,7 +72,7 @@ std::vector<std::uint8_t> RowsKept(const List& before, const List& after, const 
     kept[row] = key(before[row]) == key(after[next]);
     next += kept[row];
   }
-  if (next != after.size()) throw Error("entities were added or moved: such a change cannot be taken back");
+  if (next != after.size()) throw Error(ErrorKind::kNotPossible, "entities were added or moved: such a change cannot be taken back");
   return kept;
 }
 
@@ -146,7 +146,7 @@ class Comparison {
 // ---- And back
 
 [[noreturn]] void FailMisfit(std::string_view what) {
-  throw Error("the journal is not of this atlas: " + std::string(what));
+  throw Error(ErrorKind::kNotPossible, "the journal is not of this atlas: " + std::string(what));
 }
 
 template <class Element>

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -13,8 +14,8 @@ constexpr int kMostRounds = 16;  // what one fix uncovers another one repairs; t
 void RequireFixes(const std::vector<std::string>& ids) {
   for (const std::string& id : ids) {
     const Rule* rule = FindRule(id);
-    if (rule == nullptr) throw Error("no rule is called '" + id + "'; `slamdb check --list` names all");
-    if (!rule->fix) throw Error("rule '" + id + "' has no repair: " + std::string(rule->fix.unfixable));
+    if (rule == nullptr) throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'"));
+    if (!rule->fix) throw Error(ErrorKind::kUsage, detail::Concat("rule '", id, "' has no repair: ", rule->fix.unfixable));
   }
 }
 
