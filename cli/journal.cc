@@ -12,7 +12,6 @@
 #include "slamdb/base/detail/hash.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
-#include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {
 namespace {
@@ -177,13 +176,6 @@ JournalFile JournalOf(const Json& json) {
 }
 
 }  // namespace
-
-std::uint64_t ContentHashOf(Atlas& atlas, int threads) {
-  const ArchiveEncoding encoding = std::exchange(atlas.encoding, ArchiveEncoding());
-  const std::uint64_t hash = Store::HashOf(atlas, threads);
-  atlas.encoding = encoding;
-  return hash;
-}
 
 std::string JournalText(const JournalFile& file) {
   const Json head = {{"format", kFormat},

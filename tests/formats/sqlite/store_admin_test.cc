@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/model/digest.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {
@@ -30,7 +31,7 @@ TEST_F(StoreAdmin, ListTellsWhatIsThere) {
   EXPECT_EQ(list[0].keyframes, 7U);
   EXPECT_EQ(list[1].name, "zebra");
   EXPECT_EQ(list[1].revision, 2U);
-  EXPECT_EQ(list[1].hash, Store::HashOf(atlas));
+  EXPECT_EQ(list[1].hash, HashOf(atlas));
   EXPECT_GT(list[1].bytes, 50000U);
   EXPECT_THAT(list[1].saved_at, ::testing::MatchesRegex("20..-..-..T..:..:..Z"));
 }

@@ -3,6 +3,7 @@
 
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/salvage.h"
+#include "slamdb/model/digest.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {
@@ -49,14 +50,14 @@ TEST_F(StoreLandmarks, SavingWritesWhatDiffers) {
   EXPECT_EQ(changes.inserted, 1U);
   EXPECT_EQ(changes.unchanged, 47U);
   EXPECT_EQ(FirstDifference(LoadFrom(path_), atlas_), "");
-  EXPECT_EQ(report.hash, Store::HashOf(atlas_));
+  EXPECT_EQ(report.hash, HashOf(atlas_));
 }
 
 TEST_F(StoreLandmarks, CountInTheHash) {
   Atlas without = atlas_;
   without.maps[1].landmarks.clear();
-  EXPECT_EQ(Store::HashOf(without), Store::HashOf(SoundAtlas()));
-  EXPECT_NE(Store::HashOf(without), Store::HashOf(atlas_));
+  EXPECT_EQ(HashOf(without), HashOf(SoundAtlas()));
+  EXPECT_NE(HashOf(without), HashOf(atlas_));
 }
 
 TEST_F(StoreLandmarks, CanBeSelected) {

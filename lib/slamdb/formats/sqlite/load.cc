@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "slamdb/base/detail/parallel.h"
-#include "slamdb/formats/sqlite/detail/packing.h"
+#include "slamdb/model/detail/packing.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -226,7 +226,7 @@ Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row) {
   LoadOrigins(database, row, map);
   map.repeated_keyframes = LoadRepeated(database, atlas, "keyframes", row);
   map.repeated_points = LoadRepeated(database, atlas, "points", row);
-  if (HashOfHeader(map) != statement.Integer(10)) throw DamagedRow(database, "map", row);
+  if (detail::HashOfHeader(map) != statement.Integer(10)) throw DamagedRow(database, "map", row);
   return map;
 }
 
@@ -274,9 +274,9 @@ Atlas LoadAtlas(Database& database, std::int64_t row, const ReadOptions& options
     LoadLandmarks(database, maps[i].row, selection, atlas.maps[i].landmarks, hashes.maps[i].landmarks);
   if (!whole || options.features == FeatureColumns::kNone) return atlas;
 
-  hashes.header = HashOfAtlasHeader(atlas);
-  for (const Camera& camera : atlas.cameras) hashes.cameras.push_back(HashOf(camera));
-  for (std::size_t i = 0; i < maps.size(); ++i) hashes.maps[i].header = HashOfHeader(atlas.maps[i]);
+  hashes.header = detail::HashOfAtlasHeader(atlas, atlas.encoding);
+  for (const Camera& camera : atlas.cameras) hashes.cameras.push_back(detail::HashOf(camera));
+  for (std::size_t i = 0; i < maps.size(); ++i) hashes.maps[i].header = detail::HashOfHeader(atlas.maps[i]);
   if (hashes.Combined() != database.Integer("SELECT hash FROM atlas WHERE row = " + std::to_string(row))) {
     throw DamagedRow(database, "atlas", row);
   }

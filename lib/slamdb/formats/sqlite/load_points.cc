@@ -95,8 +95,8 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
       if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "map_point", rows[i]);
       ReadPoint(database, statement, points[i]);
       observations.Read(rows[i], points[i].observations);
-      hashes[i] = HashOfRow(points[i]);
-      observations_hashes[i] = HashOf(points[i].observations);
+      hashes[i] = detail::HashOfRow(points[i]);
+      observations_hashes[i] = detail::HashOf(points[i].observations);
       if (hashes[i] != statement.Integer(2)) throw DamagedRow(database, "map_point", rows[i]);
       if (observations_hashes[i] != statement.Integer(3)) throw DamagedRow(database, "observation", rows[i]);
     }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "slamdb/formats/sqlite/detail/packing.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
+#include "slamdb/model/detail/packing.h"
 
 namespace slamdb::sqlite {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
-#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
 #include "slamdb/formats/sqlite/detail/save.h"
+#include "slamdb/model/detail/record.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kBatch = 16;  // keyframes whose features are packed at a time, on all threads
 
 void BindReals(Statement& insert, const KeyFrame& keyframe, int timestamp_column, int exact_column, ByteWriter& exact) {
-  const KeyframeReals reals = RealsOf(keyframe);
+  const detail::KeyframeReals reals = detail::RealsOf(keyframe);
   insert.BindReal(timestamp_column, keyframe.timestamp);
   bool fits = FitsReal(keyframe.timestamp);
   for (std::size_t i = 0; i < reals.size(); ++i) {
@@ -59,7 +59,7 @@ class KeyframeWriter {
       insert_.Bind(column++, std::int64_t{flag.recorded});
     }
     details_.Clear();
-    EncodeDetails(keyframe, details_);
+    detail::EncodeDetails(keyframe, details_);
     insert_.BindBlob(41, details_.bytes()).Run();
   }
 

@@ -144,7 +144,7 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
   if (name.empty()) throw Error(path(), "", "an atlas needs a name");
   if (name.find('\0') != std::string::npos) throw Error(path(), "", "a name must not contain a NUL character");
   Database& database = state_->database;
-  const AtlasHashes hashes = HashesOf(atlas, options.threads);
+  const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
   SaveReport report;
   WriteTransaction transaction(database, state_->options.lock_timeout);
   SaveAtlas(database, name, atlas, hashes, options, report);
@@ -200,9 +200,5 @@ void Store::Vacuum() {
 }
 
 void Store::Backup(const std::string& target, bool overwrite) { BackupTo(state_->database, target, overwrite); }
-
-std::uint64_t Store::HashOf(const Atlas& atlas, int threads) {
-  return static_cast<std::uint64_t>(HashesOf(atlas, threads).Combined());
-}
 
 }  // namespace slamdb

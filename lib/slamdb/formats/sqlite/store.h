@@ -17,7 +17,7 @@ struct StoredAtlas {
   std::uint64_t maps = 0, keyframes = 0, points = 0, observations = 0, landmarks = 0;
   std::uint64_t bytes = 0;     // about what it takes in the file
   std::uint64_t revision = 0;  // counts the saves under this name, from 1
-  std::uint64_t hash = 0;      // of its content: equal atlases, equal hash
+  std::uint64_t hash = 0;      // HashOf (model/digest.h) of it
   std::string saved_at;        // UTC, `2026-01-31T12:00:00Z`
 };
 
@@ -29,7 +29,7 @@ struct TableChanges {
 
 struct SaveReport {
   std::vector<TableChanges> tables;
-  std::uint64_t hash = 0;  // of the atlas
+  std::uint64_t hash = 0;  // HashOf the atlas
   bool replaced = false;   // an atlas of that name was there
 
   TableChanges Total() const;
@@ -103,9 +103,6 @@ class Store {
   void Vacuum();  // gives free pages back to the disk
   // Copies the store as it is now, also while others write (SQLite's online backup). The target appears whole or not.
   void Backup(const std::string& target, bool overwrite = false);
-
-  // What Save and Load compute: the hash of an atlas' content.
-  static std::uint64_t HashOf(const Atlas& atlas, int threads = 0);
 
  private:
   struct State;
