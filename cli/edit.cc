@@ -27,7 +27,7 @@ void RefuseBadOutput(const EditOptions& options) {
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
       FormatOfOutput(output, options.target.to).id != "store")
-    throw Error(output.path, "", "is there already; -O replaces it");
+    throw Error(ErrorKind::kAlreadyExists, output.path, "", "is there already; -O replaces it");
 }
 
 void AddEdit(CLI::App& verb, EditOptions& options) {
@@ -45,6 +45,26 @@ void AddEditTarget(CLI::App& verb, EditOptions& options) {
   AddWait(verb, options.wait);
   AddJson(verb, options.json);
   verb.add_flag("--dry-run", options.dry_run, "Say what would be done, and write nothing");
+}
+
+ReportFiles FilesOf(const EditOptions& options) {
+  return {.input = options.input, .output = options.dry_run ? std::string() : options.output};
+}
+
+SideFile::SideFile(const std::string& path, const EditOptions& options, const std::vector<std::string>& others) {
+  RefuseSideFile(path, others);
+  if (path.empty() || options.dry_run) return;
+  if (!options.target.overwrite && std::filesystem::exists(path))
+    throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O replaces it");
+  file_.emplace(path, AtomicFileOptions{.overwrite = options.target.overwrite, .sync = !options.target.no_sync});
+}
+
+void SideFile::Write(std::string_view text) {
+  if (file_) file_->Write(text);
+}
+
+void SideFile::Commit() {
+  if (file_) file_->Commit();
 }
 
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) {

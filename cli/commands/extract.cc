@@ -4,26 +4,26 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
-#include "cli/report/part_report.h"
-#include "slamdb/base/error.h"
-#include "slamdb/edit/part/select.h"
+#include "cli/report/part_text.h"
+#include "slamdb/edit/part/extract.h"
 
 namespace slamdb::cli {
 namespace {
 
-struct ExtractOptions {
+struct ExtractVerbOptions {
   EditOptions edit;
   SelectionOptions selection;
   std::vector<std::uint64_t> keyframes;
-  std::string polygon, plane = "auto", region = "both", border = "smart";
+  std::string polygon, plane = "auto", region = "both";
+  Border border = Border::kSmart;
   std::optional<std::uint32_t> session;
-  std::size_t component = 0, every = 1;
+  std::optional<std::size_t> component;
+  std::size_t every = 1;
   bool except = false;
 
   bool SelectsSomething() const {
     return selection.map || !selection.keyframes.empty() || !selection.time.empty() || !selection.box.empty() ||
-           !keyframes.empty() || !polygon.empty() || session || component > 0 || every > 1;
+           !keyframes.empty() || !polygon.empty() || session || component || every > 1;
   }
 };
 
@@ -50,7 +50,7 @@ std::string CheckPolygon(const std::string& text) {
   return ParsePolygon(text).empty() ? "expected corners as 'X,Y X,Y X,Y ...', found '" + text + "'" : std::string();
 }
 
-SelectOptions SelectOptionsOf(const ExtractOptions& options) {
+SelectOptions SelectOptionsOf(const ExtractVerbOptions& options) {
   const Selection selection = ParseSelection(options.selection);
   SelectOptions select{.map = selection.map,
                        .first_keyframe = selection.first_keyframe,
@@ -69,37 +69,28 @@ SelectOptions SelectOptionsOf(const ExtractOptions& options) {
   return select;
 }
 
-void RefuseContradictions(const ExtractOptions& options) {
+void RefuseContradictions(const ExtractVerbOptions& options) {
   if (!options.SelectsSomething())
     RefuseUsage("say which part: --map, --keyframes, --time, --box, ... ('slamdb convert' writes the whole)");
-  if (options.except && options.border == "complete-points")
+  if (options.except && options.border == Border::kCompletePoints)
     RefuseUsage("--border complete-points would bring back what --except takes out; use smart or strict");
 }
 
-ExitCode RunExtract(const ExtractOptions& options, Console& console) {
+ExitCode RunExtract(const ExtractVerbOptions& options, Console& console) {
   RefuseContradictions(options);
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const Totals before = Totals::Of(atlas);
-  const AtlasIndex index(atlas);
-  Subset subset = Select(index, SelectOptionsOf(options));
-  SettleBorder(index, BorderOf(options.border), subset, console.threads());
-  const Coverage coverage = MeasureCoverage(index, subset);
-  const SubsetReport removed = KeepSubset(atlas, subset, console.threads());
-  if (atlas.maps.empty())
-    throw Error(options.edit.input, "",
-                "no keyframe is in that part, only points; --region points or --border complete-points take the "
-                "keyframes that observe them");
+  const ExtractReport report = Extract(atlas, {.part = SelectOptionsOf(options),
+                                               .border = options.border,
+                                               .threads = console.threads(),
+                                               .progress = console.MakeProgress()});
   WriteResult(atlas, options.edit, "extract " + options.edit.input, console, notices);
-  const Totals after = Totals::Of(atlas);
-  WarnIfNothingIsLeft(before, after, notices);
-  nlohmann::ordered_json json = PartJson(before, after, removed);
-  json["coverage"] = CoverageJson(coverage);
-  return FinishEdit(PartText(before, after, removed) + CoverageText(coverage), JsonText(json), options.edit, console,
-                    notices);
+  WarnIfNothingIsLeft(report.removed, notices);
+  return FinishEdit(PartText(report.removed) + CoverageText(report.coverage), ToJson(report, FilesOf(options.edit)),
+                    options.edit, console, notices);
 }
 
-void AddParts(CLI::App& verb, ExtractOptions& options) {
+void AddParts(CLI::App& verb, ExtractVerbOptions& options) {
   constexpr const char* kGroup = "Selection";
   AddSelection(verb, options.selection);
   verb.get_option("--box")->description("Only what is inside the box with these corners, in map coordinates");
@@ -137,14 +128,14 @@ void AddParts(CLI::App& verb, ExtractOptions& options) {
 }
 
 Run AddExtract(CLI::App& verb) {
-  const auto options = std::make_shared<ExtractOptions>();
+  const auto options = std::make_shared<ExtractVerbOptions>();
   AddEdit(verb, options->edit);
   AddParts(verb, *options);
   verb.add_option("--border", options->border,
                   "Points at the border: strict keeps all that something still measures, smart those that ORB-SLAM3 "
                   "would not cull, complete-points adds all keyframes that observe them")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kBorders), std::end(kBorders))))
-      ->capture_default_str();
+      ->transform(OneOf(kBorders))
+      ->default_str("smart");
   return [options](Console& console) { return RunExtract(*options, console); };
 }
 

@@ -4,7 +4,6 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/origin.h"
@@ -48,12 +47,6 @@ std::string Text(const OriginReport& report) {
   return text + "\n";
 }
 
-nlohmann::ordered_json HistogramJson(const std::map<std::uint32_t, std::uint64_t>& histogram) {
-  auto list = nlohmann::ordered_json::array();
-  for (const auto& [origin, count] : histogram) list.push_back({{"map", origin}, {"keyframes", count}});
-  return list;
-}
-
 ExitCode RunReassign(const ReassignOptions& options, Console& console) {
   OriginOptions origin = options.origin;
   for (const std::string& text : options.replace) origin.replace.push_back(*ParseReplacement(text));
@@ -63,13 +56,7 @@ ExitCode RunReassign(const ReassignOptions& options, Console& console) {
   Atlas atlas = ReadInput(options.edit, console, notices);
   const OriginReport report = ReassignOrigins(atlas, origin);
   WriteResult(atlas, options.edit, "reassign-origin " + options.edit.input, console, notices);
-  const nlohmann::ordered_json json = {{"input", options.edit.input},
-                                       {"output", options.edit.dry_run ? "" : options.edit.output},
-                                       {"changed", report.changed},
-                                       {"before", HistogramJson(report.before)},
-                                       {"after", HistogramJson(report.after)},
-                                       {"next_map", report.next_map_after}};
-  return FinishEdit(Text(report), JsonText(json), options.edit, console, notices);
+  return FinishEdit(Text(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
 Run AddReassign(CLI::App& verb) {

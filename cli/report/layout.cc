@@ -35,12 +35,6 @@ std::string WrappedParagraph(std::string_view text, std::size_t indent, std::siz
 
 }  // namespace
 
-std::string Grouped(std::uint64_t number) {
-  std::string digits = std::to_string(number);
-  for (std::size_t place = digits.size(); place > 3; place -= 3) digits.insert(place - 3, ",");
-  return digits;
-}
-
 std::string Short(double number, int digits) {
   std::array<char, 64> text{};
   const auto [end, error] =
@@ -67,12 +61,6 @@ std::string Percent(std::uint64_t part, std::uint64_t whole) {
   if (whole == 0 || part == 0) return "0%";
   const double percent = 100 * static_cast<double>(part) / static_cast<double>(whole);
   return percent < 1 ? "< 1%" : std::to_string(static_cast<int>(percent + 0.5)) + "%";
-}
-
-std::string Counted(std::uint64_t number, std::string_view one, std::string_view many) {
-  std::string text = Grouped(number).append(" ").append(number == 1 || many.empty() ? one : many);
-  if (number != 1 && many.empty()) text += 's';
-  return text;
 }
 
 std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width) {

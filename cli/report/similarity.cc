@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "cli/report/layout.h"
@@ -35,14 +34,6 @@ Similarity3d ReadSimilarity(const std::string& text_or_path) {
   } catch (const Error& error) {
     throw Error(text_or_path, error.place(), error.problem());
   }
-}
-
-nlohmann::ordered_json SimilarityJson(const Similarity3d& transform) {
-  const Eigen::Vector3d& t = transform.translation;
-  const Eigen::Quaterniond& q = transform.rotation;
-  return {{"translation", {t.x(), t.y(), t.z()}},
-          {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
-          {"scale", transform.scale}};
 }
 
 std::string SimilarityText(const Similarity3d& transform) {

@@ -195,7 +195,7 @@ TEST(CheckAtlas, SurvivesAnything) {
       }
       atlas.repeated_maps.push_back({random(), 0, random()});
       atlas.cameras[0].parameters.resize(random() % 6);
-      EXPECT_FALSE(CheckAtlas(atlas, {.threads = 1, .vocabulary_words = 10}).ok());
+      EXPECT_FALSE(CheckAtlas(atlas, {.vocabulary_words = 10, .threads = 1}).ok());
       for (const Rule& rule : ReadRules())
         if (rule.fix) rule.fix.apply(atlas);
     }

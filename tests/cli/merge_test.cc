@@ -167,7 +167,7 @@ TEST_F(Merge, ReassignOrigin) {
   const json report = json::parse(result.out);
   EXPECT_EQ(BreachOf(report, "reassign-origin.schema.json"), "");
   EXPECT_EQ(report.at("after"), json::parse(R"([{"map": 3, "keyframes": 10}])"));
-  EXPECT_EQ(report.at("next_map"), 4);
+  EXPECT_EQ(report.at("next_ids").at("map"), 4);
   EXPECT_EQ(Info(At("out.osa")).at("maps").at(0).at("origins").at(0).at("map"), 3);
   std::filesystem::remove(At("out.osa"));
   ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8=0"}, "no keyframe has origin map 8");

@@ -6,6 +6,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -97,6 +98,7 @@ CheckReport CheckAtlas(const Atlas& atlas, const CheckOptions& options) {
   ParallelFor(plan.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) plan[i].rule->check(subject, findings[i]);
   });
+  detail::Steps(options.progress, "checking", 1).Next();
   for (std::size_t i = 0; i < plan.size(); ++i)
     if (findings[i].count() > 0) report.results.push_back(ResultOf(plan[i], options.strict, findings[i]));
   for (const GateLimit& limit : options.gates)

@@ -94,12 +94,17 @@ TEST(Join, LandmarksFollowTheirPoints) {
   MakeLandmarks(first, {});
   MakeLandmarks(second, {});
   second.maps[0].landmarks.emplace_back();  // without id: of no point
+  const std::vector<Landmark> in_first = second.maps[0].landmarks;
   TransformMap(second.maps[0], Turn(world).Inverse());
+  for (std::size_t row = 0; row + 1 < in_first.size(); ++row)
+    EXPECT_GT((second.maps[0].landmarks[row].mean - in_first[row].mean).norm(), 1) << "really elsewhere";
   JoinOptions join{.first_from_second = Turn(world)};
   const MergeResult apart = MergeAtlases({first, second}, {.join = join});
   EXPECT_EQ(apart.report.join->fused_landmarks, 0U);
   EXPECT_EQ(apart.atlas.maps[0].landmarks.size(), 2 * first.maps[0].landmarks.size() + 1);
   EXPECT_EQ(apart.report.result.landmarks, apart.atlas.maps[0].landmarks.size()) << "counted as conserved";
+  for (std::size_t row = 0; row + 1 < in_first.size(); ++row)
+    EXPECT_LT((apart.atlas.maps[0].landmarks[in_first.size() - 1 + row].mean - in_first[row].mean).norm(), 1e-5);
   join.fuse = FuseOptions();
   const MergeResult fused = MergeAtlases({first, second}, {.join = join});
   const std::vector<Landmark>&before = first.maps[0].landmarks, &after = fused.atlas.maps[0].landmarks;

@@ -31,7 +31,7 @@ MovedMap LaidOnto(const Map& map, const std::vector<TimedPosition>& reference, c
 // Finds the transform of one map after the other.
 class Finder {
  public:
-  explicit Finder(const Motion& motion) : motion_(motion) {
+  explicit Finder(const Destination& motion) : destination_(motion) {
     if (const auto* everywhere = std::get_if<Similarity3d>(&motion)) RequireTransform(*everywhere);
     if (const auto* earth = std::get_if<OntoEarth>(&motion)) {
       if (earth->fixes.empty()) throw Error(ErrorKind::kUsage, "there is no fix to lay the maps onto");
@@ -40,11 +40,11 @@ class Finder {
     }
   }
 
-  bool needs_keyframes() const { return !std::holds_alternative<Similarity3d>(motion_); }
+  bool needs_keyframes() const { return !std::holds_alternative<Similarity3d>(destination_); }
   std::optional<Geodetic> origin() const { return frame_ ? std::optional(frame_->origin()) : std::nullopt; }
 
   MovedMap Find(const Map& map) const {
-    MovedMap moved = std::visit([&](const auto& motion) { return Follow(map, motion); }, motion_);
+    MovedMap moved = std::visit([&](const auto& motion) { return Follow(map, motion); }, destination_);
     RequireTransform(moved.target_from_source);
     std::vector<std::string> warnings = TransformWarnings(map, moved.target_from_source);
     moved.warnings.insert(moved.warnings.begin(), warnings.begin(), warnings.end());
@@ -66,7 +66,7 @@ class Finder {
     return LaidOnto(map, fixes_, earth.fit, kGpsTimeDifference);
   }
 
-  const Motion& motion_;
+  const Destination& destination_;
   std::optional<LocalFrame> frame_;
   std::vector<TimedPosition> fixes_;
 };
@@ -115,7 +115,7 @@ Json JsonOf(const MovedMap& moved) {
 }  // namespace
 
 TransformReport TransformAtlas(Atlas& atlas, const TransformOptions& options) {
-  const Finder finder(options.motion);
+  const Finder finder(options.to);
   const std::vector<Map*> maps = MapsToMove(atlas, options, finder.needs_keyframes());
   TransformReport report{.origin = finder.origin()};
   for (const Map* map : maps) report.maps.push_back(finder.Find(*map));

@@ -37,10 +37,10 @@ struct OntoEarth {
   std::optional<Geodetic> origin;  // of east, north, up; by default the first fix
   FitOptions fit;
 };
-using Motion = std::variant<Similarity3d, TurnUpright, OntoTrajectory, OntoEarth>;
+using Destination = std::variant<Similarity3d, TurnUpright, OntoTrajectory, OntoEarth>;
 
 struct TransformOptions {
-  Motion motion;            // by default none
+  Destination to;           // by default the maps stay where they are
   std::vector<MapId> maps;  // only these; by default all, but for those without keyframes when a transform is sought
   int threads = 0;          // 0: every core
   Progress progress;        // may be empty

@@ -112,6 +112,7 @@ Atlas TakePart(const Atlas& atlas, const Subset& subset, SubsetReport& report, i
     rows.maps.push_back(subset.maps[row]);
   }
   report = KeepSubset(part, rows, threads);
+  report.before = CountEntities(atlas);
   report.maps += left.maps;
   report.keyframes += left.keyframes;
   report.points += left.points;

@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
+#include "slamdb/model/digest.h"
 
 namespace slamdb {
 namespace {
@@ -24,7 +26,7 @@ bool IsChosen(const RepairOptions& options, std::string_view rule) {
 }
 
 CheckReport Check(const Atlas& atlas, const RepairOptions& options) {
-  return CheckAtlas(atlas, {.threads = options.threads, .vocabulary_words = options.vocabulary_words});
+  return CheckAtlas(atlas, {.vocabulary_words = options.vocabulary_words, .threads = options.threads});
 }
 
 // Applies the fixes of the chosen rules that found something; returns whether any of them changed anything.
@@ -63,9 +65,12 @@ bool RepairReport::sound() const {
 RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options) {
   RequireFixes(options.rules);
   RepairReport report;
+  if (options.journal)
+    report.journal = {.original = HashWithoutEncoding(atlas, options.threads), .encoding = atlas.encoding};
   CheckReport check = Check(atlas, options);
   for (int round = 0; round < kMostRounds && ApplyFixes(check, options, atlas, report); ++round)
     check = Check(atlas, options);
+  detail::Steps(options.progress, "repairing", 1).Next();
   for (RuleResult& result : check.results)
     report.left.push_back({.rule = result.id,
                            .severity = result.severity,
@@ -73,6 +78,9 @@ RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options) {
                            .findings = result.count,
                            .first = std::move(result.findings.front()),
                            .reason = ReasonOf(*FindRule(result.id), options)});
+  if (options.journal)
+    report.journal.repaired =
+        report.applied.empty() ? report.journal.original : HashWithoutEncoding(atlas, options.threads);
   return report;
 }
 
