@@ -42,6 +42,7 @@ std::string Text(const OriginReport& report) {
   for (const auto& [origin, counts] : rows)
     table.Add({std::to_string(origin), Grouped(counts.first), Grouped(counts.second)});
   std::string text = table.ToString() + Counted(report.changed, "keyframe") + " changed";
+  if (!report.points_before.empty()) text += ", and " + Counted(report.points_changed, "point");
   if (report.next_map_after != report.next_map_before)
     text += "; the next map id is " + std::to_string(report.next_map_after) + " now, above every origin";
   return text + "\n";

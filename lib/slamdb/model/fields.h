@@ -6,7 +6,7 @@
 // Every recorded field of an entity by name, once.
 // What hashes, compares, prints, keeps and restores entities field by field walks through these; the groups in
 // `fields` are for those that need a part. A new field of the model needs its line here.
-// tests/formats/fields holds every component to every field.
+// tests/model/fields_test.cc holds every component to every field.
 namespace slamdb {
 
 // The member that a chain of member pointers leads to: Member(keyframe, &KeyFrame::features, &Features::depth).
@@ -272,6 +272,14 @@ void ForEachImuCalibrationField(const Visit& visit) {
 }
 
 template <class Visit>
+void ForEachInertialField(const Visit& visit) {
+  visit("imu_bias.accelerometer", &KeyFrame::imu_bias, &ImuBias::accelerometer);
+  visit("imu_bias.gyroscope", &KeyFrame::imu_bias, &ImuBias::gyroscope);
+  ForEachPreintegrationField(visit);
+  ForEachImuCalibrationField(visit);
+}
+
+template <class Visit>
 void ForEachMotionField(const Visit& visit) {
   visit("imu_initialized", &KeyFrame::imu_initialized);
   visit("velocity", &KeyFrame::velocity);
@@ -302,10 +310,7 @@ void ForEachField(const KeyFrame*, const Visit& visit) {
   visit("to_be_erased", &KeyFrame::to_be_erased);
   visit("bad", &KeyFrame::bad);
   visit("origin_map", &KeyFrame::origin_map);
-  visit("imu_bias.accelerometer", &KeyFrame::imu_bias, &ImuBias::accelerometer);
-  visit("imu_bias.gyroscope", &KeyFrame::imu_bias, &ImuBias::gyroscope);
-  fields::ForEachPreintegrationField(visit);
-  fields::ForEachImuCalibrationField(visit);
+  fields::ForEachInertialField(visit);
   visit("previous", &KeyFrame::previous);
   visit("next", &KeyFrame::next);
   fields::ForEachMotionField(visit);

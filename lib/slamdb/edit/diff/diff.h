@@ -95,7 +95,9 @@ struct AtlasDiff {
 // who observes them where, maps by their keyframes, cameras by their parameters, landmarks by all that they hold, to the
 // bit.
 // References are the same when they lead to the same entity.
-// The order of lists does not count, a NaN is the same as any other, and a quaternion the same as its negative.
+// What does not count: the order of lists; which NaN a NaN is; the sign of a quaternion; how a matrix stands in its
+// file (the flag of a continuous one, the form of an empty one); which entries a list has as null or repeated, beyond
+// their number.
 // Either atlas may hold anything.
 //
 // Throws nothing but std::bad_alloc and what the listener to its progress throws.

@@ -10,9 +10,15 @@ namespace {
 
 using detail::Json;
 
-Json HistogramJson(const std::map<std::uint32_t, std::uint64_t>& histogram) {
+// Keyframes and points by the map in which they were made.
+Json OriginsJson(const std::map<std::uint32_t, std::uint64_t>& keyframes,
+                 const std::map<std::uint32_t, std::uint64_t>& points) {
+  std::map<std::uint32_t, std::pair<std::uint64_t, std::uint64_t>> counts;
+  for (const auto& [origin, count] : keyframes) counts[origin].first = count;
+  for (const auto& [origin, count] : points) counts[origin].second = count;
   Json list = Json::array();
-  for (const auto& [origin, count] : histogram) list.push_back({{"map", origin}, {"keyframes", count}});
+  for (const auto& [origin, count] : counts)
+    list.push_back({{"map", origin}, {"keyframes", count.first}, {"points", count.second}});
   return list;
 }
 
@@ -49,9 +55,9 @@ std::string ToJson(const RenumberReport& report, const ReportFiles& files) {
 
 std::string ToJson(const OriginReport& report, const ReportFiles& files) {
   Json json = detail::ReportHead("reassign-origin", files);
-  json["changed"] = report.changed;
-  json["before"] = HistogramJson(report.before);
-  json["after"] = HistogramJson(report.after);
+  json["changed"] = {{"keyframes", report.changed}, {"points", report.points_changed}};
+  json["before"] = OriginsJson(report.before, report.points_before);
+  json["after"] = OriginsJson(report.after, report.points_after);
   json["next_ids"] = {{"map", detail::JsonNumber(report.next_map_after)}};
   return detail::JsonText(json);
 }

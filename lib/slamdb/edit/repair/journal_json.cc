@@ -21,7 +21,8 @@ using detail::Json;
 
 constexpr std::string_view kFormatName = "slamdb-journal-";
 constexpr std::string_view kFormat = "slamdb-journal-1";
-constexpr std::array<const char*, 5> kKinds = {"atlas", "camera", "map", "keyframe", "point"};
+constexpr std::array<const char*, 6> kKinds = {"atlas", "camera", "map", "keyframe", "point", "landmark"};
+
 Error NotAJournal(std::string_view why) {
   return Error(ErrorKind::kDamaged, Concat("is no journal of a repair: ", why));
 }
@@ -118,13 +119,15 @@ std::vector<std::uint64_t> BitsOf(const std::string& kinds, const Json& values) 
 
 Json JsonOf(const EntityEdit& edit) {
   Json value = {{"rule", edit.rule}, {"entity", kKinds[static_cast<std::size_t>(edit.kind)]}};
-  const bool in_map = edit.kind == EntityKind::kKeyFrame || edit.kind == EntityKind::kPoint;
+  const bool in_map =
+      edit.kind == EntityKind::kKeyFrame || edit.kind == EntityKind::kPoint || edit.kind == EntityKind::kLandmark;
   if (in_map) value["map"] = edit.map;
   if (edit.kind != EntityKind::kAtlas) {
     value["row"] = edit.row;
     value["id"] = ScalarValue('r', edit.id);
   }
   if (edit.removed) value["removed"] = true;
+  if (edit.added) value["added"] = true;
   Json& fields = value["fields"] = Json::array();
   for (const FieldEdit& field : edit.fields)
     fields.push_back({{"field", field.field},
@@ -145,6 +148,7 @@ EntityEdit EditOf(const Json& value) {
   edit.row = value.value("row", std::uint64_t{0});
   if (value.contains("id")) edit.id = ScalarOf('r', value.at("id"));
   edit.removed = value.value("removed", false);
+  edit.added = value.value("added", false);
   for (const Json& field : value.at("fields")) {
     const std::string kinds = field.at("kinds");
     if (kinds.empty()) throw NotAJournal("a field has no kinds");

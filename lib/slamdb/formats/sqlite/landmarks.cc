@@ -85,7 +85,7 @@ Landmark ReadLandmark(Database& database, const Statement& row) {
   try {
     landmark.features = detail::DecodeLandmarkFeatures(row.Blob(18));
   } catch (const Error& error) {
-    throw Error(database.path(), PlaceOf(kTable, row.Integer(0)), error.problem());
+    throw Error(error.kind(), database.path(), PlaceOf(kTable, row.Integer(0)), error.problem());
   }
   return landmark;
 }

@@ -33,7 +33,9 @@ std::vector<float> ParseParameters(Database& database, std::string_view json) {
   std::vector<float> parameters;
   const char* at = json.data();
   const char* end = at + json.size();
-  const auto damaged = [&] { return Error(database.path(), "table camera", "parameters are no list of numbers"); };
+  const auto damaged = [&] {
+    return Error(ErrorKind::kDamaged, database.path(), "table camera", "parameters are no list of numbers");
+  };
   if (json.size() < 2 || *at++ != '[' || *--end != ']') throw damaged();
   while (at < end) {
     float value = 0;
@@ -189,7 +191,8 @@ void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
       camera.precision = static_cast<float>(statement.Real(4));
       camera.parameters = ParseParameters(database, statement.Text(3));
     } else {
-      if (exact.size() % sizeof(float) != 0) throw Error(database.path(), "table camera", "blob of wrong length");
+      if (exact.size() % sizeof(float) != 0)
+        throw Error(ErrorKind::kDamaged, database.path(), "table camera", "blob of wrong length");
       std::vector<float> values(exact.size() / sizeof(float));
       std::memcpy(values.data(), exact.data(), exact.size());
       camera.precision = values.front();
@@ -253,7 +256,7 @@ void ConnectionPool::Give(std::unique_ptr<Database> database) {
 }
 
 Error DamagedRow(Database& database, const char* table, std::int64_t row) {
-  return Error(database.path(), PlaceOf(table, row),
+  return Error(ErrorKind::kDamaged, database.path(), PlaceOf(table, row),
                "differs from its hash: the store is damaged, or was changed by another program");
 }
 

@@ -18,7 +18,7 @@ void ReadReals(const Statement& row, int timestamp_column, int exact_column, Key
     in.ExpectEnd();
     if (!ColumnsAgree(row, timestamp_column, std::array{keyframe.timestamp}) ||
         !ColumnsAgree(row, timestamp_column + 1, reals)) {
-      throw Error("the numbers in its columns are not those in `exact`");
+      throw Error(ErrorKind::kDamaged, "the numbers in its columns are not those in `exact`");
     }
   } else {
     keyframe.timestamp = row.Real(timestamp_column);
@@ -57,7 +57,7 @@ void DecodeAt(Database& database, const char* table, std::int64_t row, Decode de
     decode();
   } catch (const Error& error) {
     if (!error.path().empty()) throw;
-    throw Error(database.path(), PlaceOf(table, row), error.problem() + ": the store is damaged");
+    throw Error(error.kind(), database.path(), PlaceOf(table, row), error.problem() + ": the store is damaged");
   }
 }
 
