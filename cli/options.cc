@@ -190,11 +190,11 @@ std::string CheckNonNegative(const std::string& text) {
 }
 
 void RefuseSideFile(const std::string& side, const std::vector<std::string>& others) {
-  if (side == "-") throw Error("a file beside the atlas cannot go to standard output; name a file");
+  if (side == "-") throw Error(ErrorKind::kUsage, "a file beside the atlas cannot go to standard output; name a file");
   for (const std::string& other : others) {
     const std::string path = Location::Parse(other).path;
     if (!side.empty() && !path.empty() && path != "-" && IsSameFile(side, path))
-      throw Error(side, "", "is the atlas " + other + "; name another file for what goes beside it");
+      throw Error(ErrorKind::kUsage, side, "", "is the atlas " + other + "; name another file for what goes beside it");
   }
 }
 

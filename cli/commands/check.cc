@@ -34,7 +34,8 @@ std::optional<std::uint64_t> WordsOf(const std::string& vocabulary) {
   if (vocabulary.empty()) return std::nullopt;
   const VocabularyFile file = ReadVocabularyFile(vocabulary);
   if (file.shape) return file.shape->words;
-  throw Error(vocabulary, "", "is no DBoW2 text vocabulary, so that its words cannot be counted");
+  throw Error(ErrorKind::kUnsupported, vocabulary, "",
+              "is no DBoW2 text vocabulary, so that its words cannot be counted");
 }
 
 CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {

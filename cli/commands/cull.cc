@@ -45,8 +45,8 @@ CullOptions RulesOf(const CullVerbOptions& options, Console& console) {
   CullOptions rules = options.rules;
   rules.redundancy = AskedOf(options.redundancy);
   rules.min_observations = AskedOf(options.min_observations);
-  const bool has_rule = rules.redundancy || rules.min_observations || rules.max_error || rules.min_parallax ||
-                        rules.unseen_since;
+  const bool has_rule =
+      rules.redundancy || rules.min_observations || rules.max_error || rules.min_parallax || rules.unseen_since;
   if (!has_rule) {
     rules.redundancy = CullOptions::Orbslam3().redundancy;
     rules.min_observations = CullOptions::Orbslam3().min_observations;

@@ -148,7 +148,9 @@ ExitCode RunDiff(const DiffVerbOptions& options, Console& console) {
   Notices notices;
   const Atlas before = ReadAtlas(Location::Parse(options.before), read, notices, options.from);
   const Atlas after = ReadAtlas(Location::Parse(options.after), read, notices, options.from);
-  const AtlasDiff diff = DiffAtlases(before, after, {.tolerance = options.tolerance, .threads = console.threads(), .progress = console.MakeProgress()});
+  const AtlasDiff diff =
+      DiffAtlases(before, after,
+                  {.tolerance = options.tolerance, .threads = console.threads(), .progress = console.MakeProgress()});
   console.Report(notices);
   if (options.json)
     console.Print(JsonOf(diff, options));

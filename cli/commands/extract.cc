@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/part/extract.h"
+
 #include <charconv>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/part_text.h"
-#include "slamdb/edit/part/extract.h"
 
 namespace slamdb::cli {
 namespace {

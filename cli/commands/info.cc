@@ -62,7 +62,8 @@ ExitCode RunInfo(const InfoOptions& options, Console& console) {
   for (const auto& outcome : outcomes) {
     if (!outcome.ok()) continue;
     if (!options.key.empty()) {
-      console.Print((several ? outcome.path + ": " : "") + ValueText(ValueAt(ordered_json::parse(ToJson(outcome.result)), options.key)));
+      console.Print((several ? outcome.path + ": " : "") +
+                    ValueText(ValueAt(ordered_json::parse(ToJson(outcome.result)), options.key)));
     } else if (options.json) {
       console.Print(ToJson(outcome.result, several ? -1 : 2));
     } else {

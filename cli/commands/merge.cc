@@ -123,8 +123,8 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices);
   id_map.Commit();
   Note(result.report, notices);
-  return FinishEdit(MergeText(result.report), ToJson(result.report, FilesOf(options.edit).output), options.edit, console,
-                    notices);
+  return FinishEdit(MergeText(result.report), ToJson(result.report, FilesOf(options.edit).output), options.edit,
+                    console, notices);
 }
 
 void BindJoin(CLI::App& verb, MergeVerbOptions& options) {

@@ -58,9 +58,8 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   if (!options.cameras.empty()) rig = ReadAtlas(Location::Parse(options.cameras), read, notices);
   Salvage salvage = SalvageAtlas(Location::Parse(options.edit.input), read, options.edit.from);
   const SalvageReport report = NamingFile(options.edit.input, [&] {
-    return RecoverSalvage(salvage, {.rig = rig ? &*rig : nullptr,
-                                    .threads = console.threads(),
-                                    .progress = console.MakeProgress()});
+    return RecoverSalvage(
+        salvage, {.rig = rig ? &*rig : nullptr, .threads = console.threads(), .progress = console.MakeProgress()});
   });
   NoteRemedies(report, salvage, options, notices);
   WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);

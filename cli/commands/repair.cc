@@ -62,8 +62,8 @@ ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   SideFile journal(options.journal, options.edit, {options.edit.input, options.edit.output});
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const RepairReport report = RepairAtlas(
-      atlas, {.rules = options.rules, .threads = console.threads(), .progress = console.MakeProgress()});
+  const RepairReport report =
+      RepairAtlas(atlas, {.rules = options.rules, .threads = console.threads(), .progress = console.MakeProgress()});
   if (journal.wanted()) journal.Write(ToJson(report.journal));
   WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices);
   journal.Commit();

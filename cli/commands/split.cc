@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/part/split.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -9,7 +11,6 @@
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/part/split.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
 

@@ -26,9 +26,9 @@ struct TransformVerbOptions {
 };
 
 const std::map<std::string, UpMethod> kUpMethods = {{"auto", UpMethod::kAuto},
-                                                     {"inertia", UpMethod::kInertia},
-                                                     {"cameras", UpMethod::kCameras},
-                                                     {"path", UpMethod::kPath}};
+                                                    {"inertia", UpMethod::kInertia},
+                                                    {"cameras", UpMethod::kCameras},
+                                                    {"path", UpMethod::kPath}};
 
 std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console);
@@ -119,14 +119,12 @@ std::string GeoreferencePath(const TransformVerbOptions& options, Notices& notic
 ExitCode RunTransform(const TransformVerbOptions& options, Console& console) {
   RefuseBadOutput(options.edit);
   Notices notices;
-  TransformOptions transform{.to = DestinationOf(options, console, notices),
-                             .threads = console.threads(),
-                             .progress = console.MakeProgress()};
+  TransformOptions transform{
+      .to = DestinationOf(options, console, notices), .threads = console.threads(), .progress = console.MakeProgress()};
   for (const std::uint64_t id : options.maps) transform.maps.emplace_back(id);
   Atlas atlas = ReadInput(options.edit, console, notices);
   SideFile georeference(GeoreferencePath(options, notices), options.edit, {options.edit.input, options.edit.output});
-  const TransformReport report =
-      NamingFile(options.edit.input, [&] { return TransformAtlas(atlas, transform); });
+  const TransformReport report = NamingFile(options.edit.input, [&] { return TransformAtlas(atlas, transform); });
   for (const MovedMap& moved : report.maps)
     for (const std::string& warning : moved.warnings) notices.Warn(ToString(moved.map) + ": " + warning);
   const std::string json = ToJson(report, FilesOf(options.edit));

@@ -21,7 +21,8 @@ const char* DirectionOf(const Format& format) {
 
 ExitCode RunVersion(const VersionOptions& options, Console& console) {
   if (options.json) {
-    nlohmann::ordered_json report = {{"report", "slamdb-version-2"}, {"version", SLAMDB_VERSION}, {"formats", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json report = {
+        {"report", "slamdb-version-2"}, {"version", SLAMDB_VERSION}, {"formats", nlohmann::ordered_json::array()}};
     for (const Format& format : Formats())
       report["formats"].push_back(
           {{"id", format.id},

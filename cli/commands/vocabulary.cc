@@ -76,7 +76,7 @@ Shown ShowOne(const std::string& path, const std::string& from, const ReadOption
     FormatOfInput(Location::Parse(path));  // says better what is wrong with a file that is neither
     throw;
   }
-  if (shown.vocabulary.checksum == kChecksumOfNothing) throw Error(path, "", "is empty");
+  if (shown.vocabulary.checksum == kChecksumOfNothing) throw Error(ErrorKind::kDamaged, path, "", "is empty");
   return shown;
 }
 

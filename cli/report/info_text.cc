@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/report/info_text.h"
+
 #include <algorithm>
 
-#include "cli/report/info_text.h"
 #include "cli/report/layout.h"
 
 namespace slamdb::cli {

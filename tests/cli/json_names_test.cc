@@ -59,10 +59,28 @@ TEST(JsonNames, NoOtherNameForTheSameThing) {
   for (const auto& [name, schema] : ReportSchemas()) {
     std::set<std::string> names;
     CollectNames(schema, names);
-    for (const char* retired :
-         {"file", "files", "store", "file_bytes", "archive", "length", "observers", "reprojection_px", "ok", "errors",
-          "notes", "applied", "first_finding", "undone", "dry_run", "map_point", "old", "new", "rms", "fit", "atlas",
-          "largest_residual_of_all_pairs"})
+    for (const char* retired : {"file",
+                                "files",
+                                "store",
+                                "file_bytes",
+                                "archive",
+                                "length",
+                                "observers",
+                                "reprojection_px",
+                                "ok",
+                                "errors",
+                                "notes",
+                                "applied",
+                                "first_finding",
+                                "undone",
+                                "dry_run",
+                                "map_point",
+                                "old",
+                                "new",
+                                "rms",
+                                "fit",
+                                "atlas",
+                                "largest_residual_of_all_pairs"})
       EXPECT_FALSE(names.contains(retired)) << name << " has " << retired;
   }
 }

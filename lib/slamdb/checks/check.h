@@ -73,8 +73,8 @@ struct GateLimit {
 struct CheckOptions {
   std::vector<std::string> ignore, note, warn, error;  // rule ids whose severity is not the catalogue's; the last wins
   bool strict = false;                                 // warnings count as errors
-  std::optional<std::uint64_t> vocabulary_words;       // of the vocabulary that bags of words refer to, when it is known
-  std::size_t max_findings = 100;                      // kept of each rule; all are counted
+  std::optional<std::uint64_t> vocabulary_words;  // of the vocabulary that bags of words refer to, when it is known
+  std::size_t max_findings = 100;                 // kept of each rule; all are counted
   std::vector<GateLimit> gates;
   int threads = 0;    // 0: every core
   Progress progress;  // may be empty

@@ -85,11 +85,10 @@ std::string JsonCatalogue() {
   }
   json["gates"] = Json::array();
   for (const Gate& gate : ReadGates())
-    json["gates"].push_back(
-        {{"id", gate.id},
-         {"bound", gate.is_minimum ? "minimum" : "maximum"},
-         {"measure", gate.measure_name},
-         {"title", gate.title}});
+    json["gates"].push_back({{"id", gate.id},
+                             {"bound", gate.is_minimum ? "minimum" : "maximum"},
+                             {"measure", gate.measure_name},
+                             {"title", gate.title}});
   return detail::JsonText(json);
 }
 

@@ -576,8 +576,7 @@ constexpr Rule kRules[] = {
      Unfixable("where it is, is recorded nowhere else; recovering the atlas leaves the landmark out")},
     {"landmark-covariance", kWarning, "covariances of landmarks have no negative variance in any direction",
      "does not see landmarks, but whoever weighs by the covariance gets wrong estimates", CheckLandmarkCovariance,
-     Unfixable(
-         "how well the landmark is known is recorded nowhere else; making landmarks of points computes it")},
+     Unfixable("how well the landmark is known is recorded nowhere else; making landmarks of points computes it")},
     {"landmark-descriptors", kWarning, "features of landmarks have at most one descriptor of each kind, in order",
      "does not see landmarks, and files of MRPT hold one of each kind", CheckLandmarkDescriptors,
      Unfixable("which of the descriptors is the feature's is not recorded")},

@@ -18,9 +18,7 @@ Json JsonOf(const Distribution& numbers) {
   return {{"count", numbers.count}, {"mean", numbers.mean}, {"median", numbers.median}, {"max", numbers.max}};
 }
 
-Json JsonOf(const Vocabulary& vocabulary) {
-  return {{"name", vocabulary.name}, {"checksum", vocabulary.checksum}};
-}
+Json JsonOf(const Vocabulary& vocabulary) { return {{"name", vocabulary.name}, {"checksum", vocabulary.checksum}}; }
 
 Json JsonOf(const ArchiveEncoding& encoding) {
   return {{"text", encoding.text},
@@ -30,12 +28,9 @@ Json JsonOf(const ArchiveEncoding& encoding) {
 }
 
 Json JsonOf(const Counters& next_ids) {
-  return {{"map", JsonNumber(next_ids.map)},
-          {"keyframe", JsonNumber(next_ids.keyframe)},
-          {"point", JsonNumber(next_ids.map_point)},
-          {"frame", JsonNumber(next_ids.frame)},
-          {"camera", JsonNumber(next_ids.camera)},
-          {"initial_keyframe", JsonNumber(next_ids.initial_keyframe)}};
+  return {{"map", JsonNumber(next_ids.map)},         {"keyframe", JsonNumber(next_ids.keyframe)},
+          {"point", JsonNumber(next_ids.map_point)}, {"frame", JsonNumber(next_ids.frame)},
+          {"camera", JsonNumber(next_ids.camera)},   {"initial_keyframe", JsonNumber(next_ids.initial_keyframe)}};
 }
 
 Json JsonOf(const ContentCounts& counts) {

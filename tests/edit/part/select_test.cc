@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "slamdb/base/error.h"
-#include "slamdb/model/derive.h"
 #include "slamdb/edit/part/extract.h"
 #include "slamdb/edit/part/split.h"
+#include "slamdb/model/derive.h"
 #include "tests/edit/kind_of.h"
 #include "tests/edit/soundness.h"
 #include "tests/formats/orbslam3/real_atlases.h"
@@ -201,10 +201,9 @@ TEST(Extract, SelectsSettlesAndKeeps) {
 TEST(Extract, ChangesNothingWhenItRefuses) {
   const Atlas atlas = Rows();
   Atlas same = atlas;
-  EXPECT_EQ(KindOf([&] {
-              Extract(same, {.part = {.map = MapId(0), .except = true}, .border = Border::kCompletePoints});
-            }),
-            ErrorKind::kUsage);
+  EXPECT_EQ(
+      KindOf([&] { Extract(same, {.part = {.map = MapId(0), .except = true}, .border = Border::kCompletePoints}); }),
+      ErrorKind::kUsage);
   EXPECT_EQ(KindOf([&] { Extract(same, {.part = {.component = 0}}); }), ErrorKind::kUsage);
   EXPECT_EQ(KindOf([&] { Extract(same, {.part = {.map = MapId(99)}}); }), ErrorKind::kNotPossible);
   EXPECT_THAT(same, EqualsAtlas(atlas));

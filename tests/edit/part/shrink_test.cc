@@ -158,7 +158,8 @@ TEST_P(RealAtlasShrunk, IsSoundAndCovers) {
     EXPECT_THAT(NewTroubles(known, small), IsEmpty());
     EXPECT_NEAR(static_cast<double>(report.bytes_after), static_cast<double>(FileBytes(small)), 2000);
     EXPECT_TRUE(!options.target_bytes || FileBytes(small) <= *options.target_bytes + 1000);
-    EXPECT_TRUE(options.target_keyframes.value_or(0) <= 10 || report.coverage.covered * 20 >= report.coverage.covered_before * 19);
+    EXPECT_TRUE(options.target_keyframes.value_or(0) <= 10 ||
+                report.coverage.covered * 20 >= report.coverage.covered_before * 19);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Files, RealAtlasShrunk,

@@ -91,14 +91,11 @@ struct AtlasDiff {
 [[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(AtlasDiff::Verdict verdict);
 
 // Compares two atlases by what they mean.
-// Entities are recognised by content, whatever their ids: keyframes by descriptors and time, points by descriptor and by
-// who observes them where, maps by their keyframes, cameras by their parameters, landmarks by all that they hold, to the
-// bit.
-// References are the same when they lead to the same entity.
-// What does not count: the order of lists; which NaN a NaN is; the sign of a quaternion; how a matrix stands in its
-// file (the flag of a continuous one, the form of an empty one); which entries a list has as null or repeated, beyond
-// their number.
-// Either atlas may hold anything.
+// Entities are recognised by content, whatever their ids: keyframes by descriptors and time, points by descriptor and
+// by who observes them where, maps by their keyframes, cameras by their parameters, landmarks by all that they hold, to
+// the bit. References are the same when they lead to the same entity. What does not count: the order of lists; which
+// NaN a NaN is; the sign of a quaternion; how a matrix stands in its file (the flag of a continuous one, the form of an
+// empty one); which entries a list has as null or repeated, beyond their number. Either atlas may hold anything.
 //
 // Throws nothing but std::bad_alloc and what the listener to its progress throws.
 // Cost: linear; the result is the same for any number of threads. Thread-safe.

@@ -84,7 +84,7 @@ Upright UpByPath(const Map& map) {
   const Eigen::Vector3d variances = solver.eigenvalues();  // ascending
   if (!(variances[1] > kLineRatio * variances[2]))
     throw Error(ErrorKind::kNotPossible, "the cameras of " + ToString(map.id) +
-                " lie on one line, which no plane fits; find up by the cameras instead");
+                                             " lie on one line, which no plane fits; find up by the cameras instead");
   return {.up = AwayFrom(SumOfDown(map), solver.eigenvectors().col(0)),
           .method = UpMethod::kPath,
           .spread = std::sqrt(std::max(variances[0], 0.0))};
@@ -141,8 +141,9 @@ Upright FindUp(const Map& map, UpMethod method) {
   const std::optional<Eigen::Vector3d> gravity =
       method == UpMethod::kAuto || method == UpMethod::kInertia ? GravityByInertia(map) : std::nullopt;
   if (method == UpMethod::kInertia && !gravity)
-    throw Error(ErrorKind::kNotPossible, ToString(map.id) +
-                " has no initialised IMU to tell which way is up; find it by the cameras or by the path");
+    throw Error(
+        ErrorKind::kNotPossible,
+        ToString(map.id) + " has no initialised IMU to tell which way is up; find it by the cameras or by the path");
   Upright result;
   if (gravity)
     result = {.up = -gravity->normalized(), .method = UpMethod::kInertia, .gravity = gravity->norm()};

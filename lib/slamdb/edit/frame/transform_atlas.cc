@@ -24,7 +24,8 @@ MovedMap LaidOnto(const Map& map, const std::vector<TimedPosition>& reference, c
   options.fit.outlier_distance = fit.outlier_distance.value_or(options.fit.outlier_distance);
   const TrajectoryAlignment alignment = AlignToTrajectory(map, reference, options);
   MovedMap moved{.map = map.id, .target_from_source = alignment.reference_from_map, .alignment = alignment};
-  if (auto poor = PoorFitWarning(alignment.residuals.rmse, alignment.spread)) moved.warnings.push_back(*std::move(poor));
+  if (auto poor = PoorFitWarning(alignment.residuals.rmse, alignment.spread))
+    moved.warnings.push_back(*std::move(poor));
   return moved;
 }
 

@@ -94,7 +94,8 @@ SLAMDB_EXPORT void ApplyIdMap(Atlas& atlas, const IdMap& ids, int threads = 0);
 // Writes a file, which appears whole or not at all.
 //
 // Throws Error as AtomicFile does.
-SLAMDB_EXPORT void WriteIdMaps(std::span<const IdMap> maps, const std::string& path, const AtomicFileOptions& options = {});
+SLAMDB_EXPORT void WriteIdMaps(std::span<const IdMap> maps, const std::string& path,
+                               const AtomicFileOptions& options = {});
 
 // Reads a file of either kind, by its name.
 //

@@ -114,7 +114,8 @@ IdMap ReadIdMap(const std::string& path, const std::string& input) {
   std::string names;
   for (const IdMap& ids : maps) names += (names.empty() ? "" : ", ") + ids.input;
   if (input.empty())
-    throw Error(ErrorKind::kUsage, path, "", Concat("holds the ids of several inputs, of which one must be named: ", names));
+    throw Error(ErrorKind::kUsage, path, "",
+                Concat("holds the ids of several inputs, of which one must be named: ", names));
   throw Error(ErrorKind::kNotFound, path, "", Concat("holds no ids of '", input, "'; it has those of ", names));
 }
 

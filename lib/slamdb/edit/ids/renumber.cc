@@ -67,9 +67,9 @@ IdTable MakeTable(std::vector<Present>& present, IdKind kind) {
     if (table.Insert(each.id, static_cast<std::uint32_t>(once.size())) == kNoRow)
       once.push_back(each);
     else if (kind != IdKind::kFrame)
-      throw Error(
-          ErrorKind::kNotPossible, std::string(NameOf(kind)) + " id " + std::to_string(each.id) +
-          " is there more than once, so a table of ids cannot say which one is meant");
+      throw Error(ErrorKind::kNotPossible,
+                  std::string(NameOf(kind)) + " id " + std::to_string(each.id) +
+                      " is there more than once, so a table of ids cannot say which one is meant");
   }
   present = std::move(once);
   return table;
@@ -127,11 +127,12 @@ class Numbering {
       next_ = std::max(next_, Moved(id) + 1);
     } else {
       throw Error(ErrorKind::kNotPossible, "an offset of " + std::to_string(*options_.offset) + " makes the id of " +
-                  std::string(NameOf(kind_)) + " " + std::to_string(id) + " negative");
+                                               std::string(NameOf(kind_)) + " " + std::to_string(id) + " negative");
     }
     if (pairs_.back().after > LargestId(kind_))
       throw Error(ErrorKind::kNotPossible, std::string(NameOf(kind_)) + " " + std::to_string(id) + " would get id " +
-                  std::to_string(pairs_.back().after) + ", expected at most " + std::to_string(LargestId(kind_)));
+                                               std::to_string(pairs_.back().after) + ", expected at most " +
+                                               std::to_string(LargestId(kind_)));
   }
 
   void Add(std::uint64_t before, std::uint64_t after) { pairs_.push_back({before, after}); }

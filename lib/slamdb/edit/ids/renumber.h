@@ -32,9 +32,8 @@ struct RenumberOptions {
 // How the ids of an atlas would change.
 // Ids are handed out to what is there first, then, ascending, to what is only named: entities long gone.
 //
-// Throws Error (kNotPossible) when an id of a kind to renumber is there twice, as no table can then tell which is meant,
-// or when ids would become negative or larger than LargestId.
-// Cost: linear, but for sorting.
+// Throws Error (kNotPossible) when an id of a kind to renumber is there twice, as no table can then tell which is
+// meant, or when ids would become negative or larger than LargestId. Cost: linear, but for sorting.
 [[nodiscard]] SLAMDB_EXPORT IdMap PlanRenumbering(const Atlas& atlas, const RenumberOptions& options = {});
 
 // Plans and applies. Returns which id became which.

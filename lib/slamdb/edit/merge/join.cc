@@ -43,7 +43,8 @@ std::size_t RowOfMap(const Atlas& atlas, MapId id) {
       ids += (ids.empty() ? "" : ", ") + std::to_string(atlas.maps[row].id.value());
       continue;
     }
-    if (atlas.maps[row].keyframes.empty()) throw Error(ErrorKind::kNotPossible, ToString(id) + " has no keyframes, so there is nothing to join");
+    if (atlas.maps[row].keyframes.empty())
+      throw Error(ErrorKind::kNotPossible, ToString(id) + " has no keyframes, so there is nothing to join");
     return row;
   }
   throw Error(ErrorKind::kNotPossible, "there is no " + ToString(id) + "; maps are " + (ids.empty() ? "none" : ids));
@@ -248,7 +249,8 @@ JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
   detail::Steps steps(options.progress, "joining", 2);
   RefuseIrregular(atlas);
   const std::size_t first_row = RowOfMap(atlas, options.first), second_row = RowOfMap(atlas, options.second);
-  if (first_row == second_row) throw Error(ErrorKind::kUsage, ToString(options.first) + " cannot be joined with itself");
+  if (first_row == second_row)
+    throw Error(ErrorKind::kUsage, ToString(options.first) + " cannot be joined with itself");
   Map &first = atlas.maps[first_row], &second = atlas.maps[second_row];
   Gather(first, second, options);  // anchors must be there, whether they are needed for the transform or not
   JoinReport report{.first = options.first, .second = options.second};

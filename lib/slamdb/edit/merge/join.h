@@ -61,19 +61,18 @@ struct JoinReport {
 // Moves the second map into the world frame of the first and makes one map of both, as ORB-SLAM3's merge does but for
 // what docs/merge.md names.
 // Entities keep their ids and origin maps; the first map keeps its id, its root and its origins.
-// The second spanning tree is turned round so that it hangs, by the linked keyframe, on the linked keyframe of the first;
-// both get a merge edge and may not be culled.
-// The linked pair is the anchor that fits best, or without anchors the pair of keyframes that look at most of the same:
-// close to each other for the depth of the scene, and in the same direction.
-// Landmarks of the second map come along; those of equal ids, and those of points that are fused, become one
+// The second spanning tree is turned round so that it hangs, by the linked keyframe, on the linked keyframe of the
+// first; both get a merge edge and may not be culled. The linked pair is the anchor that fits best, or without anchors
+// the pair of keyframes that look at most of the same: close to each other for the depth of the scene, and in the same
+// direction. Landmarks of the second map come along; those of equal ids, and those of points that are fused, become one
 // (landmarks.h).
 //
 // Throws Error, and then changes nothing:
 //   kUsage        both maps are one, there is nothing to solve the transform from, or the transform is none
 //   kNotPossible  a map or a keyframe is not there, a map is empty, ids are there more than once, lists hold null
 //                 pointers or repetitions, or the transform cannot be solved
-// Cost: linear, in place (the pair is sought among at most a few thousand keyframes of each map); the result is the same
-// for any number of threads.
+// Cost: linear, in place (the pair is sought among at most a few thousand keyframes of each map); the result is the
+// same for any number of threads.
 SLAMDB_EXPORT JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options);
 
 }  // namespace slamdb

@@ -145,11 +145,12 @@ class Merger {
       const Vocabulary& other = inputs[i].vocabulary;
       if (other.checksum == first.checksum || !HasVocabulary(inputs[i])) continue;
       if (!options_.ignore_vocabulary)
-        throw Error(ErrorKind::kNotPossible, NameOfInput(i) + ": its bags of words are of vocabulary '" + other.name + "' (MD5 " +
-                    other.checksum + "), those of " + NameOfInput(vocabulary_input_) + " of '" + first.name + "' (" +
-                    first.checksum +
-                    "): place recognition would compare words that mean different things; recompute the bags of words "
-                    "of one, or merge all the same and ignore the vocabulary");
+        throw Error(
+            ErrorKind::kNotPossible,
+            NameOfInput(i) + ": its bags of words are of vocabulary '" + other.name + "' (MD5 " + other.checksum +
+                "), those of " + NameOfInput(vocabulary_input_) + " of '" + first.name + "' (" + first.checksum +
+                "): place recognition would compare words that mean different things; recompute the bags of words "
+                "of one, or merge all the same and ignore the vocabulary");
       report().other_vocabularies.push_back(NameOfInput(i));
     }
   }
@@ -175,8 +176,9 @@ class Merger {
           known.left_out = options_.same_map == SameMap::kKeepFirst;
           const MapId first_id = inputs[first->input].maps[first->row].id;
           if (options_.same_map == SameMap::kError)
-            throw Error(ErrorKind::kNotPossible, NameOfInput(input) + ": its " + ToString(map.id) + " is " + ToString(first_id) + " of " +
-                        NameOfInput(first->input) + " again: the same images and points");
+            throw Error(ErrorKind::kNotPossible, NameOfInput(input) + ": its " + ToString(map.id) + " is " +
+                                                     ToString(first_id) + " of " + NameOfInput(first->input) +
+                                                     " again: the same images and points");
           report().same_maps.push_back({input, first->input, map.id, first_id, known.left_out});
         }
         maps_.push_back(known);
@@ -224,9 +226,10 @@ class Merger {
         range.lowest += shift.offsets[kind];
         range.highest += shift.offsets[kind];
         if (range.highest > LargestId(as_kind))
-          throw Error(ErrorKind::kNotPossible, NameOfInput(i) + ": its " + std::string(NameOf(as_kind)) + " ids would reach " +
-                      std::to_string(range.highest) + ", expected at most " + std::to_string(LargestId(as_kind)) +
-                      "; make the ids of the inputs dense first");
+          throw Error(ErrorKind::kNotPossible, NameOfInput(i) + ": its " + std::string(NameOf(as_kind)) +
+                                                   " ids would reach " + std::to_string(range.highest) +
+                                                   ", expected at most " + std::to_string(LargestId(as_kind)) +
+                                                   "; make the ids of the inputs dense first");
       }
       used_[kind].push_back(range);
     }
@@ -314,12 +317,14 @@ class Merger {
     expected -= report().left_out;
     report().result = CountContent(result_.atlas, options_.threads);
     if (report().result != expected)
-      throw Error(ErrorKind::kInternal, "the merged atlas does not hold what its inputs do; this is a fault of slamdb, nothing was written");
+      throw Error(ErrorKind::kInternal,
+                  "the merged atlas does not hold what its inputs do; this is a fault of slamdb, nothing was written");
   }
 
   // Which maps are joined, when that is not said: the only ones that there are.
   void ChooseMaps(const std::vector<Atlas>& inputs, JoinOptions& join) const {
-    if (inputs.size() > 2) throw Error(ErrorKind::kUsage, "two maps can be joined at a time; merge the first two inputs, then the next");
+    if (inputs.size() > 2)
+      throw Error(ErrorKind::kUsage, "two maps can be joined at a time; merge the first two inputs, then the next");
     std::vector<MapId> first, second;
     for (const Map& map : inputs.front().maps)
       if (!map.keyframes.empty()) first.push_back(map.id);
@@ -349,7 +354,8 @@ class Merger {
   static void RequireKeyFrame(const Atlas& input, const std::string& name, MapId map, KeyFrameId id) {
     const Map& of = *std::ranges::find(input.maps, map, &Map::id);
     if (std::ranges::find(of.keyframes, id, &KeyFrame::id) == of.keyframes.end())
-      throw Error(ErrorKind::kNotPossible, name + ": " + ToString(id) + " is not in " + ToString(map) + ", so it cannot be an anchor");
+      throw Error(ErrorKind::kNotPossible,
+                  name + ": " + ToString(id) + " is not in " + ToString(map) + ", so it cannot be an anchor");
   }
 
   // In the ids that the second input has now.

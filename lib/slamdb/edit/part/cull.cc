@@ -61,8 +61,7 @@ class PointRules {
 
   Verdict Judge(const MapPoint& point) const {
     if (point.bad) return Verdict::kBad;
-    if (point.observation_count < min_observations_ &&
-        newest_ - point.first_keyframe >= kKeyFramesToProve)
+    if (point.observation_count < min_observations_ && newest_ - point.first_keyframe >= kKeyFramesToProve)
       return Verdict::kFew;
     if (options_.max_error && !(Error(point) <= *options_.max_error)) return Verdict::kError;
     if (options_.min_parallax && !HasDepth(point) && !HasParallax(point)) return Verdict::kParallax;

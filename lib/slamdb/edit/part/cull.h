@@ -68,7 +68,8 @@ struct CullReport {
 // Bad points go in any case.
 //
 // Throws Error (kUsage), before anything changes, when an option makes no sense.
-// Cost: linear, in place, but for points that very many keyframes see; the result is the same for any number of threads.
+// Cost: linear, in place, but for points that very many keyframes see; the result is the same for any number of
+// threads.
 SLAMDB_EXPORT CullReport Cull(Atlas& atlas, const CullOptions& options = {});
 
 // As schema/cull.schema.json describes it.

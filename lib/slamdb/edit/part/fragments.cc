@@ -65,7 +65,8 @@ FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options) {
   if (std::ranges::none_of(report.maps, &Fragment::kept)) {
     std::uint64_t largest = 0;
     for (const Fragment& map : report.maps) largest = std::max(largest, map.keyframes);
-    throw Error(ErrorKind::kNotPossible, detail::Concat("no map has ", options.min_keyframes, " keyframes; the largest has ", largest));
+    throw Error(ErrorKind::kNotPossible,
+                detail::Concat("no map has ", options.min_keyframes, " keyframes; the largest has ", largest));
   }
   Subset kept = Subset::Everything(atlas);
   for (std::size_t row = 0; row < report.maps.size(); ++row) {

@@ -66,9 +66,11 @@ class Selector {
       throw Error(ErrorKind::kNotPossible, "there is no " + ToString(*options_.map) + "; there are " + ListOf(ids));
     }
     for (const KeyFrameId id : options_.keyframes)
-      if (!index_.LocateKeyFrame(id)) throw Error(ErrorKind::kNotPossible, "there is no keyframe " + std::to_string(id.value()));
+      if (!index_.LocateKeyFrame(id))
+        throw Error(ErrorKind::kNotPossible, "there is no keyframe " + std::to_string(id.value()));
     if (!options_.polygon.empty() && options_.polygon.size() < 3)
-      throw Error(ErrorKind::kUsage, "a polygon needs three corners or more, found " + std::to_string(options_.polygon.size()));
+      throw Error(ErrorKind::kUsage,
+                  "a polygon needs three corners or more, found " + std::to_string(options_.polygon.size()));
     for (const Eigen::Vector2f& corner : options_.polygon)
       if (!corner.allFinite()) throw Error(ErrorKind::kUsage, "the corners of a polygon must be finite");
     if (options_.every == 0) throw Error(ErrorKind::kUsage, "every 0th keyframe is none; give 1 or more");
@@ -82,8 +84,8 @@ class Selector {
     for (const Map& map : atlas_.maps)
       for (const KeyFrame& keyframe : map.keyframes) sessions.insert(keyframe.origin_map);
     if (!sessions.contains(*options_.session))
-      throw Error(ErrorKind::kNotPossible, "no keyframe is from session " + std::to_string(*options_.session) + "; sessions are " +
-                  ListOf(sessions));
+      throw Error(ErrorKind::kNotPossible, "no keyframe is from session " + std::to_string(*options_.session) +
+                                               "; sessions are " + ListOf(sessions));
   }
 
   bool Picks(const KeyFrame& keyframe) const {
@@ -129,8 +131,8 @@ class Selector {
         FindComponents(index_, options_.map ? std::optional(index_.MapRow(*options_.map)) : std::nullopt);
     const std::size_t number = *options_.component;
     if (number > components.size())
-      throw Error(ErrorKind::kNotPossible, "there is no component " + std::to_string(number) + "; the covisibility graph has " +
-                  std::to_string(components.size()));
+      throw Error(ErrorKind::kNotPossible, "there is no component " + std::to_string(number) +
+                                               "; the covisibility graph has " + std::to_string(components.size()));
     const Component& component = components[number - 1];
     for (const std::uint32_t row : component.keyframes) marked.maps[component.map].keyframes[row] = 1;
   }
@@ -208,8 +210,9 @@ class Selector {
       if (HasAny(rows.keyframes) || HasAny(rows.landmarks)) return;
       if (CutsPoints() && !options_.except && HasAny(rows.points)) return;
     }
-    throw Error(ErrorKind::kNotPossible, options_.except ? "nothing is left: the selection holds the whole atlas"
-                                : "nothing is selected: no keyframe meets all that is asked for");
+    throw Error(ErrorKind::kNotPossible, options_.except
+                                             ? "nothing is left: the selection holds the whole atlas"
+                                             : "nothing is selected: no keyframe meets all that is asked for");
   }
 
   const AtlasIndex& index_;

@@ -36,8 +36,7 @@ class GreedyCoverage {
   Subset Choose() {
     std::uint64_t bytes = BytesAround();
     std::size_t chosen = 0;
-    const std::size_t most =
-        options_.target_keyframes.value_or(std::numeric_limits<std::size_t>::max());
+    const std::size_t most = options_.target_keyframes.value_or(std::numeric_limits<std::size_t>::max());
     for (std::uint32_t place = 0; place < keyframes_.size(); ++place) queue_.push({GainOf(place), place});
     while (!queue_.empty() && chosen < most) {
       const std::uint32_t place = TakeBest();
@@ -155,7 +154,7 @@ class GreedyCoverage {
   [[noreturn]] void RefuseTarget(std::uint64_t needed) const {
     const auto kilobytes = [](std::uint64_t bytes) { return std::to_string((bytes + 999) / 1000) + " kB"; };
     throw Error(ErrorKind::kNotPossible, "the target of " + kilobytes(*options_.target_bytes) +
-                " is below what one keyframe with its points takes, " + kilobytes(needed));
+                                             " is below what one keyframe with its points takes, " + kilobytes(needed));
   }
 
   const AtlasIndex& index_;

@@ -54,8 +54,8 @@ void AddComponents(const AtlasIndex& index, std::vector<Part>& parts) {
   for (std::uint32_t row = 0; row < index.atlas().maps.size(); ++row) {
     std::size_t number = 0;
     for (const Component& component : FindComponents(index, row))
-      parts.push_back({Concat("map-", index.atlas().maps[row].id.value(), "-component-", ++number),
-                       PartOf(index, component)});
+      parts.push_back(
+          {Concat("map-", index.atlas().maps[row].id.value(), "-component-", ++number), PartOf(index, component)});
   }
 }
 

@@ -234,7 +234,9 @@ void RequireSameShape(const Atlas& atlas, const Subset& subset) {
     fits = subset.maps[row].keyframes.size() == atlas.maps[row].keyframes.size() &&
            subset.maps[row].points.size() == atlas.maps[row].points.size() &&
            subset.maps[row].landmarks.size() == atlas.maps[row].landmarks.size();
-  if (!fits) throw Error(ErrorKind::kUsage, "the subset is not of this atlas: it has other maps, keyframes, points or landmarks");
+  if (!fits)
+    throw Error(ErrorKind::kUsage,
+                "the subset is not of this atlas: it has other maps, keyframes, points or landmarks");
 }
 
 Subset Filled(const Atlas& atlas, std::uint8_t value) {

@@ -48,7 +48,7 @@ struct EntityCounts {
 
 // What KeepSubset took away.
 struct SubsetReport {
-  EntityCounts before, after;  // of the atlas
+  EntityCounts before, after;                                                     // of the atlas
   std::uint64_t maps = 0, keyframes = 0, points = 0, landmarks = 0, cameras = 0;  // entities
   std::uint64_t observations = 0, slots = 0, edges = 0;                           // references out of the kept part
   std::uint64_t new_references = 0, new_parents = 0;  // keyframes chosen in place of removed ones

@@ -50,7 +50,8 @@ std::uint64_t RealOf(const Json& value) {
   Bits bits = 0;
   const bool is_hex = text.starts_with("0x");
   const auto [end, error] = std::from_chars(text.data() + (is_hex ? 2 : 0), text.data() + text.size(), bits, 16);
-  if (!is_hex || error != std::errc() || end != text.data() + text.size()) throw NotAJournal(Concat("'", text, "' is no number"));
+  if (!is_hex || error != std::errc() || end != text.data() + text.size())
+    throw NotAJournal(Concat("'", text, "' is no number"));
   return bits;
 }
 

@@ -37,9 +37,9 @@ struct RecoverReport {
 };
 
 // Makes of an atlas of which parts are lost one that is sound.
-// Cameras, counters and members of maps that are lost are found again from the keyframes, references to what is lost are
-// dropped by the repairs of the rules, and keyframes and points that break a rule without repair go.
-// A sound atlas stays as it is but for what RepairAtlas changes.
+// Cameras, counters and members of maps that are lost are found again from the keyframes, references to what is lost
+// are dropped by the repairs of the rules, and keyframes and points that break a rule without repair go. A sound atlas
+// stays as it is but for what RepairAtlas changes.
 //
 // Throws nothing but std::bad_alloc and what the listener to its progress throws.
 // Cost: linear for each repair, in place; the result is the same for any number of threads.
@@ -47,9 +47,9 @@ SLAMDB_EXPORT RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& opt
 
 // What became of a damaged file.
 struct SalvageReport {
-  std::vector<std::string> damage;                 // as in Salvage; empty: the file is whole
+  std::vector<std::string> damage;                  // as in Salvage; empty: the file is whole
   SalvagedList maps, keyframes, points, landmarks;  // read: in the result
-  std::vector<std::string> losses;  // what is lost or was found again in another way, one sentence each
+  std::vector<std::string> losses;                  // what is lost or was found again in another way, one sentence each
   RecoverReport recovery;
 
   bool untouched = false;  // the file was whole and sound, and the atlas is as it was read

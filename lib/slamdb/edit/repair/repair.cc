@@ -17,7 +17,8 @@ void RequireFixes(const std::vector<std::string>& ids) {
   for (const std::string& id : ids) {
     const Rule* rule = FindRule(id);
     if (rule == nullptr) throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'"));
-    if (!rule->fix) throw Error(ErrorKind::kUsage, detail::Concat("rule '", id, "' has no repair: ", rule->fix.unfixable));
+    if (!rule->fix)
+      throw Error(ErrorKind::kUsage, detail::Concat("rule '", id, "' has no repair: ", rule->fix.unfixable));
   }
 }
 

@@ -20,12 +20,9 @@ Json JsonOf(const AppliedFix& fix) {
 }
 
 Json JsonOf(const Unrepaired& rule) {
-  return {{"rule", rule.rule},
-          {"severity", ToString(rule.severity)},
-          {"title", rule.title},
-          {"reason", rule.reason},
-          {"count", rule.findings},
-          {"findings", Json::array({detail::JsonOf(rule.first)})}};
+  return {{"rule", rule.rule},      {"severity", ToString(rule.severity)},
+          {"title", rule.title},    {"reason", rule.reason},
+          {"count", rule.findings}, {"findings", Json::array({detail::JsonOf(rule.first)})}};
 }
 
 Json JsonOf(const SalvagedList& list) { return {{"listed", list.listed}, {"recovered", list.read}}; }

@@ -24,9 +24,10 @@ void RefuseMixing(const Atlas& atlas, const Vocabulary& identity) {
   for (const Map& map : atlas.maps)
     for (const KeyFrame& keyframe : map.keyframes)
       if (!IsMissing(keyframe.features))
-        throw Error(ErrorKind::kNotPossible, "the words of " + ToString(keyframe.id) + " were made with another vocabulary, '" +
-                    atlas.vocabulary.name + "' (" + atlas.vocabulary.checksum + "), not with '" + identity.name +
-                    "' (" + identity.checksum + "); recompute all keyframes, or give that vocabulary");
+        throw Error(ErrorKind::kNotPossible,
+                    "the words of " + ToString(keyframe.id) + " were made with another vocabulary, '" +
+                        atlas.vocabulary.name + "' (" + atlas.vocabulary.checksum + "), not with '" + identity.name +
+                        "' (" + identity.checksum + "); recompute all keyframes, or give that vocabulary");
 }
 
 std::vector<KeyFrame*> Wanted(Atlas& atlas, bool only_missing, RecomputeWordsReport& report) {

@@ -30,9 +30,8 @@ struct RecomputeWordsReport {
 // Computes the bag of words and the feature vector of every keyframe anew from its descriptors, as ORB-SLAM3 does for a
 // new keyframe (KeyFrame::ComputeBoW), and makes the atlas name `identity` as its vocabulary.
 //
-// Throws Error (kNotPossible), before it changes anything, when only the missing are asked for and others stay that were
-// made with another vocabulary.
-// Cost: linear, in place; the result is the same for any number of threads.
+// Throws Error (kNotPossible), before it changes anything, when only the missing are asked for and others stay that
+// were made with another vocabulary. Cost: linear, in place; the result is the same for any number of threads.
 SLAMDB_EXPORT RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, const Vocabulary& identity,
                                                   const RecomputeWordsOptions& options = {});
 

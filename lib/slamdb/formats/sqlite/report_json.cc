@@ -15,15 +15,9 @@ Json Head(std::string_view name, const std::string& input) {
 }
 
 Json JsonOf(const StoredAtlas& atlas) {
-  return {{"name", atlas.name},
-          {"maps", atlas.maps},
-          {"keyframes", atlas.keyframes},
-          {"points", atlas.points},
-          {"landmarks", atlas.landmarks},
-          {"observations", atlas.observations},
-          {"bytes", atlas.bytes},
-          {"revision", atlas.revision},
-          {"saved_at", atlas.saved_at},
+  return {{"name", atlas.name},     {"maps", atlas.maps},           {"keyframes", atlas.keyframes},
+          {"points", atlas.points}, {"landmarks", atlas.landmarks}, {"observations", atlas.observations},
+          {"bytes", atlas.bytes},   {"revision", atlas.revision},   {"saved_at", atlas.saved_at},
           {"hash", Hex(atlas.hash)}};
 }
 
