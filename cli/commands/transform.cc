@@ -16,6 +16,7 @@
 #include "slamdb/edit/frame/axes.h"
 #include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/frame/gravity.h"
+#include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
 
@@ -72,17 +73,6 @@ std::vector<TimedPosition> ReadReference(const TransformOptions& options, Consol
     positions.push_back({keyframe.timestamp, center.cast<double>()});
   }
   return positions;
-}
-
-std::vector<GpsFix> ReadFixes(const std::string& path) {
-  const MappedFile file(path);
-  try {
-    auto fixes = ParseFixes(file.text());
-    if (fixes.empty()) throw Error("holds no fix");
-    return fixes;
-  } catch (const Error& error) {
-    throw Error(path, error.place(), error.problem());
-  }
 }
 
 Motion AlignedTo(const std::vector<TimedPosition>& reference, const Map& map, const TransformOptions& options,

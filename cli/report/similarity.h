@@ -8,10 +8,6 @@
 
 namespace slamdb::cli {
 
-// A transform that an option names: the numbers themselves, or a file that holds them (see ParseSimilarity). Throws
-// Error.
-Similarity3d ReadSimilarity(const std::string& text_or_path);
-
 // {"translation": [x, y, z], "rotation_xyzw": [x, y, z, w], "scale": s}
 nlohmann::ordered_json SimilarityJson(const Similarity3d& transform);
 

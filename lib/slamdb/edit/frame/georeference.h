@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "slamdb/edit/frame/align_trajectory.h"
+#include "slamdb/export.h"
 
 namespace slamdb {
 
@@ -43,15 +45,20 @@ class LocalFrame {
   Eigen::Matrix3d enu_from_ecef_;
 };
 
-// The fixes of a CSV file. Columns are found by the names in the first line: time or timestamp; lat or latitude; lon,
-// lng, long or longitude; alt, altitude, ele, elevation or height, with units behind them ignored (`lat [deg]`).
-// Without a header they are time, latitude, longitude, altitude in this order. Seconds, degrees, metres; `#` begins a
-// comment, unless it begins the header. Cells are separated by commas, semicolons or tabs. Throws Error naming the line
-// that is not so.
-std::vector<GpsFix> ParseFixes(std::string_view csv);
+// The fixes of a table in any dialect of schema/tables.md.
+// Columns: timestamp, time, t or seconds; latitude or lat; longitude, lon, lng or long; altitude, alt, ele, elevation
+// or height, with anything behind the name where no column has exactly it (`lat [deg]`). Without names they stand in
+// this order. Seconds, degrees, metres: a unit that a name states is not looked at. Throws Error (kDamaged) naming the
+// line that is none, and the column when a cell is no number.
+SLAMDB_EXPORT std::vector<GpsFix> ParseFixes(std::string_view csv);
 
-// `LAT,LON` or `LAT,LON,ALT`. Throws Error.
-Geodetic ParseGeodetic(std::string_view text);
+// The fixes of a file, at least one.
+// Throws Error as ParseFixes, with the path.
+SLAMDB_EXPORT std::vector<GpsFix> ReadFixes(const std::string& path);
+
+// `LAT,LON` or `LAT,LON,ALT`.
+// Throws Error (kUsage).
+SLAMDB_EXPORT Geodetic ParseGeodetic(std::string_view text);
 
 // The fixes as positions in the frame.
 std::vector<TimedPosition> PositionsIn(const LocalFrame& frame, const std::vector<GpsFix>& fixes);

@@ -67,14 +67,15 @@ void ApplyIdMap(Atlas& atlas, const IdMap& ids, int threads = 0);
 // `new` says that the entity is not in the result.
 std::string IdMapsToCsv(std::span<const IdMap> maps);
 
-// Reads such a table back, one map for each input, in order of appearance. The column `input` may be missing. Throws
-// Error with the line.
+// Reads such a table back, in any dialect of schema/tables.md: one map for each input, in order of appearance. The
+// column `input` may be missing. Throws Error (kDamaged) with line and column.
 std::vector<IdMap> ParseIdMapsCsv(std::string_view csv);
 
-// A CSV table with a line of column names, with the ids in it replaced. Columns are told by name: `map`; `keyframe`,
-// `parent`, `reference_keyframe`; `point`; `frame`, `frame_id`; `camera`; `id` is a keyframe when there is a column
-// `timestamp`, else a point when there is a column `x`. Empty cells stay. Throws Error when no column holds an id of a
-// mapped kind, and with the line when an id is not in the map, or has none in the result.
+// A table in any dialect of schema/tables.md whose first line names the columns, with the ids in it replaced and all
+// else as it was. Columns are told by name: `map`; `keyframe`, `parent`, `reference_keyframe`; `point`; `frame`,
+// `frame_id`; `camera`; `id` is a keyframe when there is a column `timestamp`, else a point when there is a column `x`.
+// Empty cells stay. Throws Error (kDamaged) when no column holds an id of a mapped kind, and with the line when an id
+// is not in the map, or has none in the result.
 std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids);
 
 }  // namespace slamdb
