@@ -318,9 +318,16 @@ bool Table::Next() {
     line_ = next_line_;
     std::string_view behind = rest_;
     row_ = TakeRow(behind, layout_.separator, cells_);
-    if (cells_.size() == 1 && layout_.needed > 1) {  // perhaps blanks stand for the separator
-      behind = rest_;
-      row_ = TakeRow(behind, ' ', cells_);
+    if (cells_.size() < layout_.needed && (cells_.size() == 1 || layout_.separator == '\t')) {
+      // Blanks may stand for the separator in this row, where that gives all cells.
+      std::string_view again = rest_;
+      std::vector<Cell> words;
+      const std::string_view row = TakeRow(again, ' ', words);
+      if (words.size() >= layout_.needed) {
+        row_ = row;
+        cells_ = std::move(words);
+        behind = again;
+      }
     }
     rest_ = behind;
     next_line_ += 1 + static_cast<std::size_t>(std::ranges::count(row_, '\n'));

@@ -10,8 +10,9 @@
 namespace slamdb {
 namespace {
 
+// A cell that is read back as it is: not as several, not trimmed, not as a comment.
 std::string Quoted(std::string_view text) {
-  if (text.find_first_of(",\"\n\r") == text.npos) return std::string(text);
+  if (text.find_first_of(",\"\n\r#%") == text.npos && detail::Trimmed(text) == text) return std::string(text);
   std::string quoted = "\"";
   for (const char letter : text) quoted.append(letter == '"' ? 2 : 1, letter);
   return quoted + '"';
@@ -136,6 +137,7 @@ std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids) {
       if (pair == nullptr || pair->after == kNoId)
         throw table.LineError(detail::Concat(NameOf(*kinds[column]), " ", *id,
                                              pair == nullptr ? " is not in the id map" : " is not in the result"));
+      if (pair->after == *id) continue;
       result.append(copied, cell.data());
       detail::AppendNumber(result, pair->after);
       copied = cell.data() + cell.size();
