@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/part/extract.h"
 
-#include <charconv>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/part_text.h"
+#include "slamdb/base/detail/text.h"
 
 namespace slamdb::cli {
 namespace {
@@ -31,18 +31,13 @@ struct ExtractVerbOptions {
 // `X,Y X,Y ...`, corners apart by spaces or semicolons. Empty when it is not that.
 std::vector<Eigen::Vector2f> ParsePolygon(std::string_view text) {
   std::vector<Eigen::Vector2f> corners;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find_first_of(" ;"), text.size());
-    const std::string_view corner = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (corner.empty()) continue;
-    Eigen::Vector2f place;
-    const char* const last = corner.data() + corner.size();
-    const auto [comma, bad_x] = std::from_chars(corner.data(), last, place.x());
-    if (bad_x != std::errc() || comma == last || *comma != ',') return {};
-    const auto [stop, bad_y] = std::from_chars(comma + 1, last, place.y());
-    if (bad_y != std::errc() || stop != last) return {};
-    corners.push_back(place);
+  constexpr std::string_view kSeparators = " ;";
+  for (auto corner = detail::TakeWord(text, kSeparators); !corner.empty();
+       corner = detail::TakeWord(text, kSeparators)) {
+    const auto place = detail::Split(corner, ',');
+    const auto x = detail::ParseNumber<float>(place.front()), y = detail::ParseNumber<float>(place.back());
+    if (place.size() != 2 || !x || !y) return {};
+    corners.emplace_back(*x, *y);
   }
   return corners;
 }

@@ -6,6 +6,7 @@
 #include "cli/options.h"
 #include "cli/report/info_text.h"
 #include "cli/report/json.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 
@@ -32,9 +33,9 @@ const ordered_json& ValueAt(const ordered_json& report, const std::string& key) 
   for (std::size_t begin = 0; begin <= key.size();) {
     const std::size_t end = std::min(key.find('.', begin), key.size());
     const std::string step = key.substr(begin, end - begin);
-    const bool index = value->is_array() && !step.empty() && step.find_first_not_of("0123456789") == std::string::npos;
-    if (index && step.size() < 10 && std::stoul(step) < value->size()) {
-      value = &(*value)[std::stoul(step)];
+    const auto index = value->is_array() ? detail::ParseNumber<std::size_t>(step) : std::nullopt;
+    if (index && *index < value->size()) {
+      value = &(*value)[*index];
     } else if (value->is_object() && value->contains(step)) {
       value = &(*value)[step];
     } else {

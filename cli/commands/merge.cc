@@ -2,15 +2,14 @@
 #include "slamdb/edit/merge/merge.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/merge_text.h"
-#include "cli/report/similarity.h"
-#include "slamdb/base/error.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 
 namespace slamdb::cli {
@@ -50,16 +49,9 @@ std::string CheckMaps(const std::string& text) {
              : "expected two map ids as FIRST:SECOND, found '" + text + "'";
 }
 
-MapId MapOf(const std::string& text) { return text.empty() ? MapId() : MapId(std::stoull(text)); }
-
-Anchors ReadAnchors(const std::string& text_or_path) {
-  if (!std::filesystem::exists(text_or_path)) return ParseAnchors(text_or_path);
-  const MappedFile file(text_or_path);
-  try {
-    return ParseAnchorsCsv(file.text());
-  } catch (const Error& error) {
-    throw Error(text_or_path, error.place(), error.problem());
-  }
+MapId MapOf(std::string_view text) {
+  const auto id = detail::ParseNumber<std::uint64_t>(text);
+  return id ? MapId(*id) : MapId();
 }
 
 JoinOptions JoinOptionsOf(const MergeVerbOptions& options) {

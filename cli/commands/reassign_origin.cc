@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <charconv>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/origin.h"
 
@@ -19,13 +19,10 @@ struct ReassignOptions {
 
 // `3=0`.
 std::optional<std::pair<std::uint32_t, std::uint32_t>> ParseReplacement(std::string_view text) {
-  std::pair<std::uint32_t, std::uint32_t> pair;
-  const char* const end = text.data() + text.size();
-  const auto [equals, error] = std::from_chars(text.data(), end, pair.first);
-  if (error != std::errc() || equals == end || *equals != '=') return std::nullopt;
-  const auto [stop, second_error] = std::from_chars(equals + 1, end, pair.second);
-  if (second_error != std::errc() || stop != end) return std::nullopt;
-  return pair;
+  const auto ids = detail::Split(text, '=');
+  const auto from = detail::ParseNumber<std::uint32_t>(ids.front()),
+             to = detail::ParseNumber<std::uint32_t>(ids.back());
+  return ids.size() == 2 && from && to ? std::optional(std::pair(*from, *to)) : std::nullopt;
 }
 
 std::string CheckReplacement(const std::string& text) {

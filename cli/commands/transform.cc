@@ -9,6 +9,7 @@
 #include "cli/report/similarity.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/axes.h"
+#include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/frame/transform_atlas.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
@@ -43,17 +44,6 @@ std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Co
     positions.push_back({keyframe.timestamp, center.cast<double>()});
   }
   return positions;
-}
-
-std::vector<GpsFix> ReadFixes(const std::string& path) {
-  const MappedFile file(path);
-  try {
-    auto fixes = ParseFixes(file.text());
-    if (fixes.empty()) throw Error("holds no fix");
-    return fixes;
-  } catch (const Error& error) {
-    throw Error(path, error.place(), error.problem());
-  }
 }
 
 FitOptions FitOf(const TransformVerbOptions& options) {

@@ -7,10 +7,6 @@
 
 namespace slamdb::cli {
 
-// A transform that an option names: the numbers themselves, or a file that holds them (see ParseSimilarity). Throws
-// Error.
-Similarity3d ReadSimilarity(const std::string& text_or_path);
-
 // `translation 1.2 0 3, rotation 90 degrees about 0 0 1, scale 2`; what does nothing is left out.
 std::string SimilarityText(const Similarity3d& transform);
 

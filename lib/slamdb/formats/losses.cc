@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/base/detail/concat.h"
 
 namespace slamdb {
 namespace {
@@ -97,7 +97,7 @@ std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, cons
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
     if (counts[kind] == 0 || (format.writes & kKinds[kind].content) != 0) continue;
     std::string loss = std::string(format.id) + " cannot hold " + std::string(kKinds[kind].what);
-    if (kKinds[kind].content != kIdentity) loss += " (" + Thousands(counts[kind]) + ")";
+    if (kKinds[kind].content != kIdentity) loss += " (" + detail::Thousands(counts[kind]) + ")";
     losses.push_back(std::move(loss));
   }
   return losses;

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "slamdb/base/error.h"
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/edit/merge/anchors.h"
@@ -11,6 +12,7 @@
 #include "slamdb/model/content.h"
 #include "slamdb/model/derive.h"
 #include "tests/edit/worlds.h"
+#include "tests/formats/formats/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
 
 namespace slamdb {
@@ -272,7 +274,45 @@ TEST(Anchors, FromATable) {
   ASSERT_THAT(anchors.places, SizeIs(1));
   EXPECT_EQ(anchors.places[0].second, Eigen::Vector3d(4, 5, 6.5));
   EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("a,b\n1,2\n"); }), HasSubstr("line 1: expected the columns"));
-  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("first,second\n1,x\n"); }), HasSubstr("line 2: expected a number"));
+  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("first,second\n1,x\n"); }),
+              HasSubstr("line 2: expected a number, found 'x' in column second"));
+  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("first,second\n1,2,3\n"); }),
+              HasSubstr("line 2: expected 2 cells, found 3"));
+  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("1,2\n1.5,2\n"); }), HasSubstr("line 2: expected a number"));
+}
+
+TEST(Anchors, FromATableInAnyDialect) {
+  const auto pairs =
+      ElementsAre(KeyFramePair{KeyFrameId(0), KeyFrameId(9)}, KeyFramePair{KeyFrameId(2), KeyFrameId(7)});
+  for (const char* text : {"first, second\n0, 9\n2, 7\n",
+                           "\xef\xbb\xbf"
+                           "first,second\r\n0,9\r\n2,7\r\n",
+                           "first;second\n0;9\n2;7", "0,9\n2,7\n", "# by hand\n0 9\n2  7\n",
+                           "Second\tFirst\n9\t0\n7\t2\n", "\"first\",\"second\"\n\"0\",\"9\"\n+2,+7\n"})
+    EXPECT_THAT(ParseAnchorsCsv(text).keyframes, pairs) << text;
+  const Anchors places = ParseAnchorsCsv("1 2 3 4 5 6.5\n");
+  EXPECT_TRUE(places.keyframes.empty());
+  ASSERT_THAT(places.places, SizeIs(1));
+  EXPECT_EQ(places.places[0].first, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(places.places[0].second, Eigen::Vector3d(4, 5, 6.5));
+}
+
+TEST(Anchors, OfATextOrAFile) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(ReadAnchors("12:7").keyframes, SizeIs(1));
+  EXPECT_THAT(ReadAnchors(folder.Make("good.csv", "12,7\n")).keyframes, SizeIs(1));
+  const auto error_of = [](const std::string& text_or_path) {
+    try {
+      ReadAnchors(text_or_path);
+    } catch (const Error& error) {
+      return error;
+    }
+    return Error(ErrorKind::kInternal, "no error");
+  };
+  const std::string bad = folder.Make("bad.csv", "first,second\n1,x\n");
+  EXPECT_EQ(error_of(bad).path(), bad);
+  EXPECT_EQ(error_of(bad).kind(), ErrorKind::kDamaged);
+  EXPECT_EQ(error_of("12:7,30").kind(), ErrorKind::kUsage);
 }
 
 }  // namespace

@@ -77,9 +77,10 @@ SLAMDB_EXPORT void ApplyIdMap(Atlas& atlas, const IdMap& ids, int threads = 0);
 // An empty `new` says that the entity is not in the result.
 [[nodiscard]] SLAMDB_EXPORT std::string IdMapsToCsv(std::span<const IdMap> maps);
 
-// Reads such a table back, one map for each input, in order of appearance. The column `input` may be missing.
+// Reads such a table back, in any dialect of schema/tables.md: one map for each input, in order of appearance.
+// The column `input` may be missing.
 //
-// Throws Error (kDamaged) with the line.
+// Throws Error (kDamaged) with line and column.
 [[nodiscard]] SLAMDB_EXPORT std::vector<IdMap> ParseIdMapsCsv(std::string_view csv);
 
 // The same as JSON, on one line. Equal maps give equal text.
@@ -108,12 +109,13 @@ SLAMDB_EXPORT void WriteIdMaps(std::span<const IdMap> maps, const std::string& p
 // the file has several; both name the inputs that there are.
 [[nodiscard]] SLAMDB_EXPORT IdMap ReadIdMap(const std::string& path, const std::string& input = {});
 
-// A CSV table with a line of column names, with the ids in it replaced. Empty cells stay.
+// A table in any dialect of schema/tables.md whose first line names the columns, with the ids in it replaced and all
+// else as it was. Empty cells stay.
 // Columns are told by name: `map`; `keyframe`, `parent`, `reference_keyframe`; `point`; `frame`, `frame_id`; `camera`;
 // `id` is a keyframe when there is a column `timestamp`, else a point when there is a column `x`.
 //
-// Throws Error when no column holds an id of a mapped kind, and with the line when an id is not in the map, or has none
-// in the result.
+// Throws Error (kDamaged) when no column holds an id of a mapped kind, and with the line when an id is not in the map,
+// or has none in the result.
 [[nodiscard]] SLAMDB_EXPORT std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids);
 
 }  // namespace slamdb

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <charconv>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/json.h"
+#include "slamdb/base/detail/parse_file.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/id_map.h"
 
@@ -20,11 +21,9 @@ Json IdJson(std::uint64_t id) { return id == kNoId ? Json() : detail::JsonNumber
 std::uint64_t NumberOf(const Json& value) {
   if (!value.is_string()) return value.get<std::uint64_t>();
   const auto& text = value.get_ref<const std::string&>();
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size())
-    throw Error(ErrorKind::kDamaged, Concat("'", text, "' is no id"));
-  return number;
+  const auto number = detail::ParseNumber<std::uint64_t>(text);
+  if (!number) throw Error(ErrorKind::kDamaged, Concat("'", text, "' is no id"));
+  return *number;
 }
 
 Json CountersJson(const IdMap& ids) {
@@ -98,12 +97,7 @@ void WriteIdMaps(std::span<const IdMap> maps, const std::string& path, const Ato
 }
 
 std::vector<IdMap> ReadIdMaps(const std::string& path) {
-  const MappedFile file(path);
-  try {
-    return IsJson(path) ? ParseIdMapsJson(file.text()) : ParseIdMapsCsv(file.text());
-  } catch (const Error& error) {
-    throw Error(error.kind(), path, error.place(), error.problem());
-  }
+  return detail::ParseFile(path, IsJson(path) ? ParseIdMapsJson : ParseIdMapsCsv);
 }
 
 IdMap ReadIdMap(const std::string& path, const std::string& input) {

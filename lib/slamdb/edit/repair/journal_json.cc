@@ -9,6 +9,8 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/hash.h"
+#include "slamdb/base/detail/parse_file.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/journal.h"
 #include "slamdb/model/detail/json.h"
@@ -30,10 +32,9 @@ Error NotAJournal(std::string_view why) {
 std::uint64_t UnsignedOf(const Json& value) {
   if (!value.is_string()) return value.get<std::uint64_t>();
   const auto& text = value.get_ref<const std::string&>();
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) throw NotAJournal(Concat("'", text, "' is no number"));
-  return number;
+  const auto number = detail::ParseNumber<std::uint64_t>(text);
+  if (!number) throw NotAJournal(Concat("'", text, "' is no number"));
+  return *number;
 }
 
 // Numbers that are none are written as their bits, 0x7fc00001, which tells all NaNs apart.
@@ -218,13 +219,6 @@ void WriteJournal(const Journal& journal, const std::string& path, const AtomicF
   file.Commit();
 }
 
-Journal ReadJournal(const std::string& path) {
-  const MappedFile file(path);
-  try {
-    return ParseJournal(file.text());
-  } catch (const Error& error) {
-    throw Error(error.kind(), path, error.place(), error.problem());
-  }
-}
+Journal ReadJournal(const std::string& path) { return detail::ParseFile(path, ParseJournal); }
 
 }  // namespace slamdb

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/export/detail/maps.h"
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
-#include "slamdb/formats/export/detail/number.h"
 
 namespace slamdb {
 
@@ -23,7 +23,7 @@ void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string&
   std::size_t filled = 0;
   for (const Map* map : maps) filled += map->keyframes.empty() && map->points.empty() ? 0 : 1;
   if (filled < 2) return;
-  notices.Warn(Thousands(filled) +
+  notices.Warn(detail::Thousands(filled) +
                " maps are in one file, each in a frame of reference of its own and not aligned with " +
                "the others: " + how_told_apart + ", and --map writes one alone");
 }
