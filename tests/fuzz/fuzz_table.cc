@@ -67,11 +67,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace slamdb;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   RequireErrorOrNone([&] { ReadTable(text); });
-  RequireErrorOrNone([&] { ReadIdMaps(text); });
+  RequireErrorOrNone([&] { return ReadIdMaps(text); });
   RequireErrorOrNone([&] { ApplyIdMap(text); });
-  RequireErrorOrNone([&] { ParseFixes(text); });
-  RequireErrorOrNone([&] { ParseAnchorsCsv(text); });
-  RequireErrorOrNone([&] { ParseAnchors(text); });
-  RequireErrorOrNone([&] { ParseSimilarity(text); });
+  RequireErrorOrNone([&] { return ParseFixes(text); });
+  RequireErrorOrNone([&] { return ParseAnchorsCsv(text); });
+  RequireErrorOrNone([&] { return ParseAnchors(text); });
+  RequireErrorOrNone([&] { return ParseSimilarity(text); });
   return 0;
 }

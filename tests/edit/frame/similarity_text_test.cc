@@ -22,10 +22,10 @@ std::string MessageOf(const Parse& parse) {
   return "no error";
 }
 std::string TransformMessage(const char* text) {
-  return MessageOf([text] { ParseSimilarity(text); });
+  return MessageOf([text] { return ParseSimilarity(text); });
 }
 std::string AxesMessage(const char* text) {
-  return MessageOf([text] { ParseAxes(text); });
+  return MessageOf([text] { return ParseAxes(text); });
 }
 
 void ExpectTakes(const Similarity3d& transform, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
@@ -55,7 +55,7 @@ TEST(ReadSimilarity, OfATextOrAFile) {
   ExpectTakes(ReadSimilarity(folder.Make("good.txt", "1 2 3 0 0 0 1\n")), {0, 0, 0}, {1, 2, 3});
   const auto error_of = [](const std::string& text_or_path) {
     try {
-      ReadSimilarity(text_or_path);
+      static_cast<void>(ReadSimilarity(text_or_path));
     } catch (const Error& error) {
       return error;
     }

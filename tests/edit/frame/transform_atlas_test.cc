@@ -6,8 +6,8 @@
 
 #include "slamdb/model/derive.h"
 #include "slamdb/synthetic/synthesize.h"
-#include "tests/edit/kind_of.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb {
 namespace {

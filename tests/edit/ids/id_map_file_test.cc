@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/edit/ids/renumber.h"
-#include "tests/edit/kind_of.h"
 #include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb {
 namespace {
@@ -51,20 +51,20 @@ TEST(IdMapFile, GivesTheIdsOfOneInput) {
   WriteIdMaps({&maps[1], 1}, one);
   EXPECT_EQ(ReadIdMap(several, "b.osa"), maps[1]);
   EXPECT_EQ(ReadIdMap(one), maps[1]);
-  EXPECT_EQ(KindOf([&] { ReadIdMap(several); }), ErrorKind::kUsage);
-  EXPECT_EQ(KindOf([&] { ReadIdMap(several, "c.osa"); }), ErrorKind::kNotFound);
-  EXPECT_EQ(KindOf([&] { ReadIdMap(one, "c.osa"); }), ErrorKind::kNotFound);
+  EXPECT_EQ(KindOf([&] { return ReadIdMap(several); }), ErrorKind::kUsage);
+  EXPECT_EQ(KindOf([&] { return ReadIdMap(several, "c.osa"); }), ErrorKind::kNotFound);
+  EXPECT_EQ(KindOf([&] { return ReadIdMap(one, "c.osa"); }), ErrorKind::kNotFound);
 }
 
 TEST(IdMapFile, RefusesWhatIsNone) {
   const TemporaryFolder folder;
-  EXPECT_EQ(KindOf([&] { ReadIdMaps(folder.Path("none.json")); }), ErrorKind::kNotFound);
-  EXPECT_EQ(KindOf([&] { ReadIdMaps(folder.Make("a.csv", "x,y\n1,2\n")); }), ErrorKind::kDamaged);
+  EXPECT_EQ(KindOf([&] { return ReadIdMaps(folder.Path("none.json")); }), ErrorKind::kNotFound);
+  EXPECT_EQ(KindOf([&] { return ReadIdMaps(folder.Make("a.csv", "x,y\n1,2\n")); }), ErrorKind::kDamaged);
   for (const char* json :
        {"{", "[]", R"({"inputs":[]})", R"({"inputs":[{"input":"a"}]})", R"({"inputs":[{"ids":{"moon":[[1,2]]}}]})",
         R"({"inputs":[{"ids":{"map":[["1x",2]]}}]})", R"({"inputs":[{"ids":{"map":[[1]]}}]})",
         R"({"inputs":[{"ids":{},"counters":{"next_map":[1,2]}}]})"})
-    EXPECT_EQ(KindOf([&] { ParseIdMapsJson(json); }), ErrorKind::kDamaged) << json;
+    EXPECT_EQ(KindOf([&] { return ParseIdMapsJson(json); }), ErrorKind::kDamaged) << json;
   const std::vector<IdMap> maps = TwoInputs();
   const std::string there = folder.Make("there.json", "");
   EXPECT_EQ(KindOf([&] { WriteIdMaps(maps, there); }), ErrorKind::kAlreadyExists);

@@ -237,7 +237,7 @@ TEST(IdMapCsv, KeepsAnyName) {
 }
 
 TEST(IdMapCsv, NamesTheLineThatIsWrong) {
-  const auto error = [](const char* csv) { return ErrorOf([&] { ParseIdMapsCsv(csv); }); };
+  const auto error = [](const char* csv) { return ErrorOf([&] { return ParseIdMapsCsv(csv); }); };
   EXPECT_THAT(error("a,b\n"), HasSubstr("line 1: expected the column names"));
   EXPECT_THAT(error("kind,old,new\nkeyframe,1\n"), HasSubstr("line 2: expected 3 cells, found 2"));
   EXPECT_THAT(error("kind,old,new\nkeyframe,1,x\n"), HasSubstr("line 2: expected an id, found 'x'"));
@@ -252,7 +252,7 @@ TEST(IdMapCsv, ChangesTheIdsOfATable) {
   ids[IdKind::kKeyFrame] = {{1, 10}, {2, 20}};
   EXPECT_EQ(ApplyIdMapToCsv("map,id,timestamp,parent,note\n0,1,1.5,,\"a,1\"\n0,2,2.5,1,2\n", ids),
             "map,id,timestamp,parent,note\n0,10,1.5,,\"a,1\"\n0,20,2.5,10,2\n");
-  EXPECT_THAT(ErrorOf([&] { ApplyIdMapToCsv("x,y\n1,2\n", ids); }), HasSubstr("no column of ids"));
+  EXPECT_THAT(ErrorOf([&] { return ApplyIdMapToCsv("x,y\n1,2\n", ids); }), HasSubstr("no column of ids"));
 }
 
 TEST(IdMapCsv, LeavesAllElseOfATableAsItIs) {
@@ -260,7 +260,7 @@ TEST(IdMapCsv, LeavesAllElseOfATableAsItIs) {
   ids[IdKind::kKeyFrame] = {{1, 10}, {2, 20}};
   EXPECT_EQ(ApplyIdMapToCsv("\xef\xbb\xbf# mine\r\nKeyframe ; note\r\n\r\n 1 ; 1\r\n\"2\";\"2;\n\"\"\"\r\n;1", ids),
             "\xef\xbb\xbf# mine\r\nKeyframe ; note\r\n\r\n 10 ; 1\r\n\"20\";\"2;\n\"\"\"\r\n;1");
-  EXPECT_THAT(ErrorOf([&] { ApplyIdMapToCsv("keyframe,x\n1,2\n3,4\n", ids); }),
+  EXPECT_THAT(ErrorOf([&] { return ApplyIdMapToCsv("keyframe,x\n1,2\n3,4\n", ids); }),
               HasSubstr("line 3: keyframe 3 is not in the id map"));
 }
 

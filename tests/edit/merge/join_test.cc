@@ -194,8 +194,8 @@ TEST(Join, BadInputChangesNothing) {
 TEST(Join, RefusesToGuess) {
   const Atlas a = MakeWorld(kWorlds[4], 2, 1), b = MakeWorld(kWorlds[4], 1, 2);
   const JoinOptions join{.first_from_second = Similarity3d()};
-  EXPECT_THAT(ErrorOf([&] { MergeAtlases({a, b}, {.join = join}); }), HasSubstr("several maps to choose from"));
-  EXPECT_THAT(ErrorOf([&] { MergeAtlases({b, b, b}, {.join = join}); }), HasSubstr("at a time"));
+  EXPECT_THAT(ErrorOf([&] { return MergeAtlases({a, b}, {.join = join}); }), HasSubstr("several maps to choose from"));
+  EXPECT_THAT(ErrorOf([&] { return MergeAtlases({b, b, b}, {.join = join}); }), HasSubstr("at a time"));
 }
 
 // Two keyframes that see one point each, at one place.
@@ -264,7 +264,7 @@ TEST(Covisibility, IsWhatSynthesisMade) {
 TEST(Anchors, FromText) {
   EXPECT_THAT(ParseAnchors("12:7,30:41").keyframes,
               ElementsAre(KeyFramePair{KeyFrameId(12), KeyFrameId(7)}, KeyFramePair{KeyFrameId(30), KeyFrameId(41)}));
-  EXPECT_THAT(ErrorOf([] { ParseAnchors("12-7"); }), HasSubstr("FIRST:SECOND"));
+  EXPECT_THAT(ErrorOf([] { return ParseAnchors("12-7"); }), HasSubstr("FIRST:SECOND"));
 }
 
 TEST(Anchors, FromATable) {
@@ -273,12 +273,12 @@ TEST(Anchors, FromATable) {
   EXPECT_THAT(anchors.keyframes, ElementsAre(KeyFramePair{KeyFrameId(1), KeyFrameId(2)}));
   ASSERT_THAT(anchors.places, SizeIs(1));
   EXPECT_EQ(anchors.places[0].second, Eigen::Vector3d(4, 5, 6.5));
-  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("a,b\n1,2\n"); }), HasSubstr("line 1: expected the columns"));
-  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("first,second\n1,x\n"); }),
+  EXPECT_THAT(ErrorOf([] { return ParseAnchorsCsv("a,b\n1,2\n"); }), HasSubstr("line 1: expected the columns"));
+  EXPECT_THAT(ErrorOf([] { return ParseAnchorsCsv("first,second\n1,x\n"); }),
               HasSubstr("line 2: expected a number, found 'x' in column second"));
-  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("first,second\n1,2,3\n"); }),
+  EXPECT_THAT(ErrorOf([] { return ParseAnchorsCsv("first,second\n1,2,3\n"); }),
               HasSubstr("line 2: expected 2 cells, found 3"));
-  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("1,2\n1.5,2\n"); }), HasSubstr("line 2: expected a number"));
+  EXPECT_THAT(ErrorOf([] { return ParseAnchorsCsv("1,2\n1.5,2\n"); }), HasSubstr("line 2: expected a number"));
 }
 
 TEST(Anchors, FromATableInAnyDialect) {
@@ -303,7 +303,7 @@ TEST(Anchors, OfATextOrAFile) {
   EXPECT_THAT(ReadAnchors(folder.Make("good.csv", "12,7\n")).keyframes, SizeIs(1));
   const auto error_of = [](const std::string& text_or_path) {
     try {
-      ReadAnchors(text_or_path);
+      static_cast<void>(ReadAnchors(text_or_path));
     } catch (const Error& error) {
       return error;
     }

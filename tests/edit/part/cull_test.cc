@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "slamdb/base/error.h"
-#include "tests/edit/kind_of.h"
 #include "tests/edit/soundness.h"
 #include "tests/formats/orbslam3/real_atlases.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb::testing {
 namespace {

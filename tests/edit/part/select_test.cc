@@ -9,10 +9,10 @@
 #include "slamdb/edit/part/extract.h"
 #include "slamdb/edit/part/split.h"
 #include "slamdb/model/derive.h"
-#include "tests/edit/kind_of.h"
 #include "tests/edit/soundness.h"
 #include "tests/formats/orbslam3/real_atlases.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb::testing {
 namespace {
@@ -129,7 +129,7 @@ TEST(Select, RefusesWhatIsNotThere) {
   const Atlas atlas = Rows();
   const AtlasIndex index(atlas);
   const auto expect = [&](const SelectOptions& options, const char* text) {
-    EXPECT_THAT([&] { Select(index, options); }, ThrowsMessage<Error>(HasSubstr(text)));
+    EXPECT_THAT([&] { return Select(index, options); }, ThrowsMessage<Error>(HasSubstr(text)));
   };
   expect({.map = MapId(5)}, "there is no map 5; there are 0, 1");
   expect({.keyframes = {KeyFrameId(99)}}, "no keyframe 99");
@@ -179,7 +179,7 @@ TEST(SplitAtlas, LeavesOutSmallParts) {
     const bool stays = map.keyframes.size() >= largest || map.keyframes.empty();
     EXPECT_EQ(std::ranges::count(found, "map-" + std::to_string(map.id.value())), stays ? 1 : 0) << map.id.value();
   }
-  EXPECT_EQ(KindOf([&] { SplitAtlas(index, {.by = SplitBy::kSession, .min_keyframes = 100}); }),
+  EXPECT_EQ(KindOf([&] { return SplitAtlas(index, {.by = SplitBy::kSession, .min_keyframes = 100}); }),
             ErrorKind::kNotPossible);
 }
 

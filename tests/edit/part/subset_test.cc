@@ -190,9 +190,11 @@ TEST(KeepSubset, LeavesNoReferenceOutOfThePart) {
     }
     KeepSubset(atlas, subset);
     VisitIds(atlas, [&](auto id_kind, const auto& field) {
-      if constexpr (decltype(id_kind)::value == IdKind::kKeyFrame)
+      if constexpr (decltype(id_kind)::value == IdKind::kKeyFrame) {
         EXPECT_FALSE(gone_keyframes.contains(IdValue(field)));
-      if constexpr (decltype(id_kind)::value == IdKind::kPoint) EXPECT_FALSE(gone_points.contains(IdValue(field)));
+      } else if constexpr (decltype(id_kind)::value == IdKind::kPoint) {
+        EXPECT_FALSE(gone_points.contains(IdValue(field)));
+      }
     });
     for (const Map& map : atlas.maps)
       for (const KeyFrame& keyframe : map.keyframes) {

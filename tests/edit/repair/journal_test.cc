@@ -9,10 +9,10 @@
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/model/digest.h"
-#include "tests/edit/kind_of.h"
 #include "tests/formats/formats/temporary_folder.h"
 #include "tests/support/corrupt.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb {
 namespace {
@@ -60,7 +60,7 @@ TEST(JournalFile, RefusesWhatIsNone) {
        head +
            R"({"rule":"x","entity":"atlas","fields":[{"field":"a","kinds":"f","at":0,"before":["nan"],"after":[]}]}]})"}) {
     try {
-      ParseJournal(text);
+      static_cast<void>(ParseJournal(text));
       ADD_FAILURE() << text;
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
@@ -71,12 +71,12 @@ TEST(JournalFile, RefusesWhatIsNone) {
 
 TEST(JournalFile, NamesTheFileAndTheKind) {
   const TemporaryFolder folder;
-  EXPECT_EQ(KindOf([&] { ReadJournal(folder.Path("none.json")); }), ErrorKind::kNotFound);
+  EXPECT_EQ(KindOf([&] { return ReadJournal(folder.Path("none.json")); }), ErrorKind::kNotFound);
   const std::string newer = folder.Make("newer.json", "{\"format\":\"slamdb-journal-2\"}");
-  EXPECT_EQ(KindOf([&] { ReadJournal(newer); }), ErrorKind::kUnsupported);
+  EXPECT_EQ(KindOf([&] { return ReadJournal(newer); }), ErrorKind::kUnsupported);
   const std::string path = folder.Make("cut.json", "{");
   try {
-    ReadJournal(path);
+    static_cast<void>(ReadJournal(path));
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
