@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/model/index.h"
@@ -183,8 +184,11 @@ IdMap PlanRenumbering(const Atlas& atlas, const RenumberOptions& options) {
 }
 
 IdMap Renumber(Atlas& atlas, const RenumberOptions& options) {
+  detail::Steps steps(options.progress, "renumbering", 2);
   IdMap ids = PlanRenumbering(atlas, options);
+  steps.Next();
   ApplyIdMap(atlas, ids, options.threads);
+  steps.Next();
   return ids;
 }
 
