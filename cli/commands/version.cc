@@ -23,7 +23,8 @@ const char* DirectionOf(const Format& format) {
 
 ExitCode RunVersion(const VersionOptions& options, Console& console) {
   if (options.json) {
-    nlohmann::ordered_json report = {{"version", Version()}, {"formats", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json report = {
+        {"report", "slamdb-version-2"}, {"version", Version()}, {"formats", nlohmann::ordered_json::array()}};
     for (const Format& format : Formats())
       report["formats"].push_back(
           {{"id", format.id},

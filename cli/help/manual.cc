@@ -6,6 +6,7 @@
 
 #include "cli/help/help.h"
 #include "cli/help/tree.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/version.h"
 
 namespace slamdb::cli {
@@ -43,8 +44,7 @@ std::string Paragraphs(std::string_view text) {
   std::string out;
   bool fresh = true, literal = false, paragraph_due = false;
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
+    const std::string_view line = detail::TakeLine(text);
     const bool is_literal = line.starts_with(' ');
     if (literal && !is_literal) out += ".EE\n";
     if (is_literal && !literal) out += fresh ? ".EX\n" : ".PP\n.EX\n";
@@ -56,7 +56,6 @@ std::string Paragraphs(std::string_view text) {
       paragraph_due = fresh = false;
     }
     literal = is_literal;
-    text.remove_prefix(std::min(end + 1, text.size()));
   }
   return literal ? out + ".EE\n" : out;
 }

@@ -102,8 +102,7 @@ std::string MarkdownCatalogue() {
   }
   text += "\n| gate | passes with |\n|---|---|\n";
   for (const Gate& gate : ReadGates())
-    text +=
-        detail::Concat("| `--", gate.id, " N` | ", gate.is_minimum ? "at least N " : "at most N ", gate.title, " |\n");
+    text += detail::Concat("| `", gate.id, "` | ", gate.is_minimum ? "at least N " : "at most N ", gate.title, " |\n");
   return text;
 }
 

@@ -216,11 +216,33 @@ TEST(IdMapCsv, ReadsWhatAPersonWrites) {
   EXPECT_FALSE(maps[0].counters_before);
 }
 
+TEST(IdMapCsv, ReadsEveryDialect) {
+  for (const char* csv : {"\xef\xbb\xbf"
+                          "Kind;Old;New\r\nkeyframe;+3;0\r\n",
+                          "new\told\tkind\n0\t3\tkeyframe", "# by hand\nkind old new\nkeyframe  3  0\n",
+                          "kind, old, new\n\"keyframe\", \"3\", 0\n"}) {
+    const auto maps = ParseIdMapsCsv(csv);
+    ASSERT_EQ(maps.size(), 1U) << csv;
+    EXPECT_THAT(maps[0][IdKind::kKeyFrame], ElementsAre(IdPair{3, 0})) << csv;
+  }
+}
+
+TEST(IdMapCsv, KeepsAnyName) {
+  for (const char* name : {"", "a.osa", " a b\t", "#1.osa", "%1.osa", "a;b", "\"", "a \"b\",\r\nc;d.osa"}) {
+    IdMap ids;
+    ids.input = name;
+    ids[IdKind::kPoint] = {{0, std::uint64_t{1} << 63}};
+    EXPECT_THAT(ParseIdMapsCsv(IdMapsToCsv({&ids, 1})), ElementsAre(ids)) << name;
+  }
+}
+
 TEST(IdMapCsv, NamesTheLineThatIsWrong) {
-  const auto error = [](const char* csv) { return ErrorOf([&] { ParseIdMapsCsv(csv); }); };
+  const auto error = [](const char* csv) { return ErrorOf([&] { return ParseIdMapsCsv(csv); }); };
   EXPECT_THAT(error("a,b\n"), HasSubstr("line 1: expected the column names"));
   EXPECT_THAT(error("kind,old,new\nkeyframe,1\n"), HasSubstr("line 2: expected 3 cells, found 2"));
   EXPECT_THAT(error("kind,old,new\nkeyframe,1,x\n"), HasSubstr("line 2: expected an id, found 'x'"));
+  EXPECT_THAT(error("kind,old,new\nkeyframe,-1,2\n"), HasSubstr("line 2: expected an id, found '-1' in column old"));
+  EXPECT_THAT(error("1,2,3\n"), HasSubstr("line 1: expected the column names"));
   EXPECT_THAT(error("kind,old,new\nfish,1,2\n"), HasSubstr("unknown kind 'fish'"));
   EXPECT_THAT(error("kind,old,new\n"), HasSubstr("empty"));
 }
@@ -230,7 +252,16 @@ TEST(IdMapCsv, ChangesTheIdsOfATable) {
   ids[IdKind::kKeyFrame] = {{1, 10}, {2, 20}};
   EXPECT_EQ(ApplyIdMapToCsv("map,id,timestamp,parent,note\n0,1,1.5,,\"a,1\"\n0,2,2.5,1,2\n", ids),
             "map,id,timestamp,parent,note\n0,10,1.5,,\"a,1\"\n0,20,2.5,10,2\n");
-  EXPECT_THAT(ErrorOf([&] { ApplyIdMapToCsv("x,y\n1,2\n", ids); }), HasSubstr("no column of ids"));
+  EXPECT_THAT(ErrorOf([&] { return ApplyIdMapToCsv("x,y\n1,2\n", ids); }), HasSubstr("no column of ids"));
+}
+
+TEST(IdMapCsv, LeavesAllElseOfATableAsItIs) {
+  IdMap ids;
+  ids[IdKind::kKeyFrame] = {{1, 10}, {2, 20}};
+  EXPECT_EQ(ApplyIdMapToCsv("\xef\xbb\xbf# mine\r\nKeyframe ; note\r\n\r\n 1 ; 1\r\n\"2\";\"2;\n\"\"\"\r\n;1", ids),
+            "\xef\xbb\xbf# mine\r\nKeyframe ; note\r\n\r\n 10 ; 1\r\n\"20\";\"2;\n\"\"\"\r\n;1");
+  EXPECT_THAT(ErrorOf([&] { return ApplyIdMapToCsv("keyframe,x\n1,2\n3,4\n", ids); }),
+              HasSubstr("line 3: keyframe 3 is not in the id map"));
 }
 
 }  // namespace

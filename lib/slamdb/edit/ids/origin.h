@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "slamdb/base/progress.h"
+#include "slamdb/base/report_files.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
@@ -20,6 +23,8 @@ struct OriginOptions {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> replace;  // {from, to}, all at once
   std::int64_t shift = 0;                                        // added
   bool compact = false;                                          // 0, 1, 2, ... in the order of the ids
+  int threads = 0;                                               // not needed: it takes no time
+  Progress progress;                                             // likewise
 };
 
 struct OriginReport {
@@ -30,9 +35,14 @@ struct OriginReport {
 };
 
 // Changes the origin map ids of all keyframes, and of the points that have one.
-// Throws Error, and then changes nothing: kNotPossible when `replace` names an origin that nothing has, or an id leaves
-// [0, 2^32 - 1); kUsage when `replace` names an origin twice or swaps origins in a circle.
-// Linear.
-SLAMDB_EXPORT OriginReport ReassignOrigins(Atlas& atlas, const OriginOptions& options);
+//
+// Throws Error, and then changes nothing:
+//   kUsage        `replace` names an origin twice, or swaps origins in a circle
+//   kNotPossible  `replace` names an origin that nothing has, or an id leaves [0, 2^32 - 1)
+// Cost: linear.
+SLAMDB_EXPORT OriginReport ReassignOrigins(Atlas& atlas, const OriginOptions& options = {});
+
+// As schema/reassign-origin.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const OriginReport& report, const ReportFiles& files = {});
 
 }  // namespace slamdb

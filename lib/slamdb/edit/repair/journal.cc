@@ -8,8 +8,10 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/detail/field_bits.h"
+#include "slamdb/model/digest.h"
 
 namespace slamdb {
 namespace {
@@ -350,6 +352,20 @@ void TakeBack(const Journal& journal, Atlas& atlas) {
     while (edit != end && OfOneList(*removals.back(), *edit));
     WithList(atlas, *removals.front(), [&](auto& list) { Insert(removals, list); });
   }
+}
+
+UndoReport UndoRepair(Atlas& atlas, const Journal& journal, const UndoOptions& options) {
+  detail::Steps steps(options.progress, "taking back edits", 3);
+  if (HashWithoutEncoding(atlas, options.threads) != journal.repaired)
+    throw Error(ErrorKind::kNotPossible, "is not the atlas that the journal was kept of; its content differs");
+  steps.Next();
+  TakeBack(journal, atlas);
+  atlas.encoding = journal.encoding;
+  steps.Next();
+  if (HashWithoutEncoding(atlas, options.threads) != journal.original)
+    throw Error(ErrorKind::kDamaged, "the journal does not lead back to the original: it was changed");
+  steps.Next();
+  return {.edits = journal.edits.size()};
 }
 
 }  // namespace slamdb

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/journal.h"
-
+// Journals as text. Every scalar keeps its bits: what no JSON number tells apart is written as text.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,29 +7,34 @@
 #include <cmath>
 #include <utility>
 
-#include "cli/report/json.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/hash.h"
+#include "slamdb/base/detail/parse_file.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/file.h"
+#include "slamdb/edit/repair/journal.h"
+#include "slamdb/model/detail/json.h"
 
-namespace slamdb::cli {
+namespace slamdb {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using detail::Concat;
+using detail::Json;
 
-constexpr const char* kFormat = "slamdb-journal-1";
+constexpr std::string_view kFormatName = "slamdb-journal-";
+constexpr std::string_view kFormat = "slamdb-journal-1";
 constexpr std::array<const char*, 6> kKinds = {"atlas", "camera", "map", "keyframe", "point", "landmark"};
-constexpr std::uint64_t kLargestExact = std::uint64_t{1} << 53;  // what every JSON reader keeps
 
-Json Unsigned(std::uint64_t value) { return value <= kLargestExact ? Json(value) : Json(std::to_string(value)); }
+Error NotAJournal(std::string_view why) {
+  return Error(ErrorKind::kDamaged, Concat("is no journal of a repair: ", why));
+}
 
 std::uint64_t UnsignedOf(const Json& value) {
   if (!value.is_string()) return value.get<std::uint64_t>();
   const auto& text = value.get_ref<const std::string&>();
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) throw Error("'" + text + "' is no number");
-  return number;
+  const auto number = detail::ParseNumber<std::uint64_t>(text);
+  if (!number) throw NotAJournal(Concat("'", text, "' is no number"));
+  return *number;
 }
 
 // Numbers that are none are written as their bits, 0x7fc00001, which tells all NaNs apart.
@@ -47,14 +51,15 @@ std::uint64_t RealOf(const Json& value) {
   Bits bits = 0;
   const bool is_hex = text.starts_with("0x");
   const auto [end, error] = std::from_chars(text.data() + (is_hex ? 2 : 0), text.data() + text.size(), bits, 16);
-  if (!is_hex || error != std::errc() || end != text.data() + text.size()) throw Error("'" + text + "' is no number");
+  if (!is_hex || error != std::errc() || end != text.data() + text.size())
+    throw NotAJournal(Concat("'", text, "' is no number"));
   return bits;
 }
 
 Json ScalarValue(char kind, std::uint64_t bits) {
   switch (kind) {
     case 'r':
-      return bits == KeyFrameId::kNone ? Json() : Unsigned(bits);
+      return bits == KeyFrameId::kNone ? Json() : detail::JsonNumber(bits);
     case 'i':
       return static_cast<std::int32_t>(bits);
     case 'q':
@@ -64,7 +69,7 @@ Json ScalarValue(char kind, std::uint64_t bits) {
     case 'd':
       return RealValue<double, std::uint64_t>(bits);
     default:
-      return Unsigned(bits);
+      return detail::JsonNumber(bits);
   }
 }
 
@@ -108,13 +113,13 @@ std::vector<std::uint64_t> BitsOf(const std::string& kinds, const Json& values) 
       bits.push_back(ScalarOf(kinds[0], value));
       continue;
     }
-    if (value.size() != kinds.size()) throw Error("an element has not the scalars " + kinds);
+    if (value.size() != kinds.size()) throw NotAJournal(Concat("an element has not the scalars ", kinds));
     for (std::size_t i = 0; i < kinds.size(); ++i) bits.push_back(ScalarOf(kinds[i], value[i]));
   }
   return bits;
 }
 
-Json EditValue(const EntityEdit& edit) {
+Json JsonOf(const EntityEdit& edit) {
   Json value = {{"rule", edit.rule}, {"entity", kKinds[static_cast<std::size_t>(edit.kind)]}};
   const bool in_map =
       edit.kind == EntityKind::kKeyFrame || edit.kind == EntityKind::kPoint || edit.kind == EntityKind::kLandmark;
@@ -139,7 +144,7 @@ EntityEdit EditOf(const Json& value) {
   EntityEdit edit;
   edit.rule = value.at("rule");
   const auto kind = std::ranges::find(kKinds, value.at("entity").get<std::string>());
-  if (kind == kKinds.end()) throw Error("there are no entities called " + value.at("entity").dump());
+  if (kind == kKinds.end()) throw NotAJournal(Concat("there are no entities called ", value.at("entity").dump()));
   edit.kind = static_cast<EntityKind>(kind - kKinds.begin());
   edit.map = value.value("map", 0U);
   edit.row = value.value("row", std::uint64_t{0});
@@ -148,7 +153,7 @@ EntityEdit EditOf(const Json& value) {
   edit.added = value.value("added", false);
   for (const Json& field : value.at("fields")) {
     const std::string kinds = field.at("kinds");
-    if (kinds.empty()) throw Error("a field has no kinds");
+    if (kinds.empty()) throw NotAJournal("a field has no kinds");
     edit.fields.push_back({field.at("field"), kinds, field.at("at"), BitsOf(kinds, field.at("before")),
                            BitsOf(kinds, field.at("after"))});
   }
@@ -159,57 +164,61 @@ std::uint64_t HashFrom(const Json& value) {
   const std::string text = value;
   std::uint64_t hash = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), hash, 16);
-  if (error != std::errc() || end != text.data() + text.size()) throw Error("'" + text + "' is no content hash");
+  if (error != std::errc() || end != text.data() + text.size())
+    throw NotAJournal(Concat("'", text, "' is no content hash"));
   return hash;
 }
 
-JournalFile JournalOf(const Json& json) {
-  if (json.value("format", "") != kFormat)
-    throw Error("expected a journal of `slamdb repair` (" + std::string(kFormat) + ")");
-  JournalFile file;
-  file.original = HashFrom(json.at("original"));
-  file.repaired = HashFrom(json.at("repaired"));
+void RequireFormat(const Json& json) {
+  const std::string format = json.value("format", "");
+  if (format == kFormat) return;
+  if (format.starts_with(kFormatName))
+    throw Error(ErrorKind::kUnsupported,
+                Concat("is a journal of a newer version (", format, "), this one reads ", kFormat));
+  throw NotAJournal(Concat("expected ", kFormat));
+}
+
+Journal JournalOf(const Json& json) {
+  RequireFormat(json);
+  Journal journal{.original = HashFrom(json.at("original")), .repaired = HashFrom(json.at("repaired"))};
   const Json& encoding = json.at("encoding");
-  file.encoding.text = encoding.at("text");
-  file.encoding.boost_version = encoding.at("boost_version");
-  file.encoding.long_bytes = encoding.at("long_bytes");
-  file.encoding.size_bytes = encoding.at("size_bytes");
-  for (const Json& edit : json.at("edits")) file.journal.edits.push_back(EditOf(edit));
-  return file;
+  journal.encoding.text = encoding.at("text");
+  journal.encoding.boost_version = encoding.at("boost_version");
+  journal.encoding.long_bytes = encoding.at("long_bytes");
+  journal.encoding.size_bytes = encoding.at("size_bytes");
+  for (const Json& edit : json.at("edits")) journal.edits.push_back(EditOf(edit));
+  return journal;
 }
 
 }  // namespace
 
-std::string JournalText(const JournalFile& file) {
+std::string ToJson(const Journal& journal) {
   const Json head = {{"format", kFormat},
-                     {"original", Hex(file.original)},
-                     {"repaired", Hex(file.repaired)},
-                     {"encoding",
-                      {{"text", file.encoding.text},
-                       {"boost_version", file.encoding.boost_version},
-                       {"long_bytes", file.encoding.long_bytes},
-                       {"size_bytes", file.encoding.size_bytes}}}};
+                     {"original", Hex(journal.original)},
+                     {"repaired", Hex(journal.repaired)},
+                     {"encoding", detail::JsonOf(journal.encoding)}};
   std::string text = head.dump();
   text.pop_back();
   text += ",\"edits\":[";
   const char* separator = "\n";
-  for (const EntityEdit& edit : file.journal.edits) {
-    text += std::exchange(separator, ",\n") + EditValue(edit).dump();
-  }
+  for (const EntityEdit& edit : journal.edits) text += std::exchange(separator, ",\n") + JsonOf(edit).dump();
   return text + "\n]}\n";
 }
 
-JournalFile ReadJournalFile(const std::string& path) {
-  const MappedFile file(path);
-  const Bytes bytes = file.bytes();
+Journal ParseJournal(std::string_view json) {
   try {
-    const auto* text = reinterpret_cast<const char*>(bytes.data());
-    return JournalOf(Json::parse(text, text + bytes.size()));
+    return JournalOf(Json::parse(json));
   } catch (const Json::exception& error) {
-    throw Error(path, "", "is no journal of a repair: " + std::string(error.what()));
-  } catch (const Error& error) {
-    throw Error(path, "", "is no journal of a repair: " + error.problem());
+    throw NotAJournal(error.what());
   }
 }
 
-}  // namespace slamdb::cli
+void WriteJournal(const Journal& journal, const std::string& path, const AtomicFileOptions& options) {
+  AtomicFile file(path, options);
+  file.Write(ToJson(journal));
+  file.Commit();
+}
+
+Journal ReadJournal(const std::string& path) { return detail::ParseFile(path, ParseJournal); }
+
+}  // namespace slamdb

@@ -7,8 +7,7 @@
 
 namespace slamdb::cli {
 
-// What `merge` did, for people and as JSON (schema/merge.schema.json). `output` is empty when nothing was written.
+// What `merge` did, for people.
 std::string MergeText(const MergeReport& report);
-std::string MergeJson(const MergeReport& report, const std::string& output);
 
 }  // namespace slamdb::cli

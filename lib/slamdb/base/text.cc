@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/base/detail/text.h"
 
 #include <array>
-#include <bit>
-#include <charconv>
 #include <cmath>
 
-namespace slamdb {
-namespace {
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
 
-static_assert(std::endian::native == std::endian::little, "AppendRaw writes memory as it is");
+namespace slamdb::detail {
+namespace {
 
 template <class Number>
 void AppendDigits(std::string& out, Number value) {
@@ -29,6 +28,19 @@ void AppendReal(std::string& out, Real value) {
 
 }  // namespace
 
+bool IsUtf16(std::string_view text) { return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"); }
+
+std::string_view WithoutMark(std::string_view text) {
+  if (IsUtf16(text)) throw Error(ErrorKind::kUnsupported, "is text in UTF-16, expected UTF-8; save it as that");
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
+std::string Excerpt(std::string_view line) {
+  constexpr std::size_t kLongest = 80;
+  return Concat('`', line.substr(0, kLongest), '`');
+}
+
 void AppendNumber(std::string& out, float value) { AppendReal(out, value); }
 void AppendNumber(std::string& out, double value) { AppendReal(out, value); }
 void AppendNumber(std::string& out, std::uint64_t value) { AppendDigits(out, value); }
@@ -41,14 +53,4 @@ void AppendSeconds(std::string& out, double seconds) {
   out.append(digits.data(), result.ptr);
 }
 
-std::string Thousands(std::uint64_t value) {
-  std::string text = std::to_string(value);
-  for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, 1, ',');
-  return text;
-}
-
-std::string Counted(std::uint64_t count, std::string_view noun) {
-  return Thousands(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
-}
-
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/report/part_report.h"
+#include "cli/report/part_text.h"
 
 #include "cli/report/layout.h"
 
@@ -29,17 +29,8 @@ class Sentence {
 
 }  // namespace
 
-Totals Totals::Of(const Atlas& atlas) {
-  Totals totals{.maps = atlas.maps.size()};
-  for (const Map& map : atlas.maps) {
-    totals.keyframes += map.keyframes.size();
-    totals.points += map.points.size();
-    totals.landmarks += map.landmarks.size();
-  }
-  return totals;
-}
-
-std::string PartText(const Totals& before, const Totals& after, const SubsetReport& removed) {
+std::string PartText(const SubsetReport& removed) {
+  const EntityCounts &before = removed.before, &after = removed.after;
   std::string text = "kept " + Share(after.maps, before.maps, "map") + ", " +
                      Share(after.keyframes, before.keyframes, "keyframe") + ", " +
                      Share(after.points, before.points, "point");
@@ -56,7 +47,8 @@ std::string PartText(const Totals& before, const Totals& after, const SubsetRepo
   return text + cut.ToString("cut ") + chosen.ToString("chose ");
 }
 
-void WarnIfNothingIsLeft(const Totals& before, const Totals& after, Notices& notices) {
+void WarnIfNothingIsLeft(const SubsetReport& removed, Notices& notices) {
+  const EntityCounts &before = removed.before, &after = removed.after;
   if (before.keyframes > 0 && after.keyframes == 0) notices.Warn("no keyframe is left; milder rules keep some");
   if (before.points > 0 && after.points == 0) notices.Warn("no map point is left; milder rules keep some");
 }
@@ -65,37 +57,6 @@ std::string CoverageText(const Coverage& coverage) {
   return "covers " + Share(coverage.covered, coverage.places, "place") + " (" +
          Percent(coverage.covered, coverage.places) + ") with " + std::to_string(coverage.min_points) +
          " points or more; " + Grouped(coverage.covered_before) + " before\n";
-}
-
-nlohmann::ordered_json PartJson(const Totals& before, const Totals& after, const SubsetReport& removed) {
-  const auto json = [](const Totals& totals) {
-    return nlohmann::ordered_json{{"maps", totals.maps},
-                                  {"keyframes", totals.keyframes},
-                                  {"points", totals.points},
-                                  {"landmarks", totals.landmarks}};
-  };
-  return {{"before", json(before)},
-          {"after", json(after)},
-          {"cut",
-           {{"observations", removed.observations},
-            {"slots", removed.slots},
-            {"edges", removed.edges},
-            {"cameras", removed.cameras}}},
-          {"chosen",
-           {{"references", removed.new_references},
-            {"parents", removed.new_parents},
-            {"joined_preintegrations", removed.joined}}}};
-}
-
-nlohmann::ordered_json CoverageJson(const Coverage& coverage) {
-  return {{"min_points", coverage.min_points},
-          {"places", coverage.places},
-          {"covered_before", coverage.covered_before},
-          {"covered", coverage.covered}};
-}
-
-Border BorderOf(const std::string& name) {
-  return name == "strict" ? Border::kStrict : name == "smart" ? Border::kSmart : Border::kCompletePoints;
 }
 
 }  // namespace slamdb::cli
