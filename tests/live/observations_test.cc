@@ -204,12 +204,12 @@ TEST(PreSave, FillsTheBackupMembersAndChangesNothingElse) {
   EXPECT_THAT(point->mBackupObservationsId1, ElementsAre(Pair(a->mnId, 5), Pair(b->mnId, -1)));
   EXPECT_THAT(point->mBackupObservationsId2, ElementsAre(Pair(a->mnId, -1), Pair(b->mnId, 27)));
   EXPECT_EQ(point->mBackupRefKFId, b->mnId);
-  EXPECT_EQ(point->mBackupReplacedId, MapPointId::kNone);
+  EXPECT_EQ(point->mBackupReplacedId, -1);
   EXPECT_TRUE(point->IsInKeyFrame(elsewhere));
   point->Replace(other);
   std::set<MapPoint*> both = {point, other};
   point->PreSave(keyframes, both);
-  EXPECT_EQ(point->mBackupReplacedId, other->mnId);
+  EXPECT_EQ(point->mBackupReplacedId, static_cast<long long>(other->mnId));
 }
 
 TEST(PostLoad, FindsTheTargetsAndReportsThoseThatAreNotThere) {

@@ -6,19 +6,25 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/camera.h"
 
 namespace slamdb::live {
 
-// A camera with the names of ORB-SLAM3's GeometricCamera. The mathematics is slamdb::Project and Unproject; camera
-// frame z forward, x right, y down; pixels. Immutable but for setParameter, which is not to be called while others use
-// it.
-class GeometricCamera {
+struct Runtime;
+
+// A camera with the names of ORB-SLAM3's GeometricCamera.
+// The mathematics is slamdb::Project and Unproject; camera frame z forward, x right, y down; pixels.
+// Immutable but for setParameter, which is not to be called while others use it.
+class SLAMDB_EXPORT GeometricCamera {
  public:
   static constexpr unsigned int CAM_PINHOLE = 0;  // NOLINT(readability-identifier-naming): ORB-SLAM3's name
   static constexpr unsigned int CAM_FISHEYE = 1;  // NOLINT(readability-identifier-naming): ORB-SLAM3's name
 
   explicit GeometricCamera(slamdb::Camera record) : record_(std::move(record)) {}
+  // A copy is of no atlas.
+  GeometricCamera(const GeometricCamera& other) : record_(other.record_) {}
+  GeometricCamera& operator=(const GeometricCamera&) = delete;
 
   // The pixel of a point in the camera frame; NaN when it has none (behind a pinhole).
   Eigen::Vector2f project(const Eigen::Vector3f& x_in_camera) const;
@@ -43,20 +49,25 @@ class GeometricCamera {
   // Whether both are the same camera: type, and parameters within 1e-6.
   bool IsEqual(const GeometricCamera& other) const;
 
+  // Whether it belongs to the live atlas of that runtime.
+  bool IsOf(const Runtime& runtime) const { return owner_ == &runtime; }
+
  private:
   friend class Atlas;  // gives it its id
+  friend struct Bridge;
   slamdb::Camera record_;
+  const Runtime* owner_ = nullptr;  // of the atlas that took it over
 };
 
 // Parameters fx, fy, cx, cy.
-class Pinhole : public GeometricCamera {
+class SLAMDB_EXPORT Pinhole : public GeometricCamera {
  public:
   explicit Pinhole(std::vector<float> parameters);
 };
 
 // Parameters fx, fy, cx, cy, k0, k1, k2, k3 (Kannala and Brandt, PAMI 2006); `precision` is where unprojecting stops
 // iterating, radians.
-class KannalaBrandt8 : public GeometricCamera {
+class SLAMDB_EXPORT KannalaBrandt8 : public GeometricCamera {
  public:
   explicit KannalaBrandt8(std::vector<float> parameters, float precision = 1e-6F);
 };
