@@ -45,6 +45,13 @@ cv::Point3f GeometricCamera::unproject(const cv::Point2f& pixel) const {
   return {ray.x(), ray.y(), ray.z()};
 }
 
+std::size_t GeometricCamera::RequireParameter(std::size_t i) const {
+  if (i >= size())
+    throw Error(ErrorKind::kUsage, slamdb::detail::Concat("the camera has ", size(), " parameters: none has number ",
+                                                          static_cast<std::int64_t>(i)));
+  return i;
+}
+
 Eigen::Matrix3f GeometricCamera::toK_() const {
   Eigen::Matrix3f matrix = Eigen::Matrix3f::Identity();
   matrix(0, 0) = getParameter(0);

@@ -38,8 +38,9 @@ class SLAMDB_EXPORT GeometricCamera {
   Eigen::Matrix3f toK_() const;  // NOLINT(readability-identifier-naming): the calibration matrix
   cv::Mat toK() const;           // the same, CV_32F
 
-  float getParameter(int i) const { return record_.parameters.at(static_cast<std::size_t>(i)); }
-  void setParameter(float value, std::size_t i) { record_.parameters.at(i) = value; }
+  // Throw Error (kUsage) when there is no such parameter.
+  float getParameter(int i) const { return record_.parameters[RequireParameter(static_cast<std::size_t>(i))]; }
+  void setParameter(float value, std::size_t i) { record_.parameters[RequireParameter(i)] = value; }
   std::size_t size() const { return record_.parameters.size(); }
   unsigned int GetId() const { return static_cast<unsigned int>(record_.id.value()); }
   unsigned int GetType() const { return record_.recorded_type; }
@@ -55,6 +56,9 @@ class SLAMDB_EXPORT GeometricCamera {
  private:
   friend class Atlas;  // gives it its id
   friend struct Bridge;
+
+  std::size_t RequireParameter(std::size_t i) const;
+
   slamdb::Camera record_;
   const Runtime* owner_ = nullptr;  // of the atlas that took it over
 };

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "slamdb/live/camera.h"
+#include "slamdb/live/detail/own.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
@@ -25,10 +26,12 @@ std::vector<Object*> Good(std::vector<Object*> objects) {
   return objects;
 }
 
-// What an archive brought: without null pointers and objects of another atlas.
+// What an archive brought, without null pointers and objects of another atlas.
 template <class Object>
 std::vector<Object*> Usable(std::vector<Object*> objects, const Runtime& runtime) {
-  std::erase_if(objects, [&](Object* object) { return object == nullptr || !object->IsOf(runtime); });
+  std::erase_if(objects, [&](Object* object) {
+    return object == nullptr || !(object->IsOf(runtime) || object->IsOf(NoAtlas()));
+  });
   return objects;
 }
 
@@ -63,8 +66,7 @@ PostLoadReport Map::PostLoad(KeyFrameDatabase* pKFDB, ORBVocabulary* pORBVoc,
                              std::map<unsigned int, GeometricCamera*>& mpCams) {
   const Change change(runtime_.gate);
   const std::vector<KeyFrame*> keyframes = Usable(std::exchange(mvpBackupKeyFrames, {}), runtime_);
-  std::vector<MapPoint*> points = std::exchange(mvpBackupMapPoints, {});
-  std::erase(points, nullptr);
+  const std::vector<MapPoint*> points = Usable(std::exchange(mvpBackupMapPoints, {}), runtime_);
   for (MapPoint* point : points) point->UpdateMap(this);
   for (KeyFrame* keyframe : keyframes) keyframe->UpdateMap(this);
   std::map<long unsigned int, KeyFrame*> keyframe_by_id = ById(keyframes);

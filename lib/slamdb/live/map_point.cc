@@ -18,12 +18,6 @@ namespace {
 
 constexpr const char *kTheMap = "the map", *kTheKeyFrame = "the keyframe", *kTheFrame = "the frame";
 
-// Of points that are of no atlas yet.
-Runtime& NoAtlas() {
-  static Runtime runtime;
-  return runtime;
-}
-
 Map& Required(Map* map) {
   if (map == nullptr) RefuseNull(kTheMap);
   return *map;

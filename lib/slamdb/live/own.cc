@@ -3,10 +3,16 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/live/runtime.h"
 
 namespace slamdb::live {
 
 using slamdb::detail::Concat;
+
+Runtime& NoAtlas() {
+  static Runtime runtime;
+  return runtime;
+}
 
 void RefuseNull(std::string_view what) { throw Error(ErrorKind::kUsage, Concat(what, " is a null pointer")); }
 

@@ -7,6 +7,9 @@ namespace slamdb::live {
 
 struct Runtime;
 
+// Stands for the atlas of points that are of none yet (MapPoint()).
+Runtime& NoAtlas();
+
 // Throws Error that `what` (`the keyframe`) is null, or belongs to another atlas.
 [[noreturn]] void RefuseNull(std::string_view what);
 [[noreturn]] void RefuseForeign(std::string_view what);
