@@ -6,10 +6,13 @@
 
 #include "slamdb/live/atlas.h"
 #include "slamdb/live/map.h"
+#include "slamdb/live/post_load.h"
 #include "slamdb/model/atlas.h"
 
-// Copies of a live atlas, and of what changed in it. Private to the folder.
+// Copies of a live atlas, and of what changed in it.
 namespace slamdb::live {
+
+struct LinkTargets;
 
 // One map. Links lead only to what the map lists.
 struct MapSnapshot {

@@ -5,7 +5,7 @@
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
 
-// How the ids of a point's record become pointers. Private to the folder: a template over what finds the targets.
+// How the ids of a point's record become pointers. A template over what finds the targets.
 namespace slamdb::live {
 
 template <class Targets>
@@ -17,13 +17,14 @@ void MapPoint::Link(const slamdb::MapPoint& record, const Targets& targets, Colu
     return *unresolved_;
   };
   const auto miss = [&](LinkKind kind, std::uint64_t target) {
-    if (!bad_) report.Add({kind, MapId(map_.load()->GetId()), {}, MapPointId(mnId), target});
+    const Map* map = map_;
+    if (!bad_) report.Add({kind, map == nullptr ? MapId() : MapId(map->GetId()), {}, MapPointId(mnId), target});
   };
   const std::size_t first = block.size();
   for (const Observation& observation : record.observations) {
     KeyFrame* keyframe = bad_ ? nullptr : targets.Find(observation.keyframe);
     if (keyframe != nullptr && !keyframe->isBad() && keyframe->HasRows(observation) &&
-        (block.size() == first || block.back().keyframe->mnId < observation.keyframe.value())) {
+        (block.size() == first || block.back().keyframe->mnId < keyframe->mnId)) {
       block.push_back({keyframe, observation.left, observation.right});
     } else {
       rest().observations.push_back(observation);

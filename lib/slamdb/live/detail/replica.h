@@ -3,13 +3,12 @@
 
 #include <vector>
 
-#include "slamdb/live/snapshot.h"
+#include "slamdb/live/detail/snapshot.h"
 
 namespace slamdb::live {
 
 // A copy at rest of a live atlas that follows it, snapshot by snapshot. After each it equals what ToModel would have
-// given at that moment. Work beside the SLAM threads: it touches nothing of theirs. Not thread-safe. Private to the
-// folder.
+// given at that moment. Work beside the SLAM threads: it touches nothing of theirs. Not thread-safe.
 class Replica {
  public:
   void Apply(Snapshot snapshot);
