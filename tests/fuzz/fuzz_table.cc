@@ -39,7 +39,8 @@ void ReadTable(std::string_view text) {
     line = table.line();
     end = table.row().data() + table.row().size();
     for (const detail::Cell& cell : table.cells())
-      Require(cell.text.data() >= table.row().data() && cell.text.data() + cell.text.size() <= end);
+      Require(cell.text.empty() ||
+              (cell.text.data() >= table.row().data() && cell.text.data() + cell.text.size() <= end));
     for (std::size_t column = 0; column < kind.columns.size(); ++column)
       Require(table.Text(column).size() <= table.Raw(column).size());
   }

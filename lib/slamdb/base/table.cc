@@ -10,18 +10,6 @@ namespace {
 
 // A carriage return in front of a line feed is as good as a blank.
 std::string_view BlanksOf(char separator) { return separator == '\t' ? " \r" : " \t\r"; }
-std::string_view EndsOf(char separator) {
-  switch (separator) {
-    case ' ':
-      return " \t\r\n";
-    case '\t':
-      return "\t\n";
-    case ';':
-      return ";\n";
-    default:
-      return ",\n";
-  }
-}
 
 void SkipBlanks(std::string_view& text, char separator) {
   text.remove_prefix(std::min(text.find_first_not_of(BlanksOf(separator)), text.size()));
@@ -54,7 +42,10 @@ std::optional<Cell> TakeQuoted(std::string_view& text, char separator) {
 
 Cell TakeCell(std::string_view& text, char separator) {
   if (const auto quoted = TakeQuoted(text, separator)) return *quoted;
-  std::string_view cell = text.substr(0, text.find_first_of(EndsOf(separator)));
+  const auto ends = [separator](char letter) {
+    return letter == '\n' || letter == separator || (separator == ' ' && (letter == '\t' || letter == '\r'));
+  };
+  std::string_view cell(text.data(), static_cast<std::size_t>(std::ranges::find_if(text, ends) - text.begin()));
   text.remove_prefix(cell.size());
   cell = cell.substr(0, cell.find_last_not_of(BlanksOf(separator)) + 1);
   return {cell};

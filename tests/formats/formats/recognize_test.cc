@@ -90,6 +90,10 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"settings", "%YAML:1.0\n---\nCamera.type: \"PinHole\"\n", "settings of ORB-SLAM3"},
         WrongFile{"osmap", "%YAML:1.0\n---\nmappointsFile: m.mappoints\n", "osmap map"},
         WrongFile{"vocabulary", "10 6  0 0 \n0 0 252 188\n", "DBoW2 vocabulary"},
+        WrongFile{"vocabulary_mark",
+                  "\xef\xbb\xbf"
+                  "10 6 0 0\r\n0 0 252 188\r\n",
+                  "DBoW2 vocabulary"},
         WrongFile{"colmap", Sqlite("CREATE TABLE keypoints CREATE TABLE two_view_geometries"), "COLMAP database"},
         WrongFile{"rtabmap", Sqlite("CREATE TABLE Node CREATE TABLE Link CREATE TABLE Admin"), "RTAB-Map database"},
         WrongFile{"stella_sqlite", Sqlite("keyframes(id, undist_keypts) associations"), "stella_vslam map database"},

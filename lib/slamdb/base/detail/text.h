@@ -17,6 +17,7 @@
 namespace slamdb::detail {
 
 inline constexpr std::string_view kBlanks = " \t";
+inline bool IsBlank(char letter) { return kBlanks.find(letter) != std::string_view::npos; }
 
 // The text behind the byte order mark of UTF-8, if it has one.
 // Throws Error (kUnsupported) when the mark is one of UTF-16.

@@ -108,7 +108,9 @@ T TextInput::TakeFloat(const char* token) {
   T value{};
   const auto [parsed, error] = std::from_chars(token, end_, value);
   if (error == std::errc::result_out_of_range) {  // a subnormal that some libraries round to 0
-    value = static_cast<T>(std::strtod(std::string(token, parsed).c_str(), nullptr));
+    long double wide = 0;  // strtod would follow the locale
+    std::from_chars(token, parsed, wide);
+    value = static_cast<T>(wide);
     Finish(parsed, true);
     return value;
   }

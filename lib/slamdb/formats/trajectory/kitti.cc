@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/table.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -34,8 +35,7 @@ std::string LinesOfMaps(const std::vector<MapTrajectory>& trajectories) {
   std::size_t line = 1;
   for (const MapTrajectory& trajectory : trajectories) {
     const std::size_t last = line + trajectory.poses.size() - 1;
-    text += (text.empty() ? "lines " : ", lines ") + std::to_string(line) + "-" + std::to_string(last) + " are " +
-            ToString(trajectory.map->id);
+    text += detail::Concat(text.empty() ? "lines " : ", lines ", line, "-", last, " are ", trajectory.map->id);
     line = last + 1;
   }
   return text;
@@ -71,7 +71,7 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
 
 bool SniffKitti(const Probe& probe) {
   const detail::TableGlance glance = detail::GlanceAtTable(probe.head, {.columns = std::vector<detail::Column>(12)});
-  return glance.numbers == 12 && glance.separator == ' ';
+  return glance.numbers == 12 && detail::IsBlank(glance.separator);
 }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};

@@ -62,7 +62,7 @@ Atlas ReadTum(const Source& source, const ReadOptions& options, Notices&) {
 // Without names only 8 numbers between blanks: between commas they may also be EuRoC's, in another order.
 bool SniffTum(const Probe& probe) {
   const detail::TableGlance glance = detail::GlanceAtTable(probe.head, Kind());
-  return glance.named || (glance.numbers == 8 && glance.separator == ' ');
+  return glance.named || (glance.numbers == 8 && detail::IsBlank(glance.separator));
 }
 
 constexpr std::array<std::string_view, 2> kSuffixes = {".tum", ".txt"};
