@@ -66,7 +66,7 @@ const ordered_json& ValueAt(const ordered_json& report, const std::string& key) 
       std::string known = value->is_array() ? "it has " + std::to_string(value->size()) + " entries, from 0" : "";
       if (value->is_object())
         for (const auto& [name, member] : value->items()) known += (known.empty() ? "there is " : ", ") + name;
-      throw Error("no value '" + key + "': " + (known.empty() ? "nothing is below that" : known));
+      throw Error(ErrorKind::kNotFound, "no value '" + key + "': " + (known.empty() ? "nothing is below that" : known));
     }
     begin = end + 1;
   }
