@@ -99,16 +99,16 @@ Sample ReadText(const Workplace& at) {
   return Time([&] { Keep(Read(at.text())); });
 }
 Sample ReferenceReadBinary(const Workplace& at) {
-  return Time([&] { reference::Load(at.binary(), Encoding::kBinary).release(); });
+  return Time([&] { Keep(reference::Load(at.binary(), Encoding::kBinary)); });
 }
 Sample ReferenceReadText(const Workplace& at) {
-  return Time([&] { reference::Load(at.text(), Encoding::kText).release(); });
+  return Time([&] { Keep(reference::Load(at.text(), Encoding::kText)); });
 }
 Sample ReadMemory(const Workplace& at) {
   return WatchMemory([&] { Keep(Read(at.binary())); });
 }
 Sample ReferenceReadMemory(const Workplace& at) {
-  return WatchMemory([&] { reference::Load(at.binary(), Encoding::kBinary).release(); });
+  return WatchMemory([&] { Keep(reference::Load(at.binary(), Encoding::kBinary)); });
 }
 
 // ---- writing
@@ -119,9 +119,9 @@ Sample WriteAs(const Workplace& at, bool text) {
   return Time([&] { Write(atlas, at.output(), text); });
 }
 Sample ReferenceWriteAs(const Workplace& at, Encoding encoding) {
-  const reference::Session* session = reference::Load(at.binary(), Encoding::kBinary).release();
+  const Atlas atlas = Read(at.binary());
   std::filesystem::remove(at.output());
-  return Time([&] { reference::Save(*session, at.output(), encoding); });
+  return Time([&] { reference::Save(atlas, at.output(), encoding); });
 }
 Sample WriteBinary(const Workplace& at) { return WriteAs(at, false); }
 Sample WriteText(const Workplace& at) { return WriteAs(at, true); }

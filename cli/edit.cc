@@ -47,6 +47,26 @@ void AddEditTarget(CLI::App& verb, EditOptions& options) {
   verb.add_flag("--dry-run", options.dry_run, "Say what would be done, and write nothing");
 }
 
+ReportFiles FilesOf(const EditOptions& options) {
+  return {.input = options.input, .output = options.dry_run ? std::string() : options.output};
+}
+
+SideFile::SideFile(const std::string& path, const EditOptions& options, const std::vector<std::string>& others) {
+  RefuseSideFile(path, others);
+  if (path.empty() || options.dry_run) return;
+  if (!options.target.overwrite && std::filesystem::exists(path))
+    throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O replaces it");
+  file_.emplace(path, AtomicFileOptions{.overwrite = options.target.overwrite, .sync = !options.target.no_sync});
+}
+
+void SideFile::Write(std::string_view text) {
+  if (file_) file_->Write(text);
+}
+
+void SideFile::Commit() {
+  if (file_) file_->Commit();
+}
+
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) {
   RefuseBadOutput(options);
   return ReadAtlas(options.input, MakeReadOptions(console, options.from, options.wait), &notices);

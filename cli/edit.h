@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "cli/command.h"
 #include "cli/options.h"
+#include "slamdb/base/error.h"
+#include "slamdb/base/file.h"
+#include "slamdb/base/report_files.h"
 
 // The frame of the verbs that change an atlas: read the input, call one function of the library, write the output, say
 // what was done. Inputs are never changed, and with --dry-run nothing is written.
@@ -39,9 +43,37 @@ std::string FormatToWrite(const Atlas& atlas, const Location& output, const std:
 // binary on a terminal.
 void RefuseBadOutput(const EditOptions& options);
 
+// What reports name as input and output; no output with --dry-run.
+ReportFiles FilesOf(const EditOptions& options);
+
+// A file beside the output: a journal, a table of ids. It is opened before the work, so that what would fail at the end
+// fails at once, and is there once the work has succeeded. With an empty path or --dry-run it does nothing.
+class SideFile {
+ public:
+  // Throws Error when the file is one of `others`, which no verb may overwrite, is there and may not be replaced, or
+  // cannot be made.
+  SideFile(const std::string& path, const EditOptions& options, const std::vector<std::string>& others);
+  bool wanted() const { return file_.has_value(); }
+  void Write(std::string_view text);
+  void Commit();
+
+ private:
+  std::optional<AtomicFile> file_;
+};
+
 // The input, whole. Refuses at once, before anything is read, what would fail at the end: an output that is the input,
 // whose format is unknown, or binary on a terminal.
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices);
+
+// What work() returns; an Error about an atlas gets the file that the atlas was read from.
+template <class Work>
+auto NamingFile(const std::string& path, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error(error.kind(), error.path().empty() ? path : error.path(), error.place(), error.problem());
+  }
+}
 
 // Writes the result, unless --dry-run. `provenance` is its line in the history of a store: `cull session_a.osa`.
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,

@@ -13,6 +13,7 @@
 #include "cli/help/tree.h"
 #include "cli/options.h"
 #include "slamdb/base/error.h"
+#include "slamdb/version.h"
 
 namespace slamdb::cli {
 namespace {
@@ -41,7 +42,7 @@ void Bind(Program& program) {
   CLI::App& app = program.app;
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "Print this help")->group(kCommonGroup);
-  app.set_version_flag("--version", "slamdb " SLAMDB_VERSION, "Print the version")->group(kCommonGroup);
+  app.set_version_flag("--version", "slamdb " + std::string(Version()), "Print the version")->group(kCommonGroup);
   app.require_subcommand(1);
   for (const Command* command : Commands()) {
     CLI::App* verb = app.add_subcommand(std::string(command->name), std::string(command->summary));

@@ -3,9 +3,9 @@
 
 #include <unistd.h>
 
-#include <charconv>
 #include <filesystem>
 
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/options.h"
@@ -13,20 +13,14 @@
 namespace slamdb::cli {
 namespace {
 
-template <class Number>
-std::optional<Number> ParseNumber(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
+using detail::ParseNumber;
 
 // `A:B`, `A:` or `:B`; an end that is left out keeps its value in `first` and `last`.
 template <class Number>
 bool ParseRange(std::string_view text, Number& first, Number& last) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos || text.size() == 1) return false;
-  const std::string_view left = text.substr(0, colon), right = text.substr(colon + 1);
+  const auto ends = detail::Split(text, ':');
+  if (ends.size() != 2 || text.size() == 1) return false;
+  const std::string_view left = ends[0], right = ends[1];
   const auto a = ParseNumber<Number>(left), b = ParseNumber<Number>(right);
   if ((!left.empty() && !a) || (!right.empty() && !b)) return false;
   first = a.value_or(first);
@@ -35,24 +29,22 @@ bool ParseRange(std::string_view text, Number& first, Number& last) {
 }
 
 std::optional<Eigen::Vector3f> ParseVector(std::string_view text) {
+  const auto numbers = detail::Split(text, ',');
+  if (numbers.size() != 3) return std::nullopt;
   Eigen::Vector3f vector;
   for (int i = 0; i < 3; ++i) {
-    const std::size_t comma = std::min(text.find(','), text.size());
-    if (i < 2 && comma == text.size()) return std::nullopt;
-    const auto number = ParseNumber<float>(i < 2 ? text.substr(0, comma) : text);
+    const auto number = ParseNumber<float>(numbers[i]);
     if (!number) return std::nullopt;
     vector[i] = *number;
-    text.remove_prefix(std::min(comma + 1, text.size()));
   }
   return vector;
 }
 
 // `x,y,z:x,y,z`, the corners of a box in either order.
 std::optional<Eigen::AlignedBox3f> ParseBox(std::string_view text) {
-  const std::size_t colon = std::min(text.find(':'), text.size());
-  const auto a = ParseVector(text.substr(0, colon));
-  const auto b = ParseVector(text.substr(std::min(colon + 1, text.size())));
-  if (!a || !b) return std::nullopt;
+  const auto corners = detail::Split(text, ':');
+  const auto a = ParseVector(corners.front()), b = ParseVector(corners.back());
+  if (corners.size() != 2 || !a || !b) return std::nullopt;
   Eigen::AlignedBox3f box(*a);
   return box.extend(*b);
 }

@@ -2,7 +2,7 @@
 # its headers, and the package that find_package(slamdb) finds.
 include(CMakePackageConfigHelpers)
 
-set(libraries slamdb)
+set(libraries slamdb slamdb_boost)
 if(SLAMDB_BUILD_LIVE)
   list(APPEND libraries slamdb_live_library)
 endif()
@@ -16,6 +16,17 @@ endif()
 write_basic_package_version_file(slamdbConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/slamdbConfig.cmake ${PROJECT_BINARY_DIR}/slamdbConfigVersion.cmake
   DESTINATION ${package_folder})
+
+# For builds without CMake: pkg-config --cflags --libs slamdb
+if(NOT BUILD_SHARED_LIBS)
+  set(pc_static_libs " -lsqlite3 -lz -lmd -pthread")
+endif()
+configure_file(cmake/slamdb.pc.in slamdb.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/slamdb.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+if(SLAMDB_BUILD_LIVE)
+  configure_file(cmake/slamdb-live.pc.in slamdb-live.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/slamdb-live.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "the slamdb authors")

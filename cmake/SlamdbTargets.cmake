@@ -24,10 +24,11 @@ function(slamdb_layer name)
     list(TRANSFORM LAYER_SOURCES PREPEND ${LAYER_FOLDER}/)
   endif()
   list(TRANSFORM LAYER_HEADERS PREPEND ${folder}/)
+  list(TRANSFORM LAYER_SOURCES REPLACE "^[^/].*" "${CMAKE_CURRENT_SOURCE_DIR}/\\0")
   add_library(slamdb_${name} STATIC ${LAYER_SOURCES})
   slamdb_configure(slamdb_${name})
   set_target_properties(slamdb_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/layers
-    SLAMDB_FOLDER "${folder}" SLAMDB_HEADERS "${LAYER_HEADERS}" SLAMDB_LINKS "${LAYER_LINKS};${LAYER_PRIVATE}")
+    SLAMDB_FOLDER "${folder}" SLAMDB_SOURCES "${LAYER_SOURCES}" SLAMDB_HEADERS "${LAYER_HEADERS}" SLAMDB_LINKS "${LAYER_LINKS};${LAYER_PRIVATE}")
   target_link_libraries(slamdb_${name} PUBLIC ${LAYER_LINKS} PRIVATE ${LAYER_PRIVATE})
   set_property(GLOBAL APPEND PROPERTY SLAMDB_LAYERS slamdb_${name})
 endfunction()
@@ -47,6 +48,6 @@ function(slamdb_library target)
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/lib FILES ${headers})
   target_link_libraries(${target} PUBLIC ${LIBRARY_PUBLIC} PRIVATE ${LIBRARY_PRIVATE})
   # Before 1.0 a minor version may break the binary interface, as semantic versioning has it.
-  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION}
+  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX INSTALL_RPATH "$ORIGIN" VERSION ${PROJECT_VERSION}
     SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} SLAMDB_HEADERS "${headers}")
 endfunction()

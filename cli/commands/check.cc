@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
@@ -13,6 +14,7 @@
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/version.h"
 
 namespace slamdb::cli {
 namespace {
@@ -29,11 +31,12 @@ struct CheckVerbOptions {
   std::vector<double> limits;  // one for each gate; NaN: not asked for
 };
 
-std::uint64_t WordsOf(const std::string& vocabulary) {
-  if (vocabulary.empty()) return 0;
+std::optional<std::uint64_t> WordsOf(const std::string& vocabulary) {
+  if (vocabulary.empty()) return std::nullopt;
   const VocabularyFile file = ReadVocabularyFile(vocabulary);
   if (file.shape) return file.shape->words;
-  throw Error(vocabulary, "", "is no DBoW2 text vocabulary, so that its words cannot be counted");
+  throw Error(ErrorKind::kUnsupported, vocabulary, "",
+              "is no DBoW2 text vocabulary, so that its words cannot be counted");
 }
 
 CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {
@@ -48,9 +51,9 @@ CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {
 
 std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptions& options, const std::string& format,
                      const Console& console) {
-  if (format == "json") return JsonReport(files);
+  if (format == "json") return ToJson(files);
   if (format == "junit") return JUnitReport(files);
-  if (format == "sarif") return SarifReport(files, SLAMDB_VERSION);
+  if (format == "sarif") return SarifReport(files, std::string(Version()));
   TextReportOptions text;
   text.shown_per_rule = options.max_findings.value_or(text.shown_per_rule);
   text.show_notes = !console.quiet();
@@ -58,13 +61,21 @@ std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptio
   return TextReport(files, text);
 }
 
+std::string Catalogue(const std::string& format) {
+  if (format == "json") return JsonCatalogue();
+  if (format == "markdown") return MarkdownCatalogue();
+  if (format == "text") return TextCatalogue();
+  RefuseUsage("--list prints text, json or markdown");
+}
+
 ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   const std::string format = options.json ? "json" : options.format;
   if (options.list) {
-    WriteOutput(options.output, format == "json" ? JsonCatalogue() : TextCatalogue(), console);
+    WriteOutput(options.output, Catalogue(format), console);
     return ExitCode::kDone;
   }
   if (options.inputs.paths.empty()) throw CLI::RequiredError("FILE");
+  if (format == "markdown") RefuseUsage("--format markdown is for --list");
   const CheckOptions check = CheckOptionsOf(options, console);
   const auto outcomes = ForEachInput<CheckReport>(
       options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
@@ -120,9 +131,9 @@ void BindGates(CLI::App& verb, std::vector<double>& limits) {
 Run AddCheck(CLI::App& verb) {
   const auto options = std::make_shared<CheckVerbOptions>();
   AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input")->required(false);
-  verb.add_option("--format", options->format, "How to report")
+  verb.add_option("--format", options->format, "How to report; markdown is the table of --list for pages")
       ->type_name("FORMAT")
-      ->check(CLI::IsMember({"text", "json", "junit", "sarif"}))
+      ->check(CLI::IsMember({"text", "json", "junit", "sarif", "markdown"}))
       ->capture_default_str();
   verb.add_flag("--json", options->json, "Print JSON, for programs: the same as --format json");
   AddOutput(verb, options->output);

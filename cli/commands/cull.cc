@@ -5,9 +5,8 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
-#include "cli/report/part_report.h"
+#include "cli/report/part_text.h"
 
 namespace slamdb::cli {
 namespace {
@@ -15,10 +14,8 @@ namespace {
 struct CullVerbOptions {
   EditOptions edit;
   CullOptions rules;
-
-  bool HasRule() const {
-    return rules.redundancy || rules.min_observations || rules.max_error || rules.min_parallax || rules.unseen_since;
-  }
+  std::optional<double> redundancy;
+  std::optional<int> min_observations;
 };
 
 std::string ReportText(const CullReport& report) {
@@ -36,35 +33,37 @@ std::string ReportText(const CullReport& report) {
   return table.empty() ? "nothing to cull\n" : "culled\n" + table.ToString();
 }
 
-nlohmann::ordered_json ReportJson(const CullReport& report) {
-  return {{"redundant_keyframes", report.redundant_keyframes},
-          {"points",
-           {{"bad", report.bad_points},
-            {"few_observations", report.few_observations},
-            {"large_error", report.large_errors},
-            {"small_parallax", report.small_parallax},
-            {"unseen", report.unseen},
-            {"unheld", report.unheld}}}};
+// 0 on the command line: ORB-SLAM3's number for the sensor.
+template <class Number>
+std::optional<OrOfSensor<Number>> AskedOf(const std::optional<Number>& asked) {
+  if (!asked) return std::nullopt;
+  if (*asked == Number{0}) return OfSensor();
+  return *asked;
+}
+
+CullOptions RulesOf(const CullVerbOptions& options, Console& console) {
+  CullOptions rules = options.rules;
+  rules.redundancy = AskedOf(options.redundancy);
+  rules.min_observations = AskedOf(options.min_observations);
+  const bool has_rule =
+      rules.redundancy || rules.min_observations || rules.max_error || rules.min_parallax || rules.unseen_since;
+  if (!has_rule) {
+    rules.redundancy = CullOptions::Orbslam3().redundancy;
+    rules.min_observations = CullOptions::Orbslam3().min_observations;
+  }
+  rules.threads = console.threads();
+  rules.progress = console.MakeProgress();
+  return rules;
 }
 
 ExitCode RunCull(const CullVerbOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const Totals before = Totals::Of(atlas);
-  CullOptions rules = options.rules;
-  if (!options.HasRule()) {
-    rules.redundancy = CullOptions::Orbslam3().redundancy;
-    rules.min_observations = CullOptions::Orbslam3().min_observations;
-  }
-  const CullReport report = Cull(atlas, rules, console.threads());
+  const CullReport report = Cull(atlas, RulesOf(options, console));
   WriteResult(atlas, options.edit, "cull " + options.edit.input, console, notices);
-  const Totals after = Totals::Of(atlas);
-  WarnIfNothingIsLeft(before, after, notices);
-  nlohmann::ordered_json json = {{"culled", ReportJson(report)}};
-  json.update(PartJson(before, after, report.removed));
-  json["coverage"] = CoverageJson(report.coverage);
-  return FinishEdit(ReportText(report) + PartText(before, after, report.removed) + CoverageText(report.coverage),
-                    JsonText(json), options.edit, console, notices);
+  WarnIfNothingIsLeft(report.removed, notices);
+  return FinishEdit(ReportText(report) + PartText(report.removed) + CoverageText(report.coverage),
+                    ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
 Run AddCull(CLI::App& verb) {
@@ -72,7 +71,7 @@ Run AddCull(CLI::App& verb) {
   AddEdit(verb, options->edit);
   constexpr const char* kGroup = "Rules";
   CullOptions& rules = options->rules;
-  verb.add_option("--redundant", rules.redundancy,
+  verb.add_option("--redundant", options->redundancy,
                   "Keyframes of whose points more than this share is seen by others at the same scale or finer; 0: "
                   "ORB-SLAM3's share for the sensor, 0.9 or, for depth with IMU, 0.5")
       ->type_name("SHARE")
@@ -81,7 +80,7 @@ Run AddCull(CLI::App& verb) {
       ->type_name("N")
       ->capture_default_str()
       ->group(kGroup);
-  verb.add_option("--min-observations", rules.min_observations,
+  verb.add_option("--min-observations", options->min_observations,
                   "Points with fewer observations, those with depth counting twice; 0: ORB-SLAM3's number for the "
                   "sensor, 3 for monocular maps and 4 for others")
       ->type_name("N")

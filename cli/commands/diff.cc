@@ -2,11 +2,9 @@
 #include "slamdb/edit/diff/diff.h"
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
 #include "slamdb/formats/formats.h"
@@ -14,7 +12,6 @@
 namespace slamdb::cli {
 namespace {
 
-using nlohmann::ordered_json;
 using Verdict = AtlasDiff::Verdict;
 
 struct DiffVerbOptions {
@@ -24,10 +21,6 @@ struct DiffVerbOptions {
   std::optional<std::size_t> max_listed;
   double wait = 5;
 };
-
-std::string NameOf(Verdict verdict) {
-  return verdict == Verdict::kSame ? "same" : verdict == Verdict::kRenumbered ? "renumbered" : "different";
-}
 
 std::string Joined(const std::vector<std::string>& parts, std::string_view separator = ", ") {
   std::string text;
@@ -118,7 +111,7 @@ std::string TextOf(const AtlasDiff& diff, const DiffVerbOptions& options) {
 }
 
 std::string SummaryOf(const AtlasDiff& diff) {
-  std::string line = NameOf(diff.verdict());
+  std::string line(NameOf(diff.verdict()));
   const auto add = [&line](std::string_view name, std::uint64_t removed, std::uint64_t added, std::uint64_t changed) {
     line += " " + std::string(name) + "=-" + std::to_string(removed) + "+" + std::to_string(added) + "~" +
             std::to_string(changed);
@@ -143,77 +136,10 @@ std::string SummaryOf(const AtlasDiff& diff) {
   return line + "\n";
 }
 
-ordered_json NamesJson(const std::vector<EntityName>& names, std::size_t most) {
-  ordered_json list = ordered_json::array();
-  for (std::size_t i = 0; i < std::min(names.size(), most); ++i)
-    list.push_back({{"map", names[i].map}, {"id", names[i].id}});
-  return list;
-}
-
-ordered_json EntityJson(const EntityDiff& diff, std::size_t most) {
-  ordered_json aspects = ordered_json::object();
-  for (const AspectCount& change : diff.changes) aspects[std::string(change.aspect)] = change.count;
-  return {{"before", diff.before},
-          {"after", diff.after},
-          {"removed", diff.removed.size()},
-          {"added", diff.added.size()},
-          {"changed", diff.changed},
-          {"changed_map", diff.changed_map},
-          {"renumbered", diff.renumbered},
-          {"aspects", aspects},
-          {"removed_ids", NamesJson(diff.removed, most)},
-          {"added_ids", NamesJson(diff.added, most)}};
-}
-
-ordered_json DistributionJson(const Distribution& numbers) {
-  return {{"count", numbers.count}, {"mean", numbers.mean}, {"median", numbers.median}, {"max", numbers.max}};
-}
-
-ordered_json MotionJson(const MapMotion& motion) {
-  return {{"map_before", motion.before.value()},
-          {"map_after", motion.after.value()},
-          {"keyframes", motion.keyframes},
-          {"keyframe_distance", DistributionJson(motion.keyframe_distance)},
-          {"keyframe_degrees", DistributionJson(motion.keyframe_degrees)},
-          {"points", motion.points},
-          {"point_distance", DistributionJson(motion.point_distance)},
-          {"after_from_before", motion.after_from_before ? SimilarityJson(*motion.after_from_before) : ordered_json()},
-          {"rest", DistributionJson(motion.rest)}};
-}
-
-ordered_json FieldsJson(const std::vector<FieldDiff>& fields) {
-  ordered_json list = ordered_json::array();
-  for (const FieldDiff& field : fields)
-    list.push_back({{"field", field.field}, {"before", field.before}, {"after", field.after}});
-  return list;
-}
-
-ordered_json JsonOf(const AtlasDiff& diff, const DiffVerbOptions& options) {
-  constexpr std::size_t kListed = 1000;
-  const std::size_t most = options.max_listed.value_or(kListed);
-  ordered_json links = ordered_json::array(), motions = ordered_json::array();
-  for (const LinkDiff& link : diff.links)
-    links.push_back({{"kind", link.kind},
-                     {"before", link.before},
-                     {"after", link.after},
-                     {"removed", link.removed},
-                     {"added", link.added},
-                     {"changed", link.changed}});
-  for (const MapMotion& motion : diff.motions)
-    if (motion.moved()) motions.push_back(MotionJson(motion));
-  return {{"before", options.before},
-          {"after", options.after},
-          {"verdict", NameOf(diff.verdict())},
-          {"maps", EntityJson(diff.maps, most)},
-          {"cameras", EntityJson(diff.cameras, most)},
-          {"keyframes", EntityJson(diff.keyframes, most)},
-          {"points", EntityJson(diff.points, most)},
-          {"links", links},
-          {"motions", motions},
-          {"fields", FieldsJson(diff.fields)},
-          {"numbering", FieldsJson(diff.numbering)},
-          {"other_ids", diff.other_ids},
-          {"encoding", FieldsJson(diff.encoding)}};
+std::string JsonOf(const AtlasDiff& diff, const DiffVerbOptions& options) {
+  DiffReportOptions report{.before = options.before, .after = options.after};
+  report.max_listed = options.max_listed.value_or(report.max_listed);
+  return ToJson(diff, report);
 }
 
 ExitCode RunDiff(const DiffVerbOptions& options, Console& console) {
@@ -221,10 +147,12 @@ ExitCode RunDiff(const DiffVerbOptions& options, Console& console) {
   Notices notices;
   const Atlas before = ReadAtlas(options.before, read, &notices);
   const Atlas after = ReadAtlas(options.after, read, &notices);
-  const AtlasDiff diff = DiffAtlases(before, after, {.tolerance = options.tolerance, .threads = console.threads()});
+  const AtlasDiff diff =
+      DiffAtlases(before, after,
+                  {.tolerance = options.tolerance, .threads = console.threads(), .progress = console.MakeProgress()});
   console.Report(notices);
   if (options.json)
-    console.Print(JsonText(JsonOf(diff, options)));
+    console.Print(JsonOf(diff, options));
   else if (options.summary)
     console.Print(SummaryOf(diff));
   else if (!console.quiet())

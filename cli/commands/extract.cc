@@ -1,47 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <charconv>
+#include "slamdb/edit/part/extract.h"
+
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
-#include "cli/report/part_report.h"
-#include "slamdb/base/error.h"
-#include "slamdb/edit/part/select.h"
+#include "cli/report/part_text.h"
+#include "slamdb/base/detail/text.h"
 
 namespace slamdb::cli {
 namespace {
 
-struct ExtractOptions {
+struct ExtractVerbOptions {
   EditOptions edit;
   SelectionOptions selection;
   std::vector<std::uint64_t> keyframes;
-  std::string polygon, plane = "auto", region = "both", border = "smart";
+  std::string polygon, plane = "auto", region = "both";
+  Border border = Border::kSmart;
   std::optional<std::uint32_t> session;
-  std::size_t component = 0, every = 1;
+  std::optional<std::size_t> component;
+  std::size_t every = 1;
   bool except = false;
 
   bool SelectsSomething() const {
     return selection.map || !selection.keyframes.empty() || !selection.time.empty() || !selection.box.empty() ||
-           !keyframes.empty() || !polygon.empty() || session || component > 0 || every > 1;
+           !keyframes.empty() || !polygon.empty() || session || component || every > 1;
   }
 };
 
 // `X,Y X,Y ...`, corners apart by spaces or semicolons. Empty when it is not that.
 std::vector<Eigen::Vector2f> ParsePolygon(std::string_view text) {
   std::vector<Eigen::Vector2f> corners;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find_first_of(" ;"), text.size());
-    const std::string_view corner = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (corner.empty()) continue;
-    Eigen::Vector2f place;
-    const char* const last = corner.data() + corner.size();
-    const auto [comma, bad_x] = std::from_chars(corner.data(), last, place.x());
-    if (bad_x != std::errc() || comma == last || *comma != ',') return {};
-    const auto [stop, bad_y] = std::from_chars(comma + 1, last, place.y());
-    if (bad_y != std::errc() || stop != last) return {};
-    corners.push_back(place);
+  constexpr std::string_view kSeparators = " ;";
+  for (auto corner = detail::TakeWord(text, kSeparators); !corner.empty();
+       corner = detail::TakeWord(text, kSeparators)) {
+    const auto place = detail::Split(corner, ',');
+    const auto x = detail::ParseNumber<float>(place.front()), y = detail::ParseNumber<float>(place.back());
+    if (place.size() != 2 || !x || !y) return {};
+    corners.emplace_back(*x, *y);
   }
   return corners;
 }
@@ -50,7 +46,7 @@ std::string CheckPolygon(const std::string& text) {
   return ParsePolygon(text).empty() ? "expected corners as 'X,Y X,Y X,Y ...', found '" + text + "'" : std::string();
 }
 
-SelectOptions SelectOptionsOf(const ExtractOptions& options) {
+SelectOptions SelectOptionsOf(const ExtractVerbOptions& options) {
   const Selection selection = ParseSelection(options.selection);
   SelectOptions select{.map = selection.map,
                        .first_keyframe = selection.first_keyframe,
@@ -69,37 +65,28 @@ SelectOptions SelectOptionsOf(const ExtractOptions& options) {
   return select;
 }
 
-void RefuseContradictions(const ExtractOptions& options) {
+void RefuseContradictions(const ExtractVerbOptions& options) {
   if (!options.SelectsSomething())
     RefuseUsage("say which part: --map, --keyframes, --time, --box, ... ('slamdb convert' writes the whole)");
-  if (options.except && options.border == "complete-points")
+  if (options.except && options.border == Border::kCompletePoints)
     RefuseUsage("--border complete-points would bring back what --except takes out; use smart or strict");
 }
 
-ExitCode RunExtract(const ExtractOptions& options, Console& console) {
+ExitCode RunExtract(const ExtractVerbOptions& options, Console& console) {
   RefuseContradictions(options);
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const Totals before = Totals::Of(atlas);
-  const AtlasIndex index(atlas);
-  Subset subset = Select(index, SelectOptionsOf(options));
-  SettleBorder(index, BorderOf(options.border), subset, console.threads());
-  const Coverage coverage = MeasureCoverage(index, subset);
-  const SubsetReport removed = KeepSubset(atlas, subset, console.threads());
-  if (atlas.maps.empty())
-    throw Error(options.edit.input, "",
-                "no keyframe is in that part, only points; --region points or --border complete-points take the "
-                "keyframes that observe them");
+  const ExtractReport report = Extract(atlas, {.part = SelectOptionsOf(options),
+                                               .border = options.border,
+                                               .threads = console.threads(),
+                                               .progress = console.MakeProgress()});
   WriteResult(atlas, options.edit, "extract " + options.edit.input, console, notices);
-  const Totals after = Totals::Of(atlas);
-  WarnIfNothingIsLeft(before, after, notices);
-  nlohmann::ordered_json json = PartJson(before, after, removed);
-  json["coverage"] = CoverageJson(coverage);
-  return FinishEdit(PartText(before, after, removed) + CoverageText(coverage), JsonText(json), options.edit, console,
-                    notices);
+  WarnIfNothingIsLeft(report.removed, notices);
+  return FinishEdit(PartText(report.removed) + CoverageText(report.coverage), ToJson(report, FilesOf(options.edit)),
+                    options.edit, console, notices);
 }
 
-void AddParts(CLI::App& verb, ExtractOptions& options) {
+void AddParts(CLI::App& verb, ExtractVerbOptions& options) {
   constexpr const char* kGroup = "Selection";
   AddSelection(verb, options.selection);
   verb.get_option("--box")->description("Only what is inside the box with these corners, in map coordinates");
@@ -137,14 +124,14 @@ void AddParts(CLI::App& verb, ExtractOptions& options) {
 }
 
 Run AddExtract(CLI::App& verb) {
-  const auto options = std::make_shared<ExtractOptions>();
+  const auto options = std::make_shared<ExtractVerbOptions>();
   AddEdit(verb, options->edit);
   AddParts(verb, *options);
   verb.add_option("--border", options->border,
                   "Points at the border: strict keeps all that something still measures, smart those that ORB-SLAM3 "
                   "would not cull, complete-points adds all keyframes that observe them")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kBorders), std::end(kBorders))))
-      ->capture_default_str();
+      ->transform(OneOf(kBorders))
+      ->default_str("smart");
   return [options](Console& console) { return RunExtract(*options, console); };
 }
 

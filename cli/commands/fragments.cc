@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/part/fragments.h"
 
+#include <map>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
-#include "cli/report/part_report.h"
+#include "cli/report/part_text.h"
 
 namespace slamdb::cli {
 namespace {
@@ -15,15 +15,10 @@ namespace {
 struct FragmentVerbOptions {
   EditOptions edit;
   FragmentOptions fragments;
-  std::string order = "as-is";
 };
 
-MapOrder OrderOf(const std::string& name) {
-  return name == "size"   ? MapOrder::kSize
-         : name == "time" ? MapOrder::kTime
-         : name == "id"   ? MapOrder::kId
-                          : MapOrder::kAsIs;
-}
+const std::map<std::string, MapOrder> kOrders = {
+    {"as-is", MapOrder::kAsIs}, {"size", MapOrder::kSize}, {"time", MapOrder::kTime}, {"id", MapOrder::kId}};
 
 std::string TableText(const FragmentReport& report) {
   using enum Table::Align;
@@ -35,34 +30,16 @@ std::string TableText(const FragmentReport& report) {
   return table.ToString();
 }
 
-nlohmann::ordered_json MapsJson(const FragmentReport& report) {
-  nlohmann::ordered_json maps = nlohmann::ordered_json::array();
-  for (const Fragment& map : report.maps)
-    maps.push_back({{"id", map.id.value()},
-                    {"keyframes", map.keyframes},
-                    {"points", map.points},
-                    {"begin_time", map.begin_time},
-                    {"end_time", map.end_time},
-                    {"kept", map.kept}});
-  return maps;
-}
-
 ExitCode RunFragments(const FragmentVerbOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const Totals before = Totals::Of(atlas);
   FragmentOptions fragments = options.fragments;
-  fragments.order = OrderOf(options.order);
-  const FragmentReport report = DropFragments(atlas, fragments, console.threads());
+  fragments.threads = console.threads();
+  fragments.progress = console.MakeProgress();
+  const FragmentReport report = DropFragments(atlas, fragments);
   WriteResult(atlas, options.edit, "fragments " + options.edit.input, console, notices);
-  const Totals after = Totals::Of(atlas);
-  nlohmann::ordered_json json = {{"maps", MapsJson(report)}};
-  json.update(PartJson(before, after, report.removed));
-  nlohmann::ordered_json order = nlohmann::ordered_json::array();
-  for (const Map& map : atlas.maps) order.push_back(map.id.value());
-  json["order"] = order;
-  return FinishEdit(TableText(report) + PartText(before, after, report.removed), JsonText(json), options.edit, console,
-                    notices);
+  return FinishEdit(TableText(report) + PartText(report.removed), ToJson(report, FilesOf(options.edit)), options.edit,
+                    console, notices);
 }
 
 Run AddFragments(CLI::App& verb) {
@@ -75,10 +52,10 @@ Run AddFragments(CLI::App& verb) {
   verb.add_option("--largest", options->fragments.largest, "Keep only so many maps, those with most keyframes")
       ->type_name("N")
       ->check(CheckPositive);
-  verb.add_option("--order", options->order,
+  verb.add_option("--order", options->fragments.order,
                   "Order of the maps in the output: as they are, most keyframes first, earliest first, or by id")
-      ->check(CLI::IsMember({"as-is", "size", "time", "id"}))
-      ->capture_default_str();
+      ->transform(OneOf(kOrders))
+      ->default_str("as-is");
   return [options](Console& console) { return RunFragments(*options, console); };
 }
 

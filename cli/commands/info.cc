@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <filesystem>
 #include <memory>
 
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "cli/report/info_report.h"
+#include "cli/report/info_text.h"
 #include "cli/report/json.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 
@@ -27,39 +27,15 @@ bool NeedsMaps(const std::string& key) {
   return key.empty() || first == "maps" || first == "totals" || first == "parts";
 }
 
-InfoReport MakeReport(const std::string& path, const InfoOptions& options, ReadOptions read, Notices& notices) {
-  const Location location(path);
-  const Format& format = FormatOfInput(location, read.format);
-  InfoReport report;
-  const bool statistics = NeedsMaps(options.key);
-  read.features = statistics ? FeatureColumns::kGeometry : FeatureColumns::kNone;
-  read.part_sizes = &report.parts;
-  const Atlas atlas = ReadAtlas(location, read, &notices);
-  report.file = path;
-  report.format_id = format.id;
-  report.format_title = format.title;
-  std::error_code unknown;
-  const std::uint64_t size = std::filesystem::file_size(location.path, unknown);
-  if (!unknown) report.size_bytes = size;
-  report.vocabulary = atlas.vocabulary;
-  report.encoding = atlas.encoding;
-  report.has_encoding = format.id.starts_with("orbslam3") || format.id == "store";
-  report.next_ids = atlas.next_ids;
-  report.cameras = atlas.cameras;
-  report.repeated_maps = atlas.repeated_maps.size();
-  if (statistics) report.statistics = ComputeStatistics(atlas, read.threads);
-  return report;
-}
-
 // The value at a dotted path, such as maps.0.keyframes. Throws Error naming what there is instead.
 const ordered_json& ValueAt(const ordered_json& report, const std::string& key) {
   const ordered_json* value = &report;
   for (std::size_t begin = 0; begin <= key.size();) {
     const std::size_t end = std::min(key.find('.', begin), key.size());
     const std::string step = key.substr(begin, end - begin);
-    const bool index = value->is_array() && !step.empty() && step.find_first_not_of("0123456789") == std::string::npos;
-    if (index && step.size() < 10 && std::stoul(step) < value->size()) {
-      value = &(*value)[std::stoul(step)];
+    const auto index = value->is_array() ? detail::ParseNumber<std::size_t>(step) : std::nullopt;
+    if (index && *index < value->size()) {
+      value = &(*value)[*index];
     } else if (value->is_object() && value->contains(step)) {
       value = &(*value)[step];
     } else {
@@ -78,18 +54,19 @@ std::string ValueText(const ordered_json& value) {
 }
 
 ExitCode RunInfo(const InfoOptions& options, Console& console) {
-  const auto outcomes = ForEachInput<InfoReport>(
+  const auto outcomes = ForEachInput<AtlasInfo>(
       options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
-        return MakeReport(path, options, read, notices);
+        return ReadInfo(path, read, &notices, !NeedsMaps(options.key));
       });
   const bool several = outcomes.size() > 1;
   bool first = true;
   for (const auto& outcome : outcomes) {
     if (!outcome.ok()) continue;
     if (!options.key.empty()) {
-      console.Print((several ? outcome.path + ": " : "") + ValueText(ValueAt(InfoJson(outcome.result), options.key)));
+      console.Print((several ? outcome.path + ": " : "") +
+                    ValueText(ValueAt(ordered_json::parse(ToJson(outcome.result)), options.key)));
     } else if (options.json) {
-      console.Print(JsonText(InfoJson(outcome.result), several ? -1 : 2));
+      console.Print(ToJson(outcome.result, several ? -1 : 2));
     } else {
       console.Print((first ? "" : "\n") + InfoText(outcome.result));
     }
@@ -110,7 +87,7 @@ Run AddInfo(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb info lab.osa", "Header, vocabulary, cameras, and what is in each map."},
     {"slamdb info --get totals.keyframes lab.osa", "One number, for a script."},
-    {"slamdb info maps/*.osa --json | jq -r '[.file, .totals.points] | @tsv'", "A table of many files."},
+    {"slamdb info maps/*.osa --json | jq -r '[.input, .totals.points] | @tsv'", "A table of many files."},
     {"slamdb info lab.db#session_a", "An atlas in a store."},
 };
 

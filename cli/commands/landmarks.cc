@@ -6,14 +6,11 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
 namespace {
-
-using nlohmann::ordered_json;
 
 struct FromPointsOptions {
   EditOptions edit;
@@ -30,9 +27,7 @@ ExitCode RunFromPoints(const FromPointsOptions& options, Console& console) {
   if (report.undetermined > 0)
     text += "  " + Grouped(report.undetermined) + " without covariance: their observations do not determine one\n";
   if (report.bad > 0) text += "  " + Counted(report.bad, "point") + " flagged bad left out\n";
-  const ordered_json json = {
-      {"landmarks", report.landmarks}, {"undetermined", report.undetermined}, {"bad", report.bad}};
-  return FinishEdit(text, JsonText({{"from_points", json}}), options.edit, console, notices);
+  return FinishEdit(text, ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
 // Whether the output is for more than looking at.
@@ -52,12 +47,7 @@ ExitCode RunToPoints(const EditOptions& options, Console& console) {
   if (report.fused > 0) text += "  " + Counted(report.fused, "landmark") + " fused with another one of the same id\n";
   if (report.renamed > 0)
     text += "  " + Counted(report.renamed, "landmark") + " got new ids, since another map has theirs\n";
-  const ordered_json json = {{"moved", report.moved},
-                             {"added", report.added},
-                             {"plain", report.plain},
-                             {"fused", report.fused},
-                             {"renamed", report.renamed}};
-  return FinishEdit(text, JsonText({{"to_points", json}}), options, console, notices);
+  return FinishEdit(text, ToJson(report, FilesOf(options)), options, console, notices);
 }
 
 Run BindFromPoints(CLI::App& verb) {

@@ -4,10 +4,8 @@
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
-#include "slamdb/base/detail/hash.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/sqlite/report.h"
 
 namespace slamdb::cli {
 namespace {
@@ -16,19 +14,6 @@ struct ListOptions {
   StoreVerbOptions store;
   bool json = false;
 };
-
-nlohmann::ordered_json ToJson(const StoredAtlas& atlas) {
-  return {{"name", atlas.name},
-          {"maps", atlas.maps},
-          {"keyframes", atlas.keyframes},
-          {"points", atlas.points},
-          {"observations", atlas.observations},
-          {"landmarks", atlas.landmarks},
-          {"bytes", atlas.bytes},
-          {"revision", atlas.revision},
-          {"saved_at", atlas.saved_at},
-          {"hash", Hex(atlas.hash)}};
-}
 
 std::string ListText(const std::vector<StoredAtlas>& atlases) {
   using enum Table::Align;
@@ -46,13 +31,7 @@ std::string ListText(const std::vector<StoredAtlas>& atlases) {
 
 ExitCode RunList(const ListOptions& options, Console& console) {
   const std::vector<StoredAtlas> atlases = Store::Open(options.store.path, options.store.wait).List();
-  if (!options.json) {
-    console.Print(ListText(atlases));
-    return ExitCode::kDone;
-  }
-  nlohmann::ordered_json report = {{"store", options.store.path}, {"atlases", nlohmann::ordered_json::array()}};
-  for (const StoredAtlas& atlas : atlases) report["atlases"].push_back(ToJson(atlas));
-  console.Print(JsonText(report));
+  console.Print(options.json ? ToJson(atlases, options.store.path) : ListText(atlases));
   return ExitCode::kDone;
 }
 

@@ -3,10 +3,8 @@
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
-#include "slamdb/base/detail/hash.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/sqlite/report.h"
 
 namespace slamdb::cli {
 namespace {
@@ -15,24 +13,6 @@ struct LogOptions {
   StoreVerbOptions store;
   bool json = false;
 };
-
-nlohmann::ordered_json ToJson(const HistoryEntry& entry) {
-  return {{"at", entry.at},
-          {"tool", entry.tool},
-          {"action", entry.action},
-          {"atlas", entry.atlas},
-          {"provenance", entry.provenance},
-          {"maps", entry.maps},
-          {"keyframes", entry.keyframes},
-          {"points", entry.points},
-          {"observations", entry.observations},
-          {"rows",
-           {{"inserted", entry.inserted},
-            {"updated", entry.updated},
-            {"deleted", entry.deleted},
-            {"unchanged", entry.unchanged}}},
-          {"hash", Hex(entry.hash)}};
-}
 
 std::string LogText(const std::vector<HistoryEntry>& entries) {
   using enum Table::Align;
@@ -47,13 +27,7 @@ std::string LogText(const std::vector<HistoryEntry>& entries) {
 ExitCode RunLog(const LogOptions& options, Console& console) {
   const Location location = Location::Parse(options.store.path);
   const std::vector<HistoryEntry> entries = Store::Open(location.path, options.store.wait).Log(location.name);
-  if (!options.json) {
-    console.Print(LogText(entries));
-    return ExitCode::kDone;
-  }
-  nlohmann::ordered_json report = {{"store", location.path}, {"entries", nlohmann::ordered_json::array()}};
-  for (const HistoryEntry& entry : entries) report["entries"].push_back(ToJson(entry));
-  console.Print(JsonText(report));
+  console.Print(options.json ? ToJson(entries, options.store.path) : LogText(entries));
   return ExitCode::kDone;
 }
 

@@ -2,16 +2,14 @@
 #include "slamdb/edit/merge/merge.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/id_map_file.h"
-#include "cli/report/merge_report.h"
-#include "cli/report/similarity.h"
-#include "slamdb/base/error.h"
+#include "cli/report/merge_text.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 
 namespace slamdb::cli {
@@ -24,7 +22,7 @@ struct MergeVerbOptions {
   std::string id_map;
   bool join = false, scale = false, no_scale = false, fuse = false;
   std::string transform, anchors, maps;
-  double outlier_distance = 0;
+  std::optional<double> outlier_distance;
   FuseOptions fusion;
 };
 
@@ -51,16 +49,9 @@ std::string CheckMaps(const std::string& text) {
              : "expected two map ids as FIRST:SECOND, found '" + text + "'";
 }
 
-MapId MapOf(const std::string& text) { return text.empty() ? MapId() : MapId(std::stoull(text)); }
-
-Anchors ReadAnchors(const std::string& text_or_path) {
-  if (!std::filesystem::exists(text_or_path)) return ParseAnchors(text_or_path);
-  const MappedFile file(text_or_path);
-  try {
-    return ParseAnchorsCsv(file.text());
-  } catch (const Error& error) {
-    throw Error(text_or_path, error.place(), error.problem());
-  }
+MapId MapOf(std::string_view text) {
+  const auto id = detail::ParseNumber<std::uint64_t>(text);
+  return id ? MapId(*id) : MapId();
 }
 
 JoinOptions JoinOptionsOf(const MergeVerbOptions& options) {
@@ -107,10 +98,11 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   merge.names = DistinctNames(options.inputs);
   merge.id_maps = !options.id_map.empty();
   merge.threads = console.threads();
+  merge.progress = console.MakeProgress();
   if (options.join) merge.join = JoinOptionsOf(options);
   std::vector<std::string> atlas_files = options.inputs;
   atlas_files.push_back(options.edit.output);
-  RefuseSideFile(options.id_map, atlas_files);
+  SideFile id_map(options.id_map, options.edit, atlas_files);
   Notices notices;
   std::vector<Atlas> atlases;
   for (const std::string& input : options.inputs) {
@@ -118,13 +110,13 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
     each.input = input;
     atlases.push_back(ReadInput(each, console, notices));
   }
-  IdMapFile id_map(options.edit.dry_run ? "" : options.id_map, options.edit.target.overwrite);
   const MergeResult result = MergeAtlases(std::move(atlases), merge);
+  if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
   WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices);
-  id_map.Write(result.report.id_maps);
+  id_map.Commit();
   Note(result.report, notices);
-  const std::string output = options.edit.dry_run ? "" : options.edit.output;
-  return FinishEdit(MergeText(result.report), MergeJson(result.report, output), options.edit, console, notices);
+  return FinishEdit(MergeText(result.report), ToJson(result.report, FilesOf(options.edit).output), options.edit,
+                    console, notices);
 }
 
 void BindJoin(CLI::App& verb, MergeVerbOptions& options) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <charconv>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/origin.h"
 
@@ -20,13 +19,10 @@ struct ReassignOptions {
 
 // `3=0`.
 std::optional<std::pair<std::uint32_t, std::uint32_t>> ParseReplacement(std::string_view text) {
-  std::pair<std::uint32_t, std::uint32_t> pair;
-  const char* const end = text.data() + text.size();
-  const auto [equals, error] = std::from_chars(text.data(), end, pair.first);
-  if (error != std::errc() || equals == end || *equals != '=') return std::nullopt;
-  const auto [stop, second_error] = std::from_chars(equals + 1, end, pair.second);
-  if (second_error != std::errc() || stop != end) return std::nullopt;
-  return pair;
+  const auto ids = detail::Split(text, '=');
+  const auto from = detail::ParseNumber<std::uint32_t>(ids.front()),
+             to = detail::ParseNumber<std::uint32_t>(ids.back());
+  return ids.size() == 2 && from && to ? std::optional(std::pair(*from, *to)) : std::nullopt;
 }
 
 std::string CheckReplacement(const std::string& text) {
@@ -43,15 +39,10 @@ std::string Text(const OriginReport& report) {
   for (const auto& [origin, counts] : rows)
     table.Add({std::to_string(origin), Grouped(counts.first), Grouped(counts.second)});
   std::string text = table.ToString() + Counted(report.changed, "keyframe") + " changed";
+  if (!report.points_before.empty()) text += ", and " + Counted(report.points_changed, "point");
   if (report.next_map_after != report.next_map_before)
     text += "; the next map id is " + std::to_string(report.next_map_after) + " now, above every origin";
   return text + "\n";
-}
-
-nlohmann::ordered_json HistogramJson(const std::map<std::uint32_t, std::uint64_t>& histogram) {
-  auto list = nlohmann::ordered_json::array();
-  for (const auto& [origin, count] : histogram) list.push_back({{"map", origin}, {"keyframes", count}});
-  return list;
 }
 
 ExitCode RunReassign(const ReassignOptions& options, Console& console) {
@@ -63,13 +54,7 @@ ExitCode RunReassign(const ReassignOptions& options, Console& console) {
   Atlas atlas = ReadInput(options.edit, console, notices);
   const OriginReport report = ReassignOrigins(atlas, origin);
   WriteResult(atlas, options.edit, "reassign-origin " + options.edit.input, console, notices);
-  const nlohmann::ordered_json json = {{"input", options.edit.input},
-                                       {"output", options.edit.dry_run ? "" : options.edit.output},
-                                       {"changed", report.changed},
-                                       {"before", HistogramJson(report.before)},
-                                       {"after", HistogramJson(report.after)},
-                                       {"next_map", report.next_map_after}};
-  return FinishEdit(Text(report), JsonText(json), options.edit, console, notices);
+  return FinishEdit(Text(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
 Run AddReassign(CLI::App& verb) {

@@ -6,8 +6,6 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/id_map_file.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 
@@ -35,92 +33,71 @@ std::vector<IdKind> KindsOf(const std::vector<std::string>& names) {
   return kinds;
 }
 
-IdMap Change(const RenumberVerbOptions& options, Atlas& atlas, int threads) {
+// The ids that --apply or --undo brings.
+IdMap GivenIds(const RenumberVerbOptions& options) {
+  const bool undoes = options.apply.empty();
+  try {
+    IdMap ids = ReadIdMap(undoes ? options.undo : options.apply, options.of);
+    return undoes ? Inverse(ids) : ids;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kUsage && error.kind() != ErrorKind::kNotFound) throw;
+    throw Error(error.kind(), error.path(), error.place(), error.problem() + " (--of names one)");
+  }
+}
+
+IdMap Change(const RenumberVerbOptions& options, Atlas& atlas, Console& console) {
   if (options.apply.empty() && options.undo.empty()) {
     RenumberOptions renumber = options.renumber;
-    renumber.threads = threads;
+    renumber.threads = console.threads();
+    renumber.progress = console.MakeProgress();
     if (!options.kinds.empty()) renumber.kinds = KindsOf(options.kinds);
     IdMap ids = Renumber(atlas, renumber);
     ids.input = options.edit.input;
     return ids;
   }
-  IdMap ids =
-      options.undo.empty() ? ReadIdMap(options.apply, options.of) : Inverse(ReadIdMap(options.undo, options.of));
-  ApplyIdMap(atlas, ids, threads);
+  IdMap ids = GivenIds(options);
+  ApplyIdMap(atlas, ids, console.threads());
   return ids;
 }
 
-struct KindSummary {
-  IdKind kind;
-  std::uint64_t ids = 0, changed = 0, first = 0, last = 0;  // first and last of the new ids
-};
-
-std::vector<KindSummary> Summarize(const IdMap& ids) {
-  std::vector<KindSummary> summaries;
-  for (std::size_t kind = 0; kind < kIdKinds; ++kind) {
-    const std::vector<IdPair>& pairs = ids.kinds[kind];
-    if (pairs.empty()) continue;
-    KindSummary summary{static_cast<IdKind>(kind), pairs.size(), 0, kNoId, 0};
-    for (const IdPair& pair : pairs) {
-      summary.changed += pair.before != pair.after;
-      if (pair.after == kNoId) continue;  // it is not in the result
-      summary.first = std::min(summary.first, pair.after);
-      summary.last = std::max(summary.last, pair.after);
-    }
-    summaries.push_back(summary);
-  }
-  return summaries;
-}
-
-std::string Text(const std::vector<KindSummary>& summaries) {
+std::string Text(const RenumberReport& report) {
   using enum Table::Align;
   Table table({kLeft, kRight, kRight, kRight});
   table.Add({"kind", "ids", "changed", "new ids"});
-  for (const KindSummary& kind : summaries)
+  for (const KindRenumbered& kind : report.kinds)
     table.Add({std::string(NameOf(kind.kind)), Grouped(kind.ids), Grouped(kind.changed),
                std::to_string(kind.first) + " to " + std::to_string(kind.last)});
   return table.ToString();
 }
 
-nlohmann::ordered_json Json(const RenumberVerbOptions& options, const std::vector<KindSummary>& summaries) {
-  nlohmann::ordered_json report = {{"input", options.edit.input},
-                                   {"output", options.edit.dry_run ? "" : options.edit.output},
-                                   {"kinds", nlohmann::ordered_json::array()}};
-  for (const KindSummary& kind : summaries)
-    report["kinds"].push_back({{"kind", NameOf(kind.kind)},
-                               {"ids", kind.ids},
-                               {"changed", kind.changed},
-                               {"first", kind.first},
-                               {"last", kind.last}});
-  return report;
+ExitCode Finish(const IdMap& ids, const RenumberVerbOptions& options, Console& console, const Notices& notices) {
+  const RenumberReport report = SummaryOf(ids);
+  return FinishEdit(Text(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
 // A table instead of an atlas: only its ids change.
 ExitCode RunOnTable(const RenumberVerbOptions& options, Console& console) {
-  const IdMap ids =
-      options.undo.empty() ? ReadIdMap(options.apply, options.of) : Inverse(ReadIdMap(options.undo, options.of));
+  const IdMap ids = GivenIds(options);
   RequireOutput(options.edit);
   const MappedFile file(options.edit.input);
   RefuseSameFile(Location::Parse(options.edit.input), Location::Parse(options.edit.output));
   const std::string table = ApplyIdMapToCsv(file.text(), ids);
   if (!options.edit.dry_run) WriteOutput({options.edit.output, options.edit.target.overwrite}, table, console);
-  const auto summaries = Summarize(ids);
-  return FinishEdit(Text(summaries), JsonText(Json(options, summaries)), options.edit, console, {});
+  return Finish(ids, options, console, {});
 }
 
 ExitCode RunRenumber(const RenumberVerbOptions& options, Console& console) {
   const bool by_table = !options.apply.empty() || !options.undo.empty();
   if (!options.of.empty() && !by_table) RefuseUsage("--of names an input of the table that --apply or --undo gives");
   if (by_table && options.edit.input.ends_with(".csv")) return RunOnTable(options, console);
-  RefuseSideFile(options.id_map, {options.edit.input, options.edit.output});
+  SideFile id_map(options.id_map, options.edit, {options.edit.input, options.edit.output});
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  IdMapFile id_map(options.edit.dry_run ? "" : options.id_map, options.edit.target.overwrite);
-  const IdMap ids = Change(options, atlas, console.threads());
+  const IdMap ids = Change(options, atlas, console);
+  if (id_map.wanted()) id_map.Write(IdMapsToText({&ids, 1}, options.id_map));
   WriteResult(atlas, options.edit, "renumber " + options.edit.input, console, notices);
-  id_map.Write({&ids, 1});
-  const auto summaries = Summarize(ids);
-  return FinishEdit(Text(summaries), JsonText(Json(options, summaries)), options.edit, console, notices);
+  id_map.Commit();
+  return Finish(ids, options, console, notices);
 }
 
 Run AddRenumber(CLI::App& verb) {

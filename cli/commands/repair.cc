@@ -1,23 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/repair/repair.h"
 
-#include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/help/help.h"
-#include "cli/journal.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/file.h"
 
 namespace slamdb::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct RepairVerbOptions {
   EditOptions edit;
@@ -51,79 +44,31 @@ std::string TextOf(const RepairReport& report, bool dry_run) {
   return text;
 }
 
-Json FindingValue(const Finding& finding) { return {{"place", ToString(finding.place)}, {"message", finding.message}}; }
-
-std::string JsonOf(const RepairReport& report, const RepairVerbOptions& options) {
-  Json applied = Json::array(), left = Json::array();
-  for (const AppliedFix& fix : report.applied)
-    applied.push_back({{"rule", fix.rule},
-                       {"fix", fix.fix},
-                       {"severity", ToString(fix.severity)},
-                       {"title", fix.title},
-                       {"findings", fix.findings},
-                       {"changes", fix.changes},
-                       {"first", FindingValue(fix.first)}});
-  for (const Unrepaired& rule : report.left)
-    left.push_back({{"rule", rule.rule},
-                    {"severity", ToString(rule.severity)},
-                    {"title", rule.title},
-                    {"findings", rule.findings},
-                    {"first", FindingValue(rule.first)},
-                    {"reason", rule.reason}});
-  return JsonText({{"format", "slamdb-repair-1"},
-                   {"input", options.edit.input},
-                   {"dry_run", options.edit.dry_run},
-                   {"sound", report.sound()},
-                   {"applied", applied},
-                   {"left", left},
-                   {"edits", report.journal.edits.size()}});
-}
-
 ExitCode RunUndo(const RepairVerbOptions& options, Console& console) {
   Notices notices;
-  const JournalFile file = ReadJournalFile(options.undo);
+  const Journal journal = ReadJournal(options.undo);
   Atlas atlas = ReadInput(options.edit, console, notices);
-  if (ContentHashOf(atlas, console.threads()) != file.repaired)
-    throw Error(options.edit.input, "",
-                "is not the atlas that " + options.undo + " is the journal of; its content differs");
-  TakeBack(file.journal, atlas);
-  atlas.encoding = file.encoding;
-  if (ContentHashOf(atlas, console.threads()) != file.original)
-    throw Error(options.undo, "", "does not lead back to the original: the journal was changed");
+  const UndoReport report = NamingFile(options.edit.input, [&] {
+    return UndoRepair(atlas, journal, {.threads = console.threads(), .progress = console.MakeProgress()});
+  });
   WriteResult(atlas, options.edit, "repair --undo " + options.edit.input, console, notices);
-  const std::size_t edits = file.journal.edits.size();
-  const std::string text = (options.edit.dry_run ? "would take back " : "took back ") + Counted(edits, "edit") + "\n";
-  const Json json = {{"format", "slamdb-repair-undo-1"}, {"input", options.edit.input}, {"undone", edits}};
-  return FinishEdit(text, JsonText(json), options.edit, console, notices);
-}
-
-// Before the work: the journal would fail at the end.
-void RefuseJournal(const RepairVerbOptions& options) {
-  RefuseSideFile(options.journal, {options.edit.input, options.edit.output});
-  if (!options.journal.empty() && !options.edit.target.overwrite && std::filesystem::exists(options.journal))
-    throw Error(options.journal, "", "is there already; -O replaces it");
+  const std::string text =
+      (options.edit.dry_run ? "would take back " : "took back ") + Counted(report.edits, "edit") + "\n";
+  return FinishEdit(text, ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
 ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   if (!options.undo.empty()) return RunUndo(options, console);
-  if (!options.edit.dry_run) RefuseJournal(options);
+  SideFile journal(options.journal, options.edit, {options.edit.input, options.edit.output});
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  JournalFile file{.encoding = atlas.encoding};
-  const bool keeps_journal = !options.journal.empty() && !options.edit.dry_run;
-  if (keeps_journal) file.original = ContentHashOf(atlas, console.threads());
-  RepairReport report = RepairAtlas(atlas, {.rules = options.rules, .threads = console.threads()});
-  const std::string text = TextOf(report, options.edit.dry_run), json = JsonOf(report, options);
-  std::optional<AtomicFile> journal;
-  if (keeps_journal) {
-    file.repaired = ContentHashOf(atlas, console.threads());
-    file.journal = std::move(report.journal);
-    journal.emplace(options.journal, AtomicFileOptions{options.edit.target.overwrite, !options.edit.target.no_sync});
-    journal->Write(JournalText(file));
-  }
+  const RepairReport report =
+      RepairAtlas(atlas, {.rules = options.rules, .threads = console.threads(), .progress = console.MakeProgress()});
+  if (journal.wanted()) journal.Write(ToJson(report.journal));
   WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices);
-  if (journal) journal->Commit();
-  const ExitCode code = FinishEdit(text, json, options.edit, console, notices);
+  journal.Commit();
+  const ExitCode code = FinishEdit(TextOf(report, options.edit.dry_run), ToJson(report, FilesOf(options.edit)),
+                                   options.edit, console, notices);
   return report.sound() ? code : ExitCode::kFailed;
 }
 

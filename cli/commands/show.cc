@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <charconv>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/report/json.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/ndjson/json.h"
@@ -29,15 +29,12 @@ struct Name {
 
 std::optional<Name> ParseName(const std::string& text) {
   if (text == "atlas") return Name{.kind = text};
-  const std::size_t slash = text.find('/');
-  Name name{.kind = text.substr(0, slash)};
+  const auto parts = detail::Split(text, '/');
+  const auto id = detail::ParseNumber<std::uint64_t>(parts.back());
   bool known = false;
-  for (const char* kind : {"camera", "map", "kf", "mp", "landmark"}) known = known || name.kind == kind;
-  if (!known || slash == std::string::npos) return std::nullopt;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data() + slash + 1, end, name.id);
-  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
-  return name;
+  for (const char* kind : {"camera", "map", "kf", "mp", "landmark"}) known = known || parts.front() == kind;
+  if (!known || parts.size() != 2 || !id) return std::nullopt;
+  return Name{.kind = std::string(parts.front()), .id = *id};
 }
 
 std::string CheckName(const std::string& text) {

@@ -6,9 +6,8 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
-#include "cli/report/part_report.h"
+#include "cli/report/part_text.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {
@@ -18,7 +17,7 @@ constexpr double kMegabyte = 1e6;
 
 struct ShrinkVerbOptions {
   EditOptions edit;
-  double target_megabytes = 0;
+  std::optional<double> target_megabytes;
   ShrinkOptions shrink;
   std::string purpose;
 };
@@ -35,23 +34,20 @@ std::string SizesText(const ShrinkReport& report) {
 
 ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
   ShrinkOptions shrink = options.shrink;
-  shrink.target_bytes = static_cast<std::uint64_t>(std::floor(options.target_megabytes * kMegabyte));
+  if (options.target_megabytes)
+    shrink.target_bytes = static_cast<std::uint64_t>(std::floor(*options.target_megabytes * kMegabyte));
   shrink.for_localization = options.purpose == "localization";
-  if (shrink.target_bytes == 0 && shrink.target_keyframes == 0 && !shrink.for_localization)
+  if (!shrink.target_bytes && !shrink.target_keyframes && !shrink.for_localization)
     RefuseUsage("say how small: --target-mb, --target-keyframes, or --for localization");
+  shrink.threads = console.threads();
+  shrink.progress = console.MakeProgress();
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const Totals before = Totals::Of(atlas);
-  const ShrinkReport report = Shrink(atlas, shrink, console.threads());
+  const ShrinkReport report = Shrink(atlas, shrink);
   WriteResult(atlas, options.edit, "shrink " + options.edit.input, console, notices);
-  const Totals after = Totals::Of(atlas);
-  WarnIfNothingIsLeft(before, after, notices);
-  nlohmann::ordered_json json = PartJson(before, after, report.removed);
-  json["coverage"] = CoverageJson(report.coverage);
-  json["bytes"] = {{"before", report.bytes_before}, {"after", report.bytes_after}};
-  json["dropped"] = {{"features", report.features_dropped}, {"imu_measurements", report.measurements_dropped}};
-  return FinishEdit(PartText(before, after, report.removed) + SizesText(report) + CoverageText(report.coverage),
-                    JsonText(json), options.edit, console, notices);
+  WarnIfNothingIsLeft(report.removed, notices);
+  return FinishEdit(PartText(report.removed) + SizesText(report) + CoverageText(report.coverage),
+                    ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
 Run AddShrink(CLI::App& verb) {

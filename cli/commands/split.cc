@@ -1,26 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/part/split.h"
+
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
-#include "cli/report/part_report.h"
+#include "cli/report/part_text.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/part/select.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {
 namespace {
 
-struct SplitOptions {
+struct SplitVerbOptions {
   EditOptions edit;
-  std::string by = "map", border = "smart";
-  std::size_t min_keyframes = 1;
+  SplitOptions split;
 };
+
+const std::map<std::string, SplitBy> kWays = {
+    {"map", SplitBy::kMap}, {"session", SplitBy::kSession}, {"component", SplitBy::kComponent}};
 
 // The longest suffix of a format that the path ends with (`.keyframes.csv`), or what stands behind its last dot.
 std::string SuffixOf(const std::string& path) {
@@ -53,95 +56,66 @@ bool IsThere(const Location& location) {
 }
 
 // Before the first is written.
-void RefuseBadOutputs(const SplitOptions& options, const std::vector<Part>& parts) {
+void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& parts) {
   if (options.edit.dry_run) return;
   for (const Part& part : parts) {
     const Location output = Location::Parse(OutputOf(options.edit.output, part.name));
     RefuseSameFile(Location::Parse(options.edit.input), output);
     if (!options.edit.target.overwrite && IsThere(output))
-      throw Error(output.ToString(), "", "is there already; -O replaces it");
+      throw Error(ErrorKind::kAlreadyExists, output.ToString(), "", "is there already; -O replaces it");
   }
 }
 
-Atlas ReadWhole(const SplitOptions& options, Console& console, Notices& notices) {
+Atlas ReadWhole(const SplitVerbOptions& options, Console& console, Notices& notices) {
   if (options.edit.output == "-") RefuseUsage("several atlases do not fit into standard output; name files");
   RequireOutput(options.edit);
   return ReadAtlas(options.edit.input, MakeReadOptions(console, options.edit.from, options.edit.wait), &notices);
 }
 
-std::size_t CountKeyFrames(const Subset& subset) {
-  std::size_t count = 0;
-  for (const Subset::MapRows& rows : subset.maps)
-    count += static_cast<std::size_t>(std::ranges::count(rows.keyframes, 1));
-  return count;
-}
-
-bool HasLandmarks(const Subset& subset) {
-  return std::ranges::any_of(subset.maps,
-                             [](const Subset::MapRows& rows) { return std::ranges::count(rows.landmarks, 1) > 0; });
-}
-
-std::vector<Part> FindParts(const AtlasIndex& index, const SplitOptions& options) {
-  const SplitBy by = options.by == "map"       ? SplitBy::kMap
-                     : options.by == "session" ? SplitBy::kSession
-                                               : SplitBy::kComponent;
-  std::vector<Part> parts = SplitAtlas(index, by);
-  std::erase_if(parts, [&](const Part& part) {
-    const std::size_t keyframes = CountKeyFrames(part.subset);
-    return keyframes < options.min_keyframes && (keyframes > 0 || !HasLandmarks(part.subset));
-  });
-  if (parts.empty())
-    throw Error(options.edit.input, "", "has no " + options.by + " with " + Counted(options.min_keyframes, "keyframe"));
-  return parts;
-}
-
-ExitCode RunSplit(const SplitOptions& options, Console& console) {
+ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
   Notices notices;
   const Atlas atlas = ReadWhole(options, console, notices);
   const AtlasIndex index(atlas);
-  std::vector<Part> parts = FindParts(index, options);
+  SplitOptions split = options.split;
+  split.threads = console.threads();
+  split.progress = console.MakeProgress();
+  const std::vector<Part> parts = SplitAtlas(index, split);
   RefuseBadOutputs(options, parts);
   Table table({Table::Align::kLeft, Table::Align::kRight, Table::Align::kRight});
   table.Add({"part", "keyframes", "points"});
-  nlohmann::ordered_json json = {{"parts", nlohmann::ordered_json::array()}};
-  for (Part& part : parts) {
-    SettleBorder(index, BorderOf(options.border), part.subset, console.threads());
+  std::vector<TakenPart> taken;
+  for (const Part& part : parts) {
     SubsetReport removed;
     const Atlas own = TakePart(atlas, part.subset, removed, console.threads());
     EditOptions edit = options.edit;
     edit.output = OutputOf(options.edit.output, part.name);
     WriteResult(own, edit, "split " + options.edit.input, console, notices);
-    const Totals totals = Totals::Of(own);
-    table.Add({options.edit.dry_run ? part.name : edit.output, Grouped(totals.keyframes), Grouped(totals.points)});
-    json["parts"].push_back(
-        {{"name", part.name},
-         {"output", options.edit.dry_run ? nlohmann::ordered_json() : nlohmann::ordered_json(edit.output)},
-         {"maps", totals.maps},
-         {"keyframes", totals.keyframes},
-         {"points", totals.points}});
+    taken.push_back({.name = part.name, .output = FilesOf(edit).output, .counts = removed.after});
+    table.Add({options.edit.dry_run ? part.name : edit.output, Grouped(removed.after.keyframes),
+               Grouped(removed.after.points)});
   }
   EditOptions finish = options.edit;
   finish.dry_run = true;  // the table names the outputs
-  return FinishEdit(table.ToString(), JsonText(json), finish, console, notices);
+  return FinishEdit(table.ToString(), ToJson(taken, FilesOf(options.edit)), finish, console, notices);
 }
 
 Run AddSplit(CLI::App& verb) {
-  const auto options = std::make_shared<SplitOptions>();
+  const auto options = std::make_shared<SplitVerbOptions>();
   AddEdit(verb, options->edit);
   verb.get_option("OUTPUT")->description(
       "Where to: a file or STORE.db#NAME; the name of each part goes in place of {}, or behind the name");
-  verb.add_option("--by", options->by,
+  verb.add_option("--by", options->split.by,
                   "One atlas per map, per session (map that keyframes were made in), or per "
                   "connected part of the covisibility graph")
-      ->check(CLI::IsMember({"map", "session", "component"}))
-      ->capture_default_str();
-  verb.add_option("--min-keyframes", options->min_keyframes, "Leave out parts with fewer")
+      ->transform(OneOf(kWays))
+      ->default_str("map");
+  verb.add_option("--min-keyframes", options->split.min_keyframes, "Leave out parts with fewer")
       ->type_name("N")
       ->check(CheckPositive)
       ->capture_default_str();
-  verb.add_option("--border", options->border, "Points that several parts observe: see 'slamdb extract --help'")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kBorders), std::end(kBorders))))
-      ->capture_default_str();
+  verb.add_option("--border", options->split.border, "Points that several parts observe: see 'slamdb extract --help'")
+      ->transform(OneOf(kBorders))
+      ->default_str("smart");
   return [options](Console& console) { return RunSplit(*options, console); };
 }
 

@@ -3,9 +3,8 @@
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/sqlite/report.h"
 
 namespace slamdb::cli {
 namespace {
@@ -30,16 +29,7 @@ std::string StatsText(const StoreStats& stats) {
 
 ExitCode RunStats(const StatsOptions& options, Console& console) {
   const StoreStats stats = Store::Open(options.store.path, options.store.wait).Stats();
-  if (!options.json) {
-    console.Print(StatsText(stats));
-    return ExitCode::kDone;
-  }
-  nlohmann::ordered_json report = {{"store", options.store.path},    {"schema_version", stats.version},
-                                   {"file_bytes", stats.file_bytes}, {"log_bytes", stats.log_bytes},
-                                   {"page_bytes", stats.page_bytes}, {"pages", stats.pages},
-                                   {"free_pages", stats.free_pages}, {"tables", nlohmann::ordered_json::array()}};
-  for (const PartSize& part : stats.tables) report["tables"].push_back({{"table", part.part}, {"bytes", part.bytes}});
-  console.Print(JsonText(report));
+  console.Print(options.json ? ToJson(stats, options.store.path) : StatsText(stats));
   return ExitCode::kDone;
 }
 

@@ -1,65 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/frame/transform.h"
-
-#include <functional>
+#include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/frame/align_trajectory.h"
 #include "slamdb/edit/frame/axes.h"
-#include "slamdb/edit/frame/georeference.h"
-#include "slamdb/edit/frame/gravity.h"
+#include "slamdb/edit/frame/similarity_text.h"
+#include "slamdb/edit/frame/transform_atlas.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
-struct TransformOptions {
+struct TransformVerbOptions {
   EditOptions edit;
   std::string by, axes, gravity, onto, georeference, origin;
   std::optional<double> scale, max_dt;
-  double robust = 0;
+  std::optional<double> robust;
   bool body = false, with_scale = false, without_scale = false;
   std::vector<std::uint64_t> maps;
 };
 
-// How one map moves, and why so.
-struct Motion {
-  MapId map;
-  Similarity3d target_from_source;
-  std::optional<TrajectoryAlignment> alignment;
-  std::optional<Upright> upright;
-  std::vector<std::string> warnings;
-};
+const std::map<std::string, UpMethod> kUpMethods = {{"auto", UpMethod::kAuto},
+                                                    {"inertia", UpMethod::kInertia},
+                                                    {"cameras", UpMethod::kCameras},
+                                                    {"path", UpMethod::kPath}};
 
-// What the options ask for, before any map is read.
-struct Plan {
-  std::function<Motion(const Map&)> motion;
-  bool needs_keyframes = false;  // maps without any stay as they are
-  std::optional<LocalFrame> georeference;
-};
-
-UpMethod UpMethodOf(const std::string& name) {
-  if (name == "inertia") return UpMethod::kInertia;
-  if (name == "cameras") return UpMethod::kCameras;
-  return name == "path" ? UpMethod::kPath : UpMethod::kAuto;
-}
-
-std::string NameOf(UpMethod method) {
-  return method == UpMethod::kInertia ? "inertia" : method == UpMethod::kCameras ? "cameras" : "path";
-}
-
-std::vector<TimedPosition> ReadReference(const TransformOptions& options, Console& console, Notices& notices) {
+std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console);
   read.features = FeatureColumns::kNone;
   Atlas reference = ReadAtlas(options.onto, read, &notices);
@@ -74,69 +46,21 @@ std::vector<TimedPosition> ReadReference(const TransformOptions& options, Consol
   return positions;
 }
 
-std::vector<GpsFix> ReadFixes(const std::string& path) {
-  const MappedFile file(path);
-  try {
-    auto fixes = ParseFixes(file.text());
-    if (fixes.empty()) throw Error("holds no fix");
-    return fixes;
-  } catch (const Error& error) {
-    throw Error(path, error.place(), error.problem());
-  }
+FitOptions FitOf(const TransformVerbOptions& options) {
+  FitOptions fit{.max_time_difference = options.max_dt, .body = options.body, .outlier_distance = options.robust};
+  if (options.with_scale || options.without_scale) fit.with_scale = options.with_scale;
+  return fit;
 }
 
-Motion AlignedTo(const std::vector<TimedPosition>& reference, const Map& map, const TransformOptions& options,
-                 double default_max_dt) {
-  TrajectoryAlignmentOptions align;
-  align.max_time_difference = options.max_dt.value_or(default_max_dt);
-  align.body = options.body;
-  align.fit.with_scale = options.with_scale || (!options.without_scale && HasOpenScale(map));
-  align.fit.outlier_distance = options.robust;
-  const TrajectoryAlignment alignment = AlignToTrajectory(map, reference, align);
-  return {.map = map.id, .target_from_source = alignment.reference_from_map, .alignment = alignment};
-}
-
-Plan PlanOf(const TransformOptions& options, Console& console, Notices& notices) {
-  constexpr double kTrajectoryMaxDt = 0.02, kGpsMaxDt = 1;
-  const auto everywhere = [](const Similarity3d& transform) {
-    RequireTransform(transform);
-    return Plan{.motion = [transform](const Map& map) { return Motion{map.id, transform}; }};
-  };
-  if (!options.by.empty()) return everywhere(ReadSimilarity(options.by));
-  if (options.scale) return everywhere({.scale = *options.scale});
-  if (!options.axes.empty()) return everywhere({.rotation = ParseAxes(options.axes)});
-  if (!options.gravity.empty())
-    return {
-        .motion =
-            [&options](const Map& map) {
-              const Upright upright = FindUp(map, UpMethodOf(options.gravity));
-              return Motion{.map = map.id, .target_from_source = {1, upright.target_from_source}, .upright = upright};
-            },
-        .needs_keyframes = true};
-  if (!options.onto.empty())
-    return {.motion = [&options, reference = ReadReference(options, console, notices)](
-                          const Map& map) { return AlignedTo(reference, map, options, kTrajectoryMaxDt); },
-            .needs_keyframes = true};
-  const std::vector<GpsFix> fixes = ReadFixes(options.georeference);
-  const LocalFrame frame(options.origin.empty() ? fixes.front().place : ParseGeodetic(options.origin));
-  return {.motion = [&options, reference = PositionsIn(frame, fixes)](
-                        const Map& map) { return AlignedTo(reference, map, options, kGpsMaxDt); },
-          .needs_keyframes = true,
-          .georeference = frame};
-}
-
-std::vector<std::size_t> RowsToMove(const Atlas& atlas, const TransformOptions& options, const Plan& plan) {
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
-    const Map& map = atlas.maps[row];
-    const bool asked = std::ranges::find(options.maps, map.id.value()) != options.maps.end();
-    if (options.maps.empty() ? !plan.needs_keyframes || !map.keyframes.empty() : asked) rows.push_back(row);
-  }
-  for (const std::uint64_t id : options.maps)
-    if (std::ranges::none_of(atlas.maps, [id](const Map& map) { return map.id == MapId(id); }))
-      throw Error(options.edit.input, "", "has no map " + std::to_string(id));
-  if (rows.empty()) throw Error(options.edit.input, "", "has no map to move");
-  return rows;
+Destination DestinationOf(const TransformVerbOptions& options, Console& console, Notices& notices) {
+  if (!options.by.empty()) return ReadSimilarity(options.by);
+  if (options.scale) return Similarity3d{.scale = *options.scale};
+  if (!options.axes.empty()) return Similarity3d{.rotation = ParseAxes(options.axes)};
+  if (!options.gravity.empty()) return TurnUpright{kUpMethods.at(options.gravity)};
+  if (!options.onto.empty()) return OntoTrajectory{ReadReference(options, console, notices), FitOf(options)};
+  OntoEarth earth{.fixes = ReadFixes(options.georeference), .fit = FitOf(options)};
+  if (!options.origin.empty()) earth.origin = ParseGeodetic(options.origin);
+  return earth;
 }
 
 std::string AlignmentText(const TrajectoryAlignment& alignment) {
@@ -157,106 +81,50 @@ std::string UprightText(const Upright& upright) {
   }
 }
 
-std::string TextOf(const std::vector<Motion>& motions, const Plan& plan) {
+std::string TextOf(const TransformReport& report) {
   std::string text;
-  if (plan.georeference) {
-    const Geodetic& origin = plan.georeference->origin();
-    text += "east, north, up in metres from " + Short(origin.latitude, 10) + ", " + Short(origin.longitude, 10) + ", " +
-            Short(origin.altitude, 7) + " m\n";
-  }
-  for (const Motion& motion : motions) {
-    text += ToString(motion.map) + ": " + SimilarityText(motion.target_from_source) + "\n";
-    if (motion.alignment) text += "  " + AlignmentText(*motion.alignment) + "\n";
-    if (motion.upright) text += "  " + UprightText(*motion.upright) + "\n";
+  if (report.origin)
+    text += "east, north, up in metres from " + Short(report.origin->latitude, 10) + ", " +
+            Short(report.origin->longitude, 10) + ", " + Short(report.origin->altitude, 7) + " m\n";
+  for (const MovedMap& moved : report.maps) {
+    text += ToString(moved.map) + ": " + SimilarityText(moved.target_from_source) + "\n";
+    if (moved.alignment) text += "  " + AlignmentText(*moved.alignment) + "\n";
+    if (moved.upright) text += "  " + UprightText(*moved.upright) + "\n";
   }
   return text;
 }
 
-ordered_json AlignmentJson(const TrajectoryAlignment& alignment) {
-  const ResidualStatistics& residuals = alignment.residuals;
-  return {{"keyframes", alignment.keyframes},
-          {"pairs", alignment.pairs},
-          {"inliers", alignment.inliers},
-          {"residuals",
-           {{"rmse", residuals.rmse}, {"mean", residuals.mean}, {"median", residuals.median}, {"max", residuals.max}}},
-          {"largest_residual_of_all_pairs", alignment.largest_residual}};
-}
-
-ordered_json UprightJson(const Upright& upright) {
-  ordered_json json = {{"method", NameOf(upright.method)}, {"up", {upright.up.x(), upright.up.y(), upright.up.z()}}};
-  if (upright.method == UpMethod::kInertia) json["gravity"] = upright.gravity;
-  if (upright.method == UpMethod::kCameras) json["roll_degrees_rms"] = upright.spread;
-  if (upright.method == UpMethod::kPath) json["distance_to_plane_rms"] = upright.spread;
-  return json;
-}
-
-ordered_json GeoreferenceJson(const LocalFrame& frame) {
-  const Geodetic& origin = frame.origin();
-  return {{"ellipsoid", "WGS84"},
-          {"axes", "east, north, up"},
-          {"latitude", origin.latitude},
-          {"longitude", origin.longitude},
-          {"altitude", origin.altitude}};
-}
-
-ordered_json JsonOf(const std::vector<Motion>& motions, const Plan& plan, const TransformOptions& options) {
-  ordered_json maps = ordered_json::array();
-  for (const Motion& motion : motions) {
-    ordered_json map = {{"id", motion.map.value()}, {"target_from_source", SimilarityJson(motion.target_from_source)}};
-    if (motion.alignment) map["alignment"] = AlignmentJson(*motion.alignment);
-    if (motion.upright) map["upright"] = UprightJson(*motion.upright);
-    map["warnings"] = motion.warnings;
-    maps.push_back(map);
-  }
-  ordered_json json = {{"input", options.edit.input}, {"output", options.edit.output}, {"maps", maps}};
-  if (plan.georeference) json["georeference"] = GeoreferenceJson(*plan.georeference);
-  return json;
-}
-
 // An .osa file has no place for where on earth its map is, so that stands in a file beside it.
-std::unique_ptr<AtomicFile> OpenGeoreferenceFile(const TransformOptions& options, Notices& notices) {
-  if (options.edit.dry_run) return nullptr;
+std::string GeoreferencePath(const TransformVerbOptions& options, Notices& notices) {
+  if (options.georeference.empty() || options.edit.dry_run) return {};
   if (options.edit.output == "-") {
     notices.Warn("standard output has no place for the origin; keep the report");
-    return nullptr;
+    return {};
   }
-  const std::string path = options.edit.output + ".georeference.json";
+  std::string path = options.edit.output + ".georeference.json";
   notices.Note("the origin is in " + path);
-  return std::make_unique<AtomicFile>(
-      path, AtomicFileOptions{.overwrite = options.edit.target.overwrite, .sync = !options.edit.target.no_sync});
+  return path;
 }
 
-std::vector<std::string> WarningsOf(const Motion& motion, const Map& map) {
-  std::vector<std::string> warnings = TransformWarnings(map, motion.target_from_source);
-  if (!motion.alignment) return warnings;
-  if (auto poor = PoorFitWarning(motion.alignment->residuals.rmse, motion.alignment->spread))
-    warnings.push_back(*std::move(poor));
-  return warnings;
-}
-
-ExitCode RunTransform(const TransformOptions& options, Console& console) {
+ExitCode RunTransform(const TransformVerbOptions& options, Console& console) {
+  RefuseBadOutput(options.edit);
   Notices notices;
-  const Plan plan = PlanOf(options, console, notices);
+  TransformOptions transform{
+      .to = DestinationOf(options, console, notices), .threads = console.threads(), .progress = console.MakeProgress()};
+  for (const std::uint64_t id : options.maps) transform.maps.emplace_back(id);
   Atlas atlas = ReadInput(options.edit, console, notices);
-  std::vector<Motion> motions;
-  for (const std::size_t row : RowsToMove(atlas, options, plan)) {
-    Map& map = atlas.maps[row];
-    Motion motion = plan.motion(map);
-    motion.warnings = WarningsOf(motion, map);
-    for (const std::string& warning : motion.warnings) notices.Warn(ToString(map.id) + ": " + warning);
-    TransformMap(map, motion.target_from_source, console.threads());
-    motions.push_back(std::move(motion));
-  }
-  const ordered_json json = JsonOf(motions, plan, options);
-  std::unique_ptr<AtomicFile> georeference;
-  if (plan.georeference) georeference = OpenGeoreferenceFile(options, notices);
-  if (georeference) georeference->Write(JsonText(json));
+  SideFile georeference(GeoreferencePath(options, notices), options.edit, {options.edit.input, options.edit.output});
+  const TransformReport report = NamingFile(options.edit.input, [&] { return TransformAtlas(atlas, transform); });
+  for (const MovedMap& moved : report.maps)
+    for (const std::string& warning : moved.warnings) notices.Warn(ToString(moved.map) + ": " + warning);
+  const std::string json = ToJson(report, FilesOf(options.edit));
+  georeference.Write(json);
   WriteResult(atlas, options.edit, "transform " + options.edit.input, console, notices);
-  if (georeference) georeference->Commit();
-  return FinishEdit(TextOf(motions, plan), JsonText(json), options.edit, console, notices);
+  georeference.Commit();
+  return FinishEdit(TextOf(report), json, options.edit, console, notices);
 }
 
-void BindMotions(CLI::App& verb, TransformOptions& options) {
+void BindMotions(CLI::App& verb, TransformVerbOptions& options) {
   constexpr const char* kGroup = "Where to; one of these";
   const std::vector<CLI::Option*> ways = {
       verb.add_option(
@@ -288,7 +156,7 @@ void BindMotions(CLI::App& verb, TransformOptions& options) {
   }
 }
 
-void BindAlignment(CLI::App& verb, TransformOptions& options) {
+void BindAlignment(CLI::App& verb, TransformVerbOptions& options) {
   constexpr const char* kGroup = "For --onto and --georeference";
   verb.add_option("--max-dt", options.max_dt,
                   "Seconds that a keyframe and a position may be apart: 0.02 for trajectories, 1 for GPS by default")
@@ -312,7 +180,7 @@ void BindAlignment(CLI::App& verb, TransformOptions& options) {
 }
 
 Run AddTransform(CLI::App& verb) {
-  const auto options = std::make_shared<TransformOptions>();
+  const auto options = std::make_shared<TransformVerbOptions>();
   AddEdit(verb, options->edit);
   BindMotions(verb, *options);
   BindAlignment(verb, *options);

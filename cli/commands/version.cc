@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/version.h"
+
 #include <memory>
 
 #include "cli/commands/commands.h"
@@ -21,7 +23,8 @@ const char* DirectionOf(const Format& format) {
 
 ExitCode RunVersion(const VersionOptions& options, Console& console) {
   if (options.json) {
-    nlohmann::ordered_json report = {{"version", SLAMDB_VERSION}, {"formats", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json report = {
+        {"report", "slamdb-version-2"}, {"version", Version()}, {"formats", nlohmann::ordered_json::array()}};
     for (const Format& format : Formats())
       report["formats"].push_back(
           {{"id", format.id},
@@ -40,7 +43,7 @@ ExitCode RunVersion(const VersionOptions& options, Console& console) {
       suffixes += (suffixes.empty() ? "" : " ") + std::string(suffix);
     table.Add({std::string(format.id), DirectionOf(format), suffixes, std::string(format.title)});
   }
-  console.Print("slamdb " SLAMDB_VERSION "\n\nFormats:\n" + table.ToString());
+  console.Print("slamdb " + std::string(Version()) + "\n\nFormats:\n" + table.ToString());
   return ExitCode::kDone;
 }
 

@@ -82,12 +82,15 @@ std::string ShownText(const Outcome<Shown>& outcome) {
          shape->scoring + "\n";
 }
 
+ordered_json VocabularyJson(const Vocabulary& vocabulary) {
+  return {{"name", vocabulary.name}, {"checksum", vocabulary.checksum}};
+}
+
 ordered_json ShownJson(const Outcome<Shown>& outcome) {
   const Vocabulary& vocabulary = outcome.result.vocabulary;
-  ordered_json json = {{"file", outcome.path},
+  ordered_json json = {{"input", outcome.path},
                        {"kind", outcome.result.is_file ? "vocabulary" : "atlas"},
-                       {"name", vocabulary.name},
-                       {"checksum", vocabulary.checksum}};
+                       {"vocabulary", VocabularyJson(vocabulary)}};
   if (const auto& shape = outcome.result.shape)
     json["shape"] = {{"words", shape->words},
                      {"branching", shape->branching},
@@ -107,7 +110,7 @@ ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
     if (options.json) report.push_back(ShownJson(outcome));
     if (!options.json) console.Print(ShownText(outcome));
   }
-  if (options.json) console.Print(JsonText({{"files", report}}));
+  if (options.json) console.Print(JsonText({{"report", "slamdb-vocabulary-2"}, {"inputs", report}}));
   return ReportOutcomes(outcomes, console);
 }
 
@@ -160,7 +163,8 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
 
 // ---- recompute
 
-std::string RecomputedText(const RecomputeWordsReport& report, const Vocabulary& before, const Vocabulary& after) {
+std::string RecomputedText(const RecomputeWordsReport& report) {
+  const Vocabulary &before = report.before, &after = report.after;
   const std::uint64_t others = report.recomputed - report.missing - report.equal;
   std::string text = "recomputed " + Counted(report.recomputed, "keyframe") + " of " + Grouped(report.keyframes) +
                      ": " + Counted(report.words, "word") + "\n";
@@ -171,30 +175,15 @@ std::string RecomputedText(const RecomputeWordsReport& report, const Vocabulary&
   return text + "vocabulary " + before.name + " (" + before.checksum + ") -> " + now + "\n";
 }
 
-ordered_json VocabularyJson(const Vocabulary& vocabulary) {
-  return {{"name", vocabulary.name}, {"checksum", vocabulary.checksum}};
-}
-
-std::string RecomputedJson(const RecomputeWordsReport& report, const Vocabulary& before, const Vocabulary& after) {
-  return JsonText({{"keyframes", report.keyframes},
-                   {"recomputed", report.recomputed},
-                   {"equal", report.equal},
-                   {"missing", report.missing},
-                   {"words", report.words},
-                   {"vocabulary", {{"before", VocabularyJson(before)}, {"after", VocabularyJson(after)}}}});
-}
-
 ExitCode RunRecompute(const RecomputeOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   const LoadedVocabulary vocabulary = LoadVocabulary(options.vocabulary, console.threads());
-  const Vocabulary before = atlas.vocabulary;
   const RecomputeWordsReport report = RecomputeWords(
       atlas, vocabulary.tree, vocabulary.identity,
       {.only_missing = options.missing, .threads = console.threads(), .progress = console.MakeProgress()});
   WriteResult(atlas, options.edit, "vocabulary recompute " + options.edit.input, console, notices);
-  return FinishEdit(RecomputedText(report, before, atlas.vocabulary), RecomputedJson(report, before, atlas.vocabulary),
-                    options.edit, console, notices);
+  return FinishEdit(RecomputedText(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
 // ---- options

@@ -6,6 +6,8 @@
 
 #include "cli/help/help.h"
 #include "cli/help/tree.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/version.h"
 
 namespace slamdb::cli {
 namespace {
@@ -42,8 +44,7 @@ std::string Paragraphs(std::string_view text) {
   std::string out;
   bool fresh = true, literal = false, paragraph_due = false;
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
+    const std::string_view line = detail::TakeLine(text);
     const bool is_literal = line.starts_with(' ');
     if (literal && !is_literal) out += ".EE\n";
     if (is_literal && !literal) out += fresh ? ".EX\n" : ".PP\n.EX\n";
@@ -55,7 +56,6 @@ std::string Paragraphs(std::string_view text) {
       paragraph_due = fresh = false;
     }
     literal = is_literal;
-    text.remove_prefix(std::min(end + 1, text.size()));
   }
   return literal ? out + ".EE\n" : out;
 }
@@ -164,8 +164,8 @@ std::string ManualPage(const CLI::App& app) {
   std::string title = PageTitle(app);
   std::string upper = title;
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
-  std::string text =
-      ".TH " + Escaped(upper) + " 1 " SLAMDB_MANUAL_DATE " \"slamdb " SLAMDB_VERSION "\" \"slamdb manual\"\n";
+  std::string text = ".TH " + Escaped(upper) + " 1 " SLAMDB_MANUAL_DATE " \"slamdb " + std::string(Version()) +
+                     "\" \"slamdb manual\"\n";
   text += ".SH NAME\n" + Escaped(title) + " \\- " + Escaped(app.get_description()) + "\n";
   text += ".SH SYNOPSIS\n" + SynopsisLine(app);
   text += ".SH DESCRIPTION\n" + Paragraphs(command == nullptr ? kProgramDescription : command->description);

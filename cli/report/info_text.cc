@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/report/info_text.h"
+
 #include <algorithm>
 
-#include "cli/report/info_report.h"
 #include "cli/report/layout.h"
 
 namespace slamdb::cli {
@@ -24,7 +25,7 @@ std::string DurationText(double seconds) {
 std::string SensorText(const MapStatistics& map) {
   std::string text = map.sensor == MapSensor::kStereoOrRgbd    ? "stereo or RGB-D"
                      : map.sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
-                                                               : SensorName(map.sensor);
+                                                               : std::string(NameOf(map.sensor));
   if (map.keyframes == 0) return map.landmarks == 0 ? "empty" : Counted(map.landmarks, "landmark");
   return map.has_imu ? text + " with IMU" : text;
 }
@@ -93,7 +94,7 @@ std::string MapText(const MapStatistics& map) {
 
 std::string CameraText(const Camera& camera) {
   const std::vector<std::string> names = ParameterNames(camera.model);
-  std::string text = CameraModelName(camera.model);
+  std::string text(NameOf(camera.model));
   for (std::size_t i = 0; i < camera.parameters.size(); ++i)
     text += "  " + (i < names.size() ? names[i] : "?") + " " + Short(camera.parameters[i], 6);
   return text;
@@ -107,11 +108,11 @@ std::string ArchiveText(const ArchiveEncoding& encoding) {
   return text;
 }
 
-std::string HeaderText(const InfoReport& report) {
+std::string HeaderText(const AtlasInfo& report) {
   Table table({kLeft, kLeft}, 2);
   table.Add({"format", report.format_title});
-  if (report.has_encoding) table.Add({"archive", ArchiveText(report.encoding)});
-  if (report.size_bytes) table.Add({"size", HumanBytes(*report.size_bytes)});
+  if (report.encoding) table.Add({"archive", ArchiveText(*report.encoding)});
+  if (report.bytes) table.Add({"size", HumanBytes(*report.bytes)});
   if (!report.vocabulary.name.empty() || !report.vocabulary.checksum.empty())
     table.Add({"vocabulary", report.vocabulary.name + "  MD5 " + report.vocabulary.checksum});
   const Counters& next = report.next_ids;
@@ -169,8 +170,8 @@ std::string BoostReleases(std::uint32_t version) {
   }
 }
 
-std::string InfoText(const InfoReport& report) {
-  std::string text = report.file + "\n" + HeaderText(report);
+std::string InfoText(const AtlasInfo& report) {
+  std::string text = report.input + "\n" + HeaderText(report);
   for (const MapStatistics& map : report.statistics.maps) text += MapText(map);
   return text + PartsText(report.parts);
 }

@@ -5,6 +5,8 @@
 #include <array>
 #include <charconv>
 
+#include "slamdb/base/detail/text.h"
+
 namespace slamdb::cli {
 namespace {
 
@@ -19,27 +21,16 @@ std::string WrappedParagraph(std::string_view text, std::size_t indent, std::siz
     if (!line.empty()) out += std::string(indent, ' ') + line + "\n";
     line.clear();
   };
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find_first_of(" \n"), text.size());
-    const std::string_view word = text.substr(0, end);
-    if (!word.empty()) {
-      if (!line.empty() && indent + Columns(line) + 1 + Columns(word) > width) finish();
-      if (!line.empty()) line += ' ';
-      line += word;
-    }
-    text.remove_prefix(std::min(end + 1, text.size()));
+  for (auto word = detail::TakeWord(text, " \n"); !word.empty(); word = detail::TakeWord(text, " \n")) {
+    if (!line.empty() && indent + Columns(line) + 1 + Columns(word) > width) finish();
+    if (!line.empty()) line += ' ';
+    line += word;
   }
   finish();
   return out;
 }
 
 }  // namespace
-
-std::string Grouped(std::uint64_t number) {
-  std::string digits = std::to_string(number);
-  for (std::size_t place = digits.size(); place > 3; place -= 3) digits.insert(place - 3, ",");
-  return digits;
-}
 
 std::string Short(double number, int digits) {
   std::array<char, 64> text{};
@@ -69,12 +60,6 @@ std::string Percent(std::uint64_t part, std::uint64_t whole) {
   return percent < 1 ? "< 1%" : std::to_string(static_cast<int>(percent + 0.5)) + "%";
 }
 
-std::string Counted(std::uint64_t number, std::string_view one, std::string_view many) {
-  std::string text = Grouped(number).append(" ").append(number == 1 || many.empty() ? one : many);
-  if (number != 1 && many.empty()) text += 's';
-  return text;
-}
-
 std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width) {
   std::string out;
   std::string paragraph;
@@ -83,15 +68,13 @@ std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width
     paragraph.clear();
   };
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
+    const std::string_view line = detail::TakeLine(text);
     if (line.empty() || line.front() == ' ') {
       finish();
       out += line.empty() ? "\n" : std::string(indent, ' ') + std::string(line) + "\n";
     } else {
       paragraph += std::string(line) + "\n";
     }
-    text.remove_prefix(std::min(end + 1, text.size()));
   }
   finish();
   return out;

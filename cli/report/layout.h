@@ -7,12 +7,14 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/detail/grouped.h"
+
 namespace slamdb::cli {
 
 inline constexpr std::size_t kPageWidth = 96;  // columns of text for people
 
-// 1234567 -> "1,234,567".
-std::string Grouped(std::uint64_t number);
+using detail::Counted;
+using detail::Grouped;
 
 // 33424706 -> "33.4 MB"; powers of 1000.
 std::string HumanBytes(std::uint64_t bytes);
@@ -22,9 +24,6 @@ std::string Percent(std::uint64_t part, std::uint64_t whole);
 
 // A number in at most `digits` significant digits, without trailing zeros and locale.
 std::string Short(double number, int digits = 4);
-
-// "1 map", "3 maps", with the number grouped.
-std::string Counted(std::uint64_t number, std::string_view one, std::string_view many = {});
 
 // Breaks text into lines of at most `width` columns, each after `indent` spaces; an empty line separates paragraphs.
 // Lines that start with a space are kept as they are. Ends with a line feed unless the text is empty.

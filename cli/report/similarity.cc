@@ -3,14 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "cli/report/layout.h"
-#include "slamdb/base/error.h"
-#include "slamdb/base/file.h"
-#include "slamdb/edit/frame/similarity_text.h"
 
 namespace slamdb::cli {
 namespace {
@@ -21,29 +16,6 @@ std::string Listed(const Eigen::Vector3d& vector) {
 }
 
 }  // namespace
-
-Similarity3d ReadSimilarity(const std::string& text_or_path) {
-  std::error_code missing;
-  if (!std::filesystem::exists(text_or_path, missing)) {
-    if (text_or_path.find_first_of("0123456789") == std::string::npos)
-      throw Error(text_or_path, "", "is neither a transform nor a file that holds one");
-    return ParseSimilarity(text_or_path);
-  }
-  const MappedFile file(text_or_path);
-  try {
-    return ParseSimilarity(file.text());
-  } catch (const Error& error) {
-    throw Error(text_or_path, error.place(), error.problem());
-  }
-}
-
-nlohmann::ordered_json SimilarityJson(const Similarity3d& transform) {
-  const Eigen::Vector3d& t = transform.translation;
-  const Eigen::Quaterniond& q = transform.rotation;
-  return {{"translation", {t.x(), t.y(), t.z()}},
-          {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
-          {"scale", transform.scale}};
-}
 
 std::string SimilarityText(const Similarity3d& transform) {
   constexpr double kNothing = 1e-12;  // what a fit in double precision leaves of nothing

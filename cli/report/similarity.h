@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "slamdb/model/similarity.h"
 
 namespace slamdb::cli {
-
-// A transform that an option names: the numbers themselves, or a file that holds them (see ParseSimilarity). Throws
-// Error.
-Similarity3d ReadSimilarity(const std::string& text_or_path);
-
-// {"translation": [x, y, z], "rotation_xyzw": [x, y, z, w], "scale": s}
-nlohmann::ordered_json SimilarityJson(const Similarity3d& transform);
 
 // `translation 1.2 0 3, rotation 90 degrees about 0 0 1, scale 2`; what does nothing is left out.
 std::string SimilarityText(const Similarity3d& transform);

@@ -61,12 +61,15 @@ TEST(TextReport, GivesNotesOneLineEachOnRequest) {
   EXPECT_THAT(text, HasSubstr("which does not exist"));  // errors keep their findings
 }
 
-TEST(JsonReport, HoldsEverything) {
-  const json report = json::parse(JsonReport(Files()));
-  EXPECT_EQ(report["format"], "slamdb-check-1");
-  ASSERT_EQ(report["files"].size(), 3u);
-  const json& broken = report["files"][0];
-  EXPECT_EQ(broken["ok"], false);
+TEST(CheckReportAsJson, HoldsEverything) {
+  const json report = json::parse(ToJson(Files()));
+  EXPECT_EQ(report["report"], "slamdb-check-2");
+  ASSERT_EQ(report["inputs"].size(), 3u);
+  const json& broken = report["inputs"][0];
+  EXPECT_EQ(broken["input"], Files()[0].name);
+  EXPECT_EQ(broken["sound"], false);
+  EXPECT_EQ(broken["severities"]["error"], Files()[0].report.Count(Severity::kError));
+  EXPECT_EQ(broken["severities"]["note"], Files()[0].report.Count(Severity::kNote));
   EXPECT_EQ(broken["measures"]["keyframes"], 12);
   bool found = false;
   for (const json& result : broken["results"]) {
@@ -79,27 +82,27 @@ TEST(JsonReport, HoldsEverything) {
     EXPECT_EQ(result["fix"], "EraseDanglingObservations");
   }
   EXPECT_TRUE(found);
-  EXPECT_EQ(report["files"][1]["ok"], true);
-  EXPECT_TRUE(report["files"][2].contains("failure"));
+  EXPECT_EQ(report["inputs"][1]["sound"], true);
+  EXPECT_TRUE(report["inputs"][2].contains("failure"));
 }
 
-TEST(JsonReport, KeepsLargeIdsExact) {
-  EXPECT_THAT(JsonReport(Files()), HasSubstr("\"point\": \"18446744073709551610\""));
+TEST(CheckReportAsJson, KeepsLargeIdsExact) {
+  EXPECT_THAT(ToJson(Files()), HasSubstr("\"point\": \"18446744073709551610\""));
 }
 
 // Everything that the schema requires or allows is looked at by hand: a validator is not worth a dependency.
-TEST(JsonReport, HasASchemaThatNamesItsKeys) {
+TEST(CheckReportAsJson, HasASchemaThatNamesItsKeys) {
   std::ifstream file(std::string(SLAMDB_FIXTURES) + "/../schema/check.schema.json");
   ASSERT_TRUE(file.is_open());
   const json schema = json::parse(file);
-  const json report = json::parse(JsonReport(Files()));
+  const json report = json::parse(ToJson(Files()));
   const auto check = [](const json& object, const json& described) {
     for (const auto& [key, value] : object.items()) EXPECT_TRUE(described["properties"].contains(key)) << key;
     for (const json& key : described.value("required", json::array())) EXPECT_TRUE(object.contains(key)) << key;
   };
   check(report, schema);
   const json& definitions = schema["$defs"];
-  for (const json& checked : report["files"]) {
+  for (const json& checked : report["inputs"]) {
     check(checked, definitions[checked.contains("failure") ? "failed" : "checked"]);
     if (checked.contains("failure")) continue;
     check(checked["measures"], definitions["measures"]);
@@ -166,7 +169,7 @@ TEST(Catalogue, IsListedInFull) {
   EXPECT_EQ(list["gates"].size(), ReadGates().size());
 }
 
-// When this fails, replace what stands between the marks by what MarkdownCatalogue() returns.
+// When this fails, replace what stands between the marks by what `slamdb check --list --format markdown` prints.
 TEST(Catalogue, IsWhatTheDocumentationSays) {
   std::ifstream file(std::string(SLAMDB_FIXTURES) + "/../docs/checks.md");
   ASSERT_TRUE(file.is_open());

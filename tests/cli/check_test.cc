@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {
@@ -43,7 +44,7 @@ TEST_F(Check, GateThatIsMissedExitsOne) {
 
 TEST_F(Check, FormatsForPrograms) {
   const json report = json::parse(RunSlamdb({"check", Sound(), "--json"}).out);
-  EXPECT_TRUE(report.is_object());
+  EXPECT_EQ(BreachOf(report, "check.schema.json"), "");
   EXPECT_EQ(RunSlamdb({"check", Sound(), "--format", "json"}).out, RunSlamdb({"check", Sound(), "--json"}).out);
   EXPECT_EQ(json::parse(RunSlamdb({"check", Sound(), "--format", "sarif"}).out).at("version"), "2.1.0");
   EXPECT_THAT(RunSlamdb({"check", Sound(), "--format", "junit"}).out, HasSubstr("<testsuite"));
@@ -62,7 +63,21 @@ TEST_F(Check, ListsItsRules) {
   const ProcessResult text = RunSlamdb({"check", "--list"});
   EXPECT_EQ(text.exit_code, 0);
   EXPECT_THAT(text.out, HasSubstr("observation-target"));
-  EXPECT_TRUE(json::accept(RunSlamdb({"check", "--list", "--json"}).out));
+  EXPECT_EQ(BreachOf(json::parse(RunSlamdb({"check", "--list", "--json"}).out), "rules.schema.json"), "");
+}
+
+TEST_F(Check, PrintsTheTableOfItsPage) {
+  const ProcessResult table = RunSlamdb({"check", "--list", "--format", "markdown"});
+  EXPECT_EQ(table.exit_code, 0);
+  EXPECT_THAT(ReadWholeFile(SLAMDB_SCHEMAS "/../docs/checks.md"),
+              HasSubstr("<!-- catalogue: begin -->\n" + table.out + "<!-- catalogue: end -->\n"));
+  // The example at the top of the page, with the number of rules in it.
+  const std::string file = "/mono_small_twice/mono_small_twice.osa";
+  const std::string report = RunSlamdb({"check", SLAMDB_FIXTURES + file}).out;
+  const std::string first_line = report.substr(report.find(file), report.find('\n') - report.find(file) + 1);
+  EXPECT_THAT(ReadWholeFile(SLAMDB_SCHEMAS "/../docs/checks.md"), HasSubstr("\nfixtures" + first_line));
+  EXPECT_EQ(RunSlamdb({"check", Sound(), "--format", "markdown"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"check", "--list", "--format", "sarif"}).exit_code, 2);
 }
 
 TEST_F(Check, SeveritiesAreTheUsers) {

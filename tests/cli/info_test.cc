@@ -100,7 +100,7 @@ TEST(Info, SeveralFilesKeepTheirOrder) {
 
   std::istringstream lines(RunSlamdb({"info", "--json", kTinyText, kTiny}).out);
   std::vector<std::string> files;
-  for (std::string line; std::getline(lines, line);) files.push_back(json::parse(line).at("file"));
+  for (std::string line; std::getline(lines, line);) files.push_back(json::parse(line).at("input"));
   EXPECT_EQ(files, (std::vector<std::string>{kTinyText, kTiny}));
   EXPECT_EQ(RunSlamdb({"info", "--get", "format", kTinyText, kTiny}).out,
             kTinyText + ": orbslam3-text\n" + kTiny + ": orbslam3\n");
@@ -109,7 +109,7 @@ TEST(Info, SeveralFilesKeepTheirOrder) {
 TEST(Info, ReadsStandardInput) {
   const ProcessResult result = RunSlamdb({"info", "-", "--from", "orbslam3", "--json"}, ReadWholeFile(kTiny));
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(json::parse(result.out).at("size_bytes").is_null());
+  EXPECT_TRUE(json::parse(result.out).at("bytes").is_null());
 }
 
 TEST(Info, SameOutputForAnyNumberOfThreads) {

@@ -26,6 +26,11 @@ class Validator {
     if (schema.contains("enum") &&
         std::find(schema.at("enum").begin(), schema.at("enum").end(), value) == schema.at("enum").end())
       return place + ": is " + value.dump() + ", expected one of " + schema.at("enum").dump();
+    if (schema.contains("const") && schema.at("const") != value)
+      return place + ": is " + value.dump() + ", expected " + schema.at("const").dump();
+    if (schema.contains("minimum") && value.is_number() && value < schema.at("minimum"))
+      return place + ": is " + value.dump() + ", expected at least " + schema.at("minimum").dump();
+    if (schema.contains("anyOf")) return AnyBreach(value, schema.at("anyOf"), place);
     if (value.is_object()) return ObjectBreach(value, schema, place);
     return value.is_array() ? ArrayBreach(value, schema, place) : "";
   }
@@ -36,6 +41,16 @@ class Validator {
   static bool HasOneType(const json& value, const json& types) {
     if (types.is_string()) return HasType(value, types);
     return std::any_of(types.begin(), types.end(), [&](const json& type) { return HasType(value, type); });
+  }
+
+  std::string AnyBreach(const json& value, const json& schemas, const std::string& place) const {
+    std::string breaches;
+    for (const json& schema : schemas) {
+      const std::string breach = Breach(value, schema, place);
+      if (breach.empty()) return breach;
+      breaches += (breaches.empty() ? "" : "; or ") + breach;
+    }
+    return breaches;
   }
 
   std::string ObjectBreach(const json& value, const json& schema, const std::string& place) const {

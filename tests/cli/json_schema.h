@@ -6,8 +6,8 @@
 
 namespace slamdb::testing {
 
-// Where and why a value breaks a JSON schema of schema/, by the keywords that those use: type, enum, required,
-// properties, additionalProperties, items, minItems, maxItems and local $ref. Empty when it holds.
+// Where and why a value breaks a JSON schema of schema/, by the keywords that those use: type, const, enum, minimum,
+// anyOf, required, properties, additionalProperties, items, minItems, maxItems and local $ref. Empty when it holds.
 std::string BreachOf(const nlohmann::json& value, const std::string& schema_name);
 
 }  // namespace slamdb::testing

@@ -166,11 +166,12 @@ TEST_F(Merge, ReassignOrigin) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const json report = json::parse(result.out);
   EXPECT_EQ(BreachOf(report, "reassign-origin.schema.json"), "");
-  EXPECT_EQ(report.at("after"), json::parse(R"([{"map": 3, "keyframes": 10}])"));
-  EXPECT_EQ(report.at("next_map"), 4);
+  EXPECT_EQ(report.at("after"), json::parse(R"([{"map": 3, "keyframes": 10, "points": 0}])"));
+  EXPECT_EQ(report.at("next_ids").at("map"), 4);
   EXPECT_EQ(Info(At("out.osa")).at("maps").at(0).at("origins").at(0).at("map"), 3);
   std::filesystem::remove(At("out.osa"));
-  ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8=0"}, "no keyframe has origin map 8");
+  ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8=0"},
+                "no keyframe or point has origin map 8");
   ExpectRefusal({"reassign-origin", Input("1"), At("out.osa")}, "nothing to do", 2);
   ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8"}, "FROM=TO", 2);
 }

@@ -39,6 +39,10 @@ TEST_F(Repair, TakesBackByJournalToTheByte) {
     EXPECT_NE(ReadWholeFile(In("good.osa")), ReadWholeFile(file));
     const ProcessResult undone = RunSlamdb({"repair", "--undo", In("fix.json"), In("good.osa"), In("again.osa"), "-O"});
     EXPECT_EQ(undone.exit_code, 0) << undone.err;
+    const ProcessResult planned =
+        RunSlamdb({"repair", "--undo", In("fix.json"), In("good.osa"), "--dry-run", "--json"});
+    EXPECT_EQ(BreachOf(json::parse(planned.out), "undo.schema.json"), "");
+    EXPECT_TRUE(json::parse(planned.out).at("output").is_null());
     EXPECT_TRUE(ReadWholeFile(In("again.osa")) == ReadWholeFile(file));
     std::filesystem::remove(In("fix.json"));
   }
@@ -67,8 +71,8 @@ TEST_F(Repair, PicksRules) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const json report = json::parse(result.out);
   EXPECT_EQ(BreachOf(report, "repair.schema.json"), "");
-  ASSERT_EQ(report.at("applied").size(), 1u);
-  EXPECT_EQ(report.at("applied")[0].at("fix"), "DropRepeatedMaps");
+  ASSERT_EQ(report.at("repairs").size(), 1u);
+  EXPECT_EQ(report.at("repairs")[0].at("fix"), "DropRepeatedMaps");
   const ProcessResult unknown = RunSlamdb({"repair", kTwice, In("x.osa"), "--rule", "map-listed-onse"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("did you mean 'map-listed-once'"));

@@ -46,7 +46,7 @@ TEST_F(StoreVerbs, LogTellsWhatWasDone) {
   EXPECT_THAT(log["entries"][0]["provenance"].get<std::string>(), HasSubstr("tiny.osa"));
   const json of_b = json::parse(RunSlamdb({"log", "--json", At("b")}).out);
   ASSERT_EQ(of_b.at("entries").size(), 1U);
-  EXPECT_EQ(of_b["entries"][0]["atlas"], "b");
+  EXPECT_EQ(of_b["entries"][0]["name"], "b");
   EXPECT_THAT(RunSlamdb({"log", store_}).out, HasSubstr("INSERTED"));
 }
 

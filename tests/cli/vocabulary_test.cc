@@ -24,10 +24,10 @@ TEST(Vocabulary, ShowsAtlasesAndVocabularyFiles) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const json report = json::parse(result.out);
   EXPECT_EQ(BreachOf(report, "vocabulary.schema.json"), "");
-  EXPECT_EQ(report["files"][0]["kind"], "atlas");
-  EXPECT_EQ(report["files"][1]["kind"], "vocabulary");
-  EXPECT_EQ(report["files"][1]["name"], "voc.txt");
-  EXPECT_EQ(report["files"][1]["shape"]["words"], 2);
+  EXPECT_EQ(report["inputs"][0]["kind"], "atlas");
+  EXPECT_EQ(report["inputs"][1]["kind"], "vocabulary");
+  EXPECT_EQ(report["inputs"][1]["vocabulary"]["name"], "voc.txt");
+  EXPECT_EQ(report["inputs"][1]["shape"]["words"], 2);
   EXPECT_THAT(RunSlamdb({"vocabulary", "show", folder / "voc.txt"}).out, HasSubstr("words      2\n"));
 }
 

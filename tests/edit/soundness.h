@@ -51,8 +51,7 @@ inline std::size_t KeyFramesThatBoostReads(const Atlas& atlas, const std::string
   binary.encoding = {};
   WriteOrbslam3(binary, path, WriteOptions{.overwrite = true, .sync = false}, notices);
   std::size_t keyframes = 0;
-  const auto session = reference::Load(path, reference::Encoding::kBinary);
-  for (const reference::Map* map : session->atlas->mvpBackupMaps) keyframes += map->mvpBackupKeyFrames.size();
+  for (const Map& map : reference::Load(path, reference::Encoding::kBinary).maps) keyframes += map.keyframes.size();
   return keyframes;
 }
 

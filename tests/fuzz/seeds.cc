@@ -9,7 +9,7 @@
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
-#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
+#include "slamdb/model/detail/record.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
@@ -40,8 +40,8 @@ void WriteDamaged(const path& folder, const std::string& name, const Crafted& cr
 }
 
 std::string StoreSeed(const KeyFrame& keyframe) {
-  sqlite::ByteWriter details, features;
-  sqlite::EncodeDetails(keyframe, details);
+  detail::ByteWriter details, features;
+  detail::EncodeDetails(keyframe, details);
   sqlite::EncodeFeatures(keyframe, features);
   const Features& counts = keyframe.features;
   const std::size_t length = details.bytes().size();
@@ -103,8 +103,17 @@ void WriteSeedsOfFixtures(const path& base) {
                "#timestamp, p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,0,0,0,0,0,0\n");
 }
 
+void WriteSeedsOfTables(const path& folder) {
+  WriteChanged(folder, "fixes", "\xef\xbb\xbfTime [s];Lat;Lon;alt_ft\r\n+1.5;47.25;8.5;400\r\n2.5;-47;8;nan\r\n");
+  WriteChanged(folder, "anchors", "# pairs\nfirst, second, first_x\n0, 1,\n\n2, 3, 1e3\n");
+  WriteChanged(folder, "ids", "input,kind,old,new\n\"a, \"\"b\"\"\nc\",keyframe,0,5\na,point,1,\na,next_map,1,2\n");
+  WriteChanged(folder, "keyframes", "map\tkeyframe\tx\n0\t7\t\t1\n0\t\"8\"\t0.5");
+  WriteChanged(folder, "transform", "% matrix\n0 -2 0 1; 2 0 0 +2\n0,0,2,3 # metres\n0 0 0 1");
+}
+
 void WriteSeeds(const path& base) {
   WriteSeedsOfFixtures(base);
+  WriteSeedsOfTables(base / "table");
   const path archives = base / "orbslam3", blobs = base / "store_blobs";
   std::filesystem::create_directories(archives);
   std::filesystem::create_directories(blobs);

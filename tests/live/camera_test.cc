@@ -60,5 +60,61 @@ TEST(Frame, SeesWhatIsInItsFrustum) {
   EXPECT_FALSE(frame.isInFrustum(point, 0.5F)) << "viewing angle";
 }
 
+TEST(Frame, LeavesNoTraceOfAnEarlierHit) {
+  World world;
+  KeyFrame* keyframe = world.AddKeyFrame();
+  MapPoint* point = world.AddPoint(keyframe, {1, 0, 4});
+  World::Observe(point, keyframe, 3);
+  point->UpdateNormalAndDepth();
+  Frame frame = world.MakeFrame({0, 0, 0});
+  const Rigid3f misses[] = {{Quaternionf::Identity(), {0, 0, 100}},  // too far
+                            {Quaternionf::Identity(), {20, 0, 0}},   // outside the image
+                            {Quaternionf::Identity(), {0, 0, -5}},   // behind
+                            {Quaternionf(0, 0, 1, 0), {0, 0, 8}}};   // from the other side
+  for (const Rigid3f& miss : misses) {
+    frame.SetPose({});
+    ASSERT_TRUE(frame.isInFrustum(point, 0.5F));
+    frame.SetPose(miss);
+    ASSERT_FALSE(frame.isInFrustum(point, 0.5F));
+    EXPECT_FALSE(point->mbTrackInView);
+    EXPECT_EQ(point->mTrackProjX, -1);
+    EXPECT_EQ(point->mTrackProjY, -1);
+    EXPECT_EQ(point->mTrackProjXR, -1);
+    EXPECT_EQ(point->mnTrackScaleLevel, -1);
+  }
+}
+
+TEST(Frame, KeepsTheImagesOfAPairApart) {
+  World world(Eyes::kFisheyePair);
+  KeyFrame* keyframe = world.AddKeyFrame();
+  MapPoint* point = world.AddPoint(keyframe, {0, 0, 4});
+  World::Observe(point, keyframe, 3);
+  point->UpdateNormalAndDepth();
+  Frame frame = world.MakeFrame({0, 0, 0});
+  ASSERT_TRUE(frame.isInFrustum(point, 0.5F));
+  ASSERT_TRUE(point->mbTrackInView && point->mbTrackInViewR);
+  EXPECT_GE(point->mnTrackScaleLevelR, 0);
+  frame.SetPose({Quaternionf(Eigen::AngleAxisf(1.3F, Eigen::Vector3f::UnitY())), {0, 0, 0}});
+  frame.isInFrustum(point, 0.999F);
+  EXPECT_EQ(point->mTrackProjX >= 0, point->mbTrackInView);
+  EXPECT_EQ(point->mTrackProjXR >= 0, point->mbTrackInViewR);
+  frame.SetPose({Quaternionf::Identity(), {0, 0, 100}});
+  ASSERT_FALSE(frame.isInFrustum(point, 0.5F));
+  EXPECT_EQ(point->mTrackProjX, -1);
+  EXPECT_EQ(point->mTrackProjXR, -1);
+  EXPECT_EQ(point->mTrackProjYR, -1);
+  EXPECT_EQ(point->mnTrackScaleLevel, -1);
+  EXPECT_EQ(point->mnTrackScaleLevelR, -1);
+}
+
+TEST(GeometricCamera, KnowsItsParameters) {
+  Pinhole camera({1, 2, 3, 4});
+  camera.setParameter(7, 2);
+  EXPECT_EQ(camera.getParameter(2), 7);
+  EXPECT_EQ(KindOf([&] { (void)camera.getParameter(-1); }), ErrorKind::kUsage);
+  EXPECT_EQ(KindOf([&] { camera.setParameter(1, 4); }), ErrorKind::kUsage);
+  EXPECT_EQ(KindOf([&] { Pinhole made({1, 2, 3}); }), ErrorKind::kUsage);
+}
+
 }  // namespace
 }  // namespace slamdb::live

@@ -9,6 +9,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/live/bridge.h"
+#include "slamdb/model/index.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/live/world.h"
 #include "tests/support/equals_atlas.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/live/culling.h"
 
+#include <algorithm>
+
 #include "slamdb/model/preintegration.h"
 #include "tests/live/world.h"
 
@@ -102,6 +104,23 @@ TEST(CullKeyFrames, FlagsRedundantCovisibles) {
   EXPECT_FALSE(keyframes[2]->isBad());
   EXPECT_TRUE(keyframes[3]->isBad());
   EXPECT_TRUE(keyframes[4]->isBad()) << "covisibles of equal weight come by falling id";
+}
+
+TEST(CullKeyFrames, CountsWhatWent) {
+  World world;
+  std::vector<KeyFrame*> keyframes;
+  for (int i = 0; i < 7; ++i) keyframes.push_back(world.AddKeyFrame());
+  world.Share(keyframes, 20, 0);
+  for (KeyFrame* keyframe : keyframes) keyframe->UpdateConnections();
+  keyframes[5]->SetNotErase();
+  const int culled = CullKeyFrames(*keyframes[6], {.monocular = true});
+  const auto bad =
+      std::count_if(keyframes.begin(), keyframes.end(), [](KeyFrame* keyframe) { return keyframe->isBad(); });
+  EXPECT_GT(culled, 0);
+  EXPECT_EQ(culled, bad);
+  EXPECT_FALSE(keyframes[5]->isBad()) << "must not be erased now";
+  keyframes[5]->SetErase();
+  EXPECT_TRUE(keyframes[5]->isBad());
 }
 
 // 24 keyframes in a chain of IMU data, which all see the same 20 points: any of them is redundant.

@@ -204,12 +204,12 @@ TEST(PreSave, FillsTheBackupMembersAndChangesNothingElse) {
   EXPECT_THAT(point->mBackupObservationsId1, ElementsAre(Pair(a->mnId, 5), Pair(b->mnId, -1)));
   EXPECT_THAT(point->mBackupObservationsId2, ElementsAre(Pair(a->mnId, -1), Pair(b->mnId, 27)));
   EXPECT_EQ(point->mBackupRefKFId, b->mnId);
-  EXPECT_EQ(point->mBackupReplacedId, MapPointId::kNone);
+  EXPECT_EQ(point->mBackupReplacedId, -1);
   EXPECT_TRUE(point->IsInKeyFrame(elsewhere));
   point->Replace(other);
   std::set<MapPoint*> both = {point, other};
   point->PreSave(keyframes, both);
-  EXPECT_EQ(point->mBackupReplacedId, other->mnId);
+  EXPECT_EQ(point->mBackupReplacedId, static_cast<long long>(other->mnId));
 }
 
 TEST(PostLoad, FindsTheTargetsAndReportsThoseThatAreNotThere) {
@@ -228,6 +228,37 @@ TEST(PostLoad, FindsTheTargetsAndReportsThoseThatAreNotThere) {
   EXPECT_EQ(report[LinkKind::kObservation], 1U);
   EXPECT_EQ(report[LinkKind::kReplacement], 1U);
   EXPECT_EQ(report.dangling(), 2U);
+}
+
+TEST(PostLoad, ClearsTheBackupMembers) {
+  World world;
+  KeyFrame* keyframe = world.AddKeyFrame();
+  MapPoint *point = world.AddPoint(keyframe), *other = world.AddPoint(keyframe);
+  point->mBackupObservationsId1 = {{keyframe->mnId, 3}};
+  point->mBackupObservationsId2 = {{keyframe->mnId, -1}};
+  point->mBackupRefKFId = keyframe->mnId;
+  point->mBackupReplacedId = static_cast<long long>(other->mnId);
+  std::map<long unsigned int, KeyFrame*> keyframes = {{keyframe->mnId, keyframe}};
+  std::map<long unsigned int, MapPoint*> points = {{other->mnId, other}};
+  EXPECT_TRUE(point->PostLoad(keyframes, points).whole());
+  EXPECT_EQ(point->GetReplaced(), other);
+  EXPECT_THAT(point->mBackupObservationsId1, IsEmpty());
+  EXPECT_THAT(point->mBackupObservationsId2, IsEmpty());
+  EXPECT_EQ(point->mBackupRefKFId, KeyFrameId::kNone);
+  EXPECT_EQ(point->mBackupReplacedId, -1);
+}
+
+TEST(PostLoad, WorksWithoutAMap) {
+  World world;
+  KeyFrame* keyframe = world.AddKeyFrame();
+  MapPoint* point = world.AddPoint(keyframe);
+  point->UpdateMap(nullptr);
+  point->mBackupObservationsId1 = {{77, 3}};
+  std::map<long unsigned int, KeyFrame*> keyframes = {{keyframe->mnId, keyframe}};
+  std::map<long unsigned int, MapPoint*> points;
+  const PostLoadReport report = point->PostLoad(keyframes, points);
+  EXPECT_EQ(report[LinkKind::kObservation], 1U);
+  EXPECT_EQ(report.examples.front().map, MapId()) << "of no map";
 }
 
 }  // namespace

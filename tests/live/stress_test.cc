@@ -121,7 +121,7 @@ TEST(Live, StaysWholeUnderManyThreads) {
         (session.*work)();
         --running;
       });
-    while (running > 0) ToModel(session.world.atlas, 1);
+    while (running > 0) (void)ToModel(session.world.atlas, 1);
     for (std::thread& thread : threads) thread.join();
     checkpointer.Save();
     EXPECT_EQ(checkpointer.LastFailure(), std::nullopt);

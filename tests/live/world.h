@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <optional>
+
+#include "slamdb/base/error.h"
 #include "slamdb/live/atlas.h"
 #include "slamdb/live/frame.h"
 #include "slamdb/live/keyframe.h"
@@ -11,6 +14,16 @@
 #include "slamdb/model/derive.h"
 
 namespace slamdb::live {
+
+// The kind of the Error that the work throws; none: it throws no Error.
+std::optional<ErrorKind> KindOf(const auto& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.kind();
+  }
+  return std::nullopt;
+}
 
 enum class Eyes { kMono, kStereo, kFisheyePair };
 

@@ -20,4 +20,14 @@ std::string Format(double value, std::chars_format format, int precision) {
 std::string Digits(double value, int significant) { return Format(value, std::chars_format::general, significant); }
 std::string Fixed(double value, int decimals) { return Format(value, std::chars_format::fixed, decimals); }
 
+std::string Thousands(std::uint64_t value) {
+  std::string text = std::to_string(value);
+  for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, 1, ',');
+  return text;
+}
+
+std::string Counted(std::uint64_t count, std::string_view noun) {
+  return Concat(Thousands(count), ' ', noun, count == 1 ? "" : "s");
+}
+
 }  // namespace slamdb::detail

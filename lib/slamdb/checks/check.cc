@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -22,7 +24,7 @@ std::vector<PlannedRule> PlanRules(const CheckOptions& options) {
   const auto change = [&](const std::vector<std::string>& ids, std::optional<Severity> severity) {
     for (const std::string& id : ids) {
       const auto found = std::ranges::find(plan, std::string_view(id), [](const PlannedRule& p) { return p.rule->id; });
-      if (found == plan.end()) throw Error("no rule is called '" + id + "'; `slamdb check --list` names all");
+      if (found == plan.end()) throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'"));
       found->severity = severity;
     }
   };
@@ -37,7 +39,7 @@ std::vector<PlannedRule> PlanRules(const CheckOptions& options) {
 const Gate& FindGate(std::string_view id) {
   const auto gates = ReadGates();
   const auto found = std::ranges::find(gates, id, &Gate::id);
-  if (found == gates.end()) throw Error("no quality gate is called '" + std::string(id) + "'");
+  if (found == gates.end()) throw Error(ErrorKind::kUsage, detail::Concat("no quality gate is called '", id, "'"));
   return *found;
 }
 
@@ -96,6 +98,7 @@ CheckReport CheckAtlas(const Atlas& atlas, const CheckOptions& options) {
   ParallelFor(plan.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) plan[i].rule->check(subject, findings[i]);
   });
+  detail::Steps(options.progress, "checking", 1).Next();
   for (std::size_t i = 0; i < plan.size(); ++i)
     if (findings[i].count() > 0) report.results.push_back(ResultOf(plan[i], options.strict, findings[i]));
   for (const GateLimit& limit : options.gates)

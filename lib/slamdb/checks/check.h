@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/progress.h"
 #include "slamdb/checks/finding.h"
+#include "slamdb/export.h"
 #include "slamdb/model/index.h"
 #include "slamdb/model/statistics.h"
 
@@ -23,8 +26,9 @@ struct Subject {
   const CheckOptions& options;
 };
 
-// A repair: changes an atlas so that its rule finds nothing, as far as that can be done without inventing data. Returns
-// how much it changed. Doing it again changes nothing, and a sound atlas stays as it is.
+// A repair: changes an atlas so that its rule finds nothing, as far as that can be done without inventing data.
+// Returns how much it changed.
+// Doing it again changes nothing, and a sound atlas stays as it is.
 struct Fix {
   std::string_view name;  // with a verb in it; empty: the rule has no repair
   std::size_t (*apply)(Atlas&) = nullptr;
@@ -43,20 +47,23 @@ struct Rule {
 };
 
 // The catalogue, in repair order: what a later rule relies on is repaired before it.
-std::span<const Rule> ReadRules();
-const Rule* FindRule(std::string_view id);  // null when there is none
+[[nodiscard]] SLAMDB_EXPORT std::span<const Rule> ReadRules();
+
+// null when there is none.
+[[nodiscard]] SLAMDB_EXPORT const Rule* FindRule(std::string_view id);
 
 // A number that an atlas must reach, or must not exceed.
 struct Gate {
-  std::string_view id;     // "min-keyframes": the name of the command line option too
-  std::string_view title;  // "keyframes in the atlas"
+  std::string_view id;            // "min-keyframes"
+  std::string_view measure_name;  // "keyframes": of the number in reports, the same for both bounds
+  std::string_view title;         // "keyframes in the atlas"
   bool is_minimum;
   double (*measure)(const AtlasStatistics&);
 };
-std::span<const Gate> ReadGates();
+[[nodiscard]] SLAMDB_EXPORT std::span<const Gate> ReadGates();
 
 // A gate's findings go by "gate-" and its id.
-std::string GateRuleId(std::string_view gate);
+[[nodiscard]] SLAMDB_EXPORT std::string GateRuleId(std::string_view gate);
 
 struct GateLimit {
   std::string gate;
@@ -66,10 +73,11 @@ struct GateLimit {
 struct CheckOptions {
   std::vector<std::string> ignore, note, warn, error;  // rule ids whose severity is not the catalogue's; the last wins
   bool strict = false;                                 // warnings count as errors
-  int threads = 0;                                     // 0: every core
-  std::uint64_t vocabulary_words = 0;                  // of the vocabulary that bags of words refer to; 0: not known
-  std::size_t max_findings = 100;                      // kept of each rule; all are counted
+  std::optional<std::uint64_t> vocabulary_words;  // of the vocabulary that bags of words refer to, when it is known
+  std::size_t max_findings = 100;                 // kept of each rule; all are counted
   std::vector<GateLimit> gates;
+  int threads = 0;    // 0: every core
+  Progress progress;  // may be empty
 };
 
 // What one rule or gate found.
@@ -87,12 +95,14 @@ struct CheckReport {
   std::vector<std::string> checked;  // ids of all rules and gates that were held against the atlas, in that order
   AtlasStatistics statistics;
 
-  std::uint64_t Count(Severity severity) const;
+  SLAMDB_EXPORT std::uint64_t Count(Severity severity) const;
   bool ok() const { return Count(Severity::kError) == 0; }
 };
 
-// Holds every rule that is not ignored against the atlas, several at a time. The atlas may hold anything. The report
-// does not depend on the number of threads. Throws Error when the options name an unknown rule or gate.
-CheckReport CheckAtlas(const Atlas& atlas, const CheckOptions& options);
+// Holds every rule that is not ignored against the atlas, several at a time. The atlas may hold anything.
+//
+// Throws Error (kUsage), before the work, when the options name an unknown rule or gate.
+// Cost: linear; the report is the same for any number of threads. Thread-safe.
+[[nodiscard]] SLAMDB_EXPORT CheckReport CheckAtlas(const Atlas& atlas, const CheckOptions& options = {});
 
 }  // namespace slamdb

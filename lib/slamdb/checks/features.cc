@@ -359,8 +359,8 @@ void CheckBagOfWordsSorted(const Subject& subject, Findings& findings) {
 }
 
 void CheckWordRange(const Subject& subject, Findings& findings) {
-  const std::uint64_t words = subject.options.vocabulary_words;
-  if (words == 0) return;
+  if (!subject.options.vocabulary_words) return;
+  const std::uint64_t words = *subject.options.vocabulary_words;
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
     for (const std::uint32_t word : keyframe.features.bag_of_words.words)
       if (word >= words)

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/ids.h"
 
 namespace slamdb {
@@ -18,7 +19,7 @@ enum class Severity {
   kWarning,  // unusual, usable
   kError,    // a SLAM system crashes or misbehaves on load or later
 };
-std::string_view ToString(Severity severity);  // "note", "warning", "error"
+SLAMDB_EXPORT std::string_view ToString(Severity severity);  // "note", "warning", "error"
 
 // Where in an atlas: what does not apply is none. ToString: `map 0, kf 77, feature 12`, or `atlas` when all is none.
 struct Place {
@@ -30,7 +31,7 @@ struct Place {
   std::int64_t feature = -1;  // row of the keyframe's features; -1: none
   friend bool operator==(const Place&, const Place&) = default;
 };
-std::string ToString(const Place& place);
+SLAMDB_EXPORT std::string ToString(const Place& place);
 
 // One breach of one rule.
 struct Finding {
@@ -41,7 +42,7 @@ struct Finding {
 
 // Collects what one rule finds: counts everything, keeps the first `limit`, and makes text only of those it keeps.
 // For one thread; rules that run at the same time have one each.
-class Findings {
+class SLAMDB_EXPORT Findings {
  public:
   explicit Findings(std::size_t limit) : limit_(limit) {}
 

@@ -43,17 +43,17 @@ double Observers(const AtlasStatistics& statistics) { return Mean(statistics, &M
 double Reprojection(const AtlasStatistics& statistics) { return Mean(statistics, &MapStatistics::reprojection_error); }
 
 constexpr Gate kGates[] = {
-    {"min-maps", "maps with keyframes", true, Maps},
-    {"max-maps", "maps with keyframes", false, Maps},
-    {"min-keyframes", "keyframes", true, KeyFrames},
-    {"max-keyframes", "keyframes", false, KeyFrames},
-    {"min-points", "points", true, Points},
-    {"max-points", "points", false, Points},
-    {"max-components", "parts that no covisibility connects", false, Components},
-    {"min-duration-s", "seconds from first to last keyframe", true, Duration},
-    {"min-length", "metres, or map units, of trajectory", true, Length},
-    {"min-observers", "observing keyframes per point on average", true, Observers},
-    {"max-reprojection-px", "pixels of reprojection error on average", false, Reprojection},
+    {"min-maps", "maps", "maps with keyframes", true, Maps},
+    {"max-maps", "maps", "maps with keyframes", false, Maps},
+    {"min-keyframes", "keyframes", "keyframes", true, KeyFrames},
+    {"max-keyframes", "keyframes", "keyframes", false, KeyFrames},
+    {"min-points", "points", "points", true, Points},
+    {"max-points", "points", "points", false, Points},
+    {"max-components", "components", "parts that no covisibility connects", false, Components},
+    {"min-duration-s", "duration_s", "seconds from first to last keyframe", true, Duration},
+    {"min-length", "trajectory_length", "metres, or map units, of trajectory", true, Length},
+    {"min-observers", "observers_per_point", "observing keyframes per point on average", true, Observers},
+    {"max-reprojection-px", "reprojection_error_px", "pixels of reprojection error on average", false, Reprojection},
 };
 
 }  // namespace

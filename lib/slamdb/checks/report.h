@@ -5,8 +5,10 @@
 #include <string>
 
 #include "slamdb/checks/check.h"
+#include "slamdb/export.h"
 
-// Check reports as text, for people and for machines. Pure functions, thread-safe, equal input gives equal output.
+// Check reports as text, for people and for machines.
+// Pure functions, thread-safe; equal input gives equal output. They throw nothing but std::bad_alloc.
 namespace slamdb {
 
 // One file that was checked, or could not be.
@@ -23,21 +25,22 @@ struct TextReportOptions {
 };
 
 // For people: a paragraph for each rule with findings, errors first, and a line of totals. Without colours.
-std::string TextReport(std::span<const CheckedFile> files, const TextReportOptions& options);
+[[nodiscard]] SLAMDB_EXPORT std::string TextReport(std::span<const CheckedFile> files,
+                                                   const TextReportOptions& options = {});
 
 // As schema/check.schema.json describes it. Ids are numbers where 53 bits hold them, and decimal strings beyond.
-std::string JsonReport(std::span<const CheckedFile> files);
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const CheckedFile> files);
 
-// JUnit XML: a suite for each file, a case for each rule and gate. Errors are failures; warnings and notes are in the
-// output of their case.
-std::string JUnitReport(std::span<const CheckedFile> files);
+// JUnit XML: a suite for each file, a case for each rule and gate.
+// Errors are failures; warnings and notes are in the output of their case.
+[[nodiscard]] SLAMDB_EXPORT std::string JUnitReport(std::span<const CheckedFile> files);
 
 // SARIF 2.1.0 with rule metadata and logical locations (`map/0/mp/4312`). `version` is the tool's own.
-std::string SarifReport(std::span<const CheckedFile> files, const std::string& version);
+[[nodiscard]] SLAMDB_EXPORT std::string SarifReport(std::span<const CheckedFile> files, const std::string& version);
 
-// The catalogue: what `slamdb check --list` prints, the same as JSON, and the tables of docs/checks.md.
-std::string TextCatalogue();
-std::string JsonCatalogue();
-std::string MarkdownCatalogue();
+// The catalogue of rules and gates for people, as JSON (schema/rules.schema.json), and as the tables of docs/checks.md.
+[[nodiscard]] SLAMDB_EXPORT std::string TextCatalogue();
+[[nodiscard]] SLAMDB_EXPORT std::string JsonCatalogue();
+[[nodiscard]] SLAMDB_EXPORT std::string MarkdownCatalogue();
 
 }  // namespace slamdb

@@ -1,28 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <nlohmann/json.hpp>
-
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/checks/detail/json.h"
 #include "slamdb/checks/report.h"
 
 namespace slamdb {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-// Numbers up to 2^53 survive every JSON reader; larger ones only as text.
-Json Number(std::uint64_t value) {
-  constexpr std::uint64_t kExact = std::uint64_t{1} << 53;
-  return value <= kExact ? Json(value) : Json(std::to_string(value));
-}
+using detail::Json;
+using detail::JsonNumber;
 
 Json PlaceJson(const Place& place) {
   Json json = Json::object();
-  if (place.map) json["map"] = Number(place.map.value());
-  if (place.keyframe) json["keyframe"] = Number(place.keyframe.value());
-  if (place.point) json["point"] = Number(place.point.value());
-  if (place.camera) json["camera"] = Number(place.camera.value());
-  if (place.landmark) json["landmark"] = Number(place.landmark.value());
+  if (place.map) json["map"] = JsonNumber(place.map.value());
+  if (place.keyframe) json["keyframe"] = JsonNumber(place.keyframe.value());
+  if (place.point) json["point"] = JsonNumber(place.point.value());
+  if (place.camera) json["camera"] = JsonNumber(place.camera.value());
+  if (place.landmark) json["landmark"] = JsonNumber(place.landmark.value());
   if (place.feature >= 0) json["feature"] = place.feature;
   return json;
 }
@@ -36,35 +29,29 @@ Json ResultJson(const RuleResult& result) {
   if (!result.fix.empty()) json["fix"] = result.fix;
   json["count"] = result.count;
   json["findings"] = Json::array();
-  for (const Finding& finding : result.findings)
-    json["findings"].push_back(
-        {{"place", PlaceJson(finding.place)}, {"where", ToString(finding.place)}, {"message", finding.message}});
+  for (const Finding& finding : result.findings) json["findings"].push_back(detail::JsonOf(finding));
   return json;
 }
 
-// What the quality gates measure, under their names without the bound.
+// What the quality gates measure.
 Json MeasuresJson(const AtlasStatistics& statistics) {
   Json json = Json::object();
-  for (const Gate& gate : ReadGates()) {
-    std::string name(gate.id.substr(4));
-    std::ranges::replace(name, '-', '_');
-    json[name] = gate.measure(statistics);
-  }
+  for (const Gate& gate : ReadGates()) json[std::string(gate.measure_name)] = gate.measure(statistics);
   return json;
 }
 
 Json FileJson(const CheckedFile& file) {
   Json json;
-  json["file"] = file.name;
+  json["input"] = file.name;
   if (!file.failure.empty()) {
     json["failure"] = file.failure;
     return json;
   }
   const CheckReport& report = file.report;
-  json["ok"] = report.ok();
-  json["errors"] = report.Count(Severity::kError);
-  json["warnings"] = report.Count(Severity::kWarning);
-  json["notes"] = report.Count(Severity::kNote);
+  json["sound"] = report.ok();
+  json["severities"] = Json::object();
+  for (const Severity severity : {Severity::kError, Severity::kWarning, Severity::kNote})
+    json["severities"][std::string(ToString(severity))] = report.Count(severity);
   json["checked"] = report.checked;
   json["measures"] = MeasuresJson(report.statistics);
   json["results"] = Json::array();
@@ -72,21 +59,21 @@ Json FileJson(const CheckedFile& file) {
   return json;
 }
 
-// File names may hold any bytes; what is not UTF-8 is replaced.
-std::string Text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
-
 }  // namespace
 
-std::string JsonReport(std::span<const CheckedFile> files) {
-  Json json;
-  json["format"] = "slamdb-check-1";
-  json["files"] = Json::array();
-  for (const CheckedFile& file : files) json["files"].push_back(FileJson(file));
-  return Text(json);
+Json detail::JsonOf(const Finding& finding) {
+  return {{"place", PlaceJson(finding.place)}, {"where", ToString(finding.place)}, {"message", finding.message}};
+}
+
+std::string ToJson(std::span<const CheckedFile> files) {
+  Json json = detail::ReportHead("check");
+  json["inputs"] = Json::array();
+  for (const CheckedFile& file : files) json["inputs"].push_back(FileJson(file));
+  return detail::JsonText(json);
 }
 
 std::string JsonCatalogue() {
-  Json json;
+  Json json = detail::ReportHead("rules");
   json["rules"] = Json::array();
   for (const Rule& rule : ReadRules()) {
     Json entry{{"id", rule.id},
@@ -98,9 +85,11 @@ std::string JsonCatalogue() {
   }
   json["gates"] = Json::array();
   for (const Gate& gate : ReadGates())
-    json["gates"].push_back(
-        {{"id", gate.id}, {"bound", gate.is_minimum ? "minimum" : "maximum"}, {"title", gate.title}});
-  return Text(json);
+    json["gates"].push_back({{"id", gate.id},
+                             {"bound", gate.is_minimum ? "minimum" : "maximum"},
+                             {"measure", gate.measure_name},
+                             {"title", gate.title}});
+  return detail::JsonText(json);
 }
 
 }  // namespace slamdb

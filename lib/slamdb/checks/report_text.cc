@@ -28,31 +28,31 @@ void AppendHead(const RuleResult& result, std::string& text) {
 }
 
 void AppendResult(const RuleResult& result, std::size_t shown, std::string& text) {
-    text += "\n";
-    AppendHead(result, text);
-    if (!result.consequence.empty()) text += detail::Concat("    otherwise ORB-SLAM3 ", result.consequence, "\n");
-    shown = std::min(shown, result.findings.size());
-    for (std::size_t i = 0; i < shown; ++i)
-      text += detail::Concat("      ", ToString(result.findings[i].place), ": ", result.findings[i].message, "\n");
-    if (result.count > shown) text += detail::Concat("      ... and ", std::to_string(result.count - shown), " more\n");
+  text += "\n";
+  AppendHead(result, text);
+  if (!result.consequence.empty()) text += detail::Concat("    otherwise ORB-SLAM3 ", result.consequence, "\n");
+  shown = std::min(shown, result.findings.size());
+  for (std::size_t i = 0; i < shown; ++i)
+    text += detail::Concat("      ", ToString(result.findings[i].place), ": ", result.findings[i].message, "\n");
+  if (result.count > shown) text += detail::Concat("      ... and ", std::to_string(result.count - shown), " more\n");
 }
 
 void AppendFile(const CheckedFile& file, const TextReportOptions& options, std::string& text) {
-    if (!file.failure.empty()) {
-      text += detail::Concat(file.name, ": cannot be checked\n\n  ", file.failure, "\n");
-      return;
+  if (!file.failure.empty()) {
+    text += detail::Concat(file.name, ": cannot be checked\n\n  ", file.failure, "\n");
+    return;
+  }
+  text += detail::Concat(file.name, ": ", Totals(file.report), " (", Counted(file.report.checked.size(), "rule"),
+                         " checked)\n");
+  for (const Severity severity : kWorstFirst) {
+    if (severity == Severity::kNote && !options.show_notes) continue;
+    const bool brief = severity == Severity::kNote && !options.note_findings;
+    if (brief && file.report.Count(severity) > 0) text += "\n";
+    for (const RuleResult& result : file.report.results) {
+      if (result.severity != severity) continue;
+      brief ? AppendHead(result, text) : AppendResult(result, options.shown_per_rule, text);
     }
-    text += detail::Concat(file.name, ": ", Totals(file.report), " (", Counted(file.report.checked.size(), "rule"),
-                           " checked)\n");
-    for (const Severity severity : kWorstFirst) {
-      if (severity == Severity::kNote && !options.show_notes) continue;
-      const bool brief = severity == Severity::kNote && !options.note_findings;
-      if (brief && file.report.Count(severity) > 0) text += "\n";
-      for (const RuleResult& result : file.report.results) {
-        if (result.severity != severity) continue;
-        brief ? AppendHead(result, text) : AppendResult(result, options.shown_per_rule, text);
-      }
-    }
+  }
 }
 
 }  // namespace
@@ -102,8 +102,7 @@ std::string MarkdownCatalogue() {
   }
   text += "\n| gate | passes with |\n|---|---|\n";
   for (const Gate& gate : ReadGates())
-    text +=
-        detail::Concat("| `--", gate.id, " N` | ", gate.is_minimum ? "at least N " : "at most N ", gate.title, " |\n");
+    text += detail::Concat("| `", gate.id, "` | ", gate.is_minimum ? "at least N " : "at most N ", gate.title, " |\n");
   return text;
 }
 

@@ -3,13 +3,11 @@
 
 #include <array>
 
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/options.h"
 
 namespace slamdb {
 namespace {
-
-using enum Content;
 
 struct Kind {
   Content content;
@@ -17,20 +15,21 @@ struct Kind {
 };
 
 // In the order of Content. The counts are of what the words name first.
-constexpr std::array<Kind, 13> kKinds = {{
-    {kPoses, "keyframe poses"},
-    {kPoints, "map points"},
-    {kNormals, "normals and distance ranges of map points"},
-    {kObservations, "observations"},
-    {kKeypoints, "keypoints"},
-    {kDescriptors, "descriptors"},
-    {kBagOfWords, "bags of words"},
-    {kGraph, "edges between keyframes (covisibility, spanning tree, loops, merges)"},
-    {kInertial, "inertial data of keyframes"},
-    {kCameras, "cameras"},
-    {kMaps, "several maps"},
-    {kIdentity, "all ids and flags, the counters and the vocabulary's name"},
-    {kLandmarks, "landmarks"},
+constexpr std::array<Kind, 14> kKinds = {{
+    {Content::kPoses, "keyframe poses"},
+    {Content::kPoints, "map points"},
+    {Content::kNormals, "normals and distance ranges of map points"},
+    {Content::kObservations, "observations"},
+    {Content::kKeypoints, "keypoints"},
+    {Content::kDescriptors, "descriptors"},
+    {Content::kBagOfWords, "bags of words"},
+    {Content::kGraph, "edges between keyframes (covisibility, spanning tree, loops, merges)"},
+    {Content::kInertial, "inertial data of keyframes"},
+    {Content::kCameras, "cameras"},
+    {Content::kMaps, "several maps"},
+    {Content::kIdentity, "all ids and flags, the counters and the vocabulary's name"},
+    {Content::kLandmarks, "landmarks"},
+    {Content::kTracking, "origins and visible and found counts of map points"},
 }};
 
 using Counts = std::array<std::uint64_t, kKinds.size()>;
@@ -48,44 +47,46 @@ bool HasInertialData(const KeyFrame& keyframe) {
 
 void CountKeyFrame(const KeyFrame& keyframe, Counts& counts) {
   const Features& features = keyframe.features;
-  ++Count(counts, kPoses);
-  Count(counts, kKeypoints) +=
+  ++Count(counts, Content::kPoses);
+  Count(counts, Content::kKeypoints) +=
       features.keypoints.size() + (features.is_fisheye_stereo() ? features.right_keypoints.size() : 0);
-  Count(counts, kDescriptors) += features.descriptors.size();
-  Count(counts, kBagOfWords) += features.bag_of_words.words.empty() ? 0 : 1;
-  Count(counts, kGraph) += keyframe.connections.size() + (keyframe.parent ? 1 : 0) + keyframe.loop_edges.size() +
-                           keyframe.merge_edges.size();
-  Count(counts, kInertial) += HasInertialData(keyframe) ? 1 : 0;
+  Count(counts, Content::kDescriptors) += features.descriptors.size();
+  Count(counts, Content::kBagOfWords) += features.bag_of_words.words.empty() ? 0 : 1;
+  Count(counts, Content::kGraph) += keyframe.connections.size() + (keyframe.parent ? 1 : 0) +
+                                    keyframe.loop_edges.size() + keyframe.merge_edges.size();
+  Count(counts, Content::kInertial) += HasInertialData(keyframe) ? 1 : 0;
 }
 
 void CountPoint(const MapPoint& point, Counts& counts) {
-  ++Count(counts, kPoints);
+  ++Count(counts, Content::kPoints);
   const bool range = point.min_distance != 0 || point.max_distance != 0;
-  Count(counts, kNormals) += range || point.normal != Eigen::Vector3f::Zero() ? 1 : 0;
-  Count(counts, kObservations) += point.observations.size();
-  Count(counts, kDescriptors) += point.has_descriptor() ? 1 : 0;
+  Count(counts, Content::kNormals) += range || point.normal != Eigen::Vector3f::Zero() ? 1 : 0;
+  Count(counts, Content::kObservations) += point.observations.size();
+  Count(counts, Content::kDescriptors) += point.has_descriptor() ? 1 : 0;
+  Count(counts, Content::kTracking) += point.has_tracking() ? 1 : 0;
 }
 
 Counts CountContent(const Atlas& atlas, std::optional<MapId> chosen) {
   Counts counts{};
   for (const Map& map : atlas.maps) {
     if (chosen && map.id != *chosen) continue;
-    ++Count(counts, kMaps);
-    Count(counts, kLandmarks) += map.landmarks.size();
+    ++Count(counts, Content::kMaps);
+    Count(counts, Content::kLandmarks) += map.landmarks.size();
     for (const KeyFrame& keyframe : map.keyframes) CountKeyFrame(keyframe, counts);
     for (const MapPoint& point : map.points) CountPoint(point, counts);
   }
-  if (Count(counts, kMaps) == 1) Count(counts, kMaps) = 0;
-  Count(counts, kCameras) = atlas.cameras.size();
-  const std::uint64_t entities = Count(counts, kPoses) + Count(counts, kPoints) + atlas.cameras.size();
-  Count(counts, kIdentity) = entities == 0 ? 0 : entities + Count(counts, kMaps);
+  if (Count(counts, Content::kMaps) == 1) Count(counts, Content::kMaps) = 0;
+  Count(counts, Content::kCameras) = atlas.cameras.size();
+  const std::uint64_t entities =
+      Count(counts, Content::kPoses) + Count(counts, Content::kPoints) + atlas.cameras.size();
+  Count(counts, Content::kIdentity) = entities == 0 ? 0 : entities + Count(counts, Content::kMaps);
   return counts;
 }
 
 }  // namespace
 
 Content ContentOf(const Atlas& atlas, std::optional<MapId> map) {
-  Content content = kNothing;
+  Content content = Content::kNothing;
   const Counts counts = CountContent(atlas, map);
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
     if (counts[kind] > 0) content |= kKinds[kind].content;
@@ -98,7 +99,7 @@ std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, cons
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
     if (counts[kind] == 0 || HasAny(format.writes, kKinds[kind].content)) continue;
     std::string loss = std::string(format.id) + " cannot hold " + std::string(kKinds[kind].what);
-    if (kKinds[kind].content != kIdentity) loss += " (" + Thousands(counts[kind]) + ")";
+    if (kKinds[kind].content != Content::kIdentity) loss += " (" + detail::Thousands(counts[kind]) + ")";
     losses.push_back(std::move(loss));
   }
   return losses;

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <string_view>
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
 
 namespace slamdb {
 namespace {
@@ -103,17 +103,15 @@ ForeignFile DescribeDirectory(const std::string& path) {
 
 // The first line of a DBoW2 vocabulary as text: branching factor, depth, scoring and weighting.
 bool IsVocabulary(std::string_view head) {
-  std::string_view line = head.substr(0, head.find('\n'));
+  if (detail::IsUtf16(head)) return false;
+  head = detail::WithoutMark(head);
+  std::string_view line = detail::TakeLine(head);
   std::vector<int> numbers;
-  while (!line.empty()) {
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos) break;
-    line.remove_prefix(begin);
-    int number = 0;
-    const auto result = std::from_chars(line.data(), line.data() + line.size(), number);
-    if (result.ec != std::errc()) return false;
-    numbers.push_back(number);
-    line.remove_prefix(static_cast<std::size_t>(result.ptr - line.data()));
+  for (auto word = detail::TakeWord(line, detail::kBlanks); !word.empty();
+       word = detail::TakeWord(line, detail::kBlanks)) {
+    const auto number = detail::ParseNumber<int>(word);
+    if (!number) return false;
+    numbers.push_back(*number);
   }
   const auto within = [](int value, int low, int high) { return value >= low && value <= high; };
   return numbers.size() == 4 && within(numbers[0], 2, 20) && within(numbers[1], 1, 10) && within(numbers[2], 0, 5) &&

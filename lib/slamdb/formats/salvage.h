@@ -1,34 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
 
 #include "slamdb/export.h"
 #include "slamdb/formats/format.h"
+#include "slamdb/model/salvage.h"
 
 namespace slamdb {
-
-// How many entries of a list could be read, of how many that the file announces.
-struct SalvagedList {
-  std::uint64_t listed = 0, read = 0;
-};
-
-struct SalvagedMap {
-  MapId id;
-  SalvagedList keyframes, points, landmarks;
-};
-
-// What could be read of a damaged file. Everything in the atlas was read whole; it may refer to what was not, and
-// cameras, counters and the map's members that stand behind the damage are as in an atlas just made.
-struct Salvage {
-  Atlas atlas;
-  std::vector<std::string> damage;  // where reading failed, and how, the first of it; empty: the file is whole
-  std::vector<SalvagedMap> maps;    // by row of Atlas::maps
-  std::uint64_t maps_listed = 0;
-  bool lost_beginning = false;  // of an ORB-SLAM3 file: vocabulary, number of maps, head of the first map
-};
 
 // Reads what can be read, with the format of the options, or else of the input: of ORB-SLAM3 files, stores and MRPT
 // landmarks. Throws Error when nothing can be read, and of kind kUnsupported for another format. Thread-safe.

@@ -6,10 +6,11 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/live/bridge.h"
+#include "slamdb/live/detail/own.h"
+#include "slamdb/live/detail/snapshot.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
-#include "slamdb/live/snapshot.h"
 
 namespace slamdb::live {
 
@@ -23,6 +24,13 @@ Value Ask(Map* map, Value (Map::*question)()) {
   return map == nullptr ? Value() : (map->*question)();
 }
 
+template <class Object>
+Map& MapOf(Object& object) {
+  Map* map = object.GetMap();
+  if (map == nullptr) throw Error(ErrorKind::kUsage, "what is added to the atlas is of no map: UpdateMap gives it one");
+  return *map;
+}
+
 }  // namespace
 
 Atlas::Atlas() = default;
@@ -30,7 +38,7 @@ Atlas::~Atlas() = default;
 
 Atlas::Loaded Atlas::Load(const std::string& location, const ReadOptions& options) {
   if (!options.selection.everything() || options.features != FeatureColumns::kAll)
-    throw Error(location, "", "a live atlas is read whole, or saving it would lose the rest");
+    throw Error(ErrorKind::kUsage, location, "", "a live atlas is read whole, or saving it would lose the rest");
   Notices notices;
   LiveAtlas live = FromModel(ReadAtlas(location, options, &notices), options.threads);
   return {std::move(live.atlas), std::move(live.report), std::move(notices)};
@@ -69,6 +77,8 @@ void Atlas::CreateNewMap() {
 void Atlas::ChangeMap(Map* pMap) {
   const Change change(runtime_.gate);
   const Lock lock(mutex_);
+  if (std::none_of(maps_.begin(), maps_.end(), [&](const auto& map) { return map.get() == pMap; }))
+    throw Error(ErrorKind::kUsage, "the map to change to is none of this atlas, or a bad one");
   if (current_ != nullptr) current_->SetStoredMap();
   current_ = pMap;
   current_->SetCurrentMap();
@@ -148,10 +158,53 @@ void Atlas::clearAtlas() {
   RemoveBadMaps();
 }
 
+// ---- all maps
+
+std::map<long unsigned int, KeyFrame*> Atlas::GetAtlasKeyframes() {
+  std::map<long unsigned int, KeyFrame*> keyframes;
+  for (Map* map : GetAllMaps())
+    for (KeyFrame* keyframe : map->GetAllKeyFrames()) keyframes.emplace(keyframe->mnId, keyframe);
+  return keyframes;
+}
+
+long unsigned int Atlas::GetNumLivedKF() {
+  long unsigned int count = 0;
+  for (Map* map : GetAllMaps()) count += map->KeyFramesInMap();
+  return count;
+}
+
+long unsigned int Atlas::GetNumLivedMP() {
+  long unsigned int count = 0;
+  for (Map* map : GetAllMaps()) count += map->MapPointsInMap();
+  return count;
+}
+
+void Atlas::PreSave() {
+  const std::vector<GeometricCamera*> all = GetAllCameras();
+  std::set<GeometricCamera*> cameras(all.begin(), all.end());
+  for (Map* map : GetAllMaps()) map->PreSave(cameras);
+}
+
+PostLoadReport Atlas::PostLoad() {
+  std::map<unsigned int, GeometricCamera*> cameras;
+  for (GeometricCamera* camera : GetAllCameras()) cameras.emplace(camera->GetId(), camera);
+  PostLoadReport report;
+  for (Map* map : GetAllMaps()) report.Append(map->PostLoad(GetKeyFrameDatabase(), GetORBVocabulary(), cameras));
+  return report;
+}
+
 // ---- the current map
 
-void Atlas::AddKeyFrame(KeyFrame* pKF) { pKF->GetMap()->AddKeyFrame(pKF); }
-void Atlas::AddMapPoint(MapPoint* pMP) { pMP->GetMap()->AddMapPoint(pMP); }
+void Atlas::AddKeyFrame(KeyFrame* pKF) {
+  RequireOwn(pKF, runtime_, "the keyframe");
+  MapOf(*pKF).AddKeyFrame(pKF);
+}
+
+void Atlas::AddMapPoint(MapPoint* pMP) {
+  RequireOwn(pMP, runtime_, "the point");
+  MapOf(*pMP).AddMapPoint(pMP);
+}
+
 std::vector<KeyFrame*> Atlas::GetAllKeyFrames() { return Ask(CurrentOrNull(), &Map::GetAllKeyFrames); }
 std::vector<MapPoint*> Atlas::GetAllMapPoints() { return Ask(CurrentOrNull(), &Map::GetAllMapPoints); }
 std::vector<MapPoint*> Atlas::GetReferenceMapPoints() { return Ask(CurrentOrNull(), &Map::GetReferenceMapPoints); }
@@ -170,10 +223,13 @@ void Atlas::SetImuInitialized() { GetCurrentMap()->SetImuInitialized(); }
 // ---- cameras, vocabulary
 
 GeometricCamera* Atlas::AddCamera(GeometricCamera* pCam) {
+  if (pCam == nullptr) RefuseNull("the camera");
+  if (pCam->owner_ != nullptr) RequireOwn(pCam, runtime_, "the camera");
   const Change change(runtime_.gate);
   const Lock lock(mutex_);
   const auto is_it = [&](const auto& camera) { return camera.get() == pCam; };
   if (std::any_of(cameras_.begin(), cameras_.end(), is_it)) return pCam;
+  pCam->owner_ = &runtime_;
   for (const auto& camera : cameras_) {
     if (!camera->IsEqual(*pCam)) continue;
     if (std::none_of(spare_cameras_.begin(), spare_cameras_.end(), is_it)) spare_cameras_.emplace_back(pCam);
@@ -196,6 +252,26 @@ std::vector<GeometricCamera*> Atlas::GetAllCameras() {
   std::vector<GeometricCamera*> cameras;
   for (const auto& camera : cameras_) cameras.push_back(camera.get());
   return cameras;
+}
+
+void Atlas::SetORBVocabulary(ORBVocabulary* pORBVoc) {
+  const Lock lock(mutex_);
+  vocabulary_ = pORBVoc;
+}
+
+ORBVocabulary* Atlas::GetORBVocabulary() {
+  const Lock lock(mutex_);
+  return vocabulary_;
+}
+
+void Atlas::SetKeyFrameDababase(KeyFrameDatabase* pKFDB) {
+  const Lock lock(mutex_);
+  database_ = pKFDB;
+}
+
+KeyFrameDatabase* Atlas::GetKeyFrameDatabase() {
+  const Lock lock(mutex_);
+  return database_;
 }
 
 void Atlas::SetVocabulary(Vocabulary vocabulary) {

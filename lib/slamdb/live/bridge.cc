@@ -5,11 +5,13 @@
 #include <chrono>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/live/detail/keyframe_record.h"
+#include "slamdb/live/detail/link_targets.h"
+#include "slamdb/live/detail/map_point_record.h"
+#include "slamdb/live/detail/snapshot.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
-#include "slamdb/live/map_point_record.h"
-#include "slamdb/live/snapshot.h"
 
 // Steps of FromModel, map by map: tables id -> row from the records; objects, in parallel; lists; links, in parallel.
 namespace slamdb::live {
@@ -151,8 +153,10 @@ void Bridge::LinkHeader(Map& map, const LinkTargets& targets, PostLoadReport& re
 void Bridge::Fill(Atlas& atlas, slamdb::Atlas model, int threads, PostLoadReport& report) {
   const Counters floors = FloorsOf(model);
   std::vector<slamdb::Map> maps = std::move(model.maps);
-  for (slamdb::Camera& camera : model.cameras)
+  for (slamdb::Camera& camera : model.cameras) {
     atlas.cameras_.push_back(std::make_unique<GeometricCamera>(std::move(camera)));
+    atlas.cameras_.back()->owner_ = &atlas.runtime_;
+  }
   model.maps.clear();
   model.cameras.clear();
   atlas.record_ = std::move(model);

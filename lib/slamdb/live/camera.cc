@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/model/derive.h"
 
@@ -14,8 +15,8 @@ constexpr float kSameParameter = 1e-6F;
 
 slamdb::Camera MakeRecord(CameraModel model, std::vector<float> parameters, std::size_t wanted) {
   if (parameters.size() != wanted)
-    throw Error("a camera of this model has " + std::to_string(wanted) + " parameters, not " +
-                std::to_string(parameters.size()));
+    throw Error(ErrorKind::kUsage,
+                slamdb::detail::Concat("a camera of this model has ", wanted, " parameters, not ", parameters.size()));
   return {.model = model, .recorded_type = static_cast<std::uint32_t>(model), .parameters = std::move(parameters)};
 }
 
@@ -42,6 +43,13 @@ Eigen::Vector3f GeometricCamera::unprojectEig(const cv::Point2f& pixel) const {
 cv::Point3f GeometricCamera::unproject(const cv::Point2f& pixel) const {
   const Eigen::Vector3f ray = unprojectEig(pixel);
   return {ray.x(), ray.y(), ray.z()};
+}
+
+std::size_t GeometricCamera::RequireParameter(std::size_t i) const {
+  if (i >= size())
+    throw Error(ErrorKind::kUsage, slamdb::detail::Concat("the camera has ", size(), " parameters: none has number ",
+                                                          static_cast<std::int64_t>(i)));
+  return i;
 }
 
 Eigen::Matrix3f GeometricCamera::toK_() const {

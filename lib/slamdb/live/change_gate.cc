@@ -77,6 +77,7 @@ Change::~Change() {
 ClosedGate::ClosedGate(ChangeGate& gate) : gate_(gate), alone_(gate.closer_, std::defer_lock) {
   if (FindHeld(&gate) != nullptr)
     throw Error(
+        ErrorKind::kUsage,
         "a snapshot of the atlas was asked for inside a Change of it, for whose end it would wait: end it first");
   alone_.lock();
   gate_.Close();

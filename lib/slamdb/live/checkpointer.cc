@@ -7,11 +7,12 @@
 #include <mutex>
 #include <thread>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/live/atlas.h"
-#include "slamdb/live/replica.h"
-#include "slamdb/live/snapshot.h"
+#include "slamdb/live/detail/replica.h"
+#include "slamdb/live/detail/snapshot.h"
 
 namespace slamdb::live {
 namespace {
@@ -24,7 +25,8 @@ double SecondsSince(Clock::time_point begin) { return std::chrono::duration<doub
 class Claim {
  public:
   explicit Claim(Atlas& atlas) : atlas_(atlas) {
-    if (!Bridge::Claim(atlas)) throw Error("the atlas has a checkpointer already; one saves all that changes");
+    if (!Bridge::Claim(atlas))
+      throw Error(ErrorKind::kUsage, "the atlas has a checkpointer already; one saves all that changes");
   }
   ~Claim() { Bridge::Release(atlas_); }
   Claim(const Claim&) = delete;
@@ -105,10 +107,13 @@ Checkpointer::Checkpointer(Atlas& atlas, const std::string& location, const Chec
   const Location target = Location::Parse(location);
   constexpr double kLongest = 1e9;  // seconds
   if (!(options.interval >= 0 && options.interval <= kLongest))
-    throw Error("an interval of " + std::to_string(options.interval) + " seconds, expected 0 to 1e9");
-  if (target.name.empty()) throw Error(target.path, "", "name the atlas in the store to save to, as STORE#NAME");
+    throw Error(ErrorKind::kUsage,
+                slamdb::detail::Concat("an interval of ", options.interval, " seconds, expected 0 to 1e9"));
+  if (target.name.empty())
+    throw Error(ErrorKind::kUsage, target.path, "", "name the atlas in the store to save to, as STORE#NAME");
   if (!std::filesystem::exists(target.path) && &FormatOfOutput(target) != &FormatById("store"))
-    throw Error(target.path, "", "is not named like a store, which a checkpointer needs; its suffix is .db");
+    throw Error(ErrorKind::kUsage, target.path, "",
+                "is not named like a store, which a checkpointer needs; its suffix is .db");
   state_ = std::make_unique<State>(atlas, target, options);
   state_->Save();
   if (options.interval > 0) state_->thread = std::thread([state = state_.get()] { state->Run(); });

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "slamdb/export.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::live {
@@ -27,15 +28,17 @@ struct CheckpointReport {
   SaveReport saved;
 };
 
-// Keeps an atlas of a store up to date with a live one while SLAM threads work on it. It holds them only while it
-// copies what changed since the last time; writing is done beside them, in one transaction: the store always holds one
-// whole moment. A save that fails (disk full, store locked) loses nothing: the next one writes what it would have
-// written. One checkpointer for an atlas at a time; it must go before the atlas does. All methods are thread-safe.
-class Checkpointer {
+// Keeps an atlas of a store up to date with a live one while SLAM threads work on it.
+// It holds them only while it copies what changed since the last time; writing is done beside them, in one transaction:
+// the store always holds one whole moment.
+// A save that fails (disk full, store locked) loses nothing: the next one writes what it would have written.
+// One checkpointer for an atlas at a time; it must go before the atlas does.
+// All methods are thread-safe.
+class SLAMDB_EXPORT Checkpointer {
  public:
-  // Saves the whole atlas to `location` (`store.db#name`), replacing one of that name, and starts the thread. Throws
-  // Error when that fails, when the location is no store, when the interval is negative or no number, or when the atlas
-  // has a checkpointer.
+  // Saves the whole atlas to `location` (`store.db#name`), replacing one of that name, and starts the thread.
+  // Throws Error when that fails, and (kUsage) when the location is no store, the interval is negative or no number, or
+  // the atlas has a checkpointer.
   Checkpointer(Atlas& atlas, const std::string& location, const CheckpointOptions& options = {});
   // Ends the thread; what changed since the last save is not saved.
   ~Checkpointer();

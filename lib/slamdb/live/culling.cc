@@ -79,6 +79,7 @@ RecentPoint JudgeRecentPoint(MapPoint& point, std::uint64_t current, bool monocu
 int CullMapPoints(std::list<MapPoint*>& recent, std::uint64_t current, bool monocular) {
   int culled = 0;
   recent.remove_if([&](MapPoint* point) {
+    if (point == nullptr) return true;
     const RecentPoint judgement = JudgeRecentPoint(*point, current, monocular);
     if (judgement == RecentPoint::kRarelyFound || judgement == RecentPoint::kFewObservers) {
       point->SetBadFlag();
@@ -119,7 +120,7 @@ int CullKeyFrames(KeyFrame& current, const KeyFrameCulling& options) {
     const Change change(map->runtime().gate);
     if (options.inertial) LeaveChain(*keyframe);
     keyframe->SetBadFlag();
-    ++culled;
+    if (keyframe->isBad()) ++culled;  // what must not be erased now goes later
   }
   return culled;
 }

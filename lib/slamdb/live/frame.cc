@@ -3,6 +3,7 @@
 
 #include "slamdb/live/atlas.h"
 #include "slamdb/live/camera.h"
+#include "slamdb/live/detail/own.h"
 #include "slamdb/live/map_point.h"
 #include "slamdb/model/derive.h"
 
@@ -18,7 +19,11 @@ Frame::Frame(Atlas& atlas, slamdb::KeyFrame image, GeometricCamera* camera, Geom
       mvbOutlier(static_cast<std::size_t>(N), false),
       mpCamera(camera),
       mpCamera2(camera2),
+      mpORBvocabulary(atlas.GetORBVocabulary()),
+      runtime_(&atlas.runtime()),
       image_(std::move(image)) {
+  RequireOwn(camera, *runtime_, "the camera");
+  if (camera2 != nullptr) RequireOwn(camera2, *runtime_, "the second camera");
   Features& features = image_.features;
   features.map_points.clear();
   const Column<Keypoint>& keypoints = features.is_fisheye_stereo() ? features.keypoints : features.undistorted;
@@ -42,6 +47,9 @@ bool Frame::UnprojectStereo(int i, Eigen::Vector3f& x3D) const {
 }
 
 bool Frame::isInFrustum(MapPoint* pMP, float viewingCosLimit) {
+  RequireOwn(pMP, *runtime_, "the point");
+  pMP->mTrackProjX = pMP->mTrackProjY = pMP->mTrackProjXR = pMP->mTrackProjYR = -1;
+  pMP->mnTrackScaleLevel = pMP->mnTrackScaleLevelR = -1;
   pMP->mbTrackInView = IsInView(pMP, viewingCosLimit, false);
   pMP->mbTrackInViewR = Nleft != -1 && mpCamera2 != nullptr && IsInView(pMP, viewingCosLimit, true);
   return pMP->mbTrackInView || pMP->mbTrackInViewR;

@@ -1,16 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/live/keyframe.h"
 
+#include "slamdb/live/detail/own.h"
 #include "slamdb/live/frame.h"
 #include "slamdb/live/map.h"
+#include "slamdb/live/map_point.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb::live {
 
 using Lock = std::lock_guard<std::mutex>;
 
-KeyFrame::KeyFrame(Frame& F, Map* pMap)
-    : mnId(pMap->runtime().keyframe_ids.Next()),
+Runtime& KeyFrame::CheckedRuntime(const Frame& frame, const Map* map) {
+  if (map == nullptr) RefuseNull("the map");
+  RequireOwn(&frame, map->runtime(), "the frame");
+  for (const MapPoint* point : frame.mvpMapPoints)
+    if (point != nullptr) RequireOwn(point, map->runtime(), "a point that the frame sees");
+  return map->runtime();
+}
+
+KeyFrame::KeyFrame(Frame& F, Map* pMap, KeyFrameDatabase* pKFDB)
+    : Listed(CheckedRuntime(F, pMap)),
+      record_(F.image()),
+      features_(std::move(record_.features)),
+      mnId(runtime().keyframe_ids.Next()),
       mnFrameId(F.mnId),
       mTimeStamp(F.mTimeStamp),
       N(F.N),
@@ -21,10 +34,9 @@ KeyFrame::KeyFrame(Frame& F, Map* pMap)
       bImu(pMap->isImuInitialized()),
       mpCamera(F.mpCamera),
       mpCamera2(F.mpCamera2),
-      runtime_(pMap->runtime()),
       map_(pMap),
-      record_(F.image()),
-      features_(std::move(record_.features)),
+      vocabulary_(F.mpORBvocabulary),
+      database_(pKFDB),
       slots_(F.mvpMapPoints) {
   record_.features = {};
   record_.id = KeyFrameId(mnId);
@@ -36,16 +48,16 @@ KeyFrame::KeyFrame(Frame& F, Map* pMap)
   record_.loop_edges.clear();
   record_.merge_edges.clear();
   record_.not_erase = record_.to_be_erased = record_.bad = false;
-  record_.camera_from_parent = {};
   SetPose(record_.camera_from_world);
 }
 
 void KeyFrame::MarkChanged() {
-  if (is_owned()) runtime_.changed_keyframes.Add(this);
+  if (is_owned()) runtime().changed_keyframes.Add(this);
 }
 
 void KeyFrame::UpdateMap(Map* pMap) {
-  const Change change(runtime_.gate);
+  if (pMap != nullptr) RequireOwn(pMap, runtime(), "the map");
+  const Change change(runtime().gate);
   map_ = pMap;
   MarkChanged();
 }
@@ -53,7 +65,7 @@ void KeyFrame::UpdateMap(Map* pMap) {
 // ---- pose
 
 void KeyFrame::SetPose(const Rigid3f& Tcw) {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_pose_);
     record_.camera_from_world = Tcw.Normalized();
@@ -63,7 +75,7 @@ void KeyFrame::SetPose(const Rigid3f& Tcw) {
 }
 
 void KeyFrame::SetVelocity(const Eigen::Vector3f& Vw) {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_pose_);
     record_.velocity = Vw;
@@ -94,6 +106,12 @@ Rigid3f KeyFrame::GetRightPose() {
   return RightCameraFromWorld(record_);
 }
 
+Rigid3f KeyFrame::GetRightPoseInverse() { return GetRightPose().Inverse(); }
+Eigen::Matrix3f KeyFrame::GetRightRotation() { return GetRightPose().rotation.toRotationMatrix(); }
+Eigen::Vector3f KeyFrame::GetRightTranslation() { return GetRightPose().translation; }
+Rigid3f KeyFrame::GetRelativePoseTlr() const { return record_.left_from_right.Normalized(); }
+Rigid3f KeyFrame::GetRelativePoseTrl() const { return GetRelativePoseTlr().Inverse(); }
+
 Eigen::Matrix3f KeyFrame::GetRotation() { return GetPose().rotation.toRotationMatrix(); }
 Eigen::Vector3f KeyFrame::GetTranslation() { return GetPose().translation; }
 
@@ -103,6 +121,8 @@ Rigid3f KeyFrame::GetImuPose() {
 }
 
 Eigen::Vector3f KeyFrame::GetImuPosition() { return GetImuPose().translation; }
+
+Eigen::Matrix3f KeyFrame::GetImuRotation() { return GetImuPose().rotation.toRotationMatrix(); }
 
 Eigen::Vector3f KeyFrame::GetVelocity() {
   const Lock lock(mutex_pose_);
@@ -116,13 +136,13 @@ bool KeyFrame::isVelocitySet() {
 
 Rigid3f KeyFrame::GetPoseFromParent() {
   const Lock lock(mutex_pose_);
-  return record_.camera_from_parent;
+  return mTcp;
 }
 
 // ---- inertial
 
 void KeyFrame::SetNewBias(const ImuBias& bias) {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_pose_);
     record_.imu_bias = bias;
@@ -138,13 +158,16 @@ ImuBias KeyFrame::GetImuBias() {
   return record_.imu_bias;
 }
 
+Eigen::Vector3f KeyFrame::GetGyroBias() { return GetImuBias().gyroscope; }
+Eigen::Vector3f KeyFrame::GetAccBias() { return GetImuBias().accelerometer; }
+
 ImuPreintegration KeyFrame::GetImuPreintegrated() {
   const Lock lock(mutex_pose_);
   return record_.preintegration;
 }
 
 void KeyFrame::SetImuPreintegrated(const ImuPreintegration& preintegration) {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_pose_);
     record_.preintegration = preintegration;

@@ -2,20 +2,46 @@
 // What a keyframe sees: its keypoints, and the points in their slots.
 #include <algorithm>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/live/detail/own.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map_point.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/vocabulary_tree.h"
 
 namespace slamdb::live {
 
 using Lock = std::lock_guard<std::mutex>;
+using slamdb::detail::Concat;
+
+namespace {
+
+// Where a place of the undistorted image, in units of the focal length, is in the image that the lens makes (Brown,
+// 1971): k1 k2 p1 p2 [k3].
+Eigen::Vector2f Distort(const Eigen::Vector2f& place, const cv::Mat& coefficients) {
+  if (coefficients.type() != CV_32F || coefficients.total() < 4) return place;
+  const auto k = [&](int i) { return coefficients.at<float>(i); };
+  const float k3 = coefficients.total() > 4 ? k(4) : 0;
+  const float x = place.x(), y = place.y(), r2 = place.squaredNorm();
+  const float radial = 1 + r2 * (k(0) + r2 * (k(1) + r2 * k3));
+  return {x * radial + 2 * k(2) * x * y + k(3) * (r2 + 2 * x * x),
+          y * radial + k(2) * (r2 + 2 * y * y) + 2 * k(3) * x * y};
+}
+
+}  // namespace
 
 void KeyFrame::ComputeBoW(const VocabularyTree& vocabulary) {
   if (!features_.bag_of_words.words.empty() && !features_.feature_vector.nodes.empty()) return;
   Words words = ComputeWords(vocabulary, features_.descriptors);
   features_.bag_of_words = std::move(words.bag_of_words);
   features_.feature_vector = std::move(words.feature_vector);
+}
+
+void KeyFrame::ComputeBoW() {
+  if (vocabulary_ == nullptr)
+    throw Error(ErrorKind::kUsage, Concat("kf ", mnId, " has no vocabulary: SetORBVocabulary gives it one"));
+  ComputeBoW(*vocabulary_);
 }
 
 std::vector<std::size_t> KeyFrame::GetFeaturesInArea(float x, float y, float r, bool bRight) const {
@@ -31,6 +57,32 @@ bool KeyFrame::UnprojectStereo(int i, Eigen::Vector3f& x3D) {
   const std::optional<Eigen::Vector3f> position = UnprojectDepth(features_, intrinsics(), i);
   if (!position) return false;
   x3D = GetPoseInverse() * *position;
+  return true;
+}
+
+std::optional<Eigen::Vector2f> KeyFrame::ProjectUndistorted(MapPoint* point) {
+  RequireOwn(point, runtime(), "the point");
+  const Eigen::Vector3f in_camera = GetPose() * point->GetWorldPos();
+  if (!(in_camera.z() > 0)) return std::nullopt;
+  const Eigen::Vector2f place(fx * in_camera.x() / in_camera.z() + cx, fy * in_camera.y() / in_camera.z() + cy);
+  if (!IsInImage(place.x(), place.y())) return std::nullopt;
+  return place;
+}
+
+bool KeyFrame::ProjectPointUnDistort(MapPoint* pMP, cv::Point2f& kp, float& u, float& v) {
+  const std::optional<Eigen::Vector2f> place = ProjectUndistorted(pMP);
+  if (!place) return false;
+  u = kp.x = place->x();
+  v = kp.y = place->y();
+  return true;
+}
+
+bool KeyFrame::ProjectPointDistort(MapPoint* pMP, cv::Point2f& kp, float& u, float& v) {
+  const std::optional<Eigen::Vector2f> place = ProjectUndistorted(pMP);
+  if (!place) return false;
+  const Eigen::Vector2f distorted = Distort({(place->x() - cx) * invfx, (place->y() - cy) * invfy}, mDistCoef);
+  u = kp.x = fx * distorted.x() + cx;
+  v = kp.y = fy * distorted.y() + cy;
   return true;
 }
 
@@ -51,13 +103,14 @@ bool KeyFrame::HasRows(const Observation& observation) const {
 
 void KeyFrame::RequireRow(std::size_t row) const {
   if (row >= slots_.size())
-    throw Error("kf " + std::to_string(mnId) + " has " + std::to_string(slots_.size()) + " keypoints: none has row " +
-                std::to_string(static_cast<std::int64_t>(row)));
+    throw Error(ErrorKind::kUsage, Concat("kf ", mnId, " has ", slots_.size(), " keypoints: none has row ",
+                                          static_cast<std::int64_t>(row)));
 }
 
 void KeyFrame::SetSlot(std::size_t row, MapPoint* point) {
   RequireRow(row);
-  const Change change(runtime_.gate);
+  if (point != nullptr) RequireOwn(point, runtime(), "the point");
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_features_);
     slots_[row] = point;
@@ -71,6 +124,7 @@ void KeyFrame::ReplaceMapPointMatch(int idx, MapPoint* pMP) { SetSlot(static_cas
 void KeyFrame::EraseMapPointMatch(int idx) { SetSlot(static_cast<std::size_t>(idx), nullptr); }
 
 void KeyFrame::EraseMapPointMatch(MapPoint* pMP) {
+  if (pMP == nullptr) return;
   const auto [left, right] = pMP->GetIndexInKeyFrame(this);
   if (left >= 0) EraseMapPointMatch(left);
   if (right >= 0) EraseMapPointMatch(right);

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <limits>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/live/detail/own.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
 
 namespace slamdb::live {
 namespace {
+
+constexpr const char* kTheKeyFrame = "the keyframe";
 
 constexpr int kStrongWeight = 15;  // shared points of a covisible
 
@@ -35,7 +39,8 @@ std::vector<KeyFrame::Covisible>::iterator KeyFrame::FindConnection(const KeyFra
 }
 
 void KeyFrame::AddConnection(KeyFrame* pKF, int weight) {
-  const Change change(runtime_.gate);
+  RequireOwn(pKF, runtime(), kTheKeyFrame);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     const auto place = FindConnection(pKF);
@@ -52,7 +57,8 @@ void KeyFrame::AddConnection(KeyFrame* pKF, int weight) {
 }
 
 void KeyFrame::EraseConnection(KeyFrame* pKF) {
-  const Change change(runtime_.gate);
+  if (pKF == nullptr) return;
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     const auto place = FindConnection(pKF);
@@ -90,7 +96,7 @@ std::vector<KeyFrame::Covisible> KeyFrame::CountSharedPoints() {
 }
 
 void KeyFrame::UpdateConnections() {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   Map* const map = GetMap();
   if (map == nullptr) return;
   const std::vector<Covisible> counted = CountSharedPoints();
@@ -151,6 +157,7 @@ std::vector<KeyFrame*> KeyFrame::GetCovisiblesByWeight(int w) {
 }
 
 int KeyFrame::GetWeight(KeyFrame* pKF) {
+  if (pKF == nullptr) return 0;
   const Lock lock(mutex_connections_);
   const auto place = FindConnection(pKF);
   return place != connections_.end() && place->keyframe == pKF ? place->weight : 0;
@@ -159,7 +166,7 @@ int KeyFrame::GetWeight(KeyFrame* pKF) {
 // ---- spanning tree
 
 void KeyFrame::SetFirstConnection(bool bFirst) {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     record_.first_connection = bFirst;
@@ -168,7 +175,8 @@ void KeyFrame::SetFirstConnection(bool bFirst) {
 }
 
 void KeyFrame::AddChild(KeyFrame* pKF) {
-  const Change change(runtime_.gate);
+  RequireOwn(pKF, runtime(), kTheKeyFrame);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     AddOnce(children_, pKF);
@@ -177,7 +185,7 @@ void KeyFrame::AddChild(KeyFrame* pKF) {
 }
 
 void KeyFrame::EraseChild(KeyFrame* pKF) {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     std::erase(children_, pKF);
@@ -186,8 +194,11 @@ void KeyFrame::EraseChild(KeyFrame* pKF) {
 }
 
 void KeyFrame::ChangeParent(KeyFrame* pKF) {
-  if (pKF == this) throw Error("kf " + std::to_string(mnId) + " cannot be its own parent in the spanning tree");
-  const Change change(runtime_.gate);
+  if (pKF == this)
+    throw Error(ErrorKind::kUsage,
+                slamdb::detail::Concat("kf ", mnId, " cannot be its own parent in the spanning tree"));
+  if (pKF != nullptr) RequireOwn(pKF, runtime(), kTheKeyFrame);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     parent_ = pKF;
@@ -214,7 +225,8 @@ bool KeyFrame::hasChild(KeyFrame* pKF) {
 // ---- loop and merge edges
 
 void KeyFrame::AddLoopEdge(KeyFrame* pKF) {
-  const Change change(runtime_.gate);
+  RequireOwn(pKF, runtime(), kTheKeyFrame);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     record_.not_erase = true;
@@ -229,7 +241,8 @@ std::set<KeyFrame*> KeyFrame::GetLoopEdges() {
 }
 
 void KeyFrame::AddMergeEdge(KeyFrame* pKF) {
-  const Change change(runtime_.gate);
+  RequireOwn(pKF, runtime(), kTheKeyFrame);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     record_.not_erase = true;
@@ -246,7 +259,7 @@ std::set<KeyFrame*> KeyFrame::GetMergeEdges() {
 // ---- going bad
 
 void KeyFrame::SetNotErase() {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_connections_);
     record_.not_erase = true;
@@ -255,7 +268,7 @@ void KeyFrame::SetNotErase() {
 }
 
 void KeyFrame::SetErase() {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   bool erase = false;
   {
     const Lock lock(mutex_connections_);
@@ -267,7 +280,7 @@ void KeyFrame::SetErase() {
 }
 
 void KeyFrame::SetBadFlag() {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   Map* const map = GetMap();
   if (bad_ || (map != nullptr && mnId == map->GetInitKFid())) return;
   bool is_kept = false;
@@ -302,9 +315,10 @@ void KeyFrame::LeaveGraph() {
     parent->EraseChild(this);
     const Rigid3f camera_from_parent = GetPose() * parent->GetPoseInverse();
     const Lock lock(mutex_pose_);
-    record_.camera_from_parent = camera_from_parent;
+    mTcp = camera_from_parent;
   }
   bad_ = true;
+  if (database_ != nullptr) database_->erase(this);
   if (Map* map = GetMap(); map != nullptr) map->EraseKeyFrame(this);
 }
 

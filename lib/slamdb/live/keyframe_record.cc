@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A keyframe and its record at rest.
+#include "slamdb/live/detail/keyframe_record.h"
+
 #include <algorithm>
 #include <bit>
 
 #include "slamdb/live/camera.h"
+#include "slamdb/live/detail/link_filter.h"
+#include "slamdb/live/detail/link_targets.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
@@ -33,88 +37,23 @@ Column<KeyFrameId> LinksOf(const std::vector<KeyFrame*>& targets, LinkFilter& li
 }  // namespace
 
 KeyFrame::KeyFrame(slamdb::KeyFrame record, Map* map)
-    : mnId(record.id.value()),
-      mnFrameId(record.frame_id),
-      mTimeStamp(record.timestamp),
-      N(record.features.count),
-      NLeft(record.features.left_count),
-      NRight(record.features.right_count),
-      mnOriginMapId(record.origin_map),
-      mfScale(record.merge_scale),
-      bImu(record.imu_initialized),
-      runtime_(map->runtime()),
-      map_(map),
-      bad_(record.bad),
+    : Listed(map->runtime()),
       record_(std::move(record)),
       features_(std::move(record_.features)),
+      mnId(record_.id.value()),
+      mnFrameId(record_.frame_id),
+      mTimeStamp(record_.timestamp),
+      N(features_.count),
+      NLeft(features_.left_count),
+      NRight(features_.right_count),
+      mnOriginMapId(record_.origin_map),
+      mfScale(record_.merge_scale),
+      bImu(record_.imu_initialized),
+      mTcp(record_.camera_from_parent),
+      map_(map),
+      bad_(record_.bad),
       slots_(features_.map_points.size(), nullptr) {
   record_.features = {};
-}
-
-void KeyFrame::Link(const LinkTargets& targets, PostLoadReport& report) {
-  const Miss miss = [&](LinkKind kind, std::uint64_t target) {
-    report.Add({kind, MapId(GetMap()->GetId()), KeyFrameId(mnId), {}, target});
-  };
-  LinkSlots(targets, miss);
-  if (bad_) return;
-  if (mpCamera == nullptr) miss(LinkKind::kCamera, record_.camera.value());
-  if (mpCamera2 == nullptr && record_.right_camera) miss(LinkKind::kRightCamera, record_.right_camera.value());
-  LinkKeyFrames(targets, miss);
-  LinkConnections(targets, miss);
-}
-
-void KeyFrame::LinkSlots(const LinkTargets& targets, const Miss& miss) {
-  for (std::size_t row = 0; row < slots_.size(); ++row) {
-    const MapPointId id = features_.map_points[row];
-    if (!id) continue;
-    slots_[row] = bad_ ? nullptr : targets.Find(id);
-    if (slots_[row] != nullptr) continue;
-    unresolved_slots_.emplace_back(row, id);
-    if (!bad_) miss(LinkKind::kSlot, id.value());
-  }
-  features_.map_points = {};
-}
-
-void KeyFrame::LinkKeyFrames(const LinkTargets& targets, const Miss& miss) {
-  const auto link = [&](KeyFrameId& id, KeyFrame*& target, LinkKind kind) {
-    if (!id) return;
-    target = targets.Find(id);
-    if (target == nullptr) return miss(kind, id.value());
-    id = {};
-  };
-  link(record_.parent, parent_, LinkKind::kParent);
-  link(record_.previous, mPrevKF, LinkKind::kPrevious);
-  link(record_.next, mNextKF, LinkKind::kNext);
-  const auto link_all = [&](Column<KeyFrameId>& ids, std::vector<KeyFrame*>& found, LinkKind kind) {
-    Column<KeyFrameId> unresolved;
-    for (const KeyFrameId id : ids) {
-      if (KeyFrame* target = targets.Find(id); target != nullptr) {
-        found.push_back(target);
-      } else {
-        unresolved.push_back(id);
-        miss(kind, id.value());
-      }
-    }
-    ids = std::move(unresolved);
-  };
-  link_all(record_.children, children_, LinkKind::kChild);
-  link_all(record_.loop_edges, loop_edges_, LinkKind::kLoopEdge);
-  link_all(record_.merge_edges, merge_edges_, LinkKind::kMergeEdge);
-}
-
-void KeyFrame::LinkConnections(const LinkTargets& targets, const Miss& miss) {
-  Column<Connection> unresolved;
-  for (const Connection& connection : record_.connections) {
-    KeyFrame* target = targets.Find(connection.keyframe);
-    if (target != nullptr && (connections_.empty() || connections_.back().keyframe->mnId < target->mnId)) {
-      connections_.push_back({target, connection.weight});
-    } else {
-      unresolved.push_back(connection);
-      miss(LinkKind::kConnection, connection.keyframe.value());
-    }
-  }
-  record_.connections = std::move(unresolved);
-  OrderCovisibles();
 }
 
 KeyFrame::PublicMembers KeyFrame::ReadPublicMembers() const {
@@ -146,6 +85,7 @@ slamdb::KeyFrame KeyFrame::ToRecord(LinkFilter& links, bool features) const {
   if (bad_ != static_cast<bool>(record.bad)) record.bad = static_cast<bool>(bad_);
   if (mpCamera != nullptr) record.camera = mpCamera->record().id;
   if (mpCamera2 != nullptr) record.right_camera = mpCamera2->record().id;
+  record.camera_from_parent = mTcp;
   WriteLinks(links, record);
   return record;
 }

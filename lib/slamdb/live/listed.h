@@ -8,22 +8,32 @@
 namespace slamdb::live {
 
 class Map;
+struct Runtime;
 
 // What maps and the change log keep in each keyframe and map point, so that neither needs a look-up.
+//
+// Public because KeyFrame and MapPoint are made of it; ObjectList and ChangeLog below, because Map and Runtime are.
 class Listed {
  public:
-  Listed() = default;
   Listed(const Listed&) = delete;
   Listed& operator=(const Listed&) = delete;
 
-  // Whether the map lists it: it was added there and not erased since. Thread-safe, as is Owner().
+  // Whether it belongs to the live atlas of that runtime, whose objects alone it may be linked to.
+  bool IsOf(const Runtime& runtime) const { return runtime_ == &runtime; }
+
+  // Whether the map lists it: it was added there and not erased since.
+  // Thread-safe, as is Owner().
   bool IsListedIn(const Map* map) const { return map != nullptr && listed_in_.load(std::memory_order_acquire) == map; }
 
   // The map that it was added to last, whether it lists it still or not; null: none yet.
   Map* Owner() const { return owner_.load(std::memory_order_acquire); }
 
  protected:
+  explicit Listed(Runtime& runtime) : runtime_(&runtime) {}
+
   bool is_owned() const { return Owner() != nullptr; }
+  Runtime& runtime() const { return *runtime_; }
+  void Join(Runtime& runtime) { runtime_ = &runtime; }
 
  private:
   friend class Map;
@@ -32,30 +42,12 @@ class Listed {
   template <class Object>
   friend class ChangeLog;
 
+  Runtime* runtime_;                       // of its atlas
   std::atomic<Map*> owner_ = nullptr;      // deletes it; null: the client does
   std::atomic<Map*> listed_in_ = nullptr;  // the owner, until it is erased
   std::uint32_t row_ = 0;                  // in the owner's list of live or of erased objects
   std::atomic<bool> changed_ = false;      // is in the change log
   void* next_changed_ = nullptr;
-};
-
-// Which links go into the record of an object: those to what its map lists.
-class LinkFilter {
- public:
-  explicit LinkFilter(const Map* map) : map_(map) {}
-
-  bool Has(const Listed* target) {
-    if (target->IsListedIn(map_)) return true;
-    waits_ = waits_ || target->Owner() == nullptr;
-    return false;
-  }
-
-  // Whether a target was in no map yet: it may come, and then the link belongs into the record.
-  bool waits() const { return waits_; }
-
- private:
-  const Map* map_;
-  bool waits_ = false;
 };
 
 // Objects in the order in which they were added. Adding and removing take constant time. Not thread-safe.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "slamdb/live/detail/own.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map_point.h"
 
@@ -66,7 +67,7 @@ bool Map::Add(Objects<Object>& objects, Object* object) {
 template <class Object>
 bool Map::Erase(Objects<Object>& objects, Object* object) {
   const Lock lock(mutex_);
-  if (!object->IsListedIn(this)) return false;
+  if (object == nullptr || !object->IsListedIn(this)) return false;
   objects.live.Remove(object);
   objects.erased.Add(object);
   object->Listed::listed_in_ = nullptr;
@@ -99,6 +100,7 @@ KeyFrame* Map::FindLowest() const {
 }
 
 void Map::AddKeyFrame(KeyFrame* pKF) {
+  RequireOwn(pKF, runtime_, "the keyframe");
   const Change change(runtime_.gate);
   if (!Add(keyframes_, pKF)) return;
   {
@@ -118,6 +120,7 @@ void Map::AddKeyFrame(KeyFrame* pKF) {
 }
 
 void Map::AddMapPoint(MapPoint* pMP) {
+  RequireOwn(pMP, runtime_, "the point");
   const Change change(runtime_.gate);
   if (Add(points_, pMP)) pMP->MarkChanged();
 }
@@ -311,7 +314,7 @@ slamdb::Map Map::ToHeader(bool repeated_entries) const {
   if (lowest != nullptr && !record_.lowest_keyframe) header.lowest_keyframe = KeyFrameId(lowest->mnId);
   header.origins.clear();
   for (const KeyFrame* origin : mvpKeyFrameOrigins)
-    if (origin->IsListedIn(this)) header.origins.push_back(KeyFrameId(origin->mnId));
+    if (origin != nullptr && origin->IsListedIn(this)) header.origins.push_back(KeyFrameId(origin->mnId));
   header.origins.insert(header.origins.end(), record_.origins.begin(), record_.origins.end());
   return header;
 }

@@ -3,10 +3,15 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <mutex>
+#include <set>
 #include <vector>
 
+#include "slamdb/export.h"
+#include "slamdb/live/keyframe_database.h"
 #include "slamdb/live/listed.h"
+#include "slamdb/live/post_load.h"
 #include "slamdb/live/runtime.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/similarity.h"
@@ -14,13 +19,18 @@
 namespace slamdb::live {
 
 class Atlas;
+class GeometricCamera;
 class KeyFrame;
 class MapPoint;
 
-// Keyframes and points in one world frame: ORB-SLAM3's class Map, with its names. live::Atlas makes maps. It owns what
-// was added to it, until it goes itself or another map takes it over. Lists are in the order in which objects came. All
-// methods are thread-safe; runtime.h states the order of the locks.
-class Map {
+// Keyframes and points in one world frame: ORB-SLAM3's class Map, with its names.
+// Atlas::CreateNewMap makes maps, and the atlas owns them.
+// A map owns what was added to it, until it goes itself or another map takes it over.
+// Lists are in the order in which objects came.
+//
+// All methods are thread-safe; runtime.h states the order of the locks.
+// Erasing what is null or of another atlas does nothing; adding it throws Error (kUsage).
+class SLAMDB_EXPORT Map {
  public:
   ~Map();
   Map(const Map&) = delete;
@@ -79,10 +89,30 @@ class Map {
   // Empties the map: its keyframes belong to no map, the IMU flags are reset.
   void clear();
 
-  Runtime& runtime() { return runtime_; }
+  // Fills the mBackup members of the map, and of its keyframes and points that are not bad, with what leads to these
+  // and to the cameras. Changes nothing else. While no other thread changes the map.
+  void PreSave(std::set<GeometricCamera*>& spCams);
+  // Adds the keyframes and points that the backup lists hold to the map, hands the keyframes vocabulary and database,
+  // which may be null, finds what all their mBackup members name, and adds the keyframes to the database.
+  // Clears the backup members, so a second call does nothing. Returns what dangles.
+  PostLoadReport PostLoad(KeyFrameDatabase* pKFDB, ORBVocabulary* pORBVoc,
+                          std::map<unsigned int, GeometricCamera*>& mpCams);
 
-  std::mutex mMutexMapUpdate, mMutexPointCreation;  // for clients, see runtime.h
+  Runtime& runtime() const { return runtime_; }
+  // Whether it belongs to the live atlas of that runtime.
+  bool IsOf(const Runtime& runtime) const { return &runtime_ == &runtime; }
+
+  // ---- For clients.
+  std::mutex mMutexMapUpdate, mMutexPointCreation;  // see runtime.h
   std::vector<KeyFrame*> mvpKeyFrameOrigins;        // roots for global bundle adjustment; write it inside a Change
+  KeyFrame* mpFirstRegionKF = nullptr;              // not saved
+  bool mbFail = false;                              // not saved
+
+  // ---- Filled by PreSave and read by PostLoad. Ids of 2^64 - 1: none.
+  std::vector<KeyFrame*> mvpBackupKeyFrames;
+  std::vector<MapPoint*> mvpBackupMapPoints;
+  std::vector<long unsigned int> mvBackupKeyFrameOriginsId;
+  long unsigned int mnBackupKFinitialID = KeyFrameId::kNone, mnBackupKFlowerID = KeyFrameId::kNone;
 
  private:
   friend class Atlas;
@@ -105,6 +135,8 @@ class Map {
   // Deletes what it lists; what was erased stays, since others may link to it. Returns whether there is any.
   bool DeleteListed();
   KeyFrame* FindLowest() const;
+  // The last step of PostLoad: the initial and the lowest keyframe, and the origins.
+  void FindBackups(const std::map<long unsigned int, KeyFrame*>& keyframes, PostLoadReport& report);
   void Forget(const KeyFrame* keyframe);  // that goes to another map
   void Forget(const MapPoint*) {}
   Objects<KeyFrame>& ObjectsOf(KeyFrame*) { return keyframes_; }

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "slamdb/base/column.h"
+#include "slamdb/live/detail/own.h"
 #include "slamdb/live/frame.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
@@ -13,11 +14,26 @@ namespace slamdb::live {
 
 using Lock = std::lock_guard<std::mutex>;
 
-MapPoint::MapPoint(Map* map, std::uint64_t id)
-    : mnId(id), mnOriginMapId(static_cast<unsigned int>(map->GetId())), runtime_(map->runtime()), map_(map) {}
+namespace {
 
-MapPoint::MapPoint(const Eigen::Vector3f& Pos, KeyFrame* pRefKF, Map* pMap)
-    : MapPoint(pMap, pMap->runtime().point_ids.Next()) {
+constexpr const char *kTheMap = "the map", *kTheKeyFrame = "the keyframe", *kTheFrame = "the frame";
+
+Map& Required(Map* map) {
+  if (map == nullptr) RefuseNull(kTheMap);
+  return *map;
+}
+
+}  // namespace
+
+MapPoint::MapPoint() : Listed(NoAtlas()), mnId(MapPointId::kNone) {}
+
+MapPoint::MapPoint(Map& map) : MapPoint(map, map.runtime().point_ids.Next()) {}
+
+MapPoint::MapPoint(Map& map, std::uint64_t id)
+    : Listed(map.runtime()), mnId(id), mnOriginMapId(static_cast<unsigned int>(map.GetId())), map_(&map) {}
+
+MapPoint::MapPoint(const Eigen::Vector3f& Pos, KeyFrame* pRefKF, Map* pMap) : MapPoint(Required(pMap)) {
+  RequireOwn(pRefKF, runtime(), kTheKeyFrame);
   mnFirstKFid = static_cast<long int>(pRefKF->mnId);
   mnFirstFrame = static_cast<long int>(pRefKF->mnFrameId);
   position_ = Pos;
@@ -26,14 +42,15 @@ MapPoint::MapPoint(const Eigen::Vector3f& Pos, KeyFrame* pRefKF, Map* pMap)
 
 MapPoint::MapPoint(double invDepth, cv::Point2f uv_init, KeyFrame* pRefKF, KeyFrame* pHostKF, Map* pMap)
     : MapPoint(Eigen::Vector3f::Zero(), pRefKF, pMap) {
+  RequireOwn(pHostKF, runtime(), "the host keyframe");
   mInvDepth = invDepth;
   mInitU = static_cast<double>(uv_init.x);
   mInitV = static_cast<double>(uv_init.y);
   mpHostKF = pHostKF;
 }
 
-MapPoint::MapPoint(const Eigen::Vector3f& Pos, Map* pMap, Frame* pFrame, int idxF)
-    : MapPoint(pMap, pMap->runtime().point_ids.Next()) {
+MapPoint::MapPoint(const Eigen::Vector3f& Pos, Map* pMap, Frame* pFrame, int idxF) : MapPoint(Required(pMap)) {
+  RequireOwn(pFrame, runtime(), kTheFrame);
   mnFirstFrame = static_cast<long int>(pFrame->mnId);
   position_ = Pos;
   const slamdb::KeyFrame& image = pFrame->image();
@@ -53,15 +70,15 @@ void* MapPoint::operator new(std::size_t bytes) { return AllocateColumn(bytes); 
 void MapPoint::operator delete(void* block, std::size_t bytes) { FreeColumn(block, bytes); }
 
 void MapPoint::MarkChanged() {
-  if (is_owned()) runtime_.changed_points.Add(this);
+  if (is_owned()) runtime().changed_points.Add(this);
 }
 
 // ---- position
 
 void MapPoint::SetWorldPos(const Eigen::Vector3f& Pos) {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
-    const Lock global(runtime_.global_mutex);
+    const Lock global(runtime().global_mutex);
     const Lock lock(mutex_position_);
     position_ = Pos;
   }
@@ -79,7 +96,7 @@ Eigen::Vector3f MapPoint::GetNormal() {
 }
 
 void MapPoint::SetNormalVector(const Eigen::Vector3f& normal) {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_position_);
     normal_ = normal;
@@ -116,7 +133,7 @@ void MapPoint::UpdateNormalAndDepth() {
   }
   const float distance = (position - reference->GetCameraCenter()).norm();
   const Eigen::Vector3f normal = MeanViewingDirection(position, centers);
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_position_);
     normal_ = normal;
@@ -141,9 +158,12 @@ int MapPoint::PredictScaleIn(float distance, const ScalePyramid& pyramid) {
 }
 
 int MapPoint::PredictScale(const float& currentDist, KeyFrame* pKF) {
+  RequireOwn(pKF, runtime(), kTheKeyFrame);
   return PredictScaleIn(currentDist, pKF->pyramid());
 }
+
 int MapPoint::PredictScale(const float& currentDist, Frame* pF) {
+  RequireOwn(pF, runtime(), kTheFrame);
   return PredictScaleIn(currentDist, pF->image().pyramid);
 }
 
@@ -184,7 +204,13 @@ MapPoint* MapPoint::GetReplaced() {
 Map* MapPoint::GetMap() { return map_; }
 
 void MapPoint::UpdateMap(Map* pMap) {
-  const Change change(runtime_.gate);
+  if (pMap != nullptr && IsOf(NoAtlas())) {
+    Join(pMap->runtime());
+    if (mnId == MapPointId::kNone) mnId = runtime().point_ids.Next();
+    runtime().point_ids.Pass(mnId);
+  }
+  if (pMap != nullptr) RequireOwn(pMap, runtime(), kTheMap);
+  const Change change(runtime().gate);
   map_ = pMap;
   MarkChanged();
 }

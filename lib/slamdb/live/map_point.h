@@ -13,32 +13,47 @@
 #include <tuple>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/live/listed.h"
 #include "slamdb/live/observer_list.h"
 #include "slamdb/live/post_load.h"
 #include "slamdb/live/runtime.h"
 #include "slamdb/model/map_point.h"
 
+namespace slamdb {
+struct ScalePyramid;
+}
+
 namespace slamdb::live {
 
 class Frame;
 class KeyFrame;
+class LinkFilter;
 class Map;
 
-// A 3D point of a map that is being built: ORB-SLAM3's class MapPoint, with its names and signatures. World
-// coordinates, metres or map units. All methods are thread-safe; runtime.h states the order of the locks. Where
-// ORB-SLAM3 goes through keyframes by address, keyframe ids order them here, so that equal work gives equal maps.
+// A 3D point of a map that is being built: ORB-SLAM3's class MapPoint, with its names and signatures.
+// World coordinates, metres or map units.
 //
-// `new` makes it; Map::AddMapPoint takes it over, and it then lives until the map goes, also when it is flagged bad. A
-// point that was never added is the client's to delete, once nothing refers to it.
-class MapPoint : public Listed {
+// All methods are thread-safe; runtime.h states the order of the locks.
+// Where ORB-SLAM3 goes through keyframes by address, keyframe ids order them here, so that equal work gives equal maps.
+//
+// `new` makes it; Map::AddMapPoint takes it over, and it then lives until the map goes, also when it is flagged bad.
+// A point that was never added is the client's to delete, once nothing refers to it.
+//
+// Asked about an object that is null or of another atlas, it answers that it has nothing to do with it. To be linked to
+// such an object it refuses: Error (kUsage).
+class SLAMDB_EXPORT MapPoint : public Listed {
  public:
-  // With a reference keyframe. Like every constructor it adds no observation: AddObservation does, on both sides.
+  // In no map and of no atlas, without an id: for programs that read points by themselves. UpdateMap gives it both.
+  // Until then it can be linked to no object of an atlas.
+  MapPoint();
+  // With a reference keyframe.
+  // Like every constructor it adds no observation: AddObservation does, on both sides.
   MapPoint(const Eigen::Vector3f& Pos, KeyFrame* pRefKF, Map* pMap);
   // By inverse depth (1/m) along the ray of pixel `uv_init` of the host keyframe. The position is not set.
   MapPoint(double invDepth, cv::Point2f uv_init, KeyFrame* pRefKF, KeyFrame* pHostKF, Map* pMap);
-  // Seen by a frame as keypoint `idxF`, whose descriptor, viewing direction and distance range it takes. No reference
-  // keyframe.
+  // Seen by a frame as keypoint `idxF`, whose descriptor, viewing direction and distance range it takes.
+  // No reference keyframe.
   MapPoint(const Eigen::Vector3f& Pos, Map* pMap, Frame* pFrame, int idxF);
   ~MapPoint() = default;
 
@@ -60,11 +75,11 @@ class MapPoint : public Listed {
   int Observations();
 
   // Keypoint `idx` of the keyframe sees the point; rows from KeyFrame::NLeft up are of the right image of a fisheye
-  // pair. Unlike ORB-SLAM3's, adding an observation again does not count it again, and a keypoint that the keyframe
-  // does not have throws Error.
+  // pair. Adding an observation again does not count it again, unlike ORB-SLAM3's. Throws Error (kUsage) for a keypoint
+  // that the keyframe does not have.
   void AddObservation(KeyFrame* pKF, int idx);
-  // The reference keyframe, if it is this one, becomes the observer of the lowest id. With two observations or less
-  // left the point is flagged bad.
+  // The reference keyframe, if it is this one, becomes the observer of the lowest id.
+  // With two observations or less left the point is flagged bad.
   void EraseObservation(KeyFrame* pKF);
 
   std::tuple<int, int> GetIndexInKeyFrame(KeyFrame* pKF);  // (-1, -1): not seen
@@ -72,8 +87,8 @@ class MapPoint : public Listed {
   void PrintObservations();  // to standard output
   void PrintObservations(std::ostream& out);
 
-  // Forgets the observations, clears the slots of the keyframes that had them, and leaves the map. The counters, the
-  // reference keyframe and the descriptor stay.
+  // Forgets the observations, clears the slots of the keyframes that had them, and leaves the map.
+  // The counters, the reference keyframe and the descriptor stay.
   void SetBadFlag();
   bool isBad();
 
@@ -101,12 +116,16 @@ class MapPoint : public Listed {
   int PredictScale(const float& currentDist, Frame* pF);
 
   Map* GetMap();
-  void UpdateMap(Map* pMap);  // the pointer only: mnOriginMapId stays
+  // The pointer only: mnOriginMapId stays, and lists of maps do not change. Null: it is of no map.
+  // A point of no atlas becomes one of the map's, with a new id if it has none; before other threads know it.
+  void UpdateMap(Map* pMap);
 
-  // Fill the mBackup members with what leads to these keyframes and points, and find the targets again. PreSave changes
-  // nothing else; what dangles is in the report of PostLoad. Saving and loading whole atlases does not use them
-  // (bridge.h), so they are empty until PreSave is called, and PostLoad then leaves the point without observations.
+  // Fills the mBackup members with what leads to these keyframes and points. Changes nothing else.
   void PreSave(std::set<KeyFrame*>& spKF, std::set<MapPoint*>& spMP);
+  // Finds what the mBackup members name; that replaces the links that it has. Clears the members afterwards, as
+  // ORB-SLAM3 does, so a second call leaves the point without observations.
+  // Returns what dangles. Observations() stays as it is.
+  // Saving and loading whole atlases does not use these two (bridge.h).
   PostLoadReport PostLoad(std::map<long unsigned int, KeyFrame*>& mpKFid,
                           std::map<long unsigned int, MapPoint*>& mpMPid);
 
@@ -117,10 +136,10 @@ class MapPoint : public Listed {
   long unsigned int mnId;
   long int mnFirstKFid = -1;  // -1: made by a frame
   long int mnFirstFrame = -1;
-  int nObs = 0;                // Observations()
-  unsigned int mnOriginMapId;  // the map it was made in
+  int nObs = 0;                    // Observations()
+  unsigned int mnOriginMapId = 0;  // the map it was made in
 
-  // ---- Tracking: written by the tracking thread only.
+  // ---- Tracking: written by the tracking thread only. Frame::isInFrustum says what stands here after a miss.
   float mTrackProjX = 0, mTrackProjY = 0;    // pixels, left image
   float mTrackProjXR = 0, mTrackProjYR = 0;  // pixels, right image
   float mTrackDepth = 0, mTrackDepthR = 0;   // distance to the camera
@@ -152,15 +171,17 @@ class MapPoint : public Listed {
 
   // ---- References as ids, filled by PreSave and read by PostLoad.
   std::map<long unsigned int, int> mBackupObservationsId1, mBackupObservationsId2;  // left, right rows by keyframe id
-  long unsigned int mBackupRefKFId = KeyFrameId::kNone;
-  long unsigned int mBackupReplacedId = MapPointId::kNone;
+  long unsigned int mBackupRefKFId = KeyFrameId::kNone;                             // 2^64 - 1: none
+  long long int mBackupReplacedId = -1;                                             // -1: none
 
  private:
   friend struct Bridge;
+  friend struct BoostAccess;  // boost.h
   friend class KeyFrame;  // counts observers
 
-  // The common part of the constructors.
-  MapPoint(Map* map, std::uint64_t id);
+  // The common part of the constructors: with a new id, or that one.
+  explicit MapPoint(Map& map);
+  MapPoint(Map& map, std::uint64_t id);
   // With what a record says, but for its links.
   MapPoint(const slamdb::MapPoint& record, Map* map);
   // Makes pointers of the record's ids. The observers go to the end of `block`, which must have room for them and
@@ -173,12 +194,12 @@ class MapPoint : public Listed {
   void WriteUnresolved(slamdb::MapPoint& record) const;
 
   Observer* FindObserver(const KeyFrame* keyframe);  // where it is or belongs
+  bool Has(const Observer* observer, const KeyFrame* keyframe) const;
   std::vector<Observer> CopyObservers();
   void StoreDistanceRange(float distance, int octave, const ScalePyramid& pyramid);
   int PredictScaleIn(float distance, const ScalePyramid& pyramid);
 
-  Runtime& runtime_;
-  std::atomic<Map*> map_;
+  std::atomic<Map*> map_ = nullptr;
 
   std::mutex mutex_position_;  // mMutexPos
   Eigen::Vector3f position_ = Eigen::Vector3f::Zero(), normal_ = Eigen::Vector3f::Zero();

@@ -2,6 +2,7 @@
 // Who sees a map point: observations, going bad, being replaced, the descriptor that follows from them.
 #include <algorithm>
 
+#include "slamdb/live/detail/own.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
@@ -16,21 +17,26 @@ Observer* MapPoint::FindObserver(const KeyFrame* keyframe) {
                           [](const Observer& observer, std::uint64_t id) { return observer.keyframe->mnId < id; });
 }
 
+bool MapPoint::Has(const Observer* observer, const KeyFrame* keyframe) const {
+  return observer != observations_.end() && observer->keyframe == keyframe;
+}
+
 std::vector<Observer> MapPoint::CopyObservers() {
   const Lock lock(mutex_features_);
   return {observations_.begin(), observations_.end()};
 }
 
 void MapPoint::AddObservation(KeyFrame* pKF, int idx) {
+  RequireOwn(pKF, runtime(), "the keyframe");
   pKF->RequireRow(static_cast<std::size_t>(idx));
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_features_);
     if (unresolved_ != nullptr)
       std::erase_if(unresolved_->observations,
                     [&](const Observation& observation) { return observation.keyframe.value() == pKF->mnId; });
     auto observer = FindObserver(pKF);
-    if (observer == observations_.end() || observer->keyframe != pKF) observer = observations_.Insert(observer, {pKF});
+    if (!Has(observer, pKF)) observer = observations_.Insert(observer, {pKF});
     const int before = pKF->WeightOfObservation(observer->left, observer->right);
     (pKF->NLeft != -1 && idx >= pKF->NLeft ? observer->right : observer->left) = idx;
     nObs += pKF->WeightOfObservation(observer->left, observer->right) - before;
@@ -39,12 +45,13 @@ void MapPoint::AddObservation(KeyFrame* pKF, int idx) {
 }
 
 void MapPoint::EraseObservation(KeyFrame* pKF) {
-  const Change change(runtime_.gate);
+  if (pKF == nullptr) return;
+  const Change change(runtime().gate);
   bool too_few = false;
   {
     const Lock lock(mutex_features_);
     const auto observer = FindObserver(pKF);
-    if (observer == observations_.end() || observer->keyframe != pKF) return;
+    if (!Has(observer, pKF)) return;
     nObs -= pKF->WeightOfObservation(observer->left, observer->right);
     observations_.Erase(observer);
     if (reference_ == pKF) reference_ = observations_.empty() ? nullptr : observations_.begin()->keyframe;
@@ -66,20 +73,21 @@ int MapPoint::Observations() {
 }
 
 std::tuple<int, int> MapPoint::GetIndexInKeyFrame(KeyFrame* pKF) {
+  if (pKF == nullptr) return {-1, -1};
   const Lock lock(mutex_features_);
   const auto observer = FindObserver(pKF);
-  if (observer == observations_.end() || observer->keyframe != pKF) return {-1, -1};
+  if (!Has(observer, pKF)) return {-1, -1};
   return {observer->left, observer->right};
 }
 
 bool MapPoint::IsInKeyFrame(KeyFrame* pKF) {
+  if (pKF == nullptr) return false;
   const Lock lock(mutex_features_);
-  const auto observer = FindObserver(pKF);
-  return observer != observations_.end() && observer->keyframe == pKF;
+  return Has(FindObserver(pKF), pKF);
 }
 
 void MapPoint::SetBadFlag() {
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   std::vector<Observer> observers;
   {
     const Lock lock(mutex_features_);
@@ -94,8 +102,9 @@ void MapPoint::SetBadFlag() {
 }
 
 void MapPoint::Replace(MapPoint* pMP) {
+  RequireOwn(pMP, runtime(), "the point");
   if (pMP == this || pMP->mnId == mnId) return;
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   std::vector<Observer> observers;
   int visible = 0, found = 0;
   {
@@ -142,7 +151,7 @@ void MapPoint::ComputeDistinctiveDescriptors() {
   }
   if (descriptors.empty()) return;
   const Descriptor best = descriptors[MostDistinctiveDescriptor(descriptors)];
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_features_);
     descriptor_ = best;

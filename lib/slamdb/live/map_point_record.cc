@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A map point and its record at rest.
-#include "slamdb/live/map_point_record.h"
+#include "slamdb/live/detail/map_point_record.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "slamdb/live/detail/link_filter.h"
+#include "slamdb/live/detail/link_targets.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 
@@ -11,26 +14,7 @@ namespace slamdb::live {
 
 using Lock = std::lock_guard<std::mutex>;
 
-namespace {
-
-// What PostLoad of the documented class looks ids up in.
-struct IdMaps {
-  std::map<long unsigned int, KeyFrame*>& keyframes;
-  std::map<long unsigned int, MapPoint*>& points;
-
-  KeyFrame* Find(KeyFrameId id) const {
-    const auto found = keyframes.find(id.value());
-    return found == keyframes.end() ? nullptr : found->second;
-  }
-  MapPoint* Find(MapPointId id) const {
-    const auto found = points.find(id.value());
-    return found == points.end() ? nullptr : found->second;
-  }
-};
-
-}  // namespace
-
-MapPoint::MapPoint(const slamdb::MapPoint& record, Map* map) : MapPoint(map, record.id.value()) {
+MapPoint::MapPoint(const slamdb::MapPoint& record, Map* map) : MapPoint(*map, record.id.value()) {
   mnFirstKFid = record.first_keyframe;
   mnFirstFrame = record.first_frame;
   nObs = record.observation_count;
@@ -89,27 +73,32 @@ void MapPoint::PreSave(std::set<KeyFrame*>& spKF, std::set<MapPoint*>& spMP) {
     mBackupObservationsId1[observer.keyframe->mnId] = observer.left;
     mBackupObservationsId2[observer.keyframe->mnId] = observer.right;
   }
-  mBackupRefKFId = spKF.contains(reference_) ? reference_->mnId : KeyFrameId::kNone;
-  mBackupReplacedId = spMP.contains(replaced_) ? replaced_->mnId : MapPointId::kNone;
+  const bool has_reference = reference_ != nullptr && spKF.contains(reference_);
+  const bool is_replaced = replaced_ != nullptr && spMP.contains(replaced_);
+  mBackupRefKFId = has_reference ? reference_->mnId : KeyFrameId::kNone;
+  mBackupReplacedId = is_replaced ? static_cast<long long int>(replaced_->mnId) : -1;
 }
 
 PostLoadReport MapPoint::PostLoad(std::map<long unsigned int, KeyFrame*>& mpKFid,
                                   std::map<long unsigned int, MapPoint*>& mpMPid) {
-  slamdb::MapPoint record;
-  record.reference = KeyFrameId(mBackupRefKFId);
-  record.replaced_by = MapPointId(mBackupReplacedId);
-  for (const auto& [keyframe, left] : mBackupObservationsId1) {
-    const auto right = mBackupObservationsId2.find(keyframe);
-    record.observations.push_back(
-        {KeyFrameId(keyframe), left, right == mBackupObservationsId2.end() ? -1 : right->second});
-  }
   PostLoadReport report;
-  Column<Observer> observers;
-  observers.reserve(record.observations.size());
-  const Change change(runtime_.gate);
+  const Change change(runtime().gate);
   {
     const Lock lock(mutex_features_);
-    Link(record, IdMaps{mpKFid, mpMPid}, observers, report);
+    slamdb::MapPoint record;
+    record.reference = KeyFrameId(std::exchange(mBackupRefKFId, KeyFrameId::kNone));
+    if (const long long int replaced_by = std::exchange(mBackupReplacedId, -1); replaced_by >= 0)
+      record.replaced_by = MapPointId(static_cast<std::uint64_t>(replaced_by));
+    for (const auto& [keyframe, left] : mBackupObservationsId1) {
+      const auto right = mBackupObservationsId2.find(keyframe);
+      record.observations.push_back(
+          {KeyFrameId(keyframe), left, right == mBackupObservationsId2.end() ? -1 : right->second});
+    }
+    mBackupObservationsId1.clear();
+    mBackupObservationsId2.clear();
+    Column<Observer> observers;
+    observers.reserve(record.observations.size());
+    Link(record, IdMaps{mpKFid, mpMPid, runtime()}, observers, report);
     observations_.Own();
   }
   MarkChanged();

@@ -19,9 +19,10 @@ struct Observer {
   std::int32_t left = -1, right = -1;  // -1: not in that image
 };
 
-// The observers of a map point. Lists of a loaded atlas stand side by side in few blocks, which the atlas keeps until
-// it goes: a million lists of their own cost more than finding what belongs into them. A list that is full gets memory
-// of its own, and leaves its place in the block unused. Not thread-safe.
+// The observers of a map point. Public because MapPoint and Atlas hold them by value. Lists of a loaded atlas stand
+// side by side in few blocks, which the atlas keeps until it goes: a million lists of their own cost more than finding
+// what belongs into them. A list that is full gets memory of its own, and leaves its place in the block unused. Not
+// thread-safe.
 class ObserverList {
  public:
   ObserverList() = default;

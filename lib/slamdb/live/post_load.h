@@ -3,13 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/ids.h"
-#include "slamdb/model/index.h"
 
 namespace slamdb::live {
 
@@ -36,7 +35,7 @@ enum class LinkKind {
   kOrigin,
 };
 inline constexpr std::size_t kLinkKinds = static_cast<std::size_t>(LinkKind::kOrigin) + 1;
-std::string_view ToString(LinkKind kind);  // "observation", "reference keyframe", ...
+SLAMDB_EXPORT std::string_view ToString(LinkKind kind);  // "observation", "reference keyframe", ...
 
 // A reference whose target is not in the map. The graph goes without it; a save writes it as it was.
 struct DanglingLink {
@@ -49,7 +48,7 @@ struct DanglingLink {
 };
 
 // What was not whole in an atlas that was brought to life. Everything else is.
-struct PostLoadReport {
+struct SLAMDB_EXPORT PostLoadReport {
   static constexpr std::size_t kMostExamples = 100;
 
   std::array<std::uint64_t, kLinkKinds> counts{};
@@ -70,23 +69,6 @@ struct PostLoadReport {
   void Add(const DanglingLink& link);
   void Append(const PostLoadReport& later);
   std::string ToString() const;  // for people: a line for each kind that occurs; "whole" when none does
-};
-
-// The objects of one map by id: rows of the id tables are rows of the lists. Const and so thread-safe.
-struct LinkTargets {
-  const IdTable& keyframe_rows;
-  const IdTable& point_rows;
-  std::span<KeyFrame* const> keyframes;
-  std::span<MapPoint* const> points;
-
-  KeyFrame* Find(KeyFrameId id) const {
-    const std::uint32_t row = keyframe_rows.Find(id.value());
-    return row == kNoRow ? nullptr : keyframes[row];
-  }
-  MapPoint* Find(MapPointId id) const {
-    const std::uint32_t row = point_rows.Find(id.value());
-    return row == kNoRow ? nullptr : points[row];
-  }
 };
 
 }  // namespace slamdb::live

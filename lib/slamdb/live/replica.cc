@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/live/replica.h"
+#include "slamdb/live/detail/replica.h"
 
 #include <algorithm>
 #include <unordered_set>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/live/snapshot.h"
+#include "slamdb/live/detail/snapshot.h"
 
 #include <algorithm>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/live/detail/link_filter.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map_point.h"
 

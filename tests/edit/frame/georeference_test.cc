@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "slamdb/base/error.h"
+#include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -16,7 +17,7 @@ constexpr double kSemiMajor = 6378137.0, kSemiMinor = 6356752.314245;
 
 std::string MessageOf(std::string_view csv) {
   try {
-    ParseFixes(csv);
+    static_cast<void>(ParseFixes(csv));
   } catch (const Error& error) {
     return error.what();
   }
@@ -78,10 +79,14 @@ TEST(Georeference, LocalFrameAndBack) {
 
 TEST(ParseFixes, ColumnsByPlaceOrByName) {
   const GpsFix expected{1.5, {47, 8, 400}};
-  for (const char* csv : {"1.5,47,8,400\n", "1.5; 47; 8; 400", "# a comment\r\n\r\n1.5\t47\t8\t400\r\n",
-                          "timestamp,latitude,longitude,altitude\n1.5,47,8,400\n",
-                          "#time [s],lat [deg],lon [deg],alt [m]\n1.5,47,8,400\n",
-                          "fix,Alt,Lng,Lat,extra,\"Time\"\n3,400,8,47,x,1.5\n"}) {
+  for (const char* csv :
+       {"1.5,47,8,400\n", "1.5; 47; 8; 400", "# a comment\r\n\r\n1.5\t47\t8\t400\r\n",
+        "timestamp,latitude,longitude,altitude\n1.5,47,8,400\n",
+        "#time [s],lat [deg],lon [deg],alt [m]\n1.5,47,8,400\n", "fix,Alt,Lng,Lat,extra,\"Time\"\n3,400,8,47,x,1.5\n",
+        "\xef\xbb\xbftimestamp;latitude;longitude;altitude\r\n+1.5;+47;+8;+400",
+        "Time Latitude Longitude Altitude\n1.5  47  8  400\n", "%time,lat,lon,alt\n1.5,47,8,400\n",
+        "lat_std,lat,long_std,long,ele_m,time_since_start,time\n9,47,9,8,400,9,1.5\n",
+        "time,Lat_WGS84,Lon_WGS84,Alt_WGS84\n1.5,47,8,400\n", "1.5,47,8,400,fixed,12\n"}) {
     const std::vector<GpsFix> fixes = ParseFixes(csv);
     ASSERT_EQ(fixes.size(), 1U) << csv;
     EXPECT_EQ(fixes[0].timestamp, expected.timestamp) << csv;
@@ -95,12 +100,43 @@ TEST(ParseFixes, NamesTheLineThatIsNone) {
   EXPECT_THAT(MessageOf("1,91,8,400\n"), HasSubstr("line 1"));
   EXPECT_THAT(MessageOf("1,nan,8,400\n"), HasSubstr("line 1"));
   EXPECT_THAT(MessageOf("when,where\n"), HasSubstr("found `when,where`"));
+  EXPECT_THAT(MessageOf("time,lat,lon,alt\n1,47,x,400\n"),
+              HasSubstr("line 2: expected a number, found 'x' in column longitude"));
+  EXPECT_THAT(MessageOf("time,lat,lat,lon,alt\n1,47,47,8,400\n"), HasSubstr("columns 2 and 3 are both named latitude"));
+  EXPECT_THAT(MessageOf("time,lat,lon,alt\n1,47,8\n"), HasSubstr("line 2: expected 4 cells, found 3"));
+}
+
+TEST(ReadFixes, NamesTheFile) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Make("fixes.csv", "1.5,47,8,400\n2,91,8,400\n");
+  const auto error_of = [](const std::string& file) {
+    try {
+      static_cast<void>(ReadFixes(file));
+    } catch (const Error& error) {
+      return error;
+    }
+    return Error(ErrorKind::kInternal, "no error");
+  };
+  EXPECT_EQ(error_of(path).path(), path);
+  EXPECT_EQ(error_of(path).place(), "line 2");
+  EXPECT_EQ(error_of(path).kind(), ErrorKind::kDamaged);
+  EXPECT_THAT(error_of(folder.Make("empty.csv", "time,lat,lon,alt\n")).problem(), HasSubstr("no fix"));
+  EXPECT_EQ(error_of(folder.Path("missing.csv")).kind(), ErrorKind::kNotFound);
+  EXPECT_EQ(ReadFixes(folder.Make("good.csv", "1.5,47,8,400\n")).size(), 1U);
 }
 
 TEST(ParseGeodetic, TwoOrThreeNumbers) {
   EXPECT_EQ(ParseGeodetic("47.5,8.25"), (Geodetic{47.5, 8.25, 0}));
   EXPECT_EQ(ParseGeodetic("-47.5, 8.25, -3"), (Geodetic{-47.5, 8.25, -3}));
-  for (const char* text : {"", "47", "47,8,1,2", "95,8", "x,8"}) EXPECT_THROW(ParseGeodetic(text), Error) << text;
+  EXPECT_EQ(ParseGeodetic("+47.5; +8.25; +3"), (Geodetic{47.5, 8.25, 3}));
+  for (const char* text : {"", "47", "47,8,1,2", "95,8", "x,8", "47,8,", "47;8,1"}) {
+    try {
+      static_cast<void>(ParseGeodetic(text));
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage) << text;
+    }
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/axes.h"
+#include "tests/formats/formats/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -21,10 +22,10 @@ std::string MessageOf(const Parse& parse) {
   return "no error";
 }
 std::string TransformMessage(const char* text) {
-  return MessageOf([text] { ParseSimilarity(text); });
+  return MessageOf([text] { return ParseSimilarity(text); });
 }
 std::string AxesMessage(const char* text) {
-  return MessageOf([text] { ParseAxes(text); });
+  return MessageOf([text] { return ParseAxes(text); });
 }
 
 void ExpectTakes(const Similarity3d& transform, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
@@ -36,6 +37,7 @@ TEST(ParseSimilarity, SevenEightTwelveAndSixteenNumbers) {
   ExpectTakes(ParseSimilarity("1 2 3 0 0 1 1"), {1, 0, 0}, {1, 3, 3});
   ExpectTakes(ParseSimilarity("# t q s\n1, 2, 3;\t0 0 1 1\n2 # twice\n"), {1, 0, 0}, {1, 4, 3});
   ExpectTakes(ParseSimilarity("0 -1 0 1\n1 0 0 2\n0 0 1 3\n"), {1, 0, 0}, {1, 3, 3});
+  ExpectTakes(ParseSimilarity("\xef\xbb\xbf% by hand\r\n+1 +2 +3\r\n0 0 +1 +1 2"), {1, 0, 0}, {1, 4, 3});
   ExpectTakes(ParseSimilarity("0 -2 0 1  2 0 0 2  0 0 2 3  0 0 0 1"), {1, 0, 0}, {1, 4, 3});
 }
 
@@ -45,6 +47,25 @@ TEST(ParseSimilarity, TextComesBackExactly) {
   EXPECT_EQ(again.scale, transform.scale);
   EXPECT_EQ(again.translation, transform.translation);
   EXPECT_LE(again.rotation.angularDistance(transform.rotation), 1e-15);
+}
+
+TEST(ReadSimilarity, OfATextOrAFile) {
+  const TemporaryFolder folder;
+  ExpectTakes(ReadSimilarity("1 2 3 0 0 0 1"), {0, 0, 0}, {1, 2, 3});
+  ExpectTakes(ReadSimilarity(folder.Make("good.txt", "1 2 3 0 0 0 1\n")), {0, 0, 0}, {1, 2, 3});
+  const auto error_of = [](const std::string& text_or_path) {
+    try {
+      static_cast<void>(ReadSimilarity(text_or_path));
+    } catch (const Error& error) {
+      return error;
+    }
+    return Error(ErrorKind::kInternal, "no error");
+  };
+  const std::string bad = folder.Make("bad.txt", "1 2 3\n");
+  EXPECT_EQ(error_of(bad).path(), bad);
+  EXPECT_EQ(error_of(bad).kind(), ErrorKind::kDamaged);
+  EXPECT_EQ(error_of("1 2 3").kind(), ErrorKind::kUsage);
+  EXPECT_EQ(error_of("nowhere").kind(), ErrorKind::kNotFound);
 }
 
 TEST(ParseSimilarity, RefusesWhatIsNone) {
@@ -79,6 +100,8 @@ TEST(ParseAxes, ListsAndConventions) {
 
 TEST(ParseAxes, RefusesWhatIsNone) {
   EXPECT_THAT(AxesMessage("x,y"), HasSubstr("as camera:ros"));
+  EXPECT_THAT(AxesMessage("x,y,z,"), HasSubstr("'x,y,z,'"));
+  EXPECT_THAT(AxesMessage("camera:ros:enu"), HasSubstr("'camera:ros:enu'"));
   EXPECT_THAT(AxesMessage("x,y,z,x"), HasSubstr("'x,y,z,x'"));
   EXPECT_THAT(AxesMessage("ros"), HasSubstr("'ros'"));
   EXPECT_THAT(AxesMessage("camera:mars"), HasSubstr("'camera:mars'"));

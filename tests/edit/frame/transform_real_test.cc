@@ -86,12 +86,12 @@ TEST_P(RealMap, IsStillSoundAndReadByBoost) {
   const auto path = std::filesystem::temp_directory_path() /
                     (std::string("slamdb_transform_") + GetParam().name + std::to_string(::getpid()) + ".osa");
   WriteAtlas(atlas_, path.string(), {.sync = false});
-  const auto session = reference::Load(path.string(), reference::Encoding::kBinary);
+  const Atlas loaded = reference::Load(path.string(), reference::Encoding::kBinary);
   std::filesystem::remove(path);
-  const reference::Map& map = *session->atlas->mvpBackupMaps.at(0);
-  ASSERT_EQ(map.mvpBackupMapPoints.size(), atlas_.maps[0].points.size());
+  const Map& map = loaded.maps.at(0);
+  ASSERT_EQ(map.points.size(), atlas_.maps[0].points.size());
   for (std::size_t row = 0; row < atlas_.maps[0].points.size(); ++row)
-    ASSERT_EQ(map.mvpBackupMapPoints[row]->mWorldPos, atlas_.maps[0].points[row].position);
+    ASSERT_EQ(map.points[row].position, atlas_.maps[0].points[row].position);
 }
 
 INSTANTIATE_TEST_SUITE_P(

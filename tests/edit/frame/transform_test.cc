@@ -10,6 +10,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/frame/gravity.h"
+#include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/synthetic/synthesize.h"
@@ -85,8 +86,43 @@ TEST_P(TransformMapOf, ThereAndBackIsTheSame) {
     for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.merge_scale = 1.5F;
     const Atlas expected = atlas;
     TransformMap(atlas.maps[0], Motion(scale));
+    for (std::size_t row = 0; row < atlas.maps[0].keyframes.size(); ++row) {
+      const KeyFrame &there = atlas.maps[0].keyframes[row], &here = expected.maps[0].keyframes[row];
+      EXPECT_NEAR(there.merge_scale, 1.5 / scale, 1e-6);
+      EXPECT_LT((CameraCenter(there).cast<double>() - Motion(scale) * CameraCenter(here).cast<double>()).norm(), 1e-3);
+    }
     TransformMap(atlas.maps[0], Motion(scale).Inverse());
     ExpectNear(atlas.maps[0], expected.maps[0], 1e-5);
+  }
+}
+
+// And what is there in between is not what it was.
+TEST_P(TransformMapOf, MergeScalesAreDividedByTheScale) {
+  Atlas atlas = before_;
+  atlas.maps[0].keyframes[0].merge_scale = 1.5F;
+  TransformMap(atlas.maps[0], Motion(3));
+  EXPECT_EQ(atlas.maps[0].keyframes[0].merge_scale, 0.5F);
+  TransformMap(atlas.maps[0], Motion(1));
+  EXPECT_EQ(atlas.maps[0].keyframes[0].merge_scale, 0.5F) << "a motion without scale";
+}
+
+TEST_P(TransformMapOf, LandmarksMoveAsPointsDo) {
+  Atlas atlas = before_;
+  MakeLandmarks(atlas, {});
+  const std::vector<Landmark> before = atlas.maps[0].landmarks;
+  ASSERT_FALSE(before.empty());
+  const Similarity3d motion = Motion(2);
+  const Eigen::Matrix3d turn = motion.rotation.toRotationMatrix();
+  TransformMap(atlas.maps[0], motion);
+  ASSERT_EQ(atlas.maps[0].landmarks.size(), before.size());
+  for (std::size_t row = 0; row < before.size(); ++row) {
+    const Landmark& landmark = atlas.maps[0].landmarks[row];
+    EXPECT_LT((landmark.mean - motion * before[row].mean).norm(), 1e-9);
+    EXPECT_LT((landmark.normal - turn * before[row].normal).norm(), 1e-9);
+    const Eigen::Matrix3d covariance = before[row].pose().covariance;
+    EXPECT_LT((landmark.pose().covariance - 4 * turn * covariance * turn.transpose()).norm(),
+              1e-6 * (1e-12 + covariance.norm()));
+    EXPECT_LT((landmark.mean - atlas.maps[0].points[row].position.cast<double>()).norm(), 1e-4);
   }
 }
 

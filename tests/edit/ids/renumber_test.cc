@@ -38,6 +38,8 @@ Atlas Worn(const World& world) {
   map.points.front().first_frame = 5;
   map.points.back().first_keyframe = -1;
   map.keyframes.back().origin_map = 3;
+  map.points[1].origin_map = static_cast<std::uint32_t>(map.id.value());
+  map.points[2].origin_map = 2;  // a map that is gone
   map.max_keyframe_id += 4;
   atlas.next_ids.keyframe += 100;
   atlas.next_ids.initial_keyframe = atlas.next_ids.keyframe;
@@ -84,7 +86,11 @@ TEST_P(RenumberWorld, TablesGoThroughCsv) {
 }
 
 TEST_P(RenumberWorld, CommutesWithMerge) {
-  const Atlas a = MakeWorld(GetParam(), 1, 1), b = MakeWorld(GetParam(), 2, 1);
+  const Atlas a = MakeWorld(GetParam(), 1, 1);
+  Atlas b = MakeWorld(GetParam(), 2, 1);
+  for (Map& map : b.maps)
+    for (std::size_t i = 0; i < map.points.size(); i += 2)
+      map.points[i].origin_map = static_cast<std::uint32_t>(i % 4 / 2);
   Atlas dense_b = b;
   Renumber(dense_b, {.kinds = kAllKinds, .start = 50});
   MergeResult merged = MergeAtlases({a, dense_b}, {}), plain = MergeAtlases({a, b}, {});
@@ -140,6 +146,15 @@ TEST_P(RenumberWorld, AnyPermutationCanBeUndoneAtAnyNumberOfThreads) {
     EXPECT_TRUE(std::ranges::is_sorted(keyframe.connections, {}, &Connection::keyframe));
   ApplyIdMap(once, Inverse(reverse));
   EXPECT_THAT(once, EqualsAtlas(original));
+}
+
+// The origin of a point goes along with the map that it names; none stays none.
+TEST(Renumber, MovesOriginsOfPoints) {
+  Atlas atlas = MakeWorld(kWorlds[0], 2);
+  atlas.maps[0].points[0].origin_map = 1;
+  Renumber(atlas, {.kinds = {IdKind::kMap}, .offset = 10});
+  EXPECT_EQ(atlas.maps[0].points[0].origin_map, 11U);
+  EXPECT_EQ(atlas.maps[0].points[1].origin_map, MapPoint::kNoOrigin);
 }
 
 TEST(Renumber, OrderOfTime) {
@@ -201,11 +216,33 @@ TEST(IdMapCsv, ReadsWhatAPersonWrites) {
   EXPECT_FALSE(maps[0].counters_before);
 }
 
+TEST(IdMapCsv, ReadsEveryDialect) {
+  for (const char* csv : {"\xef\xbb\xbf"
+                          "Kind;Old;New\r\nkeyframe;+3;0\r\n",
+                          "new\told\tkind\n0\t3\tkeyframe", "# by hand\nkind old new\nkeyframe  3  0\n",
+                          "kind, old, new\n\"keyframe\", \"3\", 0\n"}) {
+    const auto maps = ParseIdMapsCsv(csv);
+    ASSERT_EQ(maps.size(), 1U) << csv;
+    EXPECT_THAT(maps[0][IdKind::kKeyFrame], ElementsAre(IdPair{3, 0})) << csv;
+  }
+}
+
+TEST(IdMapCsv, KeepsAnyName) {
+  for (const char* name : {"", "a.osa", " a b\t", "#1.osa", "%1.osa", "a;b", "\"", "a \"b\",\r\nc;d.osa"}) {
+    IdMap ids;
+    ids.input = name;
+    ids[IdKind::kPoint] = {{0, std::uint64_t{1} << 63}};
+    EXPECT_THAT(ParseIdMapsCsv(IdMapsToCsv({&ids, 1})), ElementsAre(ids)) << name;
+  }
+}
+
 TEST(IdMapCsv, NamesTheLineThatIsWrong) {
-  const auto error = [](const char* csv) { return ErrorOf([&] { ParseIdMapsCsv(csv); }); };
+  const auto error = [](const char* csv) { return ErrorOf([&] { return ParseIdMapsCsv(csv); }); };
   EXPECT_THAT(error("a,b\n"), HasSubstr("line 1: expected the column names"));
   EXPECT_THAT(error("kind,old,new\nkeyframe,1\n"), HasSubstr("line 2: expected 3 cells, found 2"));
   EXPECT_THAT(error("kind,old,new\nkeyframe,1,x\n"), HasSubstr("line 2: expected an id, found 'x'"));
+  EXPECT_THAT(error("kind,old,new\nkeyframe,-1,2\n"), HasSubstr("line 2: expected an id, found '-1' in column old"));
+  EXPECT_THAT(error("1,2,3\n"), HasSubstr("line 1: expected the column names"));
   EXPECT_THAT(error("kind,old,new\nfish,1,2\n"), HasSubstr("unknown kind 'fish'"));
   EXPECT_THAT(error("kind,old,new\n"), HasSubstr("empty"));
 }
@@ -215,7 +252,16 @@ TEST(IdMapCsv, ChangesTheIdsOfATable) {
   ids[IdKind::kKeyFrame] = {{1, 10}, {2, 20}};
   EXPECT_EQ(ApplyIdMapToCsv("map,id,timestamp,parent,note\n0,1,1.5,,\"a,1\"\n0,2,2.5,1,2\n", ids),
             "map,id,timestamp,parent,note\n0,10,1.5,,\"a,1\"\n0,20,2.5,10,2\n");
-  EXPECT_THAT(ErrorOf([&] { ApplyIdMapToCsv("x,y\n1,2\n", ids); }), HasSubstr("no column of ids"));
+  EXPECT_THAT(ErrorOf([&] { return ApplyIdMapToCsv("x,y\n1,2\n", ids); }), HasSubstr("no column of ids"));
+}
+
+TEST(IdMapCsv, LeavesAllElseOfATableAsItIs) {
+  IdMap ids;
+  ids[IdKind::kKeyFrame] = {{1, 10}, {2, 20}};
+  EXPECT_EQ(ApplyIdMapToCsv("\xef\xbb\xbf# mine\r\nKeyframe ; note\r\n\r\n 1 ; 1\r\n\"2\";\"2;\n\"\"\"\r\n;1", ids),
+            "\xef\xbb\xbf# mine\r\nKeyframe ; note\r\n\r\n 10 ; 1\r\n\"20\";\"2;\n\"\"\"\r\n;1");
+  EXPECT_THAT(ErrorOf([&] { return ApplyIdMapToCsv("keyframe,x\n1,2\n3,4\n", ids); }),
+              HasSubstr("line 3: keyframe 3 is not in the id map"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "slamdb/base/error.h"
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/edit/merge/anchors.h"
@@ -11,6 +12,7 @@
 #include "slamdb/model/content.h"
 #include "slamdb/model/derive.h"
 #include "tests/edit/worlds.h"
+#include "tests/formats/formats/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
 
 namespace slamdb {
@@ -94,12 +96,17 @@ TEST(Join, LandmarksFollowTheirPoints) {
   MakeLandmarks(first, {});
   MakeLandmarks(second, {});
   second.maps[0].landmarks.emplace_back();  // without id: of no point
+  const std::vector<Landmark> in_first = second.maps[0].landmarks;
   TransformMap(second.maps[0], Turn(world).Inverse());
+  for (std::size_t row = 0; row + 1 < in_first.size(); ++row)
+    EXPECT_GT((second.maps[0].landmarks[row].mean - in_first[row].mean).norm(), 1) << "really elsewhere";
   JoinOptions join{.first_from_second = Turn(world)};
   const MergeResult apart = MergeAtlases({first, second}, {.join = join});
   EXPECT_EQ(apart.report.join->fused_landmarks, 0U);
   EXPECT_EQ(apart.atlas.maps[0].landmarks.size(), 2 * first.maps[0].landmarks.size() + 1);
   EXPECT_EQ(apart.report.result.landmarks, apart.atlas.maps[0].landmarks.size()) << "counted as conserved";
+  for (std::size_t row = 0; row + 1 < in_first.size(); ++row)
+    EXPECT_LT((apart.atlas.maps[0].landmarks[in_first.size() - 1 + row].mean - in_first[row].mean).norm(), 1e-5);
   join.fuse = FuseOptions();
   const MergeResult fused = MergeAtlases({first, second}, {.join = join});
   const std::vector<Landmark>&before = first.maps[0].landmarks, &after = fused.atlas.maps[0].landmarks;
@@ -187,8 +194,8 @@ TEST(Join, BadInputChangesNothing) {
 TEST(Join, RefusesToGuess) {
   const Atlas a = MakeWorld(kWorlds[4], 2, 1), b = MakeWorld(kWorlds[4], 1, 2);
   const JoinOptions join{.first_from_second = Similarity3d()};
-  EXPECT_THAT(ErrorOf([&] { MergeAtlases({a, b}, {.join = join}); }), HasSubstr("several maps to choose from"));
-  EXPECT_THAT(ErrorOf([&] { MergeAtlases({b, b, b}, {.join = join}); }), HasSubstr("at a time"));
+  EXPECT_THAT(ErrorOf([&] { return MergeAtlases({a, b}, {.join = join}); }), HasSubstr("several maps to choose from"));
+  EXPECT_THAT(ErrorOf([&] { return MergeAtlases({b, b, b}, {.join = join}); }), HasSubstr("at a time"));
 }
 
 // Two keyframes that see one point each, at one place.
@@ -257,7 +264,7 @@ TEST(Covisibility, IsWhatSynthesisMade) {
 TEST(Anchors, FromText) {
   EXPECT_THAT(ParseAnchors("12:7,30:41").keyframes,
               ElementsAre(KeyFramePair{KeyFrameId(12), KeyFrameId(7)}, KeyFramePair{KeyFrameId(30), KeyFrameId(41)}));
-  EXPECT_THAT(ErrorOf([] { ParseAnchors("12-7"); }), HasSubstr("FIRST:SECOND"));
+  EXPECT_THAT(ErrorOf([] { return ParseAnchors("12-7"); }), HasSubstr("FIRST:SECOND"));
 }
 
 TEST(Anchors, FromATable) {
@@ -266,8 +273,46 @@ TEST(Anchors, FromATable) {
   EXPECT_THAT(anchors.keyframes, ElementsAre(KeyFramePair{KeyFrameId(1), KeyFrameId(2)}));
   ASSERT_THAT(anchors.places, SizeIs(1));
   EXPECT_EQ(anchors.places[0].second, Eigen::Vector3d(4, 5, 6.5));
-  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("a,b\n1,2\n"); }), HasSubstr("line 1: expected the columns"));
-  EXPECT_THAT(ErrorOf([] { ParseAnchorsCsv("first,second\n1,x\n"); }), HasSubstr("line 2: expected a number"));
+  EXPECT_THAT(ErrorOf([] { return ParseAnchorsCsv("a,b\n1,2\n"); }), HasSubstr("line 1: expected the columns"));
+  EXPECT_THAT(ErrorOf([] { return ParseAnchorsCsv("first,second\n1,x\n"); }),
+              HasSubstr("line 2: expected a number, found 'x' in column second"));
+  EXPECT_THAT(ErrorOf([] { return ParseAnchorsCsv("first,second\n1,2,3\n"); }),
+              HasSubstr("line 2: expected 2 cells, found 3"));
+  EXPECT_THAT(ErrorOf([] { return ParseAnchorsCsv("1,2\n1.5,2\n"); }), HasSubstr("line 2: expected a number"));
+}
+
+TEST(Anchors, FromATableInAnyDialect) {
+  const auto pairs =
+      ElementsAre(KeyFramePair{KeyFrameId(0), KeyFrameId(9)}, KeyFramePair{KeyFrameId(2), KeyFrameId(7)});
+  for (const char* text : {"first, second\n0, 9\n2, 7\n",
+                           "\xef\xbb\xbf"
+                           "first,second\r\n0,9\r\n2,7\r\n",
+                           "first;second\n0;9\n2;7", "0,9\n2,7\n", "# by hand\n0 9\n2  7\n",
+                           "Second\tFirst\n9\t0\n7\t2\n", "\"first\",\"second\"\n\"0\",\"9\"\n+2,+7\n"})
+    EXPECT_THAT(ParseAnchorsCsv(text).keyframes, pairs) << text;
+  const Anchors places = ParseAnchorsCsv("1 2 3 4 5 6.5\n");
+  EXPECT_TRUE(places.keyframes.empty());
+  ASSERT_THAT(places.places, SizeIs(1));
+  EXPECT_EQ(places.places[0].first, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(places.places[0].second, Eigen::Vector3d(4, 5, 6.5));
+}
+
+TEST(Anchors, OfATextOrAFile) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(ReadAnchors("12:7").keyframes, SizeIs(1));
+  EXPECT_THAT(ReadAnchors(folder.Make("good.csv", "12,7\n")).keyframes, SizeIs(1));
+  const auto error_of = [](const std::string& text_or_path) {
+    try {
+      static_cast<void>(ReadAnchors(text_or_path));
+    } catch (const Error& error) {
+      return error;
+    }
+    return Error(ErrorKind::kInternal, "no error");
+  };
+  const std::string bad = folder.Make("bad.csv", "first,second\n1,x\n");
+  EXPECT_EQ(error_of(bad).path(), bad);
+  EXPECT_EQ(error_of(bad).kind(), ErrorKind::kDamaged);
+  EXPECT_EQ(error_of("12:7,30").kind(), ErrorKind::kUsage);
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ TEST(Merge, SameMapTwice) {
   EXPECT_EQ(first.report.id_maps[1][IdKind::kKeyFrame].at(0).after, kNoId);
   EXPECT_THAT(TroubleCounts(first.atlas), IsEmpty());
   EXPECT_THAT(ErrorOf([&] {
-                MergeAtlases({a, again}, {.names = {"a", "b"}, .same_map = SameMap::kError});
+                return MergeAtlases({a, again}, {.names = {"a", "b"}, .same_map = SameMap::kError});
               }),
               HasSubstr("b: its map 500 is map 0 of a again"));
 }
@@ -128,7 +128,10 @@ TEST(Merge, DifferentVocabulariesAreRefused) {
   const Atlas a = Small(1);
   Atlas b = Small(2);
   b.vocabulary = {"other.txt", "0123456789abcdef0123456789abcdef"};
-  EXPECT_THAT(ErrorOf([&] { MergeAtlases({a, b}, {}); }), HasSubstr("input 2: its bags of words are of vocabulary"));
+  EXPECT_THAT(ErrorOf([&] {
+                return MergeAtlases({a, b}, {});
+              }),
+              HasSubstr("input 2: its bags of words are of vocabulary"));
   const MergeResult merged = MergeAtlases({a, b}, {.ignore_vocabulary = true});
   EXPECT_EQ(merged.atlas.vocabulary, a.vocabulary);
   EXPECT_THAT(merged.report.other_vocabularies, SizeIs(1));
@@ -178,7 +181,7 @@ TEST(Merge, DropsWhatListsRepeat) {
 }
 
 TEST(Merge, NothingToMerge) {
-  EXPECT_THAT(ErrorOf([] { MergeAtlases({}, {}); }), HasSubstr("nothing to merge"));
+  EXPECT_THAT(ErrorOf([] { return MergeAtlases({}, {}); }), HasSubstr("nothing to merge"));
 }
 
 }  // namespace

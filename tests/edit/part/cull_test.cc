@@ -9,6 +9,7 @@
 #include "tests/edit/soundness.h"
 #include "tests/formats/orbslam3/real_atlases.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb::testing {
 namespace {
@@ -144,7 +145,7 @@ TEST(CullPoints, ByObservations) {
   atlas.maps[0].points[8].first_keyframe = 3;                               // young
   for (const std::size_t keyframe : {0, 1, 2}) Forget(atlas, keyframe, 8);
   atlas.maps[0].points[8].reference = KeyFrameId(3);
-  const CullReport report = Cull(atlas, {.min_observations = CullOptions::kOfSensor});
+  const CullReport report = Cull(atlas, {.min_observations = OfSensor()});
   EXPECT_EQ(report.few_observations, 1U);
   EXPECT_EQ(atlas.maps[0].points.size(), 9U);
   EXPECT_FALSE(atlas.maps[0].keyframes[0].features.map_points[7]);
@@ -179,14 +180,37 @@ TEST(CullPoints, ByAge) {
   EXPECT_EQ(Cull(atlas, {.unseen_since = 4}).unseen, 0U);
 }
 
+// Every count of the report on its own, so that none can stand for another.
+TEST(CullPoints, AreCountedByTheFirstRuleThatTakesThem) {
+  Atlas atlas = CrowdedMap(6);
+  Map& map = atlas.maps[0];
+  map.points[0].bad = true;
+  for (const std::size_t point : {1, 2})
+    for (const std::size_t keyframe : {1, 2, 3, 4}) Forget(atlas, keyframe, point);  // 2 observations left
+  for (KeyFrame& keyframe : map.keyframes)
+    for (const std::size_t point : {3, 4, 5}) keyframe.features.undistorted[point].x += 9;
+  for (const std::size_t point : {6, 7, 8}) Forget(atlas, 5, point);
+  const CullReport report = Cull(atlas, {.min_observations = 3, .max_error = 2.45, .unseen_since = 5});
+  EXPECT_EQ(report.bad_points, 1U);
+  EXPECT_EQ(report.few_observations, 2U);
+  EXPECT_EQ(report.large_errors, 3U);
+  EXPECT_EQ(report.small_parallax, 0U);
+  EXPECT_EQ(report.unseen, 3U);
+  EXPECT_EQ(report.unheld, 0U);
+  EXPECT_EQ(report.redundant_keyframes, 0U);
+  EXPECT_EQ(report.removed.points, 9U);
+  EXPECT_EQ(report.removed.before, (EntityCounts{.maps = 1, .keyframes = 6, .points = 10}));
+  EXPECT_EQ(report.removed.after, (EntityCounts{.maps = 1, .keyframes = 6, .points = 1}));
+}
+
 TEST(Cull, RefusesRulesThatMakeNoSense) {
   Atlas atlas = CrowdedMap(5);
   const Atlas same = atlas;
   for (const CullOptions& options :
        {CullOptions{.redundancy = 1.5}, CullOptions{.redundancy = 0.9, .redundant_observers = 0},
-        CullOptions{.max_error = 0}, CullOptions{.min_parallax = 180}, CullOptions{.unseen_since = NAN},
-        CullOptions{.min_observations = -1}})
-    EXPECT_THROW(Cull(atlas, options), Error);
+        CullOptions{.min_observations = -1}, CullOptions{.max_error = 0}, CullOptions{.min_parallax = 180},
+        CullOptions{.unseen_since = NAN}})
+    EXPECT_EQ(KindOf([&] { Cull(atlas, options); }), ErrorKind::kUsage);
   EXPECT_THAT(atlas, EqualsAtlas(same));
 }
 
@@ -199,10 +223,14 @@ void ExpectSound(const Atlas& atlas, const std::string& name) {
     const CullReport report = Cull(culled, options);
     EXPECT_THAT(NewTroubles(known, culled), IsEmpty());
     EXPECT_EQ(report.removed.keyframes, report.redundant_keyframes);
+    EXPECT_EQ(report.removed.before, CountEntities(atlas));
+    EXPECT_EQ(report.removed.after, CountEntities(culled));
     EXPECT_EQ(report.removed.points, report.bad_points + report.few_observations + report.large_errors +
                                          report.small_parallax + report.unseen + report.unheld);
     EXPECT_LE(report.coverage.covered, report.coverage.covered_before);
-    Cull(alone, options, 1);
+    CullOptions on_one_thread = options;
+    on_one_thread.threads = 1;
+    Cull(alone, on_one_thread);
     EXPECT_THAT(alone, EqualsAtlas(culled));
   }
 }

@@ -6,10 +6,13 @@
 #include <algorithm>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/part/extract.h"
+#include "slamdb/edit/part/split.h"
 #include "slamdb/model/derive.h"
 #include "tests/edit/soundness.h"
 #include "tests/formats/orbslam3/real_atlases.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb::testing {
 namespace {
@@ -126,7 +129,7 @@ TEST(Select, RefusesWhatIsNotThere) {
   const Atlas atlas = Rows();
   const AtlasIndex index(atlas);
   const auto expect = [&](const SelectOptions& options, const char* text) {
-    EXPECT_THAT([&] { Select(index, options); }, ThrowsMessage<Error>(HasSubstr(text)));
+    EXPECT_THAT([&] { return Select(index, options); }, ThrowsMessage<Error>(HasSubstr(text)));
   };
   expect({.map = MapId(5)}, "there is no map 5; there are 0, 1");
   expect({.keyframes = {KeyFrameId(99)}}, "no keyframe 99");
@@ -136,36 +139,6 @@ TEST(Select, RefusesWhatIsNotThere) {
   expect({.begin_time = 100}, "nothing is selected");
   expect({.first_keyframe = 0, .except = true}, "nothing is left");
   expect({.every = 0}, "every 0th");
-}
-
-TEST(SplitAtlas, ByMapSessionAndComponent) {
-  const Atlas atlas = Rows();
-  const AtlasIndex index(atlas);
-  const auto names = [&](SplitBy by) {
-    std::vector<std::string> found;
-    for (const Part& part : SplitAtlas(index, by)) found.push_back(part.name);
-    return found;
-  };
-  EXPECT_THAT(names(SplitBy::kMap), ElementsAre("map-0", "map-1"));
-  EXPECT_THAT(names(SplitBy::kSession), ElementsAre("session-0", "session-7"));
-  EXPECT_THAT(names(SplitBy::kComponent),
-              ElementsAre("map-0-component-1", "map-0-component-2", "map-1-component-1", "map-1-component-2"));
-}
-
-TEST(TakePart, IsWhatKeepingTheSubsetLeaves) {
-  const Atlas atlas = SynthesizeAtlas({.maps = 3, .keyframes = 8, .points = 150, .features = 120});
-  const AtlasIndex index(atlas);
-  for (const Part& part : SplitAtlas(index, SplitBy::kMap)) {
-    SubsetReport taken, kept;
-    const Atlas own = TakePart(atlas, part.subset, taken);
-    Atlas whole = atlas;
-    kept = KeepSubset(whole, part.subset);
-    EXPECT_THAT(own, EqualsAtlas(whole)) << part.name;
-    EXPECT_EQ(taken.maps, 2U);
-    EXPECT_EQ(taken.keyframes, kept.keyframes);
-    EXPECT_EQ(taken.points, kept.points);
-    EXPECT_THAT(Troubles(own), IsEmpty());
-  }
 }
 
 // Map 0 has landmarks at x = 0 to 3; map 2 is landmarks alone, at x = 2 and 3.
@@ -179,6 +152,79 @@ Atlas RowsWithLandmarks() {
   atlas.maps.emplace_back().id = MapId(2);
   for (int x = 2; x < 4; ++x) add(2, x);
   return atlas;
+}
+
+TEST(SplitAtlas, ByMapSessionAndComponent) {
+  const Atlas atlas = Rows();
+  const AtlasIndex index(atlas);
+  const auto names = [&](SplitBy by) {
+    std::vector<std::string> found;
+    for (const Part& part : SplitAtlas(index, {.by = by})) found.push_back(part.name);
+    return found;
+  };
+  EXPECT_THAT(names(SplitBy::kMap), ElementsAre("map-0", "map-1"));
+  EXPECT_THAT(names(SplitBy::kSession), ElementsAre("session-0", "session-7"));
+  EXPECT_THAT(names(SplitBy::kComponent),
+              ElementsAre("map-0-component-1", "map-0-component-2", "map-1-component-1", "map-1-component-2"));
+}
+
+TEST(SplitAtlas, LeavesOutSmallParts) {
+  const Atlas atlas = RowsWithLandmarks();
+  const AtlasIndex index(atlas);
+  std::size_t largest = 0;
+  for (const Map& map : atlas.maps) largest = std::max(largest, map.keyframes.size());
+  std::vector<std::string> found;
+  for (const Part& part : SplitAtlas(index, {.min_keyframes = largest})) found.push_back(part.name);
+  for (const Map& map : atlas.maps) {
+    const bool stays = map.keyframes.size() >= largest || map.keyframes.empty();
+    EXPECT_EQ(std::ranges::count(found, "map-" + std::to_string(map.id.value())), stays ? 1 : 0) << map.id.value();
+  }
+  EXPECT_EQ(KindOf([&] { return SplitAtlas(index, {.by = SplitBy::kSession, .min_keyframes = 100}); }),
+            ErrorKind::kNotPossible);
+}
+
+TEST(Extract, SelectsSettlesAndKeeps) {
+  const Atlas atlas = SynthesizeAtlas({.keyframes = 12, .points = 200, .features = 150});
+  const AtlasIndex index(atlas);
+  const SelectOptions part{.first_keyframe = 4, .last_keyframe = 8};
+  for (const Border border : {Border::kStrict, Border::kCompletePoints, Border::kSmart}) {
+    Atlas extracted = atlas, expected = atlas;
+    const ExtractReport report = Extract(extracted, {.part = part, .border = border, .threads = 1});
+    Subset subset = Select(index, part);
+    SettleBorder(index, border, subset);
+    EXPECT_EQ(report.removed, KeepSubset(expected, subset));
+    EXPECT_THAT(extracted, EqualsAtlas(expected));
+    EXPECT_EQ(report.coverage.covered, MeasureCoverage(index, subset).covered);
+  }
+}
+
+TEST(Extract, ChangesNothingWhenItRefuses) {
+  const Atlas atlas = Rows();
+  Atlas same = atlas;
+  EXPECT_EQ(
+      KindOf([&] { Extract(same, {.part = {.map = MapId(0), .except = true}, .border = Border::kCompletePoints}); }),
+      ErrorKind::kUsage);
+  EXPECT_EQ(KindOf([&] { Extract(same, {.part = {.component = 0}}); }), ErrorKind::kUsage);
+  EXPECT_EQ(KindOf([&] { Extract(same, {.part = {.map = MapId(99)}}); }), ErrorKind::kNotPossible);
+  EXPECT_THAT(same, EqualsAtlas(atlas));
+}
+
+TEST(TakePart, IsWhatKeepingTheSubsetLeaves) {
+  const Atlas atlas = SynthesizeAtlas({.maps = 3, .keyframes = 8, .points = 150, .features = 120});
+  const AtlasIndex index(atlas);
+  for (const Part& part : SplitAtlas(index, {.by = SplitBy::kMap})) {
+    SubsetReport taken, kept;
+    const Atlas own = TakePart(atlas, part.subset, taken);
+    Atlas whole = atlas;
+    kept = KeepSubset(whole, part.subset);
+    EXPECT_THAT(own, EqualsAtlas(whole)) << part.name;
+    EXPECT_EQ(taken.maps, 2U);
+    EXPECT_EQ(taken.keyframes, kept.keyframes);
+    EXPECT_EQ(taken.points, kept.points);
+    EXPECT_EQ(taken.before, CountEntities(atlas));
+    EXPECT_EQ(taken.after, CountEntities(own));
+    EXPECT_THAT(Troubles(own), IsEmpty());
+  }
 }
 
 TEST(Select, LandmarksByRegionOrWithTheirMap) {
@@ -208,7 +254,7 @@ TEST(Select, MapsOfLandmarksAloneStayWithThem) {
   ASSERT_THAT(part.maps[0].landmarks, SizeIs(1));
   EXPECT_EQ(part.maps[0].landmarks[0].mean.x(), 2);
   EXPECT_EQ(removed.landmarks, 5U);
-  const std::vector<Part> parts = SplitAtlas(index, SplitBy::kMap);
+  const std::vector<Part> parts = SplitAtlas(index, {.by = SplitBy::kMap});
   ASSERT_THAT(parts, SizeIs(3));
   SubsetReport taken;
   EXPECT_THAT(TakePart(atlas, parts[2].subset, taken).maps[0].landmarks, SizeIs(2));

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/model/preintegration.h"
 #include "tests/edit/soundness.h"
 #include "tests/formats/orbslam3/real_atlases.h"
@@ -155,12 +156,52 @@ TEST(KeepSubset, ClosesWhatIsLeft) {
   EXPECT_EQ(map.points[0].reference, KeyFrameId(1));
   EXPECT_THAT(map.points[1].observations, ElementsAre(Observation{KeyFrameId(3), 1, -1}));
   EXPECT_EQ(map.points[1].reference, KeyFrameId(3));
-  EXPECT_EQ(report.keyframes, 2U);
-  EXPECT_EQ(report.observations, 3U);
-  EXPECT_EQ(report.edges, 2U);
-  EXPECT_EQ(report.new_references, 2U);
-  EXPECT_EQ(report.new_parents, 1U);
+  EXPECT_EQ(report, (SubsetReport{.before = {.maps = 1, .keyframes = 4, .points = 2},
+                                  .after = {.maps = 1, .keyframes = 2, .points = 2},
+                                  .keyframes = 2,
+                                  .observations = 3,
+                                  .edges = 2,
+                                  .new_references = 2,
+                                  .new_parents = 1}));
   EXPECT_THAT(atlas.cameras, SizeIs(2));
+}
+
+// One part of everything that leads out of a part, so that no field of an entity is forgotten.
+TEST(KeepSubset, LeavesNoReferenceOutOfThePart) {
+  for (const SyntheticOptions& kind : SensorKinds()) {
+    SCOPED_TRACE(NameOf(kind));
+    Atlas atlas = SynthesizeAtlas(kind);
+    for (Map& map : atlas.maps) {
+      const KeyFrameId gone = map.keyframes[1].id, kept = map.keyframes[4].id;
+      for (KeyFrame& keyframe : map.keyframes) {
+        keyframe.loop_edges = keyframe.merge_edges = {gone, kept};
+        keyframe.not_erase = true;
+      }
+      map.points[0].replaced_by = map.points[1].id;
+      map.origins = {gone};
+      map.initial_keyframe = map.first_keyframe = map.lowest_keyframe = gone;
+    }
+    Subset subset = Subset::Everything(atlas);
+    std::set<std::uint64_t> gone_keyframes, gone_points;
+    for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+      subset.maps[row].keyframes[1] = subset.maps[row].points[1] = 0;
+      gone_keyframes.insert(atlas.maps[row].keyframes[1].id.value());
+      gone_points.insert(atlas.maps[row].points[1].id.value());
+    }
+    KeepSubset(atlas, subset);
+    VisitIds(atlas, [&](auto id_kind, const auto& field) {
+      if constexpr (decltype(id_kind)::value == IdKind::kKeyFrame) {
+        EXPECT_FALSE(gone_keyframes.contains(IdValue(field)));
+      } else if constexpr (decltype(id_kind)::value == IdKind::kPoint) {
+        EXPECT_FALSE(gone_points.contains(IdValue(field)));
+      }
+    });
+    for (const Map& map : atlas.maps)
+      for (const KeyFrame& keyframe : map.keyframes) {
+        EXPECT_THAT(keyframe.loop_edges, SizeIs(1));
+        EXPECT_THAT(keyframe.merge_edges, SizeIs(1));
+      }
+  }
 }
 
 TEST(KeepSubset, DropsCamerasThatLoseTheirLastKeyframe) {

@@ -51,23 +51,22 @@ TEST_P(RepairRealFile, IsSeenWholeByBoost) {
       (std::filesystem::temp_directory_path() / ("slamdb-repair-" + std::string(GetParam()) + ".osa")).string();
   WriteOrbslam3(atlas_, path, {.overwrite = true, .sync = false}, notices_);
   const auto encoding = atlas_.encoding.text ? reference::Encoding::kText : reference::Encoding::kBinary;
-  const auto session = reference::Load(path, encoding);
+  const Atlas loaded = reference::Load(path, encoding);
   std::filesystem::remove(path);
   std::size_t observations = 0, expected = 0;
-  std::set<const void*> seen;
-  for (const reference::Map* map : session->atlas->mvpBackupMaps) {
-    ASSERT_TRUE(seen.insert(map).second);
-    std::set<unsigned long> keyframes;
-    for (const reference::KeyFrame* keyframe : map->mvpBackupKeyFrames) {
-      ASSERT_TRUE(seen.insert(keyframe).second);
-      EXPECT_FALSE(keyframe->mbBad);
-      keyframes.insert(keyframe->mnId);
+  EXPECT_TRUE(loaded.repeated_maps.empty());
+  for (const Map& map : loaded.maps) {
+    EXPECT_TRUE(map.repeated_keyframes.empty());
+    EXPECT_TRUE(map.repeated_points.empty());
+    std::set<KeyFrameId> keyframes;
+    for (const KeyFrame& keyframe : map.keyframes) {
+      EXPECT_FALSE(keyframe.bad);
+      keyframes.insert(keyframe.id);
     }
-    for (const reference::MapPoint* point : map->mvpBackupMapPoints) {
-      ASSERT_TRUE(seen.insert(point).second);
-      EXPECT_FALSE(point->mbBad);
-      EXPECT_TRUE(keyframes.contains(point->mBackupRefKFId));
-      for (const auto& [keyframe, left] : point->mBackupObservationsId1) observations += keyframes.count(keyframe);
+    for (const MapPoint& point : map.points) {
+      EXPECT_FALSE(point.bad);
+      EXPECT_TRUE(keyframes.contains(point.reference));
+      for (const Observation& observation : point.observations) observations += keyframes.count(observation.keyframe);
     }
   }
   for (const Map& map : atlas_.maps)

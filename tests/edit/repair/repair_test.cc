@@ -28,7 +28,7 @@ constexpr std::uint64_t kWords = 1'000'000;
 
 std::vector<std::string> ErrorsOf(const Atlas& atlas) {
   std::vector<std::string> errors;
-  for (const RuleResult& result : CheckAtlas(atlas, {.threads = 1, .vocabulary_words = kWords}).results)
+  for (const RuleResult& result : CheckAtlas(atlas, {.vocabulary_words = kWords, .threads = 1}).results)
     if (result.severity == Severity::kError) errors.push_back(result.id);
   return errors;
 }

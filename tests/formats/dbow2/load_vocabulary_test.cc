@@ -75,6 +75,19 @@ TEST(LoadVocabulary, TakesLineFeedsAtTheEndAndCarriageReturns) {
   ExpectSameTree(LoadVocabulary(File(windows)).tree, tree);
 }
 
+TEST(LoadVocabulary, TakesAByteOrderMark) {
+  const std::string path = Written("mark", "\xef\xbb\xbf" + ReadWhole(kText));
+  ExpectSameTree(LoadVocabulary(path).tree, LoadVocabulary(kText).tree);
+  const VocabularyFile marked = ReadVocabularyFile(path), plain = ReadVocabularyFile(kText);
+  ASSERT_TRUE(marked.shape && plain.shape);
+  EXPECT_EQ(marked.shape->words, plain.shape->words);
+  EXPECT_NE(marked.identity.checksum, plain.identity.checksum);  // ORB-SLAM3 hashes the bytes as they are
+  EXPECT_THAT(Refusal(std::string("\xff\xfe"
+                                  "3\0 \0",
+                                  6)),
+              HasSubstr("UTF-16"));
+}
+
 TEST(LoadVocabulary, ChildrenNeedNotStandTogether) {
   const std::string text =
       "2 2 0 0\n0 0" + kBytes + "0\n0 0" + kBytes + "0\n1 1" + kBytes + "1\n2 1" + kBytes + "2\n1 1" + kBytes + "3";

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "tests/formats/formats/in_memory.h"

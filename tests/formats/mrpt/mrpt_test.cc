@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/mrpt/detail/stream.h"

@@ -141,7 +141,7 @@ TEST(Tum, NamesTheLineThatIsWrong) {
   const std::string expected = "expected 8 numbers: timestamp tx ty tz qx qy qz qw, found ";
   EXPECT_EQ(ReadProblem(kTumFormat, "1 0 0 0 0 0 0 1\n# c\n2 0 0 0 0 0 1\n"),
             "line 3: " + expected + "`2 0 0 0 0 0 1`");
-  EXPECT_EQ(ReadProblem(kTumFormat, "1 0 0 0 0 0 0 1x\n"), "line 1: " + expected + "`1 0 0 0 0 0 0 1x`");
+  EXPECT_EQ(ReadProblem(kTumFormat, "1 0 0 0 0 0 0 1x\n"), "line 1: expected a number, found '1x' in column qw");
   EXPECT_EQ(ReadProblem(kTumFormat, "t 0 0 0 0 0 0 1\n"), "line 1: " + expected + "`t 0 0 0 0 0 0 1`");
 }
 
@@ -224,8 +224,82 @@ TEST(Euroc, ReadsWhatItWrites) {
 }
 
 TEST(Euroc, NamesTheLineThatIsWrong) {
-  EXPECT_THAT(ReadProblem(kEurocFormat, "#timestamp, p_RS_R_x\n1.5,0,0,0,1,0,0,0\n"),
-              HasSubstr("line 2: expected at least 8 cells"));
+  const std::string expected =
+      "expected at least 8 cells: timestamp [ns], position x y z, quaternion w x y z, found `15,0,0,0,1,0,0`";
+  EXPECT_EQ(ReadProblem(kEurocFormat, "#timestamp, p_RS_R_x\n1.5,0,0,0,1,0,0,0\n"),
+            "line 2: expected whole nanoseconds, found '1.5' in column timestamp");
+  EXPECT_EQ(ReadProblem(kEurocFormat, "#timestamp, p_RS_R_x\n15,0,0,0,1,0,0\n"), "line 2: " + expected);
+}
+
+// Two poses, the second at (1, 2, 3), turned by half a turn about x.
+constexpr const char* kTumDialects[] = {
+    "0.5 0 0 0 0 0 0 1\n1.5 1 2 3 1 0 0 0\n",
+    "\xef\xbb\xbf# timestamp tx ty tz qx qy qz qw\r\n0.5 0 0 0 0 0 0 1\r\n1.5 1 2 3 1 0 0 0",
+    "timestamp,tx,ty,tz,qx,qy,qz,qw\n0.5,0,0,0,0,0,0,1\n1.5,1,2,3,1,0,0,0\n",
+    "Time [s];qw;qx;qy;qz;tx [m];ty [m];tz [m]\n+0.5;1;0;0;0;0;0;0\n+1.5;0;+1;0;0;+1;+2;+3\n",
+    "% made by hand\n\"0.5\"\t0\t0\t0\t0\t0\t0\t1\n1.5  1  2  3\t1 0 0 0\n",
+};
+
+class TumDialect : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Tum, TumDialect, ::testing::ValuesIn(kTumDialects));
+
+TEST_P(TumDialect, IsToldAndRead) {
+  const TemporaryFolder folder;
+  Notices notices;
+  const std::string path = folder.Make("a.csv", GetParam());
+  EXPECT_TRUE(kTumFormat.sniff(Probe::Of(path)));
+  EXPECT_FALSE(kEurocFormat.sniff(Probe::Of(path)) || kKittiFormat.sniff(Probe::Of(path)));
+  const Atlas atlas = kTumFormat.read({path, ""}, {}, notices);
+  ASSERT_EQ(atlas.maps.size(), 1U);
+  ASSERT_EQ(atlas.maps[0].keyframes.size(), 2U);
+  const KeyFrame& keyframe = atlas.maps[0].keyframes[1];
+  EXPECT_EQ(keyframe.timestamp, 1.5);
+  EXPECT_EQ(keyframe.camera_from_world.Center(), Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(std::abs(keyframe.camera_from_world.rotation.x()), 1);
+}
+
+TEST(Euroc, ReadsColumnsByName) {
+  const TemporaryFolder folder;
+  Notices notices;
+  const std::string path = folder.Make(
+      "a.csv",
+      "\xef\xbb\xbf#timestamp [ns];q_RS_x [];q_RS_y [];q_RS_z [];q_RS_w [];p_RS_R_x [m];p_RS_R_y [m];p_RS_R_z [m]\r\n"
+      "1403636580838555648;1;0;0;0;+1;2;3\r\n");
+  EXPECT_TRUE(kEurocFormat.sniff(Probe::Of(path)));
+  EXPECT_FALSE(kTumFormat.sniff(Probe::Of(path)));
+  const Atlas atlas = kEurocFormat.read({path, ""}, {}, notices);
+  ASSERT_EQ(atlas.maps.size(), 1U);
+  EXPECT_EQ(atlas.maps[0].keyframes.at(0).timestamp, 1403636580.838555648);
+  EXPECT_EQ(atlas.maps[0].keyframes[0].camera_from_world.Center(), Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(std::abs(atlas.maps[0].keyframes[0].camera_from_world.rotation.x()), 1);
+}
+
+TEST(Euroc, IsNoOtherTableOfItsDataSet) {
+  const TemporaryFolder folder;
+  const Probe imu = Probe::Of(folder.Make(
+      "imu.csv",
+      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],a_RS_S_y [m "
+      "s^-2],a_RS_S_z [m s^-2]\n1403636579758555392,-0.1,0.15,0.08,8.18,-0.37,-2.4\n"));
+  EXPECT_FALSE(kEurocFormat.sniff(imu) || kTumFormat.sniff(imu) || kKittiFormat.sniff(imu));
+}
+
+TEST(Trajectory, ErrorsHaveKinds) {
+  const TemporaryFolder folder;
+  Notices notices;
+  const auto kind_of = [&](const std::string& path) {
+    try {
+      kTumFormat.read({path, ""}, {}, notices);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.path(), path);
+      return error.kind();
+    }
+    return ErrorKind::kInternal;
+  };
+  EXPECT_EQ(kind_of(folder.Make("short.tum", "1 2 3\n")), ErrorKind::kDamaged);
+  EXPECT_EQ(kind_of(folder.Make("utf16.tum",
+                                "\xff\xfe"
+                                "1")),
+            ErrorKind::kUnsupported);
 }
 
 }  // namespace

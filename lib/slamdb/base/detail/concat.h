@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -12,6 +13,10 @@ namespace slamdb::detail {
 std::string Digits(double value, int significant = 6);
 // A number with exactly so many decimals: `12.50`.
 std::string Fixed(double value, int decimals);
+// 8431 as `8,431`.
+std::string Thousands(std::uint64_t value);
+// `1 keyframe`, `8,431 keyframes`.
+std::string Counted(std::uint64_t count, std::string_view noun);
 
 inline void AppendPart(std::string& text, std::string_view part) { text += part; }
 inline void AppendPart(std::string& text, char part) { text += part; }

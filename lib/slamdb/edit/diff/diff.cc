@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/diff/detail/diff_pair.h"
 #include "slamdb/model/content.h"
@@ -339,7 +340,9 @@ AtlasDiff::Verdict AtlasDiff::verdict() const {
 }
 
 AtlasDiff DiffAtlases(const Atlas& before, const Atlas& after, const DiffOptions& options) {
-  return Comparison(before, after, options).Run();
+  AtlasDiff diff = Comparison(before, after, options).Run();
+  detail::Steps(options.progress, "comparing", 1).Next();
+  return diff;
 }
 
 }  // namespace slamdb

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/progress.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/similarity.h"
 #include "slamdb/model/statistics.h"
@@ -17,6 +19,7 @@ namespace slamdb {
 struct DiffOptions {
   double tolerance = 0;  // numbers a and b are the same when |a - b| <= tolerance * max(1, |a|, |b|)
   int threads = 0;       // 0: every core
+  Progress progress;     // may be empty
 };
 
 // An entity by its ids.
@@ -81,14 +84,33 @@ struct AtlasDiff {
   std::vector<FieldDiff> encoding;   // how the files are written, which is no difference of the atlases
 
   enum class Verdict { kSame, kRenumbered, kDifferent };
-  Verdict verdict() const;
+  SLAMDB_EXPORT Verdict verdict() const;
 };
 
-// Compares two atlases by what they mean. Entities are recognised by content, whatever their ids: keyframes by
-// descriptors and time, points by descriptor and by who observes them where, maps by their keyframes, cameras by their
-// parameters, landmarks by all that they hold, to the bit. References are the same when they lead to the same entity.
-// The order of lists does not count, a NaN is the same as any other, and a quaternion the same as its negative. O(n);
-// the result does not depend on the number of threads. Either atlas may hold anything. Thread-safe.
-AtlasDiff DiffAtlases(const Atlas& before, const Atlas& after, const DiffOptions& options);
+// `same`, `renumbered`, `different`.
+[[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(AtlasDiff::Verdict verdict);
+
+// Compares two atlases by what they mean.
+// Entities are recognised by content, whatever their ids: keyframes by descriptors and time, points by descriptor and
+// by who observes them where, maps by their keyframes, cameras by their parameters, landmarks by all that they hold, to
+// the bit. References are the same when they lead to the same entity.
+// What does not count: the order of lists; which NaN a NaN is; the sign of a quaternion; how a matrix stands in its
+// file (the flag of a continuous one, the form of an empty one); which entries a list has as null or repeated, beyond
+// their number; how many slots of a keyframe hold no point.
+// Either atlas may hold anything.
+//
+// Throws nothing but std::bad_alloc and what the listener to its progress throws.
+// Cost: linear; the result is the same for any number of threads. Thread-safe.
+[[nodiscard]] SLAMDB_EXPORT AtlasDiff DiffAtlases(const Atlas& before, const Atlas& after,
+                                                  const DiffOptions& options = {});
+
+// The names of the two, for a report, and how many ids of what was removed and added it lists.
+struct DiffReportOptions {
+  std::string before, after;
+  std::size_t max_listed = 1000;
+};
+
+// As schema/diff.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const AtlasDiff& diff, const DiffReportOptions& options = {});
 
 }  // namespace slamdb

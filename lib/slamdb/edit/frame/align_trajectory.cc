@@ -76,7 +76,8 @@ TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosit
                                       const TrajectoryAlignmentOptions& options) {
   const auto has_body = [](const KeyFrame& keyframe) { return bool{keyframe.imu_calibration.is_set}; };
   if (options.body && std::ranges::none_of(map.keyframes, has_body))
-    throw Error(ToString(map.id) + " has no IMU calibration, so that nobody knows where its body is");
+    throw Error(ErrorKind::kNotPossible,
+                ToString(map.id) + " has no IMU calibration, so that nobody knows where its body is");
   const std::vector<TimedPosition> samples = Sorted(reference), keyframes = PositionsOf(map, options.body);
   std::vector<Eigen::Vector3d> source, target;
   for (const auto& [time, position] : keyframes) {
@@ -86,14 +87,15 @@ TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosit
     target.push_back(*there);
   }
   if (source.size() < kFewestPairs)
-    throw Error(ToString(map.id) + ": " + std::to_string(source.size()) + " of " + std::to_string(keyframes.size()) +
-                " keyframes have a reference position at their time, but three are needed: the map covers " +
-                Span(keyframes) + ", the reference " + Span(samples));
+    throw Error(ErrorKind::kNotPossible,
+                ToString(map.id) + ": " + std::to_string(source.size()) + " of " + std::to_string(keyframes.size()) +
+                    " keyframes have a reference position at their time, but three are needed: the map covers " +
+                    Span(keyframes) + ", the reference " + Span(samples));
   UmeyamaResult fit;
   try {
     fit = SolveUmeyama(source, target, options.fit);
   } catch (const Error& error) {
-    throw Error(ToString(map.id) + ": " + error.problem());
+    throw Error(error.kind(), ToString(map.id) + ": " + error.problem());
   }
   std::vector<double> inliers;
   for (std::size_t pair = 0; pair < fit.residuals.size(); ++pair)

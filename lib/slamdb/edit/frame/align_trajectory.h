@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "slamdb/base/progress.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/umeyama.h"
 
@@ -19,6 +21,8 @@ struct TrajectoryAlignmentOptions {
   double max_time_difference = 0.02;  // seconds, between a keyframe and the nearest position
   bool body = false;                  // positions are those of the body (IMU), not of the camera
   UmeyamaOptions fit;
+  int threads = 0;    // not needed: it takes no time
+  Progress progress;  // likewise
 };
 
 // Of distances in units of the reference; all 0 when there are none.
@@ -36,15 +40,19 @@ struct TrajectoryAlignment {
   double spread = 0;             // RMS distance of the inliers' positions from their mean, to hold residuals against
 };
 
-// The similarity that lays the keyframes of a map onto a reference trajectory: each keyframe is paired with the
-// position at its time, interpolated where the two samples around it are at most twice the greatest time difference
-// apart, and the nearest in time otherwise; then SolveUmeyama. `reference` may be in any order. O(n log n).
-// Throws Error when fewer than three keyframes find a position (naming both time spans), when these do not determine
-// the transform, and when the body is asked for in a map without IMU calibration.
-TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosition> reference,
-                                      const TrajectoryAlignmentOptions& options);
+// The similarity that lays the keyframes of a map onto a reference trajectory.
+// Each keyframe is paired with the position at its time, interpolated where the two samples around it are at most twice
+// the greatest time difference apart, and the nearest in time otherwise; then SolveUmeyama.
+// `reference` may be in any order.
+//
+// Throws Error (kNotPossible) when fewer than three keyframes find a position (naming both time spans), when these do
+// not determine the transform, and when the body is asked for in a map without IMU calibration.
+// Cost: O(n log n).
+[[nodiscard]] SLAMDB_EXPORT TrajectoryAlignment AlignToTrajectory(const Map& map,
+                                                                  std::span<const TimedPosition> reference,
+                                                                  const TrajectoryAlignmentOptions& options = {});
 
 // Whether the sensor leaves the scale of a map open: one camera without depths and without an initialised IMU.
-bool HasOpenScale(const Map& map);
+[[nodiscard]] SLAMDB_EXPORT bool HasOpenScale(const Map& map);
 
 }  // namespace slamdb

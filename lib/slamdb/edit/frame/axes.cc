@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -26,8 +28,9 @@ constexpr std::array<Convention, 5> kConventions = {{
 
 Error NotAxes(std::string_view text) {
   std::string names;
-  for (const Convention& convention : kConventions) names += (names.empty() ? "" : ", ") + std::string(convention.name);
-  return Error("axes are a list as x,-z,y or two of " + names + " as camera:ros, not '" + std::string(text) + "'");
+  for (const Convention& convention : kConventions) names += detail::Concat(names.empty() ? "" : ", ", convention.name);
+  return Error(ErrorKind::kUsage,
+               detail::Concat("axes are a list as x,-z,y or two of ", names, " as camera:ros, not '", text, "'"));
 }
 
 // The unit vector of `x`, `+x` or `-x`.
@@ -40,14 +43,13 @@ std::optional<Eigen::RowVector3d> ParseAxis(std::string_view text) {
 
 // One row for each axis of the target.
 std::optional<Eigen::Matrix3d> ParseList(std::string_view text) {
+  const auto names = detail::Split(text, ',');
+  if (names.size() != 3) return std::nullopt;
   Eigen::Matrix3d rows;
   for (int row = 0; row < 3; ++row) {
-    const std::size_t comma = row < 2 ? text.find(',') : text.size();
-    if (comma == std::string_view::npos) return std::nullopt;
-    const auto axis = ParseAxis(text.substr(0, comma));
+    const auto axis = ParseAxis(detail::Trimmed(names[row]));
     if (!axis) return std::nullopt;
     rows.row(row) = *axis;
-    text.remove_prefix(std::min(comma + 1, text.size()));
   }
   return rows;
 }
@@ -59,9 +61,9 @@ std::optional<Eigen::Matrix3d> FindConvention(std::string_view name) {
 }
 
 std::optional<Eigen::Matrix3d> ParsePair(std::string_view text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) return std::nullopt;
-  const auto from = FindConvention(text.substr(0, colon)), to = FindConvention(text.substr(colon + 1));
+  const auto names = detail::Split(text, ':');
+  if (names.size() != 2) return std::nullopt;
+  const auto from = FindConvention(names[0]), to = FindConvention(names[1]);
   if (!from || !to) return std::nullopt;
   return *to * from->transpose();
 }
@@ -73,9 +75,10 @@ Eigen::Quaterniond ParseAxes(std::string_view text) {
   if (!matrix) matrix = ParseList(text);
   if (!matrix) throw NotAxes(text);
   const double determinant = matrix->determinant();
-  if (determinant == 0) throw Error("axes '" + std::string(text) + "' name an axis twice");
+  if (determinant == 0) throw Error(ErrorKind::kUsage, detail::Concat("axes '", text, "' name an axis twice"));
   if (determinant < 0)
-    throw Error("axes '" + std::string(text) + "' mirror the map; turn the sign of one, or of all three");
+    throw Error(ErrorKind::kUsage,
+                detail::Concat("axes '", text, "' mirror the map; turn the sign of one, or of all three"));
   return Eigen::Quaterniond(*matrix);
 }
 

@@ -7,7 +7,9 @@
 #include <numbers>
 #include <string>
 
-#include "slamdb/base/detail/csv_cells.h"
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/parse_file.h"
+#include "slamdb/base/detail/table.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -25,61 +27,27 @@ bool IsPlace(const Geodetic& place) {
   return std::abs(place.latitude) <= 90 && std::abs(place.longitude) <= 360 && std::isfinite(place.altitude);
 }
 
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \r\"";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
+// What the columns of fixes are, in the order that they have without names.
+enum FixColumn : std::size_t { kTime, kLatitude, kLongitude, kAltitude };
+
+const detail::TableKind& FixTable() {
+  static const detail::TableKind kind = {
+      .columns = {{{"timestamp", "time", "t", "seconds"}},
+                  {{"latitude", "lat"}},
+                  {{"longitude", "lon", "lng", "long"}},
+                  {{"altitude", "alt", "ele", "elevation", "height"}}},
+      .expected = "time, latitude, longitude and altitude in seconds, degrees and metres",
+      .more_cells = true,
+      .name_beginnings = true};
+  return kind;
 }
 
-std::vector<std::string_view> Cells(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t end = line.find_first_of(",;\t");
-    cells.push_back(Trimmed(line.substr(0, end)));
-    if (end == std::string_view::npos) return cells;
-    line.remove_prefix(end + 1);
-  }
-}
-
-// Where time, latitude, longitude and altitude stand in a line.
-using Columns = std::array<std::size_t, 4>;
-
-// `Latitude [deg]` -> `latitude`
-std::string ColumnName(std::string_view cell) {
-  std::string name;
-  for (const char letter : cell.substr(0, cell.find_first_of(" ([_"))) name += static_cast<char>(std::tolower(letter));
-  return name;
-}
-
-std::optional<Columns> ColumnsByName(std::string_view line) {
-  static const std::array<std::vector<std::string_view>, 4> kNames = {
-      {{"time", "timestamp", "t", "seconds"},
-       {"lat", "latitude"},
-       {"lon", "lng", "long", "longitude"},
-       {"alt", "altitude", "ele", "elevation", "height"}}};
-  const std::vector<std::string_view> cells = Cells(line);
-  Columns columns{};
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const auto named = std::ranges::find_if(cells, [&](std::string_view cell) {
-      return std::ranges::find(kNames[i], ColumnName(cell)) != kNames[i].end();
-    });
-    if (named == cells.end()) return std::nullopt;
-    columns[i] = static_cast<std::size_t>(named - cells.begin());
-  }
-  return columns;
-}
-
-std::optional<GpsFix> ParseFix(std::string_view line, const Columns& columns) {
-  const std::vector<std::string_view> cells = Cells(line);
-  std::array<double, 4> values{};
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto number = columns[i] < cells.size() ? ParseCell<double>(cells[columns[i]]) : std::nullopt;
-    if (!number || !std::isfinite(*number)) return std::nullopt;
-    values[i] = *number;
-  }
-  const GpsFix fix{values[0], {values[1], values[2], values[3]}};
-  return IsPlace(fix.place) ? std::optional(fix) : std::nullopt;
+GpsFix FixOf(const detail::Table& table) {
+  const GpsFix fix{table.Get<double>(kTime),
+                   {table.Get<double>(kLatitude), table.Get<double>(kLongitude), table.Get<double>(kAltitude)}};
+  if (!std::isfinite(fix.timestamp) || !IsPlace(fix.place))
+    throw table.LineError(detail::Concat("expected ", FixTable().expected, ", found ", detail::Excerpt(table.row())));
+  return fix;
 }
 
 }  // namespace
@@ -108,7 +76,8 @@ Geodetic GeodeticFromEcef(const Eigen::Vector3d& ecef) {
 }
 
 LocalFrame::LocalFrame(const Geodetic& origin) : origin_(origin), ecef_(EcefFromGeodetic(origin)) {
-  if (!IsPlace(origin)) throw Error("the origin is no place on earth: latitudes reach from -90 to 90 degrees");
+  if (!IsPlace(origin))
+    throw Error(ErrorKind::kUsage, "the origin is no place on earth: latitudes reach from -90 to 90 degrees");
   const double latitude = origin.latitude * kDegree, longitude = origin.longitude * kDegree;
   const double sp = std::sin(latitude), cp = std::cos(latitude), sl = std::sin(longitude), cl = std::cos(longitude);
   enu_from_ecef_ << -sl, cl, 0,  //
@@ -126,42 +95,31 @@ Geodetic LocalFrame::ToGeodetic(const Eigen::Vector3d& enu) const {
 
 std::vector<GpsFix> ParseFixes(std::string_view csv) {
   std::vector<GpsFix> fixes;
-  Columns columns{0, 1, 2, 3};
-  bool first = true;
-  for (std::size_t number = 1; !csv.empty(); ++number) {
-    const std::string_view line = Trimmed(TakeLine(csv));
-    const bool comment = line.starts_with('#');
-    if (line.empty()) continue;
-    if (first) {
-      const auto named = ColumnsByName(Trimmed(line.substr(comment ? 1 : 0)));
-      if (named) columns = *named;
-      first = comment && !named;
-      if (named) continue;
-    }
-    if (comment) continue;
-    const auto fix = ParseFix(line, columns);
-    if (!fix)
-      throw LineError(number,
-                      "expected time, latitude, longitude and altitude in seconds, degrees and metres, found `" +
-                          std::string(line.substr(0, 80)) + "`");
-    fixes.push_back(*fix);
-  }
+  detail::Table table(csv, FixTable());
+  while (table.Next()) fixes.push_back(FixOf(table));
   return fixes;
 }
 
+std::vector<GpsFix> ReadFixes(const std::string& path) {
+  return detail::ParseFile(path, [](std::string_view csv) {
+    auto fixes = ParseFixes(csv);
+    if (fixes.empty()) throw Error(ErrorKind::kDamaged, "holds no fix");
+    return fixes;
+  });
+}
+
 Geodetic ParseGeodetic(std::string_view text) {
-  const std::vector<std::string_view> cells = Cells(text);
-  std::array<double, 3> values{};
-  bool good = cells.size() == 2 || cells.size() == 3;
-  for (std::size_t i = 0; good && i < cells.size(); ++i) {
-    const auto number = ParseCell<double>(cells[i]);
-    good = number.has_value();
-    if (good) values[i] = *number;
-  }
-  const Geodetic place{values[0], values[1], values[2]};
-  if (!good || !IsPlace(place))
-    throw Error("a place is LATITUDE,LONGITUDE[,ALTITUDE] in degrees and metres, not '" + std::string(text) + "'");
-  return place;
+  std::array<std::optional<double>, 3> numbers = {0, 0, 0};
+  const std::size_t separator = text.find_first_of(",;\t");
+  const auto cells = detail::Split(text, separator == text.npos ? ',' : text[separator]);
+  const bool fits = cells.size() == 2 || cells.size() == 3;
+  for (std::size_t i = 0; fits && i < cells.size(); ++i)
+    numbers[i] = detail::ParseNumber<double>(detail::Trimmed(cells[i]));
+  const auto [latitude, longitude, altitude] = numbers;
+  if (fits && latitude && longitude && altitude)
+    if (const Geodetic place{*latitude, *longitude, *altitude}; IsPlace(place)) return place;
+  throw Error(ErrorKind::kUsage,
+              detail::Concat("a place is LATITUDE,LONGITUDE[,ALTITUDE] in degrees and metres, not '", text, "'"));
 }
 
 std::vector<TimedPosition> PositionsIn(const LocalFrame& frame, const std::vector<GpsFix>& fixes) {

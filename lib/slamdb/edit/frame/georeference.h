@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "slamdb/edit/frame/align_trajectory.h"
+#include "slamdb/export.h"
 
 namespace slamdb {
 
@@ -24,13 +26,13 @@ struct GpsFix {
 };
 
 // Earth-centred, earth-fixed coordinates in metres (EPSG:4978), and back: to a micrometre from the ground up to orbits.
-Eigen::Vector3d EcefFromGeodetic(const Geodetic& place);
-Geodetic GeodeticFromEcef(const Eigen::Vector3d& ecef);
+[[nodiscard]] SLAMDB_EXPORT Eigen::Vector3d EcefFromGeodetic(const Geodetic& place);
+[[nodiscard]] SLAMDB_EXPORT Geodetic GeodeticFromEcef(const Eigen::Vector3d& ecef);
 
 // Local east, north, up coordinates in metres, on the plane that touches the ellipsoid's parallel surface at an origin.
-class LocalFrame {
+class SLAMDB_EXPORT LocalFrame {
  public:
-  // Throws Error when the origin is no place: a latitude beyond 90 degrees, or not finite.
+  // Throws Error (kUsage) when the origin is no place: a latitude beyond 90 degrees, or not finite.
   explicit LocalFrame(const Geodetic& origin);
 
   const Geodetic& origin() const { return origin_; }
@@ -43,17 +45,27 @@ class LocalFrame {
   Eigen::Matrix3d enu_from_ecef_;
 };
 
-// The fixes of a CSV file. Columns are found by the names in the first line: time or timestamp; lat or latitude; lon,
-// lng, long or longitude; alt, altitude, ele, elevation or height, with units behind them ignored (`lat [deg]`).
-// Without a header they are time, latitude, longitude, altitude in this order. Seconds, degrees, metres; `#` begins a
-// comment, unless it begins the header. Cells are separated by commas, semicolons or tabs. Throws Error naming the line
-// that is not so.
-std::vector<GpsFix> ParseFixes(std::string_view csv);
+// The fixes of a table in any dialect of schema/tables.md.
+// Columns: timestamp, time, t or seconds; latitude or lat; longitude, lon, lng or long; altitude, alt, ele, elevation
+// or height, with anything behind the name where no column has exactly it (`lat [deg]`).
+// Without names they stand in this order.
+// Seconds, degrees, metres: a unit that a name states is not looked at.
+//
+// Throws Error (kDamaged) naming the line that is none, and the column when a cell is no number.
+[[nodiscard]] SLAMDB_EXPORT std::vector<GpsFix> ParseFixes(std::string_view csv);
 
-// `LAT,LON` or `LAT,LON,ALT`. Throws Error.
-Geodetic ParseGeodetic(std::string_view text);
+// The fixes of a file, at least one.
+//
+// Throws Error as ParseFixes, with the path.
+[[nodiscard]] SLAMDB_EXPORT std::vector<GpsFix> ReadFixes(const std::string& path);
+
+// `LAT,LON` or `LAT,LON,ALT`.
+//
+// Throws Error (kUsage).
+[[nodiscard]] SLAMDB_EXPORT Geodetic ParseGeodetic(std::string_view text);
 
 // The fixes as positions in the frame.
-std::vector<TimedPosition> PositionsIn(const LocalFrame& frame, const std::vector<GpsFix>& fixes);
+[[nodiscard]] SLAMDB_EXPORT std::vector<TimedPosition> PositionsIn(const LocalFrame& frame,
+                                                                   const std::vector<GpsFix>& fixes);
 
 }  // namespace slamdb

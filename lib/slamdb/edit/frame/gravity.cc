@@ -83,14 +83,28 @@ Upright UpByPath(const Map& map) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   const Eigen::Vector3d variances = solver.eigenvalues();  // ascending
   if (!(variances[1] > kLineRatio * variances[2]))
-    throw Error("the cameras of " + ToString(map.id) +
-                " lie on one line, which no plane fits; find up by the cameras instead");
+    throw Error(ErrorKind::kNotPossible, "the cameras of " + ToString(map.id) +
+                                             " lie on one line, which no plane fits; find up by the cameras instead");
   return {.up = AwayFrom(SumOfDown(map), solver.eigenvectors().col(0)),
           .method = UpMethod::kPath,
           .spread = std::sqrt(std::max(variances[0], 0.0))};
 }
 
 }  // namespace
+
+std::string_view NameOf(UpMethod method) {
+  switch (method) {
+    case UpMethod::kInertia:
+      return "inertia";
+    case UpMethod::kCameras:
+      return "cameras";
+    case UpMethod::kPath:
+      return "path";
+    case UpMethod::kAuto:
+      break;
+  }
+  return "auto";
+}
 
 std::optional<Eigen::Vector3d> GravityByInertia(const Map& map) {
   if (!map.imu_initialized) return std::nullopt;
@@ -123,12 +137,13 @@ std::optional<Eigen::Vector3d> UpByInertia(const Map& map) {
 
 Upright FindUp(const Map& map, UpMethod method) {
   if (!std::ranges::any_of(map.keyframes, IsUsable))
-    throw Error(ToString(map.id) + " has no keyframe that could tell which way is up");
+    throw Error(ErrorKind::kNotPossible, ToString(map.id) + " has no keyframe that could tell which way is up");
   const std::optional<Eigen::Vector3d> gravity =
       method == UpMethod::kAuto || method == UpMethod::kInertia ? GravityByInertia(map) : std::nullopt;
   if (method == UpMethod::kInertia && !gravity)
-    throw Error(ToString(map.id) +
-                " has no initialised IMU to tell which way is up; find it by the cameras or by the path");
+    throw Error(
+        ErrorKind::kNotPossible,
+        ToString(map.id) + " has no initialised IMU to tell which way is up; find it by the cameras or by the path");
   Upright result;
   if (gravity)
     result = {.up = -gravity->normalized(), .method = UpMethod::kInertia, .gravity = gravity->norm()};

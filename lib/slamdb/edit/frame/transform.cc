@@ -125,15 +125,15 @@ double LargestCoordinate(const Map& map, const Similarity3d& transform) {
 
 void RequireTransform(const Similarity3d& transform) {
   if (!transform.rotation.coeffs().allFinite() || !transform.translation.allFinite() || !std::isfinite(transform.scale))
-    throw Error("the transform holds NaN or infinity");
+    throw Error(ErrorKind::kUsage, "the transform holds NaN or infinity");
   if (!(transform.rotation.norm() > 1e-6))
-    throw Error("the quaternion of the transform is zero; it must be of length 1");
+    throw Error(ErrorKind::kUsage, "the quaternion of the transform is zero; it must be of length 1");
   if (!(transform.scale > 0))
-    throw Error(detail::Concat("the scale of the transform must be above 0, not ", transform.scale));
+    throw Error(ErrorKind::kUsage, detail::Concat("the scale of the transform must be above 0, not ", transform.scale));
   constexpr double kLargest = 1e30;  // far below what a float holds, so that products of two stay finite
   if (transform.scale > kLargest || transform.scale < 1 / kLargest ||
       transform.translation.cwiseAbs().maxCoeff() > kLargest)
-    throw Error("the transform is too large for the single precision of a map");
+    throw Error(ErrorKind::kUsage, "the transform is too large for the single precision of a map");
 }
 
 void TransformMap(Map& map, const Similarity3d& target_from_source, int threads) {

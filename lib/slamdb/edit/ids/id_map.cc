@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -22,17 +23,17 @@ IdTable TableOf(const std::vector<IdPair>& pairs, std::uint64_t IdPair::*side, I
   std::uint64_t lowest = kNoId, highest = 0;
   for (const IdPair& pair : pairs) {
     if (pair.*side == kNoId)
-      throw Error("the id map has no " + std::string(which) + " id for " +
-                  Named(kind, side == &IdPair::after ? pair.before : pair.after) +
-                  ", so it cannot be applied; it is of a merge that left something out");
+      throw Error(ErrorKind::kNotPossible, "the id map has no " + std::string(which) + " id for " +
+                                               Named(kind, side == &IdPair::after ? pair.before : pair.after) +
+                                               ", so it cannot be applied; it is of a merge that left something out");
     lowest = std::min(lowest, pair.*side);
     highest = std::max(highest, pair.*side);
   }
   IdTable table = pairs.empty() ? IdTable() : IdTable(lowest, highest, pairs.size());
   for (std::uint32_t row = 0; row < pairs.size(); ++row)
     if (table.Insert(pairs[row].*side, row) != kNoRow)
-      throw Error("the id map names " + std::string(which) + " " + Named(kind, pairs[row].*side) +
-                  " twice; two entities cannot share an id");
+      throw Error(ErrorKind::kUsage, "the id map names " + std::string(which) + " " + Named(kind, pairs[row].*side) +
+                                         " twice; two entities cannot share an id");
   return table;
 }
 
@@ -46,8 +47,9 @@ class Translator {
       after_[kind] = TableOf(ids.kinds[kind], &IdPair::after, as_kind, "new");
       for (const IdPair& pair : ids.kinds[kind])
         if (IsNarrow(as_kind) && pair.after > kLargestNarrow)
-          throw Error("the id map makes " + Named(as_kind, pair.before) + " " + std::to_string(pair.after) +
-                      ", expected at most " + std::to_string(kLargestNarrow));
+          throw Error(ErrorKind::kUsage, "the id map makes " + Named(as_kind, pair.before) + " " +
+                                             std::to_string(pair.after) + ", expected at most " +
+                                             std::to_string(kLargestNarrow));
     }
   }
 
@@ -70,7 +72,8 @@ class Translator {
 
 void RequireKnown(const Translator& translator, IdKind kind, std::uint64_t id) {
   if (id != kNoId && translator.Maps(kind) && !translator.Knows(kind, id))
-    throw Error("the id map does not name " + Named(kind, id) + ", which the atlas has; it is of another atlas");
+    throw Error(ErrorKind::kNotPossible,
+                "the id map does not name " + Named(kind, id) + ", which the atlas has; it is of another atlas");
 }
 
 // Everything in the atlas has a new id, and nothing that has none is named by one that is taken.
@@ -87,7 +90,8 @@ void RequireFits(const Atlas& atlas, const Translator& translator) {
   VisitIds(atlas, [&](auto kind, const auto& field) {
     const std::uint64_t id = IdValue(field);
     if (id == kNoId || translator.Knows(kind, id) || !translator.HandsOut(kind, id)) return;
-    throw Error("the atlas names " + Named(kind, id) + ", which it does not have and the id map gives to another");
+    throw Error(ErrorKind::kNotPossible,
+                "the atlas names " + Named(kind, id) + ", which it does not have and the id map gives to another");
   });
 }
 
@@ -158,8 +162,9 @@ IdMap Inverse(const IdMap& ids) {
   for (std::size_t kind = 0; kind < kIdKinds; ++kind) {
     for (IdPair& pair : inverse.kinds[kind]) {
       if (pair.after == kNoId)
-        throw Error("the id map cannot be undone: " + Named(static_cast<IdKind>(kind), pair.before) +
-                    " is not in its result");
+        throw Error(
+            ErrorKind::kNotPossible,
+            "the id map cannot be undone: " + Named(static_cast<IdKind>(kind), pair.before) + " is not in its result");
       std::swap(pair.before, pair.after);
     }
     std::ranges::sort(inverse.kinds[kind], {}, &IdPair::before);

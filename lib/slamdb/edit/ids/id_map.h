@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "slamdb/edit/ids/detail/references.h"
+#include "slamdb/base/file.h"
+#include "slamdb/edit/ids/id_kind.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
@@ -20,9 +22,9 @@ struct IdPair {
   friend bool operator==(const IdPair&, const IdPair&) = default;
 };
 
-// Which id became which, kind by kind; of a kind without pairs every id stayed. Ids of entities long gone that are
-// still named somewhere (the keyframe that made a point, the map in which a keyframe was made) have pairs too, so that
-// a map and its inverse give the original bytes.
+// Which id became which, kind by kind; of a kind without pairs every id stayed.
+// Ids of entities long gone that are still named somewhere (the keyframe that made a point, the map in which a keyframe
+// was made) have pairs too, so that a map and its inverse give the original bytes.
 struct IdMap {
   std::string input;                                // the file that the ids before are of; may be empty
   std::array<std::vector<IdPair>, kIdKinds> kinds;  // by IdKind; ascending `before`
@@ -34,8 +36,8 @@ struct IdMap {
 };
 
 // `map`, `keyframe`, `point`, `frame`, `camera`.
-std::string_view NameOf(IdKind kind);
-std::optional<IdKind> IdKindByName(std::string_view name);
+SLAMDB_EXPORT std::string_view NameOf(IdKind kind);
+SLAMDB_EXPORT std::optional<IdKind> IdKindByName(std::string_view name);
 
 // The counters of an atlas, each with the kind that it counts and its name in tables.
 struct CounterField {
@@ -43,38 +45,77 @@ struct CounterField {
   std::string_view name;
   std::uint64_t Counters::*field;
 };
-std::span<const CounterField> CounterFields();
+SLAMDB_EXPORT std::span<const CounterField> CounterFields();
 
 // The counter of the next id of a kind.
-std::uint64_t& NextId(Counters& counters, IdKind kind);
-std::uint64_t NextId(const Counters& counters, IdKind kind);
+SLAMDB_EXPORT std::uint64_t& NextId(Counters& counters, IdKind kind);
+SLAMDB_EXPORT std::uint64_t NextId(const Counters& counters, IdKind kind);
 
 // The pair of an id in a list that ascends by `before`; null when it has none.
-const IdPair* FindPair(const std::vector<IdPair>& pairs, std::uint64_t before);
+SLAMDB_EXPORT const IdPair* FindPair(const std::vector<IdPair>& pairs, std::uint64_t before);
 
 // The largest id that the fields of a kind hold and ORB-SLAM3 can work with.
-std::uint64_t LargestId(IdKind kind);
+SLAMDB_EXPORT std::uint64_t LargestId(IdKind kind);
 
-// What takes the ids after back to those before. Throws Error when an entity is not in the result.
-IdMap Inverse(const IdMap& ids);
+// What takes the ids after back to those before.
+//
+// Throws Error (kNotPossible) when an entity is not in the result.
+[[nodiscard]] SLAMDB_EXPORT IdMap Inverse(const IdMap& ids);
 
-// Gives every id of the atlas its new one, in every field; counters follow. Changes nothing when it throws Error: when
-// the map names an id twice, before or after, or one too large; when the atlas has an entity of a mapped kind that the
-// map does not name; or when it names something else by an id that would be taken. Linear.
-void ApplyIdMap(Atlas& atlas, const IdMap& ids, int threads = 0);
+// Gives every id of the atlas its new one, in every field; counters follow.
+//
+// Throws Error, and then changes nothing:
+//   kUsage        the map names an id twice, before or after, or one too large
+//   kNotPossible  the atlas has an entity of a mapped kind that the map does not name, names something else by an id
+//                 that would be taken, or the map has no new id for an entity
+// Cost: linear. `threads` 0: every core.
+SLAMDB_EXPORT void ApplyIdMap(Atlas& atlas, const IdMap& ids, int threads = 0);
 
-// A CSV table `input,kind,old,new`, one row for each id, then rows of the counters: `next_keyframe` and so on. An empty
-// `new` says that the entity is not in the result.
-std::string IdMapsToCsv(std::span<const IdMap> maps);
+// ---- Id maps as files: a table, or JSON (schema/id_map.schema.json)
 
-// Reads such a table back, one map for each input, in order of appearance. The column `input` may be missing. Throws
-// Error with the line.
-std::vector<IdMap> ParseIdMapsCsv(std::string_view csv);
+// A CSV table `input,kind,old,new`, one row for each id, then rows of the counters: `next_keyframe` and so on.
+// An empty `new` says that the entity is not in the result.
+[[nodiscard]] SLAMDB_EXPORT std::string IdMapsToCsv(std::span<const IdMap> maps);
 
-// A CSV table with a line of column names, with the ids in it replaced. Columns are told by name: `map`; `keyframe`,
-// `parent`, `reference_keyframe`; `point`; `frame`, `frame_id`; `camera`; `id` is a keyframe when there is a column
-// `timestamp`, else a point when there is a column `x`. Empty cells stay. Throws Error when no column holds an id of a
-// mapped kind, and with the line when an id is not in the map, or has none in the result.
-std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids);
+// Reads such a table back, in any dialect of schema/tables.md: one map for each input, in order of appearance.
+// The column `input` may be missing.
+//
+// Throws Error (kDamaged) with line and column.
+[[nodiscard]] SLAMDB_EXPORT std::vector<IdMap> ParseIdMapsCsv(std::string_view csv);
+
+// The same as JSON, on one line. Equal maps give equal text.
+[[nodiscard]] SLAMDB_EXPORT std::string IdMapsToJson(std::span<const IdMap> maps);
+
+// Throws Error (kDamaged) when the text is no JSON, or not of id maps.
+[[nodiscard]] SLAMDB_EXPORT std::vector<IdMap> ParseIdMapsJson(std::string_view json);
+
+// What WriteIdMaps writes to a file of this name: JSON when it ends with .json, CSV otherwise.
+[[nodiscard]] SLAMDB_EXPORT std::string IdMapsToText(std::span<const IdMap> maps, std::string_view path);
+
+// Writes a file, which appears whole or not at all.
+//
+// Throws Error as AtomicFile does.
+SLAMDB_EXPORT void WriteIdMaps(std::span<const IdMap> maps, const std::string& path,
+                               const AtomicFileOptions& options = {});
+
+// Reads a file of either kind, by its name.
+//
+// Throws Error with the path: kNotFound, kPermission, kDamaged.
+[[nodiscard]] SLAMDB_EXPORT std::vector<IdMap> ReadIdMaps(const std::string& path);
+
+// The id map of one input in such a file.
+//
+// Throws Error as ReadIdMaps does, kNotFound when no input of the file is `input`, and kUsage when `input` is empty and
+// the file has several; both name the inputs that there are.
+[[nodiscard]] SLAMDB_EXPORT IdMap ReadIdMap(const std::string& path, const std::string& input = {});
+
+// A table in any dialect of schema/tables.md whose first line names the columns, with the ids in it replaced and all
+// else as it was. Empty cells stay.
+// Columns are told by name: `map`; `keyframe`, `parent`, `reference_keyframe`; `point`; `frame`, `frame_id`; `camera`;
+// `id` is a keyframe when there is a column `timestamp`, else a point when there is a column `x`.
+//
+// Throws Error (kDamaged) when no column holds an id of a mapped kind, and with the line when an id is not in the map,
+// or has none in the result.
+[[nodiscard]] SLAMDB_EXPORT std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids);
 
 }  // namespace slamdb

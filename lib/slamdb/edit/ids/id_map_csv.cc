@@ -2,50 +2,41 @@
 // Id maps as CSV tables, and tables in which ids of an atlas stand.
 #include <algorithm>
 
-#include "slamdb/base/detail/csv_cells.h"
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/table.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/id_map.h"
 
 namespace slamdb {
 namespace {
 
-std::string Unquoted(std::string_view cell) {
-  if (cell.size() < 2 || !cell.starts_with('"') || !cell.ends_with('"')) return std::string(cell);
-  std::string text;
-  for (std::size_t i = 1; i + 1 < cell.size(); ++i) {
-    text += cell[i];
-    if (cell[i] == '"') ++i;  // a quote is written twice
-  }
-  return text;
-}
-
+// A cell that is read back as it is: not as several, not trimmed, not as a comment.
 std::string Quoted(std::string_view text) {
-  if (text.find_first_of(",\"\n\r") == text.npos) return std::string(text);
+  if (text.find_first_of(",\"\n\r#%") == text.npos && detail::Trimmed(text) == text) return std::string(text);
   std::string quoted = "\"";
   for (const char letter : text) quoted.append(letter == '"' ? 2 : 1, letter);
   return quoted + '"';
 }
 
-// Which columns of an id table hold what; npos: none.
-struct IdColumns {
-  static constexpr std::size_t kNowhere = ~std::size_t{0};
-  std::size_t input = kNowhere, kind = kNowhere, before = kNowhere, after = kNowhere;
-  std::size_t count = 0;
+enum IdColumn : std::size_t { kInput, kKind, kBefore, kAfter };
 
-  explicit IdColumns(const std::vector<std::string_view>& names) : count(names.size()) {
-    for (std::size_t column = 0; column < names.size(); ++column) {
-      const std::string name = Unquoted(names[column]);
-      if (name == "input") input = column;
-      if (name == "kind") kind = column;
-      if (name == "old") before = column;
-      if (name == "new") after = column;
-    }
-    if (kind == kNowhere || before == kNowhere || after == kNowhere)
-      throw LineError(1, "expected the column names kind,old,new of an id map");
-  }
-};
+const detail::TableKind& IdTable() {
+  static const detail::TableKind kind = {
+      .columns = {{{"input"}, detail::Column::kOptional}, {{"kind"}}, {{"old"}}, {{"new"}}},
+      .expected = "the column names kind,old,new of an id map",
+      .by_position = false};
+  return kind;
+}
 
-void AddRow(IdMap& ids, std::string_view name, const IdPair& pair, std::size_t line) {
+IdPair PairOf(const detail::Table& table) {
+  constexpr std::string_view kAnId = "an id";
+  return {table.Get<std::uint64_t>(kBefore, kAnId),
+          table.Raw(kAfter).empty() ? kNoId : table.Get<std::uint64_t>(kAfter, kAnId)};
+}
+
+void AddRow(IdMap& ids, const detail::Table& table) {
+  const IdPair pair = PairOf(table);
+  const std::string name = table.Text(kKind);
   if (const auto kind = IdKindByName(name)) {
     ids[*kind].push_back(pair);
     return;
@@ -53,14 +44,14 @@ void AddRow(IdMap& ids, std::string_view name, const IdPair& pair, std::size_t l
   const auto counters = CounterFields();
   const auto counter = std::ranges::find(counters, name, &CounterField::name);
   if (counter == counters.end())
-    throw LineError(line, "unknown kind '" + std::string(name) + "', expected map, keyframe, point, frame or camera");
+    throw table.LineError(detail::Concat("unknown kind '", name, "', expected map, keyframe, point, frame or camera"));
   if (!ids.counters_before) ids.counters_before = ids.counters_after = Counters();
   (*ids.counters_before).*counter->field = pair.before;
   (*ids.counters_after).*counter->field = pair.after;
 }
 
 // Which kind of id each column of a table holds, by the names of columns that our own tables have.
-std::vector<std::optional<IdKind>> KindsOfColumns(const std::vector<std::string_view>& names) {
+std::vector<std::optional<IdKind>> KindsOfColumns(const std::vector<detail::ColumnName>& names) {
   static constexpr std::pair<std::string_view, IdKind> kKnown[] = {
       {"map", IdKind::kMap},
       {"keyframe", IdKind::kKeyFrame},
@@ -72,15 +63,17 @@ std::vector<std::optional<IdKind>> KindsOfColumns(const std::vector<std::string_
       {"camera", IdKind::kCamera},
       {"keyframe_id", IdKind::kKeyFrame},
   };
-  const auto has = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
+  const auto has = [&](std::string_view name) {
+    return std::ranges::find(names, name, &detail::ColumnName::text) != names.end();
+  };
   std::vector<std::optional<IdKind>> kinds(names.size());
   for (std::size_t column = 0; column < names.size(); ++column) {
-    const auto found = std::ranges::find(kKnown, names[column], &std::pair<std::string_view, IdKind>::first);
+    const auto found = std::ranges::find(kKnown, names[column].text, &std::pair<std::string_view, IdKind>::first);
     if (found != std::end(kKnown))
       kinds[column] = found->second;
-    else if (names[column] == "id" && has("timestamp"))
+    else if (names[column].text == "id" && has("timestamp"))
       kinds[column] = IdKind::kKeyFrame;
-    else if (names[column] == "id" && has("x"))
+    else if (names[column].text == "id" && has("x"))
       kinds[column] = IdKind::kPoint;
   }
   return kinds;
@@ -106,62 +99,51 @@ std::string IdMapsToCsv(std::span<const IdMap> maps) {
 }
 
 std::vector<IdMap> ParseIdMapsCsv(std::string_view csv) {
-  std::vector<std::string_view> cells;
-  SplitCells(TakeLine(csv), cells);
-  const IdColumns columns(cells);
+  detail::Table table(csv, IdTable());
   std::vector<IdMap> maps;
-  for (std::size_t line = 2; !csv.empty(); ++line) {
-    const std::string_view text = TakeLine(csv);
-    if (text.empty()) continue;
-    SplitCells(text, cells);
-    if (cells.size() != columns.count)
-      throw LineError(line,
-                      "expected " + std::to_string(columns.count) + " cells, found " + std::to_string(cells.size()));
-    const auto before = ParseCell<std::uint64_t>(cells[columns.before]),
-               after = ParseCell<std::uint64_t>(cells[columns.after]);
-    if (!before || (!after && !cells[columns.after].empty()))
-      throw LineError(line,
-                      "expected an id, found '" + std::string(cells[before ? columns.after : columns.before]) + "'");
-    const std::string input = columns.input == IdColumns::kNowhere ? "" : Unquoted(cells[columns.input]);
+  while (table.Next()) {
+    const std::string input = table.Text(kInput);
     if (maps.empty() || maps.back().input != input) {
       if (std::ranges::find(maps, input, &IdMap::input) != maps.end())
-        throw LineError(line, "rows of input '" + input + "' do not stand together");
+        throw table.LineError(detail::Concat("rows of input '", input, "' do not stand together"));
       maps.push_back({.input = input});
     }
-    AddRow(maps.back(), cells[columns.kind], {*before, after.value_or(kNoId)}, line);
+    AddRow(maps.back(), table);
   }
-  if (maps.empty()) throw Error("the id map is empty");
+  if (maps.empty()) throw Error(ErrorKind::kDamaged, "the id map is empty");
   for (IdMap& ids : maps)
     for (std::vector<IdPair>& pairs : ids.kinds) std::ranges::stable_sort(pairs, {}, &IdPair::before);
   return maps;
 }
 
 std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids) {
-  std::vector<std::string_view> cells;
-  const std::string_view head = TakeLine(csv);
-  SplitCells(head, cells);
-  const auto kinds = KindsOfColumns(cells);
+  detail::Table table(csv, {.by_position = false, .more_cells = true});
+  const auto kinds = KindsOfColumns(table.names());
   if (std::ranges::none_of(kinds, [&](const auto& kind) { return kind && !ids[*kind].empty(); }))
-    throw Error(
-        "the table has no column of ids that the id map changes; columns are told by their names in the first "
-        "line: map, keyframe, point, frame, camera, id, parent, reference_keyframe");
-  std::string result = std::string(head) + "\n";
-  result.reserve(csv.size() + head.size() + csv.size() / 8);
-  for (std::size_t line = 2; !csv.empty(); ++line) {
-    SplitCells(TakeLine(csv), cells);
-    for (std::size_t column = 0; column < cells.size(); ++column) {
-      if (column > 0) result += ',';
-      const auto id = column < kinds.size() && kinds[column] ? ParseCell<std::uint64_t>(cells[column]) : std::nullopt;
-      const bool moves = id && !ids[*kinds[column]].empty();
-      const IdPair* pair = moves ? FindPair(ids[*kinds[column]], *id) : nullptr;
-      if (moves && (pair == nullptr || pair->after == kNoId))
-        throw LineError(line, std::string(NameOf(*kinds[column])) + " " + std::to_string(*id) +
-                                  (pair == nullptr ? " is not in the id map" : " is not in the result"));
-      result += pair == nullptr ? std::string(cells[column]) : std::to_string(pair->after);
+    throw Error(ErrorKind::kDamaged,
+                "the table has no column of ids that the id map changes; columns are told by their names in the first "
+                "line: map, keyframe, point, frame, camera, id, parent, reference_keyframe");
+  std::string result;
+  result.reserve(csv.size() + csv.size() / 8);
+  const char* copied = csv.data();
+  while (table.Next()) {
+    const auto cells = table.cells();
+    for (std::size_t column = 0; column < std::min(cells.size(), kinds.size()); ++column) {
+      const std::string_view cell = cells[column].text;
+      if (!kinds[column] || ids[*kinds[column]].empty()) continue;
+      const auto id = detail::ParseNumber<std::uint64_t>(cell);
+      if (!id) continue;
+      const IdPair* pair = FindPair(ids[*kinds[column]], *id);
+      if (pair == nullptr || pair->after == kNoId)
+        throw table.LineError(detail::Concat(NameOf(*kinds[column]), " ", *id,
+                                             pair == nullptr ? " is not in the id map" : " is not in the result"));
+      if (pair->after == *id) continue;
+      result.append(copied, cell.data());
+      detail::AppendNumber(result, pair->after);
+      copied = cell.data() + cell.size();
     }
-    result += '\n';
   }
-  return result;
+  return result.append(copied, csv.data() + csv.size());
 }
 
 }  // namespace slamdb

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -66,9 +68,9 @@ IdTable MakeTable(std::vector<Present>& present, IdKind kind) {
     if (table.Insert(each.id, static_cast<std::uint32_t>(once.size())) == kNoRow)
       once.push_back(each);
     else if (kind != IdKind::kFrame)
-      throw Error(
-          std::string(NameOf(kind)) + " id " + std::to_string(each.id) +
-          " is there more than once, so a table of ids cannot say which one is meant; 'slamdb check' lists all");
+      throw Error(ErrorKind::kNotPossible,
+                  std::string(NameOf(kind)) + " id " + std::to_string(each.id) +
+                      " is there more than once, so a table of ids cannot say which one is meant");
   }
   present = std::move(once);
   return table;
@@ -125,12 +127,13 @@ class Numbering {
       Add(id, Moved(id));
       next_ = std::max(next_, Moved(id) + 1);
     } else {
-      throw Error("an offset of " + std::to_string(*options_.offset) + " makes the id of " +
-                  std::string(NameOf(kind_)) + " " + std::to_string(id) + " negative");
+      throw Error(ErrorKind::kNotPossible, "an offset of " + std::to_string(*options_.offset) + " makes the id of " +
+                                               std::string(NameOf(kind_)) + " " + std::to_string(id) + " negative");
     }
     if (pairs_.back().after > LargestId(kind_))
-      throw Error(std::string(NameOf(kind_)) + " " + std::to_string(id) + " would get id " +
-                  std::to_string(pairs_.back().after) + ", expected at most " + std::to_string(LargestId(kind_)));
+      throw Error(ErrorKind::kNotPossible, std::string(NameOf(kind_)) + " " + std::to_string(id) + " would get id " +
+                                               std::to_string(pairs_.back().after) + ", expected at most " +
+                                               std::to_string(LargestId(kind_)));
   }
 
   void Add(std::uint64_t before, std::uint64_t after) { pairs_.push_back({before, after}); }
@@ -181,8 +184,11 @@ IdMap PlanRenumbering(const Atlas& atlas, const RenumberOptions& options) {
 }
 
 IdMap Renumber(Atlas& atlas, const RenumberOptions& options) {
+  detail::Steps steps(options.progress, "renumbering", 2);
   IdMap ids = PlanRenumbering(atlas, options);
+  steps.Next();
   ApplyIdMap(atlas, ids, options.threads);
+  steps.Next();
   return ids;
 }
 

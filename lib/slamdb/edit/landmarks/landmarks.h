@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "slamdb/base/progress.h"
+#include "slamdb/base/report_files.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 // MRPT's landmarks and ORB-SLAM3's map points are two views of one thing; docs/landmarks.md has the table of fields.
@@ -24,11 +27,19 @@ struct MakeLandmarksReport {
 };
 
 // Gives every map a landmark for each of its good points, in their order, in place of those of the same id; landmarks
-// of no point stay behind them. A landmark has its point's id, position and unit normal; the covariance that the
-// observations give it, rounded to the floats that MRPT 2 keeps; how many keyframes observe it, and when the last of
-// them did; one ORB feature, the keypoint of the reference keyframe with the point's descriptor. In place; linear; the
-// same for any number of threads.
-MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& options);
+// of no point stay behind them.
+// A landmark has
+//   its point's id, position and unit normal
+//   the covariance that the observations give it, rounded to the floats that MRPT 2 keeps
+//   how many keyframes observe it, and when the last of them did
+//   one ORB feature: the keypoint of the reference keyframe with the point's descriptor
+//
+// Throws Error (kUsage), before anything changes, when the sigma is not above 0.
+// Cost: linear, in place; the result is the same for any number of threads.
+SLAMDB_EXPORT MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& options = {});
+
+// As schema/landmarks.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MakeLandmarksReport& report, const ReportFiles& files = {});
 
 struct MakePointsReport {
   std::uint64_t moved = 0;    // points of the same id that got position and normal of their landmark
@@ -40,20 +51,30 @@ struct MakePointsReport {
 
 // The way back: moves each map's points to their landmarks of the same id, and adds a point for every other landmark.
 // Added points have position, normal and descriptor and no observations, which no landmark has: they can be looked at
-// and exported, but ORB-SLAM3 has no use for them. Landmarks without id, and those whose id
-// another map has, get new ones; those of one map that share one are fused. In place; linear.
-MakePointsReport MakePoints(Atlas& atlas);
+// and exported, but ORB-SLAM3 has no use for them.
+// Landmarks without id, and those whose id another map has, get new ones; those of one map that share one are fused.
+//
+// Throws nothing but std::bad_alloc.
+// Cost: linear, in place.
+SLAMDB_EXPORT MakePointsReport MakePoints(Atlas& atlas);
+
+// As schema/landmarks.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MakePointsReport& report, const ReportFiles& files = {});
 
 // One landmark out of two of the same thing in one frame, as MRPT's CLandmarksMap::fuseWith: the product of the two
-// Gaussians, C = (C1^-1 + C2^-1)^-1 and m = C (C1^-1 m1 + C2^-1 m2). A covariance of zero means not known: then the
-// other one's position is taken, or, when neither is known, the mean weighted by the counts. Counts are added, the
-// newest time is kept; the normal is the mean weighted by the counts, of unit length; id and features are those of
-// `a` unless it has none.
-Landmark FuseLandmarks(const Landmark& a, const Landmark& b);
+// Gaussians, C = (C1^-1 + C2^-1)^-1 and m = C (C1^-1 m1 + C2^-1 m2).
+// A covariance of zero means not known: then the other one's position is taken, or, when neither is known, the mean
+// weighted by the counts.
+// Counts are added, and the newest time is kept.
+// The normal is the mean weighted by the counts, of unit length.
+// Id and features are those of `a` unless it has none.
+[[nodiscard]] SLAMDB_EXPORT Landmark FuseLandmarks(const Landmark& a, const Landmark& b);
 
 // Takes over landmarks of another map that lie in the same frame: those whose id is there are fused with the first of
-// that id, the others are added in their order. Returns how many were fused. Ids that two sessions handed out
-// independently must be made disjoint before. Linear.
-std::uint64_t TakeLandmarks(std::vector<Landmark>& into, std::span<const Landmark> from);
+// that id, the others are added in their order. Returns how many were fused.
+// Ids that two sessions handed out independently must be made disjoint before.
+//
+// Cost: linear.
+SLAMDB_EXPORT std::uint64_t TakeLandmarks(std::vector<Landmark>& into, std::span<const Landmark> from);
 
 }  // namespace slamdb

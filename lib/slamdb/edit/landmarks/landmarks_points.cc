@@ -6,6 +6,8 @@
 #include <unordered_map>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/steps.h"
+#include "slamdb/base/error.h"
 #include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/model/counters.h"
 #include "slamdb/model/covariance.h"
@@ -139,7 +141,9 @@ class PointIds {
 }  // namespace
 
 MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& options) {
+  if (!(options.pixel_sigma > 0)) throw Error(ErrorKind::kUsage, "the sigma of a keypoint must be above 0");
   MakeLandmarksReport report;
+  detail::Steps steps(options.progress, "making landmarks", atlas.maps.size());
   for (Map& map : atlas.maps) {
     std::vector<const MapPoint*> good;
     good.reserve(map.points.size());
@@ -161,9 +165,7 @@ MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& opti
     for (Landmark& landmark : map.landmarks)
       if (points.Find(landmark.id.value()) == kNoRow) landmarks.push_back(std::move(landmark));
     map.landmarks = std::move(landmarks);
-    if (options.progress)
-      options.progress("making landmarks",
-                       static_cast<double>(&map - atlas.maps.data() + 1) / static_cast<double>(atlas.maps.size()));
+    steps.Next();
   }
   return report;
 }

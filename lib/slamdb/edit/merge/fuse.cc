@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/edit/merge/detail/covisibility.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
@@ -75,8 +76,8 @@ struct Pair {
 
 class Fuser {
  public:
-  Fuser(Map& map, std::size_t second, const FuseOptions& options, int threads)
-      : map_(map), second_(second), options_(options), threads_(threads), keyframes_(KeyFrameTable(map)) {}
+  Fuser(Map& map, std::size_t second, const FuseOptions& options)
+      : map_(map), second_(second), options_(options), keyframes_(KeyFrameTable(map)) {}
 
   FuseReport Run() {
     FindUncertainties();
@@ -122,7 +123,7 @@ class Fuser {
     for (std::uint32_t row = 0; row < second_; ++row)
       if (uncertainty_[row] > 0) places.Insert(map_.points[row].position, row);
     std::vector<Pair> best(map_.points.size() - second_);
-    ParallelFor(best.size(), 256, threads_, [&](std::size_t begin, std::size_t end) {
+    ParallelFor(best.size(), 256, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) best[i] = FindBest(places, static_cast<std::uint32_t>(second_ + i));
     });
     std::ranges::copy_if(best, std::back_inserter(pairs), [](const Pair& pair) { return pair.first != kNoRow; });
@@ -253,7 +254,6 @@ class Fuser {
   Map& map_;
   const std::size_t second_;
   const FuseOptions& options_;
-  const int threads_;
   const IdTable keyframes_;
   FuseReport report_;
   std::vector<float> uncertainty_;  // by point row; 0: not to be fused
@@ -264,8 +264,10 @@ class Fuser {
 
 }  // namespace
 
-FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options, int threads) {
-  return Fuser(map, second, options, threads).Run();
+FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options) {
+  FuseReport report = Fuser(map, second, options).Run();
+  detail::Steps(options.progress, "fusing points", 1).Next();
+  return report;
 }
 
 }  // namespace slamdb

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "slamdb/base/progress.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
@@ -13,6 +15,8 @@ namespace slamdb {
 struct FuseOptions {
   double radius = 3;  // pixels at the point's pyramid level, seen from its reference keyframe
   int hamming = 50;   // bits in which descriptors may differ; ORB-SLAM3's TH_LOW
+  int threads = 0;    // 0: every core
+  Progress progress;  // may be empty
 };
 
 struct FuseReport {
@@ -27,12 +31,16 @@ struct FuseReport {
 };
 
 // Fuses points that are in the map twice: each point from row `second` of the list on with the one before that row
-// which is most alike, when both are at one place, within `radius` times the smaller of their uncertainties (one pixel
-// at the pyramid level and distance of the reference keyframe; at most four times the median), and no keyframe sees
-// both. The point of the first part survives, as in ORB-SLAM3's MapPoint::Replace: slots and observations of the other
-// become its own and count, its most distinctive descriptor and its normal are computed anew, its position, reference
-// and distance range stay, and the other is gone from the map. The most alike pairs go first; equal ones by row.
-// Covisibility is counted anew for all keyframes that see a fused point. Linear but for sorting the pairs.
-FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options, int threads = 0);
+// which is most alike.
+// Both must be at one place, within `radius` times the smaller of their uncertainties (one pixel at the pyramid level
+// and distance of the reference keyframe; at most four times the median), and no keyframe may see both. The point of
+// the first part survives, as in ORB-SLAM3's MapPoint::Replace: slots and observations of the other become its own and
+// count, its most distinctive descriptor and its normal are computed anew, its position, reference and distance range
+// stay, and the other is gone from the map. The most alike pairs go first; equal ones by row. Covisibility is counted
+// anew for all keyframes that see a fused point.
+//
+// Throws nothing but std::bad_alloc and what the listener to its progress throws.
+// Cost: linear, in place, but for sorting the pairs; the result is the same for any number of threads.
+SLAMDB_EXPORT FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options = {});
 
 }  // namespace slamdb

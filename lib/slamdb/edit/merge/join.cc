@@ -14,6 +14,7 @@
 #include <unordered_map>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/ids/detail/references.h"
@@ -42,15 +43,16 @@ std::size_t RowOfMap(const Atlas& atlas, MapId id) {
       ids += (ids.empty() ? "" : ", ") + std::to_string(atlas.maps[row].id.value());
       continue;
     }
-    if (atlas.maps[row].keyframes.empty()) throw Error(ToString(id) + " has no keyframes, so there is nothing to join");
+    if (atlas.maps[row].keyframes.empty())
+      throw Error(ErrorKind::kNotPossible, ToString(id) + " has no keyframes, so there is nothing to join");
     return row;
   }
-  throw Error("there is no " + ToString(id) + "; maps are " + (ids.empty() ? "none" : ids));
+  throw Error(ErrorKind::kNotPossible, "there is no " + ToString(id) + "; maps are " + (ids.empty() ? "none" : ids));
 }
 
 std::uint32_t RowOfKeyFrame(const Map& map, const IdTable& rows, KeyFrameId id) {
   const std::uint32_t row = rows.Find(id.value());
-  if (row == kNoRow) throw Error(ToString(id) + " is not in " + ToString(map.id));
+  if (row == kNoRow) throw Error(ErrorKind::kNotPossible, ToString(id) + " is not in " + ToString(map.id));
   return row;
 }
 
@@ -78,10 +80,10 @@ Correspondences Gather(const Map& first, const Map& second, const JoinOptions& o
 
 Similarity3d Solve(const Map& first, const Map& second, const JoinOptions& options, JoinReport& report) {
   const Correspondences pairs = Gather(first, second, options);
-  if (pairs.first.empty()) throw Error("joining needs a transform, or anchors to solve it from");
+  if (pairs.first.empty()) throw Error(ErrorKind::kUsage, "joining needs a transform, or anchors to solve it from");
   UmeyamaOptions umeyama;
   umeyama.with_scale = options.with_scale.value_or(!IsMetric(first) || !IsMetric(second));
-  umeyama.outlier_distance = options.outlier_distance;
+  umeyama.outlier_distance = options.outlier_distance.value_or(umeyama.outlier_distance);
   UmeyamaResult solved = SolveUmeyama(pairs.second, pairs.first, umeyama);
   if (auto poor = PoorFitWarning(solved.rms, solved.spread)) report.warnings.push_back(*std::move(poor));
   AnchorFit fit{.rms = solved.rms};
@@ -211,6 +213,13 @@ void Absorb(Map& first, Map& second, JoinReport& report) {
   first.imu_ba2 = first.imu_ba2 && second.imu_ba2;
 }
 
+FuseReport Fuse(Map& map, std::size_t second, const JoinOptions& options) {
+  FuseOptions fuse = *options.fuse;
+  fuse.threads = options.threads;
+  fuse.progress = options.progress;
+  return FusePoints(map, second, fuse);
+}
+
 // Landmarks follow the points that they stand for, of which some went into others.
 std::uint64_t AbsorbLandmarks(Map& first, Map& second, const std::optional<FuseReport>& fused) {
   if (fused) {
@@ -228,18 +237,20 @@ std::uint64_t AbsorbLandmarks(Map& first, Map& second, const std::optional<FuseR
 void RefuseIrregular(const Atlas& atlas) {
   bool irregular = !atlas.repeated_maps.empty();
   for (const Map& map : atlas.maps) irregular |= !map.repeated_keyframes.empty() || !map.repeated_points.empty();
-  if (irregular) throw Error("lists hold null pointers or repetitions; 'slamdb repair' drops them");
+  if (irregular) throw Error(ErrorKind::kNotPossible, "lists hold null pointers or repetitions; a repair drops them");
   const AtlasIndex index(atlas);
   if (!index.duplicate_keyframes().empty() || !index.duplicate_points().empty())
-    throw Error("ids are there more than once; 'slamdb check' lists them");
+    throw Error(ErrorKind::kNotPossible, "ids are there more than once; a check lists them");
 }
 
 }  // namespace
 
 JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
+  detail::Steps steps(options.progress, "joining", 2);
   RefuseIrregular(atlas);
   const std::size_t first_row = RowOfMap(atlas, options.first), second_row = RowOfMap(atlas, options.second);
-  if (first_row == second_row) throw Error(ToString(options.first) + " cannot be joined with itself");
+  if (first_row == second_row)
+    throw Error(ErrorKind::kUsage, ToString(options.first) + " cannot be joined with itself");
   Map &first = atlas.maps[first_row], &second = atlas.maps[second_row];
   Gather(first, second, options);  // anchors must be there, whether they are needed for the transform or not
   JoinReport report{.first = options.first, .second = options.second};
@@ -251,9 +262,11 @@ JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
   WarnIfFarApart(first, second, report);
   const std::size_t own_points = first.points.size();
   Absorb(first, second, report);
-  if (options.fuse) report.fused = FusePoints(first, own_points, *options.fuse, options.threads);
+  steps.Next();
+  if (options.fuse) report.fused = Fuse(first, own_points, options);
   report.fused_landmarks = AbsorbLandmarks(first, second, report.fused);
   atlas.maps.erase(atlas.maps.begin() + static_cast<std::ptrdiff_t>(second_row));
+  steps.Next();
   return report;
 }
 

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/base/progress.h"
 #include "slamdb/edit/merge/fuse.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/similarity.h"
 
@@ -29,10 +31,11 @@ struct JoinOptions {
   std::optional<Similarity3d> first_from_second;  // without it, it is solved from anchors and places
   std::vector<KeyFramePair> anchors;              // by their camera centres
   std::vector<PlacePair> places;
-  std::optional<bool> with_scale;  // when solved; by default only when one of the maps is monocular without IMU
-  double outlier_distance = 0;     // of the solution, see UmeyamaOptions
-  std::optional<FuseOptions> fuse;
-  int threads = 0;
+  std::optional<bool> with_scale;          // when solved; by default only when one of the maps is monocular without IMU
+  std::optional<double> outlier_distance;  // anchors that lie farther apart are left out; units of the first map
+  std::optional<FuseOptions> fuse;         // fuse what both maps have; threads and progress are those of the join
+  int threads = 0;                         // 0: every core
+  Progress progress;                       // may be empty
 };
 
 // How well anchors and places fit the transform; first those, then these.
@@ -56,14 +59,20 @@ struct JoinReport {
 };
 
 // Moves the second map into the world frame of the first and makes one map of both, as ORB-SLAM3's merge does but for
-// what docs/merge.md names: entities keep their ids and origin maps; the second spanning tree is turned round so that
-// it hangs, by the linked keyframe, on the linked keyframe of the first; both get a merge edge and may not be culled.
-// The linked pair is the anchor that fits best, or without anchors the pair of keyframes that look at most of the same:
-// close to each other for the depth of the scene, and in the same direction. The first map keeps its id, its root and
-// its origins. Ids must be unique in the atlas. Linear (the pair is sought among at most a few thousand keyframes of
-// each map). Changes nothing when it throws Error: when a map or a keyframe is not there, a map is empty or both are
-// one, or when the transform cannot be solved or is not one. Landmarks of the second map
-// come along; those of equal ids, and those of points that are fused, become one (landmarks.h).
-JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options);
+// what docs/merge.md names.
+// Entities keep their ids and origin maps; the first map keeps its id, its root and its origins.
+// The second spanning tree is turned round so that it hangs, by the linked keyframe, on the linked keyframe of the
+// first; both get a merge edge and may not be culled. The linked pair is the anchor that fits best, or without anchors
+// the pair of keyframes that look at most of the same: close to each other for the depth of the scene, and in the same
+// direction. Landmarks of the second map come along; those of equal ids, and those of points that are fused, become one
+// (landmarks.h).
+//
+// Throws Error, and then changes nothing:
+//   kUsage        both maps are one, there is nothing to solve the transform from, or the transform is none
+//   kNotPossible  a map or a keyframe is not there, a map is empty, ids are there more than once, lists hold null
+//                 pointers or repetitions, or the transform cannot be solved
+// Cost: linear, in place (the pair is sought among at most a few thousand keyframes of each map); the result is the
+// same for any number of threads.
+SLAMDB_EXPORT JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options);
 
 }  // namespace slamdb

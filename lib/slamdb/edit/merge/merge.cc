@@ -12,6 +12,7 @@
 #include <mutex>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/model/counters.h"
@@ -108,13 +109,17 @@ class Merger {
   explicit Merger(const MergeOptions& options) : options_(options) {}
 
   MergeResult Run(std::vector<Atlas> inputs) {
-    if (inputs.empty()) throw Error("there is nothing to merge");
+    if (inputs.empty()) throw Error(ErrorKind::kUsage, "there is nothing to merge");
     CompareVocabularies(inputs);
     for (const Atlas& input : inputs) CountInput(input);
     FindSameMaps(inputs);
     std::optional<JoinOptions> join = options_.join;
     if (join) ChooseMaps(inputs, *join);
-    for (std::size_t i = 0; i < inputs.size(); ++i) Append(i, inputs[i]);
+    detail::Steps steps(options_.progress, "merging", inputs.size());
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      Append(i, inputs[i]);
+      steps.Next();
+    }
     Verify();
     if (join) Join(*join, inputs.size());
     return std::move(result_);
@@ -140,11 +145,12 @@ class Merger {
       const Vocabulary& other = inputs[i].vocabulary;
       if (other.checksum == first.checksum || !HasVocabulary(inputs[i])) continue;
       if (!options_.ignore_vocabulary)
-        throw Error(NameOfInput(i) + ": its bags of words are of vocabulary '" + other.name + "' (MD5 " +
-                    other.checksum + "), those of " + NameOfInput(vocabulary_input_) + " of '" + first.name + "' (" +
-                    first.checksum +
-                    "): place recognition would compare words that mean different things; recompute the bags of words "
-                    "of one, or merge all the same and ignore the vocabulary");
+        throw Error(
+            ErrorKind::kNotPossible,
+            NameOfInput(i) + ": its bags of words are of vocabulary '" + other.name + "' (MD5 " + other.checksum +
+                "), those of " + NameOfInput(vocabulary_input_) + " of '" + first.name + "' (" + first.checksum +
+                "): place recognition would compare words that mean different things; recompute the bags of words "
+                "of one, or merge all the same and ignore the vocabulary");
       report().other_vocabularies.push_back(NameOfInput(i));
     }
   }
@@ -170,8 +176,9 @@ class Merger {
           known.left_out = options_.same_map == SameMap::kKeepFirst;
           const MapId first_id = inputs[first->input].maps[first->row].id;
           if (options_.same_map == SameMap::kError)
-            throw Error(NameOfInput(input) + ": its " + ToString(map.id) + " is " + ToString(first_id) + " of " +
-                        NameOfInput(first->input) + " again: the same images and points");
+            throw Error(ErrorKind::kNotPossible, NameOfInput(input) + ": its " + ToString(map.id) + " is " +
+                                                     ToString(first_id) + " of " + NameOfInput(first->input) +
+                                                     " again: the same images and points");
           report().same_maps.push_back({input, first->input, map.id, first_id, known.left_out});
         }
         maps_.push_back(known);
@@ -219,9 +226,10 @@ class Merger {
         range.lowest += shift.offsets[kind];
         range.highest += shift.offsets[kind];
         if (range.highest > LargestId(as_kind))
-          throw Error(NameOfInput(i) + ": its " + std::string(NameOf(as_kind)) + " ids would reach " +
-                      std::to_string(range.highest) + ", expected at most " + std::to_string(LargestId(as_kind)) +
-                      "; make the inputs' ids dense first: 'slamdb renumber'");
+          throw Error(ErrorKind::kNotPossible, NameOfInput(i) + ": its " + std::string(NameOf(as_kind)) +
+                                                   " ids would reach " + std::to_string(range.highest) +
+                                                   ", expected at most " + std::to_string(LargestId(as_kind)) +
+                                                   "; make the ids of the inputs dense first");
       }
       used_[kind].push_back(range);
     }
@@ -309,12 +317,14 @@ class Merger {
     expected -= report().left_out;
     report().result = CountContent(result_.atlas, options_.threads);
     if (report().result != expected)
-      throw Error("the merged atlas does not hold what its inputs do; this is a fault of slamdb, nothing was written");
+      throw Error(ErrorKind::kInternal,
+                  "the merged atlas does not hold what its inputs do; this is a fault of slamdb, nothing was written");
   }
 
   // Which maps are joined, when that is not said: the only ones that there are.
   void ChooseMaps(const std::vector<Atlas>& inputs, JoinOptions& join) const {
-    if (inputs.size() > 2) throw Error("two maps can be joined at a time; merge the first two inputs, then the next");
+    if (inputs.size() > 2)
+      throw Error(ErrorKind::kUsage, "two maps can be joined at a time; merge the first two inputs, then the next");
     std::vector<MapId> first, second;
     for (const Map& map : inputs.front().maps)
       if (!map.keyframes.empty()) first.push_back(map.id);
@@ -325,7 +335,7 @@ class Merger {
       first.pop_back();
     }
     if ((!join.first && first.size() != 1) || (!join.second && second.size() != 1))
-      throw Error("there are several maps to choose from, or none: say which two to join");
+      throw Error(ErrorKind::kUsage, "there are several maps to choose from, or none: say which two to join");
     if (!join.first) join.first = first.front();
     if (!join.second) join.second = second.front();
     RequireMap(inputs.front(), NameOfInput(0), join.first);
@@ -339,12 +349,13 @@ class Merger {
   // In the ids that the user knows, before they change.
   static void RequireMap(const Atlas& input, const std::string& name, MapId id) {
     if (std::ranges::find(input.maps, id, &Map::id) == input.maps.end())
-      throw Error(name + ": has no " + ToString(id) + " to join");
+      throw Error(ErrorKind::kNotPossible, name + ": has no " + ToString(id) + " to join");
   }
   static void RequireKeyFrame(const Atlas& input, const std::string& name, MapId map, KeyFrameId id) {
     const Map& of = *std::ranges::find(input.maps, map, &Map::id);
     if (std::ranges::find(of.keyframes, id, &KeyFrame::id) == of.keyframes.end())
-      throw Error(name + ": " + ToString(id) + " is not in " + ToString(map) + ", so it cannot be an anchor");
+      throw Error(ErrorKind::kNotPossible,
+                  name + ": " + ToString(id) + " is not in " + ToString(map) + ", so it cannot be an anchor");
   }
 
   // In the ids that the second input has now.
@@ -356,6 +367,7 @@ class Merger {
         anchor.second = KeyFrameId(anchor.second.value() + shift[Row(IdKind::kKeyFrame)]);
     }
     join.threads = options_.threads;
+    join.progress = options_.progress;
     report().join = JoinMaps(result_.atlas, join);
     for (IdMap& ids : report().id_maps) FollowJoin(join, ids);
   }

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/base/progress.h"
 #include "slamdb/edit/ids/id_map.h"
 #include "slamdb/edit/merge/join.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/content.h"
 
@@ -28,8 +30,10 @@ struct MergeOptions {
   bool id_maps = false;            // fill MergeReport::id_maps
   // Also make one map of two. Ids are those in the inputs: `first` and what goes with it in the first input, `second`
   // in the second, or both in the only one; a map of `none` is the only one with keyframes that there is to choose.
+  // Threads and progress are those of the merge.
   std::optional<JoinOptions> join;
-  int threads = 0;  // 0: every core
+  int threads = 0;    // 0: every core
+  Progress progress;  // may be empty
 };
 
 // What was made of one input.
@@ -64,13 +68,24 @@ struct MergeResult {
   MergeReport report;
 };
 
-// Brings the maps of all inputs into one atlas, side by side: nothing is aligned or changed but ids. The first input
-// keeps its ids; each later one is shifted as a whole, kind by kind, where the range of its ids meets that of those
-// before it. Cameras that are the same (model and parameters, within 1e-6 as ORB-SLAM3 compares them) become one.
-// Counters end up above all ids. The encoding is the first input's, the vocabulary that of the first input that has
-// keyframes. The inputs are used up: their columns move into the result and are not copied. The result does not depend
-// on the number of threads. Linear. Throws Error when there is no input, when vocabularies differ, when a map comes
-// twice and SameMap says so, or when ids would pass LargestId.
-MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options);
+// Brings the maps of all inputs into one atlas, side by side: nothing is aligned or changed but ids.
+// The first input keeps its ids; each later one is shifted as a whole, kind by kind, where the range of its ids meets
+// that of those before it.
+// Cameras that are the same (model and parameters, within 1e-6 as ORB-SLAM3 compares them) become one.
+// Counters end up above all ids.
+// The encoding is the first input's, the vocabulary that of the first input that has keyframes.
+// The inputs are used up: their columns move into the result and are not copied.
+// What the result holds is counted and held against the sum of the inputs.
+//
+// Throws Error:
+//   kUsage        there is no input, or it is not clear which two maps to join
+//   kNotPossible  vocabularies differ, a map comes twice and SameMap says so, ids would pass LargestId, or maps cannot
+//                 be joined (JoinMaps)
+//   kInternal     the result does not hold what the inputs do
+// Cost: linear; the result is the same for any number of threads.
+[[nodiscard]] SLAMDB_EXPORT MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options = {});
+
+// As schema/merge.schema.json describes it. `output` empty: nothing was written.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MergeReport& report, const std::string& output = {});
 
 }  // namespace slamdb

@@ -2,14 +2,16 @@
 #pragma once
 
 #include "slamdb/edit/part/subset.h"
+#include "slamdb/export.h"
 
 namespace slamdb {
 
 // With how many points in view ORB-SLAM3 takes itself to be found again: the inliers of its relocalisation.
 inline constexpr std::size_t kPointsToLocalize = 50;
 
-// From where a camera can still be localised. Each good keyframe of the whole atlas stands for its place; the place is
-// covered when at least `min_points` of the points that the keyframe observes are kept and observed by a kept keyframe.
+// From where a camera can still be localised.
+// Each good keyframe of the whole atlas stands for its place; the place is covered when at least `min_points` of the
+// points that the keyframe observes are kept and observed by a kept keyframe.
 struct Coverage {
   std::size_t min_points = kPointsToLocalize;
   std::uint64_t places = 0;          // good keyframes of the whole atlas
@@ -17,7 +19,10 @@ struct Coverage {
   std::uint64_t covered = 0;         // with the part
 };
 
-// Of the part that `kept` is of the atlas. Linear in the observations.
-Coverage MeasureCoverage(const AtlasIndex& index, const Subset& kept, std::size_t min_points = kPointsToLocalize);
+// Of the part that `kept` is of the atlas.
+//
+// Cost: linear in the observations.
+[[nodiscard]] SLAMDB_EXPORT Coverage MeasureCoverage(const AtlasIndex& index, const Subset& kept,
+                                                     std::size_t min_points = kPointsToLocalize);
 
 }  // namespace slamdb

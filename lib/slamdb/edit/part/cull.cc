@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/part/detail/cull_keyframes.h"
 #include "slamdb/model/derive.h"
@@ -26,17 +27,24 @@ enum class Verdict : std::uint8_t { kStays, kBad, kFew, kError, kParallax, kUnse
 
 void RequireSense(const CullOptions& options) {
   const auto require = [](bool holds, const char* what) {
-    if (!holds) throw Error(what);
+    if (!holds) throw Error(ErrorKind::kUsage, what);
   };
-  require(!options.redundancy || (*options.redundancy >= 0 && *options.redundancy <= 1),
-          "the share of redundant points must be between 0 and 1");
+  const double* share = options.redundancy ? std::get_if<double>(&*options.redundancy) : nullptr;
+  require(share == nullptr || (*share >= 0 && *share <= 1), "the share of redundant points must be between 0 and 1");
   require(options.redundant_observers > 0, "the number of other keyframes must be 1 or more");
-  require(!options.min_observations || *options.min_observations >= 0,
-          "the number of observations must not be negative");
+  const int* observations = options.min_observations ? std::get_if<int>(&*options.min_observations) : nullptr;
+  require(observations == nullptr || *observations >= 0, "the number of observations must not be negative");
   require(!options.max_error || *options.max_error > 0, "the largest reprojection error must be above 0");
   require(!options.min_parallax || (*options.min_parallax > 0 && *options.min_parallax < 180),
           "the least parallax must be between 0 and 180 degrees");
   require(!options.unseen_since || std::isfinite(*options.unseen_since), "the time since when must be finite");
+}
+
+// 0: every number is enough.
+int FewestObservations(const MapStatistics& statistics, const CullOptions& options) {
+  if (!options.min_observations) return 0;
+  if (const int* asked = std::get_if<int>(&*options.min_observations)) return *asked;
+  return statistics.sensor == MapSensor::kMonocular ? kFewForMonocular : kFewForDepth;
 }
 
 // Judges the points of one map. Const, for many threads.
@@ -49,15 +57,11 @@ class PointRules {
         options_(options),
         reprojection_(index.atlas(), map_),
         newest_(static_cast<std::int64_t>(statistics.largest_keyframe_id)),
-        min_observations_(options.min_observations.value_or(0)) {
-    if (options.min_observations == CullOptions::kOfSensor)
-      min_observations_ = statistics.sensor == MapSensor::kMonocular ? kFewForMonocular : kFewForDepth;
-  }
+        min_observations_(FewestObservations(statistics, options)) {}
 
   Verdict Judge(const MapPoint& point) const {
     if (point.bad) return Verdict::kBad;
-    if (options_.min_observations && point.observation_count < min_observations_ &&
-        newest_ - point.first_keyframe >= kKeyFramesToProve)
+    if (point.observation_count < min_observations_ && newest_ - point.first_keyframe >= kKeyFramesToProve)
       return Verdict::kFew;
     if (options_.max_error && !(Error(point) <= *options_.max_error)) return Verdict::kError;
     if (options_.min_parallax && !HasDepth(point) && !HasParallax(point)) return Verdict::kParallax;
@@ -126,15 +130,15 @@ class PointRules {
   const CullOptions& options_;
   const Reprojection reprojection_;
   const std::int64_t newest_;
-  int min_observations_;
+  const int min_observations_;
 };
 
 void CullPoints(const AtlasIndex& index, std::size_t map_row, const MapStatistics& statistics,
-                const CullOptions& options, int threads, Subset::MapRows& rows, CullReport& report) {
+                const CullOptions& options, Subset::MapRows& rows, CullReport& report) {
   const Map& map = index.atlas().maps[map_row];
   const PointRules rules(index, map_row, statistics, options);
   std::vector<Verdict> verdicts(map.points.size(), Verdict::kStays);
-  ParallelFor(map.points.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  ParallelFor(map.points.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
       if (rows.points[row]) verdicts[row] = rules.Judge(map.points[row]);
   });
@@ -148,8 +152,8 @@ void CullPoints(const AtlasIndex& index, std::size_t map_row, const MapStatistic
   }
 }
 
-double RedundancyOf(const MapStatistics& statistics, double asked) {
-  if (asked != CullOptions::kOfSensor) return asked;
+double RedundancyOf(const MapStatistics& statistics, const OrOfSensor<double>& asked) {
+  if (const double* share = std::get_if<double>(&asked)) return *share;
   const bool has_depth = statistics.sensor != MapSensor::kMonocular;
   return statistics.has_imu && has_depth ? kRedundancyWithImuAndDepth : kRedundancy;
 }
@@ -163,28 +167,30 @@ std::uint64_t CountPoints(const Subset& subset) {
 
 }  // namespace
 
-CullReport Cull(Atlas& atlas, const CullOptions& options, int threads) {
+CullReport Cull(Atlas& atlas, const CullOptions& options) {
   RequireSense(options);
   CullReport report;
   const AtlasIndex index(atlas);
-  const AtlasStatistics statistics = ComputeStatistics(atlas, threads);
+  const AtlasStatistics statistics = ComputeStatistics(atlas, options.threads);
   Subset kept = Subset::Everything(atlas);
+  detail::Steps steps(options.progress, "culling", atlas.maps.size());
   for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
-    CullPoints(index, row, statistics.maps[row], options, threads, kept.maps[row], report);
-    if (!options.redundancy) continue;
-    const double share = RedundancyOf(statistics.maps[row], *options.redundancy);
-    report.redundant_keyframes += CullKeyFrames(index, row,
-                                                {.share = share,
-                                                 .observers = options.redundant_observers,
-                                                 .depth_counts = statistics.maps[row].sensor != MapSensor::kMonocular},
-                                                kept.maps[row]);
+    CullPoints(index, row, statistics.maps[row], options, kept.maps[row], report);
+    if (options.redundancy)
+      report.redundant_keyframes +=
+          CullKeyFrames(index, row,
+                        {.share = RedundancyOf(statistics.maps[row], *options.redundancy),
+                         .observers = options.redundant_observers,
+                         .depth_counts = statistics.maps[row].sensor != MapSensor::kMonocular},
+                        kept.maps[row]);
+    steps.Next();
   }
-  SettleBorder(index, Border::kSmart, kept, threads);
+  SettleBorder(index, Border::kSmart, kept, options.threads);
   const std::uint64_t by_rules =
       report.bad_points + report.few_observations + report.large_errors + report.small_parallax + report.unseen;
   report.unheld = statistics.points - by_rules - CountPoints(kept);
   report.coverage = MeasureCoverage(index, kept);
-  report.removed = KeepSubset(atlas, kept, threads);
+  report.removed = KeepSubset(atlas, kept, options.threads);
   return report;
 }
 

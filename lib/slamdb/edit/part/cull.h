@@ -2,24 +2,37 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <variant>
 
+#include "slamdb/base/progress.h"
+#include "slamdb/base/report_files.h"
 #include "slamdb/edit/part/coverage.h"
 #include "slamdb/edit/part/subset.h"
+#include "slamdb/export.h"
 
 namespace slamdb {
 
-// What to cull; what is left at its default culls nothing. ORB-SLAM3's rules are those of its LocalMapping. What it
-// also goes by, the share of views in which a point was found, is not in its files.
+// In place of a number: the one that ORB-SLAM3 has for the sensor of each map.
+struct OfSensor {
+  friend bool operator==(const OfSensor&, const OfSensor&) = default;
+};
+template <class Number>
+using OrOfSensor = std::variant<OfSensor, Number>;
+
+// What to cull; what is left at its default culls nothing.
+// ORB-SLAM3's rules are those of its LocalMapping. What it also goes by, the share of views in which a point was found,
+// is not in its files.
 struct CullOptions {
-  // Keyframes of whose points this share is seen by `redundant_observers` others at the same scale or a finer one (an
-  // octave at most one above). In a keyframe with depths only points not beyond the depth threshold count. kOfSensor:
-  // 0.9, and 0.5 for stereo and RGB-D with IMU.
-  std::optional<double> redundancy;
+  // Keyframes of whose points this share, 0 to 1, is seen by `redundant_observers` others at the same scale or a finer
+  // one (an octave at most one above). In a keyframe with depths only points not beyond the depth threshold count.
+  // OfSensor: 0.9, and 0.5 for stereo and RGB-D with IMU.
+  std::optional<OrOfSensor<double>> redundancy;
   int redundant_observers = 3;
 
   // Points with fewer observations, one with depth counting twice; not those that the last two keyframes made.
-  // kOfSensor: 3 for monocular maps, 4 for others.
-  std::optional<int> min_observations;
+  // OfSensor: 3 for monocular maps, 4 for others.
+  std::optional<OrOfSensor<int>> min_observations;
 
   // Points whose root mean square reprojection error is larger, in pixels of the octave where each keypoint was found;
   // ORB-SLAM3's bundle adjustment drops observations beyond sqrt(5.991) = 2.45.
@@ -32,8 +45,10 @@ struct CullOptions {
   // Points that no keyframe at or after this time observes, seconds.
   std::optional<double> unseen_since;
 
-  static constexpr int kOfSensor = 0;
-  static CullOptions Orbslam3() { return {.redundancy = kOfSensor, .min_observations = kOfSensor}; }
+  int threads = 0;    // 0: every core
+  Progress progress;  // may be empty
+
+  static CullOptions Orbslam3() { return {.redundancy = OfSensor(), .min_observations = OfSensor()}; }
 };
 
 struct CullReport {
@@ -44,13 +59,20 @@ struct CullReport {
   Coverage coverage;
 };
 
-// Culls points, then keyframes, oldest first, each seeing what those before it left; points that culled keyframes leave
-// with 2 observations or fewer go too, as in MapPoint::EraseObservation. The first keyframe of a map, the one that
-// bundle adjustment fixes, and those that must not be erased (loop and merge edges) always stay. In maps with IMU
-// keyframes go only where ORB-SLAM3 lets the gap in time grow: to 0.5 s, or 3 s for older ones and those without
-// motion. Bad points go in any case. In place; linear but for points that very many keyframes see; on `threads` threads
-// (0: every core) with the same result for any number. Throws Error, before anything changes, when an option makes no
-// sense.
-CullReport Cull(Atlas& atlas, const CullOptions& options, int threads = 0);
+// Culls points, then keyframes, oldest first, each seeing what those before it left.
+// Points that culled keyframes leave with 2 observations or fewer go too, as in MapPoint::EraseObservation.
+// The first keyframe of a map, the one that bundle adjustment fixes, and those that must not be erased (loop and merge
+// edges) always stay.
+// In maps with IMU keyframes go only where ORB-SLAM3 lets the gap in time grow: to 0.5 s, or 3 s for older ones and
+// those without motion.
+// Bad points go in any case.
+//
+// Throws Error (kUsage), before anything changes, when an option makes no sense.
+// Cost: linear, in place, but for points that very many keyframes see; the result is the same for any number of
+// threads.
+SLAMDB_EXPORT CullReport Cull(Atlas& atlas, const CullOptions& options = {});
+
+// As schema/cull.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const CullReport& report, const ReportFiles& files = {});
 
 }  // namespace slamdb

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -31,7 +33,7 @@ void Choose(std::vector<Fragment>& maps, const FragmentOptions& options) {
   std::vector<std::size_t> by_size(maps.size());
   std::iota(by_size.begin(), by_size.end(), std::size_t{0});
   std::ranges::stable_sort(by_size, std::ranges::greater(), [&](std::size_t row) { return maps[row].keyframes; });
-  const std::size_t most = options.largest > 0 ? options.largest : maps.size();
+  const std::size_t most = options.largest.value_or(maps.size());
   for (std::size_t rank = 0; rank < std::min(most, by_size.size()); ++rank) {
     Fragment& map = maps[by_size[rank]];
     map.kept = map.keyframes >= std::max<std::size_t>(options.min_keyframes, 1);
@@ -54,7 +56,7 @@ void Sort(Atlas& atlas, MapOrder order) {
 
 }  // namespace
 
-FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options, int threads) {
+FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options) {
   FragmentReport report;
   for (const Map& map : atlas.maps) report.maps.push_back(Describe(map));
   Choose(report.maps, options);
@@ -63,8 +65,8 @@ FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options, int t
   if (std::ranges::none_of(report.maps, &Fragment::kept)) {
     std::uint64_t largest = 0;
     for (const Fragment& map : report.maps) largest = std::max(largest, map.keyframes);
-    throw Error("no map has " + std::to_string(options.min_keyframes) + " keyframes; the largest has " +
-                std::to_string(largest));
+    throw Error(ErrorKind::kNotPossible,
+                detail::Concat("no map has ", options.min_keyframes, " keyframes; the largest has ", largest));
   }
   Subset kept = Subset::Everything(atlas);
   for (std::size_t row = 0; row < report.maps.size(); ++row) {
@@ -73,8 +75,10 @@ FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options, int t
     std::ranges::fill(kept.maps[row].points, std::uint8_t{0});
     std::ranges::fill(kept.maps[row].landmarks, std::uint8_t{0});
   }
-  report.removed = KeepSubset(atlas, kept, threads);
+  report.removed = KeepSubset(atlas, kept, options.threads);
   Sort(atlas, options.order);
+  for (const Map& map : atlas.maps) report.order.push_back(map.id);
+  detail::Steps(options.progress, "dropping fragments", 1).Next();
   return report;
 }
 

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slamdb/base/progress.h"
+#include "slamdb/base/report_files.h"
 #include "slamdb/edit/part/subset.h"
+#include "slamdb/export.h"
 
 namespace slamdb {
 
@@ -13,9 +20,11 @@ enum class MapOrder {
 };
 
 struct FragmentOptions {
-  std::size_t min_keyframes = 1;  // maps with fewer go; 1: only empty ones
-  std::size_t largest = 0;        // of the others, so many with most keyframes stay; 0: all
+  std::size_t min_keyframes = 1;       // maps with fewer go; 1: only empty ones
+  std::optional<std::size_t> largest;  // of the others, only so many with most keyframes stay
   MapOrder order = MapOrder::kAsIs;
+  int threads = 0;    // 0: every core
+  Progress progress;  // may be empty
 };
 
 // One map of the atlas as it was.
@@ -28,11 +37,19 @@ struct Fragment {
 
 struct FragmentReport {
   std::vector<Fragment> maps;  // in the order they had
+  std::vector<MapId> order;    // of the maps that are left
   SubsetReport removed;
 };
 
-// Drops maps that are empty or small, and orders the list of maps. Ids stay: ORB-SLAM3 sorts its maps by id, whatever
-// their order in the file. In place; linear. Throws Error, before anything changes, when no map would be left.
-FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options, int threads = 0);
+// Drops maps that are empty or small, and orders the list of maps.
+// Ids stay: ORB-SLAM3 sorts its maps by id, whatever their order in the file.
+// Maps of landmarks alone are no fragments.
+//
+// Throws Error (kNotPossible), before anything changes, when no map would be left.
+// Cost: linear, in place.
+SLAMDB_EXPORT FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options = {});
+
+// As schema/fragments.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const FragmentReport& report, const ReportFiles& files = {});
 
 }  // namespace slamdb

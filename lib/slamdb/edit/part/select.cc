@@ -63,15 +63,19 @@ class Selector {
     if (options_.map && index_.MapRow(*options_.map) == kNoRow) {
       std::set<std::uint64_t> ids;
       for (const Map& map : atlas_.maps) ids.insert(map.id.value());
-      throw Error("there is no " + ToString(*options_.map) + "; there are " + ListOf(ids));
+      throw Error(ErrorKind::kNotPossible, "there is no " + ToString(*options_.map) + "; there are " + ListOf(ids));
     }
     for (const KeyFrameId id : options_.keyframes)
-      if (!index_.LocateKeyFrame(id)) throw Error("there is no keyframe " + std::to_string(id.value()));
+      if (!index_.LocateKeyFrame(id))
+        throw Error(ErrorKind::kNotPossible, "there is no keyframe " + std::to_string(id.value()));
     if (!options_.polygon.empty() && options_.polygon.size() < 3)
-      throw Error("a polygon needs three corners or more, found " + std::to_string(options_.polygon.size()));
+      throw Error(ErrorKind::kUsage,
+                  "a polygon needs three corners or more, found " + std::to_string(options_.polygon.size()));
     for (const Eigen::Vector2f& corner : options_.polygon)
-      if (!corner.allFinite()) throw Error("the corners of a polygon must be finite");
-    if (options_.every == 0) throw Error("every 0th keyframe is none; give 1 or more");
+      if (!corner.allFinite()) throw Error(ErrorKind::kUsage, "the corners of a polygon must be finite");
+    if (options_.every == 0) throw Error(ErrorKind::kUsage, "every 0th keyframe is none; give 1 or more");
+    if (options_.component && *options_.component == 0)
+      throw Error(ErrorKind::kUsage, "component 0 is none; 1 is the largest");
     if (options_.session) RequireSession();
   }
 
@@ -80,8 +84,8 @@ class Selector {
     for (const Map& map : atlas_.maps)
       for (const KeyFrame& keyframe : map.keyframes) sessions.insert(keyframe.origin_map);
     if (!sessions.contains(*options_.session))
-      throw Error("no keyframe is from session " + std::to_string(*options_.session) + "; sessions are " +
-                  ListOf(sessions));
+      throw Error(ErrorKind::kNotPossible, "no keyframe is from session " + std::to_string(*options_.session) +
+                                               "; sessions are " + ListOf(sessions));
   }
 
   bool Picks(const KeyFrame& keyframe) const {
@@ -110,7 +114,7 @@ class Selector {
             if (const std::uint32_t found = index_.KeyFrameRow(row, id); found != kNoRow)
               listed.maps[row].keyframes[found] = 1;
       });
-    if (options_.component > 0) IntersectWith([&](Subset& component) { MarkComponent(component); });
+    if (options_.component) IntersectWith([&](Subset& component) { MarkComponent(component); });
   }
 
   template <class Mark>
@@ -125,10 +129,11 @@ class Selector {
   void MarkComponent(Subset& marked) const {
     const std::vector<Component> components =
         FindComponents(index_, options_.map ? std::optional(index_.MapRow(*options_.map)) : std::nullopt);
-    if (options_.component > components.size())
-      throw Error("there is no component " + std::to_string(options_.component) + "; the covisibility graph has " +
-                  std::to_string(components.size()));
-    const Component& component = components[options_.component - 1];
+    const std::size_t number = *options_.component;
+    if (number > components.size())
+      throw Error(ErrorKind::kNotPossible, "there is no component " + std::to_string(number) +
+                                               "; the covisibility graph has " + std::to_string(components.size()));
+    const Component& component = components[number - 1];
     for (const std::uint32_t row : component.keyframes) marked.maps[component.map].keyframes[row] = 1;
   }
 
@@ -205,8 +210,9 @@ class Selector {
       if (HasAny(rows.keyframes) || HasAny(rows.landmarks)) return;
       if (CutsPoints() && !options_.except && HasAny(rows.points)) return;
     }
-    throw Error(options_.except ? "nothing is left: the selection holds the whole atlas"
-                                : "nothing is selected: no keyframe meets all that is asked for");
+    throw Error(ErrorKind::kNotPossible, options_.except
+                                             ? "nothing is left: the selection holds the whole atlas"
+                                             : "nothing is selected: no keyframe meets all that is asked for");
   }
 
   const AtlasIndex& index_;
@@ -240,22 +246,6 @@ void AddComponents(const AtlasIndex& index, std::uint32_t map_row, std::vector<C
   }
 }
 
-// The part of some keyframes of one map, and the points that they observe.
-Subset PartOf(const AtlasIndex& index, const Component& component) {
-  Subset subset = Subset::Nothing(index.atlas());
-  auto& [keyframes, points, landmarks] = subset.maps[component.map];
-  std::ranges::fill(landmarks, std::uint8_t{1});
-  for (const std::uint32_t row : component.keyframes) keyframes[row] = 1;
-  const Map& map = index.atlas().maps[component.map];
-  for (std::size_t i = 0; i < points.size(); ++i)
-    points[i] =
-        std::ranges::any_of(map.points[i].observations, [&, &flags = keyframes](const Observation& observation) {
-          const std::uint32_t observer = index.KeyFrameRow(component.map, observation.keyframe);
-          return observer != kNoRow && flags[observer] != 0;
-        });
-  return subset;
-}
-
 }  // namespace
 
 Subset Select(const AtlasIndex& index, const SelectOptions& options) { return Selector(index, options).Run(); }
@@ -267,60 +257,6 @@ std::vector<Component> FindComponents(const AtlasIndex& index, std::optional<std
   std::ranges::stable_sort(components, std::ranges::greater(),
                            [](const Component& component) { return component.keyframes.size(); });
   return components;
-}
-
-std::vector<Part> SplitAtlas(const AtlasIndex& index, SplitBy by) {
-  const Atlas& atlas = index.atlas();
-  std::vector<Part> parts;
-  if (by == SplitBy::kSession) {
-    std::set<std::uint32_t> sessions;
-    for (const Map& map : atlas.maps)
-      for (const KeyFrame& keyframe : map.keyframes) sessions.insert(keyframe.origin_map);
-    for (const std::uint32_t session : sessions)
-      parts.push_back({"session-" + std::to_string(session), Select(index, {.session = session})});
-    return parts;
-  }
-  for (std::uint32_t row = 0; row < atlas.maps.size(); ++row) {
-    const Map& map = atlas.maps[row];
-    if (map.keyframes.empty() && (by != SplitBy::kMap || map.landmarks.empty())) continue;
-    const std::string name = "map-" + std::to_string(map.id.value());
-    if (by == SplitBy::kMap) {
-      Part& part = parts.emplace_back(Part{name, Subset::Nothing(atlas)});
-      part.subset.maps[row] = Subset::Everything(atlas).maps[row];
-      continue;
-    }
-    std::size_t number = 0;
-    for (const Component& component : FindComponents(index, row))
-      parts.push_back({name + "-component-" + std::to_string(++number), PartOf(index, component)});
-  }
-  return parts;
-}
-
-Atlas TakePart(const Atlas& atlas, const Subset& subset, SubsetReport& report, int threads) {
-  Atlas part;
-  part.vocabulary = atlas.vocabulary;
-  part.cameras = atlas.cameras;
-  part.next_ids = atlas.next_ids;
-  part.encoding = atlas.encoding;
-  Subset rows;
-  SubsetReport left;
-  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
-    if (!HasAny(subset.maps.at(row).keyframes) && !HasAny(subset.maps[row].landmarks)) {
-      ++left.maps;
-      left.landmarks += atlas.maps[row].landmarks.size();
-      left.keyframes += atlas.maps[row].keyframes.size();
-      left.points += atlas.maps[row].points.size();
-      continue;
-    }
-    part.maps.push_back(atlas.maps[row]);
-    rows.maps.push_back(subset.maps[row]);
-  }
-  report = KeepSubset(part, rows, threads);
-  report.maps += left.maps;
-  report.keyframes += left.keyframes;
-  report.points += left.points;
-  report.landmarks += left.landmarks;
-  return part;
 }
 
 }  // namespace slamdb

@@ -4,10 +4,10 @@
 #include <Eigen/Geometry>
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "slamdb/edit/part/subset.h"
+#include "slamdb/export.h"
 
 namespace slamdb {
 
@@ -30,8 +30,8 @@ struct SelectOptions {
   double begin_time = -std::numeric_limits<double>::infinity();                                 // seconds, inclusive
   double end_time = std::numeric_limits<double>::infinity();
   std::optional<std::uint32_t> session;    // keyframes that were made in the map of this id (KeyFrame::origin_map)
-  std::size_t component = 0;               // connected part of the covisibility graph: 1 the largest of the maps
-                                           // that are selected, 2 the next; 0: all
+  std::optional<std::size_t> component;    // connected part of the covisibility graph: 1 the largest of the maps
+                                           // that are selected, 2 the next
   std::size_t every = 1;                   // of what is selected, in order of time, the first of each so many
   std::optional<Eigen::AlignedBox3f> box;  // world
   std::vector<Eigen::Vector2f> polygon;    // corners in the plane of the plan; by the even-odd rule
@@ -41,36 +41,26 @@ struct SelectOptions {
                                       // long as a keyframe that stays observes them
 };
 
-// The part of the atlas, as flags; settle its border next. Points are in it when a keyframe of it observes them and,
-// where the region cuts points, they lie inside; those inside also count when only keyframes with their camera outside,
-// but otherwise selected, observe them, so that Border::kCompletePoints brings these. Landmarks are in it when they lie
-// inside the region, where that cuts points; otherwise all those of maps of which a keyframe is, and of the map that is
-// asked for. Linear but for the sort that `every` needs. Throws Error when a map, keyframe, session or component does
-// not exist, a polygon has fewer than three corners, or nothing is selected.
-Subset Select(const AtlasIndex& index, const SelectOptions& options);
+// The part of the atlas, as flags; settle its border next (Extract does).
+// Points are in it when a keyframe of it observes them and, where the region cuts points, they lie inside; those inside
+// also count when only keyframes with their camera outside, but otherwise selected, observe them, so that
+// Border::kCompletePoints brings these.
+// Landmarks are in it when they lie inside the region, where that cuts points; otherwise all those of maps of which a
+// keyframe is, and of the map that is asked for.
+//
+// Throws Error: kUsage when a polygon has fewer than three corners or corners that are not finite, or `every` or
+// `component` is 0; kNotPossible when a map, keyframe, session or component does not exist, or nothing is selected.
+// Cost: linear but for the sort that `every` needs.
+[[nodiscard]] SLAMDB_EXPORT Subset Select(const AtlasIndex& index, const SelectOptions& options = {});
 
-// The connected parts of the covisibility graphs, an edge counting whichever side lists it. Largest first, then by map
-// and row. Of one map (a row of Atlas::maps), or of all.
+// A connected part of the covisibility graph, an edge counting whichever side lists it.
 struct Component {
-  std::uint32_t map = 0;
+  std::uint32_t map = 0;                 // row of Atlas::maps
   std::vector<std::uint32_t> keyframes;  // rows, ascending
 };
-std::vector<Component> FindComponents(const AtlasIndex& index, std::optional<std::uint32_t> map = {});
 
-enum class SplitBy { kMap, kSession, kComponent };
-
-// One part of an atlas that is split: `map-3`, `session-0`, `map-3-component-2`.
-struct Part {
-  std::string name;
-  Subset subset;
-};
-
-// The parts in order of map, session or component (by size within its map); maps without keyframes are none, unless
-// they hold landmarks and are parts as a whole. Points belong to every part that observes them, landmarks to every part
-// of their map.
-std::vector<Part> SplitAtlas(const AtlasIndex& index, SplitBy by);
-
-// KeepSubset of a copy. Maps without a keyframe or landmark in the subset are not copied.
-Atlas TakePart(const Atlas& atlas, const Subset& subset, SubsetReport& report, int threads = 0);
+// The connected parts of one map (a row of Atlas::maps), or of all. Largest first, then by map and row.
+[[nodiscard]] SLAMDB_EXPORT std::vector<Component> FindComponents(const AtlasIndex& index,
+                                                                  std::optional<std::uint32_t> map = {});
 
 }  // namespace slamdb

@@ -9,6 +9,7 @@
 #include <queue>
 #include <string>
 
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/part/detail/archive_size.h"
 #include "slamdb/edit/part/detail/free_features.h"
@@ -35,13 +36,12 @@ class GreedyCoverage {
   Subset Choose() {
     std::uint64_t bytes = BytesAround();
     std::size_t chosen = 0;
-    const std::size_t most =
-        options_.target_keyframes > 0 ? options_.target_keyframes : std::numeric_limits<std::size_t>::max();
+    const std::size_t most = options_.target_keyframes.value_or(std::numeric_limits<std::size_t>::max());
     for (std::uint32_t place = 0; place < keyframes_.size(); ++place) queue_.push({GainOf(place), place});
     while (!queue_.empty() && chosen < most) {
       const std::uint32_t place = TakeBest();
       bytes += BytesOf(place);
-      if (options_.target_bytes > 0 && bytes > options_.target_bytes) {
+      if (options_.target_bytes && bytes > *options_.target_bytes) {
         if (chosen == 0) RefuseTarget(bytes);
         break;
       }
@@ -153,8 +153,8 @@ class GreedyCoverage {
 
   [[noreturn]] void RefuseTarget(std::uint64_t needed) const {
     const auto kilobytes = [](std::uint64_t bytes) { return std::to_string((bytes + 999) / 1000) + " kB"; };
-    throw Error("the target of " + kilobytes(options_.target_bytes) +
-                " is below what one keyframe with its points takes, " + kilobytes(needed));
+    throw Error(ErrorKind::kNotPossible, "the target of " + kilobytes(*options_.target_bytes) +
+                                             " is below what one keyframe with its points takes, " + kilobytes(needed));
   }
 
   const AtlasIndex& index_;
@@ -176,15 +176,9 @@ Subset LargestMap(const Atlas& atlas) {
   return subset;
 }
 
-std::size_t CountKeyFrames(const Atlas& atlas) {
-  std::size_t count = 0;
-  for (const Map& map : atlas.maps) count += map.keyframes.size();
-  return count;
-}
-
 bool Fits(const Atlas& atlas, const ShrinkOptions& options) {
-  return (options.target_keyframes == 0 || CountKeyFrames(atlas) <= options.target_keyframes) &&
-         (options.target_bytes == 0 || ArchiveBytes(atlas) <= options.target_bytes);
+  return (!options.target_keyframes || CountEntities(atlas).keyframes <= *options.target_keyframes) &&
+         (!options.target_bytes || ArchiveBytes(atlas) <= *options.target_bytes);
 }
 
 std::uint64_t DropMeasurements(Atlas& atlas) {
@@ -197,41 +191,31 @@ std::uint64_t DropMeasurements(Atlas& atlas) {
   return dropped;
 }
 
-void Add(SubsetReport& sum, const SubsetReport& more) {
-  sum.maps += more.maps;
-  sum.keyframes += more.keyframes;
-  sum.points += more.points;
-  sum.cameras += more.cameras;
-  sum.observations += more.observations;
-  sum.slots += more.slots;
-  sum.edges += more.edges;
-  sum.new_references += more.new_references;
-  sum.new_parents += more.new_parents;
-  sum.joined += more.joined;
-}
-
 }  // namespace
 
-ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options, int threads) {
-  if (options.target_keyframes == 0 && options.target_bytes == 0 && !options.for_localization)
-    throw Error("say how small: a number of keyframes, a size, or what the atlas is for");
-  ShrinkReport report{.bytes_before = ArchiveBytes(atlas)};
+ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options) {
+  if (!options.target_keyframes && !options.target_bytes && !options.for_localization)
+    throw Error(ErrorKind::kUsage, "say how small: a number of keyframes, a size, or what the atlas is for");
+  detail::Steps steps(options.progress, "shrinking", 2);
+  ShrinkReport report{.bytes_before = ArchiveBytes(atlas), .removed = {.before = CountEntities(atlas)}};
   report.coverage = MeasureCoverage(AtlasIndex(atlas), Subset::Everything(atlas), options.min_points);
   if (options.for_localization) {
-    if (atlas.maps.empty()) throw Error("the atlas has no map to localise in");
-    report.removed = KeepSubset(atlas, LargestMap(atlas), threads);
-    report.features_dropped = DropFreeFeatures(atlas, threads);
+    if (atlas.maps.empty()) throw Error(ErrorKind::kNotPossible, "the atlas has no map to localise in");
+    report.removed += KeepSubset(atlas, LargestMap(atlas), options.threads);
+    report.features_dropped = DropFreeFeatures(atlas, options.threads);
   }
+  steps.Next();
   const AtlasIndex index(atlas);
   Subset kept = Subset::Everything(atlas);
   if (!Fits(atlas, options)) {
     kept = GreedyCoverage(index, options).Choose();
-    SettleBorder(index, Border::kStrict, kept, threads);
+    SettleBorder(index, Border::kStrict, kept, options.threads);
   }
   report.coverage.covered = MeasureCoverage(index, kept, options.min_points).covered;
-  Add(report.removed, KeepSubset(atlas, kept, threads));
+  report.removed += KeepSubset(atlas, kept, options.threads);
   if (options.for_localization) report.measurements_dropped = DropMeasurements(atlas);
   report.bytes_after = ArchiveBytes(atlas);
+  steps.Next();
   return report;
 }
 

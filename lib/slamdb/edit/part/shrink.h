@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+#include <string>
+
+#include "slamdb/base/progress.h"
+#include "slamdb/base/report_files.h"
 #include "slamdb/edit/part/coverage.h"
 #include "slamdb/edit/part/subset.h"
+#include "slamdb/export.h"
 
 namespace slamdb {
 
+// At least one of the first three must be asked for.
 struct ShrinkOptions {
-  std::size_t target_keyframes = 0;            // at most so many; 0: any number
-  std::uint64_t target_bytes = 0;              // of a binary .osa file; 0: any size
-  bool for_localization = false;               // the preset, see Shrink
-  std::size_t min_points = kPointsToLocalize;  // for a place to be covered, see Coverage
+  std::optional<std::size_t> target_keyframes;  // at most so many
+  std::optional<std::uint64_t> target_bytes;    // at most so many of a binary .osa file
+  bool for_localization = false;                // the preset, see Shrink
+  std::size_t min_points = kPointsToLocalize;   // for a place to be covered, see Coverage
+  int threads = 0;                              // 0: every core
+  Progress progress;                            // may be empty
 };
 
 struct ShrinkReport {
@@ -20,18 +29,23 @@ struct ShrinkReport {
   Coverage coverage;
 };
 
-// Makes an atlas small and keeps as many places as it can (Coverage). Keyframes are chosen by greedy maximum coverage:
-// the next is the one that gives most to places that are not covered yet, then the one with most new points; gains only
-// fall while choosing, so each is computed anew only when its keyframe comes first (lazy greedy; Minoux 1978), and the
-// result is within 1 - 1/e of the best choice of as many keyframes. The rest goes with KeepSubset, at the strict
-// border.
+// Makes an atlas small and keeps as many places as it can (Coverage).
+// Keyframes are chosen by greedy maximum coverage: the next is the one that gives most to places that are not covered
+// yet, then the one with most new points. Gains only fall while choosing, so each is computed anew only when its
+// keyframe comes first (lazy greedy; Minoux 1978), and the result is within 1 - 1/e of the best choice of as many
+// keyframes.
+// The rest goes with KeepSubset, at the strict border.
 //
 // for_localization: the map with most keyframes alone; features that see no point go (DropFreeFeatures), and the
 // measurements behind inertial preintegrations, which ORB-SLAM3 only needs to cull keyframes and to initialise the IMU.
 // What it reads when it loads and localises stays: grids, bags of words, covisibility, preintegrated motion.
 //
-// In place. Near linear. Throws Error when nothing is asked for, or not even one keyframe fits; the atlas is then of no
-// use.
-ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options, int threads = 0);
+// Throws Error: kUsage when nothing is asked for, kNotPossible when not even one keyframe fits or there is no map; the
+// atlas is then of no use.
+// Cost: near linear, in place; the result is the same for any number of threads.
+SLAMDB_EXPORT ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options = {});
+
+// As schema/shrink.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const ShrinkReport& report, const ReportFiles& files = {});
 
 }  // namespace slamdb

@@ -234,7 +234,9 @@ void RequireSameShape(const Atlas& atlas, const Subset& subset) {
     fits = subset.maps[row].keyframes.size() == atlas.maps[row].keyframes.size() &&
            subset.maps[row].points.size() == atlas.maps[row].points.size() &&
            subset.maps[row].landmarks.size() == atlas.maps[row].landmarks.size();
-  if (!fits) throw Error("the subset is not of this atlas: it has other maps, keyframes, points or landmarks");
+  if (!fits)
+    throw Error(ErrorKind::kUsage,
+                "the subset is not of this atlas: it has other maps, keyframes, points or landmarks");
 }
 
 Subset Filled(const Atlas& atlas, std::uint8_t value) {
@@ -283,6 +285,26 @@ void AddObservers(const AtlasIndex& index, std::size_t map_row, Subset::MapRows&
 
 }  // namespace
 
+EntityCounts CountEntities(const Atlas& atlas) {
+  EntityCounts counts{.maps = atlas.maps.size()};
+  for (const Map& map : atlas.maps) {
+    counts.keyframes += map.keyframes.size();
+    counts.points += map.points.size();
+    counts.landmarks += map.landmarks.size();
+  }
+  return counts;
+}
+
+SubsetReport& SubsetReport::operator+=(const SubsetReport& next) {
+  after = next.after;
+  for (const auto field :
+       {&SubsetReport::maps, &SubsetReport::keyframes, &SubsetReport::points, &SubsetReport::landmarks,
+        &SubsetReport::cameras, &SubsetReport::observations, &SubsetReport::slots, &SubsetReport::edges,
+        &SubsetReport::new_references, &SubsetReport::new_parents, &SubsetReport::joined})
+    this->*field += next.*field;
+  return *this;
+}
+
 Subset Subset::Everything(const Atlas& atlas) { return Filled(atlas, 1); }
 Subset Subset::Nothing(const Atlas& atlas) { return Filled(atlas, 0); }
 
@@ -301,12 +323,13 @@ void SettleBorder(const AtlasIndex& index, Border border, Subset& subset, int th
 
 SubsetReport KeepSubset(Atlas& atlas, const Subset& subset, int threads) {
   RequireSameShape(atlas, subset);
-  SubsetReport report;
+  SubsetReport report{.before = CountEntities(atlas)};
   const std::set<CameraId> used = UsedCameras(atlas);
   for (std::size_t row = 0; row < atlas.maps.size(); ++row)
     MapClosing(atlas.maps[row], subset.maps[row], threads, report).Close();
   report.maps =
       std::erase_if(atlas.maps, [](const Map& map) { return map.keyframes.empty() && map.landmarks.empty(); });
+  report.after = CountEntities(atlas);
   if (report.maps + report.keyframes + report.points == 0) return report;
   DropIrregularEntries(atlas);
   const std::set<CameraId> still_used = UsedCameras(atlas);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <set>
 
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/edit/part/subset.h"
 #include "slamdb/model/detail/irregular_entries.h"
 
@@ -131,7 +132,7 @@ void RaiseCounters(Atlas& atlas, RecoverReport& report) {
 }
 
 void Repair(const RecoverOptions& options, Atlas& atlas, RecoverReport& report) {
-  RepairReport repair = RepairAtlas(atlas, {.threads = options.threads, .journal = false});
+  RepairReport repair = RepairAtlas(atlas, {.journal = false, .threads = options.threads});
   std::ranges::move(repair.applied, std::back_inserter(report.repairs));
   report.left = std::move(repair.left);
 }
@@ -139,7 +140,7 @@ void Repair(const RecoverOptions& options, Atlas& atlas, RecoverReport& report) 
 // Takes the keyframes and points that errors name out of `subset`; returns how many.
 std::uint64_t LeaveOutErrors(const Atlas& atlas, const RecoverOptions& options, Subset& subset, RecoverReport& report) {
   const CheckReport check =
-      CheckAtlas(atlas, {.threads = options.threads, .max_findings = std::numeric_limits<std::size_t>::max()});
+      CheckAtlas(atlas, {.max_findings = std::numeric_limits<std::size_t>::max(), .threads = options.threads});
   const AtlasIndex index(atlas);
   std::uint64_t left_out = 0;
   const auto leave_out = [&](std::vector<std::uint8_t>& rows, std::uint32_t row, std::uint64_t& dropped) {
@@ -185,6 +186,7 @@ RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
     KeepSubset(atlas, subset);
     Repair(options, atlas, report);
   }
+  detail::Steps(options.progress, "recovering", 1).Next();
   return report;
 }
 

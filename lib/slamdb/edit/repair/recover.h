@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "slamdb/base/progress.h"
+#include "slamdb/base/report_files.h"
 #include "slamdb/edit/repair/repair.h"
+#include "slamdb/export.h"
+#include "slamdb/model/salvage.h"
 
 namespace slamdb {
 
 struct RecoverOptions {
   // Another atlas of the same cameras and vocabulary: those that are lost are taken from it.
   const Atlas* rig = nullptr;
-  int threads = 0;  // 0: every core
+  int threads = 0;    // 0: every core
+  Progress progress;  // may be empty
 };
 
 struct RecoverReport {
@@ -25,13 +33,38 @@ struct RecoverReport {
   std::vector<AppliedFix> repairs;  // of what depended on what is lost
   std::vector<Unrepaired> left;     // as in RepairReport
 
-  bool sound() const;  // no error is left
+  SLAMDB_EXPORT bool sound() const;  // no error is left
 };
 
-// Makes of what was salvaged from a damaged file (formats/salvage.h) an atlas that is sound: cameras, counters and
-// members of maps that are lost are found again from the keyframes, references to what is lost are dropped by the
-// repairs of the rules, and keyframes and points that break a rule without repair go. In place; a sound atlas stays as
-// it is but for what RepairAtlas changes. Deterministic.
-RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options = {});
+// Makes of an atlas of which parts are lost one that is sound.
+// Cameras, counters and members of maps that are lost are found again from the keyframes, references to what is lost
+// are dropped by the repairs of the rules, and keyframes and points that break a rule without repair go. A sound atlas
+// stays as it is but for what RepairAtlas changes.
+//
+// Throws nothing but std::bad_alloc and what the listener to its progress throws.
+// Cost: linear for each repair, in place; the result is the same for any number of threads.
+SLAMDB_EXPORT RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options = {});
+
+// What became of a damaged file.
+struct SalvageReport {
+  std::vector<std::string> damage;                  // as in Salvage; empty: the file is whole
+  SalvagedList maps, keyframes, points, landmarks;  // read: in the result
+  std::vector<std::string> losses;                  // what is lost or was found again in another way, one sentence each
+  RecoverReport recovery;
+
+  bool untouched = false;  // the file was whole and sound, and the atlas is as it was read
+
+  bool whole() const { return damage.empty(); }
+};
+
+// Makes of what was salvaged from a damaged file (formats/salvage.h) an atlas that is sound, and says what is lost.
+// Of a file that is whole and sound nothing changes.
+//
+// Throws Error (kDamaged) when no keyframe and no landmark could be read whole.
+// Cost: as RecoverAtlas.
+SLAMDB_EXPORT SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options = {});
+
+// As schema/recover.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const SalvageReport& report, const ReportFiles& files = {});
 
 }  // namespace slamdb

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
+#include "slamdb/model/digest.h"
 
 namespace slamdb {
 namespace {
@@ -13,8 +16,9 @@ constexpr int kMostRounds = 16;  // what one fix uncovers another one repairs; t
 void RequireFixes(const std::vector<std::string>& ids) {
   for (const std::string& id : ids) {
     const Rule* rule = FindRule(id);
-    if (rule == nullptr) throw Error("no rule is called '" + id + "'; `slamdb check --list` names all");
-    if (!rule->fix) throw Error("rule '" + id + "' has no repair: " + std::string(rule->fix.unfixable));
+    if (rule == nullptr) throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'"));
+    if (!rule->fix)
+      throw Error(ErrorKind::kUsage, detail::Concat("rule '", id, "' has no repair: ", rule->fix.unfixable));
   }
 }
 
@@ -23,7 +27,7 @@ bool IsChosen(const RepairOptions& options, std::string_view rule) {
 }
 
 CheckReport Check(const Atlas& atlas, const RepairOptions& options) {
-  return CheckAtlas(atlas, {.threads = options.threads, .vocabulary_words = options.vocabulary_words});
+  return CheckAtlas(atlas, {.vocabulary_words = options.vocabulary_words, .threads = options.threads});
 }
 
 // Applies the fixes of the chosen rules that found something; returns whether any of them changed anything.
@@ -62,9 +66,12 @@ bool RepairReport::sound() const {
 RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options) {
   RequireFixes(options.rules);
   RepairReport report;
+  if (options.journal)
+    report.journal = {.original = HashWithoutEncoding(atlas, options.threads), .encoding = atlas.encoding};
   CheckReport check = Check(atlas, options);
   for (int round = 0; round < kMostRounds && ApplyFixes(check, options, atlas, report); ++round)
     check = Check(atlas, options);
+  detail::Steps(options.progress, "repairing", 1).Next();
   for (RuleResult& result : check.results)
     report.left.push_back({.rule = result.id,
                            .severity = result.severity,
@@ -72,6 +79,9 @@ RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options) {
                            .findings = result.count,
                            .first = std::move(result.findings.front()),
                            .reason = ReasonOf(*FindRule(result.id), options)});
+  if (options.journal)
+    report.journal.repaired =
+        report.applied.empty() ? report.journal.original : HashWithoutEncoding(atlas, options.threads);
   return report;
 }
 

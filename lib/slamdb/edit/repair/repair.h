@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "slamdb/base/progress.h"
+#include "slamdb/base/report_files.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/repair/journal.h"
+#include "slamdb/export.h"
 
 namespace slamdb {
 
 struct RepairOptions {
-  std::vector<std::string> rules;      // ids of the rules whose fixes are applied; empty: of every rule
-  std::uint64_t vocabulary_words = 0;  // as in CheckOptions
-  int threads = 0;                     // 0: every core
-  bool journal = true;                 // false saves the copy that it takes
+  std::vector<std::string> rules;                 // ids of the rules whose fixes are applied; empty: of every rule
+  std::optional<std::uint64_t> vocabulary_words;  // as in CheckOptions
+  bool journal = true;                            // false saves the copy that it takes
+  int threads = 0;                                // 0: every core
+  Progress progress;                              // may be empty
 };
 
 // One fix, applied.
@@ -39,15 +44,21 @@ struct Unrepaired {
 struct RepairReport {
   std::vector<AppliedFix> applied;  // in the order in which they were
   std::vector<Unrepaired> left;     // in catalogue order, notes included
-  Journal journal;
+  Journal journal;                  // empty when none was asked for
 
-  bool sound() const;  // no error is left
+  SLAMDB_EXPORT bool sound() const;  // no error is left
 };
 
-// Applies the fixes of the rules to `atlas`, in catalogue order, again until none of them changes anything. What is
-// sound stays as it is, and so does what has no safe fix. TakeBack(report.journal) undoes it bit by bit. Linear for
-// each fix that is needed; holds a second copy of the atlas meanwhile when it keeps a journal. The outcome does not
-// depend on the number of threads. Throws Error when the options name an unknown rule, or one without a fix.
-RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options = {});
+// Applies the fixes of the rules to `atlas`, in catalogue order, again until none of them changes anything.
+// What is sound stays as it is, and so does what has no safe fix.
+// UndoRepair(atlas, report.journal) undoes it bit by bit; WriteJournal keeps the journal for later.
+//
+// Throws Error (kUsage), before anything changes, when the options name an unknown rule, or one without a fix.
+// Cost: linear for each fix that is needed; holds a second copy of the atlas meanwhile when it keeps a journal. The
+// outcome is the same for any number of threads.
+SLAMDB_EXPORT RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options = {});
+
+// As schema/repair.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const RepairReport& report, const ReportFiles& files = {});
 
 }  // namespace slamdb

@@ -24,9 +24,10 @@ void RefuseMixing(const Atlas& atlas, const Vocabulary& identity) {
   for (const Map& map : atlas.maps)
     for (const KeyFrame& keyframe : map.keyframes)
       if (!IsMissing(keyframe.features))
-        throw Error("the words of " + ToString(keyframe.id) + " were made with another vocabulary, '" +
-                    atlas.vocabulary.name + "' (" + atlas.vocabulary.checksum + "), not with '" + identity.name +
-                    "' (" + identity.checksum + "); recompute all keyframes, or give that vocabulary");
+        throw Error(ErrorKind::kNotPossible,
+                    "the words of " + ToString(keyframe.id) + " were made with another vocabulary, '" +
+                        atlas.vocabulary.name + "' (" + atlas.vocabulary.checksum + "), not with '" + identity.name +
+                        "' (" + identity.checksum + "); recompute all keyframes, or give that vocabulary");
 }
 
 std::vector<KeyFrame*> Wanted(Atlas& atlas, bool only_missing, RecomputeWordsReport& report) {
@@ -49,7 +50,7 @@ std::vector<KeyFrame*> Wanted(Atlas& atlas, bool only_missing, RecomputeWordsRep
 RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, const Vocabulary& identity,
                                     const RecomputeWordsOptions& options) {
   if (options.only_missing) RefuseMixing(atlas, identity);
-  RecomputeWordsReport report;
+  RecomputeWordsReport report{.before = atlas.vocabulary, .after = identity};
   const std::vector<KeyFrame*> wanted = Wanted(atlas, options.only_missing, report);
   std::atomic<std::uint64_t> equal{0}, words{0}, done{0};
   const std::thread::id caller = std::this_thread::get_id();

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "slamdb/base/progress.h"
+#include "slamdb/base/report_files.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/vocabulary_tree.h"
 
@@ -21,13 +24,18 @@ struct RecomputeWordsReport {
   std::uint64_t missing = 0;     // recomputed ones that lacked a bag of words or a feature vector
   std::uint64_t equal = 0;       // recomputed ones that had both, and got the same to the last bit
   std::uint64_t words = 0;       // entries of the recomputed bags
+  Vocabulary before, after;      // that the atlas named, and names now
 };
 
 // Computes the bag of words and the feature vector of every keyframe anew from its descriptors, as ORB-SLAM3 does for a
-// new keyframe (KeyFrame::ComputeBoW), and makes the atlas name `identity` as its vocabulary. In place, linear; the
-// result does not depend on the number of threads. Throws Error, before it changes anything, when only the missing are
-// asked for and others stay that were made with another vocabulary.
-RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, const Vocabulary& identity,
-                                    const RecomputeWordsOptions& options);
+// new keyframe (KeyFrame::ComputeBoW), and makes the atlas name `identity` as its vocabulary.
+//
+// Throws Error (kNotPossible), before it changes anything, when only the missing are asked for and others stay that
+// were made with another vocabulary. Cost: linear, in place; the result is the same for any number of threads.
+SLAMDB_EXPORT RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, const Vocabulary& identity,
+                                                  const RecomputeWordsOptions& options = {});
+
+// As schema/vocabulary-recompute.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const RecomputeWordsReport& report, const ReportFiles& files = {});
 
 }  // namespace slamdb

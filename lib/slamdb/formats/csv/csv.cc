@@ -6,8 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/points.h"
 #include "slamdb/formats/export/detail/pose.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -15,6 +16,9 @@
 
 namespace slamdb {
 namespace {
+
+using detail::AppendNumber;
+using detail::AppendSeconds;
 
 constexpr std::string_view kPointsHeader =
     "x,y,z,nx,ny,nz,observations,reprojection_error,map,id,reference_keyframe,min_distance,max_distance\n";
@@ -120,7 +124,8 @@ void WriteKeyFrames(const Atlas& atlas, const Target& target, const WriteOptions
     for (const KeyFrame& keyframe : map->keyframes)
       if (!keyframe.bad) rows.emplace_back(map->id, &keyframe);
   }
-  if (rows.size() < all) notices.Note("left out because flagged bad: " + Counted(all - rows.size(), "keyframe"));
+  if (rows.size() < all)
+    notices.Note("left out because flagged bad: " + detail::Counted(all - rows.size(), "keyframe"));
   WriteRows(file, rows.size(), 256, options, [&rows](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) AppendKeyFrame(out, rows[row].first, *rows[row].second);
   });

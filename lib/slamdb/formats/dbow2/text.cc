@@ -2,12 +2,15 @@
 // `k L scoring weighting`, then a line for each node but the root: `parent is-word descriptor-bytes weight`.
 // First the lines of each block of the file are counted, which says where in the columns its nodes go; then the blocks
 // are parsed side by side.
+#include "slamdb/base/detail/text.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstring>
 #include <vector>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/dbow2/detail/encoding.h"
@@ -115,13 +118,12 @@ void Lines::ParseBlock(std::size_t i, NodeTable& table) {
   Block& block = blocks_[i];
   std::string_view lines = LinesOf(i);
   for (std::size_t node = block.first_node; !lines.empty(); ++node) {
-    const std::size_t end = lines.find('\n');
-    block.problem = ParseLine(lines.data(), lines.data() + end, table, node);
+    const std::string_view line = detail::TakeLine(lines);
+    block.problem = ParseLine(line.data(), line.data() + line.size(), table, node);
     if (block.problem != nullptr) {
       block.bad_node = node;
       return;
     }
-    lines.remove_prefix(end + 1);
   }
 }
 
@@ -138,19 +140,20 @@ void Lines::Parse(NodeTable& table, int threads) {
 }  // namespace
 
 std::optional<Header> ParseTextHeader(std::string_view file) {
-  const std::size_t line_end = file.substr(0, 256).find('\n');
-  if (line_end == file.npos) return std::nullopt;
+  constexpr std::size_t kLongestLine = 256;
+  if (detail::IsUtf16(file)) return std::nullopt;
+  std::string_view lines = detail::WithoutMark(file).substr(0, kLongestLine);
+  std::string_view line = detail::TakeLine(lines);
+  const auto bytes = static_cast<std::size_t>(lines.data() - file.data());
+  if (bytes == 0 || file[bytes - 1] != '\n') return std::nullopt;
   std::array<int, 4> numbers{};  // k, L, scoring, weighting
-  const char* next = file.data();
-  const char* const end = file.data() + line_end;
   for (int& number : numbers) {
-    while (next != end && *next == ' ') ++next;
-    const auto [parsed, error] = std::from_chars(next, end, number);
-    if (error != std::errc()) return std::nullopt;
-    next = parsed;
+    const auto word = detail::ParseNumber<int>(detail::TakeWord(line, detail::kBlanks));
+    if (!word) return std::nullopt;
+    number = *word;
   }
   const auto [branching, depth, scoring, weighting] = numbers;
-  return Header{branching, depth, scoring, weighting, line_end + 1};
+  return Header{branching, depth, scoring, weighting, bytes};
 }
 
 VocabularyTree ParseText(const std::string& path, std::string_view file, const Header& header, int threads) {
@@ -162,10 +165,9 @@ VocabularyTree ParseText(const std::string& path, std::string_view file, const H
   const std::size_t nodes = lines.Count(threads) + !last.empty();
   if (nodes > body.size() / kShortestLine + 1)
     throw Error(ErrorKind::kDamaged, path, "",
-                "has " + std::to_string(nodes) + " lines in " + std::to_string(file.size()) +
-                    " bytes, too short for a node each");
+                detail::Concat("has ", nodes, " lines in ", file.size(), " bytes, too short for a node each"));
   NodeTable table(header, nodes, path);
-  table.place = [](std::uint32_t node) { return "line " + std::to_string(node + 1); };
+  table.place = [](std::uint32_t node) { return detail::Concat("line ", node + 1); };
   lines.Parse(table, threads);
   const char* problem = ParseLine(last.data(), last.data() + last.size(), table, nodes);
   if (problem != nullptr)

@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/file_stream.h"
 #include "slamdb/base/detail/hash.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/dbow2/detail/encoding.h"
 
@@ -53,6 +54,7 @@ std::string DescribeOther(std::string_view file) {
       {"\x81\x3f\x86\xb1\x14\0\0\0"sv, "is a DBoW3 vocabulary, which ORB-SLAM3 does not read"},
   };
   if (file.empty()) return "is empty";
+  if (detail::IsUtf16(file)) return "is text in UTF-16, which ORB-SLAM3 does not read; save it as UTF-8";
   for (const Signature& signature : kSignatures)
     if (file.starts_with(signature.start)) return std::string(signature.meaning);
   return "is no DBoW2 vocabulary: neither text (a first line `k L scoring weighting`) nor its binary form";

@@ -3,7 +3,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/options.h"
 
 namespace slamdb {
@@ -29,9 +29,9 @@ void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string&
   for (const Map* map : maps) filled += map->keyframes.empty() && map->points.empty() ? 0 : 1;
   if (filled < 2) return;
   notices.Warn(
-      Concat(Thousands(filled),
-             " maps are in one file, each in a frame of reference of its own and not aligned with the others: ",
-             how_told_apart, ", and ExportOptions::map writes one alone"));
+      detail::Concat(detail::Thousands(filled),
+                     " maps are in one file, each in a frame of reference of its own and not aligned with the others: ",
+                     how_told_apart, ", and ExportOptions::map writes one alone"));
 }
 
 }  // namespace slamdb

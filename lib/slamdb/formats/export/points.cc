@@ -3,8 +3,9 @@
 
 #include <limits>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/raw.h"
 
 namespace slamdb {
 namespace {
@@ -23,7 +24,8 @@ PointRows::PointRows(const Atlas& atlas, const Target& target, const WriteOption
     for (const MapPoint& point : maps_[row]->points)
       if (!point.bad) rows_.push_back({&point, row});
   }
-  if (rows_.size() < all) notices.Note("left out because flagged bad: " + Counted(all - rows_.size(), "map point"));
+  if (rows_.size() < all)
+    notices.Note("left out because flagged bad: " + detail::Counted(all - rows_.size(), "map point"));
 }
 
 std::array<std::uint8_t, 3> ColorOfMap(MapId id) {

@@ -10,7 +10,7 @@
 #include "slamdb/base/detail/file_stream.h"
 #include "slamdb/base/detail/pipeline.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
@@ -163,7 +163,7 @@ bool HasLatchAlone(const Landmark& landmark) {
 }
 
 void NameLoss(std::uint64_t count, const std::string& format, const std::string& what, Notices& notices) {
-  if (count > 0) notices.Lose(format + " cannot hold " + what + " of landmarks (" + Thousands(count) + ")");
+  if (count > 0) notices.Lose(format + " cannot hold " + what + " of landmarks (" + detail::Thousands(count) + ")");
 }
 
 void Write2(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {

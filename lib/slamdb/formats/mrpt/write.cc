@@ -3,7 +3,7 @@
 #include <array>
 #include <charconv>
 
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/mrpt/detail/landmarks.h"
 #include "slamdb/formats/mrpt/detail/stream.h"
 

@@ -3,10 +3,12 @@
 
 #include <cmath>
 
-#include "slamdb/formats/export/detail/number.h"
+#include "slamdb/base/detail/text.h"
 
 namespace slamdb {
 namespace {
+
+using detail::AppendNumber;
 
 constexpr std::string_view kHexDigits = "0123456789abcdef";
 

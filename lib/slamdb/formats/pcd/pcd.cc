@@ -4,14 +4,17 @@
 #include <array>
 #include <bit>
 
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/points.h"
+#include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/export/options.h"
 
 namespace slamdb {
 namespace {
+
+using detail::AppendNumber;
 
 constexpr std::size_t kRowsPerBlock = 8192;
 

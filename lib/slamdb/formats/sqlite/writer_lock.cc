@@ -10,6 +10,7 @@
 #include <ctime>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/version.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -69,7 +70,7 @@ Error LockedError(Database& database, double lock_timeout) {
       detail::Concat("locked by ", Holder(database), " (waited ", lock_timeout, " s): try again when it is done"));
 }
 
-std::string ToolName() { return "slamdb " SLAMDB_VERSION; }
+std::string ToolName() { return detail::Concat("slamdb ", Version()); }
 
 std::string TimeOfDay() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());

@@ -3,8 +3,9 @@
 #include <array>
 #include <cmath>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/lines.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
@@ -13,7 +14,8 @@
 namespace slamdb {
 namespace {
 
-constexpr std::string_view kSeparators = ", \t";
+using detail::AppendNumber;
+
 constexpr std::string_view kPoseHeader =
     "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []";
 constexpr std::string_view kInertialHeader =
@@ -60,7 +62,7 @@ void DropUnreachableTimes(std::vector<MapTrajectory>& trajectories, Notices& not
   if (dropped > 0)
     notices.Lose(
         "left out because their time does not fit into 64 bits of nanoseconds (was it recorded in seconds?): " +
-        Counted(dropped, "keyframe"));
+        detail::Counted(dropped, "keyframe"));
 }
 
 bool IsInertial(const std::vector<MapTrajectory>& trajectories) {
@@ -90,25 +92,34 @@ void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& op
   file.Commit();
 }
 
-std::optional<ReadPose> PoseOf(const PoseLine& line) {
-  const auto nanoseconds = ParseInteger(line.time);
-  const auto v = line.values;
-  if (!nanoseconds || v.size() < 7) return std::nullopt;
+const detail::TableKind& Kind() {
+  static const detail::TableKind kind = {
+      .columns = {{{"timestamp"}},
+                  {{"p_rs_r_x"}},
+                  {{"p_rs_r_y"}},
+                  {{"p_rs_r_z"}},
+                  {{"q_rs_w"}},
+                  {{"q_rs_x"}},
+                  {{"q_rs_y"}},
+                  {{"q_rs_z"}}},
+      .expected = "at least 8 cells: timestamp [ns], position x y z, quaternion w x y z",
+      .more_cells = true};
+  return kind;
+}
+
+ReadPose PoseOf(const detail::Table& table) {
+  const auto nanoseconds = table.Get<std::int64_t>(0, "whole nanoseconds");
+  const auto v = NumbersBehindTime(table);
   const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
-  return ReadPose{Seconds(*nanoseconds),
-                  {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
+  return {Seconds(nanoseconds), {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
 }
 
 Atlas ReadEuroc(const Source& source, const ReadOptions& options, Notices&) {
-  return ReadPoseLines(source, options, kSeparators,
-                       "at least 8 cells: timestamp [ns], position x y z, quaternion w x y z", PoseOf);
+  return ReadPoses(source, options, Kind(), PoseOf);
 }
 
-// The header line, and no IMU or image csv of the same data set, whose lines begin alike.
-bool SniffEuroc(const Probe& probe) {
-  return probe.head.starts_with("#timestamp") && NumbersInFirstLine(probe, kSeparators) != 7 &&
-         probe.head.find("p_RS_R_x") < probe.head.find('\n');
-}
+// The names of the columns, which are not those of the IMU and image csv of the same data set.
+bool SniffEuroc(const Probe& probe) { return detail::GlanceAtTable(probe.head, Kind()).named; }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".euroc.csv"};
 

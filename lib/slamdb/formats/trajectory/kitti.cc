@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/lines.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
@@ -12,6 +12,9 @@
 
 namespace slamdb {
 namespace {
+
+using detail::AppendNumber;
+using detail::AppendSeconds;
 
 void AppendLine(std::string& out, const Rigid3f& pose) {
   const Eigen::Matrix3f rotation = pose.rotation.toRotationMatrix();
@@ -66,7 +69,10 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
   file.Commit();
 }
 
-bool SniffKitti(const Probe& probe) { return NumbersInFirstLine(probe, " \t") == 12; }
+bool SniffKitti(const Probe& probe) {
+  const detail::TableGlance glance = detail::GlanceAtTable(probe.head, {.columns = std::vector<detail::Column>(12)});
+  return glance.numbers == 12 && glance.separator == ' ';
+}
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};
 

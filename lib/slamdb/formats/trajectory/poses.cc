@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/pose.h"
 #include "slamdb/formats/export/options.h"
 
@@ -18,11 +18,12 @@ struct Census {
   std::size_t bad = 0, not_finite = 0, without_body = 0;
 
   void Tell(PoseFrame frame, Notices& notices) const {
-    if (bad > 0) notices.Note("left out because flagged bad: " + Counted(bad, "keyframe"));
-    if (not_finite > 0) notices.Lose("left out because pose or time is not finite: " + Counted(not_finite, "keyframe"));
+    if (bad > 0) notices.Note("left out because flagged bad: " + detail::Counted(bad, "keyframe"));
+    if (not_finite > 0)
+      notices.Lose("left out because pose or time is not finite: " + detail::Counted(not_finite, "keyframe"));
     if (frame == PoseFrame::kBody && without_body > 0)
       notices.Warn("the camera frame stands in for the body frame, for want of IMU calibration: " +
-                   Counted(without_body, "keyframe"));
+                   detail::Counted(without_body, "keyframe"));
   }
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/number.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/lines.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
@@ -11,7 +11,15 @@
 namespace slamdb {
 namespace {
 
-constexpr std::string_view kSeparators = " \t";
+using detail::AppendNumber;
+using detail::AppendSeconds;
+
+const detail::TableKind& Kind() {
+  static const detail::TableKind kind = {
+      .columns = {{{"timestamp", "time", "t"}}, {{"tx"}}, {{"ty"}}, {{"tz"}}, {{"qx"}}, {{"qy"}}, {{"qz"}}, {{"qw"}}},
+      .expected = "8 numbers: timestamp tx ty tz qx qy qz qw"};
+  return kind;
+}
 
 void AppendLine(std::string& out, const TimedPose& pose) {
   AppendSeconds(out, pose.timestamp);
@@ -40,19 +48,22 @@ void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& opti
   file.Commit();
 }
 
-std::optional<ReadPose> PoseOf(const PoseLine& line) {
-  const auto timestamp = ParseNumber(line.time);
-  const auto v = line.values;
-  if (!timestamp || v.size() != 7) return std::nullopt;
+ReadPose PoseOf(const detail::Table& table) {
+  const double timestamp = table.Get<double>(0);
+  const auto v = NumbersBehindTime(table);
   const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
-  return ReadPose{*timestamp, {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
+  return {timestamp, {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
 }
 
 Atlas ReadTum(const Source& source, const ReadOptions& options, Notices&) {
-  return ReadPoseLines(source, options, kSeparators, "8 numbers: timestamp tx ty tz qx qy qz qw", PoseOf);
+  return ReadPoses(source, options, Kind(), PoseOf);
 }
 
-bool SniffTum(const Probe& probe) { return NumbersInFirstLine(probe, kSeparators) == 8; }
+// Without names only 8 numbers between blanks: between commas they may also be EuRoC's, in another order.
+bool SniffTum(const Probe& probe) {
+  const detail::TableGlance glance = detail::GlanceAtTable(probe.head, Kind());
+  return glance.named || (glance.numbers == 8 && glance.separator == ' ');
+}
 
 constexpr std::array<std::string_view, 2> kSuffixes = {".tum", ".txt"};
 

@@ -8,16 +8,12 @@
 #include <type_traits>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/edit/ids/id_kind.h"
 #include "slamdb/model/atlas.h"
 
 // Every place in an atlas where an id stands, in one list, so that whatever moves or reads ids forgets none. Ids stand
 // in fields of several types: strong ids, int64 with -1 for none, and 32 bits for origin maps.
 namespace slamdb {
-
-// What an id is of. Frames are the images that keyframes are made of; they are not in the atlas themselves.
-enum class IdKind : std::uint8_t { kMap, kKeyFrame, kPoint, kFrame, kCamera };
-inline constexpr std::size_t kIdKinds = 5;
-inline constexpr std::uint64_t kNoId = MapId::kNone;
 
 template <IdKind kind>
 using IdKindConstant = std::integral_constant<IdKind, kind>;
@@ -51,6 +47,7 @@ void VisitIds(AMapPoint& point, const Visit& visit) {
   visit(IdKindConstant<IdKind::kPoint>(), point.id);
   visit(kKeyFrame, point.first_keyframe);
   visit(IdKindConstant<IdKind::kFrame>(), point.first_frame);
+  if (point.origin_map != MapPoint::kNoOrigin) visit(IdKindConstant<IdKind::kMap>(), point.origin_map);
   for (auto& observation : point.observations) visit(kKeyFrame, observation.keyframe);
   visit(kKeyFrame, point.reference);
   visit(IdKindConstant<IdKind::kPoint>(), point.replaced_by);

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "slamdb/edit/merge/merge.h"
+
+namespace slamdb::cli {
+
+// What `merge` did, for people.
+std::string MergeText(const MergeReport& report);
+
+}  // namespace slamdb::cli

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/detail/table.h"
+
+#include <algorithm>
+
+#include "slamdb/base/detail/concat.h"
+
+namespace slamdb::detail {
+namespace {
+
+// A carriage return in front of a line feed is as good as a blank.
+std::string_view BlanksOf(char separator) { return separator == '\t' ? " \r" : " \t\r"; }
+std::string_view EndsOf(char separator) {
+  switch (separator) {
+    case ' ':
+      return " \t\r\n";
+    case '\t':
+      return "\t\n";
+    case ';':
+      return ";\n";
+    default:
+      return ",\n";
+  }
+}
+
+void SkipBlanks(std::string_view& text, char separator) {
+  text.remove_prefix(std::min(text.find_first_not_of(BlanksOf(separator)), text.size()));
+}
+
+bool AtLineEnd(std::string_view text) { return text.empty() || text.front() == '\n'; }
+
+// Where the quote that begins the text is closed; npos when it is not.
+std::size_t ClosingQuote(std::string_view text) {
+  std::size_t end = text.find('"', 1);
+  while (end != std::string_view::npos && end + 1 < text.size() && text[end + 1] == '"') end = text.find('"', end + 2);
+  return end;
+}
+
+// Takes a quoted cell and the blanks behind it off the text. What begins with a quote but has more than a separator
+// behind the closing one is not quoted: `5" pipe`.
+std::optional<Cell> TakeQuoted(std::string_view& text, char separator) {
+  if (!text.starts_with('"')) return std::nullopt;
+  const std::size_t close = ClosingQuote(text);
+  if (close == std::string_view::npos) return std::nullopt;
+  std::string_view behind = text.substr(close + 1);
+  const std::size_t length = behind.size();
+  SkipBlanks(behind, separator);
+  const bool ends = separator == ' ' ? behind.size() < length : behind.starts_with(separator);
+  if (!ends && !AtLineEnd(behind)) return std::nullopt;
+  const Cell cell{text.substr(1, close - 1), true};
+  text = behind;
+  return cell;
+}
+
+Cell TakeCell(std::string_view& text, char separator) {
+  if (const auto quoted = TakeQuoted(text, separator)) return *quoted;
+  std::string_view cell = text.substr(0, text.find_first_of(EndsOf(separator)));
+  text.remove_prefix(cell.size());
+  cell = cell.substr(0, cell.find_last_not_of(BlanksOf(separator)) + 1);
+  return {cell};
+}
+
+// Takes a row with its line end off the text and returns it without.
+std::string_view TakeRow(std::string_view& text, char separator, std::vector<Cell>& cells) {
+  const std::string_view all = text;
+  cells.clear();
+  SkipBlanks(text, separator);
+  while (separator != ' ' || !AtLineEnd(text)) {
+    cells.push_back(TakeCell(text, separator));
+    if (AtLineEnd(text)) break;
+    if (separator != ' ') text.remove_prefix(1);
+    SkipBlanks(text, separator);
+  }
+  std::string_view row = all.substr(0, all.size() - text.size());
+  if (row.ends_with('\r')) row.remove_suffix(1);
+  if (!text.empty()) text.remove_prefix(1);
+  return row;
+}
+
+std::vector<Cell> CellsOf(std::string_view line, char separator) {
+  std::vector<Cell> cells;
+  TakeRow(line, separator, cells);
+  return cells;
+}
+
+// Goes to the first line that is neither blank nor a comment, and returns it; empty when there is none.
+std::string_view SkipToRow(std::string_view& text, std::size_t& line_number, std::vector<std::string_view>& comments) {
+  for (std::string_view behind = text; !text.empty(); text = behind, ++line_number) {
+    const std::string_view line = TakeLine(behind);
+    if (IsComment(line))
+      comments.push_back(line);
+    else if (!Trimmed(line).empty())
+      return line;
+  }
+  return {};
+}
+
+bool AreNumbers(std::span<const Cell> cells) {
+  return std::ranges::all_of(cells, [](const Cell& cell) { return ParseNumber<double>(cell.text).has_value(); });
+}
+
+bool HasUnquoted(std::string_view line, char separator) {
+  bool quoted = false;
+  for (const char letter : line) {
+    if (letter == '"') quoted = !quoted;
+    if (letter == separator && !quoted) return true;
+  }
+  return false;
+}
+
+// Tabs may separate cells, or be mere blanks: the latter where numbers stand between more of one than of the other.
+char SeparatorOf(std::string_view line) {
+  for (const char separator : {';', ','})
+    if (HasUnquoted(line, separator)) return separator;
+  if (!HasUnquoted(line, '\t')) return ' ';
+  const std::vector<Cell> words = CellsOf(line, ' ');
+  return AreNumbers(words) && words.size() != CellsOf(line, '\t').size() ? ' ' : '\t';
+}
+
+std::string Lower(std::string_view text) {
+  std::string lower(text);
+  for (char& letter : lower)
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  return lower;
+}
+
+bool IsUnit(std::string_view word) {
+  static constexpr std::string_view kUnits[] = {
+      "s",           "sec",   "secs",         "second", "seconds", "ms",  "msec",  "milliseconds",
+      "us",          "usec",  "microseconds", "ns",     "nsec",    "m",   "metre", "metres",
+      "nanoseconds", "meter", "meters",       "cm",     "mm",      "km",  "ft",    "foot",
+      "feet",        "deg",   "degs",         "degree", "degrees", "rad", "rads",  "radians"};
+  return std::ranges::find(kUnits, word) != std::end(kUnits);
+}
+
+std::vector<ColumnName> NamesIn(std::string_view line, char separator) {
+  const std::vector<Cell> cells = CellsOf(line, separator);
+  std::vector<ColumnName> names;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    std::string_view text = cells[i].text;
+    // Between blanks a unit in brackets looks like a column of its own.
+    while (separator == ' ' && i + 1 < cells.size() &&
+           (cells[i + 1].text.starts_with('[') || cells[i + 1].text.starts_with('('))) {
+      ++i;
+      text = {text.data(), static_cast<std::size_t>(cells[i].text.data() + cells[i].text.size() - text.data())};
+    }
+    names.emplace_back(text);
+  }
+  return names;
+}
+
+// Which names stand for a column: exactly, without their units, or by their beginnings, the best of these.
+std::vector<std::size_t> Matches(const std::vector<ColumnName>& names, const Column& column, bool beginnings) {
+  const auto begins = [](const ColumnName& name, std::string_view wanted) {
+    if (!name.text.starts_with(wanted) || name.text.size() == wanted.size()) return false;
+    return std::string_view(" ([_").find(name.text[wanted.size()]) != std::string_view::npos;
+  };
+  for (int rank = 0; rank < (beginnings ? 3 : 2); ++rank)
+    for (const std::string_view wanted : column.names) {
+      std::vector<std::size_t> matches;
+      for (std::size_t i = 0; i < names.size(); ++i)
+        if (rank == 0 ? names[i].text == wanted : rank == 1 ? names[i].name == wanted : begins(names[i], wanted))
+          matches.push_back(i);
+      if (!matches.empty()) return matches;
+    }
+  return {};
+}
+
+using Places = std::vector<std::optional<std::size_t>>;
+
+// Leaves out the columns of groups that are not whole; false when no group is.
+bool KeepWholeGroups(const std::vector<Column>& columns, Places& places) {
+  bool groups = false, whole_group = false;
+  for (const Column& column : columns) {
+    if (column.group == Column::kOptional) continue;
+    groups = true;
+    bool whole = true;
+    for (std::size_t i = 0; i < columns.size(); ++i) whole &= columns[i].group != column.group || places[i];
+    for (std::size_t i = 0; i < columns.size() && !whole; ++i)
+      if (columns[i].group == column.group) places[i].reset();
+    whole_group |= whole;
+  }
+  return whole_group || !groups;
+}
+
+std::size_t CellsNeeded(const std::vector<Column>& columns, const Places& places) {
+  std::size_t needed = 0;
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (columns[i].group != Column::kOptional && places[i]) needed = std::max(needed, *places[i] + 1);
+  return needed;
+}
+
+// Finds the columns by the names in a line. False when the line does not name them; two columns of one name are a
+// problem of the layout.
+bool TakeNames(std::string_view line, const TableKind& kind, TableLayout& layout) {
+  const char separator = SeparatorOf(line);
+  std::vector<ColumnName> names = NamesIn(line, separator);
+  Places places(kind.columns.size());
+  std::string problem;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::vector<std::size_t> matches = Matches(names, kind.columns[i], kind.name_beginnings);
+    if (matches.size() > 1)
+      problem =
+          Concat("columns ", matches[0] + 1, " and ", matches[1] + 1, " are both named ", kind.columns[i].names[0]);
+    if (!matches.empty()) places[i] = matches[0];
+  }
+  if (!KeepWholeGroups(kind.columns, places)) return false;
+  layout.needed = CellsNeeded(kind.columns, places);
+  layout.names = std::move(names);
+  layout.places = std::move(places);
+  layout.separator = separator;
+  layout.problem = std::move(problem);
+  return true;
+}
+
+// The separator of rows, the first of which begins `text`, under names with a separator.
+char SeparatorOfRows(std::string_view text, char of_names) {
+  return of_names != ' ' && CellsOf(text, of_names).size() > 1 ? of_names : SeparatorOf(TakeLine(text));
+}
+
+// Finds the columns in the comments above a first row of so many cells.
+bool FindNamesInComments(std::size_t cells, const TableKind& kind, TableLayout& layout) {
+  if (kind.columns.empty()) return false;
+  for (std::string_view comment : layout.comments) {
+    TableLayout named;
+    comment.remove_prefix(std::min(comment.find_first_not_of("#% \t"), comment.size()));
+    // In prose the words that are names do not stand where the cells are.
+    if (!TakeNames(comment, kind, named) || !named.problem.empty() || (cells > 0 && named.needed > cells)) continue;
+    layout.names = std::move(named.names);
+    layout.places = std::move(named.places);
+    layout.needed = named.needed;
+    layout.separator = SeparatorOfRows(layout.rows, named.separator);
+    return true;
+  }
+  return false;
+}
+
+// Gives the columns of the first group that a row of so many cells has their places.
+bool TakePositions(std::span<const Cell> row, const TableKind& kind, TableLayout& layout) {
+  if (!kind.by_position || row.empty() || !ParseNumber<double>(row[0].text)) return false;
+  const auto filled = [&] { return row.back().text.empty() ? row.size() - 1 : row.size(); }();
+  for (const Column& column : kind.columns) {
+    std::size_t size = 0;
+    for (const Column& other : kind.columns) size += other.group == column.group;
+    if (column.group == Column::kOptional || !(filled == size || (kind.more_cells && filled > size))) continue;
+    for (std::size_t i = 0, place = 0; i < kind.columns.size(); ++i)
+      if (kind.columns[i].group == column.group) layout.places[i] = place++;
+    layout.needed = size;
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+ColumnName::ColumnName(std::string_view shown) : text(Lower(shown)), name(text) {
+  const std::size_t bracket = text.find_last_of("[(");
+  if (bracket != text.npos && bracket > 0 && (text.back() == ']' || text.back() == ')')) {
+    unit = Trimmed(std::string_view(text).substr(bracket + 1, text.size() - bracket - 2));
+    name = Trimmed(std::string_view(text).substr(0, bracket));
+    if (name.ends_with('_')) name.pop_back();
+    return;
+  }
+  const std::size_t end = text.find_last_of("_ ");
+  if (end == text.npos || end == 0 || !IsUnit(std::string_view(text).substr(end + 1))) return;
+  unit = text.substr(end + 1);
+  name = Trimmed(std::string_view(text).substr(0, end));
+}
+
+TableLayout FindLayout(std::string_view text, const TableKind& kind) {
+  TableLayout layout{.places = Places(kind.columns.size())};
+  layout.first = SkipToRow(text, layout.line, layout.comments);
+  layout.rows = text;
+  if (layout.first.empty()) {
+    FindNamesInComments(0, kind, layout);
+    return layout;
+  }
+  if (TakeNames(layout.first, kind, layout)) {
+    TakeLine(layout.rows);
+    ++layout.line;
+    std::vector<std::string_view> comments;
+    std::size_t line = layout.line;
+    text = layout.rows;
+    SkipToRow(text, line, comments);
+    layout.separator = SeparatorOfRows(text, layout.separator);
+    return layout;
+  }
+  const std::vector<Cell> row = CellsOf(layout.first, layout.separator = SeparatorOf(layout.first));
+  if (!FindNamesInComments(row.size(), kind, layout) && !TakePositions(row, kind, layout))
+    layout.problem = "expected " + kind.expected + ", found " + Excerpt(layout.first);
+  return layout;
+}
+
+TableGlance GlanceAtTable(std::string_view head, const TableKind& kind) {
+  if (IsUtf16(head)) return {};
+  const TableLayout layout = FindLayout(WithoutMark(head), kind);
+  if (!layout.names.empty()) return {.named = true, .separator = layout.separator};
+  const std::vector<Cell> row = CellsOf(layout.first, layout.separator);
+  return {.numbers = AreNumbers(row) ? row.size() : 0, .separator = layout.separator};
+}
+
+Table::Table(std::string_view text, TableKind kind)
+    : kind_(std::move(kind)), layout_(FindLayout(WithoutMark(text), kind_)) {
+  rest_ = layout_.rows;
+  next_line_ = layout_.line;
+  comments_ = layout_.comments;
+  const std::size_t line_of_names = next_line_ - !layout_.names.empty();
+  if (!layout_.problem.empty()) throw Error(ErrorKind::kDamaged, "", Concat("line ", line_of_names), layout_.problem);
+}
+
+const ColumnName* Table::NameOf(std::size_t column) const {
+  return Has(column) && !layout_.names.empty() ? &layout_.names[*layout_.places[column]] : nullptr;
+}
+
+bool Table::Next() {
+  if (line_ > 0) comments_.clear();
+  while (!SkipToRow(rest_, next_line_, comments_).empty()) {
+    line_ = next_line_;
+    std::string_view behind = rest_;
+    row_ = TakeRow(behind, layout_.separator, cells_);
+    if (cells_.size() < layout_.needed && (cells_.size() == 1 || layout_.separator == '\t')) {
+      // Blanks may stand for the separator in this row, where that gives all cells.
+      std::string_view again = rest_;
+      std::vector<Cell> words;
+      const std::string_view row = TakeRow(again, ' ', words);
+      if (words.size() >= layout_.needed) {
+        row_ = row;
+        cells_ = std::move(words);
+        behind = again;
+      }
+    }
+    rest_ = behind;
+    next_line_ += 1 + static_cast<std::size_t>(std::ranges::count(row_, '\n'));
+    if (std::ranges::all_of(cells_, [](const Cell& cell) { return cell.text.empty(); })) continue;
+    CheckCells();
+    return true;
+  }
+  return false;
+}
+
+void Table::CheckCells() const {
+  const bool named = !layout_.names.empty();
+  const std::size_t width = named ? layout_.names.size() : layout_.needed;
+  const auto behind = std::span(cells_).subspan(std::min(width, cells_.size()));
+  const bool too_many = std::ranges::any_of(behind, [](const Cell& cell) { return !cell.text.empty(); });
+  if (cells_.size() >= layout_.needed && (!too_many || kind_.more_cells)) return;
+  throw LineError(named ? Concat("expected ", width, " cells, found ", cells_.size())
+                        : Concat("expected ", kind_.expected, ", found ", Excerpt(row_)));
+}
+
+std::string_view Table::Raw(std::size_t column) const {
+  const auto place = layout_.places[column];
+  return place && *place < cells_.size() ? cells_[*place].text : std::string_view();
+}
+
+std::string Table::Text(std::size_t column) const {
+  std::string text(Raw(column));
+  const auto place = layout_.places[column];
+  if (!place || *place >= cells_.size() || !cells_[*place].quoted) return text;
+  for (std::size_t at = text.find("\"\""); at != text.npos; at = text.find("\"\"", at + 1)) text.erase(at, 1);
+  return text;
+}
+
+Error Table::CellError(std::size_t column, std::string_view expected) const {
+  return LineError(
+      Concat("expected ", expected, ", found '", Raw(column), "' in column ", kind_.columns[column].names[0]));
+}
+
+Error Table::LineError(const std::string& problem) const {
+  return Error(ErrorKind::kDamaged, "", Concat("line ", line_), problem);
+}
+
+}  // namespace slamdb::detail

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/frame/transform_atlas.h"
+
+#include <algorithm>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/steps.h"
+#include "slamdb/base/error.h"
+#include "slamdb/model/detail/json.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Concat;
+using detail::Json;
+
+constexpr double kTrajectoryTimeDifference = 0.02, kGpsTimeDifference = 1;  // seconds
+
+MovedMap LaidOnto(const Map& map, const std::vector<TimedPosition>& reference, const FitOptions& fit,
+                  double default_time_difference) {
+  TrajectoryAlignmentOptions options{.max_time_difference = fit.max_time_difference.value_or(default_time_difference),
+                                     .body = fit.body};
+  options.fit.with_scale = fit.with_scale.value_or(HasOpenScale(map));
+  options.fit.outlier_distance = fit.outlier_distance.value_or(options.fit.outlier_distance);
+  const TrajectoryAlignment alignment = AlignToTrajectory(map, reference, options);
+  MovedMap moved{.map = map.id, .target_from_source = alignment.reference_from_map, .alignment = alignment};
+  if (auto poor = PoorFitWarning(alignment.residuals.rmse, alignment.spread))
+    moved.warnings.push_back(*std::move(poor));
+  return moved;
+}
+
+// Finds the transform of one map after the other.
+class Finder {
+ public:
+  explicit Finder(const Destination& motion) : destination_(motion) {
+    if (const auto* everywhere = std::get_if<Similarity3d>(&motion)) RequireTransform(*everywhere);
+    if (const auto* earth = std::get_if<OntoEarth>(&motion)) {
+      if (earth->fixes.empty()) throw Error(ErrorKind::kUsage, "there is no fix to lay the maps onto");
+      frame_.emplace(earth->origin.value_or(earth->fixes.front().place));
+      fixes_ = PositionsIn(*frame_, earth->fixes);
+    }
+  }
+
+  bool needs_keyframes() const { return !std::holds_alternative<Similarity3d>(destination_); }
+  std::optional<Geodetic> origin() const { return frame_ ? std::optional(frame_->origin()) : std::nullopt; }
+
+  MovedMap Find(const Map& map) const {
+    MovedMap moved = std::visit([&](const auto& motion) { return Follow(map, motion); }, destination_);
+    RequireTransform(moved.target_from_source);
+    std::vector<std::string> warnings = TransformWarnings(map, moved.target_from_source);
+    moved.warnings.insert(moved.warnings.begin(), warnings.begin(), warnings.end());
+    return moved;
+  }
+
+ private:
+  static MovedMap Follow(const Map& map, const Similarity3d& everywhere) {
+    return {.map = map.id, .target_from_source = everywhere};
+  }
+  static MovedMap Follow(const Map& map, const TurnUpright& turn) {
+    const Upright upright = FindUp(map, turn.method);
+    return {.map = map.id, .target_from_source = {1, upright.target_from_source}, .upright = upright};
+  }
+  static MovedMap Follow(const Map& map, const OntoTrajectory& onto) {
+    return LaidOnto(map, onto.reference, onto.fit, kTrajectoryTimeDifference);
+  }
+  MovedMap Follow(const Map& map, const OntoEarth& earth) const {
+    return LaidOnto(map, fixes_, earth.fit, kGpsTimeDifference);
+  }
+
+  const Destination& destination_;
+  std::optional<LocalFrame> frame_;
+  std::vector<TimedPosition> fixes_;
+};
+
+std::vector<Map*> MapsToMove(Atlas& atlas, const TransformOptions& options, bool needs_keyframes) {
+  std::vector<Map*> maps;
+  for (Map& map : atlas.maps) {
+    const bool asked = std::ranges::find(options.maps, map.id) != options.maps.end();
+    if (options.maps.empty() ? !needs_keyframes || !map.keyframes.empty() : asked) maps.push_back(&map);
+  }
+  for (const MapId id : options.maps)
+    if (std::ranges::find(atlas.maps, id, &Map::id) == atlas.maps.end())
+      throw Error(ErrorKind::kNotPossible, Concat("has no ", id));
+  if (maps.empty()) throw Error(ErrorKind::kNotPossible, "has no map to move");
+  return maps;
+}
+
+// ---- JSON
+
+Json JsonOf(const TrajectoryAlignment& alignment) {
+  const ResidualStatistics& residuals = alignment.residuals;
+  return {{"keyframes", alignment.keyframes},
+          {"pairs", alignment.pairs},
+          {"inliers", alignment.inliers},
+          {"residuals",
+           {{"rmse", residuals.rmse}, {"mean", residuals.mean}, {"median", residuals.median}, {"max", residuals.max}}},
+          {"largest_residual", alignment.largest_residual}};
+}
+
+Json JsonOf(const Upright& upright) {
+  Json json = {{"method", NameOf(upright.method)}, {"up", detail::JsonOf(upright.up)}};
+  if (upright.method == UpMethod::kInertia) json["gravity"] = upright.gravity;
+  if (upright.method == UpMethod::kCameras) json["roll_degrees_rms"] = upright.spread;
+  if (upright.method == UpMethod::kPath) json["distance_to_plane_rms"] = upright.spread;
+  return json;
+}
+
+Json JsonOf(const MovedMap& moved) {
+  Json json = {{"id", detail::JsonId(moved.map)}, {"target_from_source", detail::JsonOf(moved.target_from_source)}};
+  if (moved.alignment) json["alignment"] = JsonOf(*moved.alignment);
+  if (moved.upright) json["upright"] = JsonOf(*moved.upright);
+  json["warnings"] = moved.warnings;
+  return json;
+}
+
+}  // namespace
+
+TransformReport TransformAtlas(Atlas& atlas, const TransformOptions& options) {
+  const Finder finder(options.to);
+  const std::vector<Map*> maps = MapsToMove(atlas, options, finder.needs_keyframes());
+  TransformReport report{.origin = finder.origin()};
+  for (const Map* map : maps) report.maps.push_back(finder.Find(*map));
+  detail::Steps steps(options.progress, "moving maps", maps.size());
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    TransformMap(*maps[i], report.maps[i].target_from_source, options.threads);
+    steps.Next();
+  }
+  return report;
+}
+
+std::string ToJson(const TransformReport& report, const ReportFiles& files) {
+  Json json = detail::ReportHead("transform", files);
+  json["maps"] = Json::array();
+  for (const MovedMap& moved : report.maps) json["maps"].push_back(JsonOf(moved));
+  if (report.origin)
+    json["georeference"] = {{"ellipsoid", "WGS84"},
+                            {"axes", "east, north, up"},
+                            {"latitude", report.origin->latitude},
+                            {"longitude", report.origin->longitude},
+                            {"altitude", report.origin->altitude}};
+  return detail::JsonText(json);
+}
+
+}  // namespace slamdb

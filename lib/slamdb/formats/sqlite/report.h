@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "slamdb/export.h"
+#include "slamdb/formats/sqlite/store.h"
+
+// What a store tells of itself, as JSON. `input` is the store's path. They throw nothing but std::bad_alloc.
+namespace slamdb {
+
+// As schema/list.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const StoredAtlas> atlases, const std::string& input = {});
+
+// As schema/log.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const HistoryEntry> entries, const std::string& input = {});
+
+// As schema/stats.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const StoreStats& stats, const std::string& input = {});
+
+}  // namespace slamdb

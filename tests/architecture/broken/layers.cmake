@@ -1,0 +1,7 @@
+set(layers low high)
+set(low_FOLDER ${SOURCE}/lib/slamdb/low)
+set(low_HEADERS ${SOURCE}/lib/slamdb/low/low.h)
+set(low_LINKS "")
+set(high_FOLDER ${SOURCE}/lib/slamdb/high)
+set(high_HEADERS ${SOURCE}/lib/slamdb/high/high.h)
+set(high_LINKS low)
