@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "tests/fuzz/fuzz.h"
 
@@ -14,8 +15,9 @@ int main(int count, char** folders) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folders[i])) {
       if (!entry.is_regular_file()) continue;
       std::ifstream stream(entry.path(), std::ios::binary);
-      const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-      LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+      const std::string read{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+      const std::vector<std::uint8_t> bytes(read.begin(), read.end());  // not one byte more, so that overruns are seen
+      LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
       ++files;
     }
   }

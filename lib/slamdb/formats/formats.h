@@ -15,11 +15,13 @@ namespace slamdb {
 
 // ---- reading
 
-// Reads with the format of the options, or else of the input. Throws Error that says what the file looks like when no
-// format reads it (`not an atlas: this looks like a COLMAP database`).
+// Reads with the format of the options, or else the one that the input has by its content, then by its suffix.
+// Throws Error: kNotFound when nothing is there; kDamaged where bytes are wrong, with the place; kUnsupported for other
+// versions and other programs' files, saying what they are (`not an atlas: this looks like a COLMAP database`);
+// kOutOfResources when memory does not suffice; kUsage when the options name no format that reads.
 [[nodiscard]] SLAMDB_EXPORT Atlas ReadAtlas(const Location& location, const ReadOptions& options = {},
                                             Notices* notices = nullptr);
-// Reads the stream to its end.
+// Reads the stream to its end, into memory. Throws Error as above.
 [[nodiscard]] SLAMDB_EXPORT Atlas ReadAtlas(std::istream& stream, const ReadOptions& options = {},
                                             Notices* notices = nullptr);
 // The same of bytes in memory, which are not copied. A store is a file, and refused with kNotPossible.
@@ -29,9 +31,11 @@ namespace slamdb {
 
 // ---- writing
 
-// Writes with the format of the options, or else by the suffix. Names in `notices`, as losses, what the atlas has and
-// the target cannot hold; with options.strict it throws Error of kind kNotPossible for the first of them and writes
-// nothing. Throws Error of kind kAlreadyExists when the target is there and options.overwrite is not set.
+// Writes with the format of the options, or else the one of the suffix.
+// A file appears whole or not at all; a store is changed in one transaction.
+// Names in `notices`, as losses, what the atlas has and the target cannot hold.
+// Throws Error: kAlreadyExists without options.overwrite; kNotPossible for the first loss with options.strict; kUsage
+// when nothing tells the format; kPermission, kOutOfResources and kNotFound (a folder) as the system has it.
 SLAMDB_EXPORT void WriteAtlas(const Atlas& atlas, const Location& location, const WriteOptions& options = {},
                               Notices* notices = nullptr);
 // Writes to a stream, or to bytes in memory. They have no suffix: the options must name the format.

@@ -7,6 +7,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 
 namespace slamdb {
@@ -25,12 +26,19 @@ const Format& FormatToSalvage(const Source& source, const ReadOptions& options) 
   return FormatToRead(source, options);
 }
 
+std::string RecoverableIds() {
+  std::string ids;
+  for (const Format& format : Formats())
+    if (format.salvage != nullptr) ids.append(ids.empty() ? "" : ", ").append(format.id);
+  return ids;
+}
+
 Salvage SalvageSource(const Source& source, const ReadOptions& options) {
   const Format& format = FormatToSalvage(source, options);
   if (format.salvage == nullptr)
     throw Error(
         ErrorKind::kUnsupported, source.path, "",
-        detail::Concat("is a ", format.title, "; only ORB-SLAM3 files, stores and MRPT landmarks are recovered"));
+        detail::Concat("is a ", format.title, ", of which nothing is recovered; recoverable are ", RecoverableIds()));
   try {
     return format.salvage(source, options);
   } catch (const std::bad_alloc&) {
