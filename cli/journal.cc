@@ -12,7 +12,6 @@
 #include "slamdb/base/detail/hash.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
-#include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {
 namespace {
@@ -20,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "slamdb-journal-1";
-constexpr std::array<const char*, 5> kKinds = {"atlas", "camera", "map", "keyframe", "point"};
+constexpr std::array<const char*, 6> kKinds = {"atlas", "camera", "map", "keyframe", "point", "landmark"};
 constexpr std::uint64_t kLargestExact = std::uint64_t{1} << 53;  // what every JSON reader keeps
 
 Json Unsigned(std::uint64_t value) { return value <= kLargestExact ? Json(value) : Json(std::to_string(value)); }
@@ -117,13 +116,15 @@ std::vector<std::uint64_t> BitsOf(const std::string& kinds, const Json& values) 
 
 Json EditValue(const EntityEdit& edit) {
   Json value = {{"rule", edit.rule}, {"entity", kKinds[static_cast<std::size_t>(edit.kind)]}};
-  const bool in_map = edit.kind == EntityKind::kKeyFrame || edit.kind == EntityKind::kPoint;
+  const bool in_map =
+      edit.kind == EntityKind::kKeyFrame || edit.kind == EntityKind::kPoint || edit.kind == EntityKind::kLandmark;
   if (in_map) value["map"] = edit.map;
   if (edit.kind != EntityKind::kAtlas) {
     value["row"] = edit.row;
     value["id"] = ScalarValue('r', edit.id);
   }
   if (edit.removed) value["removed"] = true;
+  if (edit.added) value["added"] = true;
   Json& fields = value["fields"] = Json::array();
   for (const FieldEdit& field : edit.fields)
     fields.push_back({{"field", field.field},
@@ -144,6 +145,7 @@ EntityEdit EditOf(const Json& value) {
   edit.row = value.value("row", std::uint64_t{0});
   if (value.contains("id")) edit.id = ScalarOf('r', value.at("id"));
   edit.removed = value.value("removed", false);
+  edit.added = value.value("added", false);
   for (const Json& field : value.at("fields")) {
     const std::string kinds = field.at("kinds");
     if (kinds.empty()) throw Error("a field has no kinds");
@@ -177,13 +179,6 @@ JournalFile JournalOf(const Json& json) {
 }
 
 }  // namespace
-
-std::uint64_t ContentHashOf(Atlas& atlas, int threads) {
-  const ArchiveEncoding encoding = std::exchange(atlas.encoding, ArchiveEncoding());
-  const std::uint64_t hash = Store::HashOf(atlas, threads);
-  atlas.encoding = encoding;
-  return hash;
-}
 
 std::string JournalText(const JournalFile& file) {
   const Json head = {{"format", kFormat},

@@ -9,13 +9,10 @@
 namespace slamdb::cli {
 
 struct JournalFile {
-  std::uint64_t original = 0, repaired = 0;  // content hashes of the atlas before and after
+  std::uint64_t original = 0, repaired = 0;  // HashWithoutEncoding of the atlas before and after
   ArchiveEncoding encoding;                  // how the original was written
   Journal journal;
 };
-
-// The hash of what an atlas says, however it is written down.
-std::uint64_t ContentHashOf(Atlas& atlas, int threads);
 
 // JSON, one line for each entity. Equal journals give equal text.
 std::string JournalText(const JournalFile& file);

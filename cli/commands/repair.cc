@@ -13,6 +13,7 @@
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
+#include "slamdb/model/digest.h"
 
 namespace slamdb::cli {
 namespace {
@@ -83,12 +84,12 @@ ExitCode RunUndo(const RepairVerbOptions& options, Console& console) {
   Notices notices;
   const JournalFile file = ReadJournalFile(options.undo);
   Atlas atlas = ReadInput(options.edit, console, notices);
-  if (ContentHashOf(atlas, console.threads()) != file.repaired)
+  if (HashWithoutEncoding(atlas, console.threads()) != file.repaired)
     throw Error(options.edit.input, "",
                 "is not the atlas that " + options.undo + " is the journal of; its content differs");
   TakeBack(file.journal, atlas);
   atlas.encoding = file.encoding;
-  if (ContentHashOf(atlas, console.threads()) != file.original)
+  if (HashWithoutEncoding(atlas, console.threads()) != file.original)
     throw Error(options.undo, "", "does not lead back to the original: the journal was changed");
   WriteResult(atlas, options.edit, "repair --undo " + options.edit.input, console, notices);
   const std::size_t edits = file.journal.edits.size();
@@ -111,12 +112,12 @@ ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   Atlas atlas = ReadInput(options.edit, console, notices);
   JournalFile file{.encoding = atlas.encoding};
   const bool keeps_journal = !options.journal.empty() && !options.edit.dry_run;
-  if (keeps_journal) file.original = ContentHashOf(atlas, console.threads());
+  if (keeps_journal) file.original = HashWithoutEncoding(atlas, console.threads());
   RepairReport report = RepairAtlas(atlas, {.rules = options.rules, .threads = console.threads()});
   const std::string text = TextOf(report, options.edit.dry_run), json = JsonOf(report, options);
   std::optional<AtomicFile> journal;
   if (keeps_journal) {
-    file.repaired = ContentHashOf(atlas, console.threads());
+    file.repaired = HashWithoutEncoding(atlas, console.threads());
     file.journal = std::move(report.journal);
     journal.emplace(options.journal, AtomicFileOptions{options.edit.target.overwrite, !options.edit.target.no_sync});
     journal->Write(JournalText(file));

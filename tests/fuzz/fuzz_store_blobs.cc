@@ -5,7 +5,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
-#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
+#include "slamdb/model/detail/record.h"
 #include "tests/fuzz/fuzz.h"
 
 // Any bytes as the two blobs that the store keeps of a keyframe: one byte each for its three counts of features, then
@@ -16,11 +16,11 @@ namespace {
 using slamdb::Bytes;
 
 struct Blobs {
-  slamdb::sqlite::ByteWriter details, features;
+  slamdb::detail::ByteWriter details, features;
 };
 
 void Encode(const slamdb::KeyFrame& keyframe, Blobs& blobs) {
-  slamdb::sqlite::EncodeDetails(keyframe, blobs.details);
+  slamdb::detail::EncodeDetails(keyframe, blobs.details);
   slamdb::sqlite::EncodeFeatures(keyframe, blobs.features);
 }
 
@@ -29,7 +29,7 @@ slamdb::KeyFrame Decode(const std::uint8_t* counts, Bytes details, Bytes feature
   keyframe.features.count = counts[0];
   keyframe.features.left_count = static_cast<std::int8_t>(counts[1]);
   keyframe.features.right_count = static_cast<std::int8_t>(counts[2]);
-  slamdb::sqlite::DecodeDetails(details, keyframe);
+  slamdb::detail::DecodeDetails(details, keyframe);
   slamdb::sqlite::DecodeFeatures(features, keyframe);
   return keyframe;
 }

@@ -9,7 +9,7 @@
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
-#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
+#include "slamdb/model/detail/record.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
@@ -40,8 +40,8 @@ void WriteDamaged(const path& folder, const std::string& name, const Crafted& cr
 }
 
 std::string StoreSeed(const KeyFrame& keyframe) {
-  sqlite::ByteWriter details, features;
-  sqlite::EncodeDetails(keyframe, details);
+  detail::ByteWriter details, features;
+  detail::EncodeDetails(keyframe, details);
   sqlite::EncodeFeatures(keyframe, features);
   const Features& counts = keyframe.features;
   const std::size_t length = details.bytes().size();

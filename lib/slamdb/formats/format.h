@@ -44,7 +44,8 @@ enum Content : std::uint32_t {
   kIdentity = 1U << 11,     // ids, counters, vocabulary, flags
   kAtlas = (1U << 12) - 1,  // all of the above: what an .osa file holds
   kLandmarks = 1U << 12,    // MRPT's, with their covariances
-  kEverything = kAtlas | kLandmarks,
+  kTracking = 1U << 13,     // of points: origin maps, visible and found counts
+  kEverything = kAtlas | kLandmarks | kTracking,
 };
 inline Content operator|(Content a, Content b) {
   return static_cast<Content>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));

@@ -14,7 +14,7 @@ struct Kind {
 };
 
 // In the order of Content. The counts are of what the words name first.
-constexpr std::array<Kind, 13> kKinds = {{
+constexpr std::array<Kind, 14> kKinds = {{
     {kPoses, "keyframe poses"},
     {kPoints, "map points"},
     {kNormals, "normals and distance ranges of map points"},
@@ -28,6 +28,7 @@ constexpr std::array<Kind, 13> kKinds = {{
     {kMaps, "several maps"},
     {kIdentity, "all ids and flags, the counters and the vocabulary's name"},
     {kLandmarks, "landmarks"},
+    {kTracking, "origins and visible and found counts of map points"},
 }};
 
 using Counts = std::array<std::uint64_t, kKinds.size()>;
@@ -61,6 +62,7 @@ void CountPoint(const MapPoint& point, Counts& counts) {
   Count(counts, kNormals) += range || point.normal != Eigen::Vector3f::Zero() ? 1 : 0;
   Count(counts, kObservations) += point.observations.size();
   Count(counts, kDescriptors) += point.has_descriptor() ? 1 : 0;
+  Count(counts, kTracking) += point.has_tracking() ? 1 : 0;
 }
 
 Counts CountContent(const Atlas& atlas, std::optional<MapId> chosen) {

@@ -11,6 +11,8 @@
 
 #include "slamdb/base/detail/hash.h"
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/model/detail/record.h"
+#include "slamdb/model/detail/record_codec.h"
 
 namespace slamdb {
 namespace {
@@ -116,27 +118,16 @@ ContentSignature SignatureOf(const Map& map) {
 }
 
 std::uint64_t ContentHash(const Landmark& landmark) {
-  const std::array<double, 12> numbers = {landmark.mean.x(),   landmark.mean.y(),   landmark.mean.z(),
-                                          landmark.normal.x(), landmark.normal.y(), landmark.normal.z(),
-                                          landmark.cov_11,     landmark.cov_22,     landmark.cov_33,
-                                          landmark.cov_12,     landmark.cov_13,     landmark.cov_23};
-  std::uint64_t hash = HashOf(numbers, landmark.last_seen);
-  hash = HashOf(std::array{std::uint64_t{landmark.seen_count}, std::uint64_t{landmark.features.size()}}, hash);
-  for (const LandmarkFeature& feature : landmark.features) {
-    hash = HashOf(std::array{feature.x, feature.y, feature.response, feature.orientation}, hash);
-    hash = HashOf(std::array{feature.depth, feature.initial_depth}, hash);
-    hash = HashOf(std::span(feature.position_in_camera.data(), 3), hash);
-    hash = HashOf(
-        std::array{feature.keypoint_id, static_cast<std::uint64_t>(feature.type), std::uint64_t{feature.track_status},
-                   std::uint64_t{feature.octave}, std::uint64_t{feature.user_flags}, std::uint64_t{feature.patch_size},
-                   std::uint64_t{feature.has_patch}, std::uint64_t{feature.spin_image_rows},
-                   std::uint64_t{feature.polar_images_without_rotation}},
-        hash);
-    hash = HashOf(feature.patch, hash);
-    for (const FeatureDescriptor& descriptor : feature.descriptors)
-      hash = HashOf(descriptor.bytes, hash + static_cast<std::uint64_t>(descriptor.kind));
-  }
-  return hash;
+  detail::ByteWriter bytes;
+  detail::RecordWriter writer(bytes);
+  ForEachField(&landmark, [&](std::string_view, auto member) {
+    using Field = std::remove_cvref_t<decltype(landmark.*member)>;
+    if constexpr (std::is_same_v<Field, std::vector<LandmarkFeature>>)
+      detail::EncodeLandmarkFeatures(landmark.features, bytes);
+    else if constexpr (!std::is_same_v<Field, LandmarkId>)
+      writer.Field(landmark.*member);
+  });
+  return ContentHash(bytes.bytes());
 }
 
 std::uint64_t ContentHash(const Map& map, int threads) {

@@ -3,8 +3,10 @@
 
 #include "slamdb/model/atlas.h"
 
-// Every recorded field of an entity by name, once: what compares, keeps and restores entities field by field walks
-// through these. A new field of the model needs its line here.
+// Every recorded field of an entity by name, once.
+// What hashes, compares, prints, keeps and restores entities field by field walks through these; the groups in
+// `fields` are for those that need a part. A new field of the model needs its line here.
+// tests/model/fields_test.cc holds every component to every field.
 namespace slamdb {
 
 // The member that a chain of member pointers leads to: Member(keyframe, &KeyFrame::features, &Features::depth).
@@ -13,9 +15,11 @@ auto& Member(Entity& entity, Members... members) {
   return (entity.*....*members);
 }
 
-// visit(name, members...) for every field of a point, in the order of the header.
+namespace fields {
+
+// What .osa files hold of a point, in the order of the header; hashes and JSON keep it.
 template <class Visit>
-void ForEachField(const MapPoint*, const Visit& visit) {
+void ForEachArchivedPointField(const Visit& visit) {
   visit("id", &MapPoint::id);
   visit("first_keyframe", &MapPoint::first_keyframe);
   visit("first_frame", &MapPoint::first_frame);
@@ -32,6 +36,23 @@ void ForEachField(const MapPoint*, const Visit& visit) {
   visit("max_distance", &MapPoint::max_distance);
 }
 
+// And what they do not: MapPoint::has_tracking.
+template <class Visit>
+void ForEachTrackingField(const Visit& visit) {
+  visit("origin_map", &MapPoint::origin_map);
+  visit("visible_count", &MapPoint::visible_count);
+  visit("found_count", &MapPoint::found_count);
+}
+
+}  // namespace fields
+
+// visit(name, members...) for every field of a point.
+template <class Visit>
+void ForEachField(const MapPoint*, const Visit& visit) {
+  fields::ForEachArchivedPointField(visit);
+  fields::ForEachTrackingField(visit);
+}
+
 template <class Visit>
 void ForEachField(const Camera*, const Visit& visit) {
   visit("id", &Camera::id);
@@ -41,7 +62,7 @@ void ForEachField(const Camera*, const Visit& visit) {
   visit("precision", &Camera::precision);
 }
 
-// Without the lists of keyframes and points.
+// Without the lists of keyframes, points and landmarks.
 template <class Visit>
 void ForEachField(const Map*, const Visit& visit) {
   visit("id", &Map::id);
@@ -59,19 +80,86 @@ void ForEachField(const Map*, const Visit& visit) {
   visit("imu_ba2", &Map::imu_ba2);
 }
 
-// Without the lists of maps and cameras, and without the encoding, which is not what the atlas says.
+namespace fields {
+
 template <class Visit>
-void ForEachField(const Atlas*, const Visit& visit) {
+void ForEachHeadField(const Visit& visit) {
   visit("vocabulary.name", &Atlas::vocabulary, &Vocabulary::name);
   visit("vocabulary.checksum", &Atlas::vocabulary, &Vocabulary::checksum);
-  visit("repeated_maps", &Atlas::repeated_maps);
-  visit("repeated_cameras", &Atlas::repeated_cameras);
   visit("next_ids.map", &Atlas::next_ids, &Counters::map);
   visit("next_ids.frame", &Atlas::next_ids, &Counters::frame);
   visit("next_ids.keyframe", &Atlas::next_ids, &Counters::keyframe);
   visit("next_ids.map_point", &Atlas::next_ids, &Counters::map_point);
   visit("next_ids.camera", &Atlas::next_ids, &Counters::camera);
   visit("next_ids.initial_keyframe", &Atlas::next_ids, &Counters::initial_keyframe);
+}
+
+template <class Visit>
+void ForEachRepeatedField(const Visit& visit) {
+  visit("repeated_maps", &Atlas::repeated_maps);
+  visit("repeated_cameras", &Atlas::repeated_cameras);
+}
+
+// How an atlas is written down, which is not what it says: not in ForEachField.
+template <class Visit>
+void ForEachEncodingField(const Visit& visit) {
+  visit("encoding.text", &Atlas::encoding, &ArchiveEncoding::text);
+  visit("encoding.boost_version", &Atlas::encoding, &ArchiveEncoding::boost_version);
+  visit("encoding.long_bytes", &Atlas::encoding, &ArchiveEncoding::long_bytes);
+  visit("encoding.size_bytes", &Atlas::encoding, &ArchiveEncoding::size_bytes);
+}
+
+}  // namespace fields
+
+// Without the lists of maps and cameras, and without the encoding.
+template <class Visit>
+void ForEachField(const Atlas*, const Visit& visit) {
+  fields::ForEachHeadField(visit);
+  fields::ForEachRepeatedField(visit);
+}
+
+template <class Visit>
+void ForEachField(const FeatureDescriptor*, const Visit& visit) {
+  visit("kind", &FeatureDescriptor::kind);
+  visit("bytes", &FeatureDescriptor::bytes);
+}
+
+template <class Visit>
+void ForEachField(const LandmarkFeature*, const Visit& visit) {
+  visit("x", &LandmarkFeature::x);
+  visit("y", &LandmarkFeature::y);
+  visit("keypoint_id", &LandmarkFeature::keypoint_id);
+  visit("type", &LandmarkFeature::type);
+  visit("track_status", &LandmarkFeature::track_status);
+  visit("response", &LandmarkFeature::response);
+  visit("orientation", &LandmarkFeature::orientation);
+  visit("octave", &LandmarkFeature::octave);
+  visit("user_flags", &LandmarkFeature::user_flags);
+  visit("depth", &LandmarkFeature::depth);
+  visit("initial_depth", &LandmarkFeature::initial_depth);
+  visit("position_in_camera", &LandmarkFeature::position_in_camera);
+  visit("patch_size", &LandmarkFeature::patch_size);
+  visit("has_patch", &LandmarkFeature::has_patch);
+  visit("patch", &LandmarkFeature::patch);
+  visit("spin_image_rows", &LandmarkFeature::spin_image_rows);
+  visit("polar_images_without_rotation", &LandmarkFeature::polar_images_without_rotation);
+  visit("descriptors", &LandmarkFeature::descriptors);
+}
+
+template <class Visit>
+void ForEachField(const Landmark*, const Visit& visit) {
+  visit("id", &Landmark::id);
+  visit("mean", &Landmark::mean);
+  visit("normal", &Landmark::normal);
+  visit("cov_11", &Landmark::cov_11);
+  visit("cov_22", &Landmark::cov_22);
+  visit("cov_33", &Landmark::cov_33);
+  visit("cov_12", &Landmark::cov_12);
+  visit("cov_13", &Landmark::cov_13);
+  visit("cov_23", &Landmark::cov_23);
+  visit("last_seen", &Landmark::last_seen);
+  visit("seen_count", &Landmark::seen_count);
+  visit("features", &Landmark::features);
 }
 
 namespace fields {
@@ -135,6 +223,11 @@ void ForEachFeatureField(const Visit& visit) {
   visit("features.right_grid.column_sizes", features, &Features::right_grid, &FeatureGrid::column_sizes);
   visit("features.right_grid.cell_sizes", features, &Features::right_grid, &FeatureGrid::cell_sizes);
   visit("features.right_grid.keypoints", features, &Features::right_grid, &FeatureGrid::keypoints);
+}
+
+template <class Visit>
+void ForEachWordField(const Visit& visit) {
+  const auto features = &KeyFrame::features;
   visit("features.bag_of_words.words", features, &Features::bag_of_words, &BagOfWords::words);
   visit("features.bag_of_words.weights", features, &Features::bag_of_words, &BagOfWords::weights);
   visit("features.feature_vector.nodes", features, &Features::feature_vector, &FeatureVector::nodes);
@@ -143,11 +236,8 @@ void ForEachFeatureField(const Visit& visit) {
 }
 
 template <class Visit>
-void ForEachInertialField(const Visit& visit) {
+void ForEachPreintegrationField(const Visit& visit) {
   const auto imu = &KeyFrame::preintegration;
-  const auto calibration = &KeyFrame::imu_calibration;
-  visit("imu_bias.accelerometer", &KeyFrame::imu_bias, &ImuBias::accelerometer);
-  visit("imu_bias.gyroscope", &KeyFrame::imu_bias, &ImuBias::gyroscope);
   visit("preintegration.duration", imu, &ImuPreintegration::duration);
   visit("preintegration.covariance", imu, &ImuPreintegration::covariance);
   visit("preintegration.information", imu, &ImuPreintegration::information);
@@ -169,13 +259,28 @@ void ForEachInertialField(const Visit& visit) {
   visit("preintegration.updated_bias.gyroscope", imu, &ImuPreintegration::updated_bias, &ImuBias::gyroscope);
   visit("preintegration.bias_change", imu, &ImuPreintegration::bias_change);
   visit("preintegration.measurements", imu, &ImuPreintegration::measurements);
+}
+
+template <class Visit>
+void ForEachImuCalibrationField(const Visit& visit) {
+  const auto calibration = &KeyFrame::imu_calibration;
   visit("imu_calibration.camera_from_body", calibration, &ImuCalibration::camera_from_body);
   visit("imu_calibration.body_from_camera", calibration, &ImuCalibration::body_from_camera);
   visit("imu_calibration.noise", calibration, &ImuCalibration::noise);
   visit("imu_calibration.walk_noise", calibration, &ImuCalibration::walk_noise);
   visit("imu_calibration.is_set", calibration, &ImuCalibration::is_set);
-  visit("previous", &KeyFrame::previous);
-  visit("next", &KeyFrame::next);
+}
+
+template <class Visit>
+void ForEachInertialField(const Visit& visit) {
+  visit("imu_bias.accelerometer", &KeyFrame::imu_bias, &ImuBias::accelerometer);
+  visit("imu_bias.gyroscope", &KeyFrame::imu_bias, &ImuBias::gyroscope);
+  ForEachPreintegrationField(visit);
+  ForEachImuCalibrationField(visit);
+}
+
+template <class Visit>
+void ForEachMotionField(const Visit& visit) {
   visit("imu_initialized", &KeyFrame::imu_initialized);
   visit("velocity", &KeyFrame::velocity);
   visit("body_position", &KeyFrame::body_position);
@@ -194,6 +299,7 @@ void ForEachField(const KeyFrame*, const Visit& visit) {
   visit("merge_scale", &KeyFrame::merge_scale);
   fields::ForEachCameraField(visit);
   fields::ForEachFeatureField(visit);
+  fields::ForEachWordField(visit);
   visit("connections", &KeyFrame::connections);
   visit("first_connection", &KeyFrame::first_connection);
   visit("parent", &KeyFrame::parent);
@@ -205,6 +311,9 @@ void ForEachField(const KeyFrame*, const Visit& visit) {
   visit("bad", &KeyFrame::bad);
   visit("origin_map", &KeyFrame::origin_map);
   fields::ForEachInertialField(visit);
+  visit("previous", &KeyFrame::previous);
+  visit("next", &KeyFrame::next);
+  fields::ForEachMotionField(visit);
 }
 
 }  // namespace slamdb

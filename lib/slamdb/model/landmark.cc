@@ -36,7 +36,7 @@ void Landmark::set_pose(const GaussianPoint& pose) {
 }
 
 FeatureType Landmark::type() const {
-  if (features.empty()) throw Error(ToString(id) + " has no feature, and so no type");
+  if (features.empty()) throw Error(ErrorKind::kNotPossible, ToString(id) + " has no feature, and so no type");
   return features.front().type;
 }
 

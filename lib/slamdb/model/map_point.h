@@ -27,10 +27,17 @@ static_assert(sizeof(Observation) == 16);
 // A 3D point with what tracking needs to find it again. Every field as recorded. ORB-SLAM3: MapPoint, its name at the
 // right.
 struct MapPoint {
-  MapPointId id;                                       //                                  mnId
-  std::int64_t first_keyframe = 0;                     // made by it; -1: by a frame       mnFirstKFid
-  std::int64_t first_frame = 0;                        //                                  mnFirstFrame
-  std::int32_t observation_count = 0;                  // a stereo observation counts 2    nObs
+  static constexpr std::uint32_t kNoOrigin = 0xffffffff;  // origin_map: not recorded
+  static constexpr std::int32_t kNoCount = -1;            // visible_count, found_count: not recorded
+
+  MapPointId id;                       //                                  mnId
+  std::int64_t first_keyframe = 0;     // made by it; -1: by a frame       mnFirstKFid
+  std::int64_t first_frame = 0;        //                                  mnFirstFrame
+  std::int32_t observation_count = 0;  // a stereo observation counts 2    nObs
+  // These three ORB-SLAM3 has in memory only; no .osa file holds them.
+  std::uint32_t origin_map = kNoOrigin;   // id of the map it was made in                             mnOriginMapId
+  std::int32_t visible_count = kNoCount;  // frames in which it should have been seen, from 1 on      mnVisible
+  std::int32_t found_count = kNoCount;    // frames in which it was found there, from 1 on            mnFound
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  // world, metres or map units       mWorldPos
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();    // mean unit viewing direction, so |normal| <= 1   mNormalVector
   Column<Observation> observations;                    // by keyframe id                   mBackupObservationsId1/2
@@ -44,6 +51,8 @@ struct MapPoint {
   bool has_descriptor() const {
     return descriptor_form == MatrixForm::kUsual || descriptor_form == MatrixForm::kUsualNotContinuous;
   }
+  // Whether anything is recorded that ORB-SLAM3 has in memory only.
+  bool has_tracking() const { return origin_map != kNoOrigin || visible_count != kNoCount || found_count != kNoCount; }
 };
 
 }  // namespace slamdb

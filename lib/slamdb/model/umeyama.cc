@@ -122,28 +122,31 @@ Rows Consensus(Points source, Points target, const UmeyamaOptions& options) {
     needed = DrawsNeeded(best.size(), source.size());
   }
   if (best.size() < kFewestPairs)
-    throw Error("no three of " + std::to_string(source.size()) +
-                " pairs of points agree on a transform within the outlier distance; allow a larger one");
+    throw Error(ErrorKind::kNotPossible,
+                "no three of " + std::to_string(source.size()) +
+                    " pairs of points agree on a transform within the outlier distance; allow a larger one");
   return best;
 }
 
 Similarity3d SolveOrThrow(Points source, Points target, const Rows& rows, bool with_scale) {
   const auto transform = Solve(source, target, rows, with_scale);
   if (!transform || !(transform->scale > 0))
-    throw Error("the " + std::to_string(rows.size()) +
-                " pairs of points lie on one line, or in one place: they do not determine a rotation");
+    throw Error(ErrorKind::kNotPossible,
+                "the " + std::to_string(rows.size()) +
+                    " pairs of points lie on one line, or in one place: they do not determine a rotation");
   return *transform;
 }
 
 void RequirePoints(Points source, Points target) {
   if (source.size() != target.size())
-    throw Error("points must correspond: there are " + std::to_string(source.size()) + " and " +
-                std::to_string(target.size()));
+    throw Error(ErrorKind::kUsage, "points must correspond: there are " + std::to_string(source.size()) + " and " +
+                                       std::to_string(target.size()));
   if (source.size() < kFewestPairs)
-    throw Error("at least 3 pairs of points determine a transform; there are " + std::to_string(source.size()));
+    throw Error(ErrorKind::kNotPossible,
+                "at least 3 pairs of points determine a transform; there are " + std::to_string(source.size()));
   const auto finite = [](const Eigen::Vector3d& point) { return point.allFinite(); };
   if (!std::ranges::all_of(source, finite) || !std::ranges::all_of(target, finite))
-    throw Error("a point to align by holds NaN or infinity");
+    throw Error(ErrorKind::kNotPossible, "a point to align by holds NaN or infinity");
 }
 
 }  // namespace

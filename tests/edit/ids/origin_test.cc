@@ -59,10 +59,54 @@ TEST(Origin, CounterStaysAbove) {
 }
 
 TEST(Origin, UnknownTwiceAndCircles) {
-  EXPECT_THAT(ErrorOf({.replace = {{3, 0}}}), HasSubstr("no keyframe has origin map 3; origins are 0, 1, 5"));
+  EXPECT_THAT(ErrorOf({.replace = {{3, 0}}}), HasSubstr("no keyframe or point has origin map 3; origins are 0, 1, 5"));
   EXPECT_THAT(ErrorOf({.replace = {{1, 0}, {1, 5}}}), HasSubstr("origin map 1 is replaced twice"));
   EXPECT_THAT(ErrorOf({.replace = {{1, 0}, {0, 5}, {5, 1}}}), HasSubstr("back to it"));
   EXPECT_THAT(ErrorOf({.shift = -1}), HasSubstr("would become -1"));
+}
+
+// Points have origins of their own, where they are recorded.
+class OriginOfPoints : public ::testing::Test {
+ protected:
+  OriginOfPoints() : atlas_(Mixed()) {
+    atlas_.maps[0].points[0].origin_map = 0;
+    atlas_.maps[1].points[0].origin_map = 0;
+    atlas_.maps[1].points[1].origin_map = 4;  // no keyframe is of that map
+  }
+  OriginReport Reassign(const OriginOptions& options) { return ReassignOrigins(atlas_, options); }
+  std::vector<std::uint32_t> Points() const {
+    return {atlas_.maps[0].points[0].origin_map, atlas_.maps[1].points[0].origin_map,
+            atlas_.maps[1].points[1].origin_map, atlas_.maps[1].points[2].origin_map};
+  }
+
+  static constexpr std::uint32_t kNone = MapPoint::kNoOrigin;
+  Atlas atlas_;
+};
+
+TEST_F(OriginOfPoints, Set) {
+  const OriginReport report = Reassign({.set = 9});
+  EXPECT_THAT(Points(), ElementsAre(9, 9, 9, kNone));
+  EXPECT_THAT(report.points_before, ElementsAre(Pair(0, 2), Pair(4, 1)));
+  EXPECT_THAT(report.points_after, ElementsAre(Pair(9, 3)));
+  EXPECT_EQ(report.points_changed, 3U);
+  EXPECT_EQ(report.changed, 24U);
+}
+
+TEST_F(OriginOfPoints, FromMap) {
+  EXPECT_EQ(Reassign({.from_map = true}).points_changed, 2U);
+  EXPECT_THAT(Points(), ElementsAre(0, 1, 1, kNone));
+}
+
+TEST_F(OriginOfPoints, ReplaceWhatOnlyAPointHas) {
+  const OriginReport report = Reassign({.replace = {{4, 20}}});
+  EXPECT_THAT(Points(), ElementsAre(0, 0, 20, kNone));
+  EXPECT_EQ(report.changed, 0U);
+  EXPECT_EQ(report.next_map_after, 21U);
+}
+
+TEST_F(OriginOfPoints, CompactCountsThemIn) {
+  EXPECT_THAT(Reassign({.compact = true}).after, ElementsAre(Pair(0, 13), Pair(1, 10), Pair(3, 1)));
+  EXPECT_THAT(Points(), ElementsAre(0, 0, 2, kNone));
 }
 
 }  // namespace

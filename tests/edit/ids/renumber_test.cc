@@ -38,6 +38,8 @@ Atlas Worn(const World& world) {
   map.points.front().first_frame = 5;
   map.points.back().first_keyframe = -1;
   map.keyframes.back().origin_map = 3;
+  map.points[1].origin_map = static_cast<std::uint32_t>(map.id.value());
+  map.points[2].origin_map = 2;  // a map that is gone
   map.max_keyframe_id += 4;
   atlas.next_ids.keyframe += 100;
   atlas.next_ids.initial_keyframe = atlas.next_ids.keyframe;
@@ -84,7 +86,11 @@ TEST_P(RenumberWorld, TablesGoThroughCsv) {
 }
 
 TEST_P(RenumberWorld, CommutesWithMerge) {
-  const Atlas a = MakeWorld(GetParam(), 1, 1), b = MakeWorld(GetParam(), 2, 1);
+  const Atlas a = MakeWorld(GetParam(), 1, 1);
+  Atlas b = MakeWorld(GetParam(), 2, 1);
+  for (Map& map : b.maps)
+    for (std::size_t i = 0; i < map.points.size(); i += 2)
+      map.points[i].origin_map = static_cast<std::uint32_t>(i % 4 / 2);
   Atlas dense_b = b;
   Renumber(dense_b, {.kinds = kAllKinds, .start = 50});
   MergeResult merged = MergeAtlases({a, dense_b}, {}), plain = MergeAtlases({a, b}, {});
@@ -140,6 +146,15 @@ TEST_P(RenumberWorld, AnyPermutationCanBeUndoneAtAnyNumberOfThreads) {
     EXPECT_TRUE(std::ranges::is_sorted(keyframe.connections, {}, &Connection::keyframe));
   ApplyIdMap(once, Inverse(reverse));
   EXPECT_THAT(once, EqualsAtlas(original));
+}
+
+// The origin of a point goes along with the map that it names; none stays none.
+TEST(Renumber, MovesOriginsOfPoints) {
+  Atlas atlas = MakeWorld(kWorlds[0], 2);
+  atlas.maps[0].points[0].origin_map = 1;
+  Renumber(atlas, {.kinds = {IdKind::kMap}, .offset = 10});
+  EXPECT_EQ(atlas.maps[0].points[0].origin_map, 11U);
+  EXPECT_EQ(atlas.maps[0].points[1].origin_map, MapPoint::kNoOrigin);
 }
 
 TEST(Renumber, OrderOfTime) {

@@ -52,6 +52,22 @@ TEST(LossesOf, LandmarksAreOne) {
   EXPECT_THAT(LossesOf(LandmarkAtlas(), FormatById("mrpt"), {}), Not(Contains(HasSubstr("landmarks"))));
 }
 
+// In memory and in stores only.
+TEST(LossesOf, OriginsAndCountsOfPointsAreOne) {
+  Atlas atlas = OneMapAtlas();
+  EXPECT_EQ(ContentOf(atlas) & kTracking, kNothing);
+  EXPECT_THAT(LossesOf(atlas, FormatById("orbslam3"), {}), IsEmpty());
+  atlas.maps[0].points[0].origin_map = 0;
+  atlas.maps[0].points[1].found_count = 0;
+  atlas.maps[0].points[1].visible_count = 4;
+  EXPECT_EQ(ContentOf(atlas) & kTracking, kTracking);
+  for (const char* format : {"orbslam3", "orbslam3-text"})
+    EXPECT_THAT(
+        LossesOf(atlas, FormatById(format), {}),
+        ElementsAre(std::string(format) + " cannot hold origins and visible and found counts of map points (2)"));
+  for (const char* format : {"store", "ndjson"}) EXPECT_THAT(LossesOf(atlas, FormatById(format), {}), IsEmpty());
+}
+
 TEST(LossesOf, AreNoneWhereEverythingFits) {
   EXPECT_THAT(LossesOf(LandmarkAtlas(), FormatById("ndjson"), {}), IsEmpty());
   for (const Format& format : Formats()) EXPECT_THAT(LossesOf({}, format, {}), IsEmpty()) << format.id;

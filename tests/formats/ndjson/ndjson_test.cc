@@ -88,6 +88,14 @@ TEST(Ndjson, WritesFeatureColumns) {
   EXPECT_TRUE(keyframe["right_camera"].is_null());
 }
 
+TEST(Ndjson, LeavesOutWhatOfAPointIsNotRecorded) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].points[0].origin_map = 0;
+  atlas.maps[0].points[0].found_count = 3;
+  const std::string line = Lines(atlas)[5];
+  EXPECT_THAT(line, ::testing::EndsWith(R"("max_distance":4,"origin_map":0,"found_count":3})"));
+}
+
 TEST(Ndjson, KeepsWhatJsonHasNoWordFor) {
   Atlas atlas = OneMapAtlas();
   MapPoint& point = atlas.maps[0].points[0];

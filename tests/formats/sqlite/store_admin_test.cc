@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/model/digest.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {
@@ -30,7 +31,7 @@ TEST_F(StoreAdmin, ListTellsWhatIsThere) {
   EXPECT_EQ(list[0].keyframes, 7U);
   EXPECT_EQ(list[1].name, "zebra");
   EXPECT_EQ(list[1].revision, 2U);
-  EXPECT_EQ(list[1].hash, Store::HashOf(atlas));
+  EXPECT_EQ(list[1].hash, HashOf(atlas));
   EXPECT_GT(list[1].bytes, 50000U);
   EXPECT_THAT(list[1].saved_at, ::testing::MatchesRegex("20..-..-..T..:..:..Z"));
 }
@@ -133,8 +134,8 @@ class StoreMigration : public StoreAdmin {
     SaveIn(path_, OddAtlas());
     migrations_.assign(sqlite::Migrations().begin(), sqlite::Migrations().end());
     const int next = migrations_.back().number + 1;
-    migrations_.push_back({next, "0003_notes", "CREATE TABLE note (text TEXT) STRICT"});
-    migrations_.push_back({next + 1, "0004_more", "ALTER TABLE note ADD COLUMN author TEXT"});
+    migrations_.push_back({next, "0004_notes", "CREATE TABLE note (text TEXT) STRICT"});
+    migrations_.push_back({next + 1, "0005_more", "ALTER TABLE note ADD COLUMN author TEXT"});
   }
   std::vector<sqlite::Migration> migrations_;
 };
@@ -142,34 +143,34 @@ class StoreMigration : public StoreAdmin {
 TEST_F(StoreMigration, DryRunListsTheStepsAndChangesNothing) {
   const std::string before = FileBytes(path_);
   const MigrateReport report = sqlite::Migrate(path_, {.dry_run = true}, migrations_);
-  EXPECT_EQ(report.from, 2);
-  EXPECT_EQ(report.to, 4);
-  EXPECT_THAT(report.steps, ::testing::ElementsAre("0003_notes", "0004_more"));
+  EXPECT_EQ(report.from, 3);
+  EXPECT_EQ(report.to, 5);
+  EXPECT_THAT(report.steps, ::testing::ElementsAre("0004_notes", "0005_more"));
   EXPECT_EQ(report.backup, "");
   EXPECT_EQ(FileBytes(path_), before);
 }
 
 TEST_F(StoreMigration, RunsWithABackupBeside) {
-  std::ofstream(path_ + ".v2.bak") << "taken";
+  std::ofstream(path_ + ".v3.bak") << "taken";
   const MigrateReport report = sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "4");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "5");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM note WHERE author = 'x'"), "0");
-  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 2 to 4");
-  EXPECT_EQ(report.backup, path_ + ".v2.bak.2");
+  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 3 to 5");
+  EXPECT_EQ(report.backup, path_ + ".v3.bak.2");
   EXPECT_EQ(FirstDifference(LoadFrom(report.backup), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, FailedStepLeavesTheStoreAsItWas) {
   migrations_.back().sql = "ALTER TABLE nonsense ADD COLUMN x";
   EXPECT_THAT(ErrorOf([&] { sqlite::Migrate(path_, {.backup = false}, migrations_); }), HasSubstr("nonsense"));
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "2");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "3");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM sqlite_schema WHERE name = 'note'"), "0");
   EXPECT_EQ(FirstDifference(LoadFrom(path_), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, OlderStoreIsToBeMigrated) {
   sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 4, newest known to this program is 2"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 5, newest known to this program is 3"));
 }
 
 }  // namespace

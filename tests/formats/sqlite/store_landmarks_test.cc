@@ -3,6 +3,7 @@
 
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/salvage.h"
+#include "slamdb/model/digest.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {
@@ -49,14 +50,14 @@ TEST_F(StoreLandmarks, SavingWritesWhatDiffers) {
   EXPECT_EQ(changes.inserted, 1U);
   EXPECT_EQ(changes.unchanged, 47U);
   EXPECT_EQ(FirstDifference(LoadFrom(path_), atlas_), "");
-  EXPECT_EQ(report.hash, Store::HashOf(atlas_));
+  EXPECT_EQ(report.hash, HashOf(atlas_));
 }
 
 TEST_F(StoreLandmarks, CountInTheHash) {
   Atlas without = atlas_;
   without.maps[1].landmarks.clear();
-  EXPECT_EQ(Store::HashOf(without), Store::HashOf(SoundAtlas()));
-  EXPECT_NE(Store::HashOf(without), Store::HashOf(atlas_));
+  EXPECT_EQ(HashOf(without), HashOf(SoundAtlas()));
+  EXPECT_NE(HashOf(without), HashOf(atlas_));
 }
 
 TEST_F(StoreLandmarks, CanBeSelected) {
@@ -90,23 +91,34 @@ TEST_F(StoreLandmarks, AreSalvagedAroundDamage) {
   EXPECT_EQ(FirstDifference(salvage.atlas, atlas_), "");
 }
 
-TEST_F(StoreLandmarks, OneStepBackAndForth) {
-  SaveIn(path_, SoundAtlas());
-  const MigrateReport back = MigrateStore(path_, {.back = true});
+// The steps of version 2, as a slamdb of that version takes them.
+class StoreLandmarksStep : public StoreLandmarks {
+ protected:
+  MigrateReport Back() { return sqlite::Migrate(path_, {.back = true}, sqlite::Migrations().first(2)); }
+  void SaveAsVersion2(const Atlas& atlas) {
+    SaveIn(path_, atlas);
+    MigrateStore(path_, {.back = true, .backup = false});
+  }
+};
+
+TEST_F(StoreLandmarksStep, BackAndForth) {
+  SaveAsVersion2(SoundAtlas());
+  const MigrateReport back = Back();
   EXPECT_EQ(back.from, 2);
   EXPECT_EQ(back.to, 1);
   EXPECT_THAT(back.steps, ElementsAre("0002_landmarks.back"));
   EXPECT_EQ(back.backup, path_ + ".v2.bak");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM sqlite_schema WHERE name LIKE '%landmark%'"), "0");
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 1, this program needs 2"));
-  EXPECT_TRUE(MigrateStore(path_, {.back = true}).steps.empty());
-  EXPECT_THAT(MigrateStore(path_).steps, ElementsAre("0002_landmarks"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 1, this program needs 3"));
+  EXPECT_TRUE(Back().steps.empty());
+  EXPECT_THAT(MigrateStore(path_).steps, ElementsAre("0002_landmarks", "0003_tracking"));
   EXPECT_EQ(FirstDifference(LoadFrom(path_), SoundAtlas()), "");
 }
 
-TEST_F(StoreLandmarks, NoStepBackLosesAny) {
-  SaveIn(path_, atlas_);
-  EXPECT_THAT(ErrorOf([&] { MigrateStore(path_, {.back = true, .backup = false}); }), HasSubstr("holds landmarks"));
+TEST_F(StoreLandmarksStep, BackLosesNone) {
+  SaveAsVersion2(atlas_);
+  EXPECT_THAT(ErrorOf([&] { Back(); }), HasSubstr("holds landmarks"));
+  MigrateStore(path_);
   EXPECT_EQ(FirstDifference(LoadFrom(path_), atlas_), "");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include "slamdb/model/digest.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/sqlite/atlases.h"
 
@@ -13,7 +14,7 @@ TEST(StoreRoundtrip, OddAtlasComesBackToTheLastBit) {
   SaveIn(folder / "s.db", odd);
   const Atlas back = LoadFrom(folder / "s.db");
   EXPECT_EQ(FirstDifference(back, odd), "");
-  EXPECT_EQ(Store::HashOf(back), Store::HashOf(odd));
+  EXPECT_EQ(HashOf(back), HashOf(odd));
 }
 
 TEST(StoreRoundtrip, StoreToStore) {
@@ -21,7 +22,7 @@ TEST(StoreRoundtrip, StoreToStore) {
   SaveIn(folder / "one.db", OddAtlas());
   const SaveReport report = SaveIn(folder / "two.db", LoadFrom(folder / "one.db"), "other name");
   EXPECT_EQ(FirstDifference(LoadFrom(folder / "two.db", "other name"), OddAtlas()), "");
-  EXPECT_EQ(report.hash, Store::HashOf(OddAtlas()));
+  EXPECT_EQ(report.hash, HashOf(OddAtlas()));
 }
 
 TEST(StoreRoundtrip, EmptyAtlas) {
@@ -92,11 +93,11 @@ TEST(StoreRoundtrip, SeveralAtlasesInOneFile) {
 
 TEST(StoreRoundtrip, HashTellsFieldsApart) {
   const Atlas atlas = OddAtlas();
-  const std::uint64_t hash = Store::HashOf(atlas);
+  const std::uint64_t hash = HashOf(atlas);
   const auto differs = [&](auto change) {
     Atlas other = atlas;
     change(other);
-    return Store::HashOf(other) != hash;
+    return HashOf(other) != hash;
   };
   EXPECT_TRUE(differs([](Atlas& a) { a.maps[0].points[0].position.x() = -a.maps[0].points[0].position.x(); }));
   EXPECT_TRUE(differs([](Atlas& a) { a.maps[0].keyframes[0].features.descriptors[4][31] ^= 1; }));

@@ -87,8 +87,10 @@ struct AtlasDiff {
 // Compares two atlases by what they mean. Entities are recognised by content, whatever their ids: keyframes by
 // descriptors and time, points by descriptor and by who observes them where, maps by their keyframes, cameras by their
 // parameters, landmarks by all that they hold, to the bit. References are the same when they lead to the same entity.
-// The order of lists does not count, a NaN is the same as any other, and a quaternion the same as its negative. O(n);
-// the result does not depend on the number of threads. Either atlas may hold anything. Thread-safe.
+// What does not count: the order of lists; which NaN a NaN is; the sign of a quaternion; how a matrix stands in its
+// file (the flag of a continuous one, the form of an empty one); which entries a list has as null or repeated, beyond
+// their number; how many slots of a keyframe hold no point.
+// O(n); the result does not depend on the number of threads. Either atlas may hold anything. Thread-safe.
 AtlasDiff DiffAtlases(const Atlas& before, const Atlas& after, const DiffOptions& options);
 
 }  // namespace slamdb

@@ -12,6 +12,15 @@ struct Link {
   std::uint64_t target;
   std::uint64_t value;
 };
+// Walks of fields.h as values.
+constexpr auto kCameraFields = [](const auto& visit) { fields::ForEachCameraField(visit); };
+constexpr auto kFeatureFields = [](const auto& visit) { fields::ForEachFeatureField(visit); };
+constexpr auto kWordFields = [](const auto& visit) { fields::ForEachWordField(visit); };
+constexpr auto kInertialFields = [](const auto& visit) {
+  fields::ForEachInertialField(visit);
+  fields::ForEachMotionField(visit);
+};
+
 constexpr std::uint64_t kOnlyBefore = std::uint64_t{1} << 62;  // its target has no partner
 constexpr std::uint64_t kDangling = std::uint64_t{1} << 63;    // the target is in neither; the id is all there is
 
@@ -71,15 +80,11 @@ bool PairComparison::SameOrigin(std::uint32_t a, std::uint32_t b) const {
 
 bool PairComparison::SameCalibration(const KeyFrame& a, const KeyFrame& b) const {
   return SameCamera(a.camera, b.camera) && SameCamera(a.right_camera, b.right_camera) &&
-         same_(a.intrinsics, b.intrinsics) && same_(a.calibration_matrix, b.calibration_matrix) &&
-         same_(a.distortion, b.distortion) && same_(a.half_baseline, b.half_baseline) &&
-         same_(a.left_from_right, b.left_from_right) && same_(a.bounds, b.bounds) && same_(a.pyramid, b.pyramid);
+         same_.Fields<CameraId, Flag>(a, b, kCameraFields);
 }
 
 bool PairComparison::SameInertial(const KeyFrame& a, const KeyFrame& b) const {
-  return same_(a.imu_bias, b.imu_bias) && same_(a.preintegration, b.preintegration) &&
-         same_(a.imu_calibration, b.imu_calibration) && a.imu_initialized == b.imu_initialized &&
-         same_(a.velocity, b.velocity) && same_(a.body_position, b.body_position) && a.has_velocity == b.has_velocity;
+  return same_.Fields(a, b, kInertialFields);
 }
 
 KeyFramePairDiff PairComparison::CompareKeyFrame(std::uint32_t n) const {
@@ -97,9 +102,9 @@ KeyFramePairDiff PairComparison::CompareKeyFrame(std::uint32_t n) const {
   }
   diff.Note(kTime, same_(a.timestamp, b.timestamp));
   diff.Note(kCalibration, SameCalibration(a, b));
-  diff.Note(kFeatures, same_(a.features, b.features));
-  diff.Note(kBagOfWords, same_(a.features.bag_of_words, b.features.bag_of_words) &&
-                             a.features.feature_vector == b.features.feature_vector);
+  // Which points the features see is compared by where that leads, in CompareSlots.
+  diff.Note(kFeatures, same_.Fields<Column<MapPointId>, MatrixForm>(a, b, kFeatureFields));
+  diff.Note(kBagOfWords, same_.Fields(a, b, kWordFields));
   diff.Note(kInertial, SameInertial(a, b));
   diff.Note(kState, a.first_connection == b.first_connection && a.not_erase == b.not_erase &&
                         a.to_be_erased == b.to_be_erased && a.bad == b.bad && same_(a.merge_scale, b.merge_scale) &&
@@ -165,6 +170,8 @@ PointPairDiff PairComparison::ComparePoint(std::uint32_t n) const {
   diff.Note(kReference, SameKeyFrame(map_a, a.reference, map_b, b.reference));
   diff.Note(kReplacement, SamePoint(map_a, a.replaced_by, map_b, b.replaced_by));
   diff.Note(kBad, a.bad == b.bad);
+  diff.Note(kPointOrigin, SameOrigin(a.origin_map, b.origin_map));
+  diff.Note(kFrameCounts, a.visible_count == b.visible_count && a.found_count == b.found_count);
   CompareFirst(n, partner, diff);
   CompareObservations(n, partner, diff.observations);
   return diff;
@@ -214,8 +221,7 @@ PairDiff PairComparison::CompareCamera(std::uint32_t row) const {
   if (partner == kNoRow) return diff;
   const Camera &a = before_.atlas().cameras[row], &b = after_.atlas().cameras[partner];
   diff.renumbered = a.id != b.id;
-  diff.Note(kParameters, a.model == b.model && a.recorded_type == b.recorded_type &&
-                             same_(a.parameters, b.parameters) && same_(a.precision, b.precision));
+  diff.Note(kParameters, same_.Fields<CameraId>(a, b, [&](const auto& visit) { ForEachField(&a, visit); }));
   return diff;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/ids/origin.h"
 
+#include <algorithm>
 #include <string>
+#include <type_traits>
 
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/id_map.h"
@@ -18,17 +20,27 @@ std::string ListOf(const Histogram& origins) {
   return list.empty() ? "none" : list;
 }
 
-template <class Visit>
-void ForEachOrigin(Atlas& atlas, const Visit& visit) {
-  for (Map& map : atlas.maps)
-    for (KeyFrame& keyframe : map.keyframes) visit(map, keyframe.origin_map);
+// visit(map, entity) for each keyframe, and for each point whose origin is recorded.
+template <class AnAtlas, class Visit>
+void ForEachMade(AnAtlas& atlas, const Visit& visit) {
+  for (auto& map : atlas.maps) {
+    for (auto& keyframe : map.keyframes) visit(map, keyframe);
+    for (auto& point : map.points)
+      if (point.origin_map != MapPoint::kNoOrigin) visit(map, point);
+  }
 }
 
-Histogram Count(const Atlas& atlas) {
-  Histogram counts;
-  for (const Map& map : atlas.maps)
-    for (const KeyFrame& keyframe : map.keyframes) ++counts[keyframe.origin_map];
-  return counts;
+// How many keyframes and how many points have each origin.
+struct Origins {
+  Histogram keyframes, points;
+  Histogram& Of(const KeyFrame&) { return keyframes; }
+  Histogram& Of(const MapPoint&) { return points; }
+};
+
+Origins Count(const Atlas& atlas) {
+  Origins origins;
+  ForEachMade(atlas, [&](const Map&, const auto& made) { ++origins.Of(made)[made.origin_map]; });
+  return origins;
 }
 
 // Follows the replacements from each source: who comes back to it swaps origins, which nobody means.
@@ -41,8 +53,8 @@ void RefuseCircles(const Replacements& replacements) {
       at = next->second;
     }
     if (at == from && to != from)
-      throw Error("the replacements lead from origin " + std::to_string(from) +
-                  " back to it; to swap origins, move one of them out of the way first");
+      throw Error(ErrorKind::kUsage, "the replacements lead from origin " + std::to_string(from) +
+                                         " back to it; to swap origins, move one of them out of the way first");
   }
 }
 
@@ -50,9 +62,10 @@ Replacements Gather(const OriginOptions& options, const Histogram& origins) {
   Replacements replacements;
   for (const auto& [from, to] : options.replace) {
     if (!origins.contains(from))
-      throw Error("no keyframe has origin map " + std::to_string(from) + "; origins are " + ListOf(origins));
+      throw Error(ErrorKind::kNotPossible,
+                  "no keyframe or point has origin map " + std::to_string(from) + "; origins are " + ListOf(origins));
     if (!replacements.emplace(from, to).second)
-      throw Error("origin map " + std::to_string(from) + " is replaced twice");
+      throw Error(ErrorKind::kUsage, "origin map " + std::to_string(from) + " is replaced twice");
   }
   RefuseCircles(replacements);
   return replacements;
@@ -67,8 +80,9 @@ Replacements Plan(const OriginOptions& options, const Histogram& origins) {
     const auto replaced = replacements.find(origin);
     const std::int64_t moved = std::int64_t{replaced == replacements.end() ? origin : replaced->second} + options.shift;
     if (moved < 0 || moved > static_cast<std::int64_t>(LargestId(IdKind::kMap)))
-      throw Error("origin map " + std::to_string(origin) + " would become " + std::to_string(moved) +
-                  ", expected 0 to " + std::to_string(LargestId(IdKind::kMap)));
+      throw Error(ErrorKind::kNotPossible, "origin map " + std::to_string(origin) + " would become " +
+                                               std::to_string(moved) + ", expected 0 to " +
+                                               std::to_string(LargestId(IdKind::kMap)));
     plan[origin] = static_cast<std::uint32_t>(moved);
     compact[plan[origin]];
   }
@@ -79,38 +93,44 @@ Replacements Plan(const OriginOptions& options, const Histogram& origins) {
   return plan;
 }
 
-// Origins after `from_map` and `set`, which do not depend on what they were.
-Histogram CountAfterSetting(const Atlas& atlas, const OriginOptions& options) {
-  if (!options.from_map && !options.set) return Count(atlas);
-  Histogram counts;
-  for (const Map& map : atlas.maps) {
-    if (map.keyframes.empty()) continue;
-    const std::uint64_t origin = options.set ? *options.set : map.id.value();
-    if (origin > LargestId(IdKind::kMap))
-      throw Error(ToString(map.id) + " cannot be an origin, expected an id up to " +
-                  std::to_string(LargestId(IdKind::kMap)));
-    counts[static_cast<std::uint32_t>(origin)] += map.keyframes.size();
-  }
-  return counts;
+// What the origin of something in `map` is after `from_map` and `set`.
+std::uint32_t Start(const OriginOptions& options, const Map& map, std::uint32_t origin) {
+  if (options.set) return *options.set;
+  return options.from_map ? static_cast<std::uint32_t>(map.id.value()) : origin;
+}
+
+// All origins after `from_map` and `set`.
+Histogram StartingOrigins(const Atlas& atlas, const OriginOptions& options) {
+  Histogram origins;
+  ForEachMade(atlas, [&](const Map& map, const auto& made) {
+    const std::uint64_t given = options.set ? *options.set : options.from_map ? map.id.value() : 0;
+    if (given > LargestId(IdKind::kMap))
+      throw Error(ErrorKind::kNotPossible, ToString(map.id) + " cannot be an origin, expected an id up to " +
+                                               std::to_string(LargestId(IdKind::kMap)));
+    ++origins[Start(options, map, made.origin_map)];
+  });
+  return origins;
 }
 
 }  // namespace
 
 OriginReport ReassignOrigins(Atlas& atlas, const OriginOptions& options) {
-  OriginReport report{.before = Count(atlas)};
+  Origins before = Count(atlas);
+  OriginReport report{.before = std::move(before.keyframes), .points_before = std::move(before.points)};
   report.next_map_before = atlas.next_ids.map;
-  const Replacements plan = Plan(options, CountAfterSetting(atlas, options));
-  ForEachOrigin(atlas, [&](const Map& map, std::uint32_t& origin) {
-    std::uint32_t start = origin;
-    if (options.from_map) start = static_cast<std::uint32_t>(map.id.value());
-    if (options.set) start = *options.set;
-    const std::uint32_t after = plan.at(start);
-    report.changed += after != origin;
-    origin = after;
+  const Replacements plan = Plan(options, StartingOrigins(atlas, options));
+  ForEachMade(atlas, [&](const Map& map, auto& made) {
+    const std::uint32_t after = plan.at(Start(options, map, made.origin_map));
+    constexpr bool kIsPoint = std::is_same_v<std::remove_cvref_t<decltype(made)>, MapPoint>;
+    (kIsPoint ? report.points_changed : report.changed) += after != made.origin_map;
+    made.origin_map = after;
   });
-  report.after = Count(atlas);
-  if (!report.after.empty())
-    atlas.next_ids.map = std::max(atlas.next_ids.map, std::uint64_t{report.after.rbegin()->first} + 1);
+  Origins after = Count(atlas);
+  report.after = std::move(after.keyframes);
+  report.points_after = std::move(after.points);
+  for (const Histogram* origins : {&report.after, &report.points_after})
+    if (!origins->empty())
+      atlas.next_ids.map = std::max(atlas.next_ids.map, std::uint64_t{origins->rbegin()->first} + 1);
   report.next_map_after = atlas.next_ids.map;
   return report;
 }

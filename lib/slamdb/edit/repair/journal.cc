@@ -6,6 +6,7 @@
 #include <set>
 #include <span>
 #include <tuple>
+#include <unordered_map>
 
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/detail/field_bits.h"
@@ -52,6 +53,11 @@ void AppendFieldChanges(std::string_view name, const Field& before, const Field&
   add(begin, before_end, after_end);
 }
 
+void AppendFieldChanges(std::string_view name, const field_bits::LandmarkFeatures& before,
+                        const field_bits::LandmarkFeatures& after, std::vector<FieldEdit>& edits) {
+  AppendFieldChanges(name, field_bits::BytesOf(before), field_bits::BytesOf(after), edits);
+}
+
 template <class Entity>
 std::vector<FieldEdit> ChangesOf(const Entity& before, const Entity& after) {
   std::vector<FieldEdit> edits;
@@ -72,9 +78,33 @@ std::vector<std::uint8_t> RowsKept(const List& before, const List& after, const 
     kept[row] = key(before[row]) == key(after[next]);
     next += kept[row];
   }
-  if (next != after.size()) throw Error("entities were added or moved: such a change cannot be taken back");
+  if (next != after.size())
+    throw Error(ErrorKind::kNotPossible, "entities were added or moved: such a change cannot be taken back");
   return kept;
 }
+
+// Which rows of two lists of landmarks are the same ones, in order: those of equal id, or of equal row where nothing
+// was added or removed.
+struct KeptLandmarks {
+  std::vector<std::uint8_t> before, after;
+
+  KeptLandmarks(const std::vector<Landmark>& old_list, const std::vector<Landmark>& new_list)
+      : before(old_list.size(), old_list.size() == new_list.size()),
+        after(new_list.size(), before.size() == new_list.size()) {
+    if (before.size() == after.size()) return;
+    std::unordered_map<LandmarkId, std::size_t> to_come;
+    for (const Landmark& landmark : new_list) ++to_come[landmark.id];
+    std::size_t old_row = 0;
+    for (std::size_t row = 0; row < new_list.size(); ++row) {
+      --to_come[new_list[row].id];
+      while (old_row < old_list.size() && old_list[old_row].id != new_list[row].id &&
+             to_come[old_list[old_row].id] == 0)
+        ++old_row;
+      if (old_row == old_list.size() || old_list[old_row].id != new_list[row].id) continue;
+      before[old_row++] = after[row] = 1;
+    }
+  }
+};
 
 constexpr auto kIdOf = [](const auto& entity) { return entity.id; };
 
@@ -104,6 +134,7 @@ class Comparison {
       const auto map = static_cast<std::uint32_t>(row);
       CompareList(EntityKind::kKeyFrame, map, before[row].keyframes, {}, kIdOf);
       CompareList(EntityKind::kPoint, map, before[row].points, {}, kIdOf);
+      CompareLandmarks(map, before[row].landmarks, {});
       Remove(EntityKind::kMap, 0, row, before[row]);
     }
     std::size_t row = 0;
@@ -112,6 +143,7 @@ class Comparison {
       const auto map = static_cast<std::uint32_t>(row);
       CompareList(EntityKind::kKeyFrame, map, before[old].keyframes, after[row].keyframes, kIdOf);
       CompareList(EntityKind::kPoint, map, before[old].points, after[row].points, kIdOf);
+      CompareLandmarks(map, before[old].landmarks, after[row].landmarks);
       Add(EntityKind::kMap, 0, row, before[old].id.value(), ChangesOf(before[old], after[row]));
       ++row;
     }
@@ -130,13 +162,43 @@ class Comparison {
     }
   }
 
+  // Removals, then additions from the beginning on, then changes.
+  void CompareLandmarks(std::uint32_t map, const std::vector<Landmark>& before, const std::vector<Landmark>& after) {
+    const KeptLandmarks kept(before, after);
+    for (std::size_t row = before.size(); row-- > 0;)
+      if (kept.before[row] == 0) Remove(EntityKind::kLandmark, map, row, before[row]);
+    for (std::size_t row = 0; row < after.size(); ++row)
+      if (kept.after[row] == 0)
+        journal_.edits.push_back({.rule = std::string(rule_),
+                                  .kind = EntityKind::kLandmark,
+                                  .map = map,
+                                  .row = row,
+                                  .id = after[row].id.value(),
+                                  .added = true,
+                                  .fields = ChangesOf(Landmark(), after[row])});
+    std::size_t old = 0;
+    for (std::size_t row = 0; row < after.size(); ++row) {
+      if (kept.after[row] == 0) continue;
+      while (kept.before[old] == 0) ++old;
+      Add(EntityKind::kLandmark, map, row, before[old].id.value(), ChangesOf(before[old], after[row]));
+      ++old;
+    }
+  }
+
   void Add(EntityKind kind, std::uint32_t map, std::size_t row, std::uint64_t id, std::vector<FieldEdit> fields) {
-    if (!fields.empty()) journal_.edits.push_back({std::string(rule_), kind, map, row, id, false, std::move(fields)});
+    if (fields.empty()) return;
+    journal_.edits.push_back(
+        {.rule = std::string(rule_), .kind = kind, .map = map, .row = row, .id = id, .fields = std::move(fields)});
   }
   template <class Entity>
   void Remove(EntityKind kind, std::uint32_t map, std::size_t row, const Entity& entity) {
-    journal_.edits.push_back(
-        {std::string(rule_), kind, map, row, entity.id.value(), true, ChangesOf(entity, Entity())});
+    journal_.edits.push_back({.rule = std::string(rule_),
+                              .kind = kind,
+                              .map = map,
+                              .row = row,
+                              .id = entity.id.value(),
+                              .removed = true,
+                              .fields = ChangesOf(entity, Entity())});
   }
 
   std::string_view rule_;
@@ -146,7 +208,7 @@ class Comparison {
 // ---- And back
 
 [[noreturn]] void FailMisfit(std::string_view what) {
-  throw Error("the journal is not of this atlas: " + std::string(what));
+  throw Error(ErrorKind::kNotPossible, "the journal is not of this atlas: " + std::string(what));
 }
 
 template <class Element>
@@ -185,6 +247,12 @@ void TakeBackField(const FieldEdit& edit, Field& field) {
   }
 }
 
+void TakeBackField(const FieldEdit& edit, field_bits::LandmarkFeatures& features) {
+  std::vector<std::uint8_t> bytes = field_bits::BytesOf(features);
+  TakeBackField(edit, bytes);
+  features = field_bits::FeaturesOf(bytes);
+}
+
 template <class Entity>
 void TakeBackFields(const EntityEdit& edit, Entity& entity) {
   for (auto field = edit.fields.rbegin(); field != edit.fields.rend(); ++field) {
@@ -221,6 +289,8 @@ void WithList(Atlas& atlas, const EntityEdit& edit, const Use& use) {
       return use(MapOf(atlas, edit).keyframes);
     case EntityKind::kPoint:
       return use(MapOf(atlas, edit).points);
+    case EntityKind::kLandmark:
+      return use(MapOf(atlas, edit).landmarks);
     case EntityKind::kAtlas:
       FailMisfit("an atlas cannot be removed");
   }
@@ -241,6 +311,16 @@ void Insert(std::span<const EntityEdit* const> removals, List& list) {
   list = std::move(whole);
 }
 
+// Takes an entity out again that an edit has put in, and that is as it was then.
+template <class List>
+void TakeOut(const EntityEdit& edit, List& list) {
+  auto& entity = RowOf(list, edit);
+  TakeBackFields(edit, entity);
+  if (!ChangesOf(std::remove_cvref_t<decltype(entity)>(), entity).empty())
+    FailMisfit("row " + std::to_string(edit.row) + " is not what was added");
+  list.erase(list.begin() + static_cast<std::ptrdiff_t>(edit.row));
+}
+
 bool OfOneList(const EntityEdit& a, const EntityEdit& b) {
   return b.removed && a.kind == b.kind && a.map == b.map && a.row < b.row;
 }
@@ -258,6 +338,8 @@ void TakeBack(const Journal& journal, Atlas& atlas) {
     if (!edit->removed) {
       if (edit->kind == EntityKind::kAtlas)
         TakeBackFields(*edit, atlas);
+      else if (edit->added)
+        WithList(atlas, *edit, [&](auto& list) { TakeOut(*edit, list); });
       else
         WithList(atlas, *edit, [&](auto& list) { TakeBackFields(*edit, RowOf(list, *edit)); });
       ++edit;

@@ -6,11 +6,12 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
 
-enum class EntityKind : std::uint8_t { kAtlas, kCamera, kMap, kKeyFrame, kPoint };
+enum class EntityKind : std::uint8_t { kAtlas, kCamera, kMap, kKeyFrame, kPoint, kLandmark };
 
 // `before` in place of `after` in a field, from element `at` on. Values are the bits of scalars, element after element;
 // `kinds` says of the scalars of one element what they are, as Python's struct module does: B byte, i I 32 bits signed
@@ -28,10 +29,11 @@ struct FieldEdit {
 struct EntityEdit {
   std::string rule;  // whose fix
   EntityKind kind = EntityKind::kAtlas;
-  std::uint32_t map = 0;  // keyframes and points: row of Atlas::maps at that moment
+  std::uint32_t map = 0;  // keyframes, points and landmarks: row of Atlas::maps at that moment
   std::uint64_t row = 0;  // of its list at that moment
-  std::uint64_t id = 0;   // for the reader; before the edit. Of an atlas 0
+  std::uint64_t id = 0;   // for the reader; before the edit, or of what was added. Of an atlas 0
   bool removed = false;   // taken out of its list; `fields` then say how it differed from an entity just made
+  bool added = false;     // put into its list (landmarks); `fields` then say how it differs from an entity just made
   std::vector<FieldEdit> fields;
 };
 
@@ -40,13 +42,16 @@ struct Journal {
   std::vector<EntityEdit> edits;
 };
 
-// Appends what makes `after` of `before` under the name of `rule`. Entities may have been changed and removed, but not
-// added or moved. Linear. Throws Error when they were.
-void AppendChanges(const Atlas& before, const Atlas& after, std::string_view rule, Journal& journal);
+// Appends what makes `after` of `before` under the name of `rule`.
+// Entities may have been changed and removed; landmarks also added and moved. Encodings do not count.
+// Throws Error (kNotPossible) when others were added or moved.
+// Linear, but for moved landmarks, which are taken for removed and added.
+SLAMDB_EXPORT void AppendChanges(const Atlas& before, const Atlas& after, std::string_view rule, Journal& journal);
 
 // Takes the edits back, the last one first: bit by bit what it was, uninitialised values and the order of lists
-// included. Throws Error, and leaves `atlas` in between, where it does not hold what an edit made; that an atlas is
-// another one which holds the same there only its hash can tell.
-void TakeBack(const Journal& journal, Atlas& atlas);
+// included.
+// Throws Error (kNotPossible), and leaves `atlas` in between, where it does not hold what an edit made; that an atlas
+// is another one which holds the same there only its hash can tell.
+SLAMDB_EXPORT void TakeBack(const Journal& journal, Atlas& atlas);
 
 }  // namespace slamdb

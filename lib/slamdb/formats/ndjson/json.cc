@@ -1,29 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/ndjson/json.h"
 
-#include "slamdb/formats/ndjson/detail/append.h"
-#include "slamdb/formats/ndjson/detail/names.h"
+#include "slamdb/formats/ndjson/detail/members.h"
 
 namespace slamdb {
 namespace {
-
-void AppendRepeated(JsonAppender& json, std::string_view name, const std::vector<RepeatedEntry>& entries) {
-  json.BeginArray(name);
-  for (const RepeatedEntry& entry : entries) {
-    json.BeginObject();
-    json.Field("position", entry.position);
-    if (entry.owner_map != RepeatedEntry::kNull) {  // without these two it is a null pointer
-      json.Field("owner_map", entry.owner_map);
-      json.Field("row", entry.row);
-    }
-    json.EndObject();
-  }
-  json.EndArray();
-}
-
-void AppendSide(JsonAppender& json, std::string_view name, std::int32_t row) {
-  if (row != Observation::kAbsent) json.Field(name, row);
-}
 
 // The end of the JSON string that begins at `begin`.
 std::size_t EndOfString(std::string_view json, std::size_t begin) {
@@ -109,28 +90,21 @@ void AppendJson(std::string& out, const MapPoint& point, std::optional<MapId> ma
   json.BeginObject();
   json.Field("type", "map_point");
   if (map) json.Field("map", *map);
-  json.Field("id", point.id);
-  json.Field("first_keyframe", point.first_keyframe);
-  json.Field("first_frame", point.first_frame);
-  json.Field("observation_count", point.observation_count);
-  json.Field("position", point.position);
-  json.Field("normal", point.normal);
-  json.BeginArray("observations");
-  for (const Observation& observation : point.observations) {
-    json.BeginObject();
-    json.Field("keyframe", observation.keyframe);
-    AppendSide(json, "left", observation.left);
-    AppendSide(json, "right", observation.right);
-    json.EndObject();
-  }
-  json.EndArray();
-  json.Field("descriptor", point.descriptor);
-  json.Field("descriptor_form", NameOf(point.descriptor_form));
-  json.Field("bad", point.bad);
-  json.Field("reference", point.reference);
-  json.Field("replaced_by", point.replaced_by);
-  json.Field("min_distance", point.min_distance);
-  json.Field("max_distance", point.max_distance);
+  fields::ForEachArchivedPointField(
+      [&](std::string_view name, auto member) { AppendMember(json, name, point.*member); });
+  const MapPoint nothing;
+  fields::ForEachTrackingField([&](std::string_view name, auto member) {
+    if (point.*member != nothing.*member) json.Field(name, point.*member);  // left out: not recorded
+  });
+  json.EndObject();
+}
+
+void AppendJson(std::string& out, const Landmark& landmark, std::optional<MapId> map) {
+  JsonAppender json(out);
+  json.BeginObject();
+  json.Field("type", "landmark");
+  if (map) json.Field("map", *map);
+  ForEachField(&landmark, [&](std::string_view name, auto member) { AppendMember(json, name, landmark.*member); });
   json.EndObject();
 }
 
@@ -138,11 +112,7 @@ void AppendJson(std::string& out, const Camera& camera) {
   JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "camera");
-  json.Field("id", camera.id);
-  json.Field("model", NameOf(camera.model));
-  json.Field("recorded_type", camera.recorded_type);
-  json.Array("parameters", camera.parameters);
-  json.Field("precision", camera.precision);
+  ForEachField(&camera, [&](std::string_view name, auto member) { AppendMember(json, name, camera.*member); });
   json.EndObject();
 }
 
@@ -150,21 +120,12 @@ void AppendJson(std::string& out, const Map& map) {
   JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "map");
-  json.Field("id", map.id);
-  json.Field("initial_keyframe", map.initial_keyframe);
-  json.Field("max_keyframe_id", map.max_keyframe_id);
-  json.Field("big_change_index", map.big_change_index);
-  json.Field("keyframe_count", map.keyframes.size());
-  json.Field("point_count", map.points.size());
-  AppendRepeated(json, "repeated_keyframes", map.repeated_keyframes);
-  AppendRepeated(json, "repeated_points", map.repeated_points);
-  json.Array("origins", map.origins);
-  json.Field("first_keyframe", map.first_keyframe);
-  json.Field("lowest_keyframe", map.lowest_keyframe);
-  json.Field("imu_initialized", map.imu_initialized);
-  json.Field("inertial", map.inertial);
-  json.Field("imu_ba1", map.imu_ba1);
-  json.Field("imu_ba2", map.imu_ba2);
+  ForEachField(&map, [&](std::string_view name, auto member) {
+    AppendMember(json, name, map.*member);
+    if (name != "big_change_index") return;
+    json.Field("keyframe_count", map.keyframes.size());
+    json.Field("point_count", map.points.size());
+  });
   json.EndObject();
 }
 
@@ -177,9 +138,9 @@ void AppendJson(std::string& out, const Atlas& atlas) {
   json.Field("checksum", std::string_view(atlas.vocabulary.checksum));
   json.EndObject();
   json.Array("maps", atlas.maps, [](const Map& map) { return map.id; });
-  AppendRepeated(json, "repeated_maps", atlas.repeated_maps);
+  AppendMember(json, "repeated_maps", atlas.repeated_maps);
   json.Array("cameras", atlas.cameras, [](const Camera& camera) { return camera.id; });
-  AppendRepeated(json, "repeated_cameras", atlas.repeated_cameras);
+  AppendMember(json, "repeated_cameras", atlas.repeated_cameras);
   json.BeginObject("next_ids");
   json.Field("map", atlas.next_ids.map);
   json.Field("frame", atlas.next_ids.frame);

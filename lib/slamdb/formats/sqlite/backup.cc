@@ -28,25 +28,29 @@ void Copy(Database& source, const std::string& to, const std::string& target) {
   sqlite3* handle = nullptr;
   const int opened = sqlite3_open_v2(to.c_str(), &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   const std::unique_ptr<sqlite3, decltype(&sqlite3_close_v2)> closer(handle, &sqlite3_close_v2);
-  if (opened != SQLITE_OK) throw Error(target, "", std::string("cannot create: ") + sqlite3_errmsg(handle));
+  const auto fail = [&](const char* what, int code) {
+    const Error failure = FailureOf(handle, code, target, "");
+    throw Error(failure.kind(), target, "", what + failure.problem());
+  };
+  if (opened != SQLITE_OK) fail("cannot create: ", opened);
   sqlite3_exec(handle, "PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF", nullptr, nullptr, nullptr);
   sqlite3_backup* backup = sqlite3_backup_init(handle, "main", source.handle(), "main");
-  if (backup == nullptr) throw Error(target, "", std::string("cannot write: ") + sqlite3_errmsg(handle));
+  if (backup == nullptr) fail("cannot write: ", sqlite3_extended_errcode(handle));
   const int stepped = sqlite3_backup_step(backup, -1);
   const int finished = sqlite3_backup_finish(backup);
-  if (stepped != SQLITE_DONE || finished != SQLITE_OK) {
-    throw Error(target, "", std::string("the copy failed: ") + sqlite3_errmsg(handle));
-  }
+  if (stepped != SQLITE_DONE || finished != SQLITE_OK)
+    fail("the copy failed: ", finished != SQLITE_OK ? finished : stepped);
 }
 
 }  // namespace
 
 void BackupTo(Database& source, const std::string& target, bool overwrite) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(target, ignored)) throw Error(target, "", "is a directory");
+  if (std::filesystem::is_directory(target, ignored)) throw Error(ErrorKind::kUsage, target, "", "is a directory");
   if (!overwrite && std::filesystem::exists(target, ignored))
-    throw Error(target, "", "exists; use --overwrite to replace it");
-  if (std::filesystem::equivalent(source.path(), target, ignored)) throw Error(target, "", "is the store itself");
+    throw Error(ErrorKind::kAlreadyExists, target, "", "exists already; `overwrite` of Store::Backup replaces it");
+  if (std::filesystem::equivalent(source.path(), target, ignored))
+    throw Error(ErrorKind::kUsage, target, "", "is the store itself");
   TemporaryFile temporary{target + ".tmp-" + std::to_string(::getpid())};
   ::unlink(temporary.path.c_str());
   Copy(source, temporary.path, target);

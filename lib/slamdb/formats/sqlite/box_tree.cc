@@ -89,7 +89,8 @@ class TreeWriter {
         leaf_(database, "INSERT INTO map_point_box_rowid VALUES (?1, ?2)", "table map_point_box_rowid"),
         parent_(database, "INSERT INTO map_point_box_parent VALUES (?1, ?2)", "table map_point_box_parent") {
     if (node_bytes_ < kNodeHeaderBytes + 2 * kCellBytes || node_bytes_ > 65536) {
-      throw Error(database.path(), "table map_point_box_node, row 1", "no root of an R*Tree: the store is damaged");
+      throw Error(ErrorKind::kDamaged, database.path(), "table map_point_box_node, row 1",
+                  "no root of an R*Tree: the store is damaged");
     }
   }
 

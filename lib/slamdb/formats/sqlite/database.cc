@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/database.h"
 
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -23,6 +24,39 @@ std::string ImmutableUri(const std::string& path) {
     }
   }
   return uri + "?immutable=1";
+}
+
+// What SQLite's error codes mean to a caller. `system_error` is the errno behind the code, 0 when there is none.
+ErrorKind KindOf(int code, int system_error) {
+  switch (code & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_PROTOCOL:
+      return ErrorKind::kLocked;
+    case SQLITE_FULL:
+    case SQLITE_NOMEM:
+      return ErrorKind::kOutOfResources;
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+      return ErrorKind::kPermission;
+    case SQLITE_CANTOPEN:
+    case SQLITE_IOERR:
+      if (system_error != 0) {
+        errno = system_error;
+        return SystemError("", "").kind();
+      }
+      return (code & 0xff) == SQLITE_CANTOPEN ? ErrorKind::kPermission : ErrorKind::kDamaged;
+    case SQLITE_TOOBIG:
+      return ErrorKind::kNotPossible;
+    case SQLITE_CONSTRAINT:  // a trigger of a migration refuses, or rows contradict each other
+      return code == SQLITE_CONSTRAINT_TRIGGER ? ErrorKind::kNotPossible : ErrorKind::kDamaged;
+    case SQLITE_MISUSE:
+    case SQLITE_RANGE:
+      return ErrorKind::kInternal;
+    default:
+      return ErrorKind::kDamaged;
+  }
 }
 
 std::string Explain(int code, const std::string& message) {
@@ -54,11 +88,16 @@ std::string Explain(int code, const std::string& message) {
 void CheckIsFile(const std::string& path, bool may_be_missing) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
-  if (std::filesystem::is_directory(status)) throw Error(path, "", "is a directory, not a store");
-  if (!may_be_missing && !std::filesystem::exists(status)) throw Error(path, "", "no such file");
+  if (std::filesystem::is_directory(status)) throw Error(ErrorKind::kUsage, path, "", "is a directory, not a store");
+  if (!may_be_missing && !std::filesystem::exists(status)) throw Error(ErrorKind::kNotFound, path, "", "no such file");
 }
 
 }  // namespace
+
+Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::string& place) {
+  const int system_error = handle == nullptr ? 0 : sqlite3_system_errno(handle);
+  return Error(KindOf(code, system_error), path, place, Explain(code, sqlite3_errmsg(handle)));
+}
 
 Database::Database(const std::string& path, Access access, double lock_timeout) : path_(path) {
   CheckIsFile(path, access == Access::kCreate);
@@ -73,7 +112,10 @@ void Database::OpenHandle(const std::string& name, int flags) {
   sqlite3* handle = nullptr;
   const int code = sqlite3_open_v2(name.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, nullptr);
   handle_.reset(handle);
-  if (code != SQLITE_OK) throw Error(path_, "", "cannot open: " + Explain(code, sqlite3_errmsg(handle)));
+  if (code != SQLITE_OK) {
+    const Error failure = Failure("", code);
+    throw Error(failure.kind(), path_, "", "cannot open: " + failure.problem());
+  }
   // A hostile file must not reach functions or overwrite the schema through SQL of its own.
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
@@ -101,7 +143,7 @@ void Database::OpenToRead(double lock_timeout) {
     code = begin_reading();
   }
   if ((code & 0xff) == SQLITE_CANTOPEN && has_log) {
-    throw Error(path_, "",
+    throw Error(ErrorKind::kPermission, path_, "",
                 "a log of unfinished work (" + log_path() +
                     ") lies beside it in a folder that cannot be written: copy both to another folder");
   }
@@ -111,7 +153,8 @@ void Database::OpenToRead(double lock_timeout) {
 void Database::OpenToWrite(Access access, double lock_timeout) {
   OpenHandle(path_, SQLITE_OPEN_READWRITE | (access == Access::kCreate ? SQLITE_OPEN_CREATE : 0));
   sqlite3_busy_timeout(handle(), static_cast<int>(lock_timeout * 1000));
-  if (sqlite3_db_readonly(handle(), "main") == 1) throw Error(path_, "", "the file cannot be written");
+  if (sqlite3_db_readonly(handle(), "main") == 1)
+    throw Error(ErrorKind::kPermission, path_, "", "the file cannot be written");
 }
 
 std::string Database::log_path() const { return std::string(sqlite3_db_filename(handle(), "main")) + "-wal"; }
@@ -145,9 +188,7 @@ bool Database::HasTable(std::string_view name) {
 
 Error Database::Failure(const std::string& place) const { return Failure(place, sqlite3_extended_errcode(handle())); }
 
-Error Database::Failure(const std::string& place, int code) const {
-  return Error(path_, place, Explain(code, sqlite3_errmsg(handle())));
-}
+Error Database::Failure(const std::string& place, int code) const { return FailureOf(handle(), code, path_, place); }
 
 Statement::Statement(Database& database, std::string_view sql, std::string place)
     : database_(&database), place_(std::move(place)) {

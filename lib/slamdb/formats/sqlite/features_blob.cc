@@ -81,7 +81,8 @@ template <class T>
 void GetUnsigned(ByteReader& in, Column<T>& values) {
   const auto count = in.Get<std::uint32_t>();
   const auto width = in.Get<std::uint8_t>();
-  if (width > sizeof(T)) throw Error("numbers of " + std::to_string(width) + " bytes in a narrower column");
+  if (width > sizeof(T))
+    throw Error(ErrorKind::kDamaged, "numbers of " + std::to_string(width) + " bytes in a narrower column");
   switch (width) {
     case 1:
       return GetAs<T, std::uint8_t>(in, count, values);
@@ -92,7 +93,7 @@ void GetUnsigned(ByteReader& in, Column<T>& values) {
     case 8:
       return GetAs<T, std::uint64_t>(in, count, values);
     default:
-      throw Error("numbers of " + std::to_string(width) + " bytes, expected 1, 2, 4 or 8");
+      throw Error(ErrorKind::kDamaged, "numbers of " + std::to_string(width) + " bytes, expected 1, 2, 4 or 8");
   }
 }
 
@@ -113,7 +114,8 @@ void PutIds(ByteWriter& out, const Column<MapPointId>& ids) {
 void GetIds(ByteReader& in, Column<MapPointId>& ids) {
   const auto count = in.Get<std::uint32_t>();
   const auto width = in.Get<std::uint8_t>();
-  if (width != 4 && width != 8) throw Error("ids of " + std::to_string(width) + " bytes, expected 4 or 8");
+  if (width != 4 && width != 8)
+    throw Error(ErrorKind::kDamaged, "ids of " + std::to_string(width) + " bytes, expected 4 or 8");
   const std::byte* from = in.TakeArray(count, width);
   ids.resize(count);
   if (width == 8) {
@@ -147,7 +149,8 @@ void GetRepetitive(ByteReader& in, Column<T>& values, std::size_t rows) {
   const auto count = in.Get<std::uint32_t>();
   const T value = in.Get<T>();
   if (count > rows)
-    throw Error("a repeated value for " + std::to_string(count) + " rows, more than there are keypoints");
+    throw Error(ErrorKind::kDamaged,
+                "a repeated value for " + std::to_string(count) + " rows, more than there are keypoints");
   values.assign(count, value);
 }
 
@@ -238,7 +241,8 @@ void GetKeypoints(ByteReader& in, Column<Keypoint>& keypoints) {
   std::vector<float> sizes;
   in.GetVector(sizes);
   for (Keypoint& keypoint : keypoints) {
-    if (static_cast<std::uint32_t>(keypoint.octave) >= sizes.size()) throw Error("an octave without keypoint size");
+    if (static_cast<std::uint32_t>(keypoint.octave) >= sizes.size())
+      throw Error(ErrorKind::kDamaged, "an octave without keypoint size");
     keypoint.size = sizes[static_cast<std::size_t>(keypoint.octave)];
   }
 }
@@ -277,7 +281,7 @@ void PutGrid(ByteWriter& out, const FeatureGrid& grid, const Column<Keypoint>& k
 
 void GetGrid(ByteReader& in, FeatureGrid& grid, const Column<Keypoint>& keypoints, const ImageBounds& bounds) {
   if (static_cast<Grid>(in.Get<std::uint8_t>()) == Grid::kDerived) {
-    if (!MayDerive(bounds)) throw Error("a grid that is to be derived, but has no plausible size");
+    if (!MayDerive(bounds)) throw Error(ErrorKind::kDamaged, "a grid that is to be derived, but has no plausible size");
     grid = DeriveGrid(keypoints, bounds);
     return;
   }
@@ -328,7 +332,8 @@ void DecodeFeatures(Bytes blob, KeyFrame& keyframe) {
   Features& features = keyframe.features;
   ByteReader in(blob);
   if (const int version = in.Get<std::uint8_t>(); version != kVersion) {
-    throw Error("features of layout " + std::to_string(version) + ", expected " + std::to_string(kVersion));
+    throw Error(ErrorKind::kDamaged,
+                "features of layout " + std::to_string(version) + ", expected " + std::to_string(kVersion));
   }
   GetKeypoints(in, features.keypoints);
   const auto undistorted = static_cast<Undistorted>(in.Get<std::uint8_t>());

@@ -41,7 +41,7 @@ void CheckTables(Database& database, int version) {
     if (version < 2 && table == std::string_view("landmark")) continue;
     Statement statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1");
     if (!statement.BindText(1, table).Step()) {
-      throw Error(database.path(), std::string("table ") + table, "missing: the store is damaged");
+      throw Error(ErrorKind::kDamaged, database.path(), std::string("table ") + table, "missing: the store is damaged");
     }
   }
 }
@@ -63,18 +63,19 @@ void CheckIsStore(Database& database, int newest, Older older) {
   if (application != kApplicationId) {
     std::string problem = "not a slamdb store: this is " + OwnerOf(database);
     if (application != 0) problem += " (application id " + std::to_string(application) + ")";
-    throw Error(database.path(), "", problem);
+    throw Error(ErrorKind::kUnsupported, database.path(), "", problem);
   }
   const int version = VersionOf(database);
   const std::string is = "store version " + std::to_string(version);
-  if (version < 1) throw Error(database.path(), "", is + " does not exist: the store is damaged");
+  if (version < 1) throw Error(ErrorKind::kDamaged, database.path(), "", is + " does not exist: the store is damaged");
   if (version > newest) {
-    throw Error(database.path(), "",
+    throw Error(ErrorKind::kUnsupported, database.path(), "",
                 is + ", newest known to this program is " + std::to_string(newest) +
                     ": use the slamdb that wrote it, or a newer one");
   }
   if (version < newest && older == Older::kRefuse) {
-    throw Error(database.path(), "", is + ", this program needs " + std::to_string(newest) + ": run `slamdb migrate`");
+    throw Error(ErrorKind::kUnsupported, database.path(), "",
+                is + ", this program needs " + std::to_string(newest) + ": migrate it first");
   }
   CheckTables(database, version);
 }

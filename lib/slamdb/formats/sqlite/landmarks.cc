@@ -3,9 +3,9 @@
 #include <array>
 #include <cstring>
 
-#include "slamdb/formats/sqlite/detail/landmark_blob.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/save.h"
+#include "slamdb/model/detail/record.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -47,7 +47,7 @@ class LandmarkWriter {
       insert_.BindReal(6 + static_cast<int>(i), reals[i]);
     }
     features_.Clear();
-    EncodeLandmarkFeatures(landmark.features, features_);
+    detail::EncodeLandmarkFeatures(landmark.features, features_);
     insert_.Bind(18, ToColumn(landmark.last_seen)).Bind(19, std::int64_t{landmark.seen_count});
     insert_.BindBlob(20, features_.bytes());
     if (fits) {
@@ -60,7 +60,7 @@ class LandmarkWriter {
 
  private:
   Statement insert_;
-  ByteWriter features_;
+  detail::ByteWriter features_;
 };
 
 void ReadReals(Database& database, const Statement& row, Landmark& landmark) {
@@ -83,9 +83,9 @@ Landmark ReadLandmark(Database& database, const Statement& row) {
   landmark.last_seen = static_cast<std::uint64_t>(row.Integer(15));
   landmark.seen_count = static_cast<std::uint32_t>(row.Integer(16));
   try {
-    landmark.features = DecodeLandmarkFeatures(row.Blob(18));
+    landmark.features = detail::DecodeLandmarkFeatures(row.Blob(18));
   } catch (const Error& error) {
-    throw Error(database.path(), PlaceOf(kTable, row.Integer(0)), error.problem());
+    throw Error(error.kind(), database.path(), PlaceOf(kTable, row.Integer(0)), error.problem());
   }
   return landmark;
 }
@@ -109,7 +109,7 @@ class LandmarkReader {
   bool Read(Landmark& landmark, std::int64_t& hash) {
     if (!select_.Step()) return false;
     landmark = ReadLandmark(database_, select_);
-    hash = HashOf(landmark);
+    hash = detail::HashOf(landmark);
     if (hash != select_.Integer(2)) throw DamagedRow(database_, kTable, row());
     return true;
   }

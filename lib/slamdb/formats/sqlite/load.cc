@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "slamdb/base/detail/parallel.h"
-#include "slamdb/formats/sqlite/detail/packing.h"
+#include "slamdb/model/detail/packing.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -33,7 +33,9 @@ std::vector<float> ParseParameters(Database& database, std::string_view json) {
   std::vector<float> parameters;
   const char* at = json.data();
   const char* end = at + json.size();
-  const auto damaged = [&] { return Error(database.path(), "table camera", "parameters are no list of numbers"); };
+  const auto damaged = [&] {
+    return Error(ErrorKind::kDamaged, database.path(), "table camera", "parameters are no list of numbers");
+  };
   if (json.size() < 2 || *at++ != '[' || *--end != ']') throw damaged();
   while (at < end) {
     float value = 0;
@@ -189,7 +191,8 @@ void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
       camera.precision = static_cast<float>(statement.Real(4));
       camera.parameters = ParseParameters(database, statement.Text(3));
     } else {
-      if (exact.size() % sizeof(float) != 0) throw Error(database.path(), "table camera", "blob of wrong length");
+      if (exact.size() % sizeof(float) != 0)
+        throw Error(ErrorKind::kDamaged, database.path(), "table camera", "blob of wrong length");
       std::vector<float> values(exact.size() / sizeof(float));
       std::memcpy(values.data(), exact.data(), exact.size());
       camera.precision = values.front();
@@ -226,7 +229,7 @@ Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row) {
   LoadOrigins(database, row, map);
   map.repeated_keyframes = LoadRepeated(database, atlas, "keyframes", row);
   map.repeated_points = LoadRepeated(database, atlas, "points", row);
-  if (HashOfHeader(map) != statement.Integer(10)) throw DamagedRow(database, "map", row);
+  if (detail::HashOfHeader(map) != statement.Integer(10)) throw DamagedRow(database, "map", row);
   return map;
 }
 
@@ -253,7 +256,7 @@ void ConnectionPool::Give(std::unique_ptr<Database> database) {
 }
 
 Error DamagedRow(Database& database, const char* table, std::int64_t row) {
-  return Error(database.path(), PlaceOf(table, row),
+  return Error(ErrorKind::kDamaged, database.path(), PlaceOf(table, row),
                "differs from its hash: the store is damaged, or was changed by another program");
 }
 
@@ -274,9 +277,9 @@ Atlas LoadAtlas(Database& database, std::int64_t row, const ReadOptions& options
     LoadLandmarks(database, maps[i].row, selection, atlas.maps[i].landmarks, hashes.maps[i].landmarks);
   if (!whole || options.features == FeatureColumns::kNone) return atlas;
 
-  hashes.header = HashOfAtlasHeader(atlas);
-  for (const Camera& camera : atlas.cameras) hashes.cameras.push_back(HashOf(camera));
-  for (std::size_t i = 0; i < maps.size(); ++i) hashes.maps[i].header = HashOfHeader(atlas.maps[i]);
+  hashes.header = detail::HashOfAtlasHeader(atlas, atlas.encoding);
+  for (const Camera& camera : atlas.cameras) hashes.cameras.push_back(detail::HashOf(camera));
+  for (std::size_t i = 0; i < maps.size(); ++i) hashes.maps[i].header = detail::HashOfHeader(atlas.maps[i]);
   if (hashes.Combined() != database.Integer("SELECT hash FROM atlas WHERE row = " + std::to_string(row))) {
     throw DamagedRow(database, "atlas", row);
   }

@@ -2,23 +2,23 @@
 #include <cstring>
 
 #include "slamdb/formats/sqlite/detail/features_blob.h"
-#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
 #include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/model/detail/record.h"
 
 namespace slamdb::sqlite {
 namespace {
 
 void ReadReals(const Statement& row, int timestamp_column, int exact_column, KeyFrame& keyframe) {
-  KeyframeReals reals;
+  detail::KeyframeReals reals;
   const Bytes exact = row.Blob(exact_column);
   if (!exact.empty()) {
     ByteReader in(exact);
     keyframe.timestamp = in.Get<double>();
-    reals = in.Get<KeyframeReals>();
+    reals = in.Get<detail::KeyframeReals>();
     in.ExpectEnd();
     if (!ColumnsAgree(row, timestamp_column, std::array{keyframe.timestamp}) ||
         !ColumnsAgree(row, timestamp_column + 1, reals)) {
-      throw Error("the numbers in its columns are not those in `exact`");
+      throw Error(ErrorKind::kDamaged, "the numbers in its columns are not those in `exact`");
     }
   } else {
     keyframe.timestamp = row.Real(timestamp_column);
@@ -26,7 +26,7 @@ void ReadReals(const Statement& row, int timestamp_column, int exact_column, Key
       reals[i] = static_cast<float>(row.Real(timestamp_column + 1 + static_cast<int>(i)));
     }
   }
-  SetReals(keyframe, reals);
+  detail::SetReals(keyframe, reals);
 }
 
 void ReadKeyframe(const Statement& row, KeyFrame& keyframe) {
@@ -47,7 +47,7 @@ void ReadKeyframe(const Statement& row, KeyFrame& keyframe) {
                      &keyframe.imu_initialized, &keyframe.has_velocity}) {
     flag->recorded = static_cast<std::uint8_t>(row.Integer(column++));
   }
-  DecodeDetails(row.Blob(37), keyframe);
+  detail::DecodeDetails(row.Blob(37), keyframe);
 }
 
 // Runs `decode`, and says where when the bytes are damaged.
@@ -57,7 +57,7 @@ void DecodeAt(Database& database, const char* table, std::int64_t row, Decode de
     decode();
   } catch (const Error& error) {
     if (!error.path().empty()) throw;
-    throw Error(database.path(), PlaceOf(table, row), error.problem() + ": the store is damaged");
+    throw Error(error.kind(), database.path(), PlaceOf(table, row), error.problem() + ": the store is damaged");
   }
 }
 
@@ -75,7 +75,7 @@ void ReadRows(Database& database, std::span<const std::int64_t> rows, std::span<
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe", rows[i]);
     DecodeAt(database, "keyframe", rows[i], [&] { ReadKeyframe(statement, keyframes[i]); });
-    hashes[i] = HashOfRow(keyframes[i]);
+    hashes[i] = detail::HashOfRow(keyframes[i]);
     links_hashes[i] = statement.Integer(3);
     if (hashes[i] != statement.Integer(2)) throw DamagedRow(database, "keyframe", rows[i]);
   }
@@ -104,7 +104,7 @@ void ReadLinks(Database& database, std::span<const std::int64_t> rows, std::span
         keyframe.merge_edges.push_back(target);
       }
     }
-    if (HashOfLinks(keyframe) != links_hashes[i]) throw DamagedRow(database, "keyframe_link", rows[i]);
+    if (detail::HashOfLinks(keyframe) != links_hashes[i]) throw DamagedRow(database, "keyframe_link", rows[i]);
   }
 }
 
@@ -118,7 +118,7 @@ void ReadFeatures(Database& database, std::span<const std::int64_t> rows, std::s
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe_features", rows[i]);
     DecodeAt(database, "keyframe_features", rows[i], [&] { DecodeFeatures(statement.Blob(2), keyframes[i]); });
-    hashes[i] = HashOf(keyframes[i].features);
+    hashes[i] = detail::HashOfFeatures(keyframes[i]);
     if (hashes[i] != statement.Integer(1)) throw DamagedRow(database, "keyframe_features", rows[i]);
   }
 }

@@ -7,6 +7,13 @@
 namespace slamdb::sqlite {
 namespace {
 
+// NULL: `value` stays what it is, not recorded.
+template <class Integer>
+void ReadRecorded(const Statement& row, int column, Integer& value) {
+  const std::int64_t stored = row.Integer(column);  // 0 for NULL, too
+  if (stored != 0 || !row.IsNull(column)) value = static_cast<Integer>(stored);
+}
+
 void ReadPoint(Database& database, const Statement& row, MapPoint& point) {
   point.id = MapPointId(static_cast<std::uint64_t>(row.Integer(1)));
   std::array<float, 8> reals;
@@ -32,6 +39,9 @@ void ReadPoint(Database& database, const Statement& row, MapPoint& point) {
   if (descriptor.size() != point.descriptor.size()) throw DamagedRow(database, "map_point", row.Integer(0));
   std::memcpy(point.descriptor.data(), descriptor.data(), descriptor.size());
   point.descriptor_form = static_cast<MatrixForm>(row.Integer(20) & 3);
+  ReadRecorded(row, 21, point.origin_map);
+  ReadRecorded(row, 22, point.visible_count);
+  ReadRecorded(row, 23, point.found_count);
 }
 
 // Reads the observations of points one after the other, in step with the points.
@@ -64,7 +74,7 @@ class ObservationReader {
   // Observations of points that do not exist would make Read skip everything after them.
   void Finish() {
     if (has_row_) {
-      throw Error(database_.path(), PlaceOf("observation", rows_.Integer(0)),
+      throw Error(ErrorKind::kDamaged, database_.path(), PlaceOf("observation", rows_.Integer(0)),
                   "belongs to no point: the store is damaged");
     }
   }
@@ -83,7 +93,8 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
   Statement statement(
       database,
       "SELECT row, id, hash, observations_hash, x, y, z, nx, ny, nz, min_distance, max_distance, reference, "
-      "replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, exact, descriptor_form "
+      "replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, exact, descriptor_form, "
+      "origin_map, visible_count, found_count "
       "FROM map_point WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
       "table map_point");
   ObservationReader observations(database);
@@ -95,8 +106,8 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
       if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "map_point", rows[i]);
       ReadPoint(database, statement, points[i]);
       observations.Read(rows[i], points[i].observations);
-      hashes[i] = HashOfRow(points[i]);
-      observations_hashes[i] = HashOf(points[i].observations);
+      hashes[i] = detail::HashOfRow(points[i]);
+      observations_hashes[i] = detail::HashOf(points[i].observations);
       if (hashes[i] != statement.Integer(2)) throw DamagedRow(database, "map_point", rows[i]);
       if (observations_hashes[i] != statement.Integer(3)) throw DamagedRow(database, "observation", rows[i]);
     }

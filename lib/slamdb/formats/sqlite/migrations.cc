@@ -74,7 +74,7 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
   }
   PlanSteps(options, migrations, report);
   if (!report.steps.empty() && options.back && migrations.back().back.empty())
-    throw Error(path, "", "there is no way back from version " + std::to_string(report.from));
+    throw Error(ErrorKind::kNotPossible, path, "", "there is no way back from version " + std::to_string(report.from));
   if (!report.steps.empty() && options.back) TryStepBack(path, options, migrations.back());
   if (report.steps.empty() || options.dry_run) return report;
 
@@ -84,7 +84,8 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
     BackupTo(database, report.backup, false);
   }
   WriteTransaction transaction(database, options.lock_timeout);
-  if (VersionOf(database) != report.from) throw Error(path, "", "migrated by another program meanwhile");
+  if (VersionOf(database) != report.from)
+    throw Error(ErrorKind::kLocked, path, "", "migrated by another program meanwhile");
   if (options.back)
     RunStepBack(database, migrations.back());
   else

@@ -96,7 +96,8 @@ ListPlan PlanAnew(std::span<const std::int64_t> ids, std::span<const StoredRow> 
 }  // namespace
 
 ListPlan PlanList(std::span<const std::int64_t> ids, std::span<const StoredRow> stored, std::int64_t first_row) {
-  if (ids.size() > 0xffffffffU) throw Error("a map with more than 4294967295 keyframes or points does not fit a store");
+  if (ids.size() > 0xffffffffU)
+    throw Error(ErrorKind::kNotPossible, "a map with more than 4294967295 keyframes or points does not fit a store");
   if (stored.empty()) return PlanAnew(ids, stored, first_row);
 
   ListPlan plan;

@@ -94,8 +94,8 @@ class StoreSalvager {
         recorded = database_.Integer("SELECT " + table + " FROM atlas WHERE row = " + std::to_string(atlas_));
       });
       if (recorded <= 0 || static_cast<std::uint64_t>(recorded) <= listed) return;
-      Note(Error("the store records " + std::to_string(recorded) + " " + table + " and lists " +
-                 std::to_string(listed) + ": rows were deleted"));
+      Note(Error(ErrorKind::kDamaged, "the store records " + std::to_string(recorded) + " " + table + " and lists " +
+                                          std::to_string(listed) + ": rows were deleted"));
     };
     std::uint64_t keyframes = 0, points = 0;
     for (const SalvagedMap& map : salvage_.maps) {
@@ -197,7 +197,8 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   sqlite::Database database(copy.path(), sqlite::Access::kRead, options.lock_timeout);
   sqlite::CheckIsStore(database, sqlite::NewestVersion());
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
-  if (!statement.BindText(1, chosen).Step()) throw Error(path, "", "no atlas named '" + chosen + "' could be read");
+  if (!statement.BindText(1, chosen).Step())
+    throw Error(ErrorKind::kNotFound, path, "", "no atlas named '" + chosen + "' could be read");
   Salvage salvage = sqlite::StoreSalvager(database, statement.Integer(0)).Run();
   if (!copy.damage().empty()) salvage.damage.insert(salvage.damage.begin(), copy.damage());
   return salvage;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "slamdb/formats/sqlite/detail/packing.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
+#include "slamdb/model/detail/packing.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -230,7 +230,8 @@ std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, 
   std::vector<std::int64_t> rows;
   for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
     const std::int64_t row = match[i] != nullptr ? match[i]->row : next_row++;
-    if (row < 1 || row > 0x7fffffff) throw Error(context.database.path(), "table map", "no more row numbers");
+    if (row < 1 || row > 0x7fffffff)
+      throw Error(ErrorKind::kNotPossible, context.database.path(), "table map", "no more row numbers");
     rows.push_back(row);
     const bool same = match[i] != nullptr && match[i]->hash == hashes.maps[i].header &&
                       match[i]->position == static_cast<std::int64_t>(i);

@@ -3,8 +3,8 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
-#include "slamdb/formats/sqlite/detail/keyframe_blob.h"
 #include "slamdb/formats/sqlite/detail/save.h"
+#include "slamdb/model/detail/record.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kBatch = 16;  // keyframes whose features are packed at a time, on all threads
 
 void BindReals(Statement& insert, const KeyFrame& keyframe, int timestamp_column, int exact_column, ByteWriter& exact) {
-  const KeyframeReals reals = RealsOf(keyframe);
+  const detail::KeyframeReals reals = detail::RealsOf(keyframe);
   insert.BindReal(timestamp_column, keyframe.timestamp);
   bool fits = FitsReal(keyframe.timestamp);
   for (std::size_t i = 0; i < reals.size(); ++i) {
@@ -59,7 +59,7 @@ class KeyframeWriter {
       insert_.Bind(column++, std::int64_t{flag.recorded});
     }
     details_.Clear();
-    EncodeDetails(keyframe, details_);
+    detail::EncodeDetails(keyframe, details_);
     insert_.BindBlob(41, details_.bytes()).Run();
   }
 
@@ -122,6 +122,32 @@ std::vector<std::int64_t> StoredFeatureHashes(Database& database, std::int64_t m
   return hashes;
 }
 
+// Whether the features of a keyframe, the same as before, have to be packed anew all the same: grids that follow from
+// the keypoints are left out of the blob (features_blob.cc), and follow from the image bounds and the kind of camera
+// too.
+class GridSources {
+ public:
+  explicit GridSources(Database& database)
+      : select_(database, "SELECT left_features, details FROM keyframe WHERE row = ?1", "table keyframe") {}
+
+  bool Differ(std::int64_t row, const KeyFrame& keyframe) {
+    KeyFrame stored;
+    select_.Reset();
+    if (!select_.Bind(1, row).Step()) return true;
+    stored.features.left_count = static_cast<std::int32_t>(select_.Integer(0));
+    try {
+      detail::DecodeDetails(select_.Blob(1), stored);
+    } catch (const Error&) {
+      return true;
+    }
+    return stored.bounds != keyframe.bounds ||
+           stored.features.is_fisheye_stereo() != keyframe.features.is_fisheye_stereo();
+  }
+
+ private:
+  Statement select_;
+};
+
 // Features are packed in parallel, a batch at a time, and inserted by this thread.
 void WriteFeatures(SaveContext& context, const ListPlan& plan, const Map& map, const AtlasHashes::OfMap& hashes,
                    const std::vector<std::size_t>& changed) {
@@ -170,14 +196,16 @@ void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const
   KeyframeWriter keyframes(context);
   RemoveKeyframes(context, links, plan.removed);
 
+  GridSources grid_sources(context.database);
   std::vector<std::size_t> changed_features;
   for (std::size_t i = 0; i < plan.entries.size(); ++i) {
     const ListPlan::Entry& entry = plan.entries[i];
     const StoredRow* old = entry.stored;
     const bool same_row = old != nullptr && old->hash == hashes.keyframes[i] && old->unique == entry.unique;
     const bool same_links = old != nullptr && old->details == hashes.links[i];
-    const bool same_features =
-        old != nullptr && stored_features[static_cast<std::size_t>(old - stored.data())] == hashes.features[i];
+    const bool same_features = old != nullptr &&
+                               stored_features[static_cast<std::size_t>(old - stored.data())] == hashes.features[i] &&
+                               (same_row || !grid_sources.Differ(entry.row, map.keyframes[i]));
     if (!same_row || !same_links) keyframes.Write(row, entry, map.keyframes[i], hashes.keyframes[i], hashes.links[i]);
     if (!same_features) changed_features.push_back(i);
     const auto count = [&](const char* table, bool same) {

@@ -16,7 +16,7 @@ class PointWriter {
   explicit PointWriter(Database& database)
       : insert_(database,
                 "INSERT OR REPLACE INTO map_point VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
-                "?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23)",
+                "?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26)",
                 "table map_point") {}
 
   void Write(std::int64_t map, const ListPlan::Entry& entry, const MapPoint& point, std::int64_t hash,
@@ -39,10 +39,18 @@ class PointWriter {
     } else {
       insert_.BindBlob(23, std::as_bytes(std::span(reals)));
     }
+    BindRecorded(24, point.origin_map, MapPoint::kNoOrigin);
+    BindRecorded(25, point.visible_count, MapPoint::kNoCount);
+    BindRecorded(26, point.found_count, MapPoint::kNoCount);
     insert_.Run();
   }
 
  private:
+  template <class Integer>
+  void BindRecorded(int column, Integer value, Integer not_recorded) {
+    insert_.Bind(column, value == not_recorded ? std::nullopt : std::optional<std::int64_t>(value));
+  }
+
   Statement insert_;
 };
 

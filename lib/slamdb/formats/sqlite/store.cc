@@ -23,7 +23,7 @@ constexpr int kLoadAttempts = 5;  // when another program saves the same atlas a
 constexpr const char* kNewFile = "PRAGMA page_size=8192";
 
 void CheckNotStandardStream(const std::string& path) {
-  if (path == "-") throw Error(path, "", "a store is a file; it cannot be standard input or output");
+  if (path == "-") throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be standard input or output");
 }
 
 // Size and time of a file: tells whether it was written while a connection trusted that nobody would.
@@ -84,7 +84,7 @@ struct Store::State {
   std::int64_t RowOf(const std::string& name) {
     Statement statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas");
     if (statement.BindText(1, name).Step()) return statement.Integer(0);
-    throw Error(database.path(), "", "no atlas named '" + name + "'" + Known());
+    throw Error(ErrorKind::kNotFound, database.path(), "", "no atlas named '" + name + "'" + Known());
   }
   std::string Known() {
     std::string names;
@@ -93,7 +93,7 @@ struct Store::State {
     return names.empty() ? "; the store is empty" : "; it holds " + names;
   }
   void CheckWritable() const {
-    if (!writable) throw Error(database.path(), "", "opened for reading");
+    if (!writable) throw Error(ErrorKind::kUsage, database.path(), "", "opened for reading");
   }
 };
 
@@ -134,17 +134,17 @@ std::string Store::OnlyName() {
   Statement statement(state_->database, "SELECT count(*), min(name) FROM atlas", "table atlas");
   statement.Step();
   if (statement.Integer(0) == 1) return statement.Text(1);
-  const std::string problem =
-      statement.Integer(0) == 0 ? "the store holds no atlas" : "say which atlas, as " + path() + "#NAME";
-  throw Error(path(), "", statement.Integer(0) == 0 ? problem : problem + state_->Known());
+  if (statement.Integer(0) == 0) throw Error(ErrorKind::kNotFound, path(), "", "the store holds no atlas");
+  throw Error(ErrorKind::kUsage, path(), "", "say which atlas, as " + path() + "#NAME" + state_->Known());
 }
 
 SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) {
   state_->CheckWritable();
-  if (name.empty()) throw Error(path(), "", "an atlas needs a name");
-  if (name.find('\0') != std::string::npos) throw Error(path(), "", "a name must not contain a NUL character");
+  if (name.empty()) throw Error(ErrorKind::kUsage, path(), "", "an atlas needs a name");
+  if (name.find('\0') != std::string::npos)
+    throw Error(ErrorKind::kUsage, path(), "", "a name must not contain a NUL character");
   Database& database = state_->database;
-  const AtlasHashes hashes = HashesOf(atlas, options.threads);
+  const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
   SaveReport report;
   WriteTransaction transaction(database, state_->options.lock_timeout);
   SaveAtlas(database, name, atlas, hashes, options, report);
@@ -167,7 +167,8 @@ Atlas Store::Load(const std::string& name, const ReadOptions& options) {
       if (!database.immutable() || FileState::Of(path()) == before) return atlas;
     } catch (const SnapshotChanged&) {
     }
-    if (attempt == kLoadAttempts) throw Error(path(), "", "is being changed while it is read: try again");
+    if (attempt == kLoadAttempts)
+      throw Error(ErrorKind::kLocked, path(), "", "is being changed while it is read: try again");
     if (database.immutable()) database = Database(path(), Access::kRead, state_->options.lock_timeout);
   }
 }
@@ -200,9 +201,5 @@ void Store::Vacuum() {
 }
 
 void Store::Backup(const std::string& target, bool overwrite) { BackupTo(state_->database, target, overwrite); }
-
-std::uint64_t Store::HashOf(const Atlas& atlas, int threads) {
-  return static_cast<std::uint64_t>(HashesOf(atlas, threads).Combined());
-}
 
 }  // namespace slamdb

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/formats/format.h"
 
 namespace slamdb {
@@ -17,7 +18,7 @@ struct StoredAtlas {
   std::uint64_t maps = 0, keyframes = 0, points = 0, observations = 0, landmarks = 0;
   std::uint64_t bytes = 0;     // about what it takes in the file
   std::uint64_t revision = 0;  // counts the saves under this name, from 1
-  std::uint64_t hash = 0;      // of its content: equal atlases, equal hash
+  std::uint64_t hash = 0;      // HashOf (model/digest.h) of it
   std::string saved_at;        // UTC, `2026-01-31T12:00:00Z`
 };
 
@@ -29,10 +30,10 @@ struct TableChanges {
 
 struct SaveReport {
   std::vector<TableChanges> tables;
-  std::uint64_t hash = 0;  // of the atlas
+  std::uint64_t hash = 0;  // HashOf the atlas
   bool replaced = false;   // an atlas of that name was there
 
-  TableChanges Total() const;
+  SLAMDB_EXPORT TableChanges Total() const;
 };
 
 struct SaveOptions {
@@ -66,17 +67,21 @@ struct StoreOptions {
   double lock_timeout = 5;  // seconds to wait for another program that writes
 };
 
-// Many atlases in one SQLite file, each under a name. The schema is in schema/*.sql and explained in schema/store.md.
-// Saves are transactions: a killed program, a full disk or an exception leaves the store as it was. Readers work while
-// another program writes and see the store as of before. All functions throw Error with the path, and the table and row
-// where the store is damaged. Not thread-safe: one Store per thread.
-class Store {
+// Many atlases in one SQLite file, each under a name.
+// The schema is in schema/*.sql and explained in schema/store.md.
+// Saves are transactions: a killed program, a full disk or an exception leaves the store as it was.
+// Readers work while another program writes, and see the store as of before.
+// All functions throw Error with the path, and with the table and row where the store is damaged. Kinds beyond those
+// named below: kLocked (another program writes), kDamaged, kOutOfResources (the disk is full), kPermission.
+// Not thread-safe: one Store per thread.
+class SLAMDB_EXPORT Store {
  public:
-  // Opens to read: never changes the file, never makes one, works on read-only disks. Throws Error when it is missing,
-  // not a store, or of a newer or older version than this library's.
+  // Opens to read: never changes the file, never makes one, works on read-only disks.
+  // Throws Error: kNotFound when it is missing; kUnsupported when it is a database of another program, or a store of a
+  // newer or older version than this library's (MigrateStore); kDamaged when it is no database at all.
   static Store Open(const std::string& path, double lock_timeout = 5);
 
-  // Opens to write; makes the store when the file is missing or empty.
+  // Opens to write; makes the store when the file is missing or empty. Throws Error as Open does.
   static Store OpenForWriting(const std::string& path, StoreOptions options = {});
 
   ~Store();
@@ -87,25 +92,25 @@ class Store {
   std::vector<StoredAtlas> List();                              // by name
   std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
 
-  // The name to use where the user gave none: that of the only atlas. Throws Error naming the atlases when there are
-  // several, or none.
+  // The name to use where the user gave none: that of the only atlas.
+  // Throws Error: kNotFound when there is none, kUsage naming the atlases when there are several.
   std::string OnlyName();
 
-  // Saves under `name`, replacing the atlas of that name if there is one by writing only what differs.
+  // Saves under `name`, replacing the atlas of that name if there is one by writing only the rows that differ.
+  // Throws Error: kUsage when the store was opened to read, or the name is empty or holds a NUL.
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options = {});
 
-  // Loads all or the selected part; the rest is not read. Every row is compared with its hash, a whole atlas also with
-  // the atlas' hash; Error names the first row that differs.
+  // Loads all or the selected part; the rest is not read.
+  // Every row is compared with its hash, a whole atlas also with the atlas' hash.
+  // Throws Error: kNotFound naming the atlases that there are; kDamaged naming the first row that differs.
   Atlas Load(const std::string& name, const ReadOptions& options = {});
 
-  void Remove(const std::string& name);  // throws Error when there is none
+  void Remove(const std::string& name);  // throws Error (kNotFound) when there is none
   StoreStats Stats();
   void Vacuum();  // gives free pages back to the disk
-  // Copies the store as it is now, also while others write (SQLite's online backup). The target appears whole or not.
+  // Copies the store as it is now, also while others write (SQLite's online backup).
+  // The target appears whole or not. Throws Error: kAlreadyExists when it is there and not to be overwritten.
   void Backup(const std::string& target, bool overwrite = false);
-
-  // What Save and Load compute: the hash of an atlas' content.
-  static std::uint64_t HashOf(const Atlas& atlas, int threads = 0);
 
  private:
   struct State;
@@ -126,8 +131,10 @@ struct MigrateReport {
   std::string backup;              // path; empty when none was made
 };
 
-// Brings a store to the version of this library, or with `back` to the one before its own. Nothing happens when it is
-// there already. Throws Error for newer stores.
-MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options = {});
+// Brings a store to the version of this library, or with `back` to the one before its own.
+// Nothing happens when it is there already.
+// Throws Error: kUnsupported for newer stores and the databases of others; kNotPossible when going back would lose
+// something.
+SLAMDB_EXPORT MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options = {});
 
 }  // namespace slamdb

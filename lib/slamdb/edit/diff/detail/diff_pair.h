@@ -37,11 +37,13 @@ enum PointAspect : std::size_t {
   kReplacement,
   kBad,
   kFirstKeyFrame,
+  kPointOrigin,
+  kFrameCounts,
   kPointAspects
 };
 inline constexpr std::array<std::string_view, kPointAspects> kPointAspectNames = {
-    "position",           "normal",      "distance range", "descriptor",    "observation count",
-    "reference keyframe", "replacement", "bad flag",       "first keyframe"};
+    "position",    "normal",   "distance range", "descriptor", "observation count",       "reference keyframe",
+    "replacement", "bad flag", "first keyframe", "origin map", "visible and found counts"};
 
 enum MapAspect : std::size_t { kFlags, kBigChange, kRoots, kMapAspects };
 inline constexpr std::array<std::string_view, kMapAspects> kMapAspectNames = {"inertial flags", "count of big changes",

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string_view>
+#include <type_traits>
 
-#include "slamdb/model/atlas.h"
+#include "slamdb/model/fields.h"
 
 namespace slamdb {
 
@@ -46,53 +48,21 @@ class Sameness {
     return a.size() == b.size() && AllSame(a.data(), b.data(), a.size());
   }
 
-  bool operator()(const Intrinsics& a, const Intrinsics& b) const {
-    return (*this)(a.fx, b.fx) && (*this)(a.fy, b.fy) && (*this)(a.inverse_fx, b.inverse_fx) &&
-           (*this)(a.inverse_fy, b.inverse_fy) && (*this)(a.cx, b.cx) && (*this)(a.cy, b.cy) &&
-           (*this)(a.baseline_fx, b.baseline_fx) && (*this)(a.baseline, b.baseline) &&
-           (*this)(a.depth_threshold, b.depth_threshold);
-  }
-  bool operator()(const Matrix& a, const Matrix& b) const {
-    return a.rows == b.rows && a.columns == b.columns && a.type == b.type && a.data == b.data;
-  }
-  bool operator()(const ImageBounds& a, const ImageBounds& b) const {
-    return a.grid_columns == b.grid_columns && a.grid_rows == b.grid_rows && a.min_x == b.min_x && a.min_y == b.min_y &&
-           a.max_x == b.max_x && a.max_y == b.max_y && (*this)(a.inverse_cell_width, b.inverse_cell_width) &&
-           (*this)(a.inverse_cell_height, b.inverse_cell_height);
-  }
-  bool operator()(const ScalePyramid& a, const ScalePyramid& b) const {
-    return a.levels == b.levels && (*this)(a.factor, b.factor) && (*this)(a.log_factor, b.log_factor) &&
-           (*this)(a.factors, b.factors) && (*this)(a.sigma2, b.sigma2) && (*this)(a.inverse_sigma2, b.inverse_sigma2);
-  }
-  bool operator()(const BagOfWords& a, const BagOfWords& b) const {
-    return a.words == b.words && (*this)(a.weights, b.weights);
-  }
-  bool operator()(const ImuBias& a, const ImuBias& b) const {
-    return (*this)(a.accelerometer, b.accelerometer) && (*this)(a.gyroscope, b.gyroscope);
-  }
-  bool operator()(const ImuCalibration& a, const ImuCalibration& b) const {
-    return (*this)(a.camera_from_body, b.camera_from_body) && (*this)(a.body_from_camera, b.body_from_camera) &&
-           (*this)(a.noise, b.noise) && (*this)(a.walk_noise, b.walk_noise) && a.is_set == b.is_set;
-  }
-  bool operator()(const ImuPreintegration& a, const ImuPreintegration& b) const {
-    return (*this)(a.duration, b.duration) && (*this)(a.covariance, b.covariance) &&
-           (*this)(a.information, b.information) && (*this)(a.noise, b.noise) && (*this)(a.walk_noise, b.walk_noise) &&
-           (*this)(a.bias, b.bias) && (*this)(a.rotation, b.rotation) && (*this)(a.velocity, b.velocity) &&
-           (*this)(a.position, b.position) && (*this)(a.rotation_by_gyro, b.rotation_by_gyro) &&
-           (*this)(a.velocity_by_gyro, b.velocity_by_gyro) && (*this)(a.velocity_by_acc, b.velocity_by_acc) &&
-           (*this)(a.position_by_gyro, b.position_by_gyro) && (*this)(a.position_by_acc, b.position_by_acc) &&
-           (*this)(a.mean_acceleration, b.mean_acceleration) &&
-           (*this)(a.mean_angular_velocity, b.mean_angular_velocity) && (*this)(a.updated_bias, b.updated_bias) &&
-           (*this)(a.bias_change, b.bias_change) && (*this)(a.measurements, b.measurements);
-  }
+  // What is the same only when it is equal: counts, ids, flags, descriptors.
+  template <class T>
+  requires(!std::is_floating_point_v<T>) bool operator()(const T& a, const T& b) const { return a == b; }
 
-  // Keypoints, descriptors, depths and grids: all but which map points they see.
-  bool operator()(const Features& a, const Features& b) const {
-    return a.count == b.count && a.left_count == b.left_count && a.right_count == b.right_count &&
-           (*this)(a.keypoints, b.keypoints) && (*this)(a.undistorted, b.undistorted) &&
-           (*this)(a.right_x, b.right_x) && (*this)(a.depth, b.depth) && a.descriptors == b.descriptors &&
-           (*this)(a.right_keypoints, b.right_keypoints) && a.right_of_left == b.right_of_left &&
-           a.left_of_right == b.left_of_right && a.grid == b.grid && a.right_grid == b.right_grid;
+  // Whether the fields of two entities are the same, of those that `walk` (fields.h) visits and whose types are not
+  // among Ignored.
+  template <class... Ignored, class Entity, class Walk>
+  bool Fields(const Entity& a, const Entity& b, const Walk& walk) const {
+    bool same = true;
+    walk([&](std::string_view, auto... members) {
+      using Field = std::remove_cvref_t<decltype(Member(a, members...))>;
+      constexpr bool kIgnored = (std::is_same_v<Field, Ignored> || ...);
+      if constexpr (!kIgnored) same = same && (*this)(Member(a, members...), Member(b, members...));
+    });
+    return same;
   }
 
  private:

@@ -51,6 +51,7 @@ void VisitIds(AMapPoint& point, const Visit& visit) {
   visit(IdKindConstant<IdKind::kPoint>(), point.id);
   visit(kKeyFrame, point.first_keyframe);
   visit(IdKindConstant<IdKind::kFrame>(), point.first_frame);
+  if (point.origin_map != MapPoint::kNoOrigin) visit(IdKindConstant<IdKind::kMap>(), point.origin_map);
   for (auto& observation : point.observations) visit(kKeyFrame, observation.keyframe);
   visit(kKeyFrame, point.reference);
   visit(IdKindConstant<IdKind::kPoint>(), point.replaced_by);

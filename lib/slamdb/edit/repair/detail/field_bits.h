@@ -6,10 +6,12 @@
 #include <string>
 #include <type_traits>
 
+#include "slamdb/model/detail/record.h"
 #include "slamdb/model/fields.h"
 
 // A field of the model as bits: elements of so many scalars, each as the bits that it has, so that NaNs and what is
 // uninitialised survive. Private to the journal.
+// The features of a landmark, which hold lists themselves, are the bytes of EncodeLandmarkFeatures.
 namespace slamdb::field_bits {
 
 template <class T>
@@ -27,6 +29,18 @@ template <class T>
 struct IsReference : std::false_type {};
 template <class Entity>
 struct IsReference<Id<Entity>> : std::true_type {};
+
+using LandmarkFeatures = std::vector<LandmarkFeature>;
+inline std::vector<std::uint8_t> BytesOf(const LandmarkFeatures& features) {
+  detail::ByteWriter writer;
+  if (!features.empty()) detail::EncodeLandmarkFeatures(features, writer);
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(writer.bytes().data());
+  return {bytes, bytes + writer.bytes().size()};
+}
+// Throws Error when the bytes are not those of features.
+inline LandmarkFeatures FeaturesOf(const std::vector<std::uint8_t>& bytes) {
+  return bytes.empty() ? LandmarkFeatures() : detail::DecodeLandmarkFeatures(std::as_bytes(std::span(bytes)));
+}
 
 // visit(scalar) for each scalar of an element.
 template <class Element, class Visit>
@@ -110,7 +124,7 @@ std::string KindsOf() {
     const typename Field::value_type element{};
     ForEachScalar(element, add);
   } else if constexpr (kIsMatrix<Field>) {
-    kinds = "f";
+    kinds = KindOf<typename Field::Scalar>();
   } else {
     const Field field{};
     ForEachScalar(field, add);
@@ -134,6 +148,7 @@ bool SameElement(const Element& a, const Element& b) {
 }
 
 // Whether two fields hold the same bits.
+inline bool SameField(const LandmarkFeatures& a, const LandmarkFeatures& b) { return BytesOf(a) == BytesOf(b); }
 template <class Field>
 bool SameField(const Field& a, const Field& b) {
   const std::size_t size = SizeOf(a);

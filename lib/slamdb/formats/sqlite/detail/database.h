@@ -21,6 +21,10 @@ enum class Access {
   kCreate,  // the file is made when it is missing
 };
 
+// What a failed call on a connection means: the code and the message of SQLite, explained and with a kind. `handle` may
+// be null.
+Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::string& place);
+
 // One connection. Not thread-safe: one per thread.
 class Database {
  public:

@@ -2,10 +2,13 @@
 #pragma once
 
 #include "slamdb/base/file.h"
-#include "slamdb/formats/sqlite/detail/packing.h"
+#include "slamdb/model/detail/packing.h"
 #include "slamdb/model/keyframe.h"
 
 namespace slamdb::sqlite {
+
+using detail::ByteReader;
+using detail::ByteWriter;
 
 // keyframe_features.columns: the features of a keyframe, column after column, as narrow as their values allow. What
 // follows from other columns to the very same bytes is left out: the grid, undistorted keypoints that equal the

@@ -11,8 +11,8 @@
 
 #include "slamdb/formats/format.h"
 #include "slamdb/formats/sqlite/detail/database.h"
-#include "slamdb/formats/sqlite/detail/row_hash.h"
 #include "slamdb/model/atlas.h"
+#include "slamdb/model/detail/row_hash.h"
 
 // Loading an atlas. Steps:
 //   1. read the atlas' own rows, and which rows of keyframes and points are wanted (by indexes and the R*Tree)
@@ -21,6 +21,8 @@
 //      into their places
 //   3. compare the hash of every row, and of the whole when all was read, with those stored
 namespace slamdb::sqlite {
+
+using detail::AtlasHashes;
 
 // Thrown when a connection sees another state of the atlas than the first one did: load again.
 struct SnapshotChanged {};

@@ -7,15 +7,17 @@
 
 #include "slamdb/formats/sqlite/detail/database.h"
 #include "slamdb/formats/sqlite/detail/plan.h"
-#include "slamdb/formats/sqlite/detail/row_hash.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/atlas.h"
+#include "slamdb/model/detail/row_hash.h"
 
 // Saving an atlas, in the caller's transaction. Steps:
 //   1. hash every row of the atlas (in memory, on all threads) - before the store is locked
 //   2. match its entities with the rows in the store by id, so that unchanged ones keep their rows (plan.h)
 //   3. delete, insert and update what differs, table by table, in row order, so that B-trees grow at their end
 namespace slamdb::sqlite {
+
+using detail::AtlasHashes;
 
 // Counts what happens to the rows of each table.
 class ChangeCounter {
@@ -38,7 +40,7 @@ struct SaveContext {
   void Report(std::size_t done);  // progress; throws what the callback throws
 };
 
-// Saves everything. `hashes` is HashesOf(atlas).
+// Saves everything. `hashes` is detail::HashesOf(atlas).
 void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
                const SaveOptions& options, SaveReport& report);
 

@@ -9,13 +9,14 @@
 #include <type_traits>
 #include <vector>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 
-// Little-endian bytes of blobs, and reading them without trust.
-namespace slamdb::sqlite {
+// Little-endian bytes of records, and reading them without trust.
+namespace slamdb::detail {
 
-static_assert(std::endian::native == std::endian::little, "the store's blobs are little endian");
+static_assert(std::endian::native == std::endian::little, "hashes and the store's blobs are of little-endian bytes");
 
 // Bytes that grow. Kept and cleared between uses, so that its memory is allocated once.
 class ByteWriter {
@@ -57,8 +58,7 @@ class ByteReader {
 
   const std::byte* Take(std::size_t size) {
     if (size > rest_.size()) {
-      throw Error("blob too short: " + std::to_string(size) + " more bytes expected, found " +
-                  std::to_string(rest_.size()));
+      throw Error(ErrorKind::kDamaged, Concat("blob too short: ", size, " more bytes expected, found ", rest_.size()));
     }
     const std::byte* begin = rest_.data();
     rest_ = rest_.subspan(size);
@@ -67,8 +67,8 @@ class ByteReader {
   // The bytes of `count` elements of `size` bytes.
   const std::byte* TakeArray(std::size_t count, std::size_t size) {
     if (size != 0 && count > rest_.size() / size) {
-      throw Error("blob too short: " + std::to_string(count) + " elements of " + std::to_string(size) +
-                  " bytes expected, found " + std::to_string(rest_.size()) + " bytes");
+      throw Error(ErrorKind::kDamaged, Concat("blob too short: ", count, " elements of ", size,
+                                              " bytes expected, found ", rest_.size(), " bytes"));
     }
     return Take(count * size);
   }
@@ -87,11 +87,11 @@ class ByteReader {
     if (count > 0) std::memcpy(static_cast<void*>(values.data()), begin, count * sizeof(typename Vector::value_type));
   }
   void ExpectEnd() const {
-    if (!rest_.empty()) throw Error("blob too long: " + std::to_string(rest_.size()) + " bytes left over");
+    if (!rest_.empty()) throw Error(ErrorKind::kDamaged, Concat("blob too long: ", rest_.size(), " bytes left over"));
   }
 
  private:
   Bytes rest_;
 };
 
-}  // namespace slamdb::sqlite
+}  // namespace slamdb::detail
