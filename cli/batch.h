@@ -10,6 +10,7 @@
 #include "cli/command.h"
 #include "cli/console.h"
 #include "cli/options.h"
+#include "cli/words.h"
 #include "slamdb/base/detail/parallel.h"
 
 namespace slamdb::cli {
@@ -45,7 +46,7 @@ std::vector<Outcome<Result>> ForEachInput(const std::vector<std::string>& paths,
       try {
         outcome.result = work(paths[i], options, outcome.notices);
       } catch (const std::exception& error) {
-        outcome.error = error.what();
+        outcome.error = InCommandWords(error.what());
       }
       if (paths.size() == 1) continue;
       const std::lock_guard lock(mutex);

@@ -12,6 +12,7 @@
 #include <cstdlib>
 
 #include "cli/report/layout.h"
+#include "cli/words.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {
@@ -77,7 +78,7 @@ void Console::Diagnose(std::string_view severity, std::string_view text, bool sh
   if (colour_) line += ColourOf(severity);
   line.append(severity).append(":");
   if (colour_) line += "\033[0m";
-  line.append(" ").append(text).append("\n");
+  line.append(" ").append(InCommandWords(text)).append("\n");
   const std::lock_guard lock(mutex_);
   WriteError(line);
 }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/words.h"
+
+#include <array>
+
+namespace slamdb::cli {
+namespace {
+
+struct Word {
+  std::string_view library, command;
+};
+
+constexpr std::array kWords = {
+    Word{"WriteOptions::overwrite", "-O/--overwrite"},
+    Word{"WriteOptions::strict", "--strict"},
+    Word{"WriteOptions::format", "--to"},
+    Word{"ReadOptions::format", "--from"},
+    Word{"ExportOptions::map", "--map"},
+    Word{"Orbslam3WriteOptions::sanitize", "--sanitize"},
+    Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
+    Word{"SalvageAtlas", "`slamdb recover`"},
+    Word{"`overwrite` of Store::Backup", "-O/--overwrite"},
+    Word{"migrate it first", "run `slamdb migrate`"},
+    Word{"RecoverOptions::rig", "--cameras"},
+    Word{"setting `Atlas::vocabulary`", "`slamdb vocabulary set`"},
+    Word{"`CheckAtlas`", "`slamdb check`"},
+    Word{"`Cull`", "`slamdb cull`"},
+    Word{"`DropFragments`", "`slamdb fragments`"},
+    Word{"`Extract`", "`slamdb extract`"},
+    Word{"`MakeLandmarks`", "`slamdb landmarks from-points`"},
+    Word{"`MakePoints`", "`slamdb landmarks to-points`"},
+    Word{"`ReadRules`", "`slamdb check --list`"},
+    Word{"`ReassignOrigins`", "`slamdb reassign-origin`"},
+    Word{"`RecomputeWords`", "`slamdb vocabulary recompute`"},
+    Word{"`RecoverAtlas`", "`slamdb recover`"},
+    Word{"`Renumber`", "`slamdb renumber`"},
+    Word{"`RepairAtlas`", "`slamdb repair`"},
+};
+
+}  // namespace
+
+std::string InCommandWords(std::string_view sentence) {
+  std::string text(sentence);
+  for (const auto& [library, command] : kWords)
+    for (std::size_t at = text.find(library); at != std::string::npos; at = text.find(library, at + command.size()))
+      text.replace(at, library.size(), command);
+  return text;
+}
+
+}  // namespace slamdb::cli
