@@ -21,6 +21,20 @@ constexpr std::array kWords = {
     Word{"SalvageAtlas", "`slamdb recover`"},
     Word{"`overwrite` of Store::Backup", "-O/--overwrite"},
     Word{"migrate it first", "run `slamdb migrate`"},
+    Word{"RecoverOptions::rig", "--cameras"},
+    Word{"setting `Atlas::vocabulary`", "`slamdb vocabulary set`"},
+    Word{"`CheckAtlas`", "`slamdb check`"},
+    Word{"`Cull`", "`slamdb cull`"},
+    Word{"`DropFragments`", "`slamdb fragments`"},
+    Word{"`Extract`", "`slamdb extract`"},
+    Word{"`MakeLandmarks`", "`slamdb landmarks from-points`"},
+    Word{"`MakePoints`", "`slamdb landmarks to-points`"},
+    Word{"`ReadRules`", "`slamdb check --list`"},
+    Word{"`ReassignOrigins`", "`slamdb reassign-origin`"},
+    Word{"`RecomputeWords`", "`slamdb vocabulary recompute`"},
+    Word{"`RecoverAtlas`", "`slamdb recover`"},
+    Word{"`Renumber`", "`slamdb renumber`"},
+    Word{"`RepairAtlas`", "`slamdb repair`"},
 };
 
 }  // namespace

@@ -76,10 +76,11 @@ ExitCode RunExtract(const ExtractVerbOptions& options, Console& console) {
   RefuseContradictions(options);
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const ExtractReport report = Extract(atlas, {.part = SelectOptionsOf(options),
-                                               .border = options.border,
-                                               .threads = console.threads(),
-                                               .progress = console.MakeProgress()});
+  const ExtractOptions extract{.part = SelectOptionsOf(options),
+                               .border = options.border,
+                               .threads = console.threads(),
+                               .progress = console.MakeProgress()};
+  const ExtractReport report = NamingFile(options.edit.input, [&] { return Extract(atlas, extract); });
   WriteResult(atlas, options.edit, "extract " + options.edit.input, console, notices);
   WarnIfNothingIsLeft(report.removed, notices);
   return FinishEdit(PartText(report.removed) + CoverageText(report.coverage), ToJson(report, FilesOf(options.edit)),

@@ -7,6 +7,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
+#include "cli/words.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/salvage.h"
 
@@ -41,14 +42,6 @@ std::string TextOf(const SalvageReport& report) {
   return text;
 }
 
-// What the user can do about what is lost.
-void NoteRemedies(const SalvageReport& report, const Salvage& salvage, const RecoverVerbOptions& options,
-                  Notices& notices) {
-  if (!report.recovery.guessed_lenses.empty()) notices.Note("--cameras takes lens parameters from another atlas");
-  if (salvage.lost_beginning && options.cameras.empty() && salvage.atlas.vocabulary == Vocabulary())
-    notices.Note("'slamdb vocabulary set' stamps the vocabulary's name and checksum");
-}
-
 ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   RefuseBadOutput(options.edit);
   const double wait = options.edit.wait;
@@ -60,10 +53,9 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
     return RecoverSalvage(
         salvage, {.rig = rig ? &*rig : nullptr, .threads = console.threads(), .progress = console.MakeProgress()});
   });
-  NoteRemedies(report, salvage, options, notices);
   WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
   const ExitCode code =
-      FinishEdit(TextOf(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
+      FinishEdit(InCommandWords(TextOf(report)), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
   for (const Unrepaired& rule : report.recovery.left)
     if (rule.severity == Severity::kError)
       console.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +

@@ -7,6 +7,7 @@
 #include "cli/edit.h"
 #include "cli/help/help.h"
 #include "cli/report/layout.h"
+#include "cli/words.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {
@@ -67,8 +68,8 @@ ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   if (journal.wanted()) journal.Write(ToJson(report.journal));
   WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices);
   journal.Commit();
-  const ExitCode code = FinishEdit(TextOf(report, options.edit.dry_run), ToJson(report, FilesOf(options.edit)),
-                                   options.edit, console, notices);
+  const ExitCode code = FinishEdit(InCommandWords(TextOf(report, options.edit.dry_run)),
+                                   ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
   return report.sound() ? code : ExitCode::kFailed;
 }
 
@@ -81,7 +82,8 @@ std::string CheckFixableRule(const std::string& id) {
     return "no rule '" + id + "'; " +
            (meant.empty() ? "`slamdb check --list` shows them" : "did you mean '" + meant + "'?");
   }
-  return rule->fix ? std::string() : "rule '" + id + "' has no repair: " + std::string(rule->fix.unfixable);
+  return rule->fix ? std::string()
+                   : InCommandWords("rule '" + id + "' has no repair: " + std::string(rule->fix.unfixable));
 }
 
 Run AddRepair(CLI::App& verb) {

@@ -79,7 +79,7 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
   SplitOptions split = options.split;
   split.threads = console.threads();
   split.progress = console.MakeProgress();
-  const std::vector<Part> parts = SplitAtlas(index, split);
+  const std::vector<Part> parts = NamingFile(options.edit.input, [&] { return SplitAtlas(index, split); });
   RefuseBadOutputs(options, parts);
   Table table({Table::Align::kLeft, Table::Align::kRight, Table::Align::kRight});
   table.Add({"part", "keyframes", "points"});

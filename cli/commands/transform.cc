@@ -12,7 +12,6 @@
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/frame/transform_atlas.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/model/derive.h"
 
 namespace slamdb::cli {
 namespace {
@@ -34,16 +33,8 @@ const std::map<std::string, UpMethod> kUpMethods = {{"auto", UpMethod::kAuto},
 std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console);
   read.features = FeatureColumns::kNone;
-  Atlas reference = ReadAtlas(options.onto, read, &notices);
-  std::erase_if(reference.maps, [](const Map& map) { return map.keyframes.empty(); });
-  if (reference.maps.size() != 1)
-    throw Error(options.onto, "", "must hold one trajectory, not " + std::to_string(reference.maps.size()));
-  std::vector<TimedPosition> positions;
-  for (const KeyFrame& keyframe : reference.maps[0].keyframes) {
-    const Eigen::Vector3f center = options.body ? WorldFromBody(keyframe).translation : CameraCenter(keyframe);
-    positions.push_back({keyframe.timestamp, center.cast<double>()});
-  }
-  return positions;
+  const Atlas reference = ReadAtlas(options.onto, read, &notices);
+  return NamingFile(options.onto, [&] { return TrajectoryOf(reference, options.body); });
 }
 
 FitOptions FitOf(const TransformVerbOptions& options) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 
 namespace slamdb::cli {
@@ -31,6 +32,14 @@ std::string WrappedParagraph(std::string_view text, std::size_t indent, std::siz
 }
 
 }  // namespace
+
+std::string Grouped(std::uint64_t number) { return detail::Thousands(number); }
+
+std::string Counted(std::uint64_t number, std::string_view one, std::string_view many) {
+  std::string text = Grouped(number).append(" ").append(number == 1 || many.empty() ? one : many);
+  if (number != 1 && many.empty()) text += 's';
+  return text;
+}
 
 std::string Short(double number, int digits) {
   std::array<char, 64> text{};

@@ -7,14 +7,15 @@
 #include <string_view>
 #include <vector>
 
-#include "slamdb/base/detail/grouped.h"
-
 namespace slamdb::cli {
 
 inline constexpr std::size_t kPageWidth = 96;  // columns of text for people
 
-using detail::Counted;
-using detail::Grouped;
+// 1234567 -> "1,234,567".
+std::string Grouped(std::uint64_t number);
+
+// "1 map", "3 maps", with the number grouped.
+std::string Counted(std::uint64_t number, std::string_view one, std::string_view many = {});
 
 // 33424706 -> "33.4 MB"; powers of 1000.
 std::string HumanBytes(std::uint64_t bytes);

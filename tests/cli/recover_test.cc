@@ -72,7 +72,7 @@ TEST_F(RecoverVerb, ReadsFilesWithoutTheirBeginning) {
   const ProcessResult bare = RunSlamdb({"recover", In("zeros.osa"), In("bare.osa")});
   EXPECT_EQ(bare.exit_code, 1) << "the vocabulary is an error that is left";
   EXPECT_THAT(bare.out, HasSubstr("recovered 1 of 1 map, 13 of 14 keyframes, 3,162 of 3,162 points"));
-  EXPECT_THAT(bare.out, HasSubstr("the vocabulary's name and checksum lost; 'slamdb vocabulary set' stamps them"));
+  EXPECT_THAT(bare.out, HasSubstr("the vocabulary's name and checksum lost; `slamdb vocabulary set` stamps them"));
   EXPECT_THAT(bare.out, HasSubstr("map 0: its id and its initial keyframe lost"));
   const ProcessResult taken = RunSlamdb({"recover", In("zeros.osa"), In("taken.osa"), "--cameras", kSmall});
   EXPECT_EQ(taken.exit_code, 3) << taken.err;

@@ -24,7 +24,8 @@ std::vector<PlannedRule> PlanRules(const CheckOptions& options) {
   const auto change = [&](const std::vector<std::string>& ids, std::optional<Severity> severity) {
     for (const std::string& id : ids) {
       const auto found = std::ranges::find(plan, std::string_view(id), [](const PlannedRule& p) { return p.rule->id; });
-      if (found == plan.end()) throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'"));
+      if (found == plan.end())
+        throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'; `ReadRules` names all"));
       found->severity = severity;
     }
   };

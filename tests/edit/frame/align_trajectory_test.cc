@@ -115,5 +115,20 @@ TEST(HasOpenScale, OnlyOfALoneCamera) {
   EXPECT_FALSE(HasOpenScale(Walk(Sensor::kFisheyeStereo)));
 }
 
+TEST(TrajectoryOf, IsThatOfTheOnlyMapWithKeyframes) {
+  Atlas atlas;
+  atlas.maps.push_back(Walk(Sensor::kRgbd));
+  atlas.maps.emplace_back();  // which has none
+  atlas.maps[0].keyframes[2].bad = true;
+  const std::vector<TimedPosition> trajectory = TrajectoryOf(atlas);
+  ASSERT_EQ(trajectory.size(), atlas.maps[0].keyframes.size() - 1);
+  EXPECT_EQ(trajectory[0].timestamp, atlas.maps[0].keyframes[0].timestamp);
+  EXPECT_EQ(trajectory[0].position, CameraCenter(atlas.maps[0].keyframes[0]).cast<double>());
+  EXPECT_EQ(trajectory[2].timestamp, atlas.maps[0].keyframes[3].timestamp);
+  atlas.maps.push_back(atlas.maps[0]);
+  EXPECT_EQ(KindOf([&] { return TrajectoryOf(atlas); }), ErrorKind::kNotPossible);
+  EXPECT_EQ(KindOf([] { return TrajectoryOf(Atlas()); }), ErrorKind::kNotPossible);
+}
+
 }  // namespace
 }  // namespace slamdb

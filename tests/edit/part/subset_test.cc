@@ -178,6 +178,7 @@ TEST(KeepSubset, LeavesNoReferenceOutOfThePart) {
         keyframe.not_erase = true;
       }
       map.points[0].replaced_by = map.points[1].id;
+      for (MapPoint& point : map.points) point.first_keyframe = -1;  // who made it is no link
       map.origins = {gone};
       map.initial_keyframe = map.first_keyframe = map.lowest_keyframe = gone;
     }

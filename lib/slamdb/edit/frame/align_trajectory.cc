@@ -109,6 +109,15 @@ TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosit
           .spread = fit.spread};
 }
 
+std::vector<TimedPosition> TrajectoryOf(const Atlas& atlas, bool body) {
+  std::vector<const Map*> maps;
+  for (const Map& map : atlas.maps)
+    if (!map.keyframes.empty()) maps.push_back(&map);
+  if (maps.size() != 1)
+    throw Error(ErrorKind::kNotPossible, detail::Concat("must hold one trajectory, not ", maps.size()));
+  return PositionsOf(*maps.front(), body);
+}
+
 bool HasOpenScale(const Map& map) {
   if (map.imu_initialized) return false;
   return std::ranges::none_of(map.keyframes, [](const KeyFrame& keyframe) {

@@ -52,6 +52,12 @@ struct TrajectoryAlignment {
                                                                   std::span<const TimedPosition> reference,
                                                                   const TrajectoryAlignmentOptions& options = {});
 
+// The good keyframes of the only map that has any, in order of time, as a reference for others.
+//
+// Throws Error (kNotPossible) when there are several such maps, or none.
+// Cost: O(n log n).
+[[nodiscard]] SLAMDB_EXPORT std::vector<TimedPosition> TrajectoryOf(const Atlas& atlas, bool body = false);
+
 // Whether the sensor leaves the scale of a map open: one camera without depths and without an initialised IMU.
 [[nodiscard]] SLAMDB_EXPORT bool HasOpenScale(const Map& map);
 

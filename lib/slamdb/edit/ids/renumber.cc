@@ -68,9 +68,10 @@ IdTable MakeTable(std::vector<Present>& present, IdKind kind) {
     if (table.Insert(each.id, static_cast<std::uint32_t>(once.size())) == kNoRow)
       once.push_back(each);
     else if (kind != IdKind::kFrame)
-      throw Error(ErrorKind::kNotPossible,
-                  std::string(NameOf(kind)) + " id " + std::to_string(each.id) +
-                      " is there more than once, so a table of ids cannot say which one is meant");
+      throw Error(
+          ErrorKind::kNotPossible,
+          std::string(NameOf(kind)) + " id " + std::to_string(each.id) +
+              " is there more than once, so a table of ids cannot say which one is meant; `CheckAtlas` lists all");
   }
   present = std::move(once);
   return table;

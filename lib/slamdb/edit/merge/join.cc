@@ -237,10 +237,11 @@ std::uint64_t AbsorbLandmarks(Map& first, Map& second, const std::optional<FuseR
 void RefuseIrregular(const Atlas& atlas) {
   bool irregular = !atlas.repeated_maps.empty();
   for (const Map& map : atlas.maps) irregular |= !map.repeated_keyframes.empty() || !map.repeated_points.empty();
-  if (irregular) throw Error(ErrorKind::kNotPossible, "lists hold null pointers or repetitions; a repair drops them");
+  if (irregular)
+    throw Error(ErrorKind::kNotPossible, "lists hold null pointers or repetitions; `RepairAtlas` drops them");
   const AtlasIndex index(atlas);
   if (!index.duplicate_keyframes().empty() || !index.duplicate_points().empty())
-    throw Error(ErrorKind::kNotPossible, "ids are there more than once; a check lists them");
+    throw Error(ErrorKind::kNotPossible, "ids are there more than once; `CheckAtlas` lists them");
 }
 
 }  // namespace

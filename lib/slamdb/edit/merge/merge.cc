@@ -229,7 +229,7 @@ class Merger {
           throw Error(ErrorKind::kNotPossible, NameOfInput(i) + ": its " + std::string(NameOf(as_kind)) +
                                                    " ids would reach " + std::to_string(range.highest) +
                                                    ", expected at most " + std::to_string(LargestId(as_kind)) +
-                                                   "; make the ids of the inputs dense first");
+                                                   "; make the ids of the inputs dense first: `Renumber`");
       }
       used_[kind].push_back(range);
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/grouped.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/recover.h"
 
@@ -47,9 +46,9 @@ void TellLists(const Salvage& salvage, SalvageReport& report) {
 void TellBeginning(const Salvage& salvage, SalvageReport& report) {
   if (!salvage.lost_beginning) return;
   if (report.recovery.taken_vocabulary)
-    report.losses.emplace_back("the vocabulary's name and checksum lost, and taken from the other atlas");
+    report.losses.emplace_back("the vocabulary's name and checksum lost, and taken from RecoverOptions::rig");
   else if (salvage.atlas.vocabulary == Vocabulary())
-    report.losses.emplace_back("the vocabulary's name and checksum lost");
+    report.losses.emplace_back("the vocabulary's name and checksum lost; setting `Atlas::vocabulary` stamps them");
   if (!salvage.maps.empty())
     report.losses.push_back(
         Concat(salvage.maps.front().id, ": its id and its initial keyframe lost, and taken from its keyframes"));
@@ -63,8 +62,8 @@ void TellRebuilt(SalvageReport& report) {
   tell(recovery.rebuilt_maps, ": origins, initial keyframe and inertial stage lost, and set anew");
   tell(recovery.rebuilt_cameras, " lost, and rebuilt from what keyframes keep of it");
   tell(recovery.guessed_lenses,
-       ": its lens parameters are unknown and set to 0; another atlas of the same cameras can tell them");
-  tell(recovery.taken_cameras, " lost, and taken from the other atlas");
+       ": its lens parameters are unknown and set to 0; RecoverOptions::rig takes them from a file");
+  tell(recovery.taken_cameras, " lost, and taken from RecoverOptions::rig");
   if (recovery.rebuilt_counters) report.losses.emplace_back("the next ids lost, and set above all ids that are known");
 }
 

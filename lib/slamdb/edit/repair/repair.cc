@@ -16,7 +16,8 @@ constexpr int kMostRounds = 16;  // what one fix uncovers another one repairs; t
 void RequireFixes(const std::vector<std::string>& ids) {
   for (const std::string& id : ids) {
     const Rule* rule = FindRule(id);
-    if (rule == nullptr) throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'"));
+    if (rule == nullptr)
+      throw Error(ErrorKind::kUsage, detail::Concat("no rule is called '", id, "'; `ReadRules` names all"));
     if (!rule->fix)
       throw Error(ErrorKind::kUsage, detail::Concat("rule '", id, "' has no repair: ", rule->fix.unfixable));
   }
