@@ -150,7 +150,7 @@ TEST(CLandmark, RefusesHalfAFloat) {
 
 TEST(CLandmarksMap, HoldsWhatMrptWrote) {
   Notices notices;
-  const Atlas atlas = ReadAtlas({SLAMDB_FIXTURES "/mrpt/landmarks.bin", ""}, {}, notices);
+  const Atlas atlas = ReadAtlas(SLAMDB_FIXTURES "/mrpt/landmarks.bin");
   const std::vector<Landmark>& landmarks = atlas.maps.at(0).landmarks;
   CLandmarksMap map(landmarks);
   ASSERT_EQ(map.size(), 2U);
