@@ -128,11 +128,6 @@ TEST(Trimmed, LeavesBlanksInside) {
   EXPECT_EQ(Trimmed(" \t "), "");
 }
 
-TEST(IsComment, BeginsWithAMark) {
-  EXPECT_TRUE(IsComment("# x") && IsComment("\t%time"));
-  EXPECT_FALSE(IsComment("1 # x") || IsComment("") || IsComment(" "));
-}
-
 TEST(WithoutMark, KnowsUtf8AndUtf16) {
   EXPECT_EQ(WithoutMark("\xef\xbb\xbf"
                         "1 2"),

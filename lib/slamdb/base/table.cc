@@ -78,10 +78,10 @@ std::vector<Cell> CellsOf(std::string_view line, char separator) {
 std::string_view SkipToRow(std::string_view& text, std::size_t& line_number, std::vector<std::string_view>& comments) {
   for (std::string_view behind = text; !text.empty(); text = behind, ++line_number) {
     const std::string_view line = TakeLine(behind);
-    if (IsComment(line))
-      comments.push_back(line);
-    else if (!Trimmed(line).empty())
-      return line;
+    const std::size_t first = line.find_first_not_of(kBlanks);
+    if (first == std::string_view::npos) continue;
+    if (!IsCommentMark(line[first])) return line;
+    comments.push_back(line);
   }
   return {};
 }

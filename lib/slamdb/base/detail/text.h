@@ -60,11 +60,8 @@ inline std::string_view Trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kBlanks) + 1);
 }
 
-// Whether `#` or `%` begins the line.
-inline bool IsComment(std::string_view line) {
-  line = Trimmed(line);
-  return line.starts_with('#') || line.starts_with('%');
-}
+// What begins a line that is a comment.
+inline bool IsCommentMark(char letter) { return letter == '#' || letter == '%'; }
 
 // A decimal number that fills the whole text; nothing when it does not, or when the type cannot hold it.
 // A plus sign is allowed, and nan and inf are where the type has them. Integers do not go through a double.
