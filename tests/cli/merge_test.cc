@@ -170,7 +170,8 @@ TEST_F(Merge, ReassignOrigin) {
   EXPECT_EQ(report.at("next_map"), 4);
   EXPECT_EQ(Info(At("out.osa")).at("maps").at(0).at("origins").at(0).at("map"), 3);
   std::filesystem::remove(At("out.osa"));
-  ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8=0"}, "no keyframe or point has origin map 8");
+  ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8=0"},
+                "no keyframe or point has origin map 8");
   ExpectRefusal({"reassign-origin", Input("1"), At("out.osa")}, "nothing to do", 2);
   ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8"}, "FROM=TO", 2);
 }
