@@ -337,6 +337,54 @@ std::string TestName(const ::testing::TestParamInfo<FieldCase>& info) {
 
 INSTANTIATE_TEST_SUITE_P(All, Fields, ::testing::ValuesIn(AllCases()), TestName);
 
+// ---- fields.h knows every member
+
+struct Extent {
+  std::size_t begin = 0, end = 0;
+};
+
+template <class Entity, class Field>
+Extent ExtentOf(const Entity& entity, const Field& field) {
+  const auto begin =
+      static_cast<std::size_t>(reinterpret_cast<const char*>(&field) - reinterpret_cast<const char*>(&entity));
+  return {begin, begin + sizeof(Field)};
+}
+
+// Between the fields, and the lists that are not among them, there is nothing but padding.
+template <class Entity, class... List>
+void ExpectCovered(List Entity::*... lists) {
+  const Entity entity{};
+  std::vector<Extent> covered{ExtentOf(entity, entity.*lists)...};
+  ForEachField(&entity, [&](std::string_view, auto... members) {
+    covered.push_back(ExtentOf(entity, Member(entity, members...)));
+  });
+  if constexpr (std::is_same_v<Entity, Atlas>)
+    fields::ForEachEncodingField(
+        [&](std::string_view, auto... members) { covered.push_back(ExtentOf(entity, Member(entity, members...))); });
+  covered.push_back({sizeof(Entity), sizeof(Entity)});
+  std::ranges::sort(covered, {}, &Extent::begin);
+  std::size_t position = 0;
+  for (const Extent& field : covered) {
+    const auto is_padding = [&](std::size_t alignment) {
+      return field.begin == (position + alignment - 1) / alignment * alignment;
+    };
+    EXPECT_TRUE(is_padding(1) || is_padding(2) || is_padding(4) || is_padding(8))
+        << "bytes " << position << " to " << field.begin << " are of no field of fields.h";
+    position = field.end;
+  }
+}
+
+TEST(FieldsOfTheModel, AreAllInFieldsH) {
+  ExpectCovered<Atlas>(&Atlas::maps, &Atlas::cameras);
+  ExpectCovered<Camera>();
+  ExpectCovered<Map>(&Map::keyframes, &Map::points, &Map::landmarks);
+  ExpectCovered<KeyFrame>();
+  ExpectCovered<MapPoint>();
+  ExpectCovered<Landmark>();
+  ExpectCovered<LandmarkFeature>();
+  ExpectCovered<FeatureDescriptor>();
+}
+
 // ---- Landmarks come and go
 
 class JournalOfLandmarks : public ::testing::Test {

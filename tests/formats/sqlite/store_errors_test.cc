@@ -54,7 +54,7 @@ TEST_F(StoreErrors, Permission) {
 TEST_F(StoreErrors, Damaged) {
   Sql(path_, "UPDATE map_point SET x = x + 1 WHERE id = 3");
   EXPECT_EQ(KindOf([&] { LoadFrom(path_); }), ErrorKind::kDamaged);
-  Sql(path_, "UPDATE keyframe SET details = x'0102' || zeroblob(400)");
+  Sql(path_, "UPDATE keyframe SET details = zeroblob(400)");
   EXPECT_EQ(KindOf([&] { LoadFrom(path_); }), ErrorKind::kDamaged);
   Sql(path_, "PRAGMA user_version = 0");
   EXPECT_EQ(KindOf([&] { LoadFrom(path_); }), ErrorKind::kDamaged);

@@ -101,8 +101,8 @@ Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::s
 
 Database::Database(const std::string& path, Access access, double lock_timeout) : path_(path) {
   CheckIsFile(path, access == Access::kCreate);
-  if (access == Access::kRead) {
-    OpenToRead(lock_timeout);
+  if (access == Access::kRead || access == Access::kSalvage) {
+    OpenToRead(access, lock_timeout);
   } else {
     OpenToWrite(access, lock_timeout);
   }
@@ -124,22 +124,24 @@ void Database::OpenHandle(const std::string& name, int flags) {
 // Opens for reading and writing where permitted, because only such a connection removes the (empty) log and index files
 // that SQLite lays beside a store while it is open; query_only keeps it from writing. A log that a killed writer left
 // is read and left alone. Where even those files cannot be made, and no log is there, nobody can be writing: immutable.
-void Database::OpenToRead(double lock_timeout) {
+void Database::OpenToRead(Access access, double lock_timeout) {
   OpenHandle(path_, SQLITE_OPEN_READWRITE);
+  if (access == Access::kSalvage) TolerateDamagedSchema();
   std::error_code missing;
   const auto log_bytes = std::filesystem::file_size(log_path(), missing);
   const bool has_log = !missing && log_bytes > 0;
   if (has_log) sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   sqlite3_busy_timeout(handle(), static_cast<int>(lock_timeout * 1000));
   const auto begin_reading = [this] {
-    return sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA cache_size=-8192; SELECT 1 FROM sqlite_schema", nullptr,
-                        nullptr, nullptr);
+    return sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA cache_size=-8192; SELECT 1 FROM sqlite_schema LIMIT 1",
+                        nullptr, nullptr, nullptr);
   };
   int code = begin_reading();
   const int primary = code & 0xff;
   if ((primary == SQLITE_CANTOPEN || primary == SQLITE_READONLY) && !has_log) {
     OpenHandle(ImmutableUri(path_), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     immutable_ = true;
+    if (access == Access::kSalvage) TolerateDamagedSchema();
     code = begin_reading();
   }
   if ((code & 0xff) == SQLITE_CANTOPEN && has_log) {
@@ -148,6 +150,14 @@ void Database::OpenToRead(double lock_timeout) {
                     ") lies beside it in a folder that cannot be written: copy both to another folder");
   }
   if (code != SQLITE_OK) throw Failure("", code);
+}
+
+// SQLite reads no table of a database of whose schema a page is lost, unless the schema may be written: then the first
+// statement fails, and those after it see what was read until then. Tables come first in it, and views last.
+void Database::TolerateDamagedSchema() {
+  sqlite3_db_config(handle(), SQLITE_DBCONFIG_DEFENSIVE, 0, nullptr);
+  sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA writable_schema=ON", nullptr, nullptr, nullptr);
+  sqlite3_exec(handle(), "SELECT 1 FROM sqlite_schema", nullptr, nullptr, nullptr);
 }
 
 void Database::OpenToWrite(Access access, double lock_timeout) {

@@ -34,11 +34,12 @@ std::string OwnerOf(Database& database) {
 }
 
 // A damaged or hostile file may lack a table, or have a view of its name.
-void CheckTables(Database& database, int version) {
+void CheckTables(Database& database, int version, Boxes boxes) {
   for (const char* table :
        {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
         "map_point", "map_point_box", "observation", "history", "writer", "landmark"}) {
     if (version < 2 && table == std::string_view("landmark")) continue;
+    if (boxes == Boxes::kNotNeeded && table == std::string_view("map_point_box")) continue;
     Statement statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1");
     if (!statement.BindText(1, table).Step()) {
       throw Error(ErrorKind::kDamaged, database.path(), std::string("table ") + table, "missing: the store is damaged");
@@ -58,7 +59,7 @@ Header HeaderOf(std::string_view head) {
   return header;
 }
 
-void CheckIsStore(Database& database, int newest, Older older) {
+void CheckIsStore(Database& database, int newest, Older older, Boxes boxes) {
   const std::int64_t application = database.Integer("PRAGMA application_id");
   if (application != kApplicationId) {
     std::string problem = "not a slamdb store: this is " + OwnerOf(database);
@@ -77,7 +78,7 @@ void CheckIsStore(Database& database, int newest, Older older) {
     throw Error(ErrorKind::kUnsupported, database.path(), "",
                 is + ", this program needs " + std::to_string(newest) + ": migrate it first");
   }
-  CheckTables(database, version);
+  CheckTables(database, version, boxes);
 }
 
 }  // namespace slamdb::sqlite

@@ -10,8 +10,7 @@ namespace {
 // NULL: `value` stays what it is, not recorded.
 template <class Integer>
 void ReadRecorded(const Statement& row, int column, Integer& value) {
-  const std::int64_t stored = row.Integer(column);  // 0 for NULL, too
-  if (stored != 0 || !row.IsNull(column)) value = static_cast<Integer>(stored);
+  if (!row.IsNull(column)) value = static_cast<Integer>(row.Integer(column));
 }
 
 void ReadPoint(Database& database, const Statement& row, MapPoint& point) {

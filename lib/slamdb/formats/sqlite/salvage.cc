@@ -189,15 +189,22 @@ class LengthenedCopy {
   std::filesystem::path folder_;
 };
 
+// The only atlas, without the index of names.
+std::string OnlyName(Database& database, double lock_timeout) {
+  Statement statement(database, "SELECT count(*), min(name) FROM atlas NOT INDEXED", "table atlas");
+  if (statement.Step() && statement.Integer(0) == 1) return statement.Text(1);
+  return Store::Open(database.path(), lock_timeout).OnlyName();  // throws what is wrong
+}
+
 }  // namespace
 }  // namespace sqlite
 
 Salvage SalvageStore(const std::string& path, const std::string& name, const ReadOptions& options) {
   const double lock_timeout = options.of<StoreReadOptions>().lock_timeout;
   const sqlite::LengthenedCopy copy(path);
-  const std::string chosen = name.empty() ? Store::Open(copy.path(), lock_timeout).OnlyName() : name;
-  sqlite::Database database(copy.path(), sqlite::Access::kRead, lock_timeout);
-  sqlite::CheckIsStore(database, sqlite::NewestVersion());
+  sqlite::Database database(copy.path(), sqlite::Access::kSalvage, lock_timeout);
+  sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kRefuse, sqlite::Boxes::kNotNeeded);
+  const std::string chosen = name.empty() ? sqlite::OnlyName(database, lock_timeout) : name;
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, chosen).Step())
     throw Error(ErrorKind::kNotFound, path, "", "no atlas named '" + chosen + "' could be read");

@@ -16,9 +16,10 @@
 namespace slamdb::sqlite {
 
 enum class Access {
-  kRead,    // never changes the file; works on read-only disks and in read-only folders
-  kWrite,   // the file is there
-  kCreate,  // the file is made when it is missing
+  kRead,     // never changes the file; works on read-only disks and in read-only folders
+  kSalvage,  // as kRead, with what can be read of a damaged schema
+  kWrite,    // the file is there
+  kCreate,   // the file is made when it is missing
 };
 
 // What a failed call on a connection means: the code and the message of SQLite, explained and with a kind. `handle` may
@@ -55,7 +56,8 @@ class Database {
     void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
   };
   void OpenHandle(const std::string& name, int flags);
-  void OpenToRead(double lock_timeout);
+  void OpenToRead(Access access, double lock_timeout);
+  void TolerateDamagedSchema();
   void OpenToWrite(Access access, double lock_timeout);
 
   std::string path_;
