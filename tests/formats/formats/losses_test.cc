@@ -35,7 +35,7 @@ TEST(Content, IsASet) {
   static_assert((kPoses | kPoints) == (kPoints | kPoses));
   static_assert(HasAny(kPoses | kPoints, kPoints | kMaps) && !HasAny(kPoses, kPoints));
   static_assert(HasAll(kAtlas, kPoses | kPoints) && !HasAll(kPoses, kPoses | kPoints));
-  static_assert(~kNothing == kEverything && ~kAtlas == kLandmarks && ~kEverything == kNothing);
+  static_assert(~kNothing == kEverything && ~kAtlas == (kLandmarks | kTracking) && ~kEverything == kNothing);
   Content content = kPoses;
   content |= kMaps;
   EXPECT_EQ(content, kPoses | kMaps);
@@ -71,12 +71,12 @@ TEST(LossesOf, LandmarksAreOne) {
 // In memory and in stores only.
 TEST(LossesOf, OriginsAndCountsOfPointsAreOne) {
   Atlas atlas = OneMapAtlas();
-  EXPECT_EQ(ContentOf(atlas) & kTracking, kNothing);
+  EXPECT_EQ(ContentOf(atlas) & Content::kTracking, Content::kNothing);
   EXPECT_THAT(LossesOf(atlas, FormatById("orbslam3"), {}), IsEmpty());
   atlas.maps[0].points[0].origin_map = 0;
   atlas.maps[0].points[1].found_count = 0;
   atlas.maps[0].points[1].visible_count = 4;
-  EXPECT_EQ(ContentOf(atlas) & kTracking, kTracking);
+  EXPECT_EQ(ContentOf(atlas) & Content::kTracking, Content::kTracking);
   for (const char* format : {"orbslam3", "orbslam3-text"})
     EXPECT_THAT(
         LossesOf(atlas, FormatById(format), {}),
