@@ -96,7 +96,8 @@ class ObjectList {
 };
 
 // The objects that changed since they were last taken: a stack through the objects themselves, so that marking a change
-// allocates nothing and taking costs as much as changed. Add is thread-safe; Take wants the gate closed.
+// allocates nothing and taking costs as much as changed. Both are thread-safe; one thread at a time takes. What is
+// written before Add and read after Take is either seen or in the log again.
 template <class Object>
 class ChangeLog {
  public:
@@ -116,7 +117,7 @@ class ChangeLog {
       auto* object = static_cast<Object*>(next);
       Listed* listed = object;
       next = listed->next_changed_;
-      listed->changed_.store(false, std::memory_order_release);
+      listed->changed_.exchange(false, std::memory_order_acq_rel);  // sees what an Add that came too late had written
       objects.push_back(object);
     }
     return objects;

@@ -175,24 +175,18 @@ KeyFrame* MapPoint::GetReferenceKeyFrame() {
 }
 
 void MapPoint::IncreaseVisible(int n) {
-  const Lock lock(mutex_features_);
-  visible_ += n;
+  visible_.fetch_add(n, std::memory_order_relaxed);
+  MarkChanged();
 }
 
 void MapPoint::IncreaseFound(int n) {
-  const Lock lock(mutex_features_);
-  found_ += n;
+  found_.fetch_add(n, std::memory_order_relaxed);
+  MarkChanged();
 }
 
-float MapPoint::GetFoundRatio() {
-  const Lock lock(mutex_features_);
-  return static_cast<float>(found_) / static_cast<float>(visible_);
-}
+float MapPoint::GetFoundRatio() { return static_cast<float>(found_) / static_cast<float>(visible_); }
 
-int MapPoint::GetFound() {
-  const Lock lock(mutex_features_);
-  return found_;
-}
+int MapPoint::GetFound() { return found_; }
 
 bool MapPoint::isBad() { return bad_; }
 

@@ -97,6 +97,7 @@ class SLAMDB_EXPORT MapPoint : public Listed {
   void Replace(MapPoint* pMP);
   MapPoint* GetReplaced();
 
+  // Saved, but for a format that has no place for them. Take no lock and wait for nothing, not even for a save.
   void IncreaseVisible(int n = 1);
   void IncreaseFound(int n = 1);
   float GetFoundRatio();
@@ -214,7 +215,12 @@ class SLAMDB_EXPORT MapPoint : public Listed {
   Flag recorded_bad_;
   Descriptor descriptor_{};
   MatrixForm descriptor_form_ = MatrixForm::kEmpty;
-  int visible_ = 1, found_ = 1;  // not saved
+
+  // Counters of tracking change without the gate: a save may have one increment and not the next. Those that a loaded
+  // record does not have begin at 1, and stay unrecorded until they change; an origin likewise.
+  std::atomic<int> visible_ = 1, found_ = 1;
+  bool has_visible_ = true, has_found_ = true;
+  std::uint32_t assumed_origin_ = slamdb::MapPoint::kNoOrigin;
 };
 
 }  // namespace slamdb::live

@@ -106,14 +106,11 @@ void MapPoint::Replace(MapPoint* pMP) {
   if (pMP == this || pMP->mnId == mnId) return;
   const Change change(runtime().gate);
   std::vector<Observer> observers;
-  int visible = 0, found = 0;
   {
     const Lock lock(mutex_features_);
     observers = observations_.Take();
     bad_ = true;
     replaced_ = pMP;
-    visible = visible_;
-    found = found_;
   }
   for (const Observer& observer : observers) {
     const bool is_free = !pMP->IsInKeyFrame(observer.keyframe);
@@ -127,8 +124,8 @@ void MapPoint::Replace(MapPoint* pMP) {
       }
     }
   }
-  pMP->IncreaseFound(found);
-  pMP->IncreaseVisible(visible);
+  pMP->IncreaseFound(found_);
+  pMP->IncreaseVisible(visible_);
   pMP->ComputeDistinctiveDescriptors();
   if (Map* map = map_; map != nullptr) map->EraseMapPoint(this);
 }

@@ -26,6 +26,14 @@ MapPoint::MapPoint(const slamdb::MapPoint& record, Map* map) : MapPoint(*map, re
   descriptor_form_ = record.descriptor_form;
   recorded_bad_ = record.bad;
   bad_ = record.bad;
+  has_visible_ = record.visible_count != slamdb::MapPoint::kNoCount;
+  has_found_ = record.found_count != slamdb::MapPoint::kNoCount;
+  if (has_visible_) visible_ = record.visible_count;
+  if (has_found_) found_ = record.found_count;
+  if (record.origin_map != slamdb::MapPoint::kNoOrigin)
+    mnOriginMapId = record.origin_map;
+  else
+    assumed_origin_ = mnOriginMapId;
 }
 
 slamdb::MapPoint MapPoint::ToRecord(LinkFilter& links) const {
@@ -34,6 +42,9 @@ slamdb::MapPoint MapPoint::ToRecord(LinkFilter& links) const {
   record.first_keyframe = mnFirstKFid;
   record.first_frame = mnFirstFrame;
   record.observation_count = nObs;
+  if (mnOriginMapId != assumed_origin_) record.origin_map = mnOriginMapId;
+  if (const int visible = visible_; has_visible_ || visible != 1) record.visible_count = visible;
+  if (const int found = found_; has_found_ || found != 1) record.found_count = found;
   record.position = position_;
   record.normal = normal_;
   record.descriptor = descriptor_;
