@@ -8,10 +8,11 @@
 
 #include "slamdb/boost/objects.h"
 
-// `archive & x` of the model in archives of stock Boost.Serialization, as ORB-SLAM3 v1.0 archives its own classes: a
-// program's boost::archive::binary_oarchive and text_oarchive write what ORB-SLAM3 and slamdb read, byte for byte, and
-// its iarchives read what they write. Header-only; link slamdb::boost, which brings Boost.Serialization (1.58 or
-// newer).
+// `archive & x` of the model in archives of stock Boost.Serialization, as ORB-SLAM3 v1.0 archives its own classes.
+//
+// A program's binary_oarchive and text_oarchive write what ORB-SLAM3 and slamdb read, byte for byte.
+// Its iarchives read what they write.
+// Header-only; link slamdb::boost, which brings Boost.Serialization, 1.58 or newer.
 //
 //   boost::archive::binary_oarchive archive(stream);
 //   archive << atlas;                                   // a whole .osa file
@@ -28,76 +29,78 @@
 //   Rigid3f, Matrix    what ORB-SLAM3 writes for Sophus::SE3f and cv::Mat: members without class information.
 //   Flag, Id           a byte; an unsigned long.
 //
-// Objects by value and `MapPoint*`, `KeyFrame*`, `Map*` follow Boost's rules for any class: a program that archives
-// pointers to one, tracks its values too, by address. Lists within an atlas or a map track what they list by
-// themselves.
+// Lists within an atlas or a map track what they list, repeated and null pointers too.
+// Objects by value, and `MapPoint*`, `KeyFrame*`, `Map*`, follow Boost's rules for any class: a program that archives
+// pointers to a class tracks its values too, by address.
 //
-// Not in ORB-SLAM3's layout, and therefore neither saved nor changed by loading: Atlas::encoding. Map::landmarks are
-// not saved, and empty after loading.
+// Not in ORB-SLAM3's layout, and not archived: Atlas::encoding, which loading leaves alone; Map::landmarks, which are
+// empty after loading.
 //
 // Saving throws Error: kNotPossible for a camera id that needs more than 32 bits, kUsage for a RepeatedEntry that
 // refers to nothing before it.
 //
 // Loading throws boost::archive::archive_exception, Error (kDamaged, kUnsupported) or another std::exception.
-// An atlas stays as it was then; of another object parts may be read.
+// An atlas then stays as it was; of other objects, parts may have been read.
 //
-// Stock archives believe what they read: a damaged count allocates what it says, a class id out of range is followed
-// blindly, nan in text cannot be read. Files of strangers are for slamdb::ReadAtlas, which checks all of that.
+// Stock archives believe what they read: a damaged count allocates what it says, a class id that no class has is
+// followed, nan in text is not read. Files of strangers are for slamdb::ReadAtlas, which checks all of that.
+//
+// One archive at a time is one thread's; different archives are independent.
 namespace slamdb {
 
 template <class Archive, class Entity>
 void serialize(Archive& archive, Id<Entity>& id, const unsigned int /*version*/) {
-  detail::AsNumber<unsigned long>(archive, id);
+  boost_archive::AsNumber<unsigned long>(archive, id);
 }
 
 template <class Archive>
 void serialize(Archive& archive, ImuBias& bias, const unsigned int version) {
-  detail::RequireVersion(version);
-  detail::Members(archive, bias);
+  boost_archive::RequireVersion(version);
+  boost_archive::Members(archive, bias);
 }
 
 template <class Archive>
 void serialize(Archive& archive, ImuCalibration& calibration, const unsigned int version) {
-  detail::RequireVersion(version);
-  detail::Members(archive, calibration);
+  boost_archive::RequireVersion(version);
+  boost_archive::Members(archive, calibration);
 }
 
 template <class Archive>
 void serialize(Archive& archive, ImuMeasurement& measurement, const unsigned int version) {
-  detail::RequireVersion(version);
-  detail::Members(archive, measurement);
+  boost_archive::RequireVersion(version);
+  boost_archive::Members(archive, measurement);
 }
 
 template <class Archive>
 void serialize(Archive& archive, ImuPreintegration& imu, const unsigned int version) {
-  detail::RequireVersion(version);
-  detail::Members(archive, imu);
+  boost_archive::RequireVersion(version);
+  boost_archive::Members(archive, imu);
 }
 
 template <class Archive>
 void serialize(Archive& archive, MapPoint& point, const unsigned int version) {
-  detail::RequireVersion(version);
-  detail::Members(archive, point);
+  boost_archive::RequireVersion(version);
+  boost_archive::Members(archive, point);
 }
 
 template <class Archive>
 void serialize(Archive& archive, KeyFrame& keyframe, const unsigned int version) {
-  detail::RequireVersion(version);
-  detail::Members(archive, keyframe);
+  boost_archive::RequireVersion(version);
+  boost_archive::Members(archive, keyframe);
 }
 
 template <class Archive>
 void serialize(Archive& archive, Map& map, const unsigned int version) {
-  detail::RequireVersion(version);
+  boost_archive::RequireVersion(version);
   if constexpr (Archive::is_loading::value) map = Map();
-  detail::MapMembers(archive, map, detail::ObjectsOf(archive).Begin());
+  boost_archive::MapMembers(archive, map, boost_archive::ObjectsOf(archive).Begin());
 }
 
 template <class Archive>
 void serialize(Archive& archive, Camera& camera, const unsigned int /*version*/) {
-  detail::Objects& objects = detail::ObjectsOf(archive);
-  detail::RegisterCameras(archive);
-  detail::CameraEntry* entry = nullptr;
+  boost_archive::Objects& objects = boost_archive::ObjectsOf(archive);
+  boost_archive::RegisterCameras(archive);
+  boost_archive::CameraEntry* entry = nullptr;
   if constexpr (Archive::is_saving::value) entry = objects.Add(camera);
   archive& entry;
   if constexpr (Archive::is_loading::value) camera = objects.Loaded(entry);
@@ -105,10 +108,10 @@ void serialize(Archive& archive, Camera& camera, const unsigned int /*version*/)
 
 template <class Archive>
 void serialize(Archive& archive, Atlas& atlas, const unsigned int /*version*/) {
-  detail::AtlasEntries& entries = detail::ObjectsOf(archive).Begin();
-  detail::Entry<Atlas>* entry = nullptr;
+  boost_archive::AtlasEntries& entries = boost_archive::ObjectsOf(archive).Begin();
+  boost_archive::Entry<Atlas>* entry = nullptr;
   if constexpr (Archive::is_saving::value) {
-    entry = detail::ObjectsOf(archive).Add(atlas);
+    entry = boost_archive::ObjectsOf(archive).Add(atlas);
     archive& atlas.vocabulary.name& atlas.vocabulary.checksum& entry;
   } else {
     Atlas loaded;
@@ -116,7 +119,7 @@ void serialize(Archive& archive, Atlas& atlas, const unsigned int /*version*/) {
     entries.target = &loaded;
     archive& loaded.vocabulary.name& loaded.vocabulary.checksum& entry;
     entries.target = nullptr;
-    if (entry == nullptr || entry != entries.atlas) detail::FailLoading("no atlas where one belongs");
+    if (entry == nullptr || entry != entries.atlas) boost_archive::FailLoading("no atlas where one belongs");
     atlas = std::move(loaded);
   }
 }

@@ -45,8 +45,8 @@ class BoostRealFile : public ::testing::TestWithParam<const char*> {};
 TEST_P(BoostRealFile, IsTheSameAtlasToBoostAndToSlamdb) {
   SLAMDB_REQUIRE_REAL_ATLAS(path, GetParam());
   Atlas expected = Read(path);
-  if (expected.encoding.text) GTEST_SKIP() << "stock Boost reads no nan in text";
-  const auto loaded = Loaded<Atlas, Binary>(ReadWhole(path));
+  // Stock Boost reads no nan in text, which the text file has.
+  const auto loaded = Loaded<Atlas, Binary>(expected.encoding.text ? Encoded<Binary>(expected) : ReadWhole(path));
   expected.encoding = {};
   EXPECT_EQ(FirstDifference(loaded, expected), "");
   EXPECT_TRUE(Saved<Binary>(loaded) == Encoded<Binary>(expected));

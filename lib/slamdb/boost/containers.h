@@ -21,7 +21,7 @@
 
 // Columns of the model in place of the containers that ORB-SLAM3 archives. Boost numbers classes by type, so the types
 // named here are ORB-SLAM3's own, and `unsigned long` may not become `uint64_t` where that is another type.
-namespace slamdb::detail {
+namespace slamdb::boost_archive {
 
 static_assert(sizeof(long) == 8, "ORB-SLAM3 archives ids as long, which has to have 8 bytes");
 
@@ -222,15 +222,15 @@ void Observations(Archive& archive, Column<Observation>& observations) {
   }
 }
 
-}  // namespace slamdb::detail
+}  // namespace slamdb::boost_archive
 
 namespace boost::serialization {
 template <class Container, class Model>
-struct type_info_implementation<slamdb::detail::View<Container, Model>> {
+struct type_info_implementation<slamdb::boost_archive::View<Container, Model>> {
   using type = extended_type_info_typeid<Container>;
 };
 template <class Container, class Model>
-struct tracking_level<slamdb::detail::View<Container, Model>> : mpl::int_<track_never> {
+struct tracking_level<slamdb::boost_archive::View<Container, Model>> : mpl::int_<track_never> {
   using type = mpl::int_<track_never>;
 };
 }  // namespace boost::serialization

@@ -7,7 +7,7 @@
 #include "slamdb/boost/containers.h"
 
 // What ORB-SLAM3 archives by helper functions instead of as classes: no class information stands in the archive.
-namespace slamdb::detail {
+namespace slamdb::boost_archive {
 
 // An id as an `unsigned long`, a `long long`, or the `unsigned int` of a camera.
 template <class Number, class Archive, class Entity>
@@ -109,4 +109,4 @@ void PointDescriptor(Archive& archive, Descriptor& descriptor, MatrixForm& form)
   if (HasColumns(form)) Bytes(archive, descriptor.data(), descriptor.size());
 }
 
-}  // namespace slamdb::detail
+}  // namespace slamdb::boost_archive

@@ -13,7 +13,7 @@ template <class Archive>
 void serialize(Archive& archive, Rigid3f& pose, const unsigned int /*version*/) {
   auto& q = pose.rotation;
   archive& q.w() & q.x() & q.y() & q.z();
-  detail::Floats(archive, pose.translation);
+  boost_archive::Floats(archive, pose.translation);
 }
 
 template <class Archive>
@@ -24,21 +24,21 @@ void serialize(Archive& archive, Flag& flag, const unsigned int /*version*/) {
 // cv::Mat, archived by a helper function.
 template <class Archive>
 void serialize(Archive& archive, Matrix& matrix, const unsigned int /*version*/) {
-  detail::MatrixHead head{matrix.columns, matrix.rows, matrix.type, matrix.continuous.recorded};
-  detail::Head(archive, head);
+  boost_archive::MatrixHead head{matrix.columns, matrix.rows, matrix.type, matrix.continuous.recorded};
+  boost_archive::Head(archive, head);
   if constexpr (Archive::is_loading::value) {
     matrix.columns = head.columns;
     matrix.rows = head.rows;
     matrix.type = head.type;
     matrix.continuous.recorded = head.continuous;
-    matrix.data.resize(detail::MatrixBytes(head));
+    matrix.data.resize(boost_archive::MatrixBytes(head));
   }
-  detail::Bytes(archive, matrix.data.data(), matrix.data.size());
+  boost_archive::Bytes(archive, matrix.data.data(), matrix.data.size());
 }
 
 }  // namespace slamdb
 
-namespace slamdb::detail {
+namespace slamdb::boost_archive {
 
 // ORB-SLAM3 counts its classes' versions as 0.
 inline void RequireVersion(unsigned int version) {
@@ -211,4 +211,4 @@ void Members(Archive& archive, Counters& next_ids) {
   archive& next_ids.initial_keyframe;
 }
 
-}  // namespace slamdb::detail
+}  // namespace slamdb::boost_archive

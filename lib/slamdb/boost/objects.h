@@ -13,7 +13,7 @@
 // ORB-SLAM3's atlas is a graph of pointers, and Boost numbers the objects that pointers lead to. The model holds
 // values. So each value has an entry here, a small object whose address Boost tracks in its place: Boost archives lists
 // of pointers to entries as the lists of pointers that ORB-SLAM3 has, with the repeated and the null ones.
-namespace slamdb::detail {
+namespace slamdb::boost_archive {
 
 // Stands for a Record.
 template <class Record>
@@ -106,7 +106,8 @@ class Objects {
   }
   // What Boost gives for a pointer can be an object of another class, when the archive is damaged.
   const Camera& Loaded(const CameraEntry* entry) const {
-    if (std::ranges::find(loaded_cameras_, entry) == loaded_cameras_.end()) FailLoading("a pointer to no camera");
+    const auto newest_first = std::find(loaded_cameras_.rbegin(), loaded_cameras_.rend(), entry);
+    if (newest_first == loaded_cameras_.rend()) FailLoading("a pointer to no camera");
     return *entry->record;
   }
 
@@ -310,4 +311,4 @@ void load_construct_data(Archive& archive, CameraEntryOf<kModel>* place, const u
   ObjectsOf(archive).Own(::new (place) CameraEntryOf<kModel>());
 }
 
-}  // namespace slamdb::detail
+}  // namespace slamdb::boost_archive

@@ -25,7 +25,7 @@ struct BoostAccess {
     record.observation_count = point.nObs;
     record.reference = KeyFrameId(point.mBackupRefKFId);
     record.replaced_by = MapPointId(static_cast<std::uint64_t>(point.mBackupReplacedId));
-    detail::Pair(Rows(point.mBackupObservationsId1), Rows(point.mBackupObservationsId2), record.observations);
+    boost_archive::Pair(Rows(point.mBackupObservationsId1), Rows(point.mBackupObservationsId2), record.observations);
     const std::scoped_lock lock(point.mutex_position_, point.mutex_features_);
     record.position = point.position_;
     record.normal = point.normal_;
@@ -73,10 +73,10 @@ struct BoostAccess {
 
 template <class Archive>
 void serialize(Archive& archive, MapPoint& point, const unsigned int version) {
-  detail::RequireVersion(version);
+  boost_archive::RequireVersion(version);
   slamdb::MapPoint record;
   if constexpr (Archive::is_saving::value) record = BoostAccess::ToRecord(point);
-  detail::Members(archive, record);
+  boost_archive::Members(archive, record);
   if constexpr (Archive::is_loading::value) BoostAccess::FromRecord(record, point);
 }
 
