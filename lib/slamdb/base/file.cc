@@ -123,7 +123,8 @@ AtomicFile::AtomicFile(const std::string& path, AtomicFileOptions options) : pat
   struct stat status {};
   const bool exists = ::stat(target_.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) throw Error(path_, "", "is a directory, expected a file to write");
-  if (exists && !options_.overwrite) throw Error(path_, "", "is there already; give --overwrite to replace it");
+  if (exists && !options_.overwrite)
+    throw Error(ErrorKind::kAlreadyExists, path_, "", "is there already; WriteOptions::overwrite replaces it");
   temporary_ = target_ + ".XXXXXX";
   descriptor_ = ::mkostemp(temporary_.data(), O_CLOEXEC);
   if (descriptor_ < 0) throw SystemError(path_, "cannot create a temporary file in " + FolderOf(target_));
