@@ -96,7 +96,7 @@ TEST_F(Files, DoNotAppearWithoutCommit) {
 
 TEST_F(Files, AreNotOverwrittenUnasked) {
   const std::string path = Put("old", "precious");
-  EXPECT_THAT(MessageOf([&] { AtomicFile file(path); }), HasSubstr("give --overwrite"));
+  EXPECT_THAT(MessageOf([&] { AtomicFile file(path); }), HasSubstr("WriteOptions::overwrite replaces it"));
   EXPECT_EQ(Get(path), "precious");
   {
     AtomicFile file(path, {.overwrite = true});

@@ -159,7 +159,7 @@ TEST_P(EveryFormat, OverwritesOnlyWhenTold) {
   EXPECT_THAT(ProblemOf([&] {
                 format().write(SmallAtlas(), {path, ""}, {}, notices);
               }),
-              HasSubstr("is there already; give --overwrite"));
+              HasSubstr("is there already; WriteOptions::overwrite"));
   EXPECT_EQ(ReadFile(path), "mine");
   format().write(SmallAtlas(), {path, ""}, {.overwrite = true}, notices);
   EXPECT_EQ(ReadFile(path), Written(format(), SmallAtlas()));
