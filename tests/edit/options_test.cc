@@ -99,8 +99,8 @@ class EveryVerb : public ::testing::TestWithParam<Verb> {
  protected:
   Atlas atlas_ = SynthesizeAtlas({.sensor = Sensor::kStereo, .maps = 2, .keyframes = 6, .points = 60, .features = 60});
 };
-INSTANTIATE_TEST_SUITE_P(All, EveryVerb, ::testing::ValuesIn(kVerbs),
-                         [](const ::testing::TestParamInfo<Verb>& info) { return std::string(info.param.name); });
+std::string NameOfVerb(const ::testing::TestParamInfo<Verb>& verb) { return verb.param.name; }
+INSTANTIATE_TEST_SUITE_P(All, EveryVerb, ::testing::ValuesIn(kVerbs), NameOfVerb);
 
 TEST_P(EveryVerb, TellsItsProgressToTheEnd) {
   for (const int threads : {1, 3}) {
