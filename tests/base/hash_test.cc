@@ -17,11 +17,11 @@ TEST(Md5, IsTheMd5OfTheRfc) {
   EXPECT_EQ(Md5(BytesOf("message digest")), "f96b697d7cb7938d525a2f31aaf161d0");
 }
 
-TEST(ContentHash, IsXxh3AndKnowsContentAndSeed) {
-  EXPECT_EQ(Hex(ContentHash({})), "2d06800538d394c2");  // XXH3's published value for no input
-  EXPECT_EQ(ContentHash(BytesOf("abc")), ContentHash(BytesOf("abc")));
-  EXPECT_NE(ContentHash(BytesOf("abc")), ContentHash(BytesOf("abd")));
-  EXPECT_NE(ContentHash(BytesOf("abc")), ContentHash(BytesOf("abc"), 1));
+TEST(HashBytes, IsXxh3AndKnowsContentAndSeed) {
+  EXPECT_EQ(Hex(HashBytes({})), "2d06800538d394c2");  // XXH3's published value for no input
+  EXPECT_EQ(HashBytes(BytesOf("abc")), HashBytes(BytesOf("abc")));
+  EXPECT_NE(HashBytes(BytesOf("abc")), HashBytes(BytesOf("abd")));
+  EXPECT_NE(HashBytes(BytesOf("abc")), HashBytes(BytesOf("abc"), 1));
 }
 
 TEST(Hex, HasSixteenDigits) {

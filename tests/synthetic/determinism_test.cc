@@ -18,7 +18,7 @@ class Digest {
  public:
   template <class T>
   void Add(const T* values, std::size_t count) {
-    hash_ = ContentHash(std::as_bytes(std::span(values, count)), hash_);
+    hash_ = HashBytes(std::as_bytes(std::span(values, count)), hash_);
   }
   template <class T>
   void Add(const Column<T>& column) {

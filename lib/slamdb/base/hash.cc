@@ -9,7 +9,7 @@
 
 namespace slamdb {
 
-std::uint64_t ContentHash(Bytes bytes, std::uint64_t seed) {
+std::uint64_t HashBytes(Bytes bytes, std::uint64_t seed) {
   return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
 }
 

@@ -17,7 +17,7 @@ namespace {
 class Hasher {
  public:
   void Add(Bytes bytes) {
-    state_ = ContentHash(bytes, state_ * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(bytes.size()));
+    state_ = HashBytes(bytes, state_ * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(bytes.size()));
   }
   template <class Vector>
   void AddVector(const Vector& values) {
@@ -36,7 +36,7 @@ std::int64_t HashOfRecord(const Write& write) {
   bytes.Clear();
   RecordWriter writer(bytes);
   write(writer, bytes);
-  return static_cast<std::int64_t>(ContentHash(bytes.bytes()));
+  return static_cast<std::int64_t>(HashBytes(bytes.bytes()));
 }
 
 template <class Entity>
@@ -114,7 +114,7 @@ std::int64_t HashOfRow(const MapPoint& point) {
 }
 
 std::int64_t HashOf(const Column<Observation>& observations) {
-  return static_cast<std::int64_t>(ContentHash(std::as_bytes(std::span(observations.data(), observations.size()))));
+  return static_cast<std::int64_t>(HashBytes(std::as_bytes(std::span(observations.data(), observations.size()))));
 }
 
 std::int64_t HashOf(const Landmark& landmark) {

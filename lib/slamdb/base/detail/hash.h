@@ -9,7 +9,7 @@
 namespace slamdb {
 
 // XXH3-64: tells whether two records are the same, at memory speed. Not against an adversary.
-std::uint64_t ContentHash(Bytes bytes, std::uint64_t seed = 0);
+std::uint64_t HashBytes(Bytes bytes, std::uint64_t seed = 0);
 
 // MD5 as 32 lower-case hex digits: how ORB-SLAM3 identifies a vocabulary file.
 std::string Md5(Bytes bytes);

@@ -20,7 +20,7 @@ constexpr std::size_t kPerBlock = 64;
 
 template <class Values>
 std::uint64_t HashOf(const Values& values, std::uint64_t seed = 0) {
-  return ContentHash(std::as_bytes(std::span(values.data(), values.size())), seed);
+  return HashBytes(std::as_bytes(std::span(values.data(), values.size())), seed);
 }
 
 // Never kNoKey.
