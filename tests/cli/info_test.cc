@@ -88,7 +88,7 @@ TEST(Info, GetOfWhatIsNotThereTellsWhatIs) {
     EXPECT_EQ(result.out, "") << key;
     EXPECT_THAT(result.err, HasSubstr(std::string("no value '") + key + "'"));
   }
-  EXPECT_THAT(RunSlamdb({"info", "--get", "next_ids.kf", kTiny}).err, HasSubstr("map_point"));
+  EXPECT_THAT(RunSlamdb({"info", "--get", "next_ids.kf", kTiny}).err, HasSubstr("point, frame"));
 }
 
 TEST(Info, SeveralFilesKeepTheirOrder) {

@@ -218,8 +218,8 @@ class SLAMDB_EXPORT MapPoint : public Listed {
 
   // Counters of tracking change without the gate: a save may have one increment and not the next. Those that a loaded
   // record does not have begin at 1, and stay unrecorded until they change; an origin likewise.
+  bool has_visible_ : 1 = true, has_found_ : 1 = true;
   std::atomic<int> visible_ = 1, found_ = 1;
-  bool has_visible_ = true, has_found_ = true;
   std::uint32_t assumed_origin_ = slamdb::MapPoint::kNoOrigin;
 };
 
