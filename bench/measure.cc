@@ -251,7 +251,7 @@ Sample Copy(const Workplace& at, int threads) {
     const MappedFile file(at.binary());
     const Bytes bytes = file.bytes();
     auto* memory = static_cast<std::byte*>(AllocateColumn(bytes.size()));
-    ParallelFor(bytes.size(), std::size_t{4} << 20, threads, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(bytes.size(), std::size_t{4} << 20, threads, [&](std::size_t begin, std::size_t end) {
       std::memcpy(memory + begin, bytes.data() + begin, end - begin);
     });
   });

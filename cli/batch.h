@@ -36,11 +36,11 @@ std::vector<Outcome<Result>> ForEachInput(const InputOptions& inputs, Console& c
   const Progress progress = options.progress;
   if (paths.size() > 1) {
     options.progress = console.MakeProgress(/*show=*/false);
-    options.threads = std::max(1, ThreadCount(console.threads()) / static_cast<int>(paths.size()));
+    options.threads = std::max(1, detail::ThreadCount(console.threads()) / static_cast<int>(paths.size()));
   }
   std::mutex mutex;
   std::size_t done = 0;
-  ParallelFor(paths.size(), 1, console.threads(), [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(paths.size(), 1, console.threads(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Outcome<Result>& outcome = outcomes[i];
       outcome.path = paths[i];

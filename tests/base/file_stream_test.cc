@@ -39,7 +39,7 @@ class StreamFile {
 TEST(FileStream, ShowsTheWholeFile) {
   for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, kBlock - 1, kBlock, kBlock + 1, 3 * kBlock + 77}) {
     const StreamFile file(bytes);
-    FileStream stream(file.path());
+    detail::FileStream stream(file.path());
     EXPECT_EQ(stream.size(), bytes);
     EXPECT_EQ(stream.filled(), 0U);
     stream.FillTo(bytes);
@@ -50,7 +50,7 @@ TEST(FileStream, ShowsTheWholeFile) {
 
 TEST(FileStream, FillsOnlyAsFarAsAsked) {
   const StreamFile file(5 * kBlock);
-  FileStream stream(file.path());
+  detail::FileStream stream(file.path());
   stream.FillTo(kBlock + 1);
   EXPECT_EQ(stream.filled(), 2 * kBlock);
   stream.FillTo(100 * kBlock);
@@ -60,7 +60,7 @@ TEST(FileStream, FillsOnlyAsFarAsAsked) {
 // Released memory is used again further on, at other addresses, and must then show what is there.
 TEST(FileStream, ShowsEveryBlockWhileItMovesAlong) {
   const StreamFile file(9 * kBlock + 12345);
-  FileStream stream(file.path());
+  detail::FileStream stream(file.path());
   for (std::size_t begin = 0; begin < stream.size(); begin += kBlock / 2) {
     const std::size_t end = std::min(stream.size(), begin + kBlock / 2);
     stream.FillTo(end);
@@ -73,7 +73,7 @@ TEST(FileStream, ShowsEveryBlockWhileItMovesAlong) {
 
 TEST(FileStream, AFileThatBecomesShorterIsAnError) {
   const StreamFile file(4 * kBlock);
-  FileStream stream(file.path());
+  detail::FileStream stream(file.path());
   stream.FillTo(1);
   std::filesystem::resize_file(file.path(), kBlock + 10);
   try {
@@ -87,7 +87,7 @@ TEST(FileStream, AFileThatBecomesShorterIsAnError) {
 
 TEST(FileStream, ShowsMemoryWhereItIs) {
   const std::string content = Content(3 * kBlock + 77);
-  FileStream stream({std::as_bytes(std::span(content)), "name"});
+  detail::FileStream stream({std::as_bytes(std::span(content)), "name"});
   EXPECT_EQ(stream.path(), "name");
   EXPECT_EQ(stream.data(), content.data());
   EXPECT_EQ(stream.size(), content.size());
@@ -98,9 +98,9 @@ TEST(FileStream, ShowsMemoryWhereItIs) {
 }
 
 TEST(FileStream, RefusesWhatIsNoFile) {
-  EXPECT_THROW(FileStream("/nowhere/atlas.osa"), Error);
-  EXPECT_THROW(FileStream(testing::TempDir()), Error);
-  EXPECT_THROW(FileStream("/dev/null"), Error);
+  EXPECT_THROW(detail::FileStream("/nowhere/atlas.osa"), Error);
+  EXPECT_THROW(detail::FileStream(testing::TempDir()), Error);
+  EXPECT_THROW(detail::FileStream("/dev/null"), Error);
 }
 
 }  // namespace

@@ -15,15 +15,15 @@ namespace slamdb {
 namespace {
 
 TEST(ThreadCount, TakesEveryCoreForZero) {
-  EXPECT_EQ(ThreadCount(3), 3);
-  EXPECT_GE(ThreadCount(0), 1);
+  EXPECT_EQ(detail::ThreadCount(3), 3);
+  EXPECT_GE(detail::ThreadCount(0), 1);
 }
 
 TEST(ParallelFor, CallsForEachElementOnce) {
   for (const int threads : {1, 2, 5}) {
     for (const std::size_t grain : {0U, 1U, 7U, 1000U, 100000U}) {
       std::vector<std::atomic<int>> calls(1003);
-      ParallelFor(calls.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
+      detail::ParallelFor(calls.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) ++calls[i];
       });
       for (const std::atomic<int>& count : calls) ASSERT_EQ(count, 1);
@@ -32,18 +32,18 @@ TEST(ParallelFor, CallsForEachElementOnce) {
 }
 
 TEST(ParallelFor, DoesNothingForNothing) {
-  ParallelFor(0, 10, 4, [](std::size_t, std::size_t) { FAIL(); });
+  detail::ParallelFor(0, 10, 4, [](std::size_t, std::size_t) { FAIL(); });
 }
 
 TEST(ParallelFor, RunsInTheCallerWithOneThread) {
   const std::thread::id caller = std::this_thread::get_id();
-  ParallelFor(100, 10, 1, [&](std::size_t, std::size_t) { EXPECT_EQ(std::this_thread::get_id(), caller); });
+  detail::ParallelFor(100, 10, 1, [&](std::size_t, std::size_t) { EXPECT_EQ(std::this_thread::get_id(), caller); });
 }
 
 TEST(ParallelFor, UsesSeveralThreads) {
   std::mutex mutex;
   std::set<std::thread::id> threads;
-  ParallelFor(4, 1, 2, [&](std::size_t, std::size_t) {
+  detail::ParallelFor(4, 1, 2, [&](std::size_t, std::size_t) {
     {
       const std::lock_guard lock(mutex);
       threads.insert(std::this_thread::get_id());
@@ -55,10 +55,10 @@ TEST(ParallelFor, UsesSeveralThreads) {
 
 TEST(ParallelFor, RethrowsTheFirstException) {
   for (const int threads : {1, 3}) {
-    EXPECT_THROW(ParallelFor(1000, 1, threads,
-                             [](std::size_t begin, std::size_t) {
-                               if (begin % 100 == 50 || begin == 0) throw std::runtime_error("failed");
-                             }),
+    EXPECT_THROW(detail::ParallelFor(1000, 1, threads,
+                                     [](std::size_t begin, std::size_t) {
+                                       if (begin % 100 == 50 || begin == 0) throw std::runtime_error("failed");
+                                     }),
                  std::runtime_error);
   }
 }

@@ -20,7 +20,7 @@ TEST(ProduceInOrder, HandsBlocksOverInOrderOnTheCallersThread) {
       std::string taken, expected;
       for (std::size_t i = 0; i < count; ++i) expected += std::to_string(i) + ";";
       const auto caller = std::this_thread::get_id();
-      ProduceInOrder(
+      detail::ProduceInOrder(
           count, threads, [](std::size_t i, Column<char>& buffer) { Append(std::to_string(i) + ";", buffer); },
           [&](std::size_t, const Column<char>& buffer) {
             EXPECT_EQ(std::this_thread::get_id(), caller);
@@ -34,7 +34,7 @@ TEST(ProduceInOrder, HandsBlocksOverInOrderOnTheCallersThread) {
 TEST(ProduceInOrder, KeepsOnlyAFewBlocks) {
   std::atomic<int> made{0};
   int taken = 0, most_waiting = 0;
-  ProduceInOrder(
+  detail::ProduceInOrder(
       500, 3, [&](std::size_t, Column<char>&) { ++made; },
       [&](std::size_t, const Column<char>&) {
         most_waiting = std::max(most_waiting, made - taken);
@@ -48,7 +48,7 @@ TEST(ProduceInOrder, ThrowsTheFirstFailureInOrder) {
   for (const int threads : {1, 4}) {
     std::vector<std::size_t> taken;
     try {
-      ProduceInOrder(
+      detail::ProduceInOrder(
           100, threads,
           [](std::size_t i, Column<char>&) {
             if (i == 40 || i == 41) throw std::runtime_error(std::to_string(i));
@@ -63,7 +63,7 @@ TEST(ProduceInOrder, ThrowsTheFirstFailureInOrder) {
 }
 
 TEST(ProduceInOrder, StopsWhenTakingThrows) {
-  EXPECT_THROW(ProduceInOrder(
+  EXPECT_THROW(detail::ProduceInOrder(
                    100, 4, [](std::size_t, Column<char>&) {},
                    [](std::size_t i, const Column<char>&) {
                      if (i == 10) throw std::runtime_error("full disk");

@@ -54,7 +54,7 @@ TEST(RerootTree, TurnsTheChainOfParentsRound) {
   //   0 - 1 - 2 - 3        4 hangs on 1, 5 on 2
   Map map = Tree({kNone, 0, 1, 2, 1, 2});
   map.keyframes[0].first_connection = true;
-  RerootTree(map, KeyFrameId(2));
+  detail::RerootTree(map, KeyFrameId(2));
   EXPECT_THAT(Parents(map), ElementsAre(1, 2, kNone, 2, 1, 2));
   EXPECT_THAT(Children(map, 2), ElementsAre(3, 5, 1));
   EXPECT_THAT(Children(map, 1), ElementsAre(4, 0));
@@ -65,15 +65,15 @@ TEST(RerootTree, TurnsTheChainOfParentsRound) {
 
 TEST(RerootTree, ThereAndBackIsTheSameTree) {
   Map map = Tree({kNone, 0, 1, 2, 1, 2});
-  RerootTree(map, KeyFrameId(3));
-  RerootTree(map, KeyFrameId(0));
+  detail::RerootTree(map, KeyFrameId(3));
+  detail::RerootTree(map, KeyFrameId(0));
   EXPECT_EQ(Parents(map), Parents(Tree({kNone, 0, 1, 2, 1, 2})));
 }
 
 TEST(RerootTree, LeavesARootAndTheUnknownAlone) {
   Map map = Tree({kNone, 0, 1});
-  RerootTree(map, KeyFrameId(0));
-  RerootTree(map, KeyFrameId(77));
+  detail::RerootTree(map, KeyFrameId(0));
+  detail::RerootTree(map, KeyFrameId(77));
   EXPECT_THAT(Parents(map), ElementsAre(kNone, 0, 1));
   EXPECT_THAT(Children(map, 0), ElementsAre(1));
 }
@@ -81,7 +81,7 @@ TEST(RerootTree, LeavesARootAndTheUnknownAlone) {
 TEST(RerootTree, CutsACycleWhereItCloses) {
   // 0 -> 1 -> 2 -> 3 -> 1
   Map map = Tree({1, 2, 3, 1});
-  RerootTree(map, KeyFrameId(0));
+  detail::RerootTree(map, KeyFrameId(0));
   EXPECT_THAT(Parents(map), ElementsAre(kNone, 0, 1, 2));
   EXPECT_THAT(Children(map, 0), ElementsAre(1));
   EXPECT_THAT(Children(map, 1), ElementsAre(2));
@@ -90,7 +90,7 @@ TEST(RerootTree, CutsACycleWhereItCloses) {
 
 TEST(RerootTree, FreesARootThatIsItsOwnParent) {
   Map map = Tree({0, 0});
-  RerootTree(map, KeyFrameId(0));
+  detail::RerootTree(map, KeyFrameId(0));
   EXPECT_THAT(Parents(map), ElementsAre(kNone, 0));
   EXPECT_THAT(Children(map, 0), ElementsAre(1));
 }
@@ -98,7 +98,7 @@ TEST(RerootTree, FreesARootThatIsItsOwnParent) {
 TEST(AdoptOrphans, LeavesASoundTreeAlone) {
   const Atlas sound = SynthesizeAtlas({.keyframes = 15, .points = 300, .features = 200});
   Atlas atlas = sound;
-  EXPECT_EQ(AdoptOrphans(atlas.maps[0]), 0U);
+  EXPECT_EQ(detail::AdoptOrphans(atlas.maps[0]), 0U);
   EXPECT_THAT(atlas, EqualsAtlas(sound));
 }
 
@@ -109,7 +109,7 @@ TEST(AdoptOrphans, TakesTheStrongestCovisibilityFirst) {
   Connect(map, 2, 1, 50);
   Connect(map, 3, 0, 30);
   Connect(map, 3, 2, 80);
-  EXPECT_EQ(AdoptOrphans(map), 2U);
+  EXPECT_EQ(detail::AdoptOrphans(map), 2U);
   EXPECT_THAT(Parents(map), ElementsAre(kNone, 0, 1, 2));
   EXPECT_THAT(Children(map, 1), ElementsAre(2));
   EXPECT_THAT(Children(map, 2), ElementsAre(3));
@@ -121,7 +121,7 @@ TEST(AdoptOrphans, BringsAlongWhatHangsOnAnOrphan) {
   Connect(map, 1, 0, 15);
   Connect(map, 2, 0, 99);
   Connect(map, 3, 0, 99);
-  EXPECT_EQ(AdoptOrphans(map), 1U);
+  EXPECT_EQ(detail::AdoptOrphans(map), 1U);
   EXPECT_THAT(Parents(map), ElementsAre(kNone, 0, 1, 2));
 }
 
@@ -129,7 +129,7 @@ TEST(AdoptOrphans, NeverHangsAnOrphanOnItsOwnDescendant) {
   Map map = Tree({kNone, kNone, 1});
   Connect(map, 1, 2, 99);
   Connect(map, 1, 0, 1);
-  EXPECT_EQ(AdoptOrphans(map), 1U);
+  EXPECT_EQ(detail::AdoptOrphans(map), 1U);
   EXPECT_THAT(Parents(map), ElementsAre(kNone, 0, 1));
 }
 
@@ -138,7 +138,7 @@ TEST(AdoptOrphans, CutsCycles) {
   Map map = Tree({kNone, 2, 3, 1, 3, 5});
   Connect(map, 1, 0, 7);
   Connect(map, 5, 4, 3);
-  EXPECT_EQ(AdoptOrphans(map), 2U);
+  EXPECT_EQ(detail::AdoptOrphans(map), 2U);
   EXPECT_THAT(Parents(map), ElementsAre(kNone, 0, 3, 1, 3, 4));
   EXPECT_THAT(Children(map, 5), IsEmpty());
 }
@@ -147,7 +147,7 @@ TEST(AdoptOrphans, WithoutCovisibilityTakesTheOneMadeBefore) {
   // The root has the highest id, as after merges.
   Map map = Tree({kNone, kNone, kNone, kNone});
   map.first_keyframe = IdOf(2);
-  EXPECT_EQ(AdoptOrphans(map), 3U);
+  EXPECT_EQ(detail::AdoptOrphans(map), 3U);
   EXPECT_THAT(Parents(map), ElementsAre(2, 0, kNone, 2));
 }
 
@@ -155,7 +155,7 @@ TEST(AdoptOrphans, FreesARootWithAParentAndMakesChildrenAgree) {
   Map map = Tree({1, 0, 0});
   map.keyframes[2].children.push_back(KeyFrameId(1));  // a lie
   map.keyframes[0].children.clear();
-  EXPECT_EQ(AdoptOrphans(map), 0U);
+  EXPECT_EQ(detail::AdoptOrphans(map), 0U);
   EXPECT_THAT(Parents(map), ElementsAre(kNone, 0, 0));
   EXPECT_THAT(Children(map, 0), ElementsAre(1, 2));
   EXPECT_THAT(Children(map, 1), IsEmpty());
@@ -165,7 +165,7 @@ TEST(AdoptOrphans, FreesARootWithAParentAndMakesChildrenAgree) {
 TEST(AdoptOrphans, DoesNothingWithoutItsRoot) {
   Map map = Tree({kNone, kNone});
   map.first_keyframe = IdOf(9);
-  EXPECT_EQ(AdoptOrphans(map), 0U);
+  EXPECT_EQ(detail::AdoptOrphans(map), 0U);
   EXPECT_THAT(Parents(map), ElementsAre(kNone, kNone));
 }
 

@@ -18,7 +18,7 @@ class Digest {
  public:
   template <class T>
   void Add(const T* values, std::size_t count) {
-    hash_ = HashBytes(std::as_bytes(std::span(values, count)), hash_);
+    hash_ = detail::HashBytes(std::as_bytes(std::span(values, count)), hash_);
   }
   template <class T>
   void Add(const Column<T>& column) {
@@ -31,7 +31,7 @@ class Digest {
   void Add(const KeyFrame& keyframe);
   void Add(const MapPoint& point);
 
-  std::string text() const { return Hex(hash_); }
+  std::string text() const { return detail::Hex(hash_); }
 
  private:
   std::uint64_t hash_ = 0;

@@ -12,7 +12,7 @@
 
 #include "slamdb/base/error.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::size_t kBlock = std::size_t{2} << 20;  // a huge page
@@ -135,4 +135,4 @@ void FileStream::Release(std::size_t offset) {
   for (; (released_ + 1) * kBlock <= offset; ++released_) spare_.push_back(window_ + released_ * kBlock);
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

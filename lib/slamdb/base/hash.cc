@@ -7,7 +7,7 @@
 
 #include <array>
 
-namespace slamdb {
+namespace slamdb::detail {
 
 std::uint64_t HashBytes(Bytes bytes, std::uint64_t seed) {
   return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
@@ -26,4 +26,4 @@ std::string Hex(std::uint64_t value) {
   return text;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace slamdb {
+namespace slamdb::detail {
 
 int ThreadCount(int requested) {
   if (requested > 0) return requested;
@@ -46,4 +46,4 @@ void ParallelFor(std::size_t count, std::size_t grain, int threads,
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

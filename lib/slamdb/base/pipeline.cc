@@ -10,7 +10,7 @@
 
 #include "slamdb/base/detail/parallel.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 using Make = std::function<void(std::size_t, Column<char>&)>;
@@ -112,4 +112,4 @@ void ProduceInOrder(std::size_t count, int threads, const Make& make,
   }
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -5,7 +5,7 @@
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // Healthy atlases have no bad elements, and then nothing can refer to one.
@@ -96,4 +96,4 @@ std::size_t EmptySlotsOfBadPoints(Atlas& atlas) {
   return emptied;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -6,7 +6,7 @@
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 bool Near(float a, float b) { return std::abs(a - b) <= 1e-3F * std::max(1.0F, std::abs(b)); }
@@ -222,4 +222,4 @@ std::size_t RebuildIntrinsics(Atlas& atlas) {
   return changed;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

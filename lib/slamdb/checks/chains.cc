@@ -5,7 +5,7 @@
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // One direction of the chain, and the other.
@@ -90,4 +90,4 @@ void CheckTemporalMutual(const Subject& subject, Findings& findings) {
   });
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -96,7 +96,7 @@ CheckReport CheckAtlas(const Atlas& atlas, const CheckOptions& options) {
   const Subject subject{atlas, index, report.statistics, options};
 
   std::vector<Findings> findings(plan.size(), Findings(options.max_findings));
-  ParallelFor(plan.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(plan.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) plan[i].rule->check(subject, findings[i]);
   });
   detail::Steps(options.progress, "checking", 1).Next();

@@ -9,7 +9,7 @@
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // visit(name, actual, expected) for every column whose length follows from the counts.
@@ -368,4 +368,4 @@ void CheckWordRange(const Subject& subject, Findings& findings) {
   });
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -9,7 +9,7 @@
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 template <class Change>
@@ -159,4 +159,4 @@ std::size_t SortBagsOfWords(Atlas& atlas) {
   });
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -8,7 +8,7 @@
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/detail/spanning_tree.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 bool Contains(const Column<KeyFrameId>& links, KeyFrameId id) { return std::ranges::find(links, id) != links.end(); }
@@ -393,4 +393,4 @@ std::size_t EraseRepeatedLinks(Atlas& atlas) {
   return erased;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

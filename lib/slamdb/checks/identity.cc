@@ -6,7 +6,7 @@
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/counters.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::uint64_t kLargestKeyFrameId = (std::uint64_t{1} << 31) - 1;
@@ -333,4 +333,4 @@ void CheckVocabularyChecksum(const Subject& subject, Findings& findings) {
     findings.Add(Place{}, "the vocabulary's checksum is not an MD5 in 32 lower-case hex digits");
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -7,7 +7,7 @@
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/detail/uninitialised.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr double kDurationTolerance = 0.02;  // seconds
@@ -155,4 +155,4 @@ void CheckTextNumbers(const Subject& subject, Findings& findings) {
   }
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

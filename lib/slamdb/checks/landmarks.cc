@@ -7,7 +7,7 @@
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // A covariance that files hold in floats may miss zero by their rounding.
@@ -75,4 +75,4 @@ void CheckLandmarkDescriptors(const Subject& subject, Findings& findings) {
   });
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

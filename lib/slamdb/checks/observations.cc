@@ -6,7 +6,7 @@
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // What MapPoint::observation_count should be; observers that are missing do not count, as ORB-SLAM3 never counts them.
@@ -263,4 +263,4 @@ void CheckSlotObserved(const Subject& subject, Findings& findings) {
   });
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -5,7 +5,7 @@
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 using Links = Column<KeyFrameId> KeyFrame::*;
@@ -362,4 +362,4 @@ std::size_t SetMissingOrigins(Atlas& atlas) {
   return set;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

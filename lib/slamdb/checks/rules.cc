@@ -7,6 +7,9 @@
 #include "slamdb/model/counters.h"
 
 namespace slamdb {
+
+using namespace detail;  // where the rules are
+
 namespace {
 
 constexpr Severity kError = Severity::kError, kWarning = Severity::kWarning, kNote = Severity::kNote;

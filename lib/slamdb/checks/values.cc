@@ -9,7 +9,7 @@
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr float kUnitTolerance = 1e-3F;         // files hold unit quaternions to 1e-6
@@ -331,4 +331,4 @@ std::size_t NormalizeFlags(Atlas& atlas) {
   return changed;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

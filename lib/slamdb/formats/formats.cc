@@ -23,9 +23,10 @@ namespace slamdb {
 // In the order in which sniffers are asked: formats with a signature before those that are only lines of numbers.
 std::span<const Format> Formats() {
   static const std::array kFormats = {
-      kOrbslam3Format, kOrbslam3TextFormat, kStoreFormat,  kMrptFormat, kMrpt3Format,        kMrptTextFormat,
-      kPlyFormat,      kPcdFormat,          kNdjsonFormat, kCsvFormat,  kCsvKeyFramesFormat, kCsvObservationsFormat,
-      kEurocFormat,    kTumFormat,          kKittiFormat,
+      kOrbslam3Format,       kOrbslam3TextFormat,     detail::kStoreFormat,        detail::kMrptFormat,
+      detail::kMrpt3Format,  detail::kMrptTextFormat, detail::kPlyFormat,          detail::kPcdFormat,
+      detail::kNdjsonFormat, detail::kCsvFormat,      detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
+      detail::kEurocFormat,  detail::kTumFormat,      detail::kKittiFormat,
   };
   return kFormats;
 }
@@ -103,13 +104,13 @@ void RequirePlain(const Format& format, const std::string& path, const std::stri
 // What a file is: of a format, or something else that is known, or neither.
 struct Detected {
   const Format* format = nullptr;
-  std::optional<ForeignFile> foreign;
+  std::optional<detail::ForeignFile> foreign;
 };
 
 Detected Detect(const Probe& probe) {
   for (const Format& format : Formats())
     if (format.sniff != nullptr && format.sniff(probe)) return {.format = &format};
-  if (auto foreign = RecognizeOther(probe)) return {.foreign = std::move(foreign)};
+  if (auto foreign = detail::RecognizeOther(probe)) return {.foreign = std::move(foreign)};
   return {.format = FormatBySuffix(probe.path, CanRead)};
 }
 
@@ -122,7 +123,7 @@ const Format& DetectFormat(const Source& source) {
   const Detected detected = Detect(probe);
   if (detected.format != nullptr) return *detected.format;
   if (detected.foreign) throw Error(detected.foreign->kind, source.path, "", detected.foreign->sentence);
-  throw Error(ErrorKind::kDamaged, source.path, "", DescribeUnknown(probe));
+  throw Error(ErrorKind::kDamaged, source.path, "", detail::DescribeUnknown(probe));
 }
 
 const Format& FormatOfSuffix(const Target& target) {
@@ -138,7 +139,7 @@ const Format& FormatOfSuffix(const Target& target) {
 
 }  // namespace
 
-const Format& FormatToRead(const Source& source, const ReadOptions& options) {
+const Format& detail::FormatToRead(const Source& source, const ReadOptions& options) {
   const Format* format = options.custom_format;
   if (format == nullptr) format = options.format.empty() ? &DetectFormat(source) : &FormatById(options.format);
   RequireReadable(*format, source.path);
@@ -146,7 +147,7 @@ const Format& FormatToRead(const Source& source, const ReadOptions& options) {
   return *format;
 }
 
-const Format& FormatToWrite(const Target& target, const WriteOptions& options) {
+const Format& detail::FormatToWrite(const Target& target, const WriteOptions& options) {
   const Format* format = options.custom_format;
   if (format == nullptr) format = options.format.empty() ? &FormatOfSuffix(target) : &FormatById(options.format);
   RequireWritable(*format, target.path);
@@ -165,7 +166,7 @@ const Format& FormatById(std::string_view id) {
 }
 
 const Format& FormatOfInput(const Location& location, std::string_view id) {
-  return FormatToRead({location.path, location.name}, {.format = std::string(id)});
+  return detail::FormatToRead({location.path, location.name}, {.format = std::string(id)});
 }
 
 const Format* FindFormatOfInput(const Location& location) {
@@ -176,7 +177,7 @@ const Format* FindFormatOfInput(const Location& location) {
 }
 
 const Format& FormatOfOutput(const Location& location, std::string_view id) {
-  return FormatToWrite({location.path, location.name}, {.format = std::string(id)});
+  return detail::FormatToWrite({location.path, location.name}, {.format = std::string(id)});
 }
 
 }  // namespace slamdb

@@ -6,7 +6,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/options.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 struct Kind {
@@ -99,10 +99,10 @@ std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, cons
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
     if (counts[kind] == 0 || HasAny(format.writes, kKinds[kind].content)) continue;
     std::string loss = std::string(format.id) + " cannot hold " + std::string(kKinds[kind].what);
-    if (kKinds[kind].content != Content::kIdentity) loss += " (" + detail::Thousands(counts[kind]) + ")";
+    if (kKinds[kind].content != Content::kIdentity) loss += " (" + Thousands(counts[kind]) + ")";
     losses.push_back(std::move(loss));
   }
   return losses;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -26,13 +26,13 @@ auto InMemory(const std::string& path, const char* problem, const Work& work) {
 Atlas Read(const Source& source, const ReadOptions& options, Notices* notices) {
   Notices unheard;
   return InMemory(source.path, "the machine has too little memory left to read it", [&] {
-    return FormatToRead(source, options).read(source, options, notices == nullptr ? unheard : *notices);
+    return detail::FormatToRead(source, options).read(source, options, notices == nullptr ? unheard : *notices);
   });
 }
 
 void Write(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices* notices) {
-  const Format& format = FormatToWrite(target, options);
-  const std::vector<std::string> losses = LossesOf(atlas, format, options);
+  const Format& format = detail::FormatToWrite(target, options);
+  const std::vector<std::string> losses = detail::LossesOf(atlas, format, options);
   if (options.strict && !losses.empty())
     throw Error(ErrorKind::kNotPossible, target.path, "", losses.front() + "; WriteOptions::strict refuses that");
   Notices unheard;

@@ -10,7 +10,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 using std::string_view_literals::operator""sv;
@@ -103,13 +103,12 @@ ForeignFile DescribeDirectory(const std::string& path) {
 
 // The first line of a DBoW2 vocabulary as text: branching factor, depth, scoring and weighting.
 bool IsVocabulary(std::string_view head) {
-  if (detail::IsUtf16(head)) return false;
-  head = detail::WithoutMark(head);
-  std::string_view line = detail::TakeLine(head);
+  if (IsUtf16(head)) return false;
+  head = WithoutMark(head);
+  std::string_view line = TakeLine(head);
   std::vector<int> numbers;
-  for (auto word = detail::TakeWord(line, detail::kBlanks); !word.empty();
-       word = detail::TakeWord(line, detail::kBlanks)) {
-    const auto number = detail::ParseNumber<int>(word);
+  for (auto word = TakeWord(line, kBlanks); !word.empty(); word = TakeWord(line, kBlanks)) {
+    const auto number = ParseNumber<int>(word);
     if (!number) return false;
     numbers.push_back(*number);
   }
@@ -165,9 +164,9 @@ std::optional<ForeignFile> RecognizeOther(const Probe& probe) {
   if (std::all_of(head.begin(), head.end(), [](char byte) { return byte == 0; }))
     return ForeignFile{
         ErrorKind::kDamaged,
-        detail::Concat("begins with ", head.size(),
-                       " zero bytes and holds no atlas there; was the disk full or the power cut while it was saved? "
-                       "SalvageAtlas looks for what stands behind them")};
+        Concat("begins with ", head.size(),
+               " zero bytes and holds no atlas there; was the disk full or the power cut while it was saved? "
+               "SalvageAtlas looks for what stands behind them")};
   if (head.starts_with("SQLite format 3\0"sv)) return ForeignFile{ErrorKind::kUnsupported, DescribeSqlite(probe)};
   for (const Signature& known : kSignatures)
     if (HasAt(head, known.offset, known.signature))
@@ -186,4 +185,4 @@ std::string DescribeUnknown(const Probe& probe) {
   return "not an atlas: neither its first bytes nor its suffix are of a kind that slamdb reads";
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -23,7 +23,7 @@ bool IsArchiveThatBeginsWithZeros(const Source& source) {
 const Format& FormatToSalvage(const Source& source, const ReadOptions& options) {
   const bool detected = options.format.empty() && options.custom_format == nullptr;
   if (detected && IsArchiveThatBeginsWithZeros(source)) return kOrbslam3Format;
-  return FormatToRead(source, options);
+  return detail::FormatToRead(source, options);
 }
 
 std::string RecoverableIds() {

@@ -55,7 +55,7 @@ std::size_t CountObservations(const Column<slamdb::MapPoint>& points, std::size_
 template <class Work>
 void ForEachRow(std::size_t count, std::size_t grain, int threads, PostLoadReport& report, const Work& work) {
   std::vector<PostLoadReport> reports((count + grain - 1) / grain);
-  ParallelFor(count, grain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(count, grain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) work(row, reports[begin / grain]);
   });
   for (const PostLoadReport& block : reports) report.Append(block);
@@ -75,7 +75,7 @@ void Bridge::FillMap(Atlas& atlas, slamdb::Map record, int threads, PostLoadRepo
   Map* map = atlas.maps_.back().get();
 
   std::vector<KeyFrame*> keyframes(keyframe_records.size());
-  ParallelFor(keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       keyframes[row] = new KeyFrame(std::move(keyframe_records[row]), map);
       keyframes[row]->mpCamera = atlas.FindCamera(keyframes[row]->record_.camera);
@@ -83,7 +83,7 @@ void Bridge::FillMap(Atlas& atlas, slamdb::Map record, int threads, PostLoadRepo
     }
   });
   std::vector<MapPoint*> points(point_records.size());
-  ParallelFor(points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) points[row] = new MapPoint(point_records[row], map);
   });
   List(*map, map->keyframes_, keyframes);

@@ -59,12 +59,12 @@ slamdb::Map Bridge::CopyMap(const Map& map, bool repeated_entries, int threads) 
   slamdb::Map copy = map.ToHeader(repeated_entries);
   const std::vector<KeyFrame*> keyframes = map.keyframes_.live.ToVector();
   copy.keyframes.resize(keyframes.size());
-  ParallelFor(keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) copy.keyframes[row] = RecordOf(*keyframes[row], map, true);
   });
   const std::vector<MapPoint*> points = map.points_.live.ToVector();
   copy.points.resize(points.size());
-  ParallelFor(points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) copy.points[row] = RecordOf(*points[row], map);
   });
   return copy;

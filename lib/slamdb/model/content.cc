@@ -52,7 +52,7 @@ template <class Sum, class List, class Each>
 Sum SumOver(const List& list, std::size_t grain, int threads, const Each& each) {
   Sum total{};
   std::mutex mutex;
-  ParallelFor(list.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(list.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
     Sum sum{};
     for (std::size_t row = begin; row < end; ++row) each(list[row], sum);
     const std::lock_guard lock(mutex);
@@ -63,7 +63,7 @@ Sum SumOver(const List& list, std::size_t grain, int threads, const Each& each) 
 
 template <class List>
 std::uint64_t HashOf(const List& list, std::uint64_t seed) {
-  return ContentHash(std::as_bytes(std::span(list)), seed);
+  return detail::HashBytes(std::as_bytes(std::span(list)), seed);
 }
 
 std::uint64_t HashOf(const KeyFrame& keyframe) {
@@ -127,7 +127,7 @@ std::uint64_t ContentHash(const Landmark& landmark) {
     else if constexpr (!std::is_same_v<Field, LandmarkId>)
       writer.Field(landmark.*member);
   });
-  return ContentHash(bytes.bytes());
+  return detail::HashBytes(bytes.bytes());
 }
 
 std::uint64_t ContentHash(const Map& map, int threads) {

@@ -17,7 +17,7 @@ namespace {
 class Hasher {
  public:
   void Add(Bytes bytes) {
-    state_ = HashBytes(bytes, state_ * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(bytes.size()));
+    state_ = detail::HashBytes(bytes, state_ * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(bytes.size()));
   }
   template <class Vector>
   void AddVector(const Vector& values) {
@@ -36,7 +36,7 @@ std::int64_t HashOfRecord(const Write& write) {
   bytes.Clear();
   RecordWriter writer(bytes);
   write(writer, bytes);
-  return static_cast<std::int64_t>(HashBytes(bytes.bytes()));
+  return static_cast<std::int64_t>(detail::HashBytes(bytes.bytes()));
 }
 
 template <class Entity>
@@ -114,7 +114,8 @@ std::int64_t HashOfRow(const MapPoint& point) {
 }
 
 std::int64_t HashOf(const Column<Observation>& observations) {
-  return static_cast<std::int64_t>(HashBytes(std::as_bytes(std::span(observations.data(), observations.size()))));
+  return static_cast<std::int64_t>(
+      detail::HashBytes(std::as_bytes(std::span(observations.data(), observations.size()))));
 }
 
 std::int64_t HashOf(const Landmark& landmark) {
@@ -151,7 +152,7 @@ AtlasHashes HashesOf(const Atlas& atlas, int threads) {
     AtlasHashes::OfMap& of = hashes.maps.emplace_back();
     of.header = HashOfHeader(map);
     for (auto* list : {&of.keyframes, &of.links, &of.features}) list->resize(map.keyframes.size());
-    ParallelFor(map.keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(map.keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const KeyFrame& keyframe = map.keyframes[i];
         of.keyframes[i] = HashOfRow(keyframe);
@@ -160,14 +161,14 @@ AtlasHashes HashesOf(const Atlas& atlas, int threads) {
       }
     });
     for (auto* list : {&of.points, &of.observations}) list->resize(map.points.size());
-    ParallelFor(map.points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(map.points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         of.points[i] = HashOfRow(map.points[i]);
         of.observations[i] = HashOf(map.points[i].observations);
       }
     });
     of.landmarks.resize(map.landmarks.size());
-    ParallelFor(map.landmarks.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(map.landmarks.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) of.landmarks[i] = HashOf(map.landmarks[i]);
     });
   }

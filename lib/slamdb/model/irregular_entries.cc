@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/model/detail/irregular_entries.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 std::uint64_t DropIrregularEntries(Atlas& atlas) {
   std::uint64_t dropped = 0;
@@ -18,4 +18,4 @@ std::uint64_t DropIrregularEntries(Atlas& atlas) {
   return dropped;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -9,7 +9,7 @@
 
 #include "slamdb/model/index.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 void EraseChild(KeyFrame& keyframe, KeyFrameId child) { std::erase(keyframe.children, child); }
@@ -187,4 +187,4 @@ std::size_t AdoptOrphans(Map& map) {
   return adopted;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -238,7 +238,7 @@ class MapCounter {
       begins[row + 1] = begins[row] + 2 * (map_.points[row].bad ? 0 : map_.points[row].observations.size());
     constexpr float kNotSeen = -1;
     Column<float> errors(begins.back());
-    ParallelFor(map_.points.size(), kGrain, threads_, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(map_.points.size(), kGrain, threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t row = begin; row < end; ++row) {
         const MapPoint& point = map_.points[row];
         if (point.bad) continue;

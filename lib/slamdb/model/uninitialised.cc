@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/model/detail/uninitialised.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // A real merge scale is near 1; uninitialised memory is a denormal, huge, or no number.
@@ -74,4 +74,4 @@ UninitialisedCounts ResetUninitialised(Map& map) {
   return counts;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -104,13 +104,13 @@ KeyFrameId ChooseParent(const KeyFrame& keyframe) {
 
 void ConnectPoints(Map& map, const Rig& rig, const std::vector<Pose>& world_from_camera, int threads) {
   CollectObservations(map);
-  ParallelFor(map.points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(map.points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) Summarize(map.points[row], map.keyframes, rig, world_from_camera);
   });
 }
 
 void ConnectKeyFrames(Map& map, int threads) {
-  ParallelFor(map.keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(map.keyframes.size(), kKeyFrameGrain, threads, [&](std::size_t begin, std::size_t end) {
     thread_local std::vector<std::int32_t> shared;
     shared.assign(map.keyframes.size(), 0);
     for (std::size_t row = begin; row < end; ++row) CountShared(map, map.keyframes[row], shared);

@@ -86,16 +86,16 @@ class MapMaker {
   }
 
   void MakeKeyFrames() {
-    const std::size_t batch = kBatch * static_cast<std::size_t>(ThreadCount(options_.threads));
+    const std::size_t batch = kBatch * static_cast<std::size_t>(detail::ThreadCount(options_.threads));
     const std::string stage = "synthesizing map " + std::to_string(ids_.map);
     map_.keyframes.resize(options_.keyframes);
     for (std::size_t begin = 0; begin < options_.keyframes; begin += batch) {
       if (options_.progress)
         options_.progress(stage, static_cast<double>(begin) / static_cast<double>(options_.keyframes));
-      ParallelFor(std::min(batch, options_.keyframes - begin), 4, options_.threads,
-                  [&](std::size_t first, std::size_t last) {
-                    for (std::size_t row = begin + first; row < begin + last; ++row) MakeKeyFrame(row);
-                  });
+      detail::ParallelFor(std::min(batch, options_.keyframes - begin), 4, options_.threads,
+                          [&](std::size_t first, std::size_t last) {
+                            for (std::size_t row = begin + first; row < begin + last; ++row) MakeKeyFrame(row);
+                          });
     }
     if (options_.progress) options_.progress(stage, 1);
   }

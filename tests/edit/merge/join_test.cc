@@ -259,7 +259,7 @@ TEST(Covisibility, IsWhatSynthesisMade) {
   const auto expected = map.keyframes[3].connections;
   map.keyframes[3].connections = {{map.keyframes[4].id, 999}};
   const std::uint32_t row = 3;
-  UpdateCovisibility(map, {&row, 1});
+  detail::UpdateCovisibility(map, {&row, 1});
   EXPECT_EQ(map.keyframes[3].connections, expected);
 }
 

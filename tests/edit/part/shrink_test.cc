@@ -32,7 +32,8 @@ std::uint64_t FileBytes(Atlas atlas) {
 TEST(ArchiveBytes, IsTheSizeOfTheFile) {
   for (const SyntheticOptions& kind : SensorKinds()) {
     const Atlas atlas = SynthesizeAtlas(kind);
-    EXPECT_NEAR(static_cast<double>(ArchiveBytes(atlas)), static_cast<double>(FileBytes(atlas)), 1000) << NameOf(kind);
+    EXPECT_NEAR(static_cast<double>(detail::ArchiveBytes(atlas)), static_cast<double>(FileBytes(atlas)), 1000)
+        << NameOf(kind);
   }
 }
 
@@ -138,9 +139,9 @@ TEST(Shrink, ForLocalizationKeepsEveryPlace) {
 
 TEST(DropFreeFeatures, TwiceIsOnce) {
   Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo, .keyframes = 12, .points = 260, .features = 200});
-  EXPECT_GT(DropFreeFeatures(atlas), 0U);
+  EXPECT_GT(detail::DropFreeFeatures(atlas), 0U);
   Atlas again = atlas;
-  EXPECT_EQ(DropFreeFeatures(again), 0U);
+  EXPECT_EQ(detail::DropFreeFeatures(again), 0U);
   EXPECT_THAT(again, EqualsAtlas(atlas));
 }
 

@@ -190,11 +190,11 @@ TEST(KeepSubset, LeavesNoReferenceOutOfThePart) {
       gone_points.insert(atlas.maps[row].points[1].id.value());
     }
     KeepSubset(atlas, subset);
-    VisitIds(atlas, [&](auto id_kind, const auto& field) {
+    detail::VisitIds(atlas, [&](auto id_kind, const auto& field) {
       if constexpr (decltype(id_kind)::value == IdKind::kKeyFrame) {
-        EXPECT_FALSE(gone_keyframes.contains(IdValue(field)));
+        EXPECT_FALSE(gone_keyframes.contains(detail::IdValue(field)));
       } else if constexpr (decltype(id_kind)::value == IdKind::kPoint) {
-        EXPECT_FALSE(gone_points.contains(IdValue(field)));
+        EXPECT_FALSE(gone_points.contains(detail::IdValue(field)));
       }
     });
     for (const Map& map : atlas.maps)

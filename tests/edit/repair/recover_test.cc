@@ -48,7 +48,7 @@ class Recover : public ::testing::Test {
   }
   Salvage SalvageBytes(std::string_view bytes) {
     Write(bytes);
-    return SalvageOrbslam3(path_, {.threads = 1});
+    return detail::SalvageOrbslam3(path_, {.threads = 1});
   }
   // Salvages and recovers; nothing when the header is gone. The vocabulary's name and checksum have no twin in the
   // file.

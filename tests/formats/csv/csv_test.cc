@@ -17,7 +17,7 @@ std::string Write(const Format& format, const Atlas& atlas, Notices& notices) {
 
 TEST(Csv, WritesPoints) {
   Notices notices;
-  EXPECT_EQ(Write(kCsvFormat, SmallAtlas(), notices),
+  EXPECT_EQ(Write(detail::kCsvFormat, SmallAtlas(), notices),
             "x,y,z,nx,ny,nz,observations,reprojection_error,map,id,reference_keyframe,min_distance,max_distance\n"
             "0,0,2,0,0,1,2,2.5,0,10,1,0.5,4\n"
             "0.25,-1.5,1e-05,0,0,1,0,nan,0,12,1,0.5,4\n"
@@ -28,7 +28,7 @@ TEST(Csv, WritesKeyFrames) {
   Atlas atlas = InertialAtlas();
   atlas.maps[0].keyframes[1].has_velocity = false;
   Notices notices;
-  EXPECT_EQ(Write(kCsvKeyFramesFormat, atlas, notices),
+  EXPECT_EQ(Write(detail::kCsvKeyFramesFormat, atlas, notices),
             "map,id,timestamp,frame_id,x,y,z,qx,qy,qz,qw,camera,parent,children,connections,loop_edges,merge_edges,"
             "keypoints,map_points,vx,vy,vz\n"
             "0,3,1.5,30,1,0,0,0,0,0,1,0,1,0,1,0,0,1,1,0.5,0,3\n"
@@ -39,7 +39,7 @@ TEST(Csv, LeavesBadKeyFramesOut) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].keyframes[0].bad = true;
   Notices notices;
-  const std::string text = Write(kCsvKeyFramesFormat, atlas, notices);
+  const std::string text = Write(detail::kCsvKeyFramesFormat, atlas, notices);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
   ASSERT_EQ(notices.items().size(), 1U);
   EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kNote, "left out because flagged bad: 1 keyframe"}));
@@ -50,7 +50,7 @@ TEST(Csv, WritesObservations) {
   atlas.maps[0].points[2].observations = {{.keyframe = KeyFrameId(99), .left = 4, .right = Observation::kAbsent},
                                           {.keyframe = KeyFrameId(1), .left = 77}};
   Notices notices;
-  EXPECT_EQ(Write(kCsvObservationsFormat, atlas, notices),
+  EXPECT_EQ(Write(detail::kCsvObservationsFormat, atlas, notices),
             "map,point,keyframe,left,x,y,octave,error,right,right_x,right_y,right_octave,right_error\n"
             "0,10,1,0,64,48,1,0,,,,,\n"
             "0,10,3,0,17,52,1,5,,,,,\n"

@@ -20,14 +20,14 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 TEST(ContentOf, IsWhatTheAtlasHas) {
-  EXPECT_EQ(ContentOf({}), Content::kNothing);
+  EXPECT_EQ(detail::ContentOf({}), Content::kNothing);
   const Content one = Content::kPoses | Content::kPoints | Content::kNormals | Content::kObservations |
                       Content::kKeypoints | Content::kDescriptors | Content::kGraph | Content::kCameras |
                       Content::kIdentity;
-  EXPECT_EQ(ContentOf(OneMapAtlas()), one);
-  EXPECT_EQ(ContentOf(SmallAtlas()), one | Content::kMaps);
-  EXPECT_EQ(ContentOf(InertialAtlas()), one | Content::kInertial);
-  EXPECT_EQ(ContentOf(SmallAtlas(), MapId(0)), one);
+  EXPECT_EQ(detail::ContentOf(OneMapAtlas()), one);
+  EXPECT_EQ(detail::ContentOf(SmallAtlas()), one | Content::kMaps);
+  EXPECT_EQ(detail::ContentOf(InertialAtlas()), one | Content::kInertial);
+  EXPECT_EQ(detail::ContentOf(SmallAtlas(), MapId(0)), one);
 }
 
 TEST(Content, IsASet) {
@@ -46,47 +46,49 @@ TEST(Content, IsASet) {
 TEST(ContentOf, KnowsBagsOfWords) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].keyframes[0].features.bag_of_words = {.words = {1}, .weights = {1.0}};
-  EXPECT_EQ(ContentOf(atlas) & Content::kBagOfWords, Content::kBagOfWords);
+  EXPECT_EQ(detail::ContentOf(atlas) & Content::kBagOfWords, Content::kBagOfWords);
 }
 
 TEST(LossesOf, NamesEachWithItsCount) {
-  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("ply"), {}),
+  EXPECT_THAT(detail::LossesOf(SmallAtlas(), FormatById("ply"), {}),
               ElementsAre("ply cannot hold keyframe poses (3)", "ply cannot hold observations (3)",
                           "ply cannot hold keypoints (3)", "ply cannot hold descriptors (7)",
                           "ply cannot hold edges between keyframes (covisibility, spanning tree, loops, merges) (3)",
                           "ply cannot hold cameras (1)",
                           "ply cannot hold all ids and flags, the counters and the vocabulary's name"));
-  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("kitti"), {}), Contains("kitti cannot hold several maps (2)"));
-  EXPECT_THAT(LossesOf(SmallAtlas(), FormatById("kitti"), WriteOptions{}.With(ExportOptions{.map = MapId(0)})),
+  EXPECT_THAT(detail::LossesOf(SmallAtlas(), FormatById("kitti"), {}), Contains("kitti cannot hold several maps (2)"));
+  EXPECT_THAT(detail::LossesOf(SmallAtlas(), FormatById("kitti"), WriteOptions{}.With(ExportOptions{.map = MapId(0)})),
               Not(Contains(HasSubstr("several maps"))));
-  EXPECT_THAT(LossesOf(InertialAtlas(), FormatById("tum"), {}),
+  EXPECT_THAT(detail::LossesOf(InertialAtlas(), FormatById("tum"), {}),
               Contains("tum cannot hold inertial data of keyframes (2)"));
 }
 
 TEST(LossesOf, LandmarksAreOne) {
-  EXPECT_THAT(LossesOf(LandmarkAtlas(), FormatById("orbslam3"), {}), ElementsAre("orbslam3 cannot hold landmarks (3)"));
-  EXPECT_THAT(LossesOf(LandmarkAtlas(), FormatById("mrpt"), {}), Not(Contains(HasSubstr("landmarks"))));
+  EXPECT_THAT(detail::LossesOf(LandmarkAtlas(), FormatById("orbslam3"), {}),
+              ElementsAre("orbslam3 cannot hold landmarks (3)"));
+  EXPECT_THAT(detail::LossesOf(LandmarkAtlas(), FormatById("mrpt"), {}), Not(Contains(HasSubstr("landmarks"))));
 }
 
 // In memory and in stores only.
 TEST(LossesOf, OriginsAndCountsOfPointsAreOne) {
   Atlas atlas = OneMapAtlas();
-  EXPECT_EQ(ContentOf(atlas) & Content::kTracking, Content::kNothing);
-  EXPECT_THAT(LossesOf(atlas, FormatById("orbslam3"), {}), IsEmpty());
+  EXPECT_EQ(detail::ContentOf(atlas) & Content::kTracking, Content::kNothing);
+  EXPECT_THAT(detail::LossesOf(atlas, FormatById("orbslam3"), {}), IsEmpty());
   atlas.maps[0].points[0].origin_map = 0;
   atlas.maps[0].points[1].found_count = 0;
   atlas.maps[0].points[1].visible_count = 4;
-  EXPECT_EQ(ContentOf(atlas) & Content::kTracking, Content::kTracking);
+  EXPECT_EQ(detail::ContentOf(atlas) & Content::kTracking, Content::kTracking);
   for (const char* format : {"orbslam3", "orbslam3-text"})
     EXPECT_THAT(
-        LossesOf(atlas, FormatById(format), {}),
+        detail::LossesOf(atlas, FormatById(format), {}),
         ElementsAre(std::string(format) + " cannot hold origins and visible and found counts of map points (2)"));
-  for (const char* format : {"store", "ndjson"}) EXPECT_THAT(LossesOf(atlas, FormatById(format), {}), IsEmpty());
+  for (const char* format : {"store", "ndjson"})
+    EXPECT_THAT(detail::LossesOf(atlas, FormatById(format), {}), IsEmpty());
 }
 
 TEST(LossesOf, AreNoneWhereEverythingFits) {
-  EXPECT_THAT(LossesOf(LandmarkAtlas(), FormatById("ndjson"), {}), IsEmpty());
-  for (const Format& format : Formats()) EXPECT_THAT(LossesOf({}, format, {}), IsEmpty()) << format.id;
+  EXPECT_THAT(detail::LossesOf(LandmarkAtlas(), FormatById("ndjson"), {}), IsEmpty());
+  for (const Format& format : Formats()) EXPECT_THAT(detail::LossesOf({}, format, {}), IsEmpty()) << format.id;
 }
 
 TEST(WriteAtlas, TellsLosses) {

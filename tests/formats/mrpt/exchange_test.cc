@@ -67,7 +67,7 @@ void LoadByMrpt(mrpt::io::CStream& stream, CLandmarksMap& map) {
 
 Atlas Read(const std::string& path) {
   Notices notices;
-  return kMrptFormat.read({path, ""}, {}, notices);
+  return detail::kMrptFormat.read({path, ""}, {}, notices);
 }
 
 TEST(Exchange, MrptsFilesComeBackByteForByte) {
@@ -88,8 +88,8 @@ TEST(Exchange, MrptsFilesComeBackByteForByte) {
   ASSERT_THAT(landmark.features, SizeIs(1));
   EXPECT_EQ(landmark.features[0].FindDescriptor(DescriptorKind::kOrb)->bytes, std::vector<std::uint8_t>(32, 16));
   Notices notices;
-  kMrptFormat.write(atlas, {folder.Path("by_us"), ""}, WriteOptions{}.With(MrptWriteOptions{.own_slots = true}),
-                    notices);
+  detail::kMrptFormat.write(atlas, {folder.Path("by_us"), ""}, WriteOptions{}.With(MrptWriteOptions{.own_slots = true}),
+                            notices);
   EXPECT_EQ(ReadFile(folder.Path("by_us")), ReadFile(folder.Path("by_mrpt")));
 }
 
@@ -99,7 +99,7 @@ TEST(Exchange, MrptReadsWhatWeWrite) {
   atlas.maps.pop_back();
   Notices notices;
   for (const char* name : {"by_us", "by_us.gz"}) {
-    kMrptFormat.write(atlas, {folder.Path(name), ""}, {}, notices);
+    detail::kMrptFormat.write(atlas, {folder.Path(name), ""}, {}, notices);
     mrpt::io::CFileGZInputStream stream(folder.Path(name));  // reads plain files, too
     CLandmarksMap map;
     LoadByMrpt(stream, map);
@@ -132,7 +132,7 @@ TEST(Exchange, TextIsTheSame) {
     SaveByMrpt(map, plain);
   }
   Notices notices;
-  kMrptTextFormat.write(Read(folder.Path("by_mrpt")), {folder.Path("by_us.txt"), ""}, {}, notices);
+  detail::kMrptTextFormat.write(Read(folder.Path("by_mrpt")), {folder.Path("by_us.txt"), ""}, {}, notices);
   EXPECT_EQ(ReadFile(folder.Path("by_us.txt")), ReadFile(folder.Path("by_mrpt.txt")));
 }
 

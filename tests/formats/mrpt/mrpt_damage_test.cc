@@ -20,7 +20,7 @@ const std::string kRealMap = SLAMDB_FIXTURES "/mrpt/landmarks.bin";
 // What reading says of bytes that it refuses; "read" when it does not.
 std::string Refusal(const std::string& bytes) {
   try {
-    Decoded(kMrptFormat, bytes);
+    Decoded(detail::kMrptFormat, bytes);
   } catch (const Error& error) {
     return error.place() + ": " + error.problem();
   }
@@ -29,7 +29,7 @@ std::string Refusal(const std::string& bytes) {
 
 std::string MapHeader(std::uint32_t count) {
   std::string bytes("\x99mrpt::maps::CLandmarksMap\0", 27);
-  AppendRaw(bytes, count);
+  detail::AppendRaw(bytes, count);
   return bytes;
 }
 
@@ -77,8 +77,8 @@ TEST(MrptDamage, OtherObjectsAreNamed) {
 TEST(MrptDamage, CompressedFilesAreCheckedToo) {
   const TemporaryFolder folder;
   Notices notices;
-  const Atlas atlas = kMrptFormat.read({kRealMap, ""}, {}, notices);
-  kMrptFormat.write(atlas, {folder.Path("a.gz"), ""}, {}, notices);
+  const Atlas atlas = detail::kMrptFormat.read({kRealMap, ""}, {}, notices);
+  detail::kMrptFormat.write(atlas, {folder.Path("a.gz"), ""}, {}, notices);
   const std::string whole = ReadFile(folder.Path("a.gz"));
   EXPECT_EQ(Refusal(whole), "read");
   EXPECT_THAT(Refusal(whole.substr(0, whole.size() / 2)), HasSubstr("truncated or damaged"));

@@ -27,7 +27,7 @@ const std::string kRealLandmark = SLAMDB_FIXTURES "/mrpt/landmark.bin";
 
 Atlas ReadFrom(const std::string& path) {
   Notices notices;
-  return kMrptFormat.read({path, ""}, {}, notices);
+  return detail::kMrptFormat.read({path, ""}, {}, notices);
 }
 
 std::string Written(const Format& format, const Atlas& atlas, Notices& notices, const WriteOptions& options = {}) {
@@ -38,7 +38,7 @@ std::string Written(const Format& format, const Atlas& atlas, const WriteOptions
 }
 WriteOptions OwnSlots(bool own) { return WriteOptions{}.With(MrptWriteOptions{.own_slots = own}); }
 
-Atlas Read(const std::string& bytes) { return Decoded(kMrptFormat, bytes); }
+Atlas Read(const std::string& bytes) { return Decoded(detail::kMrptFormat, bytes); }
 
 // A landmark with everything that one can hold.
 Landmark FullLandmark() {
@@ -111,11 +111,11 @@ TEST(Mrpt, ReadsBareLandmarks) {
 }
 
 TEST(Mrpt, WritesTheSameBytesAsMrpt) {
-  EXPECT_EQ(Written(kMrptFormat, ReadFrom(kRealMap), OwnSlots(true)), ReadFile(kRealMap));
+  EXPECT_EQ(Written(detail::kMrptFormat, ReadFrom(kRealMap), OwnSlots(true)), ReadFile(kRealMap));
 }
 
 TEST(Mrpt, PutsOrbWhereMrptReadsIt) {
-  const std::string bytes = Written(kMrptFormat, ReadFrom(kRealMap)), real = ReadFile(kRealMap);
+  const std::string bytes = Written(detail::kMrptFormat, ReadFrom(kRealMap)), real = ReadFile(kRealMap);
   ASSERT_EQ(bytes.size(), real.size());
   EXPECT_EQ(bytes[0x1e8], 0);  // the first slot, which the real file uses
   EXPECT_EQ(bytes[0x260 - 36], 1);
@@ -127,7 +127,7 @@ TEST(Mrpt, KeepsEverything) {
   const Atlas atlas = AtlasOf({FullLandmark(), Landmark(), FullLandmark()});
   for (const bool own : {false, true}) {
     Notices notices;
-    const std::string bytes = Written(kMrptFormat, atlas, notices, OwnSlots(own));
+    const std::string bytes = Written(detail::kMrptFormat, atlas, notices, OwnSlots(own));
     EXPECT_FALSE(notices.lossy());
     EXPECT_THAT(Read(bytes), EqualsAtlas(atlas));
   }
@@ -153,16 +153,16 @@ TEST(Mrpt, CompressesWhereTheNameSaysSo) {
   const TemporaryFolder folder;
   Notices notices;
   const Atlas atlas = AtlasOf(std::vector<Landmark>(2000, FullLandmark()));
-  kMrptFormat.write(atlas, {folder.Path("a.mrpt.gz"), ""}, {}, notices);
-  kMrptFormat.write(atlas, {folder.Path("a.mrpt"), ""}, {}, notices);
-  kMrptFormat.write(atlas, {folder.Path("b.mrpt.gz"), ""}, {.threads = 3}, notices);
+  detail::kMrptFormat.write(atlas, {folder.Path("a.mrpt.gz"), ""}, {}, notices);
+  detail::kMrptFormat.write(atlas, {folder.Path("a.mrpt"), ""}, {}, notices);
+  detail::kMrptFormat.write(atlas, {folder.Path("b.mrpt.gz"), ""}, {.threads = 3}, notices);
   EXPECT_LT(ReadFile(folder.Path("a.mrpt.gz")).size(), ReadFile(folder.Path("a.mrpt")).size() / 10);
   EXPECT_EQ(ReadFile(folder.Path("a.mrpt.gz")), ReadFile(folder.Path("b.mrpt.gz")));
-  kMrptFormat.write(atlas, {folder.Path("C.MRPT.GZ"), ""}, {}, notices);
+  detail::kMrptFormat.write(atlas, {folder.Path("C.MRPT.GZ"), ""}, {}, notices);
   EXPECT_EQ(ReadFile(folder.Path("a.mrpt.gz")), ReadFile(folder.Path("C.MRPT.GZ")));
-  kMrptTextFormat.write(atlas, {folder.Path("a.mrpt.txt.gz"), ""}, {}, notices);
-  EXPECT_EQ(mrpt::Decompress("a", ReadFile(folder.Path("a.mrpt.txt.gz"))), Written(kMrptTextFormat, atlas));
-  EXPECT_TRUE(kMrptFormat.sniff(Probe::Of(folder.Path("a.mrpt.gz"))));
+  detail::kMrptTextFormat.write(atlas, {folder.Path("a.mrpt.txt.gz"), ""}, {}, notices);
+  EXPECT_EQ(mrpt::Decompress("a", ReadFile(folder.Path("a.mrpt.txt.gz"))), Written(detail::kMrptTextFormat, atlas));
+  EXPECT_TRUE(detail::kMrptFormat.sniff(Probe::Of(folder.Path("a.mrpt.gz"))));
   EXPECT_THAT(ReadFrom(folder.Path("a.mrpt.gz")), EqualsAtlas(atlas));
 }
 
@@ -171,8 +171,8 @@ TEST(Mrpt, SeveralMapsAreSeveralObjects) {
   atlas.maps.push_back(atlas.maps[0]);
   atlas.maps[1].id = MapId(1);
   atlas.next_ids.map = 2;
-  EXPECT_THAT(Read(Written(kMrptFormat, atlas)), EqualsAtlas(atlas));
-  const Atlas second = Read(Written(kMrptFormat, atlas, WriteOptions{}.With(ExportOptions{.map = MapId(1)})));
+  EXPECT_THAT(Read(Written(detail::kMrptFormat, atlas)), EqualsAtlas(atlas));
+  const Atlas second = Read(Written(detail::kMrptFormat, atlas, WriteOptions{}.With(ExportOptions{.map = MapId(1)})));
   EXPECT_THAT(second.maps, SizeIs(1));
 }
 
@@ -184,29 +184,29 @@ TEST(Mrpt3, HasTheLayoutOfItsDescription) {
   landmark.cov_13 = 0.1;
   landmark.seen_count = 4;
   std::string expected("\x99mrpt::maps::CLandmarksMap\0\x01\0\0\0", 31);
-  AppendRaw(expected, std::uint64_t{9});
-  for (const double value : {1., 2., 3., 0., 0., 0., 0., 0.1, 0.}) AppendRaw(expected, value);
-  AppendRaw(expected, std::uint32_t{4});
+  detail::AppendRaw(expected, std::uint64_t{9});
+  for (const double value : {1., 2., 3., 0., 0., 0., 0., 0.1, 0.}) detail::AppendRaw(expected, value);
+  detail::AppendRaw(expected, std::uint32_t{4});
   expected += '\x88';
   Notices notices;
-  EXPECT_EQ(Written(kMrpt3Format, AtlasOf({landmark}), notices), expected);
+  EXPECT_EQ(Written(detail::kMrpt3Format, AtlasOf({landmark}), notices), expected);
   EXPECT_FALSE(notices.lossy());
   EXPECT_THAT(Read(expected), EqualsAtlas(AtlasOf({landmark})));
 }
 
 TEST(Mrpt3, IsToldByContent) {
   const TemporaryFolder folder;
-  const std::string two = Written(kMrptFormat, AtlasOf({Landmark()})),
-                    three = Written(kMrpt3Format, AtlasOf({Landmark()}));
+  const std::string two = Written(detail::kMrptFormat, AtlasOf({Landmark()})),
+                    three = Written(detail::kMrpt3Format, AtlasOf({Landmark()}));
   const Probe probe2 = Probe::Of(folder.Make("2", two)), probe3 = Probe::Of(folder.Make("3", three));
-  EXPECT_TRUE(kMrptFormat.sniff(probe2) && !kMrptFormat.sniff(probe3));
-  EXPECT_TRUE(!kMrpt3Format.sniff(probe2) && kMrpt3Format.sniff(probe3));
-  EXPECT_THAT(Read(Written(kMrpt3Format, AtlasOf({}))), EqualsAtlas(AtlasOf({})));
+  EXPECT_TRUE(detail::kMrptFormat.sniff(probe2) && !detail::kMrptFormat.sniff(probe3));
+  EXPECT_TRUE(!detail::kMrpt3Format.sniff(probe2) && detail::kMrpt3Format.sniff(probe3));
+  EXPECT_THAT(Read(Written(detail::kMrpt3Format, AtlasOf({}))), EqualsAtlas(AtlasOf({})));
 }
 
 TEST(Mrpt3, NamesWhatItLoses) {
   Notices notices;
-  Written(kMrpt3Format, ReadFrom(kRealMap), notices);
+  Written(detail::kMrpt3Format, ReadFrom(kRealMap), notices);
   std::vector<std::string> losses;
   for (const Notice& notice : notices.items()) losses.push_back(notice.text);
   EXPECT_THAT(losses,
@@ -218,7 +218,7 @@ TEST(Mrpt, NamesCovariancesThatItRounds) {
   Landmark landmark;
   landmark.cov_11 = 0.1;
   Notices notices;
-  Written(kMrptFormat, AtlasOf({landmark}), notices);
+  Written(detail::kMrptFormat, AtlasOf({landmark}), notices);
   ASSERT_THAT(notices.items(), SizeIs(1));
   EXPECT_EQ(notices.items()[0].text, "mrpt cannot hold 64-bit covariances of landmarks (1)");
 }
@@ -229,7 +229,7 @@ TEST(Mrpt, NamesLatchThatReadsAsOrb) {
   feature.type = FeatureType::kOrb;
   feature.descriptors = {{DescriptorKind::kLatch, {1, 2}}};
   Notices notices;
-  const Atlas back = Read(Written(kMrptFormat, AtlasOf({landmark}), notices));
+  const Atlas back = Read(Written(detail::kMrptFormat, AtlasOf({landmark}), notices));
   ASSERT_THAT(notices.items(), SizeIs(1));
   EXPECT_THAT(notices.items()[0].text, HasSubstr("LATCH descriptors"));
   EXPECT_NE(back.maps[0].landmarks[0].features[0].FindDescriptor(DescriptorKind::kOrb), nullptr);
@@ -244,19 +244,19 @@ TEST(Mrpt, NegativeIdsAreKeptAndNotCounted) {
   atlas.maps[0].landmarks[0].id = LandmarkId(6);
   atlas.next_ids.map_point = 7;
   atlas.maps[0].landmarks[1] = landmark;
-  EXPECT_THAT(Read(Written(kMrptFormat, atlas)), EqualsAtlas(atlas));
+  EXPECT_THAT(Read(Written(detail::kMrptFormat, atlas)), EqualsAtlas(atlas));
 }
 
 TEST(MrptText, IsWhatMrptWrites) {
   Landmark landmark = ReadFrom(kRealMap).maps[0].landmarks[0];
-  EXPECT_EQ(Written(kMrptTextFormat, AtlasOf({landmark})),
+  EXPECT_EQ(Written(detail::kMrptTextFormat, AtlasOf({landmark})),
             "  1.000000   2.000000   3.000000   10    5 80000.000000 7 \n");
   landmark.features[0].type = FeatureType::kSift;
   landmark.features[0].descriptors = {{DescriptorKind::kSift, {12, 0, 255}}};
   landmark.id = {};
   landmark.last_seen = 0;
   landmark.mean = {-1234.5, 1e-9, 100000};
-  EXPECT_EQ(Written(kMrptTextFormat, AtlasOf({landmark})),
+  EXPECT_EQ(Written(detail::kMrptTextFormat, AtlasOf({landmark})),
             "-1234.500000   0.000000 100000.000000    3    5   0.000000 12  0  255  -1 \n");
 }
 

@@ -22,7 +22,7 @@ using nlohmann::json;
 using ::testing::ElementsAre;
 
 std::vector<std::string> Lines(const Atlas& atlas, const WriteOptions& options = {}) {
-  std::istringstream text(Encoded(kNdjsonFormat, atlas, options));
+  std::istringstream text(Encoded(detail::kNdjsonFormat, atlas, options));
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   return lines;

@@ -91,7 +91,7 @@ class NdjsonSchema : public ::testing::Test {
   static std::string ProblemOf(const Atlas& atlas) {
     std::ifstream file(SLAMDB_FIXTURES "/../schema/ndjson.schema.json");
     json root = json::parse(file);
-    std::istringstream lines(Encoded(kNdjsonFormat, atlas));
+    std::istringstream lines(Encoded(detail::kNdjsonFormat, atlas));
     for (std::string line; std::getline(lines, line);) {
       // Of the kinds of line, the one that this line says it is: its problem is the one to tell.
       const json value = json::parse(line);

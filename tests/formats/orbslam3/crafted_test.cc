@@ -16,7 +16,7 @@ using ::testing::Combine;
 using ::testing::HasSubstr;
 using ::testing::Values;
 
-std::string Md5Of(const std::string& bytes) { return Md5(std::as_bytes(std::span(bytes))); }
+std::string Md5Of(const std::string& bytes) { return detail::Md5(std::as_bytes(std::span(bytes))); }
 
 Atlas ReadBytes(const std::string& bytes, Notices& notices) {
   return ReadOrbslam3({std::as_bytes(std::span(bytes)), "crafted.osa"}, {}, notices);

@@ -25,17 +25,17 @@ TEST(SanitizeForOrbslam3, LeavesASoundAtlasAsItIs) {
   for (const bool inertial : {false, true}) {
     Atlas atlas = Sound(inertial);
     const std::string once = EncodeOrbslam3(atlas);
-    EXPECT_THAT(SanitizeForOrbslam3(atlas), IsEmpty());
+    EXPECT_THAT(detail::SanitizeForOrbslam3(atlas), IsEmpty());
     EXPECT_TRUE(EncodeOrbslam3(atlas) == once);
   }
 }
 
 TEST(SanitizeForOrbslam3, DropsRepeatedAndEmptyMaps) {
   Atlas atlas = Sound();
-  SanitizeForOrbslam3(atlas);
+  detail::SanitizeForOrbslam3(atlas);
   atlas.maps.emplace_back().id = MapId(9);
   atlas.repeated_maps.push_back({.position = 2, .owner_map = 0, .row = 0});
-  EXPECT_THAT(SanitizeForOrbslam3(atlas),
+  EXPECT_THAT(detail::SanitizeForOrbslam3(atlas),
               ElementsAre(HasSubstr("1 map pointer stored twice"), HasSubstr("1 empty map dropped")));
   EXPECT_EQ(atlas.maps.size(), 1U);
   EXPECT_THAT(atlas.repeated_maps, IsEmpty());
@@ -43,14 +43,14 @@ TEST(SanitizeForOrbslam3, DropsRepeatedAndEmptyMaps) {
 
 TEST(SanitizeForOrbslam3, ZeroesUninitialisedMembersButKeepsAMergeScale) {
   Atlas atlas = Sound();
-  SanitizeForOrbslam3(atlas);
+  detail::SanitizeForOrbslam3(atlas);
   KeyFrame& garbage = atlas.maps[0].keyframes[0];
   garbage.merge_scale = std::numeric_limits<float>::quiet_NaN();
   garbage.preintegration.covariance(3, 4) = 1e30F;
   garbage.body_position.x() = std::numeric_limits<float>::infinity();
   garbage.imu_calibration.noise[2] = -5;
   atlas.maps[0].keyframes[1].merge_scale = 1.02F;
-  EXPECT_THAT(SanitizeForOrbslam3(atlas),
+  EXPECT_THAT(detail::SanitizeForOrbslam3(atlas),
               ElementsAre(HasSubstr("1 uninitialised merge scale ("), HasSubstr("1 uninitialised preintegration ("),
                           HasSubstr("1 uninitialised body position ("), HasSubstr("1 uninitialised IMU noise (")));
   EXPECT_EQ(garbage.merge_scale, 0);
@@ -65,25 +65,25 @@ TEST(SanitizeForOrbslam3, KeepsInertialData) {
   const Matrix15f covariance = imu.covariance;
   const Eigen::Vector3f body = atlas.maps[0].keyframes[3].body_position;
   ASSERT_GT(imu.duration, 0);
-  SanitizeForOrbslam3(atlas);
+  detail::SanitizeForOrbslam3(atlas);
   EXPECT_EQ(imu.covariance, covariance);
   EXPECT_EQ(atlas.maps[0].keyframes[3].body_position, body);
 }
 
 TEST(SanitizeForOrbslam3, PointsADanglingReferenceAtAnObserver) {
   Atlas atlas = Sound();
-  SanitizeForOrbslam3(atlas);
+  detail::SanitizeForOrbslam3(atlas);
   MapPoint& point = atlas.maps[0].points[7];
   point.reference = KeyFrameId(123456);
-  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 reference keyframe outside the map")));
+  EXPECT_THAT(detail::SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 reference keyframe outside the map")));
   EXPECT_EQ(point.reference, point.observations[0].keyframe);
 }
 
 TEST(SanitizeForOrbslam3, MakesFlagsZeroOrOne) {
   Atlas atlas = Sound();
-  SanitizeForOrbslam3(atlas);
+  detail::SanitizeForOrbslam3(atlas);
   atlas.maps[0].keyframes[2].not_erase.recorded = 0xCD;
-  EXPECT_THAT(SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 flag neither")));
+  EXPECT_THAT(detail::SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 flag neither")));
   EXPECT_EQ(atlas.maps[0].keyframes[2].not_erase.recorded, 1);
 }
 

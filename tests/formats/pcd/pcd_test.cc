@@ -20,7 +20,9 @@ using ::testing::HasSubstr;
 
 const WriteOptions kAscii = WriteOptions{}.With(PointCloudOptions{.binary = false});
 
-std::string Write(const Atlas& atlas, const WriteOptions& options) { return Encoded(kPcdFormat, atlas, options); }
+std::string Write(const Atlas& atlas, const WriteOptions& options) {
+  return Encoded(detail::kPcdFormat, atlas, options);
+}
 
 TEST(Pcd, WritesAscii) {
   const std::string text = Write(OneMapAtlas(), kAscii);

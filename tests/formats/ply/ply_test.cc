@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 const WriteOptions kAscii = WriteOptions{}.With(PointCloudOptions{.binary = false});
 
 std::string Write(const Atlas& atlas, const WriteOptions& options, Notices& notices) {
-  return Encoded(kPlyFormat, atlas, options, notices);
+  return Encoded(detail::kPlyFormat, atlas, options, notices);
 }
 
 constexpr std::string_view kHeaderEnd = "end_header\n";

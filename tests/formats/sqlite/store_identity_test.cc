@@ -96,28 +96,31 @@ TEST_F(StoreIdentity, Sniffing) {
   SaveIn(path_, Atlas());
   Sql(folder_ / "other.db", "CREATE TABLE x(a)");
   std::ofstream(folder_ / "short.db") << "SQLite format 3";
-  EXPECT_TRUE(kStoreFormat.sniff(Probe::Of(path_)));
-  EXPECT_FALSE(kStoreFormat.sniff(Probe::Of(folder_ / "other.db")));
-  EXPECT_FALSE(kStoreFormat.sniff(Probe::Of(folder_ / "short.db")));
+  EXPECT_TRUE(detail::kStoreFormat.sniff(Probe::Of(path_)));
+  EXPECT_FALSE(detail::kStoreFormat.sniff(Probe::Of(folder_ / "other.db")));
+  EXPECT_FALSE(detail::kStoreFormat.sniff(Probe::Of(folder_ / "short.db")));
 }
 
 TEST_F(StoreIdentity, FormatUsesTheOnlyAtlasOrAsksWhich) {
   Notices notices;
   const std::string unnamed = path_;
-  kStoreFormat.write(OddAtlas(), unnamed, {}, notices);
-  EXPECT_EQ(FirstDifference(kStoreFormat.read(unnamed, {}, notices), OddAtlas()), "");
+  detail::kStoreFormat.write(OddAtlas(), unnamed, {}, notices);
+  EXPECT_EQ(FirstDifference(detail::kStoreFormat.read(unnamed, {}, notices), OddAtlas()), "");
   EXPECT_EQ(Store::Open(path_).OnlyName(), "atlas");
-  EXPECT_THAT(ErrorOf([&] { kStoreFormat.write(Atlas(), unnamed, {}, notices); }),
+  EXPECT_THAT(ErrorOf([&] { detail::kStoreFormat.write(Atlas(), unnamed, {}, notices); }),
               HasSubstr("WriteOptions::overwrite replaces it"));
   WriteOptions overwrite;
   overwrite.overwrite = true;
   EXPECT_TRUE(notices.items().empty());
-  kStoreFormat.write(OddAtlas(), unnamed, overwrite, notices);
+  detail::kStoreFormat.write(OddAtlas(), unnamed, overwrite, notices);
   ASSERT_EQ(notices.items().size(), 1U);
   EXPECT_THAT(notices.items()[0].text, HasSubstr("0 rows new, 1 changed, 0 removed"));
-  kStoreFormat.write(Atlas(), {path_, "second"}, {}, notices);
-  EXPECT_THAT(ErrorOf([&] { kStoreFormat.read(unnamed, {}, notices); }), HasSubstr("it holds atlas, second"));
-  EXPECT_THAT(ErrorOf([&] { kStoreFormat.read({path_, "third"}, {}, notices); }), HasSubstr("no atlas named 'third'"));
+  detail::kStoreFormat.write(Atlas(), {path_, "second"}, {}, notices);
+  EXPECT_THAT(ErrorOf([&] { detail::kStoreFormat.read(unnamed, {}, notices); }), HasSubstr("it holds atlas, second"));
+  EXPECT_THAT(ErrorOf([&] {
+                detail::kStoreFormat.read({path_, "third"}, {}, notices);
+              }),
+              HasSubstr("no atlas named 'third'"));
 }
 
 }  // namespace

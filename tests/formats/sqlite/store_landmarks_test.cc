@@ -79,10 +79,10 @@ TEST_F(StoreLandmarks, DamageIsFound) {
 
 TEST_F(StoreLandmarks, AreSalvagedAroundDamage) {
   SaveIn(path_, atlas_);
-  EXPECT_THAT(SalvageStore(path_, "a", {}).damage, IsEmpty());
+  EXPECT_THAT(detail::SalvageStore(path_, "a", {}).damage, IsEmpty());
   Sql(path_, "UPDATE landmark SET seen_count = 7 WHERE id = 9");
   Sql(path_, "DELETE FROM landmark WHERE id = 30");
-  const Salvage salvage = SalvageStore(path_, "a", {});
+  const Salvage salvage = detail::SalvageStore(path_, "a", {});
   EXPECT_THAT(salvage.damage, SizeIs(2));
   EXPECT_EQ(salvage.maps[1].landmarks.listed, 50U);
   EXPECT_EQ(salvage.maps[1].landmarks.read, 48U);

@@ -21,7 +21,7 @@ using ::testing::SizeIs;
 class StoreSalvage : public ::testing::Test {
  protected:
   StoreSalvage() { SaveIn(path_, atlas_); }
-  Salvage Salvaged() { return SalvageStore(path_, "a", {}); }
+  Salvage Salvaged() { return detail::SalvageStore(path_, "a", {}); }
 
   // Every entity equals the one of its id in what was saved.
   void ExpectTrue(const Salvage& salvage) const {
@@ -122,7 +122,7 @@ TEST_F(StoreSalvage, ReadsATableWhoseSchemaIsLeft) {
   const std::string good = FileBytes(path_);
   std::ofstream(path_, std::ios::binary) << good.substr(0, good.size() - 8192);
   for (const char* name : {"a", ""}) {
-    const Salvage salvage = SalvageStore(path_, name, {});
+    const Salvage salvage = detail::SalvageStore(path_, name, {});
     ASSERT_EQ(salvage.atlas.maps.size(), atlas_.maps.size());
     for (std::size_t i = 0; i < atlas_.maps.size(); ++i) {
       EXPECT_EQ(salvage.atlas.maps[i].keyframes.size(), atlas_.maps[i].keyframes.size());
@@ -132,8 +132,8 @@ TEST_F(StoreSalvage, ReadsATableWhoseSchemaIsLeft) {
 }
 
 TEST_F(StoreSalvage, NeedsTheAtlas) {
-  EXPECT_THAT(ErrorOf([&] { SalvageStore(path_, "b", {}); }), HasSubstr("no atlas named 'b'"));
-  EXPECT_EQ(ErrorOf([&] { SalvageStore(path_, "", {}); }), "");
+  EXPECT_THAT(ErrorOf([&] { detail::SalvageStore(path_, "b", {}); }), HasSubstr("no atlas named 'b'"));
+  EXPECT_EQ(ErrorOf([&] { detail::SalvageStore(path_, "", {}); }), "");
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ std::string ReadProblem(const Format& format, std::string_view text) {
 }
 
 TEST(Tum, WritesCameraPosesByTime) {
-  EXPECT_EQ(Write(kTumFormat, OneMapAtlas()),
+  EXPECT_EQ(Write(detail::kTumFormat, OneMapAtlas()),
             "# timestamp tx ty tz qx qy qz qw\n"
             "0.5 0 0 0 0 0 0 1\n"
             "1.5 1 0 0 0 0 0 1\n");
@@ -47,7 +47,7 @@ TEST(Tum, WritesCameraPosesByTime) {
 
 TEST(Tum, WritesBodyPoses) {
   Notices notices;
-  EXPECT_EQ(Write(kTumFormat, InertialAtlas(), kBody, notices),
+  EXPECT_EQ(Write(detail::kTumFormat, InertialAtlas(), kBody, notices),
             "# timestamp tx ty tz qx qy qz qw\n"
             "0.5 0 0 1 0 0 0 1\n"
             "1.5 1 0 1 0 0 0 1\n");
@@ -56,28 +56,28 @@ TEST(Tum, WritesBodyPoses) {
 
 TEST(Tum, WarnsWhenThereIsNoBody) {
   Notices notices;
-  Write(kTumFormat, OneMapAtlas(), kBody, notices);
+  Write(detail::kTumFormat, OneMapAtlas(), kBody, notices);
   ASSERT_EQ(notices.items().size(), 1U);
   EXPECT_THAT(notices.items()[0].text, HasSubstr("for want of IMU calibration: 2 keyframes"));
 }
 
 TEST(Tum, SeparatesMaps) {
   Notices notices;
-  const std::string text = Write(kTumFormat, SmallAtlas(), {}, notices);
+  const std::string text = Write(detail::kTumFormat, SmallAtlas(), {}, notices);
   EXPECT_THAT(text, HasSubstr("# map 0\n0.5 0 0 0 "));
   EXPECT_THAT(text, HasSubstr("# map 1\n2 0 -3 0 -0.5 -0.5 -0.5 0.5\n"));
   ASSERT_EQ(notices.items().size(), 1U);
   EXPECT_EQ(notices.items()[0].kind, Notice::Kind::kWarning);
   EXPECT_THAT(notices.items()[0].text, HasSubstr("frame of reference of its own"));
 
-  const std::string one = Write(kTumFormat, SmallAtlas(), OnlyMap(1));
+  const std::string one = Write(detail::kTumFormat, SmallAtlas(), OnlyMap(1));
   EXPECT_EQ(one, "# timestamp tx ty tz qx qy qz qw\n2 0 -3 0 -0.5 -0.5 -0.5 0.5\n");
 }
 
 TEST(Tum, NormalizesQuaternions) {
   Atlas atlas = OneMapAtlas();
   for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.camera_from_world.rotation.coeffs() *= 3;
-  EXPECT_EQ(Write(kTumFormat, atlas), Write(kTumFormat, OneMapAtlas()));
+  EXPECT_EQ(Write(detail::kTumFormat, atlas), Write(detail::kTumFormat, OneMapAtlas()));
 }
 
 TEST(Tum, LeavesOutWhatHasNoPose) {
@@ -86,7 +86,7 @@ TEST(Tum, LeavesOutWhatHasNoPose) {
   atlas.maps[0].keyframes[1].camera_from_world.rotation.coeffs().setZero();
   atlas.maps[1].keyframes[0].timestamp = std::nan("");
   Notices notices;
-  EXPECT_EQ(Write(kTumFormat, atlas, {}, notices), "# timestamp tx ty tz qx qy qz qw\n");
+  EXPECT_EQ(Write(detail::kTumFormat, atlas, {}, notices), "# timestamp tx ty tz qx qy qz qw\n");
   ASSERT_EQ(notices.items().size(), 2U);
   EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kNote, "left out because flagged bad: 1 keyframe"}));
   EXPECT_EQ(notices.items()[1],
@@ -97,13 +97,13 @@ TEST(Tum, WritesTimesInFull) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].keyframes[0].timestamp = 1403636579.7635555;
   atlas.maps[0].keyframes[1].timestamp = 1e-7;
-  const std::string text = Write(kTumFormat, atlas);
+  const std::string text = Write(detail::kTumFormat, atlas);
   EXPECT_THAT(text, HasSubstr("\n1403636579.7635555 1 0 0 "));
   EXPECT_THAT(text, HasSubstr("\n0.0000001 0 0 0 "));
 }
 
 TEST(Tum, ReadsWhatItWrites) {
-  const Atlas atlas = Decoded(kTumFormat, Write(kTumFormat, SmallAtlas()));
+  const Atlas atlas = Decoded(detail::kTumFormat, Write(detail::kTumFormat, SmallAtlas()));
   ASSERT_EQ(atlas.maps.size(), 2U);
   EXPECT_EQ(atlas.maps[0].id, MapId(0));
   EXPECT_EQ(atlas.maps[1].id, MapId(1));
@@ -119,7 +119,7 @@ TEST(Tum, ReadsWhatItWrites) {
 }
 
 TEST(Tum, ReadsOtherWritersLines) {
-  const Atlas atlas = Decoded(kTumFormat, "#comment\r\n\n  1.25\t1 2 3 0 0 0 2\r\n1e1 0 0 0 0 0 0 1");
+  const Atlas atlas = Decoded(detail::kTumFormat, "#comment\r\n\n  1.25\t1 2 3 0 0 0 2\r\n1e1 0 0 0 0 0 0 1");
   ASSERT_EQ(atlas.maps.size(), 1U);
   ASSERT_EQ(atlas.maps[0].keyframes.size(), 2U);
   EXPECT_EQ(atlas.maps[0].keyframes[0].timestamp, 1.25);
@@ -131,7 +131,7 @@ TEST(Tum, ReadsASelection) {
   ReadOptions options;
   options.selection.map = MapId(0);
   options.selection.begin_time = 1;
-  const Atlas atlas = Decoded(kTumFormat, Write(kTumFormat, SmallAtlas()), options);
+  const Atlas atlas = Decoded(detail::kTumFormat, Write(detail::kTumFormat, SmallAtlas()), options);
   ASSERT_EQ(atlas.maps.size(), 1U);
   ASSERT_EQ(atlas.maps[0].keyframes.size(), 1U);
   EXPECT_EQ(atlas.maps[0].keyframes[0].timestamp, 1.5);
@@ -139,16 +139,17 @@ TEST(Tum, ReadsASelection) {
 
 TEST(Tum, NamesTheLineThatIsWrong) {
   const std::string expected = "expected 8 numbers: timestamp tx ty tz qx qy qz qw, found ";
-  EXPECT_EQ(ReadProblem(kTumFormat, "1 0 0 0 0 0 0 1\n# c\n2 0 0 0 0 0 1\n"),
+  EXPECT_EQ(ReadProblem(detail::kTumFormat, "1 0 0 0 0 0 0 1\n# c\n2 0 0 0 0 0 1\n"),
             "line 3: " + expected + "`2 0 0 0 0 0 1`");
-  EXPECT_EQ(ReadProblem(kTumFormat, "1 0 0 0 0 0 0 1x\n"), "line 1: expected a number, found '1x' in column qw");
-  EXPECT_EQ(ReadProblem(kTumFormat, "t 0 0 0 0 0 0 1\n"), "line 1: " + expected + "`t 0 0 0 0 0 0 1`");
+  EXPECT_EQ(ReadProblem(detail::kTumFormat, "1 0 0 0 0 0 0 1x\n"),
+            "line 1: expected a number, found '1x' in column qw");
+  EXPECT_EQ(ReadProblem(detail::kTumFormat, "t 0 0 0 0 0 0 1\n"), "line 1: " + expected + "`t 0 0 0 0 0 0 1`");
 }
 
 TEST(Kitti, WritesMatricesAndTimes) {
   const TemporaryFolder folder;
   Notices notices;
-  kKittiFormat.write(SmallAtlas(), {folder.Path("a.kitti"), ""}, {}, notices);
+  detail::kKittiFormat.write(SmallAtlas(), {folder.Path("a.kitti"), ""}, {}, notices);
   EXPECT_EQ(ReadFile(folder.Path("a.kitti.times")), "0.5\n1.5\n2\n");
   const std::string text = ReadFile(folder.Path("a.kitti"));
   EXPECT_THAT(text, HasSubstr("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n"));
@@ -163,33 +164,36 @@ TEST(Kitti, OverwritesNeitherFile) {
   const TemporaryFolder folder;
   folder.Make("a.kitti.times", "mine");
   Notices notices;
-  EXPECT_THROW(kKittiFormat.write(SmallAtlas(), {folder.Path("a.kitti"), ""}, {}, notices), Error);
+  EXPECT_THROW(detail::kKittiFormat.write(SmallAtlas(), {folder.Path("a.kitti"), ""}, {}, notices), Error);
   EXPECT_EQ(ReadFile(folder.Path("a.kitti.times")), "mine");
   EXPECT_THAT(folder.Names(), ::testing::ElementsAre("a.kitti.times"));
 }
 
 TEST(Kitti, LosesTimesOnStandardOutput) {
   Notices notices;
-  const std::string text = CaptureStandardOutput([&] { kKittiFormat.write(OneMapAtlas(), {"-", ""}, {}, notices); });
+  const std::string text = CaptureStandardOutput([&] {
+    detail::kKittiFormat.write(OneMapAtlas(), {"-", ""}, {}, notices);
+  });
   EXPECT_EQ(text, "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
   EXPECT_TRUE(notices.lossy());
 }
 
 TEST(Kitti, LosesTimesInMemory) {
   Notices notices;
-  EXPECT_EQ(Encoded(kKittiFormat, OneMapAtlas(), {}, notices), "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
+  EXPECT_EQ(Encoded(detail::kKittiFormat, OneMapAtlas(), {}, notices),
+            "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
   ASSERT_EQ(notices.items().size(), 1U);
   EXPECT_THAT(notices.items()[0].text, HasSubstr("memory has no second file for them"));
 }
 
 TEST(Euroc, WritesNanosecondsAndScalarFirst) {
-  EXPECT_EQ(Write(kEurocFormat, SmallAtlas(), OnlyMap(1)),
+  EXPECT_EQ(Write(detail::kEurocFormat, SmallAtlas(), OnlyMap(1)),
             "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
             "2000000000,0,-3,0,0.5,-0.5,-0.5,-0.5\n");
 }
 
 TEST(Euroc, WritesVelocityAndBiases) {
-  const std::string text = Write(kEurocFormat, InertialAtlas(), kBody);
+  const std::string text = Write(detail::kEurocFormat, InertialAtlas(), kBody);
   EXPECT_THAT(text, HasSubstr("b_a_RS_S_z [m s^-2]\n"
                               "500000000,0,0,1,1,0,0,0,0.5,0,1,0,0.0625,0,0.125,0,0\n"
                               "1500000000,1,0,1,1,0,0,0,0.5,0,3,0,0.0625,0,0.125,0,0\n"));
@@ -199,7 +203,7 @@ TEST(Euroc, RoundsToTheNearestNanosecond) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].keyframes[0].timestamp = 1403636579.7635555;
   atlas.maps[0].keyframes[1].timestamp = -0.25;
-  const std::string text = Write(kEurocFormat, atlas);
+  const std::string text = Write(detail::kEurocFormat, atlas);
   EXPECT_THAT(text, HasSubstr("\n1403636579763555527,"));  // the double is 1403636579.76355552673...
   EXPECT_THAT(text, HasSubstr("\n-250000000,"));
 }
@@ -208,7 +212,7 @@ TEST(Euroc, LeavesOutTimesThatAreNotSeconds) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].keyframes[0].timestamp = 1.4e18;
   Notices notices;
-  Write(kEurocFormat, atlas, {}, notices);
+  Write(detail::kEurocFormat, atlas, {}, notices);
   EXPECT_TRUE(notices.lossy());
   EXPECT_THAT(notices.items()[0].text, HasSubstr("left out because their time does not fit"));
 }
@@ -216,7 +220,7 @@ TEST(Euroc, LeavesOutTimesThatAreNotSeconds) {
 TEST(Euroc, ReadsWhatItWrites) {
   Atlas atlas = InertialAtlas();
   atlas.maps[0].keyframes[0].timestamp = 1403636579.7635555;
-  const Atlas back = Decoded(kEurocFormat, Write(kEurocFormat, atlas));
+  const Atlas back = Decoded(detail::kEurocFormat, Write(detail::kEurocFormat, atlas));
   ASSERT_EQ(back.maps.size(), 1U);
   ASSERT_EQ(back.maps[0].keyframes.size(), 2U);
   EXPECT_EQ(back.maps[0].keyframes[1].timestamp, 1403636579.7635555);
@@ -226,9 +230,9 @@ TEST(Euroc, ReadsWhatItWrites) {
 TEST(Euroc, NamesTheLineThatIsWrong) {
   const std::string expected =
       "expected at least 8 cells: timestamp [ns], position x y z, quaternion w x y z, found `15,0,0,0,1,0,0`";
-  EXPECT_EQ(ReadProblem(kEurocFormat, "#timestamp, p_RS_R_x\n1.5,0,0,0,1,0,0,0\n"),
+  EXPECT_EQ(ReadProblem(detail::kEurocFormat, "#timestamp, p_RS_R_x\n1.5,0,0,0,1,0,0,0\n"),
             "line 2: expected whole nanoseconds, found '1.5' in column timestamp");
-  EXPECT_EQ(ReadProblem(kEurocFormat, "#timestamp, p_RS_R_x\n15,0,0,0,1,0,0\n"), "line 2: " + expected);
+  EXPECT_EQ(ReadProblem(detail::kEurocFormat, "#timestamp, p_RS_R_x\n15,0,0,0,1,0,0\n"), "line 2: " + expected);
 }
 
 // Two poses, the second at (1, 2, 3), turned by half a turn about x.
@@ -247,9 +251,9 @@ TEST_P(TumDialect, IsToldAndRead) {
   const TemporaryFolder folder;
   Notices notices;
   const std::string path = folder.Make("a.csv", GetParam());
-  EXPECT_TRUE(kTumFormat.sniff(Probe::Of(path)));
-  EXPECT_FALSE(kEurocFormat.sniff(Probe::Of(path)) || kKittiFormat.sniff(Probe::Of(path)));
-  const Atlas atlas = kTumFormat.read({path, ""}, {}, notices);
+  EXPECT_TRUE(detail::kTumFormat.sniff(Probe::Of(path)));
+  EXPECT_FALSE(detail::kEurocFormat.sniff(Probe::Of(path)) || detail::kKittiFormat.sniff(Probe::Of(path)));
+  const Atlas atlas = detail::kTumFormat.read({path, ""}, {}, notices);
   ASSERT_EQ(atlas.maps.size(), 1U);
   ASSERT_EQ(atlas.maps[0].keyframes.size(), 2U);
   const KeyFrame& keyframe = atlas.maps[0].keyframes[1];
@@ -265,9 +269,9 @@ TEST(Euroc, ReadsColumnsByName) {
       "a.csv",
       "\xef\xbb\xbf#timestamp [ns];q_RS_x [];q_RS_y [];q_RS_z [];q_RS_w [];p_RS_R_x [m];p_RS_R_y [m];p_RS_R_z [m]\r\n"
       "1403636580838555648;1;0;0;0;+1;2;3\r\n");
-  EXPECT_TRUE(kEurocFormat.sniff(Probe::Of(path)));
-  EXPECT_FALSE(kTumFormat.sniff(Probe::Of(path)));
-  const Atlas atlas = kEurocFormat.read({path, ""}, {}, notices);
+  EXPECT_TRUE(detail::kEurocFormat.sniff(Probe::Of(path)));
+  EXPECT_FALSE(detail::kTumFormat.sniff(Probe::Of(path)));
+  const Atlas atlas = detail::kEurocFormat.read({path, ""}, {}, notices);
   ASSERT_EQ(atlas.maps.size(), 1U);
   EXPECT_EQ(atlas.maps[0].keyframes.at(0).timestamp, 1403636580.838555648);
   EXPECT_EQ(atlas.maps[0].keyframes[0].camera_from_world.Center(), Eigen::Vector3f(1, 2, 3));
@@ -280,7 +284,7 @@ TEST(Euroc, IsNoOtherTableOfItsDataSet) {
       "imu.csv",
       "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],a_RS_S_y [m "
       "s^-2],a_RS_S_z [m s^-2]\n1403636579758555392,-0.1,0.15,0.08,8.18,-0.37,-2.4\n"));
-  EXPECT_FALSE(kEurocFormat.sniff(imu) || kTumFormat.sniff(imu) || kKittiFormat.sniff(imu));
+  EXPECT_FALSE(detail::kEurocFormat.sniff(imu) || detail::kTumFormat.sniff(imu) || detail::kKittiFormat.sniff(imu));
 }
 
 TEST(Trajectory, ErrorsHaveKinds) {
@@ -288,7 +292,7 @@ TEST(Trajectory, ErrorsHaveKinds) {
   Notices notices;
   const auto kind_of = [&](const std::string& path) {
     try {
-      kTumFormat.read({path, ""}, {}, notices);
+      detail::kTumFormat.read({path, ""}, {}, notices);
     } catch (const Error& error) {
       EXPECT_EQ(error.path(), path);
       return error.kind();

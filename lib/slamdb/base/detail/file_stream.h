@@ -8,7 +8,7 @@
 
 #include "slamdb/base/file.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // A file read from front to back through a window: its bytes appear at fixed addresses [data(), data() + size()), of
 // which those between the last Release() and filled() can be looked at. Memory is that of the window; the huge pages of
@@ -54,4 +54,4 @@ class FileStream {
   std::vector<char*> spare_;  // of those, the ones not yet used again
 };
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

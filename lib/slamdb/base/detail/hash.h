@@ -6,7 +6,7 @@
 
 #include "slamdb/base/file.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // XXH3-64: tells whether two records are the same, at memory speed. Not against an adversary.
 std::uint64_t HashBytes(Bytes bytes, std::uint64_t seed = 0);
@@ -17,4 +17,4 @@ std::string Md5(Bytes bytes);
 // 16 lower-case hex digits.
 std::string Hex(std::uint64_t value);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // How many threads to use for a request: 0 means every core.
 int ThreadCount(int requested);
@@ -15,4 +15,4 @@ int ThreadCount(int requested);
 void ParallelFor(std::size_t count, std::size_t grain, int threads,
                  const std::function<void(std::size_t begin, std::size_t end)>& work);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -6,7 +6,7 @@
 
 #include "slamdb/base/column.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Makes `count` blocks of bytes on `threads` threads (0: every core) and hands them over in order: `make(i, buffer)`
 // fills an empty buffer and may run on any thread, several at a time; `take(i, buffer)` always runs on the caller's.
@@ -16,4 +16,4 @@ void ProduceInOrder(std::size_t count, int threads,
                     const std::function<void(std::size_t i, Column<char>& buffer)>& make,
                     const std::function<void(std::size_t i, const Column<char>& buffer)>& take);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -5,7 +5,7 @@
 
 // Every check and fix that the catalogue lists, by the file that defines it. A check reports each breach of its
 // invariant to Findings; a fix returns how much it changed. What they mean is said in rules.cc. Private to the folder.
-namespace slamdb {
+namespace slamdb::detail {
 
 // identity.cc
 void CheckListEntryNull(const Subject&, Findings&);
@@ -200,4 +200,4 @@ void CheckLandmarkFinite(const Subject&, Findings&);
 void CheckLandmarkCovariance(const Subject&, Findings&);
 void CheckLandmarkDescriptors(const Subject&, Findings&);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

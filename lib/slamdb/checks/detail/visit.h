@@ -8,7 +8,7 @@
 #include "slamdb/checks/detail/catalogue.h"
 
 // How rules go through an atlas and name what they find. Private to the rules.
-namespace slamdb {
+namespace slamdb::detail {
 
 inline Place PlaceOf(const Map& map) { return {.map = map.id}; }
 inline Place PlaceOf(const Map& map, const KeyFrame& keyframe) { return {.map = map.id, .keyframe = keyframe.id}; }
@@ -96,4 +96,4 @@ inline MapPointId SlotPoint(const Features& features, std::int64_t row) {
              : MapPointId();
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

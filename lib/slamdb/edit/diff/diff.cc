@@ -25,7 +25,7 @@ constexpr std::size_t kKeyFramesPerBlock = 8, kPointsPerBlock = 2048;
 template <class Diff, class Compare>
 std::vector<Diff> CompareEach(std::size_t count, std::size_t grain, int threads, const Compare& compare) {
   std::vector<Diff> diffs(count);
-  ParallelFor(count, grain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(count, grain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) diffs[n] = compare(static_cast<std::uint32_t>(n));
   });
   return diffs;
@@ -36,7 +36,8 @@ std::vector<AspectCount> CountAspects(const std::array<std::string_view, kCount>
                                       const std::vector<Diff>& pairs) {
   std::vector<AspectCount> counts;
   for (std::size_t aspect = 0; aspect < kCount; ++aspect) {
-    const auto count = std::ranges::count_if(pairs, [aspect](const PairDiff& pair) { return pair.Has(aspect); });
+    const auto count =
+        std::ranges::count_if(pairs, [aspect](const detail::PairDiff& pair) { return pair.Has(aspect); });
     if (count > 0) counts.push_back({names[aspect], static_cast<std::uint64_t>(count)});
   }
   return counts;
@@ -45,7 +46,7 @@ std::vector<AspectCount> CountAspects(const std::array<std::string_view, kCount>
 // What the pairing and the comparison of the pairs say about one kind of entity. `name_before` and `name_after` take a
 // number.
 template <std::size_t kCount, class Diff, class Name>
-EntityDiff Summarize(const Pairing& pairing, const std::vector<Diff>& pairs,
+EntityDiff Summarize(const detail::Pairing& pairing, const std::vector<Diff>& pairs,
                      const std::array<std::string_view, kCount>& aspects, const Name& name_before,
                      const Name& name_after) {
   EntityDiff diff{.before = pairing.before_size(), .after = pairing.after_size()};
@@ -107,21 +108,21 @@ bool AddLandmarks(std::vector<FieldDiff>& fields, const char* name, bool with_id
 }
 
 // How many references of each kind an entity has.
-using LinkTotals = std::array<std::uint64_t, kLinkKinds>;
+using LinkTotals = std::array<std::uint64_t, detail::kLinkKinds>;
 LinkTotals TotalsOf(const KeyFrame& keyframe) {
   LinkTotals totals{};
-  for (const MapPointId point : keyframe.features.map_points) totals[kSlots] += point.has_value() ? 1 : 0;
-  totals[kCovisibility] = keyframe.connections.size();
-  totals[kParents] = keyframe.parent ? 1 : 0;
-  totals[kChildren] = keyframe.children.size();
-  totals[kLoops] = keyframe.loop_edges.size();
-  totals[kMerges] = keyframe.merge_edges.size();
-  totals[kInTime] = (keyframe.previous ? 1U : 0U) + (keyframe.next ? 1U : 0U);
+  for (const MapPointId point : keyframe.features.map_points) totals[detail::kSlots] += point.has_value() ? 1 : 0;
+  totals[detail::kCovisibility] = keyframe.connections.size();
+  totals[detail::kParents] = keyframe.parent ? 1 : 0;
+  totals[detail::kChildren] = keyframe.children.size();
+  totals[detail::kLoops] = keyframe.loop_edges.size();
+  totals[detail::kMerges] = keyframe.merge_edges.size();
+  totals[detail::kInTime] = (keyframe.previous ? 1U : 0U) + (keyframe.next ? 1U : 0U);
   return totals;
 }
 LinkTotals TotalsOf(const MapPoint& point) {
   LinkTotals totals{};
-  totals[kObservations] = point.observations.size();
+  totals[detail::kObservations] = point.observations.size();
   return totals;
 }
 
@@ -130,15 +131,16 @@ class Comparison {
   Comparison(const Atlas& before, const Atlas& after, const DiffOptions& options)
       : before_(before),
         after_(after),
-        pairing_(PairEntities(before_, after_, options.threads)),
-        comparison_(before_, after_, pairing_, Sameness(options.tolerance)),
+        pairing_(detail::PairEntities(before_, after_, options.threads)),
+        comparison_(before_, after_, pairing_, detail::Sameness(options.tolerance)),
         threads_(options.threads) {}
 
   AtlasDiff Run() {
     const auto keyframe = [this](std::uint32_t n) { return comparison_.CompareKeyFrame(n); };
     const auto point = [this](std::uint32_t n) { return comparison_.ComparePoint(n); };
-    keyframes_ = CompareEach<KeyFramePairDiff>(before_.keyframes.size(), kKeyFramesPerBlock, threads_, keyframe);
-    points_ = CompareEach<PointPairDiff>(before_.points.size(), kPointsPerBlock, threads_, point);
+    keyframes_ =
+        CompareEach<detail::KeyFramePairDiff>(before_.keyframes.size(), kKeyFramesPerBlock, threads_, keyframe);
+    points_ = CompareEach<detail::PointPairDiff>(before_.points.size(), kPointsPerBlock, threads_, point);
     SummarizeHeads();
     SummarizeEntities();
     CountLinks();
@@ -153,41 +155,43 @@ class Comparison {
   void SummarizeHeads() {
     const auto map = [this](std::uint32_t row) { return comparison_.CompareMap(row); };
     const auto camera = [this](std::uint32_t row) { return comparison_.CompareCamera(row); };
-    const auto map_name = [](const NumberedAtlas& atlas) {
+    const auto map_name = [](const detail::NumberedAtlas& atlas) {
       return [&maps = atlas.atlas().maps](std::uint32_t row) {
         return EntityName{maps[row].id.value(), maps[row].id.value()};
       };
     };
-    const auto camera_name = [](const NumberedAtlas& atlas) {
+    const auto camera_name = [](const detail::NumberedAtlas& atlas) {
       return [&cameras = atlas.atlas().cameras](std::uint32_t row) { return EntityName{0, cameras[row].id.value()}; };
     };
-    diff_.maps = Summarize(pairing_.maps, CompareEach<PairDiff>(before_.atlas().maps.size(), 1, 1, map),
-                           kMapAspectNames, map_name(before_), map_name(after_));
-    diff_.cameras = Summarize(pairing_.cameras, CompareEach<PairDiff>(before_.atlas().cameras.size(), 1, 1, camera),
-                              kCameraAspectNames, camera_name(before_), camera_name(after_));
+    diff_.maps = Summarize(pairing_.maps, CompareEach<detail::PairDiff>(before_.atlas().maps.size(), 1, 1, map),
+                           detail::kMapAspectNames, map_name(before_), map_name(after_));
+    diff_.cameras =
+        Summarize(pairing_.cameras, CompareEach<detail::PairDiff>(before_.atlas().cameras.size(), 1, 1, camera),
+                  detail::kCameraAspectNames, camera_name(before_), camera_name(after_));
   }
 
   void SummarizeEntities() {
-    const auto keyframe_name = [](const NumberedAtlas& atlas) {
+    const auto keyframe_name = [](const detail::NumberedAtlas& atlas) {
       return [&atlas](std::uint32_t n) {
         return EntityName{atlas.atlas().maps[atlas.map_of_keyframe[n]].id.value(), atlas.keyframes[n]->id.value()};
       };
     };
-    const auto point_name = [](const NumberedAtlas& atlas) {
+    const auto point_name = [](const detail::NumberedAtlas& atlas) {
       return [&atlas](std::uint32_t n) {
         return EntityName{atlas.atlas().maps[atlas.map_of_point[n]].id.value(), atlas.points[n]->id.value()};
       };
     };
-    diff_.keyframes =
-        Summarize(pairing_.keyframes, keyframes_, kKeyFrameAspectNames, keyframe_name(before_), keyframe_name(after_));
-    diff_.points = Summarize(pairing_.points, points_, kPointAspectNames, point_name(before_), point_name(after_));
+    diff_.keyframes = Summarize(pairing_.keyframes, keyframes_, detail::kKeyFrameAspectNames, keyframe_name(before_),
+                                keyframe_name(after_));
+    diff_.points =
+        Summarize(pairing_.points, points_, detail::kPointAspectNames, point_name(before_), point_name(after_));
     diff_.keyframes.changed_map = ChangedMaps(pairing_.keyframes, before_.map_of_keyframe, after_.map_of_keyframe);
     diff_.points.changed_map = ChangedMaps(pairing_.points, before_.map_of_point, after_.map_of_point);
-    for (const PairDiff& pair : keyframes_) diff_.other_ids += pair.other_ids ? 1 : 0;
-    for (const PairDiff& pair : points_) diff_.other_ids += pair.other_ids ? 1 : 0;
+    for (const detail::PairDiff& pair : keyframes_) diff_.other_ids += pair.other_ids ? 1 : 0;
+    for (const detail::PairDiff& pair : points_) diff_.other_ids += pair.other_ids ? 1 : 0;
   }
 
-  std::uint64_t ChangedMaps(const Pairing& pairing, const std::vector<std::uint32_t>& map_before,
+  std::uint64_t ChangedMaps(const detail::Pairing& pairing, const std::vector<std::uint32_t>& map_before,
                             const std::vector<std::uint32_t>& map_after) const {
     std::uint64_t changed = 0;
     for (std::uint32_t n = 0; n < map_before.size(); ++n) {
@@ -198,15 +202,15 @@ class Comparison {
   }
 
   void CountLinks() {
-    for (const std::string_view name : kLinkNames) diff_.links.push_back({.kind = name});
-    const auto add = [this](std::size_t kind, const LinkCounts& counts) {
+    for (const std::string_view name : detail::kLinkNames) diff_.links.push_back({.kind = name});
+    const auto add = [this](std::size_t kind, const detail::LinkCounts& counts) {
       diff_.links[kind].removed += counts.removed;
       diff_.links[kind].added += counts.added;
       diff_.links[kind].changed += counts.changed;
     };
-    for (const KeyFramePairDiff& pair : keyframes_)
-      for (std::size_t kind = 0; kind < kLinkKinds; ++kind) add(kind, pair.links[kind]);
-    for (const PointPairDiff& pair : points_) add(kObservations, pair.observations);
+    for (const detail::KeyFramePairDiff& pair : keyframes_)
+      for (std::size_t kind = 0; kind < detail::kLinkKinds; ++kind) add(kind, pair.links[kind]);
+    for (const detail::PointPairDiff& pair : points_) add(detail::kObservations, pair.observations);
     CountBefore(before_.keyframes, pairing_.keyframes);
     CountBefore(before_.points, pairing_.points);
     CountAfter(after_.keyframes, pairing_.keyframes);
@@ -215,20 +219,20 @@ class Comparison {
 
   // What an entity without partner refers to went, or came, with it.
   template <class Entity>
-  void CountBefore(const std::vector<const Entity*>& entities, const Pairing& pairing) {
+  void CountBefore(const std::vector<const Entity*>& entities, const detail::Pairing& pairing) {
     for (std::uint32_t n = 0; n < entities.size(); ++n) {
       const LinkTotals totals = TotalsOf(*entities[n]);
-      for (std::size_t kind = 0; kind < kLinkKinds; ++kind) {
+      for (std::size_t kind = 0; kind < detail::kLinkKinds; ++kind) {
         diff_.links[kind].before += totals[kind];
         if (pairing.AfterOf(n) == kNoRow) diff_.links[kind].removed += totals[kind];
       }
     }
   }
   template <class Entity>
-  void CountAfter(const std::vector<const Entity*>& entities, const Pairing& pairing) {
+  void CountAfter(const std::vector<const Entity*>& entities, const detail::Pairing& pairing) {
     for (std::uint32_t n = 0; n < entities.size(); ++n) {
       const LinkTotals totals = TotalsOf(*entities[n]);
-      for (std::size_t kind = 0; kind < kLinkKinds; ++kind) {
+      for (std::size_t kind = 0; kind < detail::kLinkKinds; ++kind) {
         diff_.links[kind].after += totals[kind];
         if (pairing.BeforeOf(n) == kNoRow) diff_.links[kind].added += totals[kind];
       }
@@ -261,7 +265,7 @@ class Comparison {
       const std::uint32_t partner = pairing_.keyframes.AfterOf(n);
       if (partner == kNoRow) continue;
       places.Add(CameraCenter(*before_.keyframes[n]), CameraCenter(*after_.keyframes[partner]));
-      if (!keyframes_[n].Has(kPose)) continue;
+      if (!keyframes_[n].Has(detail::kPose)) continue;
       distances.push_back(keyframes_[n].distance);
       degrees.push_back(keyframes_[n].degrees);
     }
@@ -276,7 +280,7 @@ class Comparison {
       const std::uint32_t partner = pairing_.points.AfterOf(n);
       if (partner == kNoRow) continue;
       places.Add(before_.points[n]->position, after_.points[partner]->position);
-      if (points_[n].Has(kPosition)) distances.push_back(points_[n].distance);
+      if (points_[n].Has(detail::kPosition)) distances.push_back(points_[n].distance);
     }
     motion.points = distances.size();
     motion.point_distance = DistributionOf(std::move(distances));
@@ -317,12 +321,12 @@ class Comparison {
     AddField(diff_.encoding, "bytes of a size", a.encoding.size_bytes, b.encoding.size_bytes);
   }
 
-  const NumberedAtlas before_, after_;
-  const AtlasPairing pairing_;
-  const PairComparison comparison_;
+  const detail::NumberedAtlas before_, after_;
+  const detail::AtlasPairing pairing_;
+  const detail::PairComparison comparison_;
   const int threads_;
-  std::vector<KeyFramePairDiff> keyframes_;  // by number in the atlas before; empty without partner
-  std::vector<PointPairDiff> points_;
+  std::vector<detail::KeyFramePairDiff> keyframes_;  // by number in the atlas before; empty without partner
+  std::vector<detail::PointPairDiff> points_;
   AtlasDiff diff_;
 };
 

@@ -13,7 +13,7 @@
 #include "slamdb/base/detail/hash.h"
 #include "slamdb/base/detail/parallel.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::size_t kPerBlock = 64;
@@ -301,4 +301,4 @@ AtlasPairing PairEntities(const NumberedAtlas& before, const NumberedAtlas& afte
   return {std::move(maps), std::move(cameras), std::move(keyframes), std::move(points)};
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // A reference and what it carries, under the number of its target in the atlas after.
@@ -237,4 +237,4 @@ std::uint64_t PairComparison::TargetAfter(std::uint32_t map, KeyFrameId id) cons
   return number == kNoRow ? kDangling | id.value() : number;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

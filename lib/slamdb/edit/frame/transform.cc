@@ -140,10 +140,10 @@ void TransformMap(Map& map, const Similarity3d& target_from_source, int threads)
   RequireTransform(target_from_source);
   if (IsIdentity(target_from_source)) return;
   const Mover mover(target_from_source);
-  ParallelFor(map.keyframes.size(), kKeyFramesPerBlock, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(map.keyframes.size(), kKeyFramesPerBlock, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) mover.Move(map.keyframes[row]);
   });
-  ParallelFor(map.points.size(), kPointsPerBlock, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(map.points.size(), kPointsPerBlock, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) mover.Move(map.points[row]);
   });
   TransformLandmarks(map.landmarks, target_from_source);

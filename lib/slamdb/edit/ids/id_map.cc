@@ -87,8 +87,8 @@ void RequireFits(const Atlas& atlas, const Translator& translator) {
     }
     for (const MapPoint& point : map.points) RequireKnown(translator, IdKind::kPoint, point.id.value());
   }
-  VisitIds(atlas, [&](auto kind, const auto& field) {
-    const std::uint64_t id = IdValue(field);
+  detail::VisitIds(atlas, [&](auto kind, const auto& field) {
+    const std::uint64_t id = detail::IdValue(field);
     if (id == kNoId || translator.Knows(kind, id) || !translator.HandsOut(kind, id)) return;
     throw Error(ErrorKind::kNotPossible,
                 "the atlas names " + Named(kind, id) + ", which it does not have and the id map gives to another");
@@ -175,7 +175,7 @@ IdMap Inverse(const IdMap& ids) {
 void ApplyIdMap(Atlas& atlas, const IdMap& ids, int threads) {
   const Translator translator(ids);
   RequireFits(atlas, translator);
-  TranslateAtlas(atlas, translator, threads);
+  detail::TranslateAtlas(atlas, translator, threads);
   SetCounters(atlas, ids);
 }
 

@@ -158,9 +158,9 @@ IdMap PlanRenumbering(const Atlas& atlas, const RenumberOptions& options) {
     tables[which] = MakeTable(present[which], kind);
   }
   std::array<std::vector<std::uint64_t>, kIdKinds> gone;
-  VisitIds(atlas, [&](auto kind, const auto& field) {
+  detail::VisitIds(atlas, [&](auto kind, const auto& field) {
     constexpr auto kWhich = static_cast<std::size_t>(decltype(kind)::value);
-    const std::uint64_t id = IdValue(field);
+    const std::uint64_t id = detail::IdValue(field);
     if (wanted[kWhich] && id != kNoId && tables[kWhich].Find(id) == kNoRow) gone[kWhich].push_back(id);
   });
 

@@ -153,7 +153,7 @@ MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmarksOptions& opti
     const LandmarkMaker maker(atlas, map, options.pixel_sigma);
     std::vector<Landmark> landmarks(good.size());
     std::atomic<std::uint64_t> undetermined{0};
-    ParallelFor(good.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(good.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         landmarks[i] = maker.Make(*good[i]);
         undetermined += landmarks[i].pose().covariance.isZero(0);

@@ -6,7 +6,7 @@
 
 #include "slamdb/model/index.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::int32_t kSharedPointsOfEdge = 15;
@@ -71,4 +71,4 @@ void UpdateCovisibility(Map& map, std::span<const std::uint32_t> rows) {
   for (const std::uint32_t row : rows) updater.Update(row);
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

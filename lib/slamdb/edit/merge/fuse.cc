@@ -123,7 +123,7 @@ class Fuser {
     for (std::uint32_t row = 0; row < second_; ++row)
       if (uncertainty_[row] > 0) places.Insert(map_.points[row].position, row);
     std::vector<Pair> best(map_.points.size() - second_);
-    ParallelFor(best.size(), 256, options_.threads, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(best.size(), 256, options_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) best[i] = FindBest(places, static_cast<std::uint32_t>(second_ + i));
     });
     std::ranges::copy_if(best, std::back_inserter(pairs), [](const Pair& pair) { return pair.first != kNoRow; });
@@ -248,7 +248,7 @@ class Fuser {
     std::ranges::sort(touched_);
     touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
     report_.keyframes = touched_.size();
-    UpdateCovisibility(map_, touched_);
+    detail::UpdateCovisibility(map_, touched_);
   }
 
   Map& map_;

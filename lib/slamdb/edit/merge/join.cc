@@ -176,7 +176,7 @@ void WarnIfFarApart(const Map& first, const Map& second, JoinReport& report) {
 
 // Hangs the second tree, turned round to the linked keyframe, on the first.
 void Link(Map& first, Map& second, const KeyFramePair& link, JoinReport& report) {
-  RerootTree(second, link.second);
+  detail::RerootTree(second, link.second);
   KeyFrame& parent = first.keyframes[KeyFrameTable(first).Find(link.first.value())];
   KeyFrame& child = second.keyframes[KeyFrameTable(second).Find(link.second.value())];
   child.parent = parent.id;
@@ -206,7 +206,7 @@ void Absorb(Map& first, Map& second, JoinReport& report) {
   first.big_change_index = std::max(first.big_change_index, second.big_change_index) + 1;
   MoveList(second.keyframes, first.keyframes);
   MoveList(second.points, first.points);
-  first.lowest_keyframe = SmallestKeyFrame(first);
+  first.lowest_keyframe = detail::SmallestKeyFrame(first);
   first.inertial = first.inertial && second.inertial;
   first.imu_initialized = first.imu_initialized && second.imu_initialized;
   first.imu_ba1 = first.imu_ba1 && second.imu_ba1;

@@ -53,12 +53,12 @@ ByKind<IdRange> FindRanges(const Atlas& atlas, int threads) {
   ByKind<IdRange> ranges;
   std::mutex mutex;
   const auto scan = [&](const auto& list, std::size_t grain) {
-    ParallelFor(list.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(list.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
       ByKind<IdRange> found;
       for (std::size_t row = begin; row < end; ++row)
-        VisitIds(list[row], [&](auto kind, const auto& field) {
+        detail::VisitIds(list[row], [&](auto kind, const auto& field) {
           constexpr std::size_t kKind = Row(decltype(kind)::value);
-          const std::uint64_t id = IdValue(field);
+          const std::uint64_t id = detail::IdValue(field);
           if (id < limits[kKind]) found[kKind].Add(id);
         });
       const std::lock_guard lock(mutex);
@@ -85,7 +85,7 @@ struct Shift {
   }
 
   template <IdKind kind>
-  std::uint64_t operator()(IdKindConstant<kind>, std::uint64_t id) const {
+  std::uint64_t operator()(detail::IdKindConstant<kind>, std::uint64_t id) const {
     if constexpr (kind == IdKind::kCamera) {
       const auto found = std::ranges::find(cameras, id, &IdPair::before);
       if (found != cameras.end()) return found->after;
@@ -197,7 +197,7 @@ class Merger {
   }
 
   void Append(std::size_t i, Atlas& input) {
-    report().dropped_list_entries += DropIrregularEntries(input);
+    report().dropped_list_entries += detail::DropIrregularEntries(input);
     RaiseCounters(input);  // an atlas may hold ids above its counters
     const ByKind<IdRange> ranges = FindRanges(input, options_.threads);
     if (i == vocabulary_input_) result_.atlas.vocabulary = std::move(input.vocabulary);
@@ -205,7 +205,7 @@ class Merger {
     Shift shift = MakeShift(i, ranges, input.next_ids);
     PlaceCameras(i, input, shift);
     RecordIds(i, input, shift);
-    if (!shift.empty()) TranslateAtlas(input, shift, options_.threads);
+    if (!shift.empty()) detail::TranslateAtlas(input, shift, options_.threads);
     RaiseTo(input.next_ids, shift);
     report().inputs[i].shift = shift.offsets;
     report().inputs[i].cameras = std::move(shift.cameras);
@@ -295,14 +295,15 @@ class Merger {
     for (std::size_t row = 0; row < input.maps.size(); ++row) {
       const Map& map = input.maps[row];
       const bool left_out = IsLeftOut(i, row);
-      add(IdKindConstant<IdKind::kMap>(), map.id.value(), left_out);
+      add(detail::IdKindConstant<IdKind::kMap>(), map.id.value(), left_out);
       for (const KeyFrame& keyframe : map.keyframes) {
-        add(IdKindConstant<IdKind::kKeyFrame>(), keyframe.id.value(), left_out);
-        add(IdKindConstant<IdKind::kFrame>(), keyframe.frame_id, left_out);
+        add(detail::IdKindConstant<IdKind::kKeyFrame>(), keyframe.id.value(), left_out);
+        add(detail::IdKindConstant<IdKind::kFrame>(), keyframe.frame_id, left_out);
       }
-      for (const MapPoint& point : map.points) add(IdKindConstant<IdKind::kPoint>(), point.id.value(), left_out);
+      for (const MapPoint& point : map.points)
+        add(detail::IdKindConstant<IdKind::kPoint>(), point.id.value(), left_out);
       for (const Landmark& landmark : map.landmarks)
-        if (landmark.is_numbered()) add(IdKindConstant<IdKind::kPoint>(), landmark.id.value(), left_out);
+        if (landmark.is_numbered()) add(detail::IdKindConstant<IdKind::kPoint>(), landmark.id.value(), left_out);
     }
     for (std::vector<IdPair>& pairs : ids.kinds) {
       std::ranges::sort(pairs, {}, [](const IdPair& pair) { return std::pair(pair.before, pair.after); });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/part/detail/archive_size.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::uint64_t kAtlasBytes = 300;  // header, vocabulary, counters, what is written before firsts of classes
@@ -44,4 +44,4 @@ std::uint64_t ArchiveBytes(const Atlas& atlas) {
   return bytes;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

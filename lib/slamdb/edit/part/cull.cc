@@ -138,7 +138,7 @@ void CullPoints(const AtlasIndex& index, std::size_t map_row, const MapStatistic
   const Map& map = index.atlas().maps[map_row];
   const PointRules rules(index, map_row, statistics, options);
   std::vector<Verdict> verdicts(map.points.size(), Verdict::kStays);
-  ParallelFor(map.points.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(map.points.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
       if (rows.points[row]) verdicts[row] = rules.Judge(map.points[row]);
   });
@@ -178,11 +178,11 @@ CullReport Cull(Atlas& atlas, const CullOptions& options) {
     CullPoints(index, row, statistics.maps[row], options, kept.maps[row], report);
     if (options.redundancy)
       report.redundant_keyframes +=
-          CullKeyFrames(index, row,
-                        {.share = RedundancyOf(statistics.maps[row], *options.redundancy),
-                         .observers = options.redundant_observers,
-                         .depth_counts = statistics.maps[row].sensor != MapSensor::kMonocular},
-                        kept.maps[row]);
+          detail::CullKeyFrames(index, row,
+                                {.share = RedundancyOf(statistics.maps[row], *options.redundancy),
+                                 .observers = options.redundant_observers,
+                                 .depth_counts = statistics.maps[row].sensor != MapSensor::kMonocular},
+                                kept.maps[row]);
     steps.Next();
   }
   SettleBorder(index, Border::kSmart, kept, options.threads);

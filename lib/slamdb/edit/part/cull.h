@@ -48,7 +48,12 @@ struct CullOptions {
   int threads = 0;    // 0: every core
   Progress progress;  // may be empty
 
-  static CullOptions Orbslam3() { return {.redundancy = OfSensor(), .min_observations = OfSensor()}; }
+  static CullOptions Orbslam3() {
+    CullOptions options;
+    options.redundancy = OfSensor();
+    options.min_observations = OfSensor();
+    return options;
+  }
 };
 
 struct CullReport {

@@ -9,7 +9,7 @@
 
 #include "slamdb/model/derive.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // When maps with IMU may lose a keyframe.
@@ -158,4 +158,4 @@ std::uint64_t CullKeyFrames(const AtlasIndex& index, std::size_t map_row, const 
   return KeyFrameCulling(index, map_row, rule, rows).Run();
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -8,7 +8,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/index.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::size_t kKeyFrameGrain = 16, kPointGrain = 4096;
@@ -156,4 +156,4 @@ std::uint64_t DropFreeFeatures(Atlas& atlas, int threads) {
   return dropped;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -140,14 +140,15 @@ class GreedyCoverage {
     Atlas empty;
     empty.cameras = index_.atlas().cameras;
     empty.maps.resize(index_.atlas().maps.size());
-    return ArchiveBytes(empty);
+    return detail::ArchiveBytes(empty);
   }
 
   std::uint64_t BytesOf(std::uint32_t place) const {
     const KeyFrame& keyframe = index_.atlas().maps[keyframes_[place].map].keyframes[keyframes_[place].row];
-    std::uint64_t bytes = ArchiveBytes(keyframe) + kArchiveBytesPerObservation * (ends_[place] - begins_[place]);
+    std::uint64_t bytes =
+        detail::ArchiveBytes(keyframe) + detail::kArchiveBytesPerObservation * (ends_[place] - begins_[place]);
     if (options_.for_localization) bytes -= sizeof(ImuMeasurement) * keyframe.preintegration.measurements.size();
-    ForEachNewPoint(place, [&](std::uint32_t, const MapPoint&) { bytes += ArchiveBytes(MapPoint()); });
+    ForEachNewPoint(place, [&](std::uint32_t, const MapPoint&) { bytes += detail::ArchiveBytes(MapPoint()); });
     return bytes;
   }
 
@@ -178,7 +179,7 @@ Subset LargestMap(const Atlas& atlas) {
 
 bool Fits(const Atlas& atlas, const ShrinkOptions& options) {
   return (!options.target_keyframes || CountEntities(atlas).keyframes <= *options.target_keyframes) &&
-         (!options.target_bytes || ArchiveBytes(atlas) <= *options.target_bytes);
+         (!options.target_bytes || detail::ArchiveBytes(atlas) <= *options.target_bytes);
 }
 
 std::uint64_t DropMeasurements(Atlas& atlas) {
@@ -197,12 +198,12 @@ ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options) {
   if (!options.target_keyframes && !options.target_bytes && !options.for_localization)
     throw Error(ErrorKind::kUsage, "say how small: a number of keyframes, a size, or what the atlas is for");
   detail::Steps steps(options.progress, "shrinking", 2);
-  ShrinkReport report{.bytes_before = ArchiveBytes(atlas), .removed = {.before = CountEntities(atlas)}};
+  ShrinkReport report{.bytes_before = detail::ArchiveBytes(atlas), .removed = {.before = CountEntities(atlas)}};
   report.coverage = MeasureCoverage(AtlasIndex(atlas), Subset::Everything(atlas), options.min_points);
   if (options.for_localization) {
     if (atlas.maps.empty()) throw Error(ErrorKind::kNotPossible, "the atlas has no map to localise in");
     report.removed += KeepSubset(atlas, LargestMap(atlas), options.threads);
-    report.features_dropped = DropFreeFeatures(atlas, options.threads);
+    report.features_dropped = detail::DropFreeFeatures(atlas, options.threads);
   }
   steps.Next();
   const AtlasIndex index(atlas);
@@ -214,7 +215,7 @@ ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options) {
   report.coverage.covered = MeasureCoverage(index, kept, options.min_points).covered;
   report.removed += KeepSubset(atlas, kept, options.threads);
   if (options.for_localization) report.measurements_dropped = DropMeasurements(atlas);
-  report.bytes_after = ArchiveBytes(atlas);
+  report.bytes_after = detail::ArchiveBytes(atlas);
   steps.Next();
   return report;
 }

@@ -77,7 +77,7 @@ class MapClosing {
 
   void CutPoints() {
     Count observations = 0, references = 0;
-    ParallelFor(map_.points.size(), kPointGrain, threads_, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(map_.points.size(), kPointGrain, threads_, [&](std::size_t begin, std::size_t end) {
       std::uint64_t erased = 0, chosen = 0;
       for (std::size_t row = begin; row < end; ++row) {
         if (!kept_points_[row]) continue;
@@ -159,7 +159,7 @@ class MapClosing {
 
   void CutKeyFrames() {
     Count slots = 0, edges = 0;
-    ParallelFor(map_.keyframes.size(), kKeyFrameGrain, threads_, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(map_.keyframes.size(), kKeyFrameGrain, threads_, [&](std::size_t begin, std::size_t end) {
       std::uint64_t emptied = 0, erased = 0;
       for (std::size_t row = begin; row < end; ++row) {
         if (!kept_keyframes_[row]) continue;
@@ -203,13 +203,13 @@ class MapClosing {
     };
     if (!Keeps(map_.first_keyframe)) {
       map_.first_keyframe = lowest;
-      RerootTree(map_, lowest);
+      detail::RerootTree(map_, lowest);
     }
     choose(map_.initial_keyframe, map_.first_keyframe);
     choose(map_.lowest_keyframe, lowest);
     if (std::erase_if(map_.origins, [&](KeyFrameId id) { return !Keeps(id); }) > 0 && map_.origins.empty())
       map_.origins.push_back(map_.first_keyframe);
-    report_.new_parents += AdoptOrphans(map_);
+    report_.new_parents += detail::AdoptOrphans(map_);
   }
 
   Map& map_;
@@ -314,7 +314,7 @@ void SettleBorder(const AtlasIndex& index, Border border, Subset& subset, int th
     Subset::MapRows& rows = subset.maps[map_row];
     if (border == Border::kCompletePoints) AddObservers(index, map_row, rows);
     const PointBorder points(index, map_row, rows.keyframes);
-    ParallelFor(rows.points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
+    detail::ParallelFor(rows.points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t row = begin; row < end; ++row)
         if (rows.points[row] && !points.Holds(index.atlas().maps[map_row].points[row], border)) rows.points[row] = 0;
     });
@@ -331,7 +331,7 @@ SubsetReport KeepSubset(Atlas& atlas, const Subset& subset, int threads) {
       std::erase_if(atlas.maps, [](const Map& map) { return map.keyframes.empty() && map.landmarks.empty(); });
   report.after = CountEntities(atlas);
   if (report.maps + report.keyframes + report.points == 0) return report;
-  DropIrregularEntries(atlas);
+  detail::DropIrregularEntries(atlas);
   const std::set<CameraId> still_used = UsedCameras(atlas);
   report.cameras = std::erase_if(
       atlas.cameras, [&](const Camera& camera) { return used.contains(camera.id) && !still_used.contains(camera.id); });

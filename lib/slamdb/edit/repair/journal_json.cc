@@ -42,7 +42,7 @@ template <class Real, class Bits>
 Json RealValue(std::uint64_t bits) {
   const Real value = std::bit_cast<Real>(static_cast<Bits>(bits));
   if (std::isfinite(value)) return Json(static_cast<double>(value));
-  return "0x" + Hex(bits).substr(16 - 2 * sizeof(Bits));
+  return "0x" + detail::Hex(bits).substr(16 - 2 * sizeof(Bits));
 }
 template <class Real, class Bits>
 std::uint64_t RealOf(const Json& value) {
@@ -194,8 +194,8 @@ Journal JournalOf(const Json& json) {
 
 std::string ToJson(const Journal& journal) {
   const Json head = {{"format", kFormat},
-                     {"original", Hex(journal.original)},
-                     {"repaired", Hex(journal.repaired)},
+                     {"original", detail::Hex(journal.original)},
+                     {"repaired", detail::Hex(journal.repaired)},
                      {"encoding", detail::JsonOf(journal.encoding)}};
   std::string text = head.dump();
   text.pop_back();

@@ -34,7 +34,7 @@ std::uint64_t DropImpossible(List& list) {
 }
 
 void DropImpossible(Atlas& atlas, RecoverReport& report) {
-  DropIrregularEntries(atlas);
+  detail::DropIrregularEntries(atlas);
   for (Map& map : atlas.maps) {
     report.dropped_keyframes += DropImpossible(map.keyframes);
     report.dropped_points += DropImpossible(map.points);

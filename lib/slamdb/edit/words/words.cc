@@ -54,7 +54,7 @@ RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, co
   const std::vector<KeyFrame*> wanted = Wanted(atlas, options.only_missing, report);
   std::atomic<std::uint64_t> equal{0}, words{0}, done{0};
   const std::thread::id caller = std::this_thread::get_id();
-  ParallelFor(wanted.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(wanted.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Features& features = wanted[i]->features;
       Words computed = ComputeWords(tree, features.descriptors);

@@ -14,11 +14,8 @@
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/model/derive.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
-
-using detail::AppendNumber;
-using detail::AppendSeconds;
 
 constexpr std::string_view kPointsHeader =
     "x,y,z,nx,ny,nz,observations,reprojection_error,map,id,reference_keyframe,min_distance,max_distance\n";
@@ -124,8 +121,7 @@ void WriteKeyFrames(const Atlas& atlas, const Target& target, const WriteOptions
     for (const KeyFrame& keyframe : map->keyframes)
       if (!keyframe.bad) rows.emplace_back(map->id, &keyframe);
   }
-  if (rows.size() < all)
-    notices.Note("left out because flagged bad: " + detail::Counted(all - rows.size(), "keyframe"));
+  if (rows.size() < all) notices.Note("left out because flagged bad: " + Counted(all - rows.size(), "keyframe"));
   WriteRows(file, rows.size(), 256, options, [&rows](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) AppendKeyFrame(out, rows[row].first, *rows[row].second);
   });
@@ -201,4 +197,4 @@ const Format kCsvObservationsFormat = {.id = "csv-observations",
                                        .sniff = Sniff<kObservationsHeader>,
                                        .write = WriteObservations};
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -55,7 +55,7 @@ VocabularyTree ParseBinary(const std::string& path, std::string_view file, const
   NodeTable table(header, nodes, path);
   table.place = [](std::uint32_t node) { return "byte " + std::to_string(kHeader + (node - 1) * kRecord); };
   const char* const records = file.data() + kHeader;
-  ParallelFor(nodes, kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(nodes, kGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) ReadRecord(records + i * kRecord, table, i + 1);
   });
   return LinkNodes(std::move(table));

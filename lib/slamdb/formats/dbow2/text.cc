@@ -100,7 +100,7 @@ std::string_view Lines::LinesOf(std::size_t block) const {
 
 std::size_t Lines::Count(int threads) {
   std::vector<std::size_t> counts(blocks_.size());
-  ParallelFor(blocks_.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(blocks_.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::string_view lines = LinesOf(i);
       counts[i] = static_cast<std::size_t>(std::count(lines.begin(), lines.end(), '\n'));
@@ -128,7 +128,7 @@ void Lines::ParseBlock(std::size_t i, NodeTable& table) {
 }
 
 void Lines::Parse(NodeTable& table, int threads) {
-  ParallelFor(blocks_.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(blocks_.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) ParseBlock(i, table);
   });
   for (const Block& block : blocks_)

@@ -35,7 +35,7 @@ std::optional<VocabularyShape> ReadShape(std::string_view file) {
 }
 
 Vocabulary Identify(const std::string& path, std::string_view file) {
-  return {std::filesystem::path(path).filename().string(), Md5(std::as_bytes(std::span(file)))};
+  return {std::filesystem::path(path).filename().string(), detail::Md5(std::as_bytes(std::span(file)))};
 }
 
 // What people take for a vocabulary that ORB-SLAM3 reads.
@@ -71,7 +71,7 @@ VocabularyTree ParseTree(const std::string& path, std::string_view file, int thr
 }  // namespace
 
 VocabularyFile ReadVocabularyFile(const Source& source) {
-  FileStream file(source);
+  detail::FileStream file(source);
   file.FillTo(file.size());
   const std::string_view bytes(file.data(), file.size());
   auto shape = std::async(std::launch::async, [&] { return ReadShape(bytes); });
@@ -81,7 +81,7 @@ VocabularyFile ReadVocabularyFile(const Source& source) {
 }
 
 LoadedVocabulary LoadVocabulary(const Source& source, int threads) {
-  FileStream file(source);
+  detail::FileStream file(source);
   file.FillTo(file.size());
   const std::string_view bytes(file.data(), file.size());
   auto identity = std::async(std::launch::async, [&] { return Identify(source.path, bytes); });

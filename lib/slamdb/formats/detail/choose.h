@@ -3,7 +3,7 @@
 
 #include "slamdb/formats/format.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // The format to read a source with: that of the options, or by content, then by suffix. Throws Error when there is
 // none, or it does not read, or holds no atlases by name and one is named.
@@ -12,4 +12,4 @@ const Format& FormatToRead(const Source& source, const ReadOptions& options);
 // The format to write a target with: that of the options, or by suffix. Throws Error likewise.
 const Format& FormatToWrite(const Target& target, const WriteOptions& options);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

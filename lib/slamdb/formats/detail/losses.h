@@ -7,7 +7,7 @@
 
 #include "slamdb/formats/format.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // What an atlas, or one map of it, really has: a monocular atlas has no inertial data, an empty one nothing.
 Content ContentOf(const Atlas& atlas, std::optional<MapId> map = std::nullopt);
@@ -16,4 +16,4 @@ Content ContentOf(const Atlas& atlas, std::optional<MapId> map = std::nullopt);
 // Content: `ply cannot hold keyframe poses (27)`. With ExportOptions::map only that map counts. O(keyframes + points).
 std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, const WriteOptions& options);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -7,7 +7,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // What a file is that no format reads, with what to do about it: `not an atlas: this is a COLMAP database ...`.
 struct ForeignFile {
@@ -21,4 +21,4 @@ std::optional<ForeignFile> RecognizeOther(const Probe& probe);
 // The sentence for everything else: text or bytes that mean nothing here.
 std::string DescribeUnknown(const Probe& probe);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

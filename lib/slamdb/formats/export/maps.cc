@@ -2,13 +2,11 @@
 #include "slamdb/formats/export/detail/maps.h"
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/error.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/export/options.h"
 
-namespace slamdb {
-
-using detail::Concat;
+namespace slamdb::detail {
 
 std::vector<const Map*> ChooseMaps(const Atlas& atlas, const WriteOptions& options, const Target& target) {
   const std::optional<MapId> map = options.of<ExportOptions>().map;
@@ -29,9 +27,9 @@ void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string&
   for (const Map* map : maps) filled += map->keyframes.empty() && map->points.empty() ? 0 : 1;
   if (filled < 2) return;
   notices.Warn(
-      detail::Concat(detail::Thousands(filled),
-                     " maps are in one file, each in a frame of reference of its own and not aligned with the others: ",
-                     how_told_apart, ", and ExportOptions::map writes one alone"));
+      Concat(Thousands(filled),
+             " maps are in one file, each in a frame of reference of its own and not aligned with the others: ",
+             how_told_apart, ", and ExportOptions::map writes one alone"));
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

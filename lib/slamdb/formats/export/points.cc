@@ -7,7 +7,7 @@
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/raw.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::uint64_t kLargestUnsigned32 = std::numeric_limits<std::uint32_t>::max();
@@ -24,8 +24,7 @@ PointRows::PointRows(const Atlas& atlas, const Target& target, const WriteOption
     for (const MapPoint& point : maps_[row]->points)
       if (!point.bad) rows_.push_back({&point, row});
   }
-  if (rows_.size() < all)
-    notices.Note("left out because flagged bad: " + detail::Counted(all - rows_.size(), "map point"));
+  if (rows_.size() < all) notices.Note("left out because flagged bad: " + Counted(all - rows_.size(), "map point"));
 }
 
 std::array<std::uint8_t, 3> ColorOfMap(MapId id) {
@@ -62,4 +61,4 @@ void AppendRawId(std::string& out, std::uint64_t id, IdColumn column) {
     AppendRaw(out, static_cast<double>(id));
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

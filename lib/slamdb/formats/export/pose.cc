@@ -3,7 +3,7 @@
 
 #include "slamdb/model/derive.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 Rigid3f PoseInWorld(const KeyFrame& keyframe, PoseFrame frame) {
   Rigid3f pose =
@@ -15,4 +15,4 @@ Rigid3f PoseInWorld(const KeyFrame& keyframe, PoseFrame frame) {
   return pose;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -6,7 +6,7 @@
 
 #include "slamdb/base/detail/parallel.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 void WriteRows(AtomicFile& file, std::size_t count, std::size_t grain, const WriteOptions& options,
                const std::function<void(std::size_t begin, std::size_t end, std::string& out)>& append) {
@@ -27,4 +27,4 @@ void WriteRows(AtomicFile& file, std::size_t count, std::size_t grain, const Wri
   }
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -53,7 +53,7 @@ class InputFile {
   std::string_view bytes() const { return bytes_; }
 
  private:
-  FileStream file_;
+  detail::FileStream file_;
   std::string decompressed_;
   std::string_view bytes_;
 };
@@ -73,7 +73,7 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices&) {
 
 // The maps that have landmarks; the first one when none has, since a file holds at least one map.
 std::vector<const Map*> MapsWithLandmarks(const Atlas& atlas, const Target& target, const WriteOptions& options) {
-  std::vector<const Map*> maps = ChooseMaps(atlas, options, target);
+  std::vector<const Map*> maps = detail::ChooseMaps(atlas, options, target);
   std::erase_if(maps, [](const Map* map) { return map->landmarks.empty(); });
   return maps;
 }
@@ -81,7 +81,7 @@ std::vector<const Map*> MapsWithLandmarks(const Atlas& atlas, const Target& targ
 // A new file, compressed where its name ends in `.gz`.
 class OutputFile {
  public:
-  OutputFile(const Target& target, const WriteOptions& options) : file_(target, FileOptions(options)) {
+  OutputFile(const Target& target, const WriteOptions& options) : file_(target, detail::FileOptions(options)) {
     const std::string& path = target.path;
     if (path.size() > 3 && strncasecmp(path.c_str() + path.size() - 3, ".gz", 3) == 0)
       compressor_.emplace([this](std::string_view bytes) { file_.Write(bytes); });
@@ -102,7 +102,7 @@ template <class Append>
 void WriteLandmarks(const std::vector<Landmark>& landmarks, const WriteOptions& options, Append append,
                     OutputFile& file) {
   const std::size_t blocks = (landmarks.size() + kGrain - 1) / kGrain;
-  ProduceInOrder(
+  detail::ProduceInOrder(
       blocks, options.threads,
       [&](std::size_t block, Column<char>& buffer) {
         std::string out;
@@ -122,7 +122,7 @@ void WriteStream(const Atlas& atlas, const Target& target, const WriteOptions& o
   OutputFile file(target, options);
   const auto write_map = [&](const std::vector<Landmark>& landmarks) {
     std::string head = mrpt::HeaderOf(mrpt::kMapClass, mrpt::kMapVersion);
-    AppendRaw(head, static_cast<std::uint32_t>(landmarks.size()));
+    detail::AppendRaw(head, static_cast<std::uint32_t>(landmarks.size()));
     file.Write(head);
     WriteLandmarks(landmarks, options, append, file);
     file.Write({&mrpt::kEndFlag, 1});
@@ -208,32 +208,32 @@ Salvage SalvageLandmarks(const Source& source, const ReadOptions&) {
 
 }  // namespace
 
-const Format kMrptFormat{.id = "mrpt",
-                         .title = "MRPT 2 landmarks map",
-                         .suffixes = kSuffixes,
-                         .kind = FileKind::kBinary,
-                         .reads = Content::kLandmarks | Content::kMaps,
-                         .writes = Content::kLandmarks | Content::kMaps,
-                         .sniff = Sniff2,
-                         .read = Read,
-                         .write = Write2,
-                         .salvage = SalvageLandmarks};
+const Format detail::kMrptFormat{.id = "mrpt",
+                                 .title = "MRPT 2 landmarks map",
+                                 .suffixes = kSuffixes,
+                                 .kind = FileKind::kBinary,
+                                 .reads = Content::kLandmarks | Content::kMaps,
+                                 .writes = Content::kLandmarks | Content::kMaps,
+                                 .sniff = Sniff2,
+                                 .read = Read,
+                                 .write = Write2,
+                                 .salvage = SalvageLandmarks};
 
-const Format kMrpt3Format{.id = "mrpt3",
-                          .title = "MRPT 3 landmarks map",
-                          .suffixes = kSuffixes3,
-                          .kind = FileKind::kBinary,
-                          .reads = Content::kLandmarks | Content::kMaps,
-                          .writes = Content::kLandmarks | Content::kMaps,
-                          .sniff = Sniff3,
-                          .read = Read,
-                          .write = Write3,
-                          .salvage = SalvageLandmarks};
+const Format detail::kMrpt3Format{.id = "mrpt3",
+                                  .title = "MRPT 3 landmarks map",
+                                  .suffixes = kSuffixes3,
+                                  .kind = FileKind::kBinary,
+                                  .reads = Content::kLandmarks | Content::kMaps,
+                                  .writes = Content::kLandmarks | Content::kMaps,
+                                  .sniff = Sniff3,
+                                  .read = Read,
+                                  .write = Write3,
+                                  .salvage = SalvageLandmarks};
 
-const Format kMrptTextFormat{.id = "mrpt-text",
-                             .title = "MRPT landmarks as text",
-                             .suffixes = kTextSuffixes,
-                             .writes = Content::kLandmarks,
-                             .write = WriteText};
+const Format detail::kMrptTextFormat{.id = "mrpt-text",
+                                     .title = "MRPT landmarks as text",
+                                     .suffixes = kTextSuffixes,
+                                     .writes = Content::kLandmarks,
+                                     .write = WriteText};
 
 }  // namespace slamdb

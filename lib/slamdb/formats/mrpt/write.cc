@@ -19,7 +19,7 @@ void AppendNumbers(std::string& out, std::string_view tag, const FeatureDescript
   out.append(tag);
   out.push_back(descriptor != nullptr ? 1 : 0);
   if (descriptor == nullptr) return;
-  AppendRaw(out, static_cast<std::uint32_t>(descriptor->bytes.size() / size));
+  detail::AppendRaw(out, static_cast<std::uint32_t>(descriptor->bytes.size() / size));
   AppendBytes(out, descriptor->bytes);
 }
 
@@ -34,7 +34,7 @@ void AppendDescriptors(std::string& out, const LandmarkFeature& feature, bool ow
   AppendNumbers(out, kOptionalBytes, find(DescriptorKind::kSift), 1);
   AppendNumbers(out, kOptionalFloats, find(DescriptorKind::kSurf), sizeof(float));
   AppendNumbers(out, kOptionalFloats, find(DescriptorKind::kSpinImage), sizeof(float));
-  AppendRaw(out, feature.spin_image_rows);
+  detail::AppendRaw(out, feature.spin_image_rows);
   AppendMatrix(out, find(DescriptorKind::kPolarImage));
   AppendMatrix(out, find(DescriptorKind::kLogPolarImage));
   out.push_back(feature.polar_images_without_rotation ? 1 : 0);
@@ -49,22 +49,22 @@ void AppendDescriptors(std::string& out, const LandmarkFeature& feature, bool ow
 void AppendFeature(std::string& out, const LandmarkFeature& feature, bool own_slots) {
   static const std::string header = HeaderOf(kFeatureClass, kFeatureVersion);
   out.append(header);
-  AppendRaw(out, feature.x);
-  AppendRaw(out, feature.y);
-  AppendRaw(out, feature.keypoint_id);
+  detail::AppendRaw(out, feature.x);
+  detail::AppendRaw(out, feature.y);
+  detail::AppendRaw(out, feature.keypoint_id);
   out.append(kOptionalImage);
   out.push_back(feature.has_patch ? 1 : 0);
   if (feature.has_patch) AppendBytes(out, feature.patch);
-  AppendRaw(out, feature.patch_size);
-  AppendRaw(out, static_cast<std::int32_t>(feature.type));
-  AppendRaw(out, feature.track_status);
-  AppendRaw(out, feature.response);
-  AppendRaw(out, feature.orientation);
-  AppendRaw(out, feature.octave);
-  AppendRaw(out, feature.user_flags);
-  AppendRaw(out, feature.depth);
-  AppendRaw(out, feature.initial_depth);
-  for (const double value : feature.position_in_camera) AppendRaw(out, value);
+  detail::AppendRaw(out, feature.patch_size);
+  detail::AppendRaw(out, static_cast<std::int32_t>(feature.type));
+  detail::AppendRaw(out, feature.track_status);
+  detail::AppendRaw(out, feature.response);
+  detail::AppendRaw(out, feature.orientation);
+  detail::AppendRaw(out, feature.octave);
+  detail::AppendRaw(out, feature.user_flags);
+  detail::AppendRaw(out, feature.depth);
+  detail::AppendRaw(out, feature.initial_depth);
+  for (const double value : feature.position_in_camera) detail::AppendRaw(out, value);
   AppendDescriptors(out, feature, own_slots);
   out.push_back(kEndFlag);
 }
@@ -89,22 +89,22 @@ void AppendFixed(std::string& out, double value) {
 void AppendLandmark2(std::string& out, const Landmark& landmark, bool own_slots) {
   static const std::string header = HeaderOf(kLandmarkClass, kLandmarkVersion);
   out.append(header).append(kFeatureVector);
-  AppendRaw(out, static_cast<std::uint32_t>(landmark.features.size()));
+  detail::AppendRaw(out, static_cast<std::uint32_t>(landmark.features.size()));
   for (const LandmarkFeature& feature : landmark.features) AppendFeature(out, feature, own_slots);
-  for (const double value : landmark.mean) AppendRaw(out, value);
-  for (const double value : landmark.normal) AppendRaw(out, value);
-  for (const double value : Covariance(landmark)) AppendRaw(out, static_cast<float>(value));
-  AppendRaw(out, landmark.id.value());
-  AppendRaw(out, landmark.last_seen);
-  AppendRaw(out, landmark.seen_count);
+  for (const double value : landmark.mean) detail::AppendRaw(out, value);
+  for (const double value : landmark.normal) detail::AppendRaw(out, value);
+  for (const double value : Covariance(landmark)) detail::AppendRaw(out, static_cast<float>(value));
+  detail::AppendRaw(out, landmark.id.value());
+  detail::AppendRaw(out, landmark.last_seen);
+  detail::AppendRaw(out, landmark.seen_count);
   out.push_back(kEndFlag);
 }
 
 void AppendLandmark3(std::string& out, const Landmark& landmark) {
-  AppendRaw(out, landmark.id.value());
-  for (const double value : landmark.mean) AppendRaw(out, value);
-  for (const double value : Covariance(landmark)) AppendRaw(out, value);
-  AppendRaw(out, landmark.seen_count);
+  detail::AppendRaw(out, landmark.id.value());
+  for (const double value : landmark.mean) detail::AppendRaw(out, value);
+  for (const double value : Covariance(landmark)) detail::AppendRaw(out, value);
+  detail::AppendRaw(out, landmark.seen_count);
 }
 
 void AppendLandmarkText(std::string& out, const Landmark& landmark) {

@@ -5,10 +5,8 @@
 
 #include "slamdb/base/detail/text.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
-
-using detail::AppendNumber;
 
 constexpr std::string_view kHexDigits = "0123456789abcdef";
 
@@ -105,4 +103,4 @@ void JsonAppender::Hex(const void* bytes, std::size_t size) {
   out_ += '"';
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

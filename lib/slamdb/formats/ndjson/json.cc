@@ -86,12 +86,12 @@ std::string ToJson(const Map& map, int indent) { return Render(map, indent); }
 std::string ToJson(const Atlas& atlas, int indent) { return Render(atlas, indent); }
 
 void AppendJson(std::string& out, const MapPoint& point, std::optional<MapId> map) {
-  JsonAppender json(out);
+  detail::JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "map_point");
   if (map) json.Field("map", *map);
   fields::ForEachArchivedPointField(
-      [&](std::string_view name, auto member) { AppendMember(json, name, point.*member); });
+      [&](std::string_view name, auto member) { detail::AppendMember(json, name, point.*member); });
   const MapPoint nothing;
   fields::ForEachTrackingField([&](std::string_view name, auto member) {
     if (point.*member != nothing.*member) json.Field(name, point.*member);  // left out: not recorded
@@ -100,28 +100,29 @@ void AppendJson(std::string& out, const MapPoint& point, std::optional<MapId> ma
 }
 
 void AppendJson(std::string& out, const Landmark& landmark, std::optional<MapId> map) {
-  JsonAppender json(out);
+  detail::JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "landmark");
   if (map) json.Field("map", *map);
-  ForEachField(&landmark, [&](std::string_view name, auto member) { AppendMember(json, name, landmark.*member); });
+  ForEachField(&landmark,
+               [&](std::string_view name, auto member) { detail::AppendMember(json, name, landmark.*member); });
   json.EndObject();
 }
 
 void AppendJson(std::string& out, const Camera& camera) {
-  JsonAppender json(out);
+  detail::JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "camera");
-  ForEachField(&camera, [&](std::string_view name, auto member) { AppendMember(json, name, camera.*member); });
+  ForEachField(&camera, [&](std::string_view name, auto member) { detail::AppendMember(json, name, camera.*member); });
   json.EndObject();
 }
 
 void AppendJson(std::string& out, const Map& map) {
-  JsonAppender json(out);
+  detail::JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "map");
   ForEachField(&map, [&](std::string_view name, auto member) {
-    AppendMember(json, name, map.*member);
+    detail::AppendMember(json, name, map.*member);
     if (name != "big_change_index") return;
     json.Field("keyframe_count", map.keyframes.size());
     json.Field("point_count", map.points.size());
@@ -130,7 +131,7 @@ void AppendJson(std::string& out, const Map& map) {
 }
 
 void AppendJson(std::string& out, const Atlas& atlas) {
-  JsonAppender json(out);
+  detail::JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "atlas");
   json.BeginObject("vocabulary");
@@ -138,9 +139,9 @@ void AppendJson(std::string& out, const Atlas& atlas) {
   json.Field("checksum", std::string_view(atlas.vocabulary.checksum));
   json.EndObject();
   json.Array("maps", atlas.maps, [](const Map& map) { return map.id; });
-  AppendMember(json, "repeated_maps", atlas.repeated_maps);
+  detail::AppendMember(json, "repeated_maps", atlas.repeated_maps);
   json.Array("cameras", atlas.cameras, [](const Camera& camera) { return camera.id; });
-  AppendMember(json, "repeated_cameras", atlas.repeated_cameras);
+  detail::AppendMember(json, "repeated_cameras", atlas.repeated_cameras);
   json.BeginObject("next_ids");
   json.Field("map", atlas.next_ids.map);
   json.Field("frame", atlas.next_ids.frame);

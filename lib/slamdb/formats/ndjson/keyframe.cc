@@ -4,7 +4,7 @@
 #include "slamdb/formats/ndjson/detail/members.h"
 #include "slamdb/formats/ndjson/json.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::int32_t kOpenCvFloat = 5;  // CV_32FC1
@@ -42,4 +42,4 @@ void AppendJson(std::string& out, const KeyFrame& keyframe, std::optional<MapId>
   json.EndObject();
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

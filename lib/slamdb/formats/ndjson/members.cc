@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/ndjson/detail/members.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr char kDot = '.';
@@ -122,4 +122,4 @@ void DottedMembers::LeaveTo(std::string_view object) {
   for (; !IsIn(object, object_); object_ = ObjectOf(object_)) json_.EndObject();
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -7,7 +7,7 @@
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/ndjson/json.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr double kKeyFrameWeight = 200;  // how much longer a keyframe's line is than a point's, about
@@ -85,4 +85,4 @@ const Format kNdjsonFormat = {.id = "ndjson",
                               .sniff = SniffNdjson,
                               .write = WriteNdjson};
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -13,12 +13,12 @@ constexpr std::string_view kSignature = "serialization::archive";
 constexpr std::string_view kTextStart = "22 serialization::archive ";
 constexpr char kEndianProbe[] = {1, 0, 0, 0};
 
-std::string_view Begin(FileStream& file) {
+std::string_view Begin(detail::FileStream& file) {
   file.FillTo(1);
   return {file.data(), file.filled()};
 }
 
-void CheckVersion(const FileStream& file, std::uint32_t version, Notices& notices) {
+void CheckVersion(const detail::FileStream& file, std::uint32_t version, Notices& notices) {
   const std::string found = "Boost archive version " + std::to_string(version);
   if (version < kOldestBoost)
     throw Error(
@@ -29,7 +29,7 @@ void CheckVersion(const FileStream& file, std::uint32_t version, Notices& notice
                  "; read by the same rules");
 }
 
-ArchiveHeader ReadBinary(const FileStream& file, std::string_view text) {
+ArchiveHeader ReadBinary(const detail::FileStream& file, std::string_view text) {
   ArchiveHeader header;
   // A 32-bit writer counts the signature in 4 bytes, everybody else in 8.
   header.encoding.size_bytes = text.size() > 4 && text.substr(4).starts_with(kSignature) ? 4 : 8;
@@ -51,7 +51,7 @@ ArchiveHeader ReadBinary(const FileStream& file, std::string_view text) {
   return header;
 }
 
-ArchiveHeader ReadText(const FileStream& file, std::string_view text) {
+ArchiveHeader ReadText(const detail::FileStream& file, std::string_view text) {
   ArchiveHeader header;
   header.encoding.text = true;
   const char* begin = text.data() + kTextStart.size();
@@ -74,7 +74,7 @@ std::optional<bool> SniffArchive(std::string_view head) {
   return std::nullopt;
 }
 
-ArchiveHeader ReadArchiveHeader(FileStream& file, Notices& notices) {
+ArchiveHeader ReadArchiveHeader(detail::FileStream& file, Notices& notices) {
   const std::string_view text = Begin(file);
   if (text.empty())
     throw Error(ErrorKind::kDamaged, file.path(), "", "the file is empty; was its writer killed, or the disk full?");

@@ -38,7 +38,7 @@ const Format kOrbslam3Format{.id = "orbslam3",
                              .sniff = SniffBinary,
                              .read = ReadOrbslam3,
                              .write = WriteBinary,
-                             .salvage = SalvageOrbslam3};
+                             .salvage = detail::SalvageOrbslam3};
 
 const Format kOrbslam3TextFormat{.id = "orbslam3-text",
                                  .title = "ORB-SLAM3 atlas, text Boost archive",
@@ -48,6 +48,6 @@ const Format kOrbslam3TextFormat{.id = "orbslam3-text",
                                  .sniff = SniffText,
                                  .read = ReadOrbslam3,
                                  .write = WriteText,
-                                 .salvage = SalvageOrbslam3};
+                                 .salvage = detail::SalvageOrbslam3};
 
 }  // namespace slamdb

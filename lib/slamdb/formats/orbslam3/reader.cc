@@ -27,11 +27,11 @@ constexpr std::size_t kLeastKeyFrameTokens = 600, kLeastPointTokens = 25;
 template <class Input>
 class AtlasReader {
  public:
-  AtlasReader(FileStream& file, const ArchiveHeader& header, const ReadOptions& options)
+  AtlasReader(detail::FileStream& file, const ArchiveHeader& header, const ReadOptions& options)
       : file_(file),
         options_(options),
         main_(At(file, header), ClassTable(header.encoding), options.features),
-        team_(main_.input, options.features, file.size() < kSmallFile ? 1 : ThreadCount(options.threads)) {
+        team_(main_.input, options.features, file.size() < kSmallFile ? 1 : detail::ThreadCount(options.threads)) {
     atlas_.encoding = header.encoding;
   }
 
@@ -55,7 +55,7 @@ class AtlasReader {
   PartBytes part_bytes() const { return team_.part_bytes(); }
 
  private:
-  static Input At(FileStream& file, const ArchiveHeader& header) {
+  static Input At(detail::FileStream& file, const ArchiveHeader& header) {
     Input input(&file, header.encoding);
     input.Seek(header.bytes);
     return input;
@@ -210,7 +210,7 @@ class AtlasReader {
       options_.progress("reading " + file_.path(), static_cast<double>(offset) / static_cast<double>(file_.size()));
   }
 
-  FileStream& file_;
+  detail::FileStream& file_;
   const ReadOptions& options_;
   Atlas atlas_;
   ObjectTable objects_;
@@ -242,7 +242,7 @@ void Select(const Selection& selection, Atlas& atlas) {
 }
 
 template <class Input>
-Atlas ReadArchive(FileStream& file, const ArchiveHeader& header, const ReadOptions& options, Notices& notices) {
+Atlas ReadArchive(detail::FileStream& file, const ArchiveHeader& header, const ReadOptions& options, Notices& notices) {
   AtlasReader<Input> reader(file, header, options);
   Atlas atlas = reader.Read(notices);
   if (options.part_sizes != nullptr) ListPartSizes(reader.part_bytes(), file.size(), *options.part_sizes);
@@ -261,7 +261,7 @@ bool IsOfTheBytes(const Error& error) {
 std::optional<Atlas> ReadTextOfShorterLongs(const Source& source, const ReadOptions& options, Notices& notices) {
   for (const std::uint8_t size_bytes : {std::uint8_t{8}, std::uint8_t{4}}) {
     try {
-      FileStream file(source);
+      detail::FileStream file(source);
       Notices known;
       ArchiveHeader header = ReadArchiveHeader(file, known);
       header.encoding.long_bytes = 4;
@@ -280,7 +280,7 @@ std::optional<Atlas> ReadTextOfShorterLongs(const Source& source, const ReadOpti
 namespace slamdb {
 
 Atlas ReadOrbslam3(const Source& source, const ReadOptions& options, Notices& notices) {
-  FileStream file(source);
+  detail::FileStream file(source);
   const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(file, notices);
   if (!header.encoding.text) return orbslam3::ReadArchive<orbslam3::BinaryInput>(file, header, options, notices);
   try {

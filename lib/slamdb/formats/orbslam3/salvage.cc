@@ -71,7 +71,7 @@ class Salvager {
   using Search = std::conditional_t<Input::kText, TextSearch, BinarySearch>;
 
  public:
-  Salvager(FileStream& file, const ArchiveHeader& header)
+  Salvager(detail::FileStream& file, const ArchiveHeader& header)
       : file_(file.data(), file.size()),
         at_(Input(&file, header.encoding), ClassTable(header.encoding), FeatureColumns::kAll) {
     salvage_.atlas.encoding = header.encoding;
@@ -434,10 +434,10 @@ class Salvager {
 }  // namespace
 }  // namespace slamdb::orbslam3
 
-namespace slamdb {
+namespace slamdb::detail {
 
 Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
-  FileStream file(source);
+  detail::FileStream file(source);
   Notices notices;
   orbslam3::ArchiveHeader header;
   std::optional<Error> header_error;
@@ -454,4 +454,4 @@ Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
   return orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run(why);
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

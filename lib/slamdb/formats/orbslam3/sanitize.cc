@@ -6,7 +6,7 @@
 #include "slamdb/model/detail/uninitialised.h"
 #include "slamdb/model/index.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 struct Counts {
@@ -84,4 +84,4 @@ std::vector<std::string> SanitizeForOrbslam3(Atlas& atlas) {
   return changes;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -40,7 +40,7 @@ void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& 
   const orbslam3::ArchivePlan plan(atlas, encoding);
   AtomicFile file(target, {.overwrite = options.overwrite, .sync = options.sync});
   bool non_finite = false;
-  ProduceInOrder(
+  detail::ProduceInOrder(
       plan.size(), options.threads, [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
       [&](std::size_t i, const Column<char>& buffer) {
         file.Write(std::as_bytes(std::span(buffer)));
@@ -60,14 +60,14 @@ void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& 
 void WriteOrbslam3(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   if (!options.of<Orbslam3WriteOptions>().sanitize) return WriteArchive(atlas, target, options, notices);
   Atlas sanitized = atlas;
-  for (std::string& change : SanitizeForOrbslam3(sanitized)) notices.Note("sanitized: " + std::move(change));
+  for (std::string& change : detail::SanitizeForOrbslam3(sanitized)) notices.Note("sanitized: " + std::move(change));
   WriteArchive(sanitized, target, options, notices);
 }
 
 std::string EncodeOrbslam3(const Atlas& atlas) {
   const orbslam3::ArchivePlan plan(atlas, EncodingFor(atlas, {}));
   std::string archive;
-  ProduceInOrder(
+  detail::ProduceInOrder(
       plan.size(), 0, [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
       [&](std::size_t, const Column<char>& buffer) { archive.append(buffer.data(), buffer.size()); });
   return archive;

@@ -11,10 +11,8 @@
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/export/options.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
-
-using detail::AppendNumber;
 
 constexpr std::size_t kRowsPerBlock = 8192;
 
@@ -111,4 +109,4 @@ const Format kPcdFormat = {.id = "pcd",
                            .sniff = SniffPcd,
                            .write = WritePcd};
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

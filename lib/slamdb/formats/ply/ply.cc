@@ -10,10 +10,8 @@
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/export/options.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
-
-using detail::AppendNumber;
 
 constexpr std::size_t kRowsPerBlock = 8192;
 
@@ -102,4 +100,4 @@ const Format kPlyFormat = {.id = "ply",
                            .sniff = SniffPly,
                            .write = WritePly};
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -134,7 +134,7 @@ void LoadLists(Database& database, std::int64_t atlas_row, const ReadOptions& op
   ConnectionPool pool(database.path(), options.of<StoreReadOptions>().lock_timeout, atlas_row, revision);
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<std::size_t> done{0};
-  ParallelFor(slices.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(slices.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
     const auto load = [&](Database& connection) {
       for (std::size_t i = begin; i < end; ++i) {
         const Slice& slice = slices[i];

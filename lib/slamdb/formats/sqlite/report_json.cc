@@ -15,10 +15,11 @@ Json Head(std::string_view name, const std::string& input) {
 }
 
 Json JsonOf(const StoredAtlas& atlas) {
-  return {{"name", atlas.name},     {"maps", atlas.maps},           {"keyframes", atlas.keyframes},
-          {"points", atlas.points}, {"landmarks", atlas.landmarks}, {"observations", atlas.observations},
-          {"bytes", atlas.bytes},   {"revision", atlas.revision},   {"saved_at", atlas.saved_at},
-          {"hash", Hex(atlas.hash)}};
+  return {{"name", atlas.name},           {"maps", atlas.maps},
+          {"keyframes", atlas.keyframes}, {"points", atlas.points},
+          {"landmarks", atlas.landmarks}, {"observations", atlas.observations},
+          {"bytes", atlas.bytes},         {"revision", atlas.revision},
+          {"saved_at", atlas.saved_at},   {"hash", detail::Hex(atlas.hash)}};
 }
 
 Json JsonOf(const HistoryEntry& entry) {
@@ -36,7 +37,7 @@ Json JsonOf(const HistoryEntry& entry) {
             {"updated", entry.updated},
             {"deleted", entry.deleted},
             {"unchanged", entry.unchanged}}},
-          {"hash", Hex(entry.hash)}};
+          {"hash", detail::Hex(entry.hash)}};
 }
 
 }  // namespace

@@ -15,8 +15,7 @@
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/store.h"
 
-namespace slamdb {
-namespace sqlite {
+namespace slamdb::sqlite {
 namespace {
 
 constexpr std::size_t kKeyframesPerRead = 16, kPointsPerRead = 1024, kLandmarksPerRead = 256;
@@ -197,7 +196,9 @@ std::string OnlyName(Database& database, double lock_timeout) {
 }
 
 }  // namespace
-}  // namespace sqlite
+}  // namespace slamdb::sqlite
+
+namespace slamdb::detail {
 
 Salvage SalvageStore(const std::string& path, const std::string& name, const ReadOptions& options) {
   const double lock_timeout = options.of<StoreReadOptions>().lock_timeout;
@@ -213,4 +214,4 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   return salvage;
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -156,7 +156,7 @@ void WriteFeatures(SaveContext& context, const ListPlan& plan, const Map& map, c
   std::vector<ByteWriter> blobs(kBatch);
   for (std::size_t begin = 0; begin < changed.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, changed.size() - begin);
-    ParallelFor(count, 1, context.options.threads, [&](std::size_t first, std::size_t last) {
+    detail::ParallelFor(count, 1, context.options.threads, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         blobs[i].Clear();
         EncodeFeatures(map.keyframes[changed[begin + i]], blobs[i]);

@@ -8,7 +8,7 @@
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/store.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 constexpr std::string_view kSuffixes[] = {".slamdb", ".db", ".sqlite", ".sqlite3"};
@@ -74,4 +74,4 @@ const Format kStoreFormat = {
     .salvage = &SalvageOne,
 };
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

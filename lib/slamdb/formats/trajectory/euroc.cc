@@ -37,7 +37,7 @@ double Seconds(std::int64_t nanoseconds) {
 // What 64 bits of nanoseconds reach: 292 years to both sides.
 bool FitsNanoseconds(double seconds) { return std::abs(seconds) < 9.2e9; }
 
-void AppendLine(std::string& out, const TimedPose& pose, bool inertial) {
+void AppendLine(std::string& out, const detail::TimedPose& pose, bool inertial) {
   AppendNumber(out, Nanoseconds(pose.timestamp));
   const auto add = [&out](float value) {
     out += ',';
@@ -54,39 +54,40 @@ void AppendLine(std::string& out, const TimedPose& pose, bool inertial) {
   out += '\n';
 }
 
-void DropUnreachableTimes(std::vector<MapTrajectory>& trajectories, Notices& notices) {
+void DropUnreachableTimes(std::vector<detail::MapTrajectory>& trajectories, Notices& notices) {
   std::size_t dropped = 0;
-  for (MapTrajectory& trajectory : trajectories)
-    dropped += std::erase_if(trajectory.poses, [](const TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
-  std::erase_if(trajectories, [](const MapTrajectory& trajectory) { return trajectory.poses.empty(); });
+  for (detail::MapTrajectory& trajectory : trajectories)
+    dropped +=
+        std::erase_if(trajectory.poses, [](const detail::TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
+  std::erase_if(trajectories, [](const detail::MapTrajectory& trajectory) { return trajectory.poses.empty(); });
   if (dropped > 0)
     notices.Lose(
         "left out because their time does not fit into 64 bits of nanoseconds (was it recorded in seconds?): " +
         detail::Counted(dropped, "keyframe"));
 }
 
-bool IsInertial(const std::vector<MapTrajectory>& trajectories) {
-  return std::any_of(trajectories.begin(), trajectories.end(), [](const MapTrajectory& trajectory) {
+bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
+  return std::any_of(trajectories.begin(), trajectories.end(), [](const detail::MapTrajectory& trajectory) {
     return std::any_of(trajectory.poses.begin(), trajectory.poses.end(),
-                       [](const TimedPose& pose) { return bool{pose.keyframe->imu_calibration.is_set}; });
+                       [](const detail::TimedPose& pose) { return bool{pose.keyframe->imu_calibration.is_set}; });
   });
 }
 
 void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(target, FileOptions(options));
-  std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, target, options, notices);
+  AtomicFile file(target, detail::FileOptions(options));
+  std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   DropUnreachableTimes(trajectories, notices);
   std::vector<const Map*> maps;
-  for (const MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
-  WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
+  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
+  detail::WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
   const bool inertial = IsInertial(trajectories);
   file.Write(kPoseHeader);
   if (inertial) file.Write(kInertialHeader);
   file.Write("\n");
   for (const auto& [map, poses] : trajectories) {
-    if (trajectories.size() > 1) file.Write(MapComment(map->id));
+    if (trajectories.size() > 1) file.Write(detail::MapComment(map->id));
     std::string lines;
-    for (const TimedPose& pose : poses) AppendLine(lines, pose, inertial);
+    for (const detail::TimedPose& pose : poses) AppendLine(lines, pose, inertial);
     file.Write(lines);
   }
   file.Commit();
@@ -107,15 +108,15 @@ const detail::TableKind& Kind() {
   return kind;
 }
 
-ReadPose PoseOf(const detail::Table& table) {
+detail::ReadPose PoseOf(const detail::Table& table) {
   const auto nanoseconds = table.Get<std::int64_t>(0, "whole nanoseconds");
-  const auto v = NumbersBehindTime(table);
+  const auto v = detail::NumbersBehindTime(table);
   const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
   return {Seconds(nanoseconds), {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
 }
 
 Atlas ReadEuroc(const Source& source, const ReadOptions& options, Notices&) {
-  return ReadPoses(source, options, Kind(), PoseOf);
+  return detail::ReadPoses(source, options, Kind(), PoseOf);
 }
 
 // The names of the columns, which are not those of the IMU and image csv of the same data set.
@@ -125,13 +126,13 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".euroc.csv"};
 
 }  // namespace
 
-const Format kEurocFormat = {.id = "euroc",
-                             .title = "EuRoC ground truth csv",
-                             .suffixes = kSuffixes,
-                             .reads = Content::kPoses | Content::kMaps,
-                             .writes = Content::kPoses | Content::kMaps,
-                             .sniff = SniffEuroc,
-                             .read = ReadEuroc,
-                             .write = WriteEuroc};
+const Format detail::kEurocFormat = {.id = "euroc",
+                                     .title = "EuRoC ground truth csv",
+                                     .suffixes = kSuffixes,
+                                     .reads = Content::kPoses | Content::kMaps,
+                                     .writes = Content::kPoses | Content::kMaps,
+                                     .sniff = SniffEuroc,
+                                     .read = ReadEuroc,
+                                     .write = WriteEuroc};
 
 }  // namespace slamdb

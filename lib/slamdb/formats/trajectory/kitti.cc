@@ -30,10 +30,10 @@ void AppendLine(std::string& out, const Rigid3f& pose) {
 }
 
 // `lines 1-46 are map 0, lines 47-106 map 1`: readers of this format take no comments, so the warning has to say it.
-std::string LinesOfMaps(const std::vector<MapTrajectory>& trajectories) {
+std::string LinesOfMaps(const std::vector<detail::MapTrajectory>& trajectories) {
   std::string text;
   std::size_t line = 1;
-  for (const MapTrajectory& trajectory : trajectories) {
+  for (const detail::MapTrajectory& trajectory : trajectories) {
     const std::size_t last = line + trajectory.poses.size() - 1;
     text += detail::Concat(text.empty() ? "lines " : ", lines ", line, "-", last, " are ", trajectory.map->id);
     line = last + 1;
@@ -42,14 +42,14 @@ std::string LinesOfMaps(const std::vector<MapTrajectory>& trajectories) {
 }
 
 void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(target, FileOptions(options));
+  AtomicFile file(target, detail::FileOptions(options));
   const std::string times_path = target.path + ".times";
   std::optional<AtomicFile> times;
-  if (target.is_file()) times.emplace(times_path, FileOptions(options));
-  const std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, target, options, notices);
+  if (target.is_file()) times.emplace(times_path, detail::FileOptions(options));
+  const std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<const Map*> maps;
-  for (const MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
-  WarnOfSeveralFrames(maps, LinesOfMaps(trajectories), notices);
+  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
+  detail::WarnOfSeveralFrames(maps, LinesOfMaps(trajectories), notices);
   if (times)
     notices.Note("the timestamps are in " + times_path + ", one line for each pose");
   else
@@ -57,7 +57,7 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
                                 target.sink ? target.path : "standard output", " has no second file for them"));
   for (const auto& [map, poses] : trajectories) {
     std::string lines, seconds;
-    for (const TimedPose& pose : poses) {
+    for (const detail::TimedPose& pose : poses) {
       AppendLine(lines, pose.world_from_it);
       AppendSeconds(seconds, pose.timestamp);
       seconds += '\n';
@@ -78,11 +78,11 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};
 
 }  // namespace
 
-const Format kKittiFormat = {.id = "kitti",
-                             .title = "KITTI trajectory",
-                             .suffixes = kSuffixes,
-                             .writes = Content::kPoses,
-                             .sniff = SniffKitti,
-                             .write = WriteKitti};
+const Format detail::kKittiFormat = {.id = "kitti",
+                                     .title = "KITTI trajectory",
+                                     .suffixes = kSuffixes,
+                                     .writes = Content::kPoses,
+                                     .sniff = SniffKitti,
+                                     .write = WriteKitti};
 
 }  // namespace slamdb

@@ -4,23 +4,20 @@
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/text.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
-
-using detail::AppendNumber;
 
 constexpr std::string_view kMapComment = "# map ";
 
 std::optional<MapId> MapOfComment(std::string_view line) {
   if (!line.starts_with(kMapComment)) return std::nullopt;
-  const auto id = detail::ParseNumber<std::uint64_t>(detail::Trimmed(line.substr(kMapComment.size())));
+  const auto id = ParseNumber<std::uint64_t>(Trimmed(line.substr(kMapComment.size())));
   return id ? std::optional(MapId(*id)) : std::nullopt;
 }
 
-PoseAtlas ParsePoses(std::string_view text, const detail::TableKind& kind,
-                     const std::function<ReadPose(const detail::Table&)>& pose) {
+PoseAtlas ParsePoses(std::string_view text, const TableKind& kind, const std::function<ReadPose(const Table&)>& pose) {
   PoseAtlas atlas;
-  detail::Table table(text, kind);
+  Table table(text, kind);
   for (bool more = true; more;) {
     more = table.Next();
     for (const std::string_view comment : table.comments())
@@ -34,12 +31,12 @@ PoseAtlas ParsePoses(std::string_view text, const detail::TableKind& kind,
 
 }  // namespace
 
-Atlas ReadPoses(const Source& source, const ReadOptions& options, const detail::TableKind& kind,
-                const std::function<ReadPose(const detail::Table&)>& pose) {
-  return detail::ParseFile(source, [&](std::string_view text) { return ParsePoses(text, kind, pose); }).Finish(options);
+Atlas ReadPoses(const Source& source, const ReadOptions& options, const TableKind& kind,
+                const std::function<ReadPose(const Table&)>& pose) {
+  return ParseFile(source, [&](std::string_view text) { return ParsePoses(text, kind, pose); }).Finish(options);
 }
 
-std::array<double, 7> NumbersBehindTime(const detail::Table& table) {
+std::array<double, 7> NumbersBehindTime(const Table& table) {
   std::array<double, 7> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = table.Get<double>(i + 1);
   return numbers;
@@ -51,4 +48,4 @@ std::string MapComment(MapId id) {
   return line + '\n';
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -10,7 +10,7 @@
 #include "slamdb/formats/export/detail/pose.h"
 #include "slamdb/formats/export/options.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 namespace {
 
 // What the notices tell about keyframes that are not written as they are.
@@ -18,12 +18,11 @@ struct Census {
   std::size_t bad = 0, not_finite = 0, without_body = 0;
 
   void Tell(PoseFrame frame, Notices& notices) const {
-    if (bad > 0) notices.Note("left out because flagged bad: " + detail::Counted(bad, "keyframe"));
-    if (not_finite > 0)
-      notices.Lose("left out because pose or time is not finite: " + detail::Counted(not_finite, "keyframe"));
+    if (bad > 0) notices.Note("left out because flagged bad: " + Counted(bad, "keyframe"));
+    if (not_finite > 0) notices.Lose("left out because pose or time is not finite: " + Counted(not_finite, "keyframe"));
     if (frame == PoseFrame::kBody && without_body > 0)
       notices.Warn("the camera frame stands in for the body frame, for want of IMU calibration: " +
-                   detail::Counted(without_body, "keyframe"));
+                   Counted(without_body, "keyframe"));
   }
 };
 
@@ -92,4 +91,4 @@ Atlas PoseAtlas::Finish(const ReadOptions& options) {
   return std::move(atlas_);
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

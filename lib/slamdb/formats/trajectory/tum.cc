@@ -21,7 +21,7 @@ const detail::TableKind& Kind() {
   return kind;
 }
 
-void AppendLine(std::string& out, const TimedPose& pose) {
+void AppendLine(std::string& out, const detail::TimedPose& pose) {
   AppendSeconds(out, pose.timestamp);
   const auto add = [&out](float value) {
     out += ' ';
@@ -33,30 +33,30 @@ void AppendLine(std::string& out, const TimedPose& pose) {
 }
 
 void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(target, FileOptions(options));
-  const std::vector<MapTrajectory> trajectories = CollectTrajectories(atlas, target, options, notices);
+  AtomicFile file(target, detail::FileOptions(options));
+  const std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<const Map*> maps;
-  for (const MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
-  WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
+  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
+  detail::WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
   file.Write("# timestamp tx ty tz qx qy qz qw\n");
   for (const auto& [map, poses] : trajectories) {
-    if (trajectories.size() > 1) file.Write(MapComment(map->id));
+    if (trajectories.size() > 1) file.Write(detail::MapComment(map->id));
     std::string lines;
-    for (const TimedPose& pose : poses) AppendLine(lines, pose);
+    for (const detail::TimedPose& pose : poses) AppendLine(lines, pose);
     file.Write(lines);
   }
   file.Commit();
 }
 
-ReadPose PoseOf(const detail::Table& table) {
+detail::ReadPose PoseOf(const detail::Table& table) {
   const double timestamp = table.Get<double>(0);
-  const auto v = NumbersBehindTime(table);
+  const auto v = detail::NumbersBehindTime(table);
   const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
   return {timestamp, {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
 }
 
 Atlas ReadTum(const Source& source, const ReadOptions& options, Notices&) {
-  return ReadPoses(source, options, Kind(), PoseOf);
+  return detail::ReadPoses(source, options, Kind(), PoseOf);
 }
 
 // Without names only 8 numbers between blanks: between commas they may also be EuRoC's, in another order.
@@ -69,13 +69,13 @@ constexpr std::array<std::string_view, 2> kSuffixes = {".tum", ".txt"};
 
 }  // namespace
 
-const Format kTumFormat = {.id = "tum",
-                           .title = "TUM trajectory",
-                           .suffixes = kSuffixes,
-                           .reads = Content::kPoses | Content::kMaps,
-                           .writes = Content::kPoses | Content::kMaps,
-                           .sniff = SniffTum,
-                           .read = ReadTum,
-                           .write = WriteTum};
+const Format detail::kTumFormat = {.id = "tum",
+                                   .title = "TUM trajectory",
+                                   .suffixes = kSuffixes,
+                                   .reads = Content::kPoses | Content::kMaps,
+                                   .writes = Content::kPoses | Content::kMaps,
+                                   .sniff = SniffTum,
+                                   .read = ReadTum,
+                                   .write = WriteTum};
 
 }  // namespace slamdb

@@ -5,7 +5,7 @@
 
 #include "slamdb/model/atlas.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Makes `root` the root of its spanning tree by turning round the chain of parents from it to the old root, as
 // ORB-SLAM3 does when it merges maps. The root's parent is then none, and no keyframe of the chain waits for a parent
@@ -22,4 +22,4 @@ void RerootTree(Map& map, KeyFrameId root);
 // edges of the orphans, and linear in the map.
 std::size_t AdoptOrphans(Map& map);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -8,7 +8,7 @@
 // Members of keyframes that ORB-SLAM3 writes without ever having set them where they do not apply. It does not read
 // them back either, but they make files differ from run to run, and text archives of `nan` unreadable to its loader.
 // Pure functions, thread-safe.
-namespace slamdb {
+namespace slamdb::detail {
 
 // The merge scale of a keyframe that took part in no merge; one that is a scale, 0.001 to 1000, counts as set.
 bool HasWildMergeScale(const KeyFrame& keyframe);
@@ -27,4 +27,4 @@ struct UninitialisedCounts {
 // Sets what is wild to 0, and the rotation of a preintegration to identity. Doing it again changes nothing.
 UninitialisedCounts ResetUninitialised(Map& map);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

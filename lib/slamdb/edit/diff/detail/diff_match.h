@@ -8,7 +8,7 @@
 #include "slamdb/model/index.h"
 
 // Which entity of one atlas is which of another: the first half of DiffAtlases.
-namespace slamdb {
+namespace slamdb::detail {
 
 // An atlas whose keyframes and points are numbered through all its maps, in the order of their lists.
 class NumberedAtlas {
@@ -69,4 +69,4 @@ struct AtlasPairing {
 };
 AtlasPairing PairEntities(const NumberedAtlas& before, const NumberedAtlas& after, int threads);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

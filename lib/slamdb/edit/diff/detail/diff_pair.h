@@ -10,7 +10,7 @@
 #include "slamdb/edit/diff/detail/diff_same.h"
 
 // How the entities of a pair differ: the second half of DiffAtlases.
-namespace slamdb {
+namespace slamdb::detail {
 
 enum KeyFrameAspect : std::size_t {
   kPose,
@@ -122,4 +122,4 @@ class PairComparison {
   const Sameness same_;
 };
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -9,7 +9,7 @@
 
 #include "slamdb/model/fields.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Whether values mean the same: numbers within a tolerance, NaNs whatever their bits, quaternions up to their sign.
 class Sameness {
@@ -79,4 +79,4 @@ class Sameness {
   double tolerance_;
 };
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

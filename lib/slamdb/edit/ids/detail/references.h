@@ -13,7 +13,7 @@
 
 // Every place in an atlas where an id stands, in one list, so that whatever moves or reads ids forgets none. Ids stand
 // in fields of several types: strong ids, int64 with -1 for none, and 32 bits for origin maps.
-namespace slamdb {
+namespace slamdb::detail {
 
 template <IdKind kind>
 using IdKindConstant = std::integral_constant<IdKind, kind>;
@@ -155,4 +155,4 @@ void TranslateAtlas(Atlas& atlas, const Translate& translate, int threads) {
   }
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -5,7 +5,7 @@
 
 #include "slamdb/model/atlas.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Bytes that an entity takes in a binary .osa file (schema/orbslam3.md), but for the few that Boost writes before the
 // first of a class.
@@ -16,4 +16,4 @@ std::uint64_t ArchiveBytes(const Atlas& atlas);
 // The part of the above that each observation takes.
 inline constexpr std::uint64_t kArchiveBytesPerObservation = 24;
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

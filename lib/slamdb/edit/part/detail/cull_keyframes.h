@@ -3,7 +3,7 @@
 
 #include "slamdb/edit/part/subset.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 struct RedundancyRule {
   double share = 0.9;         // of its points, above which a keyframe is redundant
@@ -16,4 +16,4 @@ struct RedundancyRule {
 std::uint64_t CullKeyFrames(const AtlasIndex& index, std::size_t map_row, const RedundancyRule& rule,
                             Subset::MapRows& rows);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -5,7 +5,7 @@
 
 #include "slamdb/model/atlas.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Drops the features that see no map point: keypoints, descriptors, their entries in grids and feature vectors; the
 // rows of those that stay close up, and slots, stereo matches and observations name the new rows. Bags of words stay as
@@ -15,4 +15,4 @@ namespace slamdb {
 // place; on `threads` threads (0: every core). Returns the number of features dropped.
 std::uint64_t DropFreeFeatures(Atlas& atlas, int threads = 0);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

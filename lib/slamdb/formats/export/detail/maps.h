@@ -6,7 +6,7 @@
 
 #include "slamdb/formats/format.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // The maps to write: that of ExportOptions::map, or all of them, by their place in Atlas::maps. Throws Error of kind
 // kNotFound when the atlas has no map of that id.
@@ -16,4 +16,4 @@ std::vector<const Map*> ChooseMaps(const Atlas& atlas, const WriteOptions& optio
 // they look as if they were. `how_told_apart` ends the sentence (`the property "map" tells them apart`).
 void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string& how_told_apart, Notices& notices);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -8,7 +8,7 @@
 #include "slamdb/formats/format.h"
 #include "slamdb/model/reprojection.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // The points of an atlas as rows, for the formats that hold points. Points flagged bad are left out, and the notices
 // say how many. Refers to the atlas, which must outlive it. Constant after construction.
@@ -47,4 +47,4 @@ IdColumn ColumnForMapIds(const PointRows& points);
 IdColumn ColumnForPointIds(const PointRows& points);
 void AppendRawId(std::string& out, std::uint64_t id, IdColumn column);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -6,7 +6,7 @@
 #include <string>
 #include <type_traits>
 
-namespace slamdb {
+namespace slamdb::detail {
 
 static_assert(std::endian::native == std::endian::little, "AppendRaw writes memory as it is");
 
@@ -19,4 +19,4 @@ void AppendRaw(std::string& out, Number value) {
   out.append(bytes, sizeof value);
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -8,7 +8,7 @@
 #include "slamdb/base/file.h"
 #include "slamdb/formats/format.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Writes `count` rows to a file: `append(begin, end, out)` appends the rows of [begin, end) to `out` and is called from
 // several threads at once, for blocks of at most `grain` rows; the blocks reach the file in order, so the bytes do not
@@ -21,4 +21,4 @@ inline AtomicFileOptions FileOptions(const WriteOptions& options) {
   return {.overwrite = options.overwrite, .sync = options.sync};
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

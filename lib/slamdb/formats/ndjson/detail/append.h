@@ -12,7 +12,7 @@
 #include "slamdb/model/ids.h"
 #include "slamdb/model/rigid.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Appends one JSON value after the other to a buffer, with the commas between them: fast enough for whole atlases.
 // The caller pairs Begin and End. Names are those of the model's headers and need no escaping.
@@ -118,4 +118,4 @@ class JsonAppender {
   bool comma_ = false;
 };
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

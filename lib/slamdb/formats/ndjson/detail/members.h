@@ -9,7 +9,7 @@
 #include "slamdb/model/fields.h"
 
 // The fields of fields.h as members of JSON objects.
-namespace slamdb {
+namespace slamdb::detail {
 
 // A field as a member, whatever its type.
 template <class T>
@@ -56,4 +56,4 @@ class DottedMembers {
   std::string_view object_;  // that is open: `features.grid`
 };
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

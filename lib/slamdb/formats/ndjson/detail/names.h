@@ -8,7 +8,7 @@
 #include "slamdb/model/features.h"
 #include "slamdb/model/landmark.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // The enumerators of the model as JSON spells them.
 constexpr std::string_view NameOf(MatrixForm form) {
@@ -69,4 +69,4 @@ constexpr std::string_view NameOf(FeatureType type) {
   return {};
 }
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -3,10 +3,10 @@
 
 #include "slamdb/formats/format.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // The whole atlas as JSON, one object per line: the atlas, its cameras, then each map with its keyframes and its map
 // points and landmarks. Write only. schema/ndjson.md describes the lines. For jq, data frames and scripts.
 extern const Format kNdjsonFormat;
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -22,7 +22,7 @@ struct ArchiveHeader {
 
 // Reads the header of a Boost archive. Warns of library versions above kNewestBoost. Throws Error for what is no
 // archive, for versions that write other bytes, big-endian and exotic writers.
-ArchiveHeader ReadArchiveHeader(FileStream& file, Notices& notices);
+ArchiveHeader ReadArchiveHeader(detail::FileStream& file, Notices& notices);
 
 // The header as Boost writes it.
 std::string WriteArchiveHeader(const ArchiveEncoding& encoding);

@@ -34,7 +34,7 @@ struct Place {
 // it; the others stay within what was filled when they were made.
 class Cursor {
  public:
-  Cursor(FileStream* stream, const ArchiveEncoding& encoding)
+  Cursor(detail::FileStream* stream, const ArchiveEncoding& encoding)
       : stream_(stream), encoding_(&encoding), begin_(stream->data()), next_(begin_), end_(begin_ + stream->filled()) {}
 
   std::size_t offset() const { return static_cast<std::size_t>(next_ - begin_); }
@@ -42,7 +42,7 @@ class Cursor {
   // Of the whole file.
   std::size_t remaining() const { return stream_->size() - offset(); }
   const ArchiveEncoding& encoding() const { return *encoding_; }
-  FileStream& stream() const { return *stream_; }
+  detail::FileStream& stream() const { return *stream_; }
 
   // Makes this a cursor over [begin, end) alone, all of it filled: for another thread.
   void Confine(std::size_t begin, std::size_t end) {
@@ -66,7 +66,7 @@ class Cursor {
   [[gnu::cold, gnu::noinline]] void ReadOn(std::size_t bytes);
   std::string WholeSoFar() const;
 
-  FileStream* stream_;
+  detail::FileStream* stream_;
   const ArchiveEncoding* encoding_;
   const char* begin_;
   const char* next_;

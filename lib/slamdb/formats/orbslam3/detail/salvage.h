@@ -3,7 +3,7 @@
 
 #include "slamdb/formats/salvage.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Reads what is whole in a truncated or damaged .osa file, binary or text. Objects stand in the archive one behind the
 // other, those of a map as its keyframes, then its points; cameras and counters come last. Nothing tells where an
@@ -16,4 +16,4 @@ namespace slamdb {
 // empty or cannot be read. Thread-safe.
 Salvage SalvageOrbslam3(const Source& source, const ReadOptions& options);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -6,7 +6,7 @@
 
 #include "slamdb/model/atlas.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Makes an atlas safe for ORB-SLAM3's own loader without touching what the map means: drops maps listed twice (it wipes
 // those), empty maps, null and repeated list entries; zeroes members that the writer left uninitialised (merge scale,
@@ -15,4 +15,4 @@ namespace slamdb {
 // its count; none when nothing had to change, and then the atlas is as it was.
 std::vector<std::string> SanitizeForOrbslam3(Atlas& atlas);
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -3,10 +3,10 @@
 
 #include "slamdb/formats/format.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Points as a PCD file (Point Cloud Library, version 0.7), binary or ascii: write only. schema/pcd.md has the fields.
 // PCL, Open3D and CloudCompare read it.
 extern const Format kPcdFormat;
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

@@ -5,7 +5,7 @@
 
 #include "slamdb/formats/format.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 struct TimedPose {
   double timestamp;       // seconds, finite
@@ -38,4 +38,4 @@ class PoseAtlas {
   std::uint64_t next_keyframe_ = 0;
 };
 
-}  // namespace slamdb
+}  // namespace slamdb::detail

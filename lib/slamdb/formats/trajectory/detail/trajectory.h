@@ -3,7 +3,7 @@
 
 #include "slamdb/formats/format.h"
 
-namespace slamdb {
+namespace slamdb::detail {
 
 // Keyframe poses as text: world_from_camera, or world_from_body with TrajectoryOptions::pose_frame. Sorted by time;
 // several maps stand one behind the other, by their place in the atlas. schema/trajectory.md has the lines.
@@ -11,4 +11,4 @@ extern const Format kTumFormat;    // tum: `seconds x y z qx qy qz qw`, read and
 extern const Format kKittiFormat;  // kitti: rows of 3x4 matrices, write only; seconds go to a second file, PATH.times
 extern const Format kEurocFormat;  // euroc: the csv of the EuRoC ground truth, nanoseconds, read and write
 
-}  // namespace slamdb
+}  // namespace slamdb::detail
