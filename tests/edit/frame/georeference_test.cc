@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "slamdb/base/error.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/axes.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/edit/ids/renumber.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/kind_of.h"
 
 namespace slamdb {

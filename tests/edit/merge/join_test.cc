@@ -12,7 +12,7 @@
 #include "slamdb/model/content.h"
 #include "slamdb/model/derive.h"
 #include "tests/edit/worlds.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
 
 namespace slamdb {

@@ -9,7 +9,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/model/digest.h"
-#include "tests/formats/formats/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/corrupt.h"
 #include "tests/support/equals_atlas.h"
 #include "tests/support/kind_of.h"

@@ -76,9 +76,9 @@ TEST(LoadVocabulary, TakesLineFeedsAtTheEndAndCarriageReturns) {
 }
 
 TEST(LoadVocabulary, TakesAByteOrderMark) {
-  const std::string path = Written("mark", "\xef\xbb\xbf" + ReadWhole(kText));
-  ExpectSameTree(LoadVocabulary(path).tree, LoadVocabulary(kText).tree);
-  const VocabularyFile marked = ReadVocabularyFile(path), plain = ReadVocabularyFile(kText);
+  const std::string bytes = "\xef\xbb\xbf" + ReadWhole(kText);
+  ExpectSameTree(LoadVocabulary(File(bytes)).tree, LoadVocabulary(kText).tree);
+  const VocabularyFile marked = ReadVocabularyFile(File(bytes)), plain = ReadVocabularyFile(kText);
   ASSERT_TRUE(marked.shape && plain.shape);
   EXPECT_EQ(marked.shape->words, plain.shape->words);
   EXPECT_NE(marked.identity.checksum, plain.identity.checksum);  // ORB-SLAM3 hashes the bytes as they are

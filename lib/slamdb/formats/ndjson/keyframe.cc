@@ -4,13 +4,13 @@
 #include "slamdb/formats/ndjson/detail/members.h"
 #include "slamdb/formats/ndjson/json.h"
 
-namespace slamdb::detail {
+namespace slamdb {
 namespace {
 
 constexpr std::int32_t kOpenCvFloat = 5;  // CV_32FC1
 
 // 32-bit floats as numbers, any other type as the bytes that it is.
-void AppendMatrixData(JsonAppender& json, const Matrix& matrix) {
+void AppendMatrixData(detail::JsonAppender& json, const Matrix& matrix) {
   if (matrix.type == kOpenCvFloat && matrix.data.size() % sizeof(float) == 0) {
     Column<float> values(matrix.data.size() / sizeof(float));
     if (!values.empty()) std::memcpy(values.data(), matrix.data.data(), matrix.data.size());
@@ -23,12 +23,12 @@ void AppendMatrixData(JsonAppender& json, const Matrix& matrix) {
 }  // namespace
 
 void AppendJson(std::string& out, const KeyFrame& keyframe, std::optional<MapId> map) {
-  JsonAppender json(out);
+  detail::JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "keyframe");
   if (map) json.Field("map", *map);
   {
-    DottedMembers members(json);
+    detail::DottedMembers members(json);
     ForEachField(&keyframe, [&](std::string_view name, auto... path) {
       const auto& value = Member(keyframe, path...);
       if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, Column<std::byte>>) {
@@ -42,4 +42,4 @@ void AppendJson(std::string& out, const KeyFrame& keyframe, std::optional<MapId>
   json.EndObject();
 }
 
-}  // namespace slamdb::detail
+}  // namespace slamdb
