@@ -145,6 +145,24 @@ TEST(DropFreeFeatures, TwiceIsOnce) {
   EXPECT_THAT(again, EqualsAtlas(atlas));
 }
 
+// The preset cuts twice: all but one map, then all but some keyframes of it.
+TEST(Shrink, ReportsWhatBothCutsTook) {
+  Atlas atlas =
+      SynthesizeAtlas({.sensor = Sensor::kStereo, .maps = 2, .keyframes = 10, .points = 120, .features = 100});
+  for (Map& map : atlas.maps) map.landmarks.resize(3);
+  const EntityCounts before = CountEntities(atlas);
+  const ShrinkReport report = Shrink(atlas, {.target_keyframes = 4, .for_localization = true});
+  const EntityCounts after = CountEntities(atlas);
+  EXPECT_EQ(report.removed.before, before);
+  EXPECT_EQ(report.removed.after, after);
+  EXPECT_EQ(report.removed.maps, 1U);
+  EXPECT_EQ(report.removed.keyframes, before.keyframes - after.keyframes);
+  EXPECT_EQ(report.removed.points, before.points - after.points);
+  EXPECT_EQ(report.removed.landmarks, 3U);
+  EXPECT_EQ(after.landmarks, 3U);
+  EXPECT_GT(report.removed.observations, 0U);
+}
+
 class RealAtlasShrunk : public ::testing::TestWithParam<const char*> {};
 TEST_P(RealAtlasShrunk, IsSoundAndCovers) {
   SLAMDB_REQUIRE_REAL_ATLAS(path, GetParam());
