@@ -64,7 +64,10 @@ ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   const RepairReport report =
-      RepairAtlas(atlas, {.rules = options.rules, .threads = console.threads(), .progress = console.MakeProgress()});
+      RepairAtlas(atlas, {.rules = options.rules,
+                          .journal = journal.wanted() || options.edit.json,  // which counts its edits
+                          .threads = console.threads(),
+                          .progress = console.MakeProgress()});
   if (journal.wanted()) journal.Write(ToJson(report.journal));
   WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices);
   journal.Commit();

@@ -32,22 +32,16 @@ const Verb kVerbs[] = {
      [](Atlas& atlas, int threads, const Progress& progress) {
        static_cast<void>(CheckAtlas(atlas, {.threads = threads, .progress = progress}));
      }},
-    {"Repair",
-     [](Atlas& atlas, int threads, const Progress& progress) {
-       RepairAtlas(atlas, {.threads = threads, .progress = progress});
-     }},
+    {"Repair", [](Atlas& atlas, int threads,
+                  const Progress& progress) { RepairAtlas(atlas, {.threads = threads, .progress = progress}); }},
     {"Undo",
      [](Atlas& atlas, int threads, const Progress& progress) {
        UndoRepair(atlas, RepairAtlas(atlas).journal, {.threads = threads, .progress = progress});
      }},
-    {"Recover",
-     [](Atlas& atlas, int threads, const Progress& progress) {
-       RecoverAtlas(atlas, {.threads = threads, .progress = progress});
-     }},
-    {"Cull",
-     [](Atlas& atlas, int threads, const Progress& progress) {
-       Cull(atlas, {.max_error = 2, .threads = threads, .progress = progress});
-     }},
+    {"Recover", [](Atlas& atlas, int threads,
+                   const Progress& progress) { RecoverAtlas(atlas, {.threads = threads, .progress = progress}); }},
+    {"Cull", [](Atlas& atlas, int threads,
+                const Progress& progress) { Cull(atlas, {.max_error = 2, .threads = threads, .progress = progress}); }},
     {"Shrink",
      [](Atlas& atlas, int threads, const Progress& progress) {
        Shrink(atlas, {.target_keyframes = 3, .threads = threads, .progress = progress});
@@ -60,18 +54,14 @@ const Verb kVerbs[] = {
      [](Atlas& atlas, int threads, const Progress& progress) {
        static_cast<void>(SplitAtlas(AtlasIndex(atlas), {.threads = threads, .progress = progress}));
      }},
-    {"Fragments",
-     [](Atlas& atlas, int threads, const Progress& progress) {
-       DropFragments(atlas, {.threads = threads, .progress = progress});
-     }},
+    {"Fragments", [](Atlas& atlas, int threads,
+                     const Progress& progress) { DropFragments(atlas, {.threads = threads, .progress = progress}); }},
     {"Transform",
      [](Atlas& atlas, int threads, const Progress& progress) {
        TransformAtlas(atlas, {.to = Similarity3d{.scale = 2}, .threads = threads, .progress = progress});
      }},
-    {"Renumber",
-     [](Atlas& atlas, int threads, const Progress& progress) {
-       Renumber(atlas, {.threads = threads, .progress = progress});
-     }},
+    {"Renumber", [](Atlas& atlas, int threads,
+                    const Progress& progress) { Renumber(atlas, {.threads = threads, .progress = progress}); }},
     {"Merge",
      [](Atlas& atlas, int threads, const Progress& progress) {
        atlas = MergeAtlases({atlas, atlas}, {.threads = threads, .progress = progress}).atlas;
