@@ -23,7 +23,7 @@ slamdb::Atlas Decode(slamdb::Bytes bytes, int threads) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const slamdb::Bytes input = std::as_bytes(std::span(data, size));
   try {
-    slamdb::SalvageOrbslam3({input, "fuzz"}, {});
+    slamdb::detail::SalvageOrbslam3({input, "fuzz"}, {});
   } catch (const slamdb::Error&) {  // no header
   }
   std::string encoded;

@@ -6,7 +6,7 @@
 // Any bytes as a trajectory, TUM's and EuRoC's in turn. They are read or fail with an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const slamdb::Source file(std::as_bytes(std::span(data, size)), "fuzz");
-  for (const slamdb::Format* format : {&slamdb::kTumFormat, &slamdb::kEurocFormat}) {
+  for (const slamdb::Format* format : {&slamdb::detail::kTumFormat, &slamdb::detail::kEurocFormat}) {
     slamdb::Notices notices;
     try {
       format->read(file, {}, notices);

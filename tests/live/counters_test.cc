@@ -66,8 +66,7 @@ TEST_F(Counters, GoOverToTheReplacement) {
 TEST_F(Counters, BeginAnewWhereAFileHasNone) {
   const std::string path = folder + "/lab.osa";
   world.atlas.Save(path);
-  Notices notices;
-  const slamdb::Atlas none = ReadAtlas(Location::Parse(path), {}, notices);
+  const slamdb::Atlas none = ReadAtlas(path);
   ASSERT_THAT(none.maps[0].points, SizeIs(1));
   ASSERT_FALSE(none.maps[0].points[0].has_tracking());
   const LiveAtlas live = FromModel(none);
