@@ -11,6 +11,7 @@
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/live/world.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb::live {
 namespace {
@@ -235,11 +236,9 @@ TEST(Atlas, LivesBesideAnother) {
 
 // The story of two sessions, in each format that holds everything.
 TEST(Atlas, SavesAndLoads) {
-  const std::filesystem::path folder = ::testing::TempDir() + "/live_atlas_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
+  const TemporaryFolder folder;
   for (const char* name : {"session.osa", "session.db#lab"}) {
-    const std::string location = (folder / name).string();
+    const std::string location = folder / name;
     const LiveAtlas first =
         FromModel(SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = 6, .points = 150, .features = 200}));
     first.atlas->Save(location);
@@ -257,7 +256,7 @@ TEST(Atlas, SavesAndLoads) {
     EXPECT_EQ(Atlas::Load(location).atlas->GetAllMaps().front()->GetAllMapPoints().front()->GetWorldPos(),
               Eigen::Vector3f(1, 2, 3));
   }
-  EXPECT_THROW(Atlas::Load((folder / "none.osa").string()), Error);
+  EXPECT_THROW(Atlas::Load(folder / "none.osa"), Error);
 }
 
 TEST(Atlas, RefusesToSaveInsideAChange) {

@@ -13,27 +13,21 @@
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/live/world.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb::live {
 namespace {
 
 class CheckpointerTest : public ::testing::Test {
  protected:
-  CheckpointerTest() {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  ~CheckpointerTest() override { std::filesystem::remove_all(folder_); }
-
   slamdb::Atlas Stored() const { return Store::Open(path()).Load("run"); }
-  std::string path() const { return (folder_ / "maps.db").string(); }
+  std::string path() const { return folder_ / "maps.db"; }
   std::string location() const { return path() + "#run"; }
 
   const CheckpointOptions by_hand_{.interval = 0, .sync = false};
 
  private:
-  const std::filesystem::path folder_ =
-      ::testing::TempDir() + "/checkpointer_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  const TemporaryFolder folder_;
 };
 
 TEST_F(CheckpointerTest, SavesAllAndThenWhatChanged) {

@@ -8,6 +8,7 @@
 #include "slamdb/live/checkpointer.h"
 #include "tests/live/world.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb::live {
 namespace {
@@ -19,14 +20,8 @@ MapPoint* OnlyPoint(Atlas& atlas) { return atlas.GetAllMaps().front()->GetAllMap
 class Counters : public ::testing::Test {
  protected:
   Counters() { World::Observe(point, keyframe, 3); }
-  ~Counters() override { std::filesystem::remove_all(folder); }
 
-  static std::string MakeFolder() {
-    std::string name = ::testing::TempDir() + "/live_counters_XXXXXX";
-    return ::mkdtemp(name.data()) == nullptr ? throw std::runtime_error("no " + name) : name;
-  }
-
-  const std::string folder = MakeFolder();
+  const TemporaryFolder folder;
   World world;
   KeyFrame* keyframe = world.AddKeyFrame();
   MapPoint* point = world.AddPoint(keyframe);
@@ -36,7 +31,7 @@ TEST_F(Counters, SurviveInAStore) {
   point->IncreaseVisible(6);  // 7
   point->IncreaseFound(2);    // 3
   point->mnOriginMapId = 7;
-  const std::string location = folder + "/maps.db#lab";
+  const std::string location = folder / "maps.db#lab";
   world.atlas.Save(location);
   const Atlas::Loaded loaded = Atlas::Load(location);
   MapPoint* again = OnlyPoint(*loaded.atlas);
@@ -48,7 +43,7 @@ TEST_F(Counters, SurviveInAStore) {
 }
 
 TEST_F(Counters, AreSeenByACheckpointer) {
-  const std::string location = folder + "/maps.db#lab";
+  const std::string location = folder / "maps.db#lab";
   Checkpointer checkpointer(world.atlas, location, {.interval = 0});
   EXPECT_EQ(checkpointer.Save().points, 0U);
   point->IncreaseFound(4);
@@ -64,7 +59,7 @@ TEST_F(Counters, GoOverToTheReplacement) {
 }
 
 TEST_F(Counters, BeginAnewWhereAFileHasNone) {
-  const std::string path = folder + "/lab.osa";
+  const std::string path = folder / "lab.osa";
   world.atlas.Save(path);
   const slamdb::Atlas none = ReadAtlas(path);
   ASSERT_THAT(none.maps[0].points, SizeIs(1));

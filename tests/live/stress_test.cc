@@ -12,6 +12,7 @@
 #include "slamdb/live/culling.h"
 #include "tests/live/world.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb::live {
 namespace {
@@ -107,10 +108,8 @@ class Session {
 };
 
 TEST(Live, StaysWholeUnderManyThreads) {
-  const std::filesystem::path folder = ::testing::TempDir() + "/live_stress_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  const std::string store = (folder / "maps.db").string();
+  const TemporaryFolder folder;
+  const std::string store = folder / "maps.db";
   Session session;
   {
     Checkpointer checkpointer(session.world.atlas, store + "#run", {.interval = 0.01, .sync = false});

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/temporary_folder.h"
+
 namespace slamdb::testing {
 
 // What a process left behind.
@@ -21,21 +23,7 @@ ProcessResult RunSlamdb(const std::vector<std::string>& arguments, std::string_v
 // Runs any program the same way; exit code 127 when it is not installed.
 ProcessResult RunProgram(const std::vector<std::string>& words, std::string_view input = {});
 
-// A fresh folder that goes with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  // The path of a file in it.
-  std::string operator/(std::string_view name) const { return (path_ / name).string(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using slamdb::TemporaryFolder;
 
 std::string ReadWholeFile(const std::string& path);
 void WriteWholeFile(const std::string& path, std::string_view content);

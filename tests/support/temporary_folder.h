@@ -19,6 +19,7 @@ class TemporaryFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::string Path(std::string_view name) const { return (path_ / name).string(); }
+  std::string operator/(std::string_view name) const { return Path(name); }
   std::string Make(std::string_view name, std::string_view content) const;  // writes a file, gives its path
   std::vector<std::string> Names() const;                                   // what is in it, sorted
 

@@ -15,6 +15,7 @@
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
 #include "tests/support/boost_reference/boost_reference.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -83,11 +84,10 @@ TEST_P(RealMap, IsStillSoundAndReadByBoost) {
   ASSERT_EQ(severe(atlas_), 0U);
   TransformMap(atlas_.maps[0], move);
   EXPECT_EQ(severe(atlas_), 0U);
-  const auto path = std::filesystem::temp_directory_path() /
-                    (std::string("slamdb_transform_") + GetParam().name + std::to_string(::getpid()) + ".osa");
-  WriteAtlas(atlas_, path.string(), {.sync = false});
-  const Atlas loaded = reference::Load(path.string(), reference::Encoding::kBinary);
-  std::filesystem::remove(path);
+  const TemporaryFolder folder;
+  const std::string path = folder / "moved.osa";
+  WriteAtlas(atlas_, path, {.sync = false});
+  const Atlas loaded = reference::Load(path, reference::Encoding::kBinary);
   const Map& map = loaded.maps.at(0);
   ASSERT_EQ(map.points.size(), atlas_.maps[0].points.size());
   for (std::size_t row = 0; row < atlas_.maps[0].points.size(); ++row)

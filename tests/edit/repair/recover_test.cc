@@ -16,6 +16,7 @@
 #include "tests/support/boost_reference/boost_reference.h"
 #include "tests/support/corrupt.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -36,12 +37,6 @@ std::uint64_t PointsOf(const Atlas& atlas) {
 
 class Recover : public ::testing::Test {
  protected:
-  Recover()
-      : path_((std::filesystem::temp_directory_path() /
-               ("slamdb-recover-" + std::to_string(std::random_device()()) + ".osa"))
-                  .string()) {}
-  ~Recover() override { std::filesystem::remove(path_); }
-
   void Write(std::string_view bytes) {
     std::ofstream file(path_, std::ios::binary | std::ios::trunc);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -74,7 +69,8 @@ class Recover : public ::testing::Test {
     EXPECT_EQ(PointsOf(loaded), PointsOf(atlas));
   }
 
-  std::string path_;
+  const TemporaryFolder folder_;
+  const std::string path_ = folder_ / "damaged.osa";
 };
 
 std::string Encoded(Atlas atlas, bool text) {

@@ -9,6 +9,7 @@
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "tests/support/boost_reference/boost_reference.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -47,12 +48,11 @@ TEST_P(RepairRealFile, IsTakenBackToTheByte) {
 
 // ORB-SLAM3's PostLoad wipes what it has restored when a map, keyframe or point comes twice, and crashes on bad ones.
 TEST_P(RepairRealFile, IsSeenWholeByBoost) {
-  const std::string path =
-      (std::filesystem::temp_directory_path() / ("slamdb-repair-" + std::string(GetParam()) + ".osa")).string();
+  const TemporaryFolder folder;
+  const std::string path = folder / "repaired.osa";
   WriteOrbslam3(atlas_, path, {.overwrite = true, .sync = false}, notices_);
   const auto encoding = atlas_.encoding.text ? reference::Encoding::kText : reference::Encoding::kBinary;
   const Atlas loaded = reference::Load(path, encoding);
-  std::filesystem::remove(path);
   std::size_t observations = 0, expected = 0;
   EXPECT_TRUE(loaded.repeated_maps.empty());
   for (const Map& map : loaded.maps) {

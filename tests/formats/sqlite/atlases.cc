@@ -199,16 +199,6 @@ std::vector<Landmark> OddLandmarks() {
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "slamdb-store-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = pattern;
-}
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 Atlas OddAtlas() {
   Atlas atlas;
   atlas.vocabulary = {std::string("voc\0\xff'ab", 8), ""};

@@ -8,20 +8,11 @@
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/atlas.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb::store_test {
 
-// A folder of its own for a test, removed with all in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using slamdb::TemporaryFolder;
 
 // Everything that a format can hold and that is hard to keep: NaNs with payload, -0.0, infinities, flags that are
 // neither 0 nor 1, ids that repeat, dangle, are none or need 64 bits, empty maps and cameras, irregular list entries,
