@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "slamdb/export.h"
+
 namespace slamdb {
 
 // Memory for the columns of an atlas. Blocks are cut one behind the other from 2 MiB slabs that are backed by huge
@@ -14,8 +16,8 @@ namespace slamdb {
 // and goes back to the system with the last of them, so columns may be copied and moved between atlases and threads
 // like any vector. Thread-safe: each thread cuts from a slab of its own. Throws std::bad_alloc.
 // Under AddressSanitizer this is plain operator new, so that overruns are seen.
-void* AllocateColumn(std::size_t bytes);
-void FreeColumn(void* block, std::size_t bytes) noexcept;
+SLAMDB_EXPORT void* AllocateColumn(std::size_t bytes);
+SLAMDB_EXPORT void FreeColumn(void* block, std::size_t bytes) noexcept;
 
 // The stateless allocator over it. Elements without an initialiser of their own (numbers, Keypoint, Descriptor) are
 // left uninitialised by `resize(n)`, because readers overwrite them at once; write `resize(n, value)` for a value.

@@ -35,10 +35,6 @@ class SLAMDB_EXPORT Error : public std::runtime_error {
   Error(ErrorKind kind, std::string problem) : Error(kind, "", "", std::move(problem)) {}
   Error(ErrorKind kind, std::string path, std::string place, std::string problem);
 
-  explicit Error(std::string problem) : Error(ErrorKind::kUsage, std::move(problem)) {}
-  Error(std::string path, std::string place, std::string problem)
-      : Error(ErrorKind::kDamaged, std::move(path), std::move(place), std::move(problem)) {}
-
   ErrorKind kind() const { return kind_; }
   // The file that was read or written.
   const std::string& path() const { return path_; }

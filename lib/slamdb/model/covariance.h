@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/index.h"
 
@@ -12,11 +13,12 @@ namespace slamdb {
 
 // How a projected pixel moves with the point: the derivative of Project (derive.h) by the point in the camera frame, in
 // pixels per metre. nullopt where Project has no value.
-std::optional<Eigen::Matrix<double, 2, 3>> ProjectionJacobian(const Camera& camera, const Eigen::Vector3d& x_in_camera);
+SLAMDB_EXPORT std::optional<Eigen::Matrix<double, 2, 3>> ProjectionJacobian(const Camera& camera,
+                                                                            const Eigen::Vector3d& x_in_camera);
 
 // How well a map's observations determine the positions of its points. Refers to the atlas, which must outlive it.
 // Constant after construction: safe to use from many threads.
-class PointCovariances {
+class SLAMDB_EXPORT PointCovariances {
  public:
   // `pixel_sigma`: standard deviation of a keypoint's position at octave 0, per axis; at octave o it is `factor^o`
   // times as large. ORB-SLAM3 weighs its residuals as if it were 1 pixel.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
@@ -14,7 +15,7 @@ inline constexpr std::uint32_t kNoRow = ~std::uint32_t{0};
 
 // Look-up id -> row of one list. A plain array over [lowest, highest] id where the ids are dense enough, open
 // addressing where they are not. The id `none` is never found. Of several rows with one id, the first is found.
-class IdTable {
+class SLAMDB_EXPORT IdTable {
  public:
   IdTable() = default;
   // For `count` ids, all in [lowest, highest].
@@ -39,8 +40,8 @@ class IdTable {
 };
 
 // Id -> row inside one map, for work that needs no look-ups beyond it. O(n).
-IdTable KeyFrameTable(const Map& map);
-IdTable PointTable(const Map& map);
+SLAMDB_EXPORT IdTable KeyFrameTable(const Map& map);
+SLAMDB_EXPORT IdTable PointTable(const Map& map);
 
 // Where an entity is: rows of Atlas::maps and of that map's list.
 struct EntityRow {
@@ -59,7 +60,7 @@ struct DuplicateId {
 // Look-ups of an atlas by id, derived from it in O(n). Refers to the atlas, which must outlive it and keep its lists as
 // they are. References of ORB-SLAM3 hold inside one map, hence the look-ups per map. Const and so safe to share between
 // threads; no look-up throws. Entries that Map::repeated_keyframes and the like stand for are not in it.
-class AtlasIndex {
+class SLAMDB_EXPORT AtlasIndex {
  public:
   explicit AtlasIndex(const Atlas& atlas);
 

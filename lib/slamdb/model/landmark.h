@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/ids.h"
 #include "slamdb/model/similarity.h"
 
@@ -38,7 +39,7 @@ struct FeatureDescriptor {
 };
 
 // A keypoint of an image with its descriptors. mrpt::vision::CFeature
-struct LandmarkFeature {
+struct SLAMDB_EXPORT LandmarkFeature {
   static constexpr std::uint64_t kNoKeypoint = std::numeric_limits<std::uint64_t>::max();
 
   float x = 0, y = 0;                       // pixels                         keypoint.pt
@@ -72,7 +73,7 @@ struct GaussianPoint {
 //
 // Rules of ids, as in MRPT: whoever makes a map (a server, slamdb) assigns them; a client may ignore them and leave
 // none. Equal ids are one landmark; landmarks with different ids, or none, may be one all the same.
-struct Landmark {
+struct SLAMDB_EXPORT Landmark {
   LandmarkId id;                                     //                                                   ID
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();    // world, metres or map units         pose_mean
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit viewing direction, from the camera to it, or zero
@@ -95,10 +96,10 @@ struct Landmark {
 
 // Moves landmarks as TransformMap (edit/transform.h) moves points: means by the similarity, covariances by scale^2 R C
 // R^T, normals by R, depths and positions in the camera by the scale. Does not check the transform.
-void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source);
+SLAMDB_EXPORT void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source);
 
 // Seconds since 1970 as MRPT's ticks, rounded to 100 ns, and back. Not finite, or outside the years 1601 to 30828: 0.
-std::uint64_t TicksOfSeconds(double seconds);
-double SecondsOfTicks(std::uint64_t ticks);
+SLAMDB_EXPORT std::uint64_t TicksOfSeconds(double seconds);
+SLAMDB_EXPORT double SecondsOfTicks(std::uint64_t ticks);
 
 }  // namespace slamdb

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "slamdb/export.h"
 #include "slamdb/model/imu.h"
 
 namespace slamdb {
@@ -11,12 +12,12 @@ namespace slamdb {
 // ORB-SLAM3's IMU::Preintegrated::Initialize and one IntegrateNewMeasurement each (Forster et al., TRO 2017, equations
 // 35 to 38 and 63, and the bias Jacobians of their appendix). Sums are double, so results agree with ORB-SLAM3's float
 // sums to float accuracy. Linear in the measurements.
-void Reintegrate(ImuPreintegration& imu, const ImuBias& bias);
+SLAMDB_EXPORT void Reintegrate(ImuPreintegration& imu, const ImuBias& bias);
 
 // Prolongs `imu` backwards over the gap that removing keyframes leaves: `earlier` are the preintegrations before it, in
 // order of time, each ending where the next begins. The measurements are joined and integrated anew with the latest
 // bias of `imu`, which is what ORB-SLAM3 does when it culls a keyframe (MergePrevious). False, and nothing changes,
 // when one of them holds no measurements.
-bool JoinPreintegrations(std::span<const ImuPreintegration* const> earlier, ImuPreintegration& imu);
+SLAMDB_EXPORT bool JoinPreintegrations(std::span<const ImuPreintegration* const> earlier, ImuPreintegration& imu);
 
 }  // namespace slamdb

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
@@ -75,6 +76,6 @@ struct AtlasStatistics {
 // Linear in the size of the atlas, on `threads` threads (0: every core); the result does not depend on their number.
 // Trusts nothing: dangling ids, rows outside their columns and numbers that are not finite are left out of what they
 // would spoil. Never throws but std::bad_alloc. Thread-safe.
-AtlasStatistics ComputeStatistics(const Atlas& atlas, int threads = 0);
+SLAMDB_EXPORT AtlasStatistics ComputeStatistics(const Atlas& atlas, int threads = 0);
 
 }  // namespace slamdb

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "slamdb/export.h"
 #include "slamdb/model/features.h"
 
 namespace slamdb {
@@ -48,6 +49,6 @@ struct Words {
 // vectors. The feature vector groups rows by the node `levels_up` above the deepest level (0, the root, when the tree
 // is not that deep; the leaf itself where a branch ends earlier, for which DBoW2 has no defined value). O(depth *
 // branching) for each descriptor. The tree is not empty. Thread-safe.
-Words ComputeWords(const VocabularyTree& tree, const Column<Descriptor>& descriptors, int levels_up = 4);
+SLAMDB_EXPORT Words ComputeWords(const VocabularyTree& tree, const Column<Descriptor>& descriptors, int levels_up = 4);
 
 }  // namespace slamdb

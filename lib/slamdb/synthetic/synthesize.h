@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "slamdb/base/progress.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
@@ -29,6 +30,6 @@ struct SyntheticOptions {
 // normals, descriptors, grids, covisibility, spanning tree, bags of words and counters follow from that. Equal options
 // give equal bytes on every machine. `check` finds nothing in it. The words of its bags are below 1,000,000 and its
 // vocabulary is made up. Linear in the number of features. Throws Error when the options contradict themselves.
-Atlas SynthesizeAtlas(const SyntheticOptions& options);
+SLAMDB_EXPORT Atlas SynthesizeAtlas(const SyntheticOptions& options);
 
 }  // namespace slamdb
