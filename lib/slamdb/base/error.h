@@ -29,6 +29,7 @@ SLAMDB_EXPORT std::string_view ToString(ErrorKind kind);
 
 // The one exception type of the library.
 // what() reads `<path>: <place>: <problem>`, with empty parts left out.
+//
 // Immutable, and so safe to share between threads.
 class SLAMDB_EXPORT Error : public std::runtime_error {
  public:

@@ -25,7 +25,9 @@ struct SLAMDB_EXPORT ContentCounts {
   friend bool operator==(const ContentCounts&, const ContentCounts&) = default;
 };
 
-// Linear; on `threads` threads (0: every core).
+// Counts what is there.
+//
+// Cost: linear. `threads` 0: every core.
 SLAMDB_EXPORT ContentCounts CountContent(const Map& map, int threads = 0);
 SLAMDB_EXPORT ContentCounts CountContent(const Atlas& atlas, int threads = 0);
 
@@ -36,10 +38,14 @@ struct ContentSignature {
 };
 SLAMDB_EXPORT ContentSignature SignatureOf(const Map& map);
 
-// Tells whether two maps are the same map twice: a hash over timestamps, camera positions, keypoints and descriptors of
-// its keyframes, positions and descriptors of its points, and positions of its landmarks. It depends neither on ids nor
-// on the order of the lists, which differ each time ORB-SLAM3 saves a map, nor on rotations, which it normalises when
-// it loads one. Linear.
+// Tells whether two maps are the same map twice: a hash over
+//   timestamps, camera positions, keypoints and descriptors of its keyframes
+//   positions and descriptors of its points
+//   positions of its landmarks
+// It depends neither on ids nor on the order of the lists, which differ each time ORB-SLAM3 saves a map, nor on
+// rotations, which ORB-SLAM3 normalises when it loads one.
+//
+// Cost: linear. `threads` 0: every core.
 SLAMDB_EXPORT std::uint64_t ContentHash(const Map& map, int threads = 0);
 
 // Of all that a landmark holds but its id.

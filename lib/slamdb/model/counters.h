@@ -7,10 +7,15 @@
 namespace slamdb {
 
 // The least counters that are above the ids of all that is in the atlas; points and landmarks share one.
-// `initial_keyframe` is 0. Linear.
+// `initial_keyframe` is 0.
+//
+// Cost: linear.
 SLAMDB_EXPORT Counters LeastCounters(const Atlas& atlas);
 
-// Raises counters to those, so that no id is handed out twice. Returns how many were too low.
+// Raises counters to those, so that no id is handed out twice.
+// Returns how many were too low.
+//
+// Cost: linear.
 SLAMDB_EXPORT std::size_t RaiseCounters(Atlas& atlas);
 
 }  // namespace slamdb
