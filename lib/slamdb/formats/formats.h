@@ -26,7 +26,9 @@ namespace slamdb {
 //   kUnsupported     other versions, other programs' files, saying what they are (`not an atlas: this looks like a
 //                    COLMAP database`), and formats that slamdb only writes
 //   kOutOfResources  memory does not suffice
-//   kUsage           the options name no format that there is, or nothing tells the format
+//   kLocked          a store that another program holds
+//   kUsage           the options name no format that there is, or nothing tells the format; the location is a folder,
+//                    has a `#name` outside a store, or has none in a store of several atlases
 [[nodiscard]] SLAMDB_EXPORT Atlas ReadAtlas(const Location& location, const ReadOptions& options = {},
                                             Notices* notices = nullptr);
 // Reads the stream to its end, into memory.
@@ -50,14 +52,15 @@ namespace slamdb {
 // Throws Error:
 //   kAlreadyExists  the target is there, without options.overwrite
 //   kNotPossible    the first loss, with options.strict
-//   kUsage          nothing tells the format
+//   kLocked         a store that another program writes
+//   kUsage          nothing tells the format, or it is one that is only read
 //   kPermission, kOutOfResources and kNotFound (a folder) as the system has it
 SLAMDB_EXPORT void WriteAtlas(const Atlas& atlas, const Location& location, const WriteOptions& options = {},
                               Notices* notices = nullptr);
 // Writes to a stream, or to bytes in memory.
 // They have no suffix: the options must name the format.
 //
-// Throws Error as above, and kNotPossible when the stream fails.
+// Throws Error as above, and kNotPossible when the stream fails, or the format is a store.
 SLAMDB_EXPORT void WriteAtlas(const Atlas& atlas, std::ostream& stream, const WriteOptions& options,
                               Notices* notices = nullptr);
 [[nodiscard]] SLAMDB_EXPORT std::string EncodeAtlas(const Atlas& atlas, const WriteOptions& options,

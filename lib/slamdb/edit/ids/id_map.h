@@ -115,7 +115,7 @@ SLAMDB_EXPORT void WriteIdMaps(std::span<const IdMap> maps, const std::string& p
 // Columns are told by name:
 //   `map`, `point`, `camera`
 //   `frame`, `frame_id`
-//   `keyframe`, `parent`, `reference_keyframe`
+//   `keyframe`, `keyframe_id`, `parent`, `reference_keyframe`
 //   `id`: a keyframe when there is a column `timestamp`, else a point when there is a column `x`
 //
 // Throws Error (kDamaged) when no column holds an id of a mapped kind.
