@@ -44,9 +44,9 @@ struct ShrinkReport {
 //   IMU
 //   what it reads when it loads and localises stays: grids, bags of words, covisibility, preintegrated motion
 //
-// Throws Error, and the atlas is then of no use:
-//   kUsage        nothing is asked for
-//   kNotPossible  not even one keyframe fits, or there is no map
+// Throws Error:
+//   kUsage        nothing is asked for; before anything changes
+//   kNotPossible  not even one keyframe fits, or there is no map; the atlas is then of no use
 // Cost: near linear, in place; the result is the same for any number of threads.
 SLAMDB_EXPORT ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options = {});
 
