@@ -57,7 +57,7 @@ Arguments Parse(int count, char** values) {
     } else if (kOptions.contains(option) && i + 1 < count) {
       arguments.options[option] = values[++i];
     } else if (option.starts_with("-")) {
-      throw slamdb::Error("unknown option or no value: " + option + "\n" + kUsage);
+      throw slamdb::Error(slamdb::ErrorKind::kUsage, "unknown option or no value: " + option + "\n" + kUsage);
     } else {
       arguments.atlases.push_back(option);
     }

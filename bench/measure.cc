@@ -314,7 +314,7 @@ std::span<const Measurement> Measurements() { return kMeasurements; }
 const Measurement& MeasurementById(std::string_view id) {
   for (const Measurement& measurement : kMeasurements)
     if (measurement.id == id) return measurement;
-  throw Error("unknown measurement '" + std::string(id) + "'");
+  throw Error(ErrorKind::kUsage, "unknown measurement '" + std::string(id) + "'");
 }
 
 void Prepare(const std::string& atlas_path, const Workplace& at) {

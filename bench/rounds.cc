@@ -59,7 +59,7 @@ class Runner {
         RunProgram({options_.program, "--measure", std::string(id), "--folder", at_.folder, "--name", at_.name}));
     Sample sample;
     if (!(printed >> sample.seconds >> sample.peak_megabytes))
-      throw Error("measurement " + std::string(id) + " printed no result");
+      throw Error(ErrorKind::kInternal, "measurement " + std::string(id) + " printed no result");
     return sample;
   }
 

@@ -2,7 +2,7 @@
 #   - a file of a layer that its own layer does not link, directly or through others,
 #   - a library that it does not link,
 #   - from a public header, a private one (detail/), which is not installed,
-# when a header of a folder is neither public nor in detail/, or when a file of cli includes a private header other than of base.
+# when slamdb.h lacks a public header, when a header of a folder is neither public nor in detail/, or when a file of cli includes a private header other than of base.
 cmake_minimum_required(VERSION 3.25)
 include(${LAYERS})
 set(lib ${SOURCE}/lib)
@@ -91,6 +91,23 @@ foreach(layer IN LISTS layers)
     endforeach()
   endforeach()
 endforeach()
+
+# The umbrella has every public header but those of the live map and of Boost, which need more than slamdb itself.
+if(EXISTS ${lib}/slamdb/slamdb.h)
+  file(READ ${lib}/slamdb/slamdb.h umbrella)
+  foreach(layer IN LISTS layers)
+    if(layer MATCHES "^slamdb_(live|boost)$")
+      continue()
+    endif()
+    foreach(header IN LISTS ${layer}_HEADERS)
+      file(RELATIVE_PATH name ${lib} ${header})
+      string(FIND "${umbrella}" "#include \"${name}\"" at)
+      if(at EQUAL -1)
+        list(APPEND breaches "lib/slamdb/slamdb.h: lacks ${name}")
+      endif()
+    endforeach()
+  endforeach()
+endif()
 
 file(GLOB_RECURSE files ${SOURCE}/cli/*.cc ${SOURCE}/cli/*.h)
 foreach(file IN LISTS files)

@@ -7,18 +7,25 @@
 #include <utility>
 #include <vector>
 
+#include "slamdb/export.h"
+
 namespace slamdb {
 
-// Memory for the columns of an atlas. Blocks are cut one behind the other from 2 MiB slabs that are backed by huge
-// pages, so reading an atlas costs few page faults and no per-column malloc. A slab counts the blocks that live in it
-// and goes back to the system with the last of them, so columns may be copied and moved between atlases and threads
-// like any vector. Thread-safe: each thread cuts from a slab of its own. Throws std::bad_alloc.
+// Memory for the columns of an atlas.
+// Blocks are cut one behind the other from 2 MiB slabs that are backed by huge pages.
+// A slab counts the blocks that live in it and goes back to the system with the last of them, so columns may be copied
+// and moved between atlases and threads like any vector.
 // Under AddressSanitizer this is plain operator new, so that overruns are seen.
-void* AllocateColumn(std::size_t bytes);
-void FreeColumn(void* block, std::size_t bytes) noexcept;
+//
+// Throws std::bad_alloc.
+// Cost: few page faults, and no malloc for each column.
+// Thread-safe: each thread cuts from a slab of its own.
+SLAMDB_EXPORT void* AllocateColumn(std::size_t bytes);
+SLAMDB_EXPORT void FreeColumn(void* block, std::size_t bytes) noexcept;
 
-// The stateless allocator over it. Elements without an initialiser of their own (numbers, Keypoint, Descriptor) are
-// left uninitialised by `resize(n)`, because readers overwrite them at once; write `resize(n, value)` for a value.
+// The stateless allocator over it.
+// Elements without an initialiser of their own (numbers, Keypoint, Descriptor) are left uninitialised by `resize(n)`,
+// because readers overwrite them at once; write `resize(n, value)` for a value.
 template <class T>
 struct ColumnAllocator {
   using value_type = T;

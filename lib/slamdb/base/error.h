@@ -29,15 +29,12 @@ SLAMDB_EXPORT std::string_view ToString(ErrorKind kind);
 
 // The one exception type of the library.
 // what() reads `<path>: <place>: <problem>`, with empty parts left out.
+//
 // Immutable, and so safe to share between threads.
 class SLAMDB_EXPORT Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, std::string problem) : Error(kind, "", "", std::move(problem)) {}
   Error(ErrorKind kind, std::string path, std::string place, std::string problem);
-
-  explicit Error(std::string problem) : Error(ErrorKind::kUsage, std::move(problem)) {}
-  Error(std::string path, std::string place, std::string problem)
-      : Error(ErrorKind::kDamaged, std::move(path), std::move(place), std::move(problem)) {}
 
   ErrorKind kind() const { return kind_; }
   // The file that was read or written.

@@ -49,8 +49,10 @@ struct Target {
 
 // The bytes of a source, all of them at hand: a file is mapped, standard input is read into memory.
 // Opening never changes a file.
-// Throws Error when the path is missing, a directory, not a regular file, or not readable.
 // A file that another program shortens while it is mapped raises SIGBUS, as with every mapping.
+//
+// Throws Error: kNotFound when the path is missing; kUsage when it is a directory or no regular file; kPermission and
+// others as the system has it (SystemError); kOutOfResources when standard input does not fit into memory.
 class SLAMDB_EXPORT MappedFile {
  public:
   explicit MappedFile(const Source& source);
@@ -74,11 +76,13 @@ struct AtomicFileOptions {
 };
 
 // A file that appears whole or not at all.
-// Bytes go to a temporary file beside the target, which Commit() syncs and renames over it. Without Commit() (an
-// exception, a return) the temporary file is removed and the target is as it was.
+// Bytes go to a temporary file beside the target, which Commit() syncs and renames over it.
+// Without Commit() (an exception, a return) the temporary file is removed and the target is as it was.
 // Standard output and sinks get the bytes as they come, with nothing atomic about it.
-// Throws Error: target there and not `overwrite`, target a directory, folder missing, disk full, no permission, and
-// whatever a sink throws.
+//
+// Throws Error: kAlreadyExists when the target is there and not `overwrite`; kUsage when it is a directory; kNotFound
+// (the folder), kOutOfResources (the disk is full) and kPermission as the system has it (SystemError).
+// Throws whatever a sink throws.
 class SLAMDB_EXPORT AtomicFile {
  public:
   explicit AtomicFile(const Target& target, AtomicFileOptions options = {});
@@ -115,7 +119,9 @@ struct Probe {
   bool is_directory = false;
   std::optional<Bytes> memory;  // of a source in memory, all of it
 
-  // Throws Error when the path is missing or not readable. Standard input (`-`) gives an empty head.
+  // Standard input (`-`) gives an empty head.
+  //
+  // Throws Error when the path is missing (kNotFound) or cannot be opened (kPermission and others, see SystemError).
   SLAMDB_EXPORT static Probe Of(const Source& source);
 };
 

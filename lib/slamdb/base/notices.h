@@ -19,7 +19,9 @@ struct Notice {
   friend bool operator==(const Notice&, const Notice&) = default;
 };
 
-// Collects notices in the order they come. Not thread-safe.
+// Collects notices in the order they come.
+//
+// Not thread-safe.
 class Notices {
  public:
   void Note(std::string text) { items_.push_back({Notice::Kind::kNote, std::move(text)}); }

@@ -6,8 +6,10 @@
 
 namespace slamdb {
 
-// Called now and then during long work, always from the thread that called the library: what is being done
-// ("reading session_b.osa") and how much of it is done, 0 to 1. Throwing from it cancels the work.
+// Called now and then during long work: what is being done ("reading session_b.osa"), and how much of it, 0 to 1.
+// Throwing from it cancels the work.
+//
+// Always called from the thread that called the library.
 using Progress = std::function<void(std::string_view stage, double fraction)>;
 
 }  // namespace slamdb

@@ -59,9 +59,9 @@ constexpr Content& operator&=(Content& a, Content b) { return a = a & b; }
 constexpr bool HasAny(Content content, Content parts) { return (content & parts) != Content::kNothing; }
 constexpr bool HasAll(Content content, Content parts) { return (content & parts) == parts; }
 
-// Which part of an atlas to read. Default: all. Keyframes outside the ranges are left out, and so are points outside
-// the box; references to what was left out stay as they are, so a partial atlas is for looking at, not for saving as
-// whole.
+// Which part of an atlas to read. Default: all.
+// Keyframes outside the ranges are left out, and so are points outside the box.
+// References to what was left out stay as they are: a partial atlas is for looking at, not for saving as whole.
 struct SLAMDB_EXPORT Selection {
   std::optional<MapId> map;
   std::uint64_t first_keyframe = 0, last_keyframe = std::numeric_limits<std::uint64_t>::max();  // ids, inclusive
@@ -81,7 +81,8 @@ struct PartSize {
   std::uint64_t bytes = 0;
 };
 
-// Which columns of the features to read. A reader may read more than was asked for.
+// Which columns of the features to read.
+// A reader may read more than was asked for.
 enum class FeatureColumns {
   kAll,
   kGeometry,  // keypoints, stereo and depth, matches; no descriptors, grids and bags of words: for statistics
@@ -151,10 +152,13 @@ enum class FileKind {
   kBinaryOrText,  // as options say
 };
 
-// A file format. One folder each; formats.cc lists them all. Functions are null where the format cannot do it.
+// A file format.
+// One folder each; formats.cc lists them all.
+// Functions are null where the format cannot do it.
 // Readers are strict about bytes and lenient about content: everything decodable loads, dangling ids included.
-// All throw Error, of kind kDamaged where bytes are wrong, kUnsupported where they are sound but of another version.
-// `notices` receives what a successful run has to tell.
+// Notices receive what a successful run has to tell.
+//
+// All throw Error: kDamaged where bytes are wrong, kUnsupported where they are sound but of another version.
 struct Format {
   std::string_view id;                         // for ReadOptions::format and WriteOptions::format
   std::string_view title;                      // for people

@@ -11,7 +11,8 @@ namespace slamdb {
 // Holds at most one struct of each type; one that was not asked for has its defaults.
 class FormatOptions {
  public:
-  // The struct of that type, to be changed. Stays where it is while others are asked for.
+  // The struct of that type, to be changed.
+  // Stays where it is while others are asked for.
   template <class Options>
   Options& of() {
     for (std::any& item : items_)

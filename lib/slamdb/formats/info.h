@@ -26,14 +26,16 @@ struct AtlasInfo {
   std::vector<PartSize> parts;      // where the format can tell
 };
 
-// Reads an atlas and describes it. `header_only` leaves out the statistics, which take most of the time.
+// Reads an atlas and describes it.
+// `header_only` leaves out the statistics, which take most of the time.
 //
 // Throws Error as ReadAtlas does.
 // Cost: linear.
 [[nodiscard]] SLAMDB_EXPORT AtlasInfo ReadInfo(const Location& location, ReadOptions options = {},
                                                Notices* notices = nullptr, bool header_only = false);
 
-// As schema/info.schema.json describes it. `indent` -1: on one line.
+// As schema/info.schema.json describes it.
+// `indent` -1: on one line.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const AtlasInfo& info, int indent = 2);
 
 // `unknown`, `monocular`, `stereo-or-rgbd`, `fisheye-stereo`.

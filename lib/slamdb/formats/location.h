@@ -10,7 +10,8 @@
 namespace slamdb {
 
 // Where an atlas is: a file, or one atlas of several in a store (`store.db#name`).
-// `-` is standard input or output. A text converts by Parse().
+// `-` is standard input or output.
+// A text converts by Parse().
 struct SLAMDB_EXPORT Location {
   std::string path;
   std::string name;  // in a store; empty: the only one

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/live/opencv.h"
 #include "slamdb/model/features.h"
 
@@ -92,7 +93,7 @@ class KeyPointView {
 
 // A bag of words in place of DBoW2::BowVector: pairs of word and weight by rising word. Converts to any class that is a
 // std::map of them, as DBoW2's is.
-class BowView {
+class SLAMDB_EXPORT BowView {
  public:
   using value_type = std::pair<std::uint32_t, double>;
   using const_iterator = RowIterator<BowView>;
@@ -127,7 +128,7 @@ struct FeatureRows : std::span<const std::uint32_t> {
 
 // A feature vector in place of DBoW2::FeatureVector: pairs of node and keypoint rows by rising node. Converts to any
 // class that is a std::map of them, as DBoW2's is.
-class FeatureVectorView {
+class SLAMDB_EXPORT FeatureVectorView {
  public:
   class const_iterator {
    public:

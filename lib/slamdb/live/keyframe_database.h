@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "slamdb/export.h"
+
 namespace slamdb {
 struct VocabularyTree;
 }
@@ -14,7 +16,7 @@ using ORBVocabulary = slamdb::VocabularyTree;
 
 // What place recognition looks keyframes up in, with the names of ORB-SLAM3's class. The client derives its own from
 // it: the live map only says which keyframes come and go.
-class KeyFrameDatabase {
+class SLAMDB_EXPORT KeyFrameDatabase {
  public:
   virtual ~KeyFrameDatabase() = default;
 

@@ -12,9 +12,12 @@
 
 namespace slamdb {
 
-// An irregular entry of a list of an .osa file, which holds pointers: at `position` of the list stands a null pointer
-// (`owner_map` is kNull), or once more an object that is already stored: row `row` of the same kind of list in map
-// `owner_map` (rows of Atlas::maps; for the lists of the atlas itself owner_map is 0). Healthy files have none.
+// An irregular entry of a list of an .osa file, which holds pointers.
+// At `position` of the list stands
+//   a null pointer: `owner_map` is kNull
+//   or once more an object that is already stored: row `row` of the same kind of list in map `owner_map`
+// Maps are rows of Atlas::maps; for the lists of the atlas itself owner_map is 0.
+// Healthy files have none.
 struct RepeatedEntry {
   static constexpr std::uint32_t kNull = ~std::uint32_t{0};
   std::uint64_t position = 0;
@@ -51,7 +54,8 @@ struct Counters {
   friend bool operator==(const Counters&, const Counters&) = default;
 };
 
-// The vocabulary that bags of words refer to. ORB-SLAM3 refuses an atlas whose checksum is not its vocabulary's.
+// The vocabulary that bags of words refer to.
+// ORB-SLAM3 refuses an atlas whose checksum is not its vocabulary's.
 struct Vocabulary {
   std::string name;      // file name without folder
   std::string checksum;  // MD5 of the file, 32 lower-case hex digits
@@ -67,8 +71,10 @@ struct ArchiveEncoding {
   friend bool operator==(const ArchiveEncoding&, const ArchiveEncoding&) = default;
 };
 
-// What one ORB-SLAM3 atlas file holds. A value: copying copies everything, and nothing in it refers to memory
-// elsewhere. Safe to read from many threads at once.
+// What one ORB-SLAM3 atlas file holds.
+// A value: copying copies everything, and nothing in it refers to memory elsewhere.
+//
+// Safe to read from many threads at once.
 struct Atlas {
   Vocabulary vocabulary;
   std::vector<Map> maps;                     // by id; each a world frame of its own

@@ -3,12 +3,13 @@
 
 #include <cstdint>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
 
 // How much there is of everything, for proofs that nothing was lost.
-struct ContentCounts {
+struct SLAMDB_EXPORT ContentCounts {
   std::uint64_t maps = 0, cameras = 0, keyframes = 0, points = 0;
   std::uint64_t features = 0;      // rows of all keyframes
   std::uint64_t observations = 0;  // of points by keyframes
@@ -24,24 +25,30 @@ struct ContentCounts {
   friend bool operator==(const ContentCounts&, const ContentCounts&) = default;
 };
 
-// Linear; on `threads` threads (0: every core).
-ContentCounts CountContent(const Map& map, int threads = 0);
-ContentCounts CountContent(const Atlas& atlas, int threads = 0);
+// Counts what is there.
+//
+// Cost: linear. `threads` 0: every core.
+SLAMDB_EXPORT ContentCounts CountContent(const Map& map, int threads = 0);
+SLAMDB_EXPORT ContentCounts CountContent(const Atlas& atlas, int threads = 0);
 
 // A few numbers that equal maps share, cheap to compare before ContentHash.
 struct ContentSignature {
   std::uint64_t keyframes = 0, points = 0, features = 0, timestamps = 0, landmarks = 0;
   friend bool operator==(const ContentSignature&, const ContentSignature&) = default;
 };
-ContentSignature SignatureOf(const Map& map);
+SLAMDB_EXPORT ContentSignature SignatureOf(const Map& map);
 
-// Tells whether two maps are the same map twice: a hash over timestamps, camera positions, keypoints and descriptors of
-// its keyframes, positions and descriptors of its points, and positions of its landmarks. It depends neither on ids nor
-// on the order of the lists, which differ each time ORB-SLAM3 saves a map, nor on rotations, which it normalises when
-// it loads one. Linear.
-std::uint64_t ContentHash(const Map& map, int threads = 0);
+// Tells whether two maps are the same map twice: a hash over
+//   timestamps, camera positions, keypoints and descriptors of its keyframes
+//   positions and descriptors of its points
+//   positions of its landmarks
+// It depends neither on ids nor on the order of the lists, which differ each time ORB-SLAM3 saves a map, nor on
+// rotations, which ORB-SLAM3 normalises when it loads one.
+//
+// Cost: linear. `threads` 0: every core.
+SLAMDB_EXPORT std::uint64_t ContentHash(const Map& map, int threads = 0);
 
 // Of all that a landmark holds but its id.
-std::uint64_t ContentHash(const Landmark& landmark);
+SLAMDB_EXPORT std::uint64_t ContentHash(const Landmark& landmark);
 
 }  // namespace slamdb

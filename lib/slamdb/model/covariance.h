@@ -5,28 +5,37 @@
 #include <optional>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
 
-// How a projected pixel moves with the point: the derivative of Project (derive.h) by the point in the camera frame, in
-// pixels per metre. nullopt where Project has no value.
-std::optional<Eigen::Matrix<double, 2, 3>> ProjectionJacobian(const Camera& camera, const Eigen::Vector3d& x_in_camera);
+// How a projected pixel moves with the point: the derivative of Project (derive.h) by the point in the camera frame.
+// nullopt where Project has no value.
+//
+// Units: pixels per metre.
+SLAMDB_EXPORT std::optional<Eigen::Matrix<double, 2, 3>> ProjectionJacobian(const Camera& camera,
+                                                                            const Eigen::Vector3d& x_in_camera);
 
-// How well a map's observations determine the positions of its points. Refers to the atlas, which must outlive it.
+// How well a map's observations determine the positions of its points.
+// Refers to the atlas, which must outlive it.
+//
 // Constant after construction: safe to use from many threads.
-class PointCovariances {
+class SLAMDB_EXPORT PointCovariances {
  public:
-  // `pixel_sigma`: standard deviation of a keypoint's position at octave 0, per axis; at octave o it is `factor^o`
-  // times as large. ORB-SLAM3 weighs its residuals as if it were 1 pixel.
+  // `pixel_sigma`: standard deviation of a keypoint's position at octave 0, per axis.
+  // At octave o it is `factor^o` times as large.
+  // ORB-SLAM3 weighs its residuals as if it were 1 pixel.
   PointCovariances(const Atlas& atlas, const Map& map, double pixel_sigma = 1);
 
-  // The covariance of a point's position in the world, metres^2, by first-order propagation of the noise of all its
-  // observations: (sum of J^T S^-1 J)^-1 with J the derivative of a keypoint's position by the point's, and S its
-  // noise. A stereo or depth measurement counts as ORB-SLAM3 has it: a third coordinate, u - baseline * fx / z. Poses
-  // and scale are taken for exact. nullopt when the observations do not determine the point: one ray, no parallax, or
-  // none that can be projected.
+  // The covariance of a point's position, by first-order propagation of the noise of all its observations:
+  // (sum of J^T S^-1 J)^-1 with J the derivative of a keypoint's position by the point's, and S its noise.
+  // A stereo or depth measurement counts as ORB-SLAM3 has it: a third coordinate, u - baseline * fx / z.
+  // Poses and scale are taken for exact.
+  // nullopt when the observations do not determine the point: one ray, no parallax, or none that can be projected.
+  //
+  // Frame: the world. Units: metres^2.
   std::optional<Eigen::Matrix3d> Of(const MapPoint& point) const;
 
  private:

@@ -9,7 +9,8 @@
 
 namespace slamdb {
 
-// An ORB keypoint. Members in the order of the .osa file, so that whole columns are copied at once. cv::KeyPoint.
+// An ORB keypoint. cv::KeyPoint.
+// Members in the order of the .osa file, so that whole columns are copied at once.
 struct Keypoint {
   float angle;            // degrees, [0, 360)
   float response;         // detector score
@@ -25,12 +26,14 @@ static_assert(sizeof(Keypoint) == 28);
 // 256 bits of ORB. Compared by Hamming distance.
 using Descriptor = std::array<std::uint8_t, 32>;
 
-// How a descriptor matrix without rows, or with cv::Mat's "not continuous" flag, stands in the file. kUsual is `32
-// columns, continuous`; an empty cv::Mat has no columns, and ORB-SLAM3 sets its flag when it loads and saves one.
+// How a descriptor matrix without rows, or with cv::Mat's "not continuous" flag, stands in the file.
+// kUsual is `32 columns, continuous`.
+// An empty cv::Mat has no columns, and ORB-SLAM3 sets its flag when it loads and saves one.
 enum class MatrixForm : std::uint8_t { kUsual, kUsualNotContinuous, kEmpty, kEmptyContinuous };
 
-// The keypoints of an image binned into cells for look-up by place. ORB-SLAM3: mGrid[column][row] -> keypoint rows.
+// The keypoints of an image binned into cells for look-up by place.
 // Compressed by rows: cell c of column k is cell_sizes[k * rows + c] entries of `keypoints`, one cell behind the other.
+// ORB-SLAM3: mGrid[column][row] -> keypoint rows.
 struct FeatureGrid {
   Column<std::uint32_t>
       column_sizes;  // cells in each column: mnGridRows each in a sound grid, none when there is no grid
@@ -41,15 +44,17 @@ struct FeatureGrid {
   friend bool operator==(const FeatureGrid&, const FeatureGrid&) = default;
 };
 
-// The bag of words: words of the vocabulary with their TF-IDF weights, sorted by word, L1 norm 1. DBoW2::BowVector.
+// The bag of words: words of the vocabulary with their TF-IDF weights, sorted by word, L1 norm 1.
+// DBoW2::BowVector.
 struct BagOfWords {
   Column<std::uint32_t> words;
   Column<double> weights;  // same length
   friend bool operator==(const BagOfWords&, const BagOfWords&) = default;
 };
 
-// Keypoint rows grouped by the vocabulary node four levels above their word. DBoW2::FeatureVector.
+// Keypoint rows grouped by the vocabulary node four levels above their word.
 // Node n has the next sizes[n] entries of `features`.
+// DBoW2::FeatureVector.
 struct FeatureVector {
   Column<std::uint32_t> nodes;     // ascending
   Column<std::uint32_t> sizes;     // same length
@@ -57,10 +62,15 @@ struct FeatureVector {
   friend bool operator==(const FeatureVector&, const FeatureVector&) = default;
 };
 
-// The features of a keyframe as columns: row r is keypoint r. For one camera, or a rectified stereo or RGB-D pair, all
-// columns but those of the right camera have `count` rows. For a fisheye stereo pair `count` = left_count +
-// right_count: descriptors and map_points have `count` rows, left ones first; keypoints, undistorted, right_x and depth
-// have left_count; right_keypoints has right_count. All as recorded: lengths may disagree in a damaged file.
+// The features of a keyframe as columns: row r is keypoint r.
+// All as recorded: lengths may disagree in a damaged file.
+//
+// Shapes, for one camera, or a rectified stereo or RGB-D pair: `count` rows in all columns but those of the right
+// camera.
+// Shapes, for a fisheye stereo pair, where `count` = left_count + right_count:
+//   descriptors, map_points                       `count` rows, left ones first
+//   keypoints, undistorted, right_x, depth        left_count rows
+//   right_keypoints                               right_count rows
 struct Features {
   std::int32_t count = 0;          //                                            N
   std::int32_t left_count = -1;    // -1 unless fisheye stereo                   NLeft

@@ -4,8 +4,9 @@
 #include "slamdb/model/atlas.h"
 
 // Every recorded field of an entity by name, once.
-// What hashes, compares, prints, keeps and restores entities field by field walks through these; the groups in
-// `fields` are for those that need a part. A new field of the model needs its line here.
+// What hashes, compares, prints, keeps and restores entities field by field walks through these.
+// The groups in `fields` are for those that need a part.
+// A new field of the model needs its line here.
 // tests/model/fields_test.cc holds every component to every field.
 namespace slamdb {
 

@@ -6,8 +6,9 @@
 
 namespace slamdb {
 
-// A bool as a file holds it: one byte, which uninitialised memory can make something else than 0 and 1. Anything but 0
-// counts as true; the byte itself is kept so that a file can be written back as it was.
+// A bool as a file holds it: one byte, which uninitialised memory can make something else than 0 and 1.
+// Anything but 0 counts as true.
+// The byte itself is kept so that a file can be written back as it was.
 struct Flag {
   std::uint8_t recorded = 0;
 

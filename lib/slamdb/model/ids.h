@@ -8,8 +8,9 @@
 
 namespace slamdb {
 
-// A strong id: KeyFrameId converts neither to MapPointId nor from an integer. Ids come from the file and may be
-// anything; a default-constructed id is `none`, which ORB-SLAM3 writes as -1.
+// A strong id: KeyFrameId converts neither to MapPointId nor from an integer.
+// Ids come from the file and may be anything.
+// A default-constructed id is `none`, which ORB-SLAM3 writes as -1.
 template <class Entity>
 class Id {
  public:

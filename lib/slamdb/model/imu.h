@@ -26,7 +26,8 @@ struct ImuMeasurement {
 };
 static_assert(sizeof(ImuMeasurement) == 28);
 
-// IMU motion between the previous keyframe and this one (Forster et al., TRO 2017). ORB-SLAM3: IMU::Preintegrated.
+// IMU motion between the previous keyframe and this one (Forster et al., TRO 2017).
+// ORB-SLAM3: IMU::Preintegrated.
 // Uninitialised memory in files of keyframes without IMU data (all but `bias` and `updated_bias`): kept as recorded.
 struct ImuPreintegration {
   float duration = 0;                                               // seconds                dT
@@ -50,7 +51,8 @@ struct ImuPreintegration {
   Column<ImuMeasurement> measurements;                              // in time order          mvMeasurements
 };
 
-// ORB-SLAM3: IMU::Calib. The noise fields are uninitialised in files where is_set is false.
+// ORB-SLAM3: IMU::Calib.
+// The noise fields are uninitialised in files where is_set is false.
 struct ImuCalibration {
   Rigid3f camera_from_body;                // mTcb
   Rigid3f body_from_camera;                // mTbc

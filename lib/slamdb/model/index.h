@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
@@ -12,9 +13,11 @@ namespace slamdb {
 // No row: what look-ups answer for an id that is not there.
 inline constexpr std::uint32_t kNoRow = ~std::uint32_t{0};
 
-// Look-up id -> row of one list. A plain array over [lowest, highest] id where the ids are dense enough, open
-// addressing where they are not. The id `none` is never found. Of several rows with one id, the first is found.
-class IdTable {
+// Look-up id -> row of one list.
+// A plain array over [lowest, highest] id where the ids are dense enough, open addressing where they are not.
+// The id `none` is never found.
+// Of several rows with one id, the first is found.
+class SLAMDB_EXPORT IdTable {
  public:
   IdTable() = default;
   // For `count` ids, all in [lowest, highest].
@@ -38,9 +41,11 @@ class IdTable {
   std::vector<std::uint32_t> rows_;  // kNoRow: nothing here
 };
 
-// Id -> row inside one map, for work that needs no look-ups beyond it. O(n).
-IdTable KeyFrameTable(const Map& map);
-IdTable PointTable(const Map& map);
+// Id -> row inside one map, for work that needs no look-ups beyond it.
+//
+// Cost: linear.
+SLAMDB_EXPORT IdTable KeyFrameTable(const Map& map);
+SLAMDB_EXPORT IdTable PointTable(const Map& map);
 
 // Where an entity is: rows of Atlas::maps and of that map's list.
 struct EntityRow {
@@ -56,10 +61,15 @@ struct DuplicateId {
   friend bool operator==(const DuplicateId&, const DuplicateId&) = default;
 };
 
-// Look-ups of an atlas by id, derived from it in O(n). Refers to the atlas, which must outlive it and keep its lists as
-// they are. References of ORB-SLAM3 hold inside one map, hence the look-ups per map. Const and so safe to share between
-// threads; no look-up throws. Entries that Map::repeated_keyframes and the like stand for are not in it.
-class AtlasIndex {
+// Look-ups of an atlas by id.
+// Refers to the atlas, which must outlive it and keep its lists as they are.
+// References of ORB-SLAM3 hold inside one map, hence the look-ups per map.
+// Entries that Map::repeated_keyframes and the like stand for are not in it.
+//
+// No look-up throws.
+// Cost: to make, linear in the atlas.
+// Const, and so safe to share between threads.
+class SLAMDB_EXPORT AtlasIndex {
  public:
   explicit AtlasIndex(const Atlas& atlas);
 
@@ -87,8 +97,8 @@ class AtlasIndex {
     return row == kNoRow ? nullptr : &atlas_->cameras[row];
   }
 
-  // In the order of the lists, those inside one map first. Maps and cameras: rows of the atlas's own lists,
-  // EntityRow::map is 0.
+  // In the order of the lists, those inside one map first.
+  // Of maps and cameras: rows of the atlas's own lists, EntityRow::map is 0.
   std::span<const DuplicateId> duplicate_keyframes() const { return duplicate_keyframes_; }
   std::span<const DuplicateId> duplicate_points() const { return duplicate_points_; }
   std::span<const DuplicateId> duplicate_maps() const { return duplicate_maps_; }

@@ -52,7 +52,9 @@ struct Connection {
   friend bool operator==(const Connection&, const Connection&) = default;
 };
 
-// A posed image. Every field as recorded; all links are ids and may dangle. ORB-SLAM3: KeyFrame, its name at the right.
+// A posed image.
+// Every field as recorded; all links are ids and may dangle.
+// ORB-SLAM3: KeyFrame, its name at the right.
 struct KeyFrame {
   KeyFrameId id;               //                                         mnId
   std::uint64_t frame_id = 0;  // the frame that became this keyframe     mnFrameId

@@ -7,12 +7,14 @@
 #include <span>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/ids.h"
 #include "slamdb/model/similarity.h"
 
 namespace slamdb {
 
-// What detector a feature is of. MRPT: TKeyPointMethod, by its numbers; files may hold others.
+// What detector a feature is of.
+// MRPT: TKeyPointMethod, by its numbers; files may hold others.
 enum class FeatureType : std::int32_t {
   kNotDefined = -1,
   kKlt = 0,
@@ -31,14 +33,16 @@ enum class DescriptorKind : std::uint8_t { kSift, kSurf, kSpinImage, kPolarImage
 
 struct FeatureDescriptor {
   DescriptorKind kind = DescriptorKind::kOrb;
-  // The descriptor's numbers: one byte each for SIFT, ORB, BLD and LATCH, little-endian floats for SURF and spin
-  // images. Polar images are the CMatrixF object as it stands in MRPT's stream.
+  // The descriptor's numbers:
+  //   SIFT, ORB, BLD, LATCH    one byte each
+  //   SURF, spin images        little-endian floats
+  //   polar images             the CMatrixF object as it stands in MRPT's stream
   std::vector<std::uint8_t> bytes;
   friend bool operator==(const FeatureDescriptor&, const FeatureDescriptor&) = default;
 };
 
 // A keypoint of an image with its descriptors. mrpt::vision::CFeature
-struct LandmarkFeature {
+struct SLAMDB_EXPORT LandmarkFeature {
   static constexpr std::uint64_t kNoKeypoint = std::numeric_limits<std::uint64_t>::max();
 
   float x = 0, y = 0;                       // pixels                         keypoint.pt
@@ -67,12 +71,15 @@ struct GaussianPoint {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // symmetric
 };
 
-// A 3D point with a Gaussian position and the image features that show it, as MRPT has it: mrpt::maps::CLandmark, its
-// name at the right. Everything that MRPT stores is kept, whether slamdb has a use for it or not.
+// A 3D point with a Gaussian position and the image features that show it.
+// Everything that MRPT stores is kept, whether slamdb has a use for it or not.
+// MRPT: mrpt::maps::CLandmark, its name at the right.
 //
-// Rules of ids, as in MRPT: whoever makes a map (a server, slamdb) assigns them; a client may ignore them and leave
-// none. Equal ids are one landmark; landmarks with different ids, or none, may be one all the same.
-struct Landmark {
+// Rules of ids, as in MRPT:
+//   whoever makes a map (a server, slamdb) assigns them; a client may ignore them and leave none
+//   equal ids are one landmark
+//   landmarks with different ids, or none, may be one all the same
+struct SLAMDB_EXPORT Landmark {
   LandmarkId id;                                     //                                                   ID
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();    // world, metres or map units         pose_mean
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit viewing direction, from the camera to it, or zero
@@ -87,18 +94,25 @@ struct Landmark {
 
   GaussianPoint pose() const;                // getPose
   void set_pose(const GaussianPoint& pose);  // setPose; of the covariance the upper triangle counts
-  // That of the first feature. Throws Error when there is none.    getType
+  // That of the first feature.    getType
+  //
+  // Throws Error (kNotPossible) when there is none.
   FeatureType type() const;
   // Leaves exactly one feature, the first if there is one, and returns it.    createOneFeature
   LandmarkFeature& CreateOneFeature();
 };
 
-// Moves landmarks as TransformMap (edit/transform.h) moves points: means by the similarity, covariances by scale^2 R C
-// R^T, normals by R, depths and positions in the camera by the scale. Does not check the transform.
-void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source);
+// Moves landmarks as TransformMap (edit/frame/transform.h) moves points:
+//   means                                  by the similarity
+//   covariances                            by scale^2 R C R^T
+//   normals                                by R
+//   depths and positions in the camera     by the scale
+// Does not check the transform.
+SLAMDB_EXPORT void TransformLandmarks(std::span<Landmark> landmarks, const Similarity3d& target_from_source);
 
-// Seconds since 1970 as MRPT's ticks, rounded to 100 ns, and back. Not finite, or outside the years 1601 to 30828: 0.
-std::uint64_t TicksOfSeconds(double seconds);
-double SecondsOfTicks(std::uint64_t ticks);
+// Seconds since 1970 as MRPT's ticks, rounded to 100 ns, and back.
+// Not finite, or outside the years 1601 to 30828: 0.
+SLAMDB_EXPORT std::uint64_t TicksOfSeconds(double seconds);
+SLAMDB_EXPORT double SecondsOfTicks(std::uint64_t ticks);
 
 }  // namespace slamdb

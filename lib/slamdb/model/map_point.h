@@ -10,8 +10,9 @@
 
 namespace slamdb {
 
-// "This map point is keypoint `left` / `right` of that keyframe". ORB-SLAM3 keeps it as two maps from keyframe id to
-// keypoint row, mBackupObservationsId1 (left) and mBackupObservationsId2 (right), which have the same keys.
+// "This map point is keypoint `left` / `right` of that keyframe".
+// ORB-SLAM3 keeps it as two maps from keyframe id to keypoint row, mBackupObservationsId1 (left) and
+// mBackupObservationsId2 (right), which have the same keys.
 // In a damaged file they may not: `left` or `right` is then kAbsent, which is not the same as -1.
 struct Observation {
   static constexpr std::int32_t kAbsent = std::numeric_limits<std::int32_t>::min();
@@ -24,8 +25,9 @@ struct Observation {
 };
 static_assert(sizeof(Observation) == 16);
 
-// A 3D point with what tracking needs to find it again. Every field as recorded. ORB-SLAM3: MapPoint, its name at the
-// right.
+// A 3D point with what tracking needs to find it again.
+// Every field as recorded.
+// ORB-SLAM3: MapPoint, its name at the right.
 struct MapPoint {
   static constexpr std::uint32_t kNoOrigin = 0xffffffff;  // origin_map: not recorded
   static constexpr std::int32_t kNoCount = -1;            // visible_count, found_count: not recorded

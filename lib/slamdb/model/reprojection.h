@@ -4,17 +4,21 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
 
-// How far the observations of a map's points are from where the points project to, in pixels of the full-size image.
-// Refers to the atlas, which must outlive it. Constant after construction: safe to use from many threads.
-class Reprojection {
+// How far the observations of a map's points are from where the points project to.
+// Refers to the atlas, which must outlive it.
+//
+// Units: pixels of the full-size image.
+// Constant after construction: safe to use from many threads.
+class SLAMDB_EXPORT Reprojection {
  public:
-  // Both of one observation; NaN where it has no such side, or where keyframe, keypoint or camera is missing or the
-  // point is behind the camera.
+  // Both of one observation.
+  // NaN where it has no such side, where keyframe, keypoint or camera is missing, or the point is behind the camera.
   struct Errors {
     float left, right;
   };

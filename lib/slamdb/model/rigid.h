@@ -6,11 +6,14 @@
 
 namespace slamdb {
 
-// A quaternion without alignment, so that records stay packed. Coefficients as recorded, normalised or not.
+// A quaternion without alignment, so that records stay packed.
+// Coefficients as recorded, normalised or not.
 using Quaternionf = Eigen::Quaternion<float, Eigen::DontAlign>;
 
-// A rigid transform named `target_from_source`: x_in_target = rotation * x_in_source + translation (metres, or the
-// map's unit where a monocular map has no scale). The rotation is as recorded; Normalized() makes it a unit quaternion.
+// A rigid transform named `target_from_source`: x_in_target = rotation * x_in_source + translation.
+// The rotation is as recorded; Normalized() makes it a unit quaternion.
+//
+// Units: metres, or the map's unit where a monocular map has no scale.
 struct Rigid3f {
   Quaternionf rotation = Quaternionf::Identity();
   Eigen::Vector3f translation = Eigen::Vector3f::Zero();

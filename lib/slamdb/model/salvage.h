@@ -19,8 +19,9 @@ struct SalvagedMap {
   SalvagedList keyframes, points, landmarks;
 };
 
-// What could be read of a damaged file. Everything in the atlas was read whole; it may refer to what was not, and
-// cameras, counters and the map's members that stand behind the damage are as in an atlas just made.
+// What could be read of a damaged file.
+// Everything in the atlas was read whole; it may refer to what was not.
+// Cameras, counters and the map's members that stand behind the damage are as in an atlas just made.
 struct Salvage {
   Atlas atlas;
   std::vector<std::string> damage;  // where reading failed, and how, the first of it; empty: the file is whole

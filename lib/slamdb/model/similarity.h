@@ -8,9 +8,10 @@
 
 namespace slamdb {
 
-// A similarity transform (Sim3) named `target_from_source`: x_in_target = scale * (rotation * x_in_source) +
-// translation. Double precision: it moves whole maps, whose entities are float. The rotation is a unit quaternion and
-// the scale positive.
+// A similarity transform (Sim3) named `target_from_source`:
+//   x_in_target = scale * (rotation * x_in_source) + translation
+// The rotation is a unit quaternion and the scale positive.
+// Double precision: it moves whole maps, whose entities are float.
 struct Similarity3d {
   double scale = 1;
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
@@ -72,9 +73,12 @@ struct AtlasStatistics {
   double trajectory_length = 0;
 };
 
-// Linear in the size of the atlas, on `threads` threads (0: every core); the result does not depend on their number.
+// What is in each map, counted and measured, and the sums over all of them.
 // Trusts nothing: dangling ids, rows outside their columns and numbers that are not finite are left out of what they
-// would spoil. Never throws but std::bad_alloc. Thread-safe.
-AtlasStatistics ComputeStatistics(const Atlas& atlas, int threads = 0);
+// would spoil.
+//
+// Throws nothing but std::bad_alloc.
+// Cost: linear. `threads` 0: every core; the result is the same for any number. Thread-safe.
+SLAMDB_EXPORT AtlasStatistics ComputeStatistics(const Atlas& atlas, int threads = 0);
 
 }  // namespace slamdb

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/export.h"
 #include "slamdb/model/similarity.h"
 
 namespace slamdb {
@@ -25,13 +26,19 @@ struct UmeyamaResult {
   double spread = 0;                  // RMS distance of the inliers' targets from their mean
 };
 
-// The similarity that takes `source` points to `target` points with the least squared distance (Umeyama, PAMI 1991).
-// Points correspond by their place in the spans. Deterministic. Throws Error when the spans differ in length, hold
-// values that are not finite, or do not determine the transform: fewer than three pairs, or all on one line.
-UmeyamaResult SolveUmeyama(std::span<const Eigen::Vector3d> source, std::span<const Eigen::Vector3d> target,
-                           const UmeyamaOptions& options);
+// The similarity that takes `source` points to `target` points with the least squared distance.
+// Points correspond by their place in the spans.
+// Deterministic.
+//
+// Throws Error:
+//   kUsage        the spans differ in length
+//   kNotPossible  they hold values that are not finite; they do not determine the transform, with fewer than three
+//                 pairs or all on one line; no three pairs agree within the outlier distance
+// After Umeyama, PAMI 1991.
+SLAMDB_EXPORT UmeyamaResult SolveUmeyama(std::span<const Eigen::Vector3d> source,
+                                         std::span<const Eigen::Vector3d> target, const UmeyamaOptions& options);
 
 // A sentence when the residuals are large for points that spread so: some pair is wrong, or the shapes differ.
-std::optional<std::string> PoorFitWarning(double rms, double spread);
+SLAMDB_EXPORT std::optional<std::string> PoorFitWarning(double rms, double spread);
 
 }  // namespace slamdb

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "slamdb/export.h"
 #include "slamdb/model/features.h"
 
 namespace slamdb {
@@ -14,9 +15,13 @@ enum class WordWeighting : std::uint8_t { kTfIdf, kTf, kIdf, kBinary };
 // How two bags are compared, which decides how a bag is normalised. DBoW2: ScoringType, in the order of its numbers.
 enum class WordScoring : std::uint8_t { kL1, kL2, kChiSquare, kKullbackLeibler, kBhattacharyya, kDotProduct };
 
-// A vocabulary tree of binary descriptors (Nister and Stewenius, CVPR 2006; Galvez-Lopez and Tardos, DBoW2, TRO 2012).
-// Nodes are numbered as in its file, 0 being the root; the leaves are the words, numbered in the order of their nodes.
-// Columns by node. Every node but a leaf has children, which come behind it, and no leaf is deeper than `depth`.
+// A vocabulary tree of binary descriptors.
+// Nodes are numbered as in its file, 0 being the root.
+// The leaves are the words, numbered in the order of their nodes.
+// Every node but a leaf has children, which come behind it, and no leaf is deeper than `depth`.
+//
+// Shapes: columns by node.
+// After Nister and Stewenius, CVPR 2006; Galvez-Lopez and Tardos, DBoW2, TRO 2012.
 struct VocabularyTree {
   static constexpr std::uint32_t kNoWord = std::numeric_limits<std::uint32_t>::max();
 
@@ -42,12 +47,16 @@ struct Words {
   friend bool operator==(const Words&, const Words&) = default;
 };
 
-// The words of descriptors to the last bit as DBoW2 computes them for ORB-SLAM3 (transform with `levels_up` 4): each
-// descriptor goes down to the child at the least Hamming distance, the first of equals; the weight of its word is added
-// once for every feature, in double; the sum over ascending words divides them. Words of weight 0 are left out of both
-// vectors. The feature vector groups rows by the node `levels_up` above the deepest level (0, the root, when the tree
-// is not that deep; the leaf itself where a branch ends earlier, for which DBoW2 has no defined value). O(depth *
-// branching) for each descriptor. The tree is not empty. Thread-safe.
-Words ComputeWords(const VocabularyTree& tree, const Column<Descriptor>& descriptors, int levels_up = 4);
+// The words of descriptors, to the last bit as DBoW2 computes them for ORB-SLAM3 (transform with `levels_up` 4).
+// Each descriptor goes down to the child at the least Hamming distance, the first of equals.
+// The weight of its word is added once for every feature, in double; the sum over ascending words divides them.
+// Words of weight 0 are left out of both vectors.
+// The feature vector groups rows by the node `levels_up` above the deepest level:
+//   0, the root, when the tree is not that deep
+//   the leaf itself where a branch ends earlier, for which DBoW2 has no defined value
+//
+// Requires: the tree is not empty.
+// Cost: O(depth * branching) for each descriptor. Thread-safe.
+SLAMDB_EXPORT Words ComputeWords(const VocabularyTree& tree, const Column<Descriptor>& descriptors, int levels_up = 4);
 
 }  // namespace slamdb

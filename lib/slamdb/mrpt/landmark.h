@@ -13,11 +13,14 @@
 #include "slamdb/model/landmark.h"
 
 // Landmarks with the names of MRPT 2 (mrpt::maps::CLandmark, mrpt::vision::CFeature), for programs that are written
-// against them. Needs no MRPT. slamdb::Landmark holds the same; the conversions lose nothing either way.
+// against them.
+// Needs no MRPT.
+// slamdb::Landmark holds the same; the conversions lose nothing either way.
 //
 // Types differ where MRPT's would lose what files hold: covariances are double, types and track statuses 32 bits wide.
-// Images and polar images are the objects as they stand in MRPT's stream. Members that MRPT has but never stores are
-// left out: response, track_status and x2, y2 of CFeature, user_flags of its keypoint.
+// Images and polar images are the objects as they stand in MRPT's stream.
+// Members that MRPT has but never stores are left out: response, track_status and x2, y2 of CFeature, user_flags of its
+// keypoint.
 namespace slamdb::mrpt {
 
 using TLandmarkID = std::int64_t;
@@ -120,13 +123,16 @@ struct CPointPDFGaussian {
 };
 
 // A 3D point with a Gaussian position and the image features that show it: one, or two for a stereo pair, the left one
-// first. World coordinates, metres.
+// first.
+//
+// Frame: the world. Units: metres.
 class SLAMDB_EXPORT CLandmark {
  public:
   using TLandmarkID = slamdb::mrpt::TLandmarkID;
 
   CLandmark() = default;
   // Of a landmark of slamdb.
+  //
   // Throws Error (kDamaged) when a descriptor of floats has no whole number of them.
   explicit CLandmark(const Landmark& landmark);
   // The same as a landmark of slamdb.
@@ -146,7 +152,9 @@ class SLAMDB_EXPORT CLandmark {
   void getPose(TPoint3D& p, Eigen::MatrixXd& COV) const;
   // Of the covariance the upper triangle counts.
   void setPose(const CPointPDFGaussian& p);
-  // That of the first feature. Throws Error (kUsage) when there is none.
+  // That of the first feature.
+  //
+  // Throws Error (kUsage) when there is none.
   TKeyPointMethod getType() const;
   // Leaves exactly one feature, the first if there is one.
   void createOneFeature() { features.resize(1); }
@@ -154,7 +162,8 @@ class SLAMDB_EXPORT CLandmark {
   friend bool operator==(const CLandmark&, const CLandmark&) = default;
 };
 
-// The landmarks of a map. Without MRPT's grid over them, and so without its isToBeModified and hasBeenModified.
+// The landmarks of a map.
+// Without MRPT's grid over them, and so without its isToBeModified and hasBeenModified.
 class SLAMDB_EXPORT CLandmarksMap {
  public:
   class SLAMDB_EXPORT TCustomSequenceLandmarks {
@@ -172,7 +181,9 @@ class SLAMDB_EXPORT CLandmarksMap {
     CLandmark* get(unsigned int indx) { return indx < size() ? &landmarks_[indx] : nullptr; }
     const CLandmark* get(unsigned int indx) const { return indx < size() ? &landmarks_[indx] : nullptr; }
     void erase(unsigned int indx);  // nothing, where there is none
-    // The first of that id; null: there is none. O(landmarks).
+    // The first of that id; null: there is none.
+    //
+    // Cost: linear.
     const CLandmark* getByID(TLandmarkID ID) const;
 
    private:
@@ -180,7 +191,9 @@ class SLAMDB_EXPORT CLandmarksMap {
   };
 
   CLandmarksMap() = default;
-  // Of those of a map of slamdb (Map::landmarks). Throws as CLandmark does.
+  // Of those of a map of slamdb (Map::landmarks).
+  //
+  // Throws Error as CLandmark does.
   explicit CLandmarksMap(const std::vector<Landmark>& landmarks);
   [[nodiscard]] std::vector<Landmark> ToLandmarks() const;
 

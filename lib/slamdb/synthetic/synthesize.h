@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "slamdb/base/progress.h"
+#include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {
@@ -24,11 +25,17 @@ struct SyntheticOptions {
   Progress progress;
 };
 
-// Makes a sound, geometrically consistent atlas as ORB-SLAM3 would have saved it: a camera goes round a room whose
-// walls carry the points; every keypoint is the noisy projection of a point or clutter; octaves, distance ranges,
-// normals, descriptors, grids, covisibility, spanning tree, bags of words and counters follow from that. Equal options
-// give equal bytes on every machine. `check` finds nothing in it. The words of its bags are below 1,000,000 and its
-// vocabulary is made up. Linear in the number of features. Throws Error when the options contradict themselves.
-Atlas SynthesizeAtlas(const SyntheticOptions& options);
+// Makes a sound, geometrically consistent atlas as ORB-SLAM3 would have saved it.
+// A camera goes round a room whose walls carry the points.
+// Every keypoint is the noisy projection of a point, or clutter.
+// Octaves, distance ranges, normals, descriptors, grids, covisibility, spanning tree, bags of words and counters follow
+// from that.
+// The words of its bags are below 1,000,000 and its vocabulary is made up.
+// `check` finds nothing in it.
+// Equal options give equal bytes on every machine.
+//
+// Throws Error (kUsage) when an option is out of its range, or the options contradict themselves.
+// Cost: linear in the number of features.
+SLAMDB_EXPORT Atlas SynthesizeAtlas(const SyntheticOptions& options);
 
 }  // namespace slamdb

@@ -166,7 +166,7 @@ TEST_F(StoreDamage, CancelledSaveLeavesTheOldContentWhole) {
   SaveIn(path_, atlas_);
   Store store = Store::OpenForWriting(path_);
   SaveOptions options;
-  options.progress = [](std::string_view, double) { throw Error("cancelled"); };
+  options.progress = [](std::string_view, double) { throw Error(ErrorKind::kUsage, "cancelled"); };
   EXPECT_EQ(ErrorOf([&] { store.Save("a", OddAtlas(), options); }), "cancelled");
   EXPECT_EQ(FirstDifference(store.Load("a"), atlas_), "");
 }

@@ -143,7 +143,7 @@ TEST_F(StoreLocking, WritingThroughAReaderIsRefused) {
 void LoadAsNobody(const std::string& path) {
   if (::geteuid() == 0 && (::setegid(65534) != 0 || ::seteuid(65534) != 0)) ::_exit(2);
   const std::string error = ErrorOf([&] {
-    if (!FirstDifference(LoadFrom(path), SoundAtlas()).empty()) throw Error("differs");
+    if (!FirstDifference(LoadFrom(path), SoundAtlas()).empty()) throw Error(ErrorKind::kDamaged, "differs");
   });
   const std::string write_error = ErrorOf([&] { SaveIn(path, Atlas()); });
   if (!error.empty()) std::cerr << error << "\n";

@@ -6,17 +6,19 @@
 #include <string>
 #include <string_view>
 
+#include "slamdb/export.h"
+
 // How sentences are built everywhere in slamdb. Nothing here depends on a locale.
 namespace slamdb::detail {
 
 // A number with at most so many significant digits and without trailing zeros: `0.125`, `1.5e+09`, `nan`.
-std::string Digits(double value, int significant = 6);
+SLAMDB_EXPORT std::string Digits(double value, int significant = 6);
 // A number with exactly so many decimals: `12.50`.
-std::string Fixed(double value, int decimals);
+SLAMDB_EXPORT std::string Fixed(double value, int decimals);
 // 8431 as `8,431`.
-std::string Thousands(std::uint64_t value);
+SLAMDB_EXPORT std::string Thousands(std::uint64_t value);
 // `1 keyframe`, `8,431 keyframes`.
-std::string Counted(std::uint64_t count, std::string_view noun);
+SLAMDB_EXPORT std::string Counted(std::uint64_t count, std::string_view noun);
 
 inline void AppendPart(std::string& text, std::string_view part) { text += part; }
 inline void AppendPart(std::string& text, char part) { text += part; }

@@ -4,15 +4,17 @@
 #include <cstddef>
 #include <functional>
 
+#include "slamdb/export.h"
+
 namespace slamdb::detail {
 
 // How many threads to use for a request: 0 means every core.
-int ThreadCount(int requested);
+SLAMDB_EXPORT int ThreadCount(int requested);
 
 // Calls work(begin, end) for blocks of at most `grain` that together cover [0, count), on `threads` threads (0: every
 // core) of which the caller is one. Blocks start in ascending order. Returns when all are done; the first exception is
 // rethrown then. With one thread, or one block, it runs in the caller alone.
-void ParallelFor(std::size_t count, std::size_t grain, int threads,
-                 const std::function<void(std::size_t begin, std::size_t end)>& work);
+SLAMDB_EXPORT void ParallelFor(std::size_t count, std::size_t grain, int threads,
+                               const std::function<void(std::size_t begin, std::size_t end)>& work);
 
 }  // namespace slamdb::detail

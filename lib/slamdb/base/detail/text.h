@@ -12,6 +12,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "slamdb/export.h"
+
 // How slamdb reads and writes plain text: lines, cells, numbers. Tables with columns are table.h's.
 // Nothing here depends on a locale.
 namespace slamdb::detail {
@@ -21,10 +23,10 @@ inline bool IsBlank(char letter) { return kBlanks.find(letter) != std::string_vi
 
 // The text behind the byte order mark of UTF-8, if it has one.
 // Throws Error (kUnsupported) when the mark is one of UTF-16.
-std::string_view WithoutMark(std::string_view text);
+SLAMDB_EXPORT std::string_view WithoutMark(std::string_view text);
 
 // Whether the text has a byte order mark of UTF-16, so that its letters are not bytes.
-bool IsUtf16(std::string_view text);
+SLAMDB_EXPORT bool IsUtf16(std::string_view text);
 
 // Takes the first line off a text, without its line end, which is `\n` or `\r\n`. The last line may have none.
 inline std::string_view TakeLine(std::string_view& text) {
@@ -78,14 +80,14 @@ std::optional<Number> ParseNumber(std::string_view text) {
 }
 
 // The beginning of a line for an error: `found ...`, in backquotes.
-std::string Excerpt(std::string_view line);
+SLAMDB_EXPORT std::string Excerpt(std::string_view line);
 
 // Numbers appended to a text with the fewest digits that read back to the same bits.
 // Not-a-number is `nan` whatever its sign and payload, infinities are `inf` and `-inf`.
-void AppendNumber(std::string& out, float value);
-void AppendNumber(std::string& out, double value);
-void AppendNumber(std::string& out, std::uint64_t value);
-void AppendNumber(std::string& out, std::int64_t value);
+SLAMDB_EXPORT void AppendNumber(std::string& out, float value);
+SLAMDB_EXPORT void AppendNumber(std::string& out, double value);
+SLAMDB_EXPORT void AppendNumber(std::string& out, std::uint64_t value);
+SLAMDB_EXPORT void AppendNumber(std::string& out, std::int64_t value);
 template <std::integral Integer>
 void AppendNumber(std::string& out, Integer value) {
   using Wide = std::conditional_t<std::is_signed_v<Integer>, std::int64_t, std::uint64_t>;
@@ -93,6 +95,6 @@ void AppendNumber(std::string& out, Integer value) {
 }
 
 // Seconds: as AppendNumber, but never with an exponent, because readers of trajectories expect none.
-void AppendSeconds(std::string& out, double seconds);
+SLAMDB_EXPORT void AppendSeconds(std::string& out, double seconds);
 
 }  // namespace slamdb::detail

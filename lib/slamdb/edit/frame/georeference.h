@@ -46,10 +46,14 @@ class SLAMDB_EXPORT LocalFrame {
 };
 
 // The fixes of a table in any dialect of schema/tables.md.
-// Columns: timestamp, time, t or seconds; latitude or lat; longitude, lon, lng or long; altitude, alt, ele, elevation
-// or height, with anything behind the name where no column has exactly it (`lat [deg]`).
+// Columns, with anything behind the name where no column has exactly it (`lat [deg]`):
+//   timestamp, time, t or seconds
+//   latitude or lat
+//   longitude, lon, lng or long
+//   altitude, alt, ele, elevation or height
 // Without names they stand in this order.
-// Seconds, degrees, metres: a unit that a name states is not looked at.
+//
+// Units: seconds, degrees, metres; a unit that a name states is not looked at.
 //
 // Throws Error (kDamaged) naming the line that is none, and the column when a cell is no number.
 [[nodiscard]] SLAMDB_EXPORT std::vector<GpsFix> ParseFixes(std::string_view csv);

@@ -105,17 +105,21 @@ SLAMDB_EXPORT void WriteIdMaps(std::span<const IdMap> maps, const std::string& p
 
 // The id map of one input in such a file.
 //
-// Throws Error as ReadIdMaps does, kNotFound when no input of the file is `input`, and kUsage when `input` is empty and
-// the file has several; both name the inputs that there are.
+// Throws Error as ReadIdMaps does, and with the inputs that there are:
+//   kNotFound  no input of the file is `input`
+//   kUsage     `input` is empty and the file has several
 [[nodiscard]] SLAMDB_EXPORT IdMap ReadIdMap(const std::string& path, const std::string& input = {});
 
 // A table in any dialect of schema/tables.md whose first line names the columns, with the ids in it replaced and all
 // else as it was. Empty cells stay.
-// Columns are told by name: `map`; `keyframe`, `parent`, `reference_keyframe`; `point`; `frame`, `frame_id`; `camera`;
-// `id` is a keyframe when there is a column `timestamp`, else a point when there is a column `x`.
+// Columns are told by name:
+//   `map`, `point`, `camera`
+//   `frame`, `frame_id`
+//   `keyframe`, `keyframe_id`, `parent`, `reference_keyframe`
+//   `id`: a keyframe when there is a column `timestamp`, else a point when there is a column `x`
 //
-// Throws Error (kDamaged) when no column holds an id of a mapped kind, and with the line when an id is not in the map,
-// or has none in the result.
+// Throws Error (kDamaged) when no column holds an id of a mapped kind.
+// Throws Error (kDamaged) with the line when an id is not in the map, or has none in the result.
 [[nodiscard]] SLAMDB_EXPORT std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids);
 
 }  // namespace slamdb

@@ -11,7 +11,8 @@
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
-// MRPT's landmarks and ORB-SLAM3's map points are two views of one thing; docs/landmarks.md has the table of fields.
+// MRPT's landmarks and ORB-SLAM3's map points are two views of one thing.
+// docs/landmarks.md has the table of fields.
 namespace slamdb {
 
 struct MakeLandmarksOptions {
@@ -26,8 +27,8 @@ struct MakeLandmarksReport {
   std::uint64_t bad = 0;           // points flagged bad, of which none was made
 };
 
-// Gives every map a landmark for each of its good points, in their order, in place of those of the same id; landmarks
-// of no point stay behind them.
+// Gives every map a landmark for each of its good points, in their order, in place of those of the same id.
+// Landmarks of no point stay behind them.
 // A landmark has
 //   its point's id, position and unit normal
 //   the covariance that the observations give it, rounded to the floats that MRPT 2 keeps
@@ -50,9 +51,10 @@ struct MakePointsReport {
 };
 
 // The way back: moves each map's points to their landmarks of the same id, and adds a point for every other landmark.
-// Added points have position, normal and descriptor and no observations, which no landmark has: they can be looked at
-// and exported, but ORB-SLAM3 has no use for them.
-// Landmarks without id, and those whose id another map has, get new ones; those of one map that share one are fused.
+// Added points have position, normal and descriptor, and no observations, which no landmark has.
+// They can be looked at and exported, but ORB-SLAM3 has no use for them.
+// Landmarks without id, and those whose id another map has, get new ones.
+// Landmarks of one map that share an id are fused.
 //
 // Throws nothing but std::bad_alloc.
 // Cost: linear, in place.
@@ -61,17 +63,20 @@ SLAMDB_EXPORT MakePointsReport MakePoints(Atlas& atlas);
 // As schema/landmarks.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MakePointsReport& report, const ReportFiles& files = {});
 
-// One landmark out of two of the same thing in one frame, as MRPT's CLandmarksMap::fuseWith: the product of the two
-// Gaussians, C = (C1^-1 + C2^-1)^-1 and m = C (C1^-1 m1 + C2^-1 m2).
+// One landmark out of two of the same thing in one frame.
+// The position is the product of the two Gaussians: C = (C1^-1 + C2^-1)^-1 and m = C (C1^-1 m1 + C2^-1 m2).
 // A covariance of zero means not known: then the other one's position is taken, or, when neither is known, the mean
 // weighted by the counts.
 // Counts are added, and the newest time is kept.
 // The normal is the mean weighted by the counts, of unit length.
 // Id and features are those of `a` unless it has none.
+//
+// After MRPT's CLandmarksMap::fuseWith.
 [[nodiscard]] SLAMDB_EXPORT Landmark FuseLandmarks(const Landmark& a, const Landmark& b);
 
-// Takes over landmarks of another map that lie in the same frame: those whose id is there are fused with the first of
-// that id, the others are added in their order. Returns how many were fused.
+// Takes over landmarks of another map that lie in the same frame.
+// Those whose id is there are fused with the first of that id; the others are added in their order.
+// Returns how many were fused.
 // Ids that two sessions handed out independently must be made disjoint before.
 //
 // Cost: linear.

@@ -33,11 +33,15 @@ struct FuseReport {
 // Fuses points that are in the map twice: each point from row `second` of the list on with the one before that row
 // which is most alike.
 // Both must be at one place, within `radius` times the smaller of their uncertainties (one pixel at the pyramid level
-// and distance of the reference keyframe; at most four times the median), and no keyframe may see both. The point of
-// the first part survives, as in ORB-SLAM3's MapPoint::Replace: slots and observations of the other become its own and
-// count, its most distinctive descriptor and its normal are computed anew, its position, reference and distance range
-// stay, and the other is gone from the map. The most alike pairs go first; equal ones by row. Covisibility is counted
-// anew for all keyframes that see a fused point.
+// and distance of the reference keyframe; at most four times the median).
+// No keyframe may see both.
+// The most alike pairs go first; equal ones by row.
+// The point of the first part survives, as in ORB-SLAM3's MapPoint::Replace:
+//   slots and observations of the other become its own
+//   count, its most distinctive descriptor and its normal are computed anew
+//   its position, reference and distance range stay
+//   the other is gone from the map
+// Covisibility is counted anew for all keyframes that see a fused point.
 //
 // Throws nothing but std::bad_alloc and what the listener to its progress throws.
 // Cost: linear, in place, but for sorting the pairs; the result is the same for any number of threads.

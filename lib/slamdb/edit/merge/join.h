@@ -62,10 +62,12 @@ struct JoinReport {
 // what docs/merge.md names.
 // Entities keep their ids and origin maps; the first map keeps its id, its root and its origins.
 // The second spanning tree is turned round so that it hangs, by the linked keyframe, on the linked keyframe of the
-// first; both get a merge edge and may not be culled. The linked pair is the anchor that fits best, or without anchors
-// the pair of keyframes that look at most of the same: close to each other for the depth of the scene, and in the same
-// direction. Landmarks of the second map come along; those of equal ids, and those of points that are fused, become one
-// (landmarks.h).
+// first; both get a merge edge and may not be culled.
+// The linked pair is the anchor that fits best.
+// Without anchors it is the pair of keyframes that look at most of the same: close to each other for the depth of the
+// scene, and in the same direction.
+// Landmarks of the second map come along.
+// Those of equal ids, and those of points that are fused, become one (landmarks.h).
 //
 // Throws Error, and then changes nothing:
 //   kUsage        both maps are one, there is nothing to solve the transform from, or the transform is none

@@ -42,14 +42,15 @@ struct SelectOptions {
 };
 
 // The part of the atlas, as flags; settle its border next (Extract does).
-// Points are in it when a keyframe of it observes them and, where the region cuts points, they lie inside; those inside
-// also count when only keyframes with their camera outside, but otherwise selected, observe them, so that
+// Points are in it when a keyframe of it observes them and, where the region cuts points, they lie inside.
+// Those inside also count when only keyframes with their camera outside, but otherwise selected, observe them, so that
 // Border::kCompletePoints brings these.
-// Landmarks are in it when they lie inside the region, where that cuts points; otherwise all those of maps of which a
-// keyframe is, and of the map that is asked for.
+// Landmarks are in it when they lie inside the region, where that cuts points.
+// Otherwise all those of maps of which a keyframe is in it, and of the map that is asked for.
 //
-// Throws Error: kUsage when a polygon has fewer than three corners or corners that are not finite, or `every` or
-// `component` is 0; kNotPossible when a map, keyframe, session or component does not exist, or nothing is selected.
+// Throws Error:
+//   kUsage        a polygon has fewer than three corners or corners that are not finite, or `every` or `component` is 0
+//   kNotPossible  a map, keyframe, session or component does not exist, or nothing is selected
 // Cost: linear but for the sort that `every` needs.
 [[nodiscard]] SLAMDB_EXPORT Subset Select(const AtlasIndex& index, const SelectOptions& options = {});
 

@@ -31,17 +31,22 @@ struct ShrinkReport {
 
 // Makes an atlas small and keeps as many places as it can (Coverage).
 // Keyframes are chosen by greedy maximum coverage: the next is the one that gives most to places that are not covered
-// yet, then the one with most new points. Gains only fall while choosing, so each is computed anew only when its
-// keyframe comes first (lazy greedy; Minoux 1978), and the result is within 1 - 1/e of the best choice of as many
-// keyframes.
+// yet, then the one with most new points.
+// Gains only fall while choosing, so each is computed anew only when its keyframe comes first (lazy greedy; Minoux
+// 1978).
+// The result is within 1 - 1/e of the best choice of as many keyframes.
 // The rest goes with KeepSubset, at the strict border.
 //
-// for_localization: the map with most keyframes alone; features that see no point go (DropFreeFeatures), and the
-// measurements behind inertial preintegrations, which ORB-SLAM3 only needs to cull keyframes and to initialise the IMU.
-// What it reads when it loads and localises stays: grids, bags of words, covisibility, preintegrated motion.
+// for_localization:
+//   the map with most keyframes alone stays
+//   features that see no point go (DropFreeFeatures)
+//   measurements behind inertial preintegrations go, which ORB-SLAM3 only needs to cull keyframes and to initialise the
+//   IMU
+//   what it reads when it loads and localises stays: grids, bags of words, covisibility, preintegrated motion
 //
-// Throws Error: kUsage when nothing is asked for, kNotPossible when not even one keyframe fits or there is no map; the
-// atlas is then of no use.
+// Throws Error:
+//   kUsage        nothing is asked for; before anything changes
+//   kNotPossible  not even one keyframe fits, or there is no map; the atlas is then of no use
 // Cost: near linear, in place; the result is the same for any number of threads.
 SLAMDB_EXPORT ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options = {});
 

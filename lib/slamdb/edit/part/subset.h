@@ -31,8 +31,9 @@ enum class Border {
 };
 
 // Changes `subset` by the rule of the border so that KeepSubset leaves a sound atlas.
-// A point that loses observers stays with kStrict when two keyframes, or one with depth, still observe it; with kSmart
-// when its observations still add up to more than 2 (MapPoint::EraseObservation).
+// A point that loses observers stays
+//   with kStrict  when two keyframes, or one with depth, still observe it
+//   with kSmart   when its observations still add up to more than 2 (MapPoint::EraseObservation)
 // `index` is of the atlas.
 //
 // Throws Error (kUsage) when the subset is not of this atlas.
@@ -65,10 +66,10 @@ struct SubsetReport {
 //   keyframes get another parent, as AdoptOrphans finds it
 //   previous and next link over the gap; preintegrations are joined, or end there when measurements are missing
 //   initial, lowest and origin keyframes are chosen anew where they are gone; the lowest id becomes the root
-//   maps without keyframes and landmarks go, points that no kept keyframe observes, and cameras that lose their last
-//   keyframe
-// References that dangled before are treated like those that lead out, and once anything is removed, null and repeated
-// entries of lists go too.
+//   maps without keyframes and landmarks go
+//   points that no kept keyframe observes go, and cameras that lose their last keyframe
+// References that dangled before are treated like those that lead out.
+// Once anything is removed, null and repeated entries of lists go too.
 // Covisibility weights, normals, descriptors and distance ranges stay as recorded.
 // Counters stay: ids are never handed out twice.
 // A sound atlas stays sound; a subset of everything changes nothing in one.

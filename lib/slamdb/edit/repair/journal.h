@@ -16,11 +16,16 @@ namespace slamdb {
 
 enum class EntityKind : std::uint8_t { kAtlas, kCamera, kMap, kKeyFrame, kPoint, kLandmark };
 
-// `before` in place of `after` in a field, from element `at` on. Values are the bits of scalars, element after element.
-// `kinds` says of the scalars of one element what they are, as Python's struct module does: B byte, i I 32 bits signed
-// and unsigned, q Q 64 bits, f d floating point, and r for a reference (an id; all bits set: none).
-// A field that is no list is one element, a matrix one for each coefficient, column by column; a transform is the
-// quaternion x y z w and the translation.
+// `before` in place of `after` in a field, from element `at` on.
+// Values are the bits of scalars, element after element.
+// `kinds` says of the scalars of one element what they are, as Python's struct module does:
+//   B    byte
+//   i I  32 bits, signed and unsigned
+//   q Q  64 bits, signed and unsigned
+//   f d  floating point
+//   r    a reference (an id; all bits set: none)
+// A field that is no list is one element, a matrix one for each coefficient, column by column.
+// A transform is the quaternion x y z w and the translation.
 struct FieldEdit {
   std::string field;  // as the model's headers name it: `features.map_points`
   std::string kinds;

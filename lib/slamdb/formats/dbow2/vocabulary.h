@@ -27,9 +27,12 @@ struct VocabularyFile {
   std::optional<VocabularyShape> shape;  // nullopt when it is not a text vocabulary (a binary conversion, an archive)
 };
 
-// Reads the file, or bytes in memory, once. The checksum is the one that ORB-SLAM3 computes on Linux: MD5 over all
-// bytes, so the text file, its binary conversion and its archive differ although the vocabulary is the same. Throws
-// Error.
+// Reads the file, or bytes in memory, once.
+// The checksum is the one that ORB-SLAM3 computes on Linux: MD5 over all bytes, so the text file, its binary conversion
+// and its archive differ although the vocabulary is the same.
+//
+// Throws Error when the file cannot be read, of the kind that the system's error has (SystemError), kUsage when it is a
+// directory or no regular file.
 [[nodiscard]] SLAMDB_EXPORT VocabularyFile ReadVocabularyFile(const Source& source);
 
 // A vocabulary to compute words with.
@@ -38,17 +41,23 @@ struct LoadedVocabulary {
   VocabularyTree tree;
 };
 
-// Reads a whole vocabulary on `threads` threads (0: every core): DBoW2's text as ORB-SLAM2 and 3 come with it, or the
-// binary form that forks of them make of it (schema/vocabulary.md). The latter has weights rounded to float, so bags
-// made with it differ in the last digits. Trusts nothing in the file; memory stays below twice its size. Throws Error
-// with the line or byte that is wrong, or the name of what the file is instead.
+// Reads a whole vocabulary: DBoW2's text as ORB-SLAM2 and 3 come with it, or the binary form that forks of them make of
+// it (schema/vocabulary.md).
+// The latter has weights rounded to float, so bags made with it differ in the last digits.
+// Trusts nothing in the file.
+//
+// Throws Error as ReadVocabularyFile does, and
+//   kDamaged      bytes are wrong, with the line or byte where there is one
+//   kUnsupported  it is something else, with the name of what; it has more nodes than a tree can number
+// Cost: memory below twice the file's size. `threads` 0: every core.
 [[nodiscard]] SLAMDB_EXPORT LoadedVocabulary LoadVocabulary(const Source& source, int threads = 0);
 
 // The MD5 of no bytes, which ORB-SLAM3 stores where its reading loop gets none (built with libc++, as on macOS).
 inline constexpr const char* kChecksumOfNothing = "d41d8cd98f00b204e9800998ecf8427e";
 
 // Whether ORB-SLAM3 takes an atlas when it is started with that vocabulary: empty when it does, else why it exits
-// (after reading the whole map). It compares checksums alone; the name is for people.
+// (after reading the whole map).
+// It compares checksums alone; the name is for people.
 [[nodiscard]] SLAMDB_EXPORT std::string VocabularyMismatch(const Vocabulary& of_atlas, const Vocabulary& of_file);
 
 }  // namespace slamdb

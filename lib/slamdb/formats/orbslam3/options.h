@@ -10,10 +10,11 @@ namespace slamdb {
 
 // How .osa files are written, binary and text.
 struct SLAMDB_EXPORT Orbslam3WriteOptions {
-  // Library version of the archive, 10 to 255: 12 loads in Boost 1.58 and later, 18 in 1.73 and later. nullopt: as
-  // read.
+  // Library version of the archive, 10 to 255: 12 loads in Boost 1.58 and later, 18 in 1.73 and later.
+  // nullopt: as read.
   std::optional<std::uint32_t> boost_version;
-  // 8, or 4 for a reader with sizeof(long) == 4: Windows and 32-bit ARM. nullopt: as read.
+  // 8, or 4 for a reader with sizeof(long) == 4: Windows and 32-bit ARM.
+  // nullopt: as read.
   std::optional<int> long_bytes;
   // Write what ORB-SLAM3 itself reads safely: uninitialised members zeroed, repeated and empty maps dropped.
   bool sanitize = false;

@@ -7,7 +7,10 @@
 #include "slamdb/export.h"
 #include "slamdb/formats/sqlite/store.h"
 
-// What a store tells of itself, as JSON. `input` is the store's path. They throw nothing but std::bad_alloc.
+// What a store tells of itself, as JSON.
+// `input` is the store's path.
+//
+// They throw nothing but std::bad_alloc.
 namespace slamdb {
 
 // As schema/list.schema.json describes it.

@@ -71,17 +71,25 @@ struct StoreOptions {
 // The schema is in schema/*.sql and explained in schema/store.md.
 // Saves are transactions: a killed program, a full disk or an exception leaves the store as it was.
 // Readers work while another program writes, and see the store as of before.
-// All functions throw Error with the path, and with the table and row where the store is damaged. Kinds beyond those
-// named below: kLocked (another program writes), kDamaged, kOutOfResources (the disk is full), kPermission.
+//
+// All functions throw Error with the path, and with the table and row where the store is damaged.
+// Kinds beyond those named below: kLocked (another program writes), kDamaged, kOutOfResources (the disk is full),
+// kPermission.
 // Not thread-safe: one Store per thread.
 class SLAMDB_EXPORT Store {
  public:
   // Opens to read: never changes the file, never makes one, works on read-only disks.
-  // Throws Error: kNotFound when it is missing; kUnsupported when it is a database of another program, or a store of a
-  // newer or older version than this library's (MigrateStore); kDamaged when it is no database at all.
+  //
+  // Throws Error:
+  //   kNotFound     it is missing
+  //   kUnsupported  it is a database of another program, or a store of a newer or older version than this library's
+  //                 (MigrateStore)
+  //   kDamaged      it is no database at all
   static Store Open(const std::string& path, double lock_timeout = 5);
 
-  // Opens to write; makes the store when the file is missing or empty. Throws Error as Open does.
+  // Opens to write; makes the store when the file is missing or empty.
+  //
+  // Throws Error as Open does.
   static Store OpenForWriting(const std::string& path, StoreOptions options = {});
 
   ~Store();
@@ -93,15 +101,18 @@ class SLAMDB_EXPORT Store {
   std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
 
   // The name to use where the user gave none: that of the only atlas.
+  //
   // Throws Error: kNotFound when there is none, kUsage naming the atlases when there are several.
   std::string OnlyName();
 
   // Saves under `name`, replacing the atlas of that name if there is one by writing only the rows that differ.
+  //
   // Throws Error: kUsage when the store was opened to read, or the name is empty or holds a NUL.
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options = {});
 
   // Loads all or the selected part; the rest is not read.
   // Every row is compared with its hash, a whole atlas also with the atlas' hash.
+  //
   // Throws Error: kNotFound naming the atlases that there are; kDamaged naming the first row that differs.
   Atlas Load(const std::string& name, const ReadOptions& options = {});
 
@@ -109,7 +120,9 @@ class SLAMDB_EXPORT Store {
   StoreStats Stats();
   void Vacuum();  // gives free pages back to the disk
   // Copies the store as it is now, also while others write (SQLite's online backup).
-  // The target appears whole or not. Throws Error: kAlreadyExists when it is there and not to be overwritten.
+  // The target appears whole or not.
+  //
+  // Throws Error (kAlreadyExists) when it is there and not to be overwritten.
   void Backup(const std::string& target, bool overwrite = false);
 
  private:
@@ -133,6 +146,7 @@ struct MigrateReport {
 
 // Brings a store to the version of this library, or with `back` to the one before its own.
 // Nothing happens when it is there already.
+//
 // Throws Error: kUnsupported for newer stores and the databases of others; kNotPossible when going back would lose
 // something.
 SLAMDB_EXPORT MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options = {});

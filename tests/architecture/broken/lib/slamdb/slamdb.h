@@ -1,0 +1,1 @@
+#include "slamdb/low/low.h"
