@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "cli/words.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 
@@ -26,8 +27,8 @@ void RefuseBadOutput(const EditOptions& options) {
   RefuseSameFile(Location::Parse(options.input), output);
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
-      FormatOfOutput(output, options.target.to).id != "store")
-    throw Error(ErrorKind::kAlreadyExists, output.path, "", "is there already; -O replaces it");
+      !FormatOfOutput(output, options.target.to).named)
+    throw Error(ErrorKind::kAlreadyExists, output.path, "", "is there already; -O/--overwrite replaces it");
 }
 
 void AddEdit(CLI::App& verb, EditOptions& options) {
@@ -55,7 +56,7 @@ SideFile::SideFile(const std::string& path, const EditOptions& options, const st
   RefuseSideFile(path, others);
   if (path.empty() || options.dry_run) return;
   if (!options.target.overwrite && std::filesystem::exists(path))
-    throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O replaces it");
+    throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O/--overwrite replaces it");
   file_.emplace(path, AtomicFileOptions{.overwrite = options.target.overwrite, .sync = !options.target.no_sync});
 }
 
@@ -84,7 +85,7 @@ ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOpti
                     const Notices& notices) {
   console.Report(notices);
   const bool piped = !options.dry_run && options.output == "-";
-  std::string report(options.json ? json : text);
+  std::string report = options.json ? InCommandWords(json) : std::string(text);
   if (!options.json && !options.dry_run && !piped) report += "wrote " + options.output + "\n";
   if (piped)
     std::cerr << report;

@@ -15,7 +15,7 @@ constexpr std::array kWords = {
     Word{"WriteOptions::strict", "--strict"},
     Word{"WriteOptions::format", "--to"},
     Word{"ReadOptions::format", "--from"},
-    Word{"ExportOptions::map", "--map"},
+    Word{"ExportOptions::map", "`slamdb convert --map`"},
     Word{"Orbslam3WriteOptions::sanitize", "--sanitize"},
     Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
     Word{"SalvageAtlas", "`slamdb recover`"},

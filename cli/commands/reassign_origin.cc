@@ -60,12 +60,13 @@ ExitCode RunReassign(const ReassignOptions& options, Console& console) {
 Run AddReassign(CLI::App& verb) {
   const auto options = std::make_shared<ReassignOptions>();
   AddEdit(verb, options->edit);
-  auto* from_map =
-      verb.add_flag("--from-map", options->origin.from_map, "Every keyframe was made in the map that it is in now");
-  verb.add_option("--set", options->origin.set, "Every keyframe was made in this map")
+  auto* from_map = verb.add_flag("--from-map", options->origin.from_map,
+                                 "Every keyframe and point was made in the map that it is in now");
+  verb.add_option("--set", options->origin.set,
+                  "Every keyframe, and point that records an origin, was made in this map")
       ->type_name("ID")
       ->excludes(from_map);
-  verb.add_option("--map", options->replace, "Keyframes made in map FROM were made in map TO; several at once")
+  verb.add_option("--map", options->replace, "What was made in map FROM was made in map TO; several at once")
       ->type_name("FROM=TO,...")
       ->delimiter(',')
       ->check(CheckReplacement);

@@ -62,7 +62,7 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
     const Location output = Location::Parse(OutputOf(options.edit.output, part.name));
     RefuseSameFile(Location::Parse(options.edit.input), output);
     if (!options.edit.target.overwrite && IsThere(output))
-      throw Error(ErrorKind::kAlreadyExists, output.ToString(), "", "is there already; -O replaces it");
+      throw Error(ErrorKind::kAlreadyExists, output.ToString(), "", "is there already; -O/--overwrite replaces it");
   }
 }
 

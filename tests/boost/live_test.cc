@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Live map points, whose links go through PreSave and PostLoad.
 #include "slamdb/live/boost.h"
+#include "slamdb/live/bridge.h"
 #include "tests/boost/archives.h"
 #include "tests/boost/points.h"
 #include "tests/live/world.h"
@@ -78,6 +79,21 @@ TYPED_TEST(BoostLive, APointAtRestIsTheSameBytes) {
   const auto at_rest = Loaded<slamdb::MapPoint, TypeParam>(Saved<TypeParam>(point));
   slamdb::testing::ExpectSame(at_rest, theirs);
   EXPECT_TRUE(Saved<TypeParam>(at_rest) == bytes);
+}
+
+// No archive holds a point's counters and origin: they are not recorded afterwards either.
+TYPED_TEST(BoostLive, WhatTheArchiveDoesNotHoldStaysUnrecorded) {
+  const std::string bytes = Saved<TypeParam>(*this->points_[1]);
+  auto* point = new MapPoint();
+  Load<TypeParam>(bytes, *point);
+  point->mnId = MapPointId::kNone;
+  point->UpdateMap(this->world_.map());
+  this->world_.map()->AddMapPoint(point);
+  EXPECT_EQ(point->mnOriginMapId, this->world_.map()->GetId());
+  const slamdb::Atlas atlas = ToModel(this->world_.atlas);
+  const slamdb::MapPoint& record =
+      *std::ranges::find(atlas.maps[0].points, MapPointId(point->mnId), &slamdb::MapPoint::id);
+  EXPECT_FALSE(record.has_tracking());
 }
 
 TYPED_TEST(BoostLive, NoLinksWithoutPreSave) {

@@ -65,7 +65,7 @@ TEST_F(Edit, SplitKeepsCompoundSuffixes) {
 }
 
 TEST_F(Edit, AnOutputThatIsThereIsRefusedBeforeTheWork) {
-  ExpectRefused({"cull", folder_ / "missing.osa", input_}, "a.osa: is there already; -O replaces it");
+  ExpectRefused({"cull", folder_ / "missing.osa", input_}, "a.osa: is there already; -O/--overwrite replaces it");
 }
 
 TEST_F(Edit, OptionsThatMakeNoSenseAreUsageErrors) {

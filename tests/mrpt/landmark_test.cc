@@ -125,6 +125,14 @@ TEST(CLandmark, GivesAndTakesItsPose) {
   EXPECT_EQ(moved.pose_mean.x, 7);
   EXPECT_EQ(moved.pose_cov_12, 0.5);
   EXPECT_EQ(moved.pose_cov_33, landmark.pose_cov_33);
+  pose.cov << 11, 12, 13, 0, 22, 23, 0, 0, 33;
+  moved.setPose(pose);
+  EXPECT_EQ(moved.pose_cov_11, 11);
+  EXPECT_EQ(moved.pose_cov_22, 22);
+  EXPECT_EQ(moved.pose_cov_33, 33);
+  EXPECT_EQ(moved.pose_cov_12, 12);
+  EXPECT_EQ(moved.pose_cov_13, 13);
+  EXPECT_EQ(moved.pose_cov_23, 23);
 }
 
 TEST(CLandmark, CanHaveOneFeatureMadeOrKept) {

@@ -134,6 +134,7 @@ const std::vector<Twin>& AllTwins() {
       {"counters-above-ids", Base::kMonocular, [](Atlas& atlas) { atlas.next_ids.map_point = 5; }},
       {"counters-above-ids", Base::kMonocular, [](Atlas& atlas) { atlas.next_ids.frame = 0; }},
       {"origin-map-id", Base::kMonocular, [](Atlas& atlas) { SomeKeyFrame(atlas).origin_map = 17; },},
+      {"origin-map-id", Base::kMonocular, [](Atlas& atlas) { SomePoint(atlas).origin_map = 17; }},
       {"vocabulary-checksum", Base::kMonocular, [](Atlas& atlas) { atlas.vocabulary.checksum.clear(); }},
       {"vocabulary-checksum", Base::kMonocular, [](Atlas& atlas) { atlas.vocabulary.checksum.back() = 'G'; }},
 

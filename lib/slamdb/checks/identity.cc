@@ -316,6 +316,11 @@ void CheckOriginMapId(const Subject& subject, Findings& findings) {
       findings.Add(PlaceOf(map, keyframe), "was made in map ", keyframe.origin_map, ", but the next map id is ",
                    subject.atlas.next_ids.map);
   });
+  ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
+    if (point.origin_map != MapPoint::kNoOrigin && point.origin_map >= subject.atlas.next_ids.map)
+      findings.Add(PlaceOf(map, point), "was made in map ", point.origin_map, ", but the next map id is ",
+                   subject.atlas.next_ids.map);
+  });
 }
 
 void CheckVocabularyChecksum(const Subject& subject, Findings& findings) {

@@ -103,7 +103,7 @@ constexpr Rule kRules[] = {
      "hands out ids that are taken",
      CheckCountersAboveIds,
      {"RaiseCounters", RaiseCounters}},
-    {"origin-map-id", kWarning, "keyframes were made in a map that there has been",
+    {"origin-map-id", kWarning, "keyframes and points were made in a map that there has been",
      "loads it; which session a keyframe is from is lost", CheckOriginMapId,
      Unfixable("where the keyframe was made is recorded nowhere else; `ReassignOrigins` sets it")},
     {"vocabulary-checksum", kError, "the vocabulary is identified by an MD5",

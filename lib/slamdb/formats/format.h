@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 #include "slamdb/base/notices.h"
 #include "slamdb/base/progress.h"
@@ -164,7 +165,9 @@ struct Format {
   std::string_view title;                      // for people
   std::span<const std::string_view> suffixes;  // `.osa`
   FileKind kind = FileKind::kText;
-  bool named = false;  // a file holds several atlases, each under a name
+  bool named = false;           // a file holds several atlases, each under a name
+  bool chooses_maps = false;    // writes the map of ExportOptions::map alone; others write all maps whatever it says
+  bool keeps_encoding = false;  // reads and keeps ArchiveEncoding
   Content reads = Content::kNothing, writes = Content::kNothing;
   bool (*sniff)(const Probe&) = nullptr;  // by first bytes; null: by suffix only
   Atlas (*read)(const Source&, const ReadOptions&, Notices&) = nullptr;

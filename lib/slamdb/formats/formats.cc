@@ -142,6 +142,9 @@ const Format& FormatOfSuffix(const Target& target) {
 const Format& detail::FormatToRead(const Source& source, const ReadOptions& options) {
   const Format* format = options.custom_format;
   if (format == nullptr) format = options.format.empty() ? &DetectFormat(source) : &FormatById(options.format);
+  if (!options.format.empty() && !CanRead(*format))
+    throw Error(ErrorKind::kUsage, source.path, "",
+                Concat("format `", format->id, "` can only be written; readable are ", Ids(CanRead)));
   RequireReadable(*format, source.path);
   RequirePlain(*format, source.path, source.name);
   return *format;

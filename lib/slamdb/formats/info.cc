@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/detail/json.h"
 
@@ -104,7 +105,7 @@ Json TotalsJson(const AtlasStatistics& totals) {
 }  // namespace
 
 AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notices, bool header_only) {
-  const Format& found = FormatOfInput(location, options.format);
+  const Format& found = detail::FormatToRead({location.path, location.name}, options);
   AtlasInfo info{
       .input = location.ToString(), .format_id = std::string(found.id), .format_title = std::string(found.title)};
   options.features = header_only ? FeatureColumns::kNone : FeatureColumns::kGeometry;
@@ -113,7 +114,7 @@ AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notic
   std::error_code unknown;
   const std::uint64_t size = std::filesystem::file_size(location.path, unknown);
   if (!unknown) info.bytes = size;
-  if (found.id.starts_with("orbslam3") || found.id == "store") info.encoding = atlas.encoding;
+  if (found.keeps_encoding) info.encoding = atlas.encoding;
   info.vocabulary = atlas.vocabulary;
   info.next_ids = atlas.next_ids;
   info.cameras = atlas.cameras;

@@ -95,7 +95,7 @@ Content ContentOf(const Atlas& atlas, std::optional<MapId> map) {
 
 std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, const WriteOptions& options) {
   std::vector<std::string> losses;
-  const Counts counts = CountContent(atlas, options.of<ExportOptions>().map);
+  const Counts counts = CountContent(atlas, format.chooses_maps ? options.of<ExportOptions>().map : std::nullopt);
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
     if (counts[kind] == 0 || HasAny(format.writes, kKinds[kind].content)) continue;
     std::string loss = std::string(format.id) + " cannot hold " + std::string(kKinds[kind].what);

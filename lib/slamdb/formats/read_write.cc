@@ -42,7 +42,29 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
            [&] { format.write(atlas, target, options, heard); });
 }
 
+// A stream that tells of failures by its state while it is used here, and afterwards as its owner has it. Its own
+// exceptions are no Error, and come at a healthy end too.
+class QuietStream {
+ public:
+  explicit QuietStream(std::ios& stream) : stream_(stream), exceptions_(stream.exceptions()) {
+    stream_.exceptions(std::ios::goodbit);
+  }
+  ~QuietStream() {
+    try {
+      stream_.exceptions(exceptions_);  // throws what is due by now; whoever owns the stream sees its state
+    } catch (const std::ios_base::failure&) {
+    }
+  }
+  QuietStream(const QuietStream&) = delete;
+  QuietStream& operator=(const QuietStream&) = delete;
+
+ private:
+  std::ios& stream_;
+  const std::ios::iostate exceptions_;
+};
+
 std::string WholeStream(std::istream& stream) {
+  const QuietStream quiet(stream);
   constexpr std::size_t kBlock = std::size_t{1} << 20;
   std::string bytes;
   for (std::size_t size = 0; stream; size += static_cast<std::size_t>(stream.gcount())) {
@@ -78,11 +100,16 @@ void WriteAtlas(const Atlas& atlas, const Location& location, const WriteOptions
 }
 
 void WriteAtlas(const Atlas& atlas, std::ostream& stream, const WriteOptions& options, Notices* notices) {
-  const auto put = [&stream](Bytes bytes) {
-    if (!stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
-      throw Error(ErrorKind::kNotPossible, kStream, "", "cannot be written");
+  const QuietStream quiet(stream);
+  const auto require = [](bool good) {
+    if (!good) throw Error(ErrorKind::kNotPossible, kStream, "", "cannot be written");
+  };
+  const auto put = [&](Bytes bytes) {
+    require(
+        stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())).good());
   };
   Write(atlas, Target(put, kStream), options, notices);
+  require(stream.flush().good());  // what its buffer holds may still not fit on a disk
 }
 
 std::string EncodeAtlas(const Atlas& atlas, const WriteOptions& options, Notices* notices) {

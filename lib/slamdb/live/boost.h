@@ -60,6 +60,10 @@ struct BoostAccess {
     point.descriptor_form_ = record.descriptor_form;
     point.recorded_bad_ = record.bad;
     point.bad_ = record.bad;
+    // No archive holds these: they are as of a point that was loaded without them, and so not recorded.
+    point.visible_ = point.found_ = 1;
+    point.has_visible_ = point.has_found_ = false;
+    point.assumed_origin_ = point.mnOriginMapId;
   }
 
  private:

@@ -50,7 +50,7 @@ bool Frame::isInFrustum(MapPoint* pMP, float viewingCosLimit) {
   RequireOwn(pMP, *runtime_, "the point");
   pMP->mTrackProjX = pMP->mTrackProjY = pMP->mTrackProjXR = pMP->mTrackProjYR = -1;
   pMP->mnTrackScaleLevel = pMP->mnTrackScaleLevelR = -1;
-  pMP->mbTrackInView = IsInView(pMP, viewingCosLimit, false);
+  pMP->mbTrackInView = mpCamera != nullptr && IsInView(pMP, viewingCosLimit, false);
   pMP->mbTrackInViewR = Nleft != -1 && mpCamera2 != nullptr && IsInView(pMP, viewingCosLimit, true);
   return pMP->mbTrackInView || pMP->mbTrackInViewR;
 }

@@ -201,6 +201,7 @@ void MapPoint::UpdateMap(Map* pMap) {
   if (pMap != nullptr && IsOf(NoAtlas())) {
     Join(pMap->runtime());
     if (mnId == MapPointId::kNone) mnId = runtime().point_ids.Next();
+    if (mnOriginMapId == assumed_origin_) mnOriginMapId = assumed_origin_ = static_cast<unsigned int>(pMap->GetId());
     runtime().point_ids.Pass(mnId);
   }
   if (pMap != nullptr) RequireOwn(pMap, runtime(), kTheMap);

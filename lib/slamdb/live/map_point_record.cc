@@ -42,7 +42,10 @@ slamdb::MapPoint MapPoint::ToRecord(LinkFilter& links) const {
   record.first_keyframe = mnFirstKFid;
   record.first_frame = mnFirstFrame;
   record.observation_count = nObs;
-  if (mnOriginMapId != assumed_origin_) record.origin_map = mnOriginMapId;
+  // An origin that nobody recorded is taken for the map that lists the point, so it is recorded once that is another.
+  Map* const map = map_;
+  if (mnOriginMapId != assumed_origin_ || (map != nullptr && map->GetId() != mnOriginMapId))
+    record.origin_map = mnOriginMapId;
   if (const int visible = visible_; has_visible_ || visible != 1) record.visible_count = visible;
   if (const int found = found_; has_found_ || found != 1) record.found_count = found;
   record.position = position_;

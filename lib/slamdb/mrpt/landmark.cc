@@ -152,7 +152,7 @@ void CLandmark::setPose(const CPointPDFGaussian& p) {
 
 TKeyPointMethod CLandmark::getType() const {
   if (features.empty())
-    throw Error(ErrorKind::kUsage, slamdb::detail::Concat("landmark ", ID, " has no feature, and so no type"));
+    throw Error(ErrorKind::kNotPossible, slamdb::detail::Concat("landmark ", ID, " has no feature, and so no type"));
   return features.front().type;
 }
 

@@ -154,7 +154,7 @@ class SLAMDB_EXPORT CLandmark {
   void setPose(const CPointPDFGaussian& p);
   // That of the first feature.
   //
-  // Throws Error (kUsage) when there is none.
+  // Throws Error (kNotPossible) when there is none.
   TKeyPointMethod getType() const;
   // Leaves exactly one feature, the first if there is one.
   void createOneFeature() { features.resize(1); }

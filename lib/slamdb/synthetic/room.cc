@@ -69,9 +69,10 @@ RoomPlan PlanRoom(const SyntheticOptions& options, const Rig& rig) {
   const double needed = PointsBefore(plan, options);
   if (needed > capacity) {
     const auto features = static_cast<std::size_t>(std::ceil(needed * rows_per_point / kUsedFeatures));
-    throw Error(std::to_string(options.keyframes) + " keyframes of " + std::to_string(options.features) +
-                " features cannot see " + std::to_string(options.points) + " points twice each; ask for " +
-                std::to_string(features) + " features, more keyframes or fewer points");
+    throw Error(ErrorKind::kUsage, std::to_string(options.keyframes) + " keyframes of " +
+                                       std::to_string(options.features) + " features cannot see " +
+                                       std::to_string(options.points) + " points twice each; ask for " +
+                                       std::to_string(features) + " features, more keyframes or fewer points");
   }
   return plan;
 }

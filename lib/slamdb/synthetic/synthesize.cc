@@ -29,7 +29,7 @@ constexpr std::size_t kBatch = 64;  // keyframes per thread between two calls of
 
 void CheckOptions(const SyntheticOptions& options) {
   const auto require = [](bool condition, const char* problem) {
-    if (!condition) throw Error(problem);
+    if (!condition) throw Error(ErrorKind::kUsage, problem);
   };
   require(options.maps >= 1, "an atlas needs at least 1 map");
   require(options.keyframes >= 2, "a map needs at least 2 keyframes, so that points can be seen twice");

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/edit/ids/renumber.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/kind_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -54,6 +54,32 @@ TEST(IdMapFile, GivesTheIdsOfOneInput) {
   EXPECT_EQ(KindOf([&] { return ReadIdMap(several); }), ErrorKind::kUsage);
   EXPECT_EQ(KindOf([&] { return ReadIdMap(several, "c.osa"); }), ErrorKind::kNotFound);
   EXPECT_EQ(KindOf([&] { return ReadIdMap(one, "c.osa"); }), ErrorKind::kNotFound);
+}
+
+TEST(IdMapFile, RefusesNumbersThatAreNoIds) {
+  for (const char* pair : {"[5,-2]", "[5,1.5]", "[5,1e300]", "[5,6,7]", "[5]", "[5,\"x\"]", "[null,5]", "[5,true]"}) {
+    const std::string json = std::string(R"({"inputs":[{"input":"","ids":{"point":[)") + pair + "]}}]}";
+    EXPECT_EQ(KindOf([&] { return ParseIdMapsJson(json); }), ErrorKind::kDamaged) << pair;
+  }
+}
+
+// The largest number of 32 bits means none in an .osa file: a camera of that id would be lost.
+TEST(IdMapFile, HandsOutNoIdThatMeansNone) {
+  IdMap ids;
+  ids[IdKind::kCamera] = {{0, 0xffffffff}};
+  Atlas atlas;
+  atlas.cameras.push_back({.id = CameraId(0)});
+  EXPECT_EQ(KindOf([&] { ApplyIdMap(atlas, ids); }), ErrorKind::kUsage);
+  EXPECT_EQ(atlas.cameras[0].id, CameraId(0));
+}
+
+// A cell that is no id would stay an old one between new ones.
+TEST(IdMapFile, ATableOfOtherCellsIsRefused) {
+  IdMap ids;
+  ids[IdKind::kKeyFrame] = {{4, 104}, {5, 105}};
+  EXPECT_EQ(ApplyIdMapToCsv("keyframe,parent\n5,4\n4,\n", ids), "keyframe,parent\n105,104\n104,\n");
+  EXPECT_EQ(KindOf([&] { return ApplyIdMapToCsv("keyframe,parent\n5,4.0\n", ids); }), ErrorKind::kDamaged);
+  EXPECT_EQ(KindOf([&] { return ApplyIdMapToCsv("keyframe,parent\n5,foo\n", ids); }), ErrorKind::kDamaged);
 }
 
 TEST(IdMapFile, RefusesWhatIsNone) {

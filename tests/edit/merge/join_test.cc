@@ -12,8 +12,8 @@
 #include "slamdb/model/content.h"
 #include "slamdb/model/derive.h"
 #include "tests/edit/worlds.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -67,6 +67,28 @@ TEST_P(JoinWorld, LinksTheTrees) {
   EXPECT_EQ(map.keyframes.front().origin_map, 0U);
   EXPECT_EQ(map.keyframes.back().origin_map, 1U);
   for (const IdPair& pair : result.report.id_maps[1][IdKind::kMap]) EXPECT_EQ(pair.after, map.id.value());
+}
+
+// As ORB-SLAM3's MapPoint::Replace; a count that one of the two has is the count of both.
+TEST_P(JoinWorld, FusedPointsAddTheirCounts) {
+  std::vector<Atlas> twins = Twins(GetParam());
+  std::int64_t visible = 0, found = 0;
+  for (Atlas& atlas : twins)
+    for (MapPoint& point : atlas.maps[0].points) {
+      point.visible_count = 5;
+      point.found_count = &atlas == &twins[0] ? MapPoint::kNoCount : 3;
+      visible += 5;
+      found += &atlas == &twins[0] ? 0 : 3;
+    }
+  const MergeResult result = MergeAtlases(
+      std::move(twins), {.join = JoinOptions{.first_from_second = Turn(GetParam()), .fuse = FuseOptions()}});
+  ASSERT_GT(result.report.join->fused->fused, 0U);
+  for (const MapPoint& point : result.atlas.maps[0].points) {
+    visible -= point.visible_count;
+    found -= std::max(point.found_count, 0);
+  }
+  EXPECT_EQ(visible, 0);
+  EXPECT_EQ(found, 0);
 }
 
 TEST_P(JoinWorld, FusesEveryPointWithItsTwin) {

@@ -9,10 +9,10 @@
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/model/digest.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/corrupt.h"
 #include "tests/support/equals_atlas.h"
 #include "tests/support/kind_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -67,6 +67,45 @@ TEST(JournalFile, RefusesWhatIsNone) {
       EXPECT_THAT(error.what(), HasSubstr("is no journal of a repair")) << text;
     }
   }
+}
+
+// A flipped bit is noticed, or changes nothing that the journal says.
+TEST(JournalFile, NoticesEveryFlippedBit) {
+  Atlas atlas = SoundAtlas(Base::kMonocular);
+  atlas.next_ids = {};
+  const std::string text = ToJson(RepairAtlas(atlas).journal);
+  ASSERT_LT(text.size(), 20000U);
+  std::size_t noticed = 0;
+  for (std::size_t bit = 0; bit < 8 * text.size(); ++bit) {
+    std::string flipped = text;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << bit % 8));
+    try {
+      EXPECT_EQ(ToJson(ParseJournal(flipped)), text) << "bit " << bit;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
+      ++noticed;
+    }
+  }
+  EXPECT_GT(noticed, 7 * text.size());
+}
+
+TEST(JournalFile, RefusesAnEncodingThatNoArchiveHas) {
+  for (const char* encoding :
+       {R"("boost_version":18,"long_bytes":8,"size_bytes":0)", R"("boost_version":18,"long_bytes":3,"size_bytes":8)",
+        R"("boost_version":18.7,"long_bytes":8,"size_bytes":8)", R"("boost_version":-1,"long_bytes":8,"size_bytes":8)",
+        R"("boost_version":18,"long_bytes":264,"size_bytes":8)"}) {
+    const std::string text = std::string(R"({"format":"slamdb-journal-1","original":"0","repaired":"0","encoding":)") +
+                             R"({"text":false,)" + encoding + R"(},"edits":[]})";
+    EXPECT_EQ(KindOf([&] { return ParseJournal(text); }), ErrorKind::kDamaged) << encoding;
+  }
+}
+
+TEST(JournalFile, IsMadeOfWhatCanBeReadBack) {
+  Journal journal;
+  journal.edits.push_back({.rule = "not \xff UTF-8"});
+  EXPECT_EQ(ParseJournal(ToJson(journal)).edits.size(), 1U);
+  journal.edits[0].fields.push_back({.field = "next_ids.map", .kinds = "", .before = {1}, .after = {2}});
+  EXPECT_EQ(KindOf([&] { return ToJson(journal); }), ErrorKind::kUsage);
 }
 
 TEST(JournalFile, NamesTheFileAndTheKind) {

@@ -63,6 +63,16 @@ TEST(LossesOf, NamesEachWithItsCount) {
               Contains("tum cannot hold inertial data of keyframes (2)"));
 }
 
+// A format that writes all maps loses what is in all of them, whichever map an export would choose.
+TEST(LossesOf, CountAllMapsWhereNoneIsChosen) {
+  Atlas atlas = LandmarkAtlas();
+  atlas.maps.insert(atlas.maps.begin(), Map());
+  atlas.maps[0].id = MapId(77);
+  const WriteOptions options = WriteOptions{}.With(ExportOptions{.map = MapId(77)});
+  EXPECT_THAT(detail::LossesOf(atlas, FormatById("orbslam3"), options), Contains(HasSubstr("landmarks")));
+  EXPECT_THAT(detail::LossesOf(atlas, FormatById("ply"), options), Not(Contains(HasSubstr("landmarks"))));
+}
+
 TEST(LossesOf, LandmarksAreOne) {
   EXPECT_THAT(detail::LossesOf(LandmarkAtlas(), FormatById("orbslam3"), {}),
               ElementsAre("orbslam3 cannot hold landmarks (3)"));

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <new>
 #include <sstream>
@@ -15,6 +17,7 @@
 #include "slamdb/formats/salvage.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "tests/formats/formats/small_atlas.h"
+#include "tests/support/kind_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -105,6 +108,29 @@ TEST(ReadAndWrite, StreamsThatFail) {
   out.setstate(std::ios::badbit);
   EXPECT_EQ(std::string(ErrorOf([&] { WriteAtlas(SmallAtlas(), out, {.format = "tum"}); }).what()),
             "stream: cannot be written");
+}
+
+// What stays in the buffer of a stream is not written yet.
+TEST(ReadAndWrite, AFullDiskBehindAStreamIsNoticed) {
+  if (!std::filesystem::is_character_file("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  for (const char* format : {"tum", "csv", "ply"}) {
+    std::ofstream full("/dev/full");
+    EXPECT_EQ(KindOf([&] { WriteAtlas(SmallAtlas(), full, {.format = format}); }), ErrorKind::kNotPossible) << format;
+  }
+}
+
+TEST(ReadAndWrite, StreamsThatThrowTellByErrors) {
+  std::stringstream stream;
+  stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+  WriteAtlas(SmallAtlas(), stream, {.format = "orbslam3"});
+  EXPECT_EQ(ReadAtlas(stream, {.format = "orbslam3"}).maps.size(), SmallAtlas().maps.size());
+  EXPECT_EQ(stream.exceptions(), std::ios::failbit | std::ios::badbit | std::ios::eofbit) << "as its owner has it";
+  std::ofstream nowhere("/nowhere/at/all");
+  try {
+    nowhere.exceptions(std::ios::badbit);
+  } catch (const std::ios_base::failure&) {
+  }
+  EXPECT_EQ(KindOf([&] { WriteAtlas(SmallAtlas(), nowhere, {.format = "tum"}); }), ErrorKind::kNotPossible);
 }
 
 TEST(ReadAndWrite, WhatHasNoSuffixNeedsAFormat) {

@@ -16,6 +16,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 class StoreSalvage : public ::testing::Test {
@@ -54,6 +55,38 @@ TEST_F(StoreSalvage, WholeStores) {
   EXPECT_THAT(salvage.damage, IsEmpty());
   EXPECT_THAT(salvage.atlas, EqualsAtlas(atlas_));
   EXPECT_EQ(salvage.maps[0].points.listed, atlas_.maps[0].points.size());
+}
+
+// A store that somebody has not migrated yet is the one that most needs to be saved.
+TEST_F(StoreSalvage, ReadsOlderVersionsToo) {
+  const std::string old = folder_ / "old.db";
+  std::filesystem::copy_file(SLAMDB_FIXTURES "/store/version2.db", old);
+  const Salvage whole = detail::SalvageStore(old, "tiny", {});
+  EXPECT_THAT(whole.damage, IsEmpty());
+  const std::string migrated = folder_ / "migrated.db";
+  std::filesystem::copy_file(old, migrated);
+  MigrateStore(migrated, {.backup = false});
+  EXPECT_THAT(whole.atlas, EqualsAtlas(LoadFrom(migrated, "tiny")));
+
+  MigrateStore(path_, {.back = true, .backup = false});
+  std::filesystem::resize_file(path_, std::filesystem::file_size(path_) * 3 / 4);
+  const Salvage cut = Salvaged();
+  EXPECT_THAT(cut.damage, Not(IsEmpty()));
+  EXPECT_FALSE(cut.atlas.maps.empty());
+  ExpectTrue(cut);
+}
+
+TEST_F(StoreSalvage, AsksWhichAtlasByTheNameOfTheStore) {
+  const std::string old = folder_ / "old.db";
+  std::filesystem::copy_file(SLAMDB_FIXTURES "/store/version2.db", old);
+  try {
+    static_cast<void>(detail::SalvageStore(old, "", {}));
+    FAIL() << "took one of two";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    EXPECT_EQ(error.path(), old);
+    EXPECT_THAT(error.problem(), HasSubstr("holds 2 atlases: odd, tiny; say which, as " + old + "#NAME"));
+  }
 }
 
 TEST_F(StoreSalvage, LeavesOutTheRowThatDiffers) {

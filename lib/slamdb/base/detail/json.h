@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <concepts>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
 #include "slamdb/base/report_files.h"
 
 // How reports become JSON, the same for all of them; docs/json.md has the names that they share.
@@ -21,6 +28,24 @@ inline constexpr int kReportVersion = 2;
 inline Json JsonNumber(std::uint64_t value) {
   constexpr std::uint64_t kExact = std::uint64_t{1} << 53;
   return value <= kExact ? Json(value) : Json(std::to_string(value));
+}
+
+// The way back: a whole number that the type holds, also as text. Throws Error (kDamaged) for anything else.
+template <std::integral Integer>
+Integer IntegerOf(const Json& value) {
+  std::optional<Integer> number;
+  if (value.is_string())
+    number = ParseNumber<Integer>(value.get_ref<const std::string&>());
+  else if (value.is_number_unsigned() && std::in_range<Integer>(value.get<std::uint64_t>()))
+    number = static_cast<Integer>(value.get<std::uint64_t>());
+  else if (value.is_number_integer() && !value.is_number_unsigned() &&
+           std::in_range<Integer>(value.get<std::int64_t>()))
+    number = static_cast<Integer>(value.get<std::int64_t>());
+  if (!number)
+    throw Error(ErrorKind::kDamaged,
+                Concat(value.dump(-1, ' ', false, Json::error_handler_t::replace), " is no whole number from ",
+                       std::numeric_limits<Integer>::min(), " to ", std::numeric_limits<Integer>::max()));
+  return *number;
 }
 
 inline Json TextOrNull(const std::string& text) { return text.empty() ? Json() : Json(text); }

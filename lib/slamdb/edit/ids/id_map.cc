@@ -46,10 +46,10 @@ class Translator {
       before_[kind] = TableOf(ids.kinds[kind], &IdPair::before, as_kind, "old");
       after_[kind] = TableOf(ids.kinds[kind], &IdPair::after, as_kind, "new");
       for (const IdPair& pair : ids.kinds[kind])
-        if (IsNarrow(as_kind) && pair.after > kLargestNarrow)
+        if (IsNarrow(as_kind) && pair.after != kNoId && pair.after > LargestId(as_kind))
           throw Error(ErrorKind::kUsage, "the id map makes " + Named(as_kind, pair.before) + " " +
                                              std::to_string(pair.after) + ", expected at most " +
-                                             std::to_string(kLargestNarrow));
+                                             std::to_string(LargestId(as_kind)));
     }
   }
 

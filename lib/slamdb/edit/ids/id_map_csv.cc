@@ -131,8 +131,9 @@ std::string ApplyIdMapToCsv(std::string_view csv, const IdMap& ids) {
     for (std::size_t column = 0; column < std::min(cells.size(), kinds.size()); ++column) {
       const std::string_view cell = cells[column].text;
       if (!kinds[column] || ids[*kinds[column]].empty()) continue;
+      if (cell.empty()) continue;  // none
       const auto id = detail::ParseNumber<std::uint64_t>(cell);
-      if (!id) continue;
+      if (!id) throw table.LineError(detail::Concat("'", cell, "' is no ", NameOf(*kinds[column]), " id"));
       const IdPair* pair = FindPair(ids[*kinds[column]], *id);
       if (pair == nullptr || pair->after == kNoId)
         throw table.LineError(detail::Concat(NameOf(*kinds[column]), " ", *id,

@@ -18,14 +18,6 @@ bool IsJson(std::string_view path) { return path.ends_with(".json"); }
 
 Json IdJson(std::uint64_t id) { return id == kNoId ? Json() : detail::JsonNumber(id); }
 
-std::uint64_t NumberOf(const Json& value) {
-  if (!value.is_string()) return value.get<std::uint64_t>();
-  const auto& text = value.get_ref<const std::string&>();
-  const auto number = detail::ParseNumber<std::uint64_t>(text);
-  if (!number) throw Error(ErrorKind::kDamaged, Concat("'", text, "' is no id"));
-  return *number;
-}
-
 Json CountersJson(const IdMap& ids) {
   Json counters;
   for (const CounterField& counter : CounterFields())
@@ -52,16 +44,19 @@ IdMap IdMapOf(const Json& input) {
     if (!kind)
       throw Error(ErrorKind::kDamaged,
                   Concat("unknown kind '", name, "', expected map, keyframe, point, frame or camera"));
-    for (const Json& pair : pairs)
-      ids[*kind].push_back({NumberOf(pair.at(0)), pair.at(1).is_null() ? kNoId : NumberOf(pair.at(1))});
+    for (const Json& pair : pairs) {
+      if (pair.size() != 2) throw Error(ErrorKind::kDamaged, Concat(pair.dump(), " is no pair of ids"));
+      ids[*kind].push_back({detail::IntegerOf<std::uint64_t>(pair.at(0)),
+                            pair.at(1).is_null() ? kNoId : detail::IntegerOf<std::uint64_t>(pair.at(1))});
+    }
     std::ranges::stable_sort(ids[*kind], {}, &IdPair::before);
   }
   if (!input.contains("counters")) return ids;
   ids.counters_before = ids.counters_after = Counters();
   for (const CounterField& counter : CounterFields()) {
     const Json& values = input.at("counters").at(std::string(counter.name));
-    (*ids.counters_before).*counter.field = NumberOf(values.at(0));
-    (*ids.counters_after).*counter.field = NumberOf(values.at(1));
+    (*ids.counters_before).*counter.field = detail::IntegerOf<std::uint64_t>(values.at(0));
+    (*ids.counters_after).*counter.field = detail::IntegerOf<std::uint64_t>(values.at(1));
   }
   return ids;
 }

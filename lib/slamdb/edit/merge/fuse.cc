@@ -10,6 +10,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <tuple>
 #include <vector>
 
@@ -155,6 +156,14 @@ class Fuser {
     });
   }
 
+  // As ORB-SLAM3's MapPoint::Replace does. A count that is recorded on one side alone is the count of both.
+  static void AddCount(std::int32_t gone, std::int32_t& kept) {
+    if (gone == MapPoint::kNoCount) return;
+    if (kept == MapPoint::kNoCount) kept = 0;
+    constexpr std::int64_t kLargest = std::numeric_limits<std::int32_t>::max();
+    kept = static_cast<std::int32_t>(std::min(kLargest, std::int64_t{kept} + gone));
+  }
+
   void Fuse(const Pair& pair) {
     MapPoint &kept = map_.points[pair.first], &gone = map_.points[pair.second];
     if (SeenTogether(kept, gone)) {
@@ -173,6 +182,8 @@ class Fuser {
       kept.observation_count += ObservationWeight(keyframe, observation);
       ++report_.observations;
     }
+    AddCount(gone.visible_count, kept.visible_count);
+    AddCount(gone.found_count, kept.found_count);
     survivor_[pair.second] = pair.first;
     report_.mean_distance += static_cast<double>(pair.distance);
     ++report_.fused;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
@@ -27,14 +28,6 @@ constexpr std::array<const char*, 6> kKinds = {"atlas", "camera", "map", "keyfra
 
 Error NotAJournal(std::string_view why) {
   return Error(ErrorKind::kDamaged, Concat("is no journal of a repair: ", why));
-}
-
-std::uint64_t UnsignedOf(const Json& value) {
-  if (!value.is_string()) return value.get<std::uint64_t>();
-  const auto& text = value.get_ref<const std::string&>();
-  const auto number = detail::ParseNumber<std::uint64_t>(text);
-  if (!number) throw NotAJournal(Concat("'", text, "' is no number"));
-  return *number;
 }
 
 // Numbers that are none are written as their bits, 0x7fc00001, which tells all NaNs apart.
@@ -76,17 +69,17 @@ Json ScalarValue(char kind, std::uint64_t bits) {
 std::uint64_t ScalarOf(char kind, const Json& value) {
   switch (kind) {
     case 'r':
-      return value.is_null() ? KeyFrameId::kNone : UnsignedOf(value);
+      return value.is_null() ? KeyFrameId::kNone : detail::IntegerOf<std::uint64_t>(value);
     case 'i':
-      return static_cast<std::uint32_t>(value.get<std::int32_t>());
+      return static_cast<std::uint32_t>(detail::IntegerOf<std::int32_t>(value));
     case 'q':
-      return static_cast<std::uint64_t>(value.get<std::int64_t>());
+      return static_cast<std::uint64_t>(detail::IntegerOf<std::int64_t>(value));
     case 'f':
       return RealOf<float, std::uint32_t>(value);
     case 'd':
       return RealOf<double, std::uint64_t>(value);
     default:
-      return UnsignedOf(value);
+      return detail::IntegerOf<std::uint64_t>(value);
   }
 }
 
@@ -119,6 +112,8 @@ std::vector<std::uint64_t> BitsOf(const std::string& kinds, const Json& values) 
   return bits;
 }
 
+std::string Dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 Json JsonOf(const EntityEdit& edit) {
   Json value = {{"rule", edit.rule}, {"entity", kKinds[static_cast<std::size_t>(edit.kind)]}};
   const bool in_map =
@@ -131,12 +126,14 @@ Json JsonOf(const EntityEdit& edit) {
   if (edit.removed) value["removed"] = true;
   if (edit.added) value["added"] = true;
   Json& fields = value["fields"] = Json::array();
-  for (const FieldEdit& field : edit.fields)
+  for (const FieldEdit& field : edit.fields) {
+    if (field.kinds.empty()) throw Error(ErrorKind::kUsage, Concat("the edit of ", field.field, " has no kinds"));
     fields.push_back({{"field", field.field},
                       {"kinds", field.kinds},
                       {"at", field.at},
                       {"before", ValuesOf(field.kinds, field.before)},
                       {"after", ValuesOf(field.kinds, field.after)}});
+  }
   return value;
 }
 
@@ -146,16 +143,16 @@ EntityEdit EditOf(const Json& value) {
   const auto kind = std::ranges::find(kKinds, value.at("entity").get<std::string>());
   if (kind == kKinds.end()) throw NotAJournal(Concat("there are no entities called ", value.at("entity").dump()));
   edit.kind = static_cast<EntityKind>(kind - kKinds.begin());
-  edit.map = value.value("map", 0U);
-  edit.row = value.value("row", std::uint64_t{0});
+  if (value.contains("map")) edit.map = detail::IntegerOf<decltype(edit.map)>(value.at("map"));
+  if (value.contains("row")) edit.row = detail::IntegerOf<std::uint64_t>(value.at("row"));
   if (value.contains("id")) edit.id = ScalarOf('r', value.at("id"));
   edit.removed = value.value("removed", false);
   edit.added = value.value("added", false);
   for (const Json& field : value.at("fields")) {
     const std::string kinds = field.at("kinds");
     if (kinds.empty()) throw NotAJournal("a field has no kinds");
-    edit.fields.push_back({field.at("field"), kinds, field.at("at"), BitsOf(kinds, field.at("before")),
-                           BitsOf(kinds, field.at("after"))});
+    edit.fields.push_back({field.at("field"), kinds, detail::IntegerOf<std::uint64_t>(field.at("at")),
+                           BitsOf(kinds, field.at("before")), BitsOf(kinds, field.at("after"))});
   }
   return edit;
 }
@@ -178,14 +175,36 @@ void RequireFormat(const Json& json) {
   throw NotAJournal(Concat("expected ", kFormat));
 }
 
+ArchiveEncoding EncodingOf(const Json& json) {
+  const auto width = [&](const char* name) {
+    const auto bytes = detail::IntegerOf<std::uint8_t>(json.at(name));
+    if (bytes != 4 && bytes != 8) throw NotAJournal(Concat(name, " is ", bytes, ", expected 4 or 8"));
+    return bytes;
+  };
+  ArchiveEncoding encoding;
+  encoding.text = json.at("text");
+  encoding.boost_version = detail::IntegerOf<std::uint16_t>(json.at("boost_version"));
+  encoding.long_bytes = width("long_bytes");
+  encoding.size_bytes = width("size_bytes");
+  return encoding;
+}
+
+// The last member is a checksum of the text in front of it. Journals of before have none.
+constexpr std::string_view kChecksum = ",\"checksum\":\"";
+
+void RequireUnchanged(std::string_view json) {
+  const std::size_t at = json.rfind(kChecksum);
+  if (at == std::string_view::npos) return;
+  const std::string sum = detail::Hex(detail::HashBytes(std::as_bytes(std::span(json.substr(0, at)))));
+  if (!json.substr(at + kChecksum.size()).starts_with(sum))
+    throw Error(ErrorKind::kDamaged,
+                "is damaged, or was changed since it was written: its checksum is that of another text");
+}
+
 Journal JournalOf(const Json& json) {
   RequireFormat(json);
   Journal journal{.original = HashFrom(json.at("original")), .repaired = HashFrom(json.at("repaired"))};
-  const Json& encoding = json.at("encoding");
-  journal.encoding.text = encoding.at("text");
-  journal.encoding.boost_version = encoding.at("boost_version");
-  journal.encoding.long_bytes = encoding.at("long_bytes");
-  journal.encoding.size_bytes = encoding.at("size_bytes");
+  journal.encoding = EncodingOf(json.at("encoding"));
   for (const Json& edit : json.at("edits")) journal.edits.push_back(EditOf(edit));
   return journal;
 }
@@ -197,15 +216,18 @@ std::string ToJson(const Journal& journal) {
                      {"original", detail::Hex(journal.original)},
                      {"repaired", detail::Hex(journal.repaired)},
                      {"encoding", detail::JsonOf(journal.encoding)}};
-  std::string text = head.dump();
+  std::string text = Dumped(head);
   text.pop_back();
   text += ",\"edits\":[";
   const char* separator = "\n";
-  for (const EntityEdit& edit : journal.edits) text += std::exchange(separator, ",\n") + JsonOf(edit).dump();
-  return text + "\n]}\n";
+  for (const EntityEdit& edit : journal.edits) text += std::exchange(separator, ",\n") + Dumped(JsonOf(edit));
+  text += "\n]";
+  const std::string sum = detail::Hex(detail::HashBytes(std::as_bytes(std::span(text))));
+  return Concat(text, kChecksum, sum, "\"}\n");
 }
 
 Journal ParseJournal(std::string_view json) {
+  RequireUnchanged(json);
   try {
     return JournalOf(Json::parse(json));
   } catch (const Json::exception& error) {

@@ -123,8 +123,10 @@ void RaiseCounters(Atlas& atlas, RecoverReport& report) {
       raise(next.map, keyframe.origin_map);
       for (const MapPointId slot : keyframe.features.map_points) raise(next.map_point, slot.value());
     }
-    for (const MapPoint& point : map.points)
+    for (const MapPoint& point : map.points) {
+      if (point.origin_map != MapPoint::kNoOrigin) raise(next.map, point.origin_map);
       for (const Observation& observation : point.observations) raise(next.keyframe, observation.keyframe.value());
+    }
   }
   if (next == before) return;
   report.rebuilt_counters = true;

@@ -179,6 +179,7 @@ constexpr std::array<std::string_view, 1> kObservationsSuffixes = {".observation
 const Format kCsvFormat = {.id = "csv",
                            .title = "CSV table of map points",
                            .suffixes = kPointsSuffixes,
+                           .chooses_maps = true,
                            .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = Sniff<kPointsHeader>,
                            .write = WritePoints};
@@ -186,6 +187,7 @@ const Format kCsvFormat = {.id = "csv",
 const Format kCsvKeyFramesFormat = {.id = "csv-keyframes",
                                     .title = "CSV table of keyframes",
                                     .suffixes = kKeyFramesSuffixes,
+                                    .chooses_maps = true,
                                     .writes = Content::kPoses | Content::kMaps,
                                     .sniff = Sniff<kKeyFramesHeader>,
                                     .write = WriteKeyFrames};
@@ -193,6 +195,7 @@ const Format kCsvKeyFramesFormat = {.id = "csv-keyframes",
 const Format kCsvObservationsFormat = {.id = "csv-observations",
                                        .title = "CSV table of observations",
                                        .suffixes = kObservationsSuffixes,
+                                       .chooses_maps = true,
                                        .writes = Content::kObservations | Content::kMaps,
                                        .sniff = Sniff<kObservationsHeader>,
                                        .write = WriteObservations};

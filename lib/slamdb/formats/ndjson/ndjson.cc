@@ -81,6 +81,7 @@ constexpr std::array<std::string_view, 2> kSuffixes = {".ndjson", ".jsonl"};
 const Format kNdjsonFormat = {.id = "ndjson",
                               .title = "JSON lines dump",
                               .suffixes = kSuffixes,
+                              .chooses_maps = true,
                               .writes = Content::kEverything,
                               .sniff = SniffNdjson,
                               .write = WriteNdjson};

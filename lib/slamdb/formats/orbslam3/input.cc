@@ -108,7 +108,7 @@ T TextInput::TakeFloat(const char* token) {
   T value{};
   const auto [parsed, error] = std::from_chars(token, end_, value);
   if (error == std::errc::result_out_of_range) {  // a subnormal that some libraries round to 0
-    long double wide = 0;  // strtod would follow the locale
+    long double wide = 0;                         // strtod would follow the locale
     std::from_chars(token, parsed, wide);
     value = static_cast<T>(wide);
     Finish(parsed, true);

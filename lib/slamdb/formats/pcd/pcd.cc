@@ -105,6 +105,7 @@ const Format kPcdFormat = {.id = "pcd",
                            .title = "PCD point cloud",
                            .suffixes = kSuffixes,
                            .kind = FileKind::kBinaryOrText,
+                           .chooses_maps = true,
                            .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = SniffPcd,
                            .write = WritePcd};

@@ -96,6 +96,7 @@ const Format kPlyFormat = {.id = "ply",
                            .title = "PLY point cloud",
                            .suffixes = kSuffixes,
                            .kind = FileKind::kBinaryOrText,
+                           .chooses_maps = true,
                            .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = SniffPly,
                            .write = WritePly};

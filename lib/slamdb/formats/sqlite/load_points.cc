@@ -2,7 +2,9 @@
 #include <array>
 #include <cstring>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -89,12 +91,15 @@ class ObservationReader {
 
 void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::span<MapPoint> points,
                 std::span<std::int64_t> hashes, std::span<std::int64_t> observations_hashes) {
+  // What is salvaged may be of an older version, which has no such columns.
+  const bool has_tracking = VersionOf(database) >= kFirstVersionWithTracking;
   Statement statement(
       database,
-      "SELECT row, id, hash, observations_hash, x, y, z, nx, ny, nz, min_distance, max_distance, reference, "
-      "replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, exact, descriptor_form, "
-      "origin_map, visible_count, found_count "
-      "FROM map_point WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
+      detail::Concat(
+          "SELECT row, id, hash, observations_hash, x, y, z, nx, ny, nz, min_distance, max_distance, reference, "
+          "replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, exact, descriptor_form, ",
+          has_tracking ? "origin_map, visible_count, found_count " : "NULL, NULL, NULL ",
+          "FROM map_point WHERE row BETWEEN ?1 AND ?2 ORDER BY row"),
       "table map_point");
   ObservationReader observations(database);
   ForEachRun(rows, [&](std::size_t first, std::size_t count) {

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <optional>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
@@ -66,8 +67,9 @@ class StoreSalvager {
       std::vector<std::int64_t> hashes(rows.size()), observations(rows.size());
       LoadPoints(database_, rows, entities, hashes, observations);
     });
-    ReadList(row, "landmark", kLandmarksPerRead, map.landmarks, read.landmarks,
-             [&](auto rows, auto entities) { LoadLandmarkRows(database_, rows, entities); });
+    if (VersionOf(database_) >= kFirstVersionWithLandmarks)
+      ReadList(row, "landmark", kLandmarksPerRead, map.landmarks, read.landmarks,
+               [&](auto rows, auto entities) { LoadLandmarkRows(database_, rows, entities); });
     salvage_.atlas.maps.push_back(std::move(map));
     salvage_.maps.push_back(read);
   }
@@ -188,11 +190,16 @@ class LengthenedCopy {
   std::filesystem::path folder_;
 };
 
-// The only atlas, without the index of names.
-std::string OnlyName(Database& database, double lock_timeout) {
-  Statement statement(database, "SELECT count(*), min(name) FROM atlas NOT INDEXED", "table atlas");
-  if (statement.Step() && statement.Integer(0) == 1) return statement.Text(1);
-  return Store::Open(database.path(), lock_timeout).OnlyName();  // throws what is wrong
+// The only atlas, without the index of names. `path` is what the user calls the store, of which `database` may be a
+// copy.
+std::string OnlyName(Database& database, const std::string& path) {
+  Statement statement(database, "SELECT count(*), group_concat(name, ', ') FROM atlas NOT INDEXED", "table atlas");
+  if (!statement.Step() || statement.Integer(0) == 0)
+    throw Error(ErrorKind::kNotFound, path, "", "no atlas could be read");
+  if (statement.Integer(0) == 1) return statement.Text(1);
+  throw Error(ErrorKind::kUsage, path, "",
+              detail::Concat("holds ", statement.Integer(0), " atlases: ", statement.Text(1), "; say which, as ", path,
+                             "#NAME"));
 }
 
 }  // namespace
@@ -204,8 +211,8 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   const double lock_timeout = options.of<StoreReadOptions>().lock_timeout;
   const sqlite::LengthenedCopy copy(path);
   sqlite::Database database(copy.path(), sqlite::Access::kSalvage, lock_timeout);
-  sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kRefuse, sqlite::Boxes::kNotNeeded);
-  const std::string chosen = name.empty() ? sqlite::OnlyName(database, lock_timeout) : name;
+  sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kAccept, sqlite::Boxes::kNotNeeded);
+  const std::string chosen = name.empty() ? sqlite::OnlyName(database, path) : name;
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, chosen).Step())
     throw Error(ErrorKind::kNotFound, path, "", "no atlas named '" + chosen + "' could be read");

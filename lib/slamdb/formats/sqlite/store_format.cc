@@ -66,6 +66,7 @@ const Format kStoreFormat = {
     .suffixes = kSuffixes,
     .kind = FileKind::kBinary,
     .named = true,
+    .keeps_encoding = true,
     .reads = Content::kEverything,
     .writes = Content::kEverything,
     .sniff = &Sniff,
