@@ -136,7 +136,7 @@ std::string RunProgram(const std::vector<std::string>& arguments) {
   int status = 0;
   waitpid(child, &status, 0);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw Error(arguments[0] + " " + arguments[1] + " " + arguments[2] + " failed");
+    throw Error(ErrorKind::kInternal, arguments[0] + " " + arguments[1] + " " + arguments[2] + " failed");
   return printed;
 }
 

@@ -137,19 +137,6 @@ TEST(Landmarks, AreOfNoKeyFrame) {
   EXPECT_THAT(converted.err, HasSubstr("landmarks belong to no keyframe"));
 }
 
-TEST(Landmarks, StandInTheWayOfVersion1) {
-  const TemporaryFolder folder;
-  StoreOfBoth(folder);
-  ASSERT_EQ(RunSlamdb({"migrate", folder / "both.db", "--back", "--quiet"}).exit_code, 0);  // to version 2, which has them
-  std::filesystem::remove(folder / "both.db.v3.bak");
-  for (const char* dry_run : {"--dry-run", "--quiet"}) {
-    const ProcessResult back = RunSlamdb({"migrate", folder / "both.db", "--back", dry_run});
-    EXPECT_EQ(back.exit_code, 1);
-    EXPECT_THAT(back.err, HasSubstr("the store holds landmarks"));
-  }
-  EXPECT_FALSE(std::filesystem::exists(folder / "both.db.v2.bak")) << "nothing was changed, so nothing is kept";
-}
-
 TEST(Landmarks, InFrontOfACutAreRecovered) {
   const TemporaryFolder folder;
   ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "a.mrpt.gz", "--quiet"}).exit_code, 3);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -90,6 +92,21 @@ TEST_F(StoreVerbs, MigrateOfAnUpToDateStoreDoesNothing) {
   const ProcessResult result = RunSlamdb({"migrate", store_, "--dry-run"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("already"));
+}
+
+TEST_F(StoreVerbs, MigrateBackLosesNothing) {
+  RunProgram({"sqlite3", store_, "UPDATE map_point SET found_count = 3 WHERE row = (SELECT max(row) FROM map_point)"});
+  for (const char* dry_run : {"--dry-run", "--quiet"}) {
+    const ProcessResult back = RunSlamdb({"migrate", store_, "--back", dry_run});
+    EXPECT_EQ(back.exit_code, 1);
+    EXPECT_THAT(back.err, HasSubstr("the store holds origins or counters of map points"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(store_ + ".v3.bak")) << "nothing was changed, so nothing is kept";
+  RunProgram({"sqlite3", store_, "UPDATE map_point SET found_count = NULL"});
+  EXPECT_EQ(RunSlamdb({"migrate", store_, "--back", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"list", store_}).exit_code, 1) << "version 2 now";
+  EXPECT_EQ(RunSlamdb({"migrate", store_, "--quiet"}).exit_code, 0);
+  EXPECT_EQ(Names(), (std::vector<std::string>{"a", "b"}));
 }
 
 TEST_F(StoreVerbs, NameIsNeededWhereThereAreSeveral) {

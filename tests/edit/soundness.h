@@ -8,8 +8,8 @@
 #include "slamdb/checks/check.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/synthetic/synthesize.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/boost_reference/boost_reference.h"
+#include "tests/support/temporary_folder.h"
 
 namespace slamdb::testing {
 

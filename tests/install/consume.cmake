@@ -15,7 +15,7 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${FOLDER}/build -G Ninja -D
 run(${CMAKE_COMMAND} --build ${FOLDER}/build)
 run(${FOLDER}/build/consumer ${ATLAS} ${FOLDER}/consumer.db)
 run(${FOLDER}/build/first_lines ${ATLAS} ${ATLAS} ${FOLDER}/first.db)
-run(${FOLDER}/prefix/bin/slamdb check ${FOLDER}/first.db#both)
+run(${FOLDER}/prefix/bin/slamdb check "${FOLDER}/first.db#both")
 execute_process(COMMAND ${FOLDER}/build/first_lines gone.osa ${ATLAS} ${FOLDER}/first.db RESULT_VARIABLE status ERROR_QUIET)
 if(NOT status EQUAL 4)
   message(FATAL_ERROR "an atlas that is not there: exit status ${status}, expected 4 for kNotFound")

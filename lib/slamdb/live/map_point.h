@@ -178,7 +178,7 @@ class SLAMDB_EXPORT MapPoint : public Listed {
  private:
   friend struct Bridge;
   friend struct BoostAccess;  // boost.h
-  friend class KeyFrame;  // counts observers
+  friend class KeyFrame;      // counts observers
 
   // The common part of the constructors: with a new id, or that one.
   explicit MapPoint(Map& map);

@@ -129,6 +129,7 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".euroc.csv"};
 const Format detail::kEurocFormat = {.id = "euroc",
                                      .title = "EuRoC ground truth csv",
                                      .suffixes = kSuffixes,
+                                     .chooses_maps = true,
                                      .reads = Content::kPoses | Content::kMaps,
                                      .writes = Content::kPoses | Content::kMaps,
                                      .sniff = SniffEuroc,

@@ -81,6 +81,7 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};
 const Format detail::kKittiFormat = {.id = "kitti",
                                      .title = "KITTI trajectory",
                                      .suffixes = kSuffixes,
+                                     .chooses_maps = true,
                                      .writes = Content::kPoses,
                                      .sniff = SniffKitti,
                                      .write = WriteKitti};

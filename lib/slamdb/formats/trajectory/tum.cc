@@ -72,6 +72,7 @@ constexpr std::array<std::string_view, 2> kSuffixes = {".tum", ".txt"};
 const Format detail::kTumFormat = {.id = "tum",
                                    .title = "TUM trajectory",
                                    .suffixes = kSuffixes,
+                                   .chooses_maps = true,
                                    .reads = Content::kPoses | Content::kMaps,
                                    .writes = Content::kPoses | Content::kMaps,
                                    .sniff = SniffTum,
