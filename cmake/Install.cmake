@@ -21,6 +21,8 @@ install(FILES ${PROJECT_BINARY_DIR}/slamdbConfig.cmake ${PROJECT_BINARY_DIR}/sla
 if(NOT BUILD_SHARED_LIBS)
   set(pc_static_libs " -lsqlite3 -lz -lmd -pthread")
 endif()
+# Relative to the file itself, so that the whole may be moved.
+file(RELATIVE_PATH pc_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(cmake/slamdb.pc.in slamdb.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/slamdb.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 if(SLAMDB_BUILD_LIVE)
