@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/model/ids.h"
 
+#include "slamdb/export.h"
+
 namespace slamdb {
 namespace {
 
@@ -12,23 +14,23 @@ std::string Named(const char* kind, Id<Entity> id) {
 }  // namespace
 
 template <>
-std::string ToString(MapId id) {
+SLAMDB_EXPORT std::string ToString(MapId id) {
   return Named("map ", id);
 }
 template <>
-std::string ToString(KeyFrameId id) {
+SLAMDB_EXPORT std::string ToString(KeyFrameId id) {
   return Named("kf ", id);
 }
 template <>
-std::string ToString(MapPointId id) {
+SLAMDB_EXPORT std::string ToString(MapPointId id) {
   return Named("mp ", id);
 }
 template <>
-std::string ToString(CameraId id) {
+SLAMDB_EXPORT std::string ToString(CameraId id) {
   return Named("camera ", id);
 }
 template <>
-std::string ToString(LandmarkId id) {
+SLAMDB_EXPORT std::string ToString(LandmarkId id) {
   return Named("landmark ", id);
 }
 
