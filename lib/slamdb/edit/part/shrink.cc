@@ -127,7 +127,8 @@ class GreedyCoverage {
   }
 
   void Keep(std::uint32_t place) {
-    const auto [map, row] = keyframes_[place];
+    const EntityRow keyframe = keyframes_[place];
+    const std::uint32_t map = keyframe.map, row = keyframe.row;
     ForEachNewPoint(place, [&](std::uint32_t point_row, const MapPoint& point) {
       kept_.maps[map].points[point_row] = 1;
       ForEachObserver(map, point, [&](std::uint32_t observer) { ++views_[observer]; });
