@@ -16,6 +16,7 @@
 #include "slamdb/edit/part/shrink.h"
 #include "slamdb/edit/part/split.h"
 #include "slamdb/edit/repair/recover.h"
+#include "slamdb/model/digest.h"
 #include "slamdb/synthetic/synthesize.h"
 
 namespace slamdb {
@@ -109,6 +110,19 @@ TEST_P(EveryVerb, TellsItsProgressToTheEnd) {
 TEST_P(EveryVerb, IsCancelledByItsListener) {
   const auto cancel = [](std::string_view, double) { throw std::runtime_error("cancelled"); };
   EXPECT_THROW(GetParam().run(atlas_, 1, cancel), std::runtime_error);
+}
+
+// Who cancels at the first word has an atlas as it was.
+TEST(EditOptions, ACancelledRepairHasChangedNothing) {
+  Atlas broken = SynthesizeAtlas({.keyframes = 5, .points = 60, .features = 90});
+  broken.next_ids = {};
+  const std::uint64_t before = HashOf(broken);
+  const Progress cancel = [](std::string_view, double) { throw std::runtime_error("cancelled"); };
+  EXPECT_THROW(RepairAtlas(broken, {.progress = cancel}), std::runtime_error);
+  EXPECT_EQ(HashOf(broken), before);
+  EXPECT_THROW(RecoverAtlas(broken, {.progress = cancel}), std::runtime_error);
+  EXPECT_EQ(HashOf(broken), before);
+  EXPECT_FALSE(RepairAtlas(broken).applied.empty()) << "there was something to change";
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ class Steps {
 
   // Another step is done. Throws what the listener throws.
   void Next() {
-    ++done_;
+    if (done_ < steps_) ++done_;  // work that turns out longer stays at its end
     if (progress_) progress_(stage_, static_cast<double>(done_) / static_cast<double>(steps_));
   }
 

@@ -75,10 +75,12 @@ FragmentReport DropFragments(Atlas& atlas, const FragmentOptions& options) {
     std::ranges::fill(kept.maps[row].points, std::uint8_t{0});
     std::ranges::fill(kept.maps[row].landmarks, std::uint8_t{0});
   }
+  detail::Steps steps(options.progress, "dropping fragments", 2);
+  steps.Next();
   report.removed = KeepSubset(atlas, kept, options.threads);
   Sort(atlas, options.order);
   for (const Map& map : atlas.maps) report.order.push_back(map.id);
-  detail::Steps(options.progress, "dropping fragments", 1).Next();
+  steps.Next();
   return report;
 }
 

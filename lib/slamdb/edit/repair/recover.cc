@@ -173,6 +173,8 @@ bool RecoverReport::sound() const {
 
 RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
   RecoverReport report;
+  detail::Steps steps(options.progress, "recovering", 3);
+  steps.Next();
   if (atlas.vocabulary == Vocabulary() && options.rig != nullptr) {
     atlas.vocabulary = options.rig->vocabulary;
     report.taken_vocabulary = true;
@@ -181,6 +183,7 @@ RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
   RebuildMaps(atlas, report);
   RebuildCameras(options, atlas, report);
   RaiseCounters(atlas, report);
+  steps.Next();
   Repair(options, atlas, report);
   for (int round = 0; round < kMostRounds && !report.sound(); ++round) {
     Subset subset = Subset::Everything(atlas);
@@ -188,7 +191,7 @@ RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
     KeepSubset(atlas, subset);
     Repair(options, atlas, report);
   }
-  detail::Steps(options.progress, "recovering", 1).Next();
+  steps.Next();
   return report;
 }
 

@@ -32,9 +32,12 @@ CheckReport Check(const Atlas& atlas, const RepairOptions& options) {
 }
 
 // Applies the fixes of the chosen rules that found something; returns whether any of them changed anything.
-bool ApplyFixes(const CheckReport& check, const RepairOptions& options, Atlas& atlas, RepairReport& report) {
+// Tells its listener of each rule before it changes anything.
+bool ApplyFixes(const CheckReport& check, const RepairOptions& options, detail::Steps& steps, Atlas& atlas,
+                RepairReport& report) {
   const std::size_t before = report.applied.size();
   for (const RuleResult& result : check.results) {
+    steps.Next();
     const Rule* rule = FindRule(result.id);
     if (!rule->fix || !IsChosen(options, result.id)) continue;
     const Atlas original = options.journal ? atlas : Atlas();
@@ -70,9 +73,10 @@ RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options) {
   if (options.journal)
     report.journal = {.original = HashWithoutEncoding(atlas, options.threads), .encoding = atlas.encoding};
   CheckReport check = Check(atlas, options);
-  for (int round = 0; round < kMostRounds && ApplyFixes(check, options, atlas, report); ++round)
+  detail::Steps steps(options.progress, "repairing", check.results.size() + 1);
+  for (int round = 0; round < kMostRounds && ApplyFixes(check, options, steps, atlas, report); ++round)
     check = Check(atlas, options);
-  detail::Steps(options.progress, "repairing", 1).Next();
+  steps.Next();
   for (RuleResult& result : check.results)
     report.left.push_back({.rule = result.id,
                            .severity = result.severity,
