@@ -35,7 +35,8 @@ class BoxTree : public ::testing::TestWithParam<std::size_t> {
     std::vector<std::uint64_t> expected, found;
     for (const MapPoint& point : atlas.maps[0].points)
       if (options.selection.box->contains(point.position)) expected.push_back(point.id.value());
-    for (const MapPoint& point : LoadFrom(path_, "a", options).maps[0].points) found.push_back(point.id.value());
+    const Atlas part = LoadFrom(path_, "a", options);
+    for (const MapPoint& point : part.maps[0].points) found.push_back(point.id.value());
     EXPECT_EQ(found, expected);
   }
 
