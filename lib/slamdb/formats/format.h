@@ -90,60 +90,24 @@ enum class FeatureColumns {
   kNone,
 };
 
-struct ReadOptions {
+struct ReadOptions : WithFormatOptions<ReadOptions> {
   std::string format;                     // id of one of Formats(); empty: told by the content, then by the suffix
   const Format* custom_format = nullptr;  // one of your own instead
   FeatureColumns features = FeatureColumns::kAll;
   Selection selection;
   std::vector<PartSize>* part_sizes = nullptr;  // filled where the format can tell
-  FormatOptions formats;                        // of single formats, see of()
   int threads = 0;                              // 0: every core
   Progress progress;                            // may be empty
-
-  // Options that only one format has: `options.of<StoreReadOptions>().lock_timeout = 60`.
-  template <class Options>
-  Options& of() {
-    return formats.of<Options>();
-  }
-  template <class Options>
-  const Options& of() const {
-    return formats.of<Options>();
-  }
-  // The same in one expression: `ReadOptions{.threads = 1}.With(StoreReadOptions{.lock_timeout = 60})`.
-  template <class Options>
-  ReadOptions With(Options of_format) const {
-    ReadOptions options = *this;
-    options.of<Options>() = std::move(of_format);
-    return options;
-  }
 };
 
-struct WriteOptions {
+struct WriteOptions : WithFormatOptions<WriteOptions> {
   std::string format;                     // id of one of Formats(); empty: told by the suffix
   const Format* custom_format = nullptr;  // one of your own instead
   bool strict = false;                    // Error, and nothing written, where the target cannot hold all of the atlas
   bool overwrite = false;                 // replace what is there; otherwise Error
-  bool sync = true;       // wait for the disk; false is faster and safe against everything but power loss
-  FormatOptions formats;  // of single formats, see of()
-  int threads = 0;        // 0: every core
-  Progress progress;      // may be empty
-
-  // Options that only one format has: `options.of<Orbslam3WriteOptions>().sanitize = true`.
-  template <class Options>
-  Options& of() {
-    return formats.of<Options>();
-  }
-  template <class Options>
-  const Options& of() const {
-    return formats.of<Options>();
-  }
-  // The same in one expression: `WriteOptions{.overwrite = true}.With(Orbslam3WriteOptions{.sanitize = true})`.
-  template <class Options>
-  WriteOptions With(Options of_format) const {
-    WriteOptions options = *this;
-    options.of<Options>() = std::move(of_format);
-    return options;
-  }
+  bool sync = true;   // wait for the disk; false is faster and safe against everything but power loss
+  int threads = 0;    // 0: every core
+  Progress progress;  // may be empty
 };
 
 // Whether the bytes of a format are for people, or would garble a terminal.

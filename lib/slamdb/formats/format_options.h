@@ -31,4 +31,28 @@ class FormatOptions {
   std::list<std::any> items_;
 };
 
+// What ReadOptions and WriteOptions (`Self`) have for options that only one format has.
+template <class Self>
+struct WithFormatOptions {
+  FormatOptions formats;
+
+  // `options.of<StoreReadOptions>().lock_timeout = 60`.
+  template <class Options>
+  Options& of() {
+    return formats.of<Options>();
+  }
+  template <class Options>
+  const Options& of() const {
+    return formats.of<Options>();
+  }
+
+  // The same in one expression: `WriteOptions{.overwrite = true}.With(Orbslam3WriteOptions{.sanitize = true})`.
+  template <class Options>
+  Self With(Options of_format) const {
+    Self options = static_cast<const Self&>(*this);
+    options.template of<Options>() = std::move(of_format);
+    return options;
+  }
+};
+
 }  // namespace slamdb
