@@ -19,29 +19,17 @@ namespace slamdb::live {
 struct BoostAccess {
   static slamdb::MapPoint ToRecord(MapPoint& point) {
     slamdb::MapPoint record;
-    record.id = MapPointId(point.mnId);
-    record.first_keyframe = point.mnFirstKFid;
-    record.first_frame = point.mnFirstFrame;
-    record.observation_count = point.nObs;
     record.reference = KeyFrameId(point.mBackupRefKFId);
     record.replaced_by = MapPointId(static_cast<std::uint64_t>(point.mBackupReplacedId));
     boost_archive::Pair(Rows(point.mBackupObservationsId1), Rows(point.mBackupObservationsId2), record.observations);
     const std::scoped_lock lock(point.mutex_position_, point.mutex_features_);
-    record.position = point.position_;
-    record.normal = point.normal_;
-    record.min_distance = point.min_distance_;
-    record.max_distance = point.max_distance_;
-    record.descriptor = point.descriptor_;
-    record.descriptor_form = point.descriptor_form_;
-    record.bad = point.bad_ == static_cast<bool>(point.recorded_bad_) ? point.recorded_bad_ : Flag(point.bad_);
+    point.WriteValues(record);
     return record;
   }
 
+  // What no archive holds, counters and origin, is then as of a point that was loaded without them: not recorded.
   static void FromRecord(const slamdb::MapPoint& record, MapPoint& point) {
     point.mnId = record.id.value();
-    point.mnFirstKFid = record.first_keyframe;
-    point.mnFirstFrame = record.first_frame;
-    point.nObs = record.observation_count;
     point.mBackupRefKFId = record.reference.value();
     point.mBackupReplacedId = static_cast<decltype(point.mBackupReplacedId)>(record.replaced_by.value());
     point.mBackupObservationsId1.clear();
@@ -52,18 +40,7 @@ struct BoostAccess {
       if (observation.right != Observation::kAbsent) point.mBackupObservationsId2[keyframe] = observation.right;
     }
     const std::scoped_lock lock(point.mutex_position_, point.mutex_features_);
-    point.position_ = record.position;
-    point.normal_ = record.normal;
-    point.min_distance_ = record.min_distance;
-    point.max_distance_ = record.max_distance;
-    point.descriptor_ = record.descriptor;
-    point.descriptor_form_ = record.descriptor_form;
-    point.recorded_bad_ = record.bad;
-    point.bad_ = record.bad;
-    // No archive holds these: they are as of a point that was loaded without them, and so not recorded.
-    point.visible_ = point.found_ = 1;
-    point.has_visible_ = point.has_found_ = false;
-    point.assumed_origin_ = point.mnOriginMapId;
+    point.ReadValues(record);
   }
 
  private:

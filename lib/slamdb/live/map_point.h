@@ -192,6 +192,9 @@ class SLAMDB_EXPORT MapPoint : public Listed {
 
   // The record: links that pass the filter, and those that were never resolved. Under the closed gate.
   slamdb::MapPoint ToRecord(LinkFilter& links) const;
+  // Between the point and a record: all but the links, and but the id that is read. Take the locks before.
+  void ReadValues(const slamdb::MapPoint& record);
+  void WriteValues(slamdb::MapPoint& record) const;
   void WriteUnresolved(slamdb::MapPoint& record) const;
 
   Observer* FindObserver(const KeyFrame* keyframe);  // where it is or belongs

@@ -14,7 +14,9 @@ namespace slamdb::live {
 
 using Lock = std::lock_guard<std::mutex>;
 
-MapPoint::MapPoint(const slamdb::MapPoint& record, Map* map) : MapPoint(*map, record.id.value()) {
+MapPoint::MapPoint(const slamdb::MapPoint& record, Map* map) : MapPoint(*map, record.id.value()) { ReadValues(record); }
+
+void MapPoint::ReadValues(const slamdb::MapPoint& record) {
   mnFirstKFid = record.first_keyframe;
   mnFirstFrame = record.first_frame;
   nObs = record.observation_count;
@@ -28,16 +30,15 @@ MapPoint::MapPoint(const slamdb::MapPoint& record, Map* map) : MapPoint(*map, re
   bad_ = record.bad;
   has_visible_ = record.visible_count != slamdb::MapPoint::kNoCount;
   has_found_ = record.found_count != slamdb::MapPoint::kNoCount;
-  if (has_visible_) visible_ = record.visible_count;
-  if (has_found_) found_ = record.found_count;
+  visible_ = has_visible_ ? record.visible_count : 1;
+  found_ = has_found_ ? record.found_count : 1;
   if (record.origin_map != slamdb::MapPoint::kNoOrigin)
     mnOriginMapId = record.origin_map;
   else
     assumed_origin_ = mnOriginMapId;
 }
 
-slamdb::MapPoint MapPoint::ToRecord(LinkFilter& links) const {
-  slamdb::MapPoint record;
+void MapPoint::WriteValues(slamdb::MapPoint& record) const {
   record.id = MapPointId(mnId);
   record.first_keyframe = mnFirstKFid;
   record.first_frame = mnFirstFrame;
@@ -55,6 +56,11 @@ slamdb::MapPoint MapPoint::ToRecord(LinkFilter& links) const {
   record.bad = bad_ == static_cast<bool>(recorded_bad_) ? recorded_bad_ : Flag(bad_);
   record.min_distance = min_distance_;
   record.max_distance = max_distance_;
+}
+
+slamdb::MapPoint MapPoint::ToRecord(LinkFilter& links) const {
+  slamdb::MapPoint record;
+  WriteValues(record);
   record.observations.reserve(observations_.size());
   for (const Observer& observer : observations_)
     if (links.Has(observer.keyframe))
