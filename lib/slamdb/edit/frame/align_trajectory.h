@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "slamdb/base/progress.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/umeyama.h"
@@ -21,8 +20,6 @@ struct TrajectoryAlignmentOptions {
   double max_time_difference = 0.02;  // seconds, between a keyframe and the nearest position
   bool body = false;                  // positions are those of the body (IMU), not of the camera
   UmeyamaOptions fit;
-  int threads = 0;    // not needed: it takes no time
-  Progress progress;  // likewise
 };
 
 // Of distances in units of the reference; all 0 when there are none.

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "slamdb/base/progress.h"
 #include "slamdb/base/report_files.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
@@ -23,8 +22,6 @@ struct OriginOptions {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> replace;  // {from, to}, all at once
   std::int64_t shift = 0;                                        // added
   bool compact = false;                                          // 0, 1, 2, ... in the order of the ids
-  int threads = 0;                                               // not needed: it takes no time
-  Progress progress;                                             // likewise
 };
 
 struct OriginReport {
