@@ -4,6 +4,7 @@
 
 #include "slamdb/live/bridge.h"
 #include "slamdb/synthetic/synthesize.h"
+#include "tests/live/kinds.h"
 #include "tests/live/world.h"
 #include "tests/support/equals_atlas.h"
 
@@ -15,18 +16,6 @@ using ::testing::IsEmpty;
 using ::testing::Pair;
 using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
-
-std::vector<SyntheticOptions> Kinds() {
-  std::vector<SyntheticOptions> kinds;
-  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kRgbd, Sensor::kFisheyeStereo})
-    kinds.push_back({.sensor = sensor,
-                     .inertial = sensor == Sensor::kStereo,
-                     .maps = sensor == Sensor::kRgbd ? 3 : 1,
-                     .keyframes = 12,
-                     .points = 260,
-                     .features = 200});
-  return kinds;
-}
 
 TEST(Backup, OfAWholeAtlasComesBackAsItWas) {
   for (const SyntheticOptions& kind : Kinds()) {

@@ -10,6 +10,7 @@
 #include "slamdb/live/map_point.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/orbslam3/real_atlases.h"
+#include "tests/live/kinds.h"
 #include "tests/support/equals_atlas.h"
 
 namespace slamdb::live {
@@ -17,18 +18,6 @@ namespace {
 
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-std::vector<SyntheticOptions> Kinds() {
-  std::vector<SyntheticOptions> kinds;
-  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kRgbd, Sensor::kFisheyeStereo})
-    kinds.push_back({.sensor = sensor,
-                     .inertial = sensor == Sensor::kStereo,
-                     .maps = sensor == Sensor::kRgbd ? 3 : 1,
-                     .keyframes = 12,
-                     .points = 260,
-                     .features = 200});
-  return kinds;
-}
 
 TEST(Bridge, BringsAnAtlasToLifeAndBack) {
   for (const SyntheticOptions& kind : Kinds()) {

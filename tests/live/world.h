@@ -3,27 +3,15 @@
 
 #include <gmock/gmock.h>
 
-#include <optional>
-
-#include "slamdb/base/error.h"
 #include "slamdb/live/atlas.h"
 #include "slamdb/live/frame.h"
 #include "slamdb/live/keyframe.h"
 #include "slamdb/live/map.h"
 #include "slamdb/live/map_point.h"
 #include "slamdb/model/derive.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb::live {
-
-// The kind of the Error that the work throws; none: it throws no Error.
-std::optional<ErrorKind> KindOf(const auto& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.kind();
-  }
-  return std::nullopt;
-}
 
 enum class Eyes { kMono, kStereo, kFisheyePair };
 

@@ -7,6 +7,7 @@
 
 #include "slamdb/formats/sqlite/detail/database.h"
 #include "tests/formats/sqlite/atlases.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb::store_test {
 namespace {
@@ -14,16 +15,6 @@ namespace {
 class StoreErrors : public ::testing::Test {
  protected:
   StoreErrors() { SaveIn(path_, SoundAtlas()); }
-
-  template <class Work>
-  static std::optional<ErrorKind> KindOf(const Work& work) {
-    try {
-      work();
-    } catch (const Error& error) {
-      return error.kind();
-    }
-    return std::nullopt;
-  }
 
   TemporaryFolder folder_;
   std::string path_ = folder_ / "s.db";
