@@ -151,6 +151,13 @@ TEST(CullPoints, ByObservations) {
   EXPECT_FALSE(atlas.maps[0].keyframes[0].features.map_points[7]);
 }
 
+TEST(CullPoints, ByObservationsOnlyWhenAsked) {
+  Atlas atlas = CrowdedMap(5);
+  atlas.maps[0].points[7].observation_count = -1;  // damaged
+  EXPECT_EQ(Cull(atlas, {.max_error = 100}).few_observations, 0U);
+  EXPECT_EQ(Cull(atlas, {.min_observations = 0}).few_observations, 1U);
+}
+
 TEST(CullPoints, ByReprojectionErrorInPixelsOfTheOctave) {
   Atlas atlas = CrowdedMap(5);
   for (KeyFrame& keyframe : atlas.maps[0].keyframes) {

@@ -40,9 +40,9 @@ void RequireSense(const CullOptions& options) {
   require(!options.unseen_since || std::isfinite(*options.unseen_since), "the time since when must be finite");
 }
 
-// 0: every number is enough.
+// The smallest int: every number is enough, also a damaged one below 0.
 int FewestObservations(const MapStatistics& statistics, const CullOptions& options) {
-  if (!options.min_observations) return 0;
+  if (!options.min_observations) return std::numeric_limits<int>::min();
   if (const int* asked = std::get_if<int>(&*options.min_observations)) return *asked;
   return statistics.sensor == MapSensor::kMonocular ? kFewForMonocular : kFewForDepth;
 }
