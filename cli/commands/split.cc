@@ -51,8 +51,8 @@ std::string OutputOf(const std::string& pattern, const std::string& part) {
 bool IsThere(const Location& location) {
   if (!std::filesystem::exists(location.path)) return false;
   if (location.name.empty()) return true;
-  return std::ranges::any_of(Store::Open(location.path).List(),
-                             [&](const StoredAtlas& atlas) { return atlas.name == location.name; });
+  const std::vector<std::string> names = Store::Open(location.path).Names();
+  return std::ranges::find(names, location.name) != names.end();
 }
 
 // Before the first is written.

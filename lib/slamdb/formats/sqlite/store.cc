@@ -86,11 +86,16 @@ struct Store::State {
     if (statement.BindText(1, name).Step()) return statement.Integer(0);
     throw Error(ErrorKind::kNotFound, database.path(), "", "no atlas named '" + name + "'" + Known());
   }
-  std::string Known() {
-    std::string names;
+  std::vector<std::string> Names() {
+    std::vector<std::string> names;
     Statement statement(database, "SELECT name FROM atlas ORDER BY name", "table atlas");
-    while (statement.Step()) names += (names.empty() ? "" : ", ") + statement.Text(0);
-    return names.empty() ? "; the store is empty" : "; it holds " + names;
+    while (statement.Step()) names.push_back(statement.Text(0));
+    return names;
+  }
+  std::string Known() {
+    std::string known;
+    for (const std::string& name : Names()) known += (known.empty() ? "" : ", ") + name;
+    return known.empty() ? "; the store is empty" : "; it holds " + known;
   }
   void CheckWritable() const {
     if (!writable) throw Error(ErrorKind::kUsage, database.path(), "", "opened for reading");
@@ -125,6 +130,8 @@ Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
 }
 
 const std::string& Store::path() const { return state_->database.path(); }
+
+std::vector<std::string> Store::Names() { return state_->Names(); }
 
 std::vector<StoredAtlas> Store::List() { return ListAtlases(state_->database); }
 

@@ -97,6 +97,7 @@ class SLAMDB_EXPORT Store {
   Store& operator=(Store&&) noexcept;
 
   const std::string& path() const;
+  std::vector<std::string> Names();                             // ascending; without a look at what they name
   std::vector<StoredAtlas> List();                              // by name
   std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
 

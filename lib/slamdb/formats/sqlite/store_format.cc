@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/store_format.h"
 
+#include <algorithm>
+
 #include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
@@ -35,15 +37,12 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   RefuseMemory(target.sink != nullptr, target.path);
   const StoreWriteOptions& how = options.of<StoreWriteOptions>();
   Store store = Store::OpenForWriting(target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout});
-  const std::vector<StoredAtlas> stored = store.List();
+  const std::vector<std::string> stored = store.Names();
   std::string name = target.name;
   if (name.empty()) name = stored.empty() ? std::string(kDefaultName) : store.OnlyName();
-  for (const StoredAtlas& other : stored) {
-    if (other.name == name && !options.overwrite) {
-      throw Error(ErrorKind::kAlreadyExists, target.path, "",
-                  "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
-    }
-  }
+  if (!options.overwrite && std::ranges::find(stored, name) != stored.end())
+    throw Error(ErrorKind::kAlreadyExists, target.path, "",
+                "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
   const SaveReport report =
       store.Save(name, atlas, {.provenance = how.provenance, .threads = options.threads, .progress = options.progress});
   if (!report.replaced) return;
