@@ -5,7 +5,7 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/report/info_text.h"
-#include "cli/report/json.h"
+#include "slamdb/base/detail/json.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
@@ -50,7 +50,7 @@ const ordered_json& ValueAt(const ordered_json& report, const std::string& key) 
 }
 
 std::string ValueText(const ordered_json& value) {
-  return value.is_string() ? value.get<std::string>() + "\n" : JsonText(value);
+  return value.is_string() ? value.get<std::string>() + "\n" : detail::JsonText(value);
 }
 
 ExitCode RunInfo(const InfoOptions& options, Console& console) {

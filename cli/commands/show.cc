@@ -3,8 +3,8 @@
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/json.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"

@@ -5,8 +5,8 @@
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/json.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
@@ -32,7 +32,7 @@ ExitCode RunVersion(const VersionOptions& options, Console& console) {
            {"suffixes", std::vector<std::string>(format.suffixes.begin(), format.suffixes.end())},
            {"reads", format.read != nullptr},
            {"writes", format.write != nullptr}});
-    console.Print(JsonText(report));
+    console.Print(detail::JsonText(report));
     return ExitCode::kDone;
   }
   using enum Table::Align;

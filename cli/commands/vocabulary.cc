@@ -8,8 +8,8 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/json.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/words/words.h"
 #include "slamdb/formats/formats.h"
@@ -110,7 +110,7 @@ ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
     if (options.json) report.push_back(ShownJson(outcome));
     if (!options.json) console.Print(ShownText(outcome));
   }
-  if (options.json) console.Print(JsonText({{"report", "slamdb-vocabulary-2"}, {"inputs", report}}));
+  if (options.json) console.Print(detail::JsonText({{"report", "slamdb-vocabulary-2"}, {"inputs", report}}));
   return ReportOutcomes(outcomes, console);
 }
 

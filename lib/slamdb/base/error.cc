@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "slamdb/base/detail/errno_kind.h"
+
 namespace slamdb {
 namespace {
 
@@ -17,7 +19,9 @@ std::string Sentence(const std::string& path, const std::string& place, const st
   return text;
 }
 
-ErrorKind KindOfErrno(int code) {
+}  // namespace
+
+ErrorKind detail::KindOfErrno(int code) {
   switch (code) {
     case ENOENT:
     case ENOTDIR:
@@ -55,8 +59,6 @@ ErrorKind KindOfErrno(int code) {
   }
 }
 
-}  // namespace
-
 std::string_view ToString(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::kNotFound:
@@ -92,7 +94,7 @@ Error::Error(ErrorKind kind, std::string path, std::string place, std::string pr
 
 Error SystemError(const std::string& path, const std::string& problem) {
   const int code = errno;
-  return Error(KindOfErrno(code), path, "", problem + ": " + std::generic_category().message(code));
+  return Error(detail::KindOfErrno(code), path, "", problem + ": " + std::generic_category().message(code));
 }
 
 }  // namespace slamdb

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/json.h"
 #include "slamdb/checks/report.h"
 
 namespace slamdb {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using detail::Json;
 
 constexpr std::string_view kSchema =
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
@@ -118,7 +118,7 @@ std::string SarifReport(std::span<const CheckedFile> files, const std::string& v
   sarif["$schema"] = kSchema;
   sarif["version"] = "2.1.0";
   sarif["runs"] = Json::array({run});
-  return sarif.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return detail::JsonText(sarif);
 }
 
 }  // namespace slamdb

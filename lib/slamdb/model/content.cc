@@ -122,10 +122,7 @@ std::uint64_t ContentHash(const Landmark& landmark) {
   detail::RecordWriter writer(bytes);
   ForEachField(&landmark, [&](std::string_view, auto member) {
     using Field = std::remove_cvref_t<decltype(landmark.*member)>;
-    if constexpr (std::is_same_v<Field, std::vector<LandmarkFeature>>)
-      detail::EncodeLandmarkFeatures(landmark.features, bytes);
-    else if constexpr (!std::is_same_v<Field, LandmarkId>)
-      writer.Field(landmark.*member);
+    if constexpr (!std::is_same_v<Field, LandmarkId>) writer.Field(landmark.*member);
   });
   return detail::HashBytes(bytes.bytes());
 }

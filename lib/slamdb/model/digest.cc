@@ -118,16 +118,7 @@ std::int64_t HashOf(const Column<Observation>& observations) {
       detail::HashBytes(std::as_bytes(std::span(observations.data(), observations.size()))));
 }
 
-std::int64_t HashOf(const Landmark& landmark) {
-  return HashOfRecord([&](RecordWriter& writer, ByteWriter& bytes) {
-    ForEachField(&landmark, [&](std::string_view, auto member) {
-      if constexpr (std::is_same_v<decltype(member), std::vector<LandmarkFeature> Landmark::*>)
-        EncodeLandmarkFeatures(landmark.*member, bytes);
-      else
-        writer.Field(landmark.*member);
-    });
-  });
-}
+std::int64_t HashOf(const Landmark& landmark) { return HashOfFields(landmark); }
 
 std::int64_t AtlasHashes::Combined() const {
   Hasher hasher;

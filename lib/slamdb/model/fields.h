@@ -84,15 +84,25 @@ void ForEachField(const Map*, const Visit& visit) {
 namespace fields {
 
 template <class Visit>
-void ForEachHeadField(const Visit& visit) {
+void ForEachVocabularyField(const Visit& visit) {
   visit("vocabulary.name", &Atlas::vocabulary, &Vocabulary::name);
   visit("vocabulary.checksum", &Atlas::vocabulary, &Vocabulary::checksum);
+}
+
+template <class Visit>
+void ForEachCounterField(const Visit& visit) {
   visit("next_ids.map", &Atlas::next_ids, &Counters::map);
   visit("next_ids.frame", &Atlas::next_ids, &Counters::frame);
   visit("next_ids.keyframe", &Atlas::next_ids, &Counters::keyframe);
   visit("next_ids.map_point", &Atlas::next_ids, &Counters::map_point);
   visit("next_ids.camera", &Atlas::next_ids, &Counters::camera);
   visit("next_ids.initial_keyframe", &Atlas::next_ids, &Counters::initial_keyframe);
+}
+
+template <class Visit>
+void ForEachHeadField(const Visit& visit) {
+  ForEachVocabularyField(visit);
+  ForEachCounterField(visit);
 }
 
 template <class Visit>

@@ -30,6 +30,12 @@ inline Json JsonNumber(std::uint64_t value) {
   return value <= kExact ? Json(value) : Json(std::to_string(value));
 }
 
+// On one line, or with that many blanks an indent.
+// Bytes of names and paths that are not UTF-8 become U+FFFD, as JSON is UTF-8.
+inline std::string Dumped(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 // The way back: a whole number that the type holds, also as text. Throws Error (kDamaged) for anything else.
 template <std::integral Integer>
 Integer IntegerOf(const Json& value) {
@@ -43,8 +49,8 @@ Integer IntegerOf(const Json& value) {
     number = static_cast<Integer>(value.get<std::int64_t>());
   if (!number)
     throw Error(ErrorKind::kDamaged,
-                Concat(value.dump(-1, ' ', false, Json::error_handler_t::replace), " is no whole number from ",
-                       std::numeric_limits<Integer>::min(), " to ", std::numeric_limits<Integer>::max()));
+                Concat(Dumped(value), " is no whole number from ", std::numeric_limits<Integer>::min(), " to ",
+                       std::numeric_limits<Integer>::max()));
   return *number;
 }
 
@@ -64,9 +70,6 @@ inline Json ReportHead(std::string_view name, const ReportFiles& files) {
 }
 
 // A report as text with a line feed; `indent` -1: on one line.
-// Bytes of names and paths that are not UTF-8 become U+FFFD, as JSON is UTF-8.
-inline std::string JsonText(const Json& report, int indent = 2) {
-  return report.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+inline std::string JsonText(const Json& report, int indent = 2) { return Dumped(report, indent) + "\n"; }
 
 }  // namespace slamdb::detail

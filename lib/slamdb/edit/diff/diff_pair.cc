@@ -83,10 +83,6 @@ bool PairComparison::SameCalibration(const KeyFrame& a, const KeyFrame& b) const
          same_.Fields<CameraId, Flag>(a, b, kCameraFields);
 }
 
-bool PairComparison::SameInertial(const KeyFrame& a, const KeyFrame& b) const {
-  return same_.Fields(a, b, kInertialFields);
-}
-
 KeyFramePairDiff PairComparison::CompareKeyFrame(std::uint32_t n) const {
   const std::uint32_t partner = pairing_.keyframes.AfterOf(n);
   KeyFramePairDiff diff;
@@ -105,7 +101,7 @@ KeyFramePairDiff PairComparison::CompareKeyFrame(std::uint32_t n) const {
   // Which points the features see is compared by where that leads, in CompareSlots.
   diff.Note(kFeatures, same_.Fields<Column<MapPointId>, MatrixForm>(a, b, kFeatureFields));
   diff.Note(kBagOfWords, same_.Fields(a, b, kWordFields));
-  diff.Note(kInertial, SameInertial(a, b));
+  diff.Note(kInertial, same_.Fields(a, b, kInertialFields));
   diff.Note(kState, a.first_connection == b.first_connection && a.not_erase == b.not_erase &&
                         a.to_be_erased == b.to_be_erased && a.bad == b.bad && same_(a.merge_scale, b.merge_scale) &&
                         same_(a.camera_from_parent, b.camera_from_parent));

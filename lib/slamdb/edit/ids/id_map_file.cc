@@ -2,11 +2,11 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/json.h"
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/id_map.h"
+#include "slamdb/model/detail/json.h"
 
 namespace slamdb {
 namespace {
@@ -15,8 +15,6 @@ using detail::Concat;
 using detail::Json;
 
 bool IsJson(std::string_view path) { return path.ends_with(".json"); }
-
-Json IdJson(std::uint64_t id) { return id == kNoId ? Json() : detail::JsonNumber(id); }
 
 Json CountersJson(const IdMap& ids) {
   Json counters;
@@ -30,7 +28,8 @@ Json JsonOf(const IdMap& ids) {
   Json input = {{"input", ids.input}, {"ids", Json::object()}};
   for (std::size_t kind = 0; kind < kIdKinds; ++kind) {
     Json pairs = Json::array();
-    for (const IdPair& pair : ids.kinds[kind]) pairs.push_back({IdJson(pair.before), IdJson(pair.after)});
+    for (const IdPair& pair : ids.kinds[kind])
+      pairs.push_back({detail::JsonId(pair.before), detail::JsonId(pair.after)});
     if (!pairs.empty()) input["ids"][std::string(NameOf(static_cast<IdKind>(kind)))] = std::move(pairs);
   }
   if (ids.counters_before && ids.counters_after) input["counters"] = CountersJson(ids);

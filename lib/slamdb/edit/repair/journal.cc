@@ -85,30 +85,35 @@ std::vector<std::uint8_t> RowsKept(const List& before, const List& after, const 
   return kept;
 }
 
-// Which rows of two lists of landmarks are the same ones, in order: those of equal id, or of equal row where nothing
-// was added or removed.
-struct KeptLandmarks {
-  std::vector<std::uint8_t> before, after;
+constexpr auto kIdOf = [](const auto& entity) { return entity.id; };
 
-  KeptLandmarks(const std::vector<Landmark>& old_list, const std::vector<Landmark>& new_list)
-      : before(old_list.size(), old_list.size() == new_list.size()),
-        after(new_list.size(), before.size() == new_list.size()) {
-    if (before.size() == after.size()) return;
-    std::unordered_map<LandmarkId, std::size_t> to_come;
-    for (const Landmark& landmark : new_list) ++to_come[landmark.id];
-    std::size_t old_row = 0;
-    for (std::size_t row = 0; row < new_list.size(); ++row) {
-      --to_come[new_list[row].id];
-      while (old_row < old_list.size() && old_list[old_row].id != new_list[row].id &&
-             to_come[old_list[old_row].id] == 0)
-        ++old_row;
-      if (old_row == old_list.size() || old_list[old_row].id != new_list[row].id) continue;
-      before[old_row++] = after[row] = 1;
-    }
-  }
+// Which rows of two lists are the same entities, in order.
+struct Kept {
+  std::vector<std::uint8_t> before, after;
 };
 
-constexpr auto kIdOf = [](const auto& entity) { return entity.id; };
+template <class List>
+Kept KeptOf(const List& before, const List& after) {
+  return {RowsKept(before, after, kIdOf), std::vector<std::uint8_t>(after.size(), 1)};
+}
+
+// Landmarks may be added too: those of equal id are the same, or of equal row where nothing was added or removed.
+Kept KeptOf(const std::vector<Landmark>& before, const std::vector<Landmark>& after) {
+  const bool as_they_were = before.size() == after.size();
+  Kept kept{std::vector<std::uint8_t>(before.size(), as_they_were),
+            std::vector<std::uint8_t>(after.size(), as_they_were)};
+  if (as_they_were) return kept;
+  std::unordered_map<LandmarkId, std::size_t> to_come;
+  for (const Landmark& landmark : after) ++to_come[landmark.id];
+  std::size_t old = 0;
+  for (std::size_t row = 0; row < after.size(); ++row) {
+    --to_come[after[row].id];
+    while (old < before.size() && before[old].id != after[row].id && to_come[before[old].id] == 0) ++old;
+    if (old == before.size() || before[old].id != after[row].id) continue;
+    kept.before[old++] = kept.after[row] = 1;
+  }
+  return kept;
+}
 
 // Compares an atlas with what became of it, list by list. In each, removals come first, from the end on, so that rows
 // mean the list as it is at that moment.
@@ -117,7 +122,7 @@ class Comparison {
   Comparison(std::string_view rule, Journal& journal) : rule_(rule), journal_(journal) {}
 
   void Run(const Atlas& before, const Atlas& after) {
-    CompareList(EntityKind::kCamera, 0, before.cameras, after.cameras, kIdOf);
+    CompareList(EntityKind::kCamera, 0, before.cameras, after.cameras);
     CompareMaps(before.maps, after.maps);
     Add(EntityKind::kAtlas, 0, 0, 0, ChangesOf(before, after));
   }
@@ -134,55 +139,43 @@ class Comparison {
     for (std::size_t row = before.size(); row-- > 0;) {
       if (kept[row] != 0) continue;
       const auto map = static_cast<std::uint32_t>(row);
-      CompareList(EntityKind::kKeyFrame, map, before[row].keyframes, {}, kIdOf);
-      CompareList(EntityKind::kPoint, map, before[row].points, {}, kIdOf);
-      CompareLandmarks(map, before[row].landmarks, {});
+      CompareList(EntityKind::kKeyFrame, map, before[row].keyframes, {});
+      CompareList(EntityKind::kPoint, map, before[row].points, {});
+      CompareList(EntityKind::kLandmark, map, before[row].landmarks, {});
       Remove(EntityKind::kMap, 0, row, before[row]);
     }
     std::size_t row = 0;
     for (std::size_t old = 0; old < before.size(); ++old) {
       if (kept[old] == 0) continue;
       const auto map = static_cast<std::uint32_t>(row);
-      CompareList(EntityKind::kKeyFrame, map, before[old].keyframes, after[row].keyframes, kIdOf);
-      CompareList(EntityKind::kPoint, map, before[old].points, after[row].points, kIdOf);
-      CompareLandmarks(map, before[old].landmarks, after[row].landmarks);
+      CompareList(EntityKind::kKeyFrame, map, before[old].keyframes, after[row].keyframes);
+      CompareList(EntityKind::kPoint, map, before[old].points, after[row].points);
+      CompareList(EntityKind::kLandmark, map, before[old].landmarks, after[row].landmarks);
       Add(EntityKind::kMap, 0, row, before[old].id.value(), ChangesOf(before[old], after[row]));
       ++row;
     }
   }
 
-  template <class List, class Key>
-  void CompareList(EntityKind kind, std::uint32_t map, const List& before, const List& after, const Key& key) {
-    const std::vector<std::uint8_t> kept = RowsKept(before, after, key);
-    for (std::size_t row = before.size(); row-- > 0;)
-      if (kept[row] == 0) Remove(kind, map, row, before[row]);
-    std::size_t row = 0;
-    for (std::size_t old = 0; old < before.size(); ++old) {
-      if (kept[old] == 0) continue;
-      Add(kind, map, row, before[old].id.value(), ChangesOf(before[old], after[row]));
-      ++row;
-    }
-  }
-
   // Removals, then additions from the beginning on, then changes.
-  void CompareLandmarks(std::uint32_t map, const std::vector<Landmark>& before, const std::vector<Landmark>& after) {
-    const KeptLandmarks kept(before, after);
+  template <class List>
+  void CompareList(EntityKind kind, std::uint32_t map, const List& before, const List& after) {
+    const Kept kept = KeptOf(before, after);
     for (std::size_t row = before.size(); row-- > 0;)
-      if (kept.before[row] == 0) Remove(EntityKind::kLandmark, map, row, before[row]);
+      if (kept.before[row] == 0) Remove(kind, map, row, before[row]);
     for (std::size_t row = 0; row < after.size(); ++row)
       if (kept.after[row] == 0)
         journal_.edits.push_back({.rule = std::string(rule_),
-                                  .kind = EntityKind::kLandmark,
+                                  .kind = kind,
                                   .map = map,
                                   .row = row,
                                   .id = after[row].id.value(),
                                   .added = true,
-                                  .fields = ChangesOf(Landmark(), after[row])});
+                                  .fields = ChangesOf(typename List::value_type(), after[row])});
     std::size_t old = 0;
     for (std::size_t row = 0; row < after.size(); ++row) {
       if (kept.after[row] == 0) continue;
       while (kept.before[old] == 0) ++old;
-      Add(EntityKind::kLandmark, map, row, before[old].id.value(), ChangesOf(before[old], after[row]));
+      Add(kind, map, row, before[old].id.value(), ChangesOf(before[old], after[row]));
       ++old;
     }
   }

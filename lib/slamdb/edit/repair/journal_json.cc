@@ -52,7 +52,7 @@ std::uint64_t RealOf(const Json& value) {
 Json ScalarValue(char kind, std::uint64_t bits) {
   switch (kind) {
     case 'r':
-      return bits == KeyFrameId::kNone ? Json() : detail::JsonNumber(bits);
+      return detail::JsonId(bits);
     case 'i':
       return static_cast<std::int32_t>(bits);
     case 'q':
@@ -111,8 +111,6 @@ std::vector<std::uint64_t> BitsOf(const std::string& kinds, const Json& values) 
   }
   return bits;
 }
-
-std::string Dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json JsonOf(const EntityEdit& edit) {
   Json value = {{"rule", edit.rule}, {"entity", kKinds[static_cast<std::size_t>(edit.kind)]}};
@@ -216,11 +214,11 @@ std::string ToJson(const Journal& journal) {
                      {"original", detail::Hex(journal.original)},
                      {"repaired", detail::Hex(journal.repaired)},
                      {"encoding", detail::JsonOf(journal.encoding)}};
-  std::string text = Dumped(head);
+  std::string text = detail::Dumped(head);
   text.pop_back();
   text += ",\"edits\":[";
   const char* separator = "\n";
-  for (const EntityEdit& edit : journal.edits) text += std::exchange(separator, ",\n") + Dumped(JsonOf(edit));
+  for (const EntityEdit& edit : journal.edits) text += std::exchange(separator, ",\n") + detail::Dumped(JsonOf(edit));
   text += "\n]";
   const std::string sum = detail::Hex(detail::HashBytes(std::as_bytes(std::span(text))));
   return Concat(text, kChecksum, sum, "\"}\n");

@@ -134,28 +134,18 @@ void AppendJson(std::string& out, const Atlas& atlas) {
   detail::JsonAppender json(out);
   json.BeginObject();
   json.Field("type", "atlas");
-  json.BeginObject("vocabulary");
-  json.Field("name", std::string_view(atlas.vocabulary.name));
-  json.Field("checksum", std::string_view(atlas.vocabulary.checksum));
-  json.EndObject();
-  json.Array("maps", atlas.maps, [](const Map& map) { return map.id; });
-  detail::AppendMember(json, "repeated_maps", atlas.repeated_maps);
-  json.Array("cameras", atlas.cameras, [](const Camera& camera) { return camera.id; });
-  detail::AppendMember(json, "repeated_cameras", atlas.repeated_cameras);
-  json.BeginObject("next_ids");
-  json.Field("map", atlas.next_ids.map);
-  json.Field("frame", atlas.next_ids.frame);
-  json.Field("keyframe", atlas.next_ids.keyframe);
-  json.Field("map_point", atlas.next_ids.map_point);
-  json.Field("camera", atlas.next_ids.camera);
-  json.Field("initial_keyframe", atlas.next_ids.initial_keyframe);
-  json.EndObject();
-  json.BeginObject("encoding");
-  json.Field("text", atlas.encoding.text);
-  json.Field("boost_version", atlas.encoding.boost_version);
-  json.Field("long_bytes", atlas.encoding.long_bytes);
-  json.Field("size_bytes", atlas.encoding.size_bytes);
-  json.EndObject();
+  {
+    detail::DottedMembers members(json);
+    const auto append = [&](std::string_view name, auto... path) { members.Append(name, Member(atlas, path...)); };
+    fields::ForEachVocabularyField(append);
+    members.Enter("maps");
+    json.Array("maps", atlas.maps, [](const Map& map) { return map.id; });
+    append("repeated_maps", &Atlas::repeated_maps);
+    json.Array("cameras", atlas.cameras, [](const Camera& camera) { return camera.id; });
+    append("repeated_cameras", &Atlas::repeated_cameras);
+    fields::ForEachCounterField(append);
+    fields::ForEachEncodingField(append);
+  }
   json.EndObject();
 }
 

@@ -28,18 +28,14 @@ void Copy(Database& source, const std::string& to, const std::string& target) {
   sqlite3* handle = nullptr;
   const int opened = sqlite3_open_v2(to.c_str(), &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   const std::unique_ptr<sqlite3, decltype(&sqlite3_close_v2)> closer(handle, &sqlite3_close_v2);
-  const auto fail = [&](const char* what, int code) {
-    const Error failure = FailureOf(handle, code, target, "");
-    throw Error(failure.kind(), target, "", what + failure.problem());
-  };
-  if (opened != SQLITE_OK) fail("cannot create: ", opened);
+  if (opened != SQLITE_OK) throw FailureOf(handle, opened, target, "", "cannot create: ");
   sqlite3_exec(handle, "PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF", nullptr, nullptr, nullptr);
   sqlite3_backup* backup = sqlite3_backup_init(handle, "main", source.handle(), "main");
-  if (backup == nullptr) fail("cannot write: ", sqlite3_extended_errcode(handle));
+  if (backup == nullptr) throw FailureOf(handle, sqlite3_extended_errcode(handle), target, "", "cannot write: ");
   const int stepped = sqlite3_backup_step(backup, -1);
   const int finished = sqlite3_backup_finish(backup);
   if (stepped != SQLITE_DONE || finished != SQLITE_OK)
-    fail("the copy failed: ", finished != SQLITE_OK ? finished : stepped);
+    throw FailureOf(handle, finished != SQLITE_OK ? finished : stepped, target, "", "the copy failed: ");
 }
 
 }  // namespace

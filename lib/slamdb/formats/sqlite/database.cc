@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/database.h"
 
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <thread>
+
+#include "slamdb/base/detail/errno_kind.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -42,10 +43,7 @@ ErrorKind KindOf(int code, int system_error) {
       return ErrorKind::kPermission;
     case SQLITE_CANTOPEN:
     case SQLITE_IOERR:
-      if (system_error != 0) {
-        errno = system_error;
-        return SystemError("", "").kind();
-      }
+      if (system_error != 0) return detail::KindOfErrno(system_error);
       return (code & 0xff) == SQLITE_CANTOPEN ? ErrorKind::kPermission : ErrorKind::kDamaged;
     case SQLITE_TOOBIG:
       return ErrorKind::kNotPossible;
@@ -94,9 +92,9 @@ void CheckIsFile(const std::string& path, bool may_be_missing) {
 
 }  // namespace
 
-Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::string& place) {
+Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::string& place, std::string_view what) {
   const int system_error = handle == nullptr ? 0 : sqlite3_system_errno(handle);
-  return Error(KindOf(code, system_error), path, place, Explain(code, sqlite3_errmsg(handle)));
+  return Error(KindOf(code, system_error), path, place, std::string(what) + Explain(code, sqlite3_errmsg(handle)));
 }
 
 Database::Database(const std::string& path, Access access, double lock_timeout) : path_(path) {
@@ -112,10 +110,7 @@ void Database::OpenHandle(const std::string& name, int flags) {
   sqlite3* handle = nullptr;
   const int code = sqlite3_open_v2(name.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, nullptr);
   handle_.reset(handle);
-  if (code != SQLITE_OK) {
-    const Error failure = Failure("", code);
-    throw Error(failure.kind(), path_, "", "cannot open: " + failure.problem());
-  }
+  if (code != SQLITE_OK) throw FailureOf(handle, code, path_, "", "cannot open: ");
   // A hostile file must not reach functions or overwrite the schema through SQL of its own.
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);

@@ -38,7 +38,7 @@ void CheckTables(Database& database, int version, Boxes boxes) {
   for (const char* table :
        {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
         "map_point", "map_point_box", "observation", "history", "writer", "landmark"}) {
-    if (version < 2 && table == std::string_view("landmark")) continue;
+    if (version < kFirstVersionWithLandmarks && table == std::string_view("landmark")) continue;
     if (boxes == Boxes::kNotNeeded && table == std::string_view("map_point_box")) continue;
     Statement statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1");
     if (!statement.BindText(1, table).Step()) {

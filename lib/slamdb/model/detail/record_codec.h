@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "slamdb/model/detail/packing.h"
+#include "slamdb/model/detail/record.h"
 #include "slamdb/model/fields.h"
 
 // How a field of any type stands in a record: numbers, ids, flags and enumerators as they are, matrices column by
@@ -40,6 +41,7 @@ class RecordWriter {
       Field(descriptor.bytes);
     }
   }
+  void Field(const std::vector<LandmarkFeature>& features) { EncodeLandmarkFeatures(features, out_); }
   void Field(const std::vector<RepeatedEntry>& entries) {
     Field(static_cast<std::uint64_t>(entries.size()));
     for (const RepeatedEntry& entry : entries) {

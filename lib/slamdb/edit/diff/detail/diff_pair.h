@@ -109,7 +109,6 @@ class PairComparison {
   bool SameCamera(CameraId a, CameraId b) const;
   bool SameOrigin(std::uint32_t a, std::uint32_t b) const;
   bool SameCalibration(const KeyFrame& a, const KeyFrame& b) const;
-  bool SameInertial(const KeyFrame& a, const KeyFrame& b) const;
   void CompareEdges(std::uint32_t n, std::uint32_t partner, KeyFramePairDiff& diff) const;
   void CompareSlots(std::uint32_t n, std::uint32_t partner, LinkCounts& slots) const;
   void CompareObservations(std::uint32_t n, std::uint32_t partner, LinkCounts& observations) const;

@@ -24,7 +24,8 @@ enum class Access {
 
 // What a failed call on a connection means: the code and the message of SQLite, explained and with a kind. `handle` may
 // be null.
-Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::string& place);
+Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::string& place,
+                std::string_view what = {});
 
 // One connection. Not thread-safe: one per thread.
 class Database {
