@@ -11,6 +11,7 @@
 #include <fstream>
 #include <thread>
 
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/column.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"

@@ -7,8 +7,8 @@
 
 #include "cli/command.h"
 #include "cli/options.h"
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/file.h"
 #include "slamdb/base/report_files.h"
 
 // The frame of the verbs that change an atlas: read the input, call one function of the library, write the output, say

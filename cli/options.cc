@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"

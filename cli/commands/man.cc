@@ -8,8 +8,8 @@
 #include "cli/help/manual.h"
 #include "cli/help/tree.h"
 #include "cli/options.h"
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/file.h"
 
 namespace slamdb::cli {
 namespace {

@@ -6,9 +6,9 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "tests/support/temporary_folder.h"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -105,7 +106,9 @@ struct WriteOptions : WithFormatOptions<WriteOptions> {
   const Format* custom_format = nullptr;  // one of your own instead
   bool strict = false;                    // Error, and nothing written, where the target cannot hold all of the atlas
   bool overwrite = false;                 // replace what is there; otherwise Error
-  bool sync = true;   // wait for the disk; false is faster and safe against everything but power loss
+  bool sync = true;  // wait for the disk; false is faster and safe against everything but power loss
+  // Called when all is written, right before it appears under its name; see AtomicFileOptions. May be empty.
+  std::function<void()> before_commit;
   int threads = 0;    // 0: every core
   Progress progress;  // may be empty
 };

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slamdb/base/file.h"
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/edit/ids/id_kind.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slamdb/base/file.h"
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/progress.h"
 #include "slamdb/base/report_files.h"
 #include "slamdb/export.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/pipeline.h"
 #include "slamdb/base/error.h"
@@ -38,7 +39,7 @@ bool HasNonFinite(const Column<char>& text) {
 void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   const ArchiveEncoding encoding = EncodingFor(atlas, options.of<Orbslam3WriteOptions>());
   const orbslam3::ArchivePlan plan(atlas, encoding);
-  AtomicFile file(target, {.overwrite = options.overwrite, .sync = options.sync});
+  AtomicFile file(target, {options.overwrite, options.sync, options.before_commit});
   bool non_finite = false;
   detail::ProduceInOrder(
       plan.size(), options.threads, [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },

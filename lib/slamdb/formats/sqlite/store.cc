@@ -80,6 +80,9 @@ struct Store::State {
   StoreOptions options;
   bool writable = false;
 
+  bool Has(const std::string& name) {
+    return Statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step();
+  }
   // The row of an atlas, or an error that names those that there are.
   std::int64_t RowOf(const std::string& name) {
     Statement statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas");
@@ -154,8 +157,12 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
   const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
   SaveReport report;
   WriteTransaction transaction(database, state_->options.lock_timeout);
+  if (!options.overwrite && state_->Has(name))
+    throw Error(ErrorKind::kAlreadyExists, path(), "",
+                "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
   SaveAtlas(database, name, atlas, hashes, options, report);
   Record(database, "save", name, options.provenance, report.Total());
+  if (options.before_commit) options.before_commit();
   transaction.Commit();
   return report;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,7 +39,9 @@ struct SaveReport {
 
 struct SaveOptions {
   std::string provenance;  // one line for the history: what made the atlas (`convert session_a.osa`)
-  int threads = 0;         // 0: every core
+  bool overwrite = true;   // replace the atlas of that name; false: Error (kAlreadyExists), whoever was faster
+  std::function<void()> before_commit;  // called when all rows are written, right before they are seen; may be empty
+  int threads = 0;                      // 0: every core
   Progress progress;
 };
 
@@ -108,7 +111,8 @@ class SLAMDB_EXPORT Store {
 
   // Saves under `name`, replacing the atlas of that name if there is one by writing only the rows that differ.
   //
-  // Throws Error: kUsage when the store was opened to read, or the name is empty or holds a NUL.
+  // Throws Error: kUsage when the store was opened to read, or the name is empty or holds a NUL; kAlreadyExists without
+  // `overwrite`.
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options = {});
 
   // Loads all or the selected part; the rest is not read.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/store_format.h"
 
-#include <algorithm>
-
 #include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
@@ -40,11 +38,12 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   const std::vector<std::string> stored = store.Names();
   std::string name = target.name;
   if (name.empty()) name = stored.empty() ? std::string(kDefaultName) : store.OnlyName();
-  if (!options.overwrite && std::ranges::find(stored, name) != stored.end())
-    throw Error(ErrorKind::kAlreadyExists, target.path, "",
-                "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
-  const SaveReport report =
-      store.Save(name, atlas, {.provenance = how.provenance, .threads = options.threads, .progress = options.progress});
+  const SaveReport report = store.Save(name, atlas,
+                                       {.provenance = how.provenance,
+                                        .overwrite = options.overwrite,
+                                        .before_commit = options.before_commit,
+                                        .threads = options.threads,
+                                        .progress = options.progress});
   if (!report.replaced) return;
   const TableChanges rows = report.Total();
   notices.Note("replaced atlas '" + name + "': " + std::to_string(rows.inserted) + " rows new, " +

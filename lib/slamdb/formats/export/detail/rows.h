@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "slamdb/base/file.h"
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/formats/format.h"
 
 namespace slamdb::detail {
@@ -18,7 +18,7 @@ void WriteRows(AtomicFile& file, std::size_t count, std::size_t grain, const Wri
 
 // How a format opens its output.
 inline AtomicFileOptions FileOptions(const WriteOptions& options) {
-  return {.overwrite = options.overwrite, .sync = options.sync};
+  return {.overwrite = options.overwrite, .sync = options.sync, .before_commit = options.before_commit};
 }
 
 }  // namespace slamdb::detail
