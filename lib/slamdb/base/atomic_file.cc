@@ -5,72 +5,140 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/file_calls.h"
+#include "slamdb/base/detail/links.h"
+#include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/temporary_file.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
 namespace {
 
+using detail::CallsOfFiles;
 using detail::Descriptor;
 
-std::string FolderOf(const std::string& path) {
-  const std::string folder = std::filesystem::path(path).parent_path().string();
-  return folder.empty() ? "." : folder;
-}
+constexpr mode_t kModeBits = 07777;
 
 void WriteAll(const std::string& path, int descriptor, Bytes bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = detail::CallsOfFiles().write(descriptor, bytes.data(), bytes.size());
+    const ssize_t written = CallsOfFiles().write(descriptor, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) throw SystemError(path, "cannot write");
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
 }
 
+// nullopt: nothing is there.
+std::optional<struct stat> StatusOf(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+  return status;
+}
+
+bool IsDatabase(const std::string& path) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  std::array<char, kMagic.size()> head{};
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.value >= 0 && ::pread(file.value, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size()) &&
+      std::string_view(head.data(), head.size()) == kMagic)
+    return true;
+  const auto log = StatusOf(path + "-wal");  // of a store in its first save, which is empty itself
+  return log && log->st_size > 0;
+}
+
+void RefuseReplacing(const std::string& path, const std::string& target, const AtomicFileOptions& options) {
+  if (!options.overwrite)
+    throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; WriteOptions::overwrite replaces it");
+  if (IsDatabase(target))
+    throw Error(
+        ErrorKind::kAlreadyExists, path, "",
+        "is an SQLite database, a store of atlases perhaps, which no single file replaces; name another output, "
+        "or remove it first");
+}
+
+// Mode, owner and group of the file that is replaced. Others than its owner never see more than they did.
+void TakeOver(const struct stat& old, int descriptor) {
+  mode_t mode = old.st_mode & kModeBits;
+  struct stat made {};
+  if (::fstat(descriptor, &made) != 0) return;
+  const bool same_group = made.st_gid == old.st_gid || ::fchown(descriptor, static_cast<uid_t>(-1), old.st_gid) == 0;
+  if (!same_group) mode = (mode & ~(S_IRWXG | S_ISGID)) | ((mode & S_IRWXO) << 3);
+  if (made.st_uid != old.st_uid && ::fchown(descriptor, old.st_uid, static_cast<gid_t>(-1)) != 0) mode &= ~S_ISUID;
+  ::fchmod(descriptor, mode);
+}
+
+// The number of `/proc/self/fd/N`.
+std::optional<int> OwnDescriptor(const std::filesystem::path& followed) {
+  if (followed.parent_path() != detail::Concat("/proc/", ::getpid(), "/fd")) return std::nullopt;
+  return detail::ParseNumber<int>(followed.filename().native());
+}
+
 }  // namespace
 
 detail::FileCalls& detail::CallsOfFiles() {
-  static FileCalls calls{.write = ::write, .fsync = ::fsync, .close = ::close, .rename = std::rename};
+  static FileCalls calls{.write = ::write,
+                         .fsync = ::fsync,
+                         .close = ::close,
+                         .rename = std::rename,
+                         .renameat2 = ::renameat2,
+                         .link = ::link};
   return calls;
 }
 
+bool IsSpecialFile(const std::string& path) {
+  if (detail::IsOpenFile(detail::FollowLinks(path))) return true;
+  const auto status = StatusOf(path);
+  return status && !S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode);
+}
+
 AtomicFile::AtomicFile(const Target& target, AtomicFileOptions options)
-    : path_(target.path), sink_(target.sink), options_(options) {
+    : path_(target.path), sink_(target.sink), options_(std::move(options)) {
   if (target.is_file())
-    CreateTemporary();
+    Open();
   else if (!sink_)
     descriptor_ = STDOUT_FILENO;
 }
 
-void AtomicFile::CreateTemporary() {
-  std::error_code ignored;
-  const std::filesystem::path followed = std::filesystem::weakly_canonical(path_, ignored);
-  target_ = followed.empty() ? path_ : followed.string();
-  struct stat status {};
-  const bool exists = ::stat(target_.c_str(), &status) == 0;
-  if (exists && S_ISDIR(status.st_mode))
+void AtomicFile::Open() {
+  if (path_.empty()) throw Error(ErrorKind::kUsage, "the name of the file to write is empty");
+  target_ = detail::FollowLinks(path_).string();
+  std::error_code missing;
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(target_, missing)) && !detail::IsOpenFile(target_))
+    throw Error(ErrorKind::kNotFound, path_, "",
+                "is a symbolic link into a folder that is not there, or a ring of them");
+  special_ = IsSpecialFile(target_);
+  if (special_) return OpenSpecial();
+  const auto old = StatusOf(target_);
+  if (target_.ends_with('/') || (old && S_ISDIR(old->st_mode)))
     throw Error(ErrorKind::kUsage, path_, "", "is a directory, expected a file to write");
-  if (exists && !options_.overwrite)
-    throw Error(ErrorKind::kAlreadyExists, path_, "", "is there already; WriteOptions::overwrite replaces it");
-  temporary_ = target_ + ".XXXXXX";
-  descriptor_ = ::mkostemp(temporary_.data(), O_CLOEXEC);
-  if (descriptor_ < 0) throw SystemError(path_, "cannot create a temporary file in " + FolderOf(target_));
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  ::fchmod(descriptor_, exists ? status.st_mode & 07777 : 0666 & ~mask);
+  detail::EnterOutput(path_);
+  if (old) RefuseReplacing(path_, target_, options_);
+  temporary_ = std::make_unique<detail::TemporaryFile>(target_, old ? S_IRUSR | S_IWUSR : 0666, path_);
+  descriptor_ = temporary_->descriptor();
+  if (old) TakeOver(*old, descriptor_);
+}
+
+// An open file of this process is shared with whoever else writes to it; opening its path would begin at its beginning.
+void AtomicFile::OpenSpecial() {
+  if (const auto number = OwnDescriptor(target_))
+    descriptor_ = ::fcntl(*number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  else
+    descriptor_ = ::open(target_.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC);
+  if (descriptor_ < 0) throw SystemError(path_, "cannot open to write");
 }
 
 AtomicFile::~AtomicFile() {
-  if (temporary_.empty()) return;
-  if (descriptor_ >= 0) ::close(descriptor_);
-  ::unlink(temporary_.c_str());
+  if (special_ && descriptor_ >= 0) ::close(descriptor_);
 }
 
 void AtomicFile::Write(Bytes bytes) {
@@ -82,30 +150,54 @@ void AtomicFile::Write(Bytes bytes) {
 }
 
 void AtomicFile::Commit() {
-  if (temporary_.empty()) {
-    if (options_.before_commit) options_.before_commit();
-    return;
-  }
-  if (options_.sync && detail::CallsOfFiles().fsync(descriptor_) != 0)
-    throw SystemError(path_, "cannot be synced to disk");
+  if (temporary_ == nullptr) return CommitSpecial();
+  if (options_.sync && CallsOfFiles().fsync(descriptor_) != 0) throw SystemError(path_, "cannot be synced to disk");
+  if (temporary_->Close() != 0) throw SystemError(path_, "cannot finish the file");
+  if (options_.before_commit) options_.before_commit();
   Place();
   if (options_.sync) SyncFolder();
 }
 
-// Closes the temporary file, which tells of writing that the system had put off, and renames it.
-void AtomicFile::Place() {
-  if (detail::CallsOfFiles().close(std::exchange(descriptor_, -1)) != 0)
-    throw SystemError(path_, "cannot finish the file");
+void AtomicFile::CommitSpecial() {
+  if (special_ && CallsOfFiles().close(std::exchange(descriptor_, -1)) != 0)
+    throw SystemError(path_, "cannot finish writing");
   if (options_.before_commit) options_.before_commit();
-  if (detail::CallsOfFiles().rename(temporary_.c_str(), target_.c_str()) != 0)
-    throw SystemError(path_, "cannot rename the finished file into place");
-  temporary_.clear();
+}
+
+// What is there is looked at once more: hours may have passed.
+void AtomicFile::Place() {
+  detail::RefuseInput(path_);
+  if (!options_.overwrite) {
+    Claim();
+  } else {
+    if (StatusOf(target_)) RefuseReplacing(path_, target_, options_);
+    if (CallsOfFiles().rename(temporary_->path().c_str(), target_.c_str()) != 0)
+      throw SystemError(path_, "cannot rename the finished file into place");
+  }
+  temporary_->Keep();
+  detail::EnterPlaced(path_);
+}
+
+// Renames where no file is, in one step; by a link where the file system has no such renaming.
+void AtomicFile::Claim() {
+  const char *from = temporary_->path().c_str(), *to = target_.c_str();
+  if (CallsOfFiles().renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) return;
+  if (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) {
+    if (CallsOfFiles().link(from, to) == 0) {
+      ::unlink(from);
+      return;
+    }
+  }
+  if (errno == EEXIST)
+    throw Error(ErrorKind::kAlreadyExists, path_, "",
+                "is there already, made by another program meanwhile; WriteOptions::overwrite replaces it");
+  throw SystemError(path_, "cannot rename the finished file into place");
 }
 
 void AtomicFile::SyncFolder() {
-  const std::string folder = FolderOf(target_);
+  const std::string folder = detail::FolderOf(target_).string();
   const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (opened.value >= 0 && detail::CallsOfFiles().fsync(opened.value) == 0) return;
+  if (opened.value >= 0 && CallsOfFiles().fsync(opened.value) == 0) return;
   if (opened.value >= 0 && errno == EINVAL) return;  // a file system that has no way to sync a folder
   throw SystemError(path_, detail::Concat("is written, but its folder ", folder,
                                           " cannot be synced to disk, so that a power cut may lose the file"));

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "slamdb/base/detail/descriptor.h"
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -77,6 +78,7 @@ Bytes MapRegularFile(const std::string& path) {
 }  // namespace
 
 MappedFile::MappedFile(const Source& source) : path_(source.path), mapped_(!source.memory) {
+  if (source.is_file()) detail::EnterInput(path_);
   if (source.memory)
     bytes_ = *source.memory;
   else

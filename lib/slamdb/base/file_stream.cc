@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdint>
 
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {
@@ -58,6 +59,7 @@ FileStream::FileStream(const Source& source) : path_(source.path) {
 }
 
 void FileStream::OpenFile() {
+  EnterInput(path_);
   descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0) throw SystemError(path_, "cannot open");
   struct stat status {};

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "slamdb/export.h"
+
+namespace slamdb::detail {
+
+// Whether what is read or written is a whole file, or one atlas of several in a store. An empty name is an atlas of a
+// store whose name is not known yet.
+using AtlasName = std::optional<std::string>;
+
+// What a run of the command reads and writes. An output must be none of the inputs, whatever path leads to it, and no
+// two outputs may be one file. Everything that reads a file by its path enters it here, and everything that writes one
+// asks here, so that no verb needs to.
+//
+// One list for the process. Nothing is entered or refused before KeepInputs(): a program may well save over what it
+// loaded. Devices, pipes and terminals are no files here. Thread-safe.
+
+// From now on.
+SLAMDB_EXPORT void KeepInputs();
+
+// Whether two paths lead to one file, there or not, and both to the whole of it or to one atlas in it.
+SLAMDB_EXPORT bool IsSameFile(const std::string& path, const AtlasName& atlas, const std::string& other,
+                              const AtlasName& other_atlas);
+
+// A file is read, or about to be.
+SLAMDB_EXPORT void EnterInput(const std::string& path, const AtlasName& atlas = std::nullopt);
+
+// Throws Error (kUsage) when the file is an input, or holds one.
+SLAMDB_EXPORT void RefuseInput(const std::string& path, const AtlasName& atlas = std::nullopt);
+
+// A file is written from now on. Throws Error (kUsage) as RefuseInput does, and when another output is the same file.
+void EnterOutput(const std::string& path, const AtlasName& atlas = std::nullopt);
+
+// An output is in place, and may have become another file than the one that was there.
+void EnterPlaced(const std::string& path);
+
+}  // namespace slamdb::detail

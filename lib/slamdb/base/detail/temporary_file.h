@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+
+#include "slamdb/export.h"
+
+namespace slamdb::detail {
+
+// A file beside the place where it belongs once it is whole: `.NAME.slamdb-XXXXXX`, gone when this object goes.
+//
+// What kills a program leaves such a file behind. So it is locked (flock) while its writer lives, and the first one
+// that a process makes in a folder removes those there that nobody holds any more: regular files of this user, of such
+// a name, with one link, whose lock is free. Locks of another machine cannot be seen on every network file system; on
+// any file system that is not known to be local, a dead one goes only when it was not written for a day.
+class TemporaryFile {
+ public:
+  // Beside `target`, which need not exist; `mode` as in open(), which the process' mask narrows. Errors name `path`.
+  //
+  // Throws Error (SystemError) when it cannot be made.
+  TemporaryFile(const std::string& target, mode_t mode, const std::string& path);
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  int descriptor() const { return descriptor_; }
+
+  // Ends writing, which tells of what the system had put off; what close() returns. The lock stays.
+  int Close();
+  // It has another name now, and is no temporary file any more.
+  void Keep();
+
+ private:
+  std::string path_;
+  int descriptor_ = -1;
+  int lock_ = -1;  // of the same open file, so that it stays locked until it is in place
+  int slot_ = -1;  // among those that RemoveTemporaryFiles knows
+};
+
+// Removes the temporary files of this process. For a signal handler that ends the process right after.
+SLAMDB_EXPORT void RemoveTemporaryFiles() noexcept;
+
+}  // namespace slamdb::detail

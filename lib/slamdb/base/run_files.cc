@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/detail/run_files.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <tuple>
+#include <vector>
+
+#include "slamdb/base/detail/links.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb::detail {
+namespace {
+
+// A file, or a name in a folder, whether a file has it or not.
+using Key = std::tuple<dev_t, ino_t, std::string>;
+
+struct Use {
+  std::string said;
+  AtlasName atlas;
+  bool output = false;
+};
+
+struct Run {
+  std::mutex mutex;
+  bool keeps_inputs = false;
+  std::multimap<Key, Use> uses;
+};
+
+Run& TheRun() {
+  static Run run;
+  return run;
+}
+
+// Under which a file is entered: two for one that is there. None for what is no regular file.
+std::vector<Key> KeysOf(const std::string& path) {
+  std::vector<Key> keys;
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) {
+    if (!S_ISREG(status.st_mode)) return {};
+    keys.emplace_back(status.st_dev, status.st_ino, "");
+  }
+  const std::filesystem::path followed = FollowLinks(path);
+  if (::stat(FolderOf(followed).c_str(), &status) == 0)
+    keys.emplace_back(status.st_dev, status.st_ino, followed.filename());
+  return keys;
+}
+
+bool Collide(const AtlasName& a, const AtlasName& b) { return !a || !b || (*a == *b && !a->empty()); }
+
+std::string Said(const std::string& path, const AtlasName& atlas) {
+  return atlas && !atlas->empty() ? path + "#" + *atlas : path;
+}
+
+// What is said of an output that collides with `use`.
+std::string Problem(const std::string& said, const AtlasName& atlas, const Use& use) {
+  if (use.output)
+    return "is an output of this run already" + (said == use.said ? "" : ", as " + use.said) + "; name another file";
+  const std::string which = said == use.said ? "the input" : "the input " + use.said;
+  return (use.atlas && !atlas ? "holds " : "is ") + which + ", which is never changed; name another output";
+}
+
+void Refuse(const Run& run, const std::vector<Key>& keys, const std::string& path, const AtlasName& atlas,
+            bool outputs_too) {
+  const std::string said = Said(path, atlas);
+  for (const Key& key : keys) {
+    const auto [first, last] = run.uses.equal_range(key);
+    for (auto use = first; use != last; ++use)
+      if ((outputs_too || !use->second.output) && Collide(use->second.atlas, atlas))
+        throw Error(ErrorKind::kUsage, said, "", Problem(said, atlas, use->second));
+  }
+}
+
+void Enter(Run& run, std::vector<Key> keys, const Use& use) {
+  for (Key& key : keys) run.uses.emplace(std::move(key), use);
+}
+
+}  // namespace
+
+void KeepInputs() {
+  const std::lock_guard lock(TheRun().mutex);
+  TheRun().keeps_inputs = true;
+}
+
+bool IsSameFile(const std::string& path, const AtlasName& atlas, const std::string& other,
+                const AtlasName& other_atlas) {
+  const std::vector<Key> keys = KeysOf(path), others = KeysOf(other);
+  return Collide(atlas, other_atlas) && std::ranges::find_first_of(keys, others) != keys.end();
+}
+
+void EnterInput(const std::string& path, const AtlasName& atlas) {
+  Run& run = TheRun();
+  const std::lock_guard lock(run.mutex);
+  if (run.keeps_inputs) Enter(run, KeysOf(path), {.said = Said(path, atlas), .atlas = atlas});
+}
+
+void RefuseInput(const std::string& path, const AtlasName& atlas) {
+  Run& run = TheRun();
+  const std::lock_guard lock(run.mutex);
+  if (run.keeps_inputs) Refuse(run, KeysOf(path), path, atlas, /*outputs_too=*/false);
+}
+
+void EnterOutput(const std::string& path, const AtlasName& atlas) {
+  Run& run = TheRun();
+  const std::lock_guard lock(run.mutex);
+  if (!run.keeps_inputs) return;
+  std::vector<Key> keys = KeysOf(path);
+  Refuse(run, keys, path, atlas, /*outputs_too=*/true);
+  Enter(run, std::move(keys), {.said = Said(path, atlas), .atlas = atlas, .output = true});
+}
+
+void EnterPlaced(const std::string& path) {
+  Run& run = TheRun();
+  const std::lock_guard lock(run.mutex);
+  if (run.keeps_inputs) Enter(run, KeysOf(path), {.said = path, .atlas = std::nullopt, .output = true});
+}
+
+}  // namespace slamdb::detail

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/detail/temporary_file.h"
+
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <mutex>
+#include <random>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "slamdb/base/detail/descriptor.h"
+#include "slamdb/base/detail/file_calls.h"
+#include "slamdb/base/detail/links.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb::detail {
+namespace {
+
+constexpr std::string_view kMark = ".slamdb-";
+constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+constexpr std::size_t kRandomLetters = 6;
+constexpr std::time_t kDay = 24 * 60 * 60;
+
+// ---- names
+
+std::string NameFor(const std::string& target) {
+  const std::filesystem::path path(target);
+  const std::string name = path.filename().string().substr(0, NAME_MAX - 1 - kMark.size() - kRandomLetters);
+  static thread_local std::mt19937 random{std::random_device{}()};
+  std::uniform_int_distribution<std::size_t> letter(0, kLetters.size() - 1);
+  std::string made = "." + name;
+  made += kMark;
+  for (std::size_t i = 0; i < kRandomLetters; ++i) made += kLetters[letter(random)];
+  return (path.parent_path() / made).string();
+}
+
+bool IsTemporaryName(std::string_view name) {
+  const std::size_t tail = kMark.size() + kRandomLetters;
+  return name.size() > tail && name.front() == '.' && name.substr(name.size() - tail, kMark.size()) == kMark &&
+         name.find_first_not_of(kLetters, name.size() - kRandomLetters) == name.npos;
+}
+
+// ---- what a signal handler removes: places for names, written only by whoever has taken them
+
+struct Slot {
+  std::atomic<bool> taken = false, filled = false;
+  std::array<char, PATH_MAX> path;
+};
+
+std::array<Slot, 64>& Slots() {
+  static std::array<Slot, 64> slots;
+  return slots;
+}
+
+// -1: no place is left, or the path is too long. Then only the next run removes what a signal leaves.
+int TakeSlot(const std::string& path) {
+  if (path.size() >= PATH_MAX) return -1;
+  for (std::size_t i = 0; i < Slots().size(); ++i) {
+    Slot& slot = Slots()[i];
+    if (slot.taken.exchange(true)) continue;
+    std::memcpy(slot.path.data(), path.c_str(), path.size() + 1);
+    slot.filled = true;
+    return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void GiveBackSlot(int index) {
+  if (index < 0) return;
+  Slot& slot = Slots()[static_cast<std::size_t>(index)];
+  slot.filled = false;
+  slot.taken = false;
+}
+
+// ---- locks
+
+bool Lock(int descriptor, int how) {
+  while (::flock(descriptor, how) != 0)
+    if (errno != EINTR) return false;
+  return true;
+}
+
+bool IsLocal(int descriptor) {
+  constexpr std::array<unsigned long, 10> kLocal = {
+      EXT4_SUPER_MAGIC, XFS_SUPER_MAGIC,    BTRFS_SUPER_MAGIC,       TMPFS_MAGIC,           RAMFS_MAGIC,
+      F2FS_SUPER_MAGIC, 0x2fc12fc1 /*ZFS*/, 0xca451a4e /*bcachefs*/, OVERLAYFS_SUPER_MAGIC, 0x4d44 /*FAT*/};
+  struct statfs system {};
+  return ::fstatfs(descriptor, &system) == 0 &&
+         std::ranges::find(kLocal, static_cast<unsigned long>(system.f_type)) != kLocal.end();
+}
+
+bool IsStillAt(const std::string& path, const struct stat& status) {
+  struct stat now {};
+  return ::lstat(path.c_str(), &now) == 0 && now.st_dev == status.st_dev && now.st_ino == status.st_ino;
+}
+
+void RemoveIfDead(const std::string& path) {
+  const Descriptor file(::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  struct stat status {};
+  if (file.value < 0 || ::fstat(file.value, &status) != 0) return;
+  if (!S_ISREG(status.st_mode) || status.st_nlink != 1 || status.st_uid != ::geteuid()) return;
+  if (!IsLocal(file.value) && std::time(nullptr) - status.st_mtime < kDay) return;
+  if (Lock(file.value, LOCK_EX | LOCK_NB) && IsStillAt(path, status)) ::unlink(path.c_str());
+}
+
+// Once for each folder: a verb that writes thousands of files reads it once.
+void RemoveDeadOnes(const std::filesystem::path& folder) {
+  static std::mutex mutex;
+  static std::set<std::pair<dev_t, ino_t>> done;
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0) return;
+  const std::lock_guard lock(mutex);
+  if (!done.emplace(status.st_dev, status.st_ino).second) return;
+  std::error_code unreadable;
+  for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
+       entry.increment(unreadable))
+    if (IsTemporaryName(entry->path().filename().native())) RemoveIfDead(entry->path().native());
+}
+
+}  // namespace
+
+TemporaryFile::TemporaryFile(const std::string& target, mode_t mode, const std::string& path) {
+  RemoveDeadOnes(FolderOf(target));
+  for (struct stat status{}; status.st_nlink == 0;) {  // until none takes a new one for a dead one before it is locked
+    if (descriptor_ >= 0) ::close(descriptor_);
+    do {
+      path_ = NameFor(target);
+      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    } while (descriptor_ < 0 && errno == EEXIST);
+    if (descriptor_ < 0) throw SystemError(path, "cannot create a temporary file in " + FolderOf(target).string());
+    if (!Lock(descriptor_, LOCK_EX)) break;  // a file system without locks: nobody will take it for a dead one
+    if (::fstat(descriptor_, &status) != 0) break;
+  }
+  lock_ = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  slot_ = TakeSlot(path_);
+}
+
+TemporaryFile::~TemporaryFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!path_.empty()) ::unlink(path_.c_str());
+  if (lock_ >= 0) ::close(lock_);
+  GiveBackSlot(slot_);
+}
+
+int TemporaryFile::Close() { return CallsOfFiles().close(std::exchange(descriptor_, -1)); }
+
+void TemporaryFile::Keep() {
+  path_.clear();
+  GiveBackSlot(std::exchange(slot_, -1));
+}
+
+void RemoveTemporaryFiles() noexcept {
+  for (const Slot& slot : Slots())
+    if (slot.filled) ::unlink(slot.path.data());
+}
+
+}  // namespace slamdb::detail
