@@ -98,7 +98,8 @@ void RequirePlain(const Format& format, const std::string& path, const std::stri
   if (name.empty() || format.named) return;
   throw Error(
       ErrorKind::kUsage, path, "",
-      Concat("`#", name, "` names one atlas of a store, but ", format.title, " files hold one atlas without a name"));
+      Concat("`#", name, "` names one atlas of a store, but ", format.title,
+             " files hold one atlas without a name; a `#` in the name of a file needs the file's suffix behind it"));
 }
 
 // What a file is: of a format, or something else that is known, or neither.
@@ -133,7 +134,8 @@ const Format& FormatOfSuffix(const Target& target) {
                        "has no suffix to tell the format by; WriteOptions::format names it (", Ids(CanWrite), ")"));
   if (const Format* format = FormatBySuffix(target.path, CanWrite)) return *format;
   throw Error(ErrorKind::kUsage, target.path, "",
-              Concat("its suffix tells no format; use one of ", SuffixesToWrite(),
+              Concat(target.name.empty() ? "" : "`#" + target.name + "` names an atlas of a store of this name, but ",
+                     "its suffix tells no format; use one of ", SuffixesToWrite(),
                      ", or name the format by WriteOptions::format (", Ids(CanWrite), ")"));
 }
 

@@ -22,7 +22,7 @@ struct SLAMDB_EXPORT Location {
   Location(const char* text) : Location(std::string_view(text)) {}         // NOLINT(google-explicit-constructor)
   Location(const std::string& text) : Location(std::string_view(text)) {}  // NOLINT(google-explicit-constructor)
 
-  // Splits at the last `#` of the last path component, unless a file of the whole name exists.
+  // Splits at the last `#` of the last component, unless the whole is a file, or named as one (`a#1.osa`).
   static Location Parse(std::string_view text);
   std::string ToString() const { return name.empty() ? path : path + "#" + name; }
   friend bool operator==(const Location&, const Location&) = default;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
@@ -213,6 +214,7 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   sqlite::Database database(copy.path(), sqlite::Access::kSalvage, lock_timeout);
   sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kAccept, sqlite::Boxes::kNotNeeded);
   const std::string chosen = name.empty() ? sqlite::OnlyName(database, path) : name;
+  EnterInput(path, chosen);
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, chosen).Step())
     throw Error(ErrorKind::kNotFound, path, "", "no atlas named '" + chosen + "' could be read");

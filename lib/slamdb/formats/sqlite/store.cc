@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
@@ -153,6 +154,7 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
   if (name.empty()) throw Error(ErrorKind::kUsage, path(), "", "an atlas needs a name");
   if (name.find('\0') != std::string::npos)
     throw Error(ErrorKind::kUsage, path(), "", "a name must not contain a NUL character");
+  detail::EnterOutput(path(), name);
   Database& database = state_->database;
   const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
   SaveReport report;
@@ -168,6 +170,7 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
 }
 
 Atlas Store::Load(const std::string& name, const ReadOptions& options) {
+  detail::EnterInput(path(), name);
   Database& database = state_->database;
   for (int attempt = 1;; ++attempt) {
     const FileState before = FileState::Of(path());

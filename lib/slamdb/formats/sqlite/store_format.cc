@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/store_format.h"
 
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
@@ -34,6 +35,7 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices&) {
 void Write(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   RefuseMemory(target.sink != nullptr, target.path);
   const StoreWriteOptions& how = options.of<StoreWriteOptions>();
+  EnterOutput(target.path, "");  // as a store, before it is made; which of its atlases is seen when that is known
   Store store = Store::OpenForWriting(target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout});
   const std::vector<std::string> stored = store.Names();
   std::string name = target.name;

@@ -41,11 +41,18 @@ std::string LinesOfMaps(const std::vector<detail::MapTrajectory>& trajectories) 
   return text;
 }
 
+// Options of the poses, before which the times appear: without them the poses would not say when.
+AtomicFileOptions TogetherWith(std::optional<AtomicFile>& times, const WriteOptions& options) {
+  AtomicFileOptions together = detail::FileOptions(options);
+  if (times) together.before_commit = [&times] { times->Commit(); };
+  return together;
+}
+
 void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(target, detail::FileOptions(options));
   const std::string times_path = target.path + ".times";
   std::optional<AtomicFile> times;
-  if (target.is_file()) times.emplace(times_path, detail::FileOptions(options));
+  if (target.is_file() && !IsSpecialFile(target.path)) times.emplace(times_path, detail::FileOptions(options));
+  AtomicFile file(target, TogetherWith(times, options));
   const std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<const Map*> maps;
   for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
@@ -65,7 +72,6 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
     file.Write(lines);
     if (times) times->Write(seconds);
   }
-  if (times) times->Commit();
   file.Commit();
 }
 
