@@ -13,6 +13,7 @@
 
 #include "cli/report/layout.h"
 #include "cli/words.h"
+#include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {
@@ -21,11 +22,25 @@ namespace {
 constexpr auto kQuietTime = std::chrono::seconds(1);
 constexpr auto kRedrawTime = std::chrono::milliseconds(100);
 constexpr int kBarColumns = 40;
+constexpr unsigned int kPatience = 1;  // seconds for ending tidily
 
-std::atomic<bool> interrupt_seen = false;
+std::atomic<int> signal_seen = 0;  // the first that asked this process to end
 
-// The first Ctrl-C cancels at the next progress call; the handler is reset, so that a second one kills.
-void Interrupt(int) { interrupt_seen = true; }
+// Ends as the signal would have it, at once. What a store was in the middle of is undone when it is opened next.
+void EndNow(int) {
+  detail::RemoveTemporaryFiles();
+  ::signal(signal_seen, SIG_DFL);
+  ::raise(signal_seen);
+}
+
+// The first signal cancels at the next progress call. Where none comes soon, or a second signal does, the process ends
+// wherever it is.
+void EndSoon(int signal) {
+  int none = 0;
+  if (!signal_seen.compare_exchange_strong(none, signal)) return EndNow(signal);
+  ::signal(SIGALRM, EndNow);
+  ::alarm(kPatience);
+}
 
 void WriteError(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
@@ -84,17 +99,28 @@ void Console::Diagnose(std::string_view severity, std::string_view text, bool sh
 }
 
 Progress Console::MakeProgress(bool show) {
-  struct sigaction action {};
-  action.sa_handler = Interrupt;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  ::sigaction(SIGINT, &action, nullptr);
   return [this, show = show && progress_](std::string_view stage, double fraction) {
     if (interrupted()) throw Interrupted();
     if (show) ShowProgress(stage, fraction);
   };
 }
 
-bool Console::interrupted() { return interrupt_seen; }
+void Console::CatchSignals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    ::sigaction(signal, nullptr, &action);
+    if (action.sa_handler == SIG_IGN) continue;  // as nohup has it
+    action.sa_handler = EndSoon;
+    action.sa_flags = static_cast<int>(SA_NODEFER);
+    ::sigaction(signal, &action, nullptr);
+  }
+}
+
+bool Console::interrupted() { return signal_seen != 0; }
+
+void Console::EndIfInterrupted() {
+  if (interrupted()) EndNow(signal_seen);
+}
 
 void Console::ShowProgress(std::string_view stage, double fraction) {
   const std::lock_guard lock(mutex_);

@@ -20,7 +20,7 @@ struct ConsoleOptions {
   int progress = 0;      // 1 asked for, -1 forbidden, 0 on a terminal
 };
 
-// What the user's Ctrl-C throws out of the library. No Error, so that nothing takes it for one of a file.
+// What Ctrl-C, SIGTERM and SIGHUP throw out of the library. No Error, so that nothing takes it for one of a file.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}
@@ -46,12 +46,17 @@ class Console {
   // All of them, each behind `prefix`; losses are shown even when quiet.
   void Report(const Notices& notices, const std::string& prefix = {});
 
-  // For the library. Throws Interrupted out of it when the user pressed Ctrl-C, so that nothing half-written stays
-  // behind. With `show` false it does only that, and may be called from several threads.
+  // For the library. Throws Interrupted out of it when a signal came, so that nothing half-written stays behind. With
+  // `show` false it does only that, and may be called from several threads.
   Progress MakeProgress(bool show = true);
 
-  // Whether the user pressed Ctrl-C since.
+  // From now on Ctrl-C, SIGTERM (`docker stop`) and SIGHUP (a closed terminal) let the work end tidily for a moment,
+  // and then end the process; temporary files are removed in either case. What the parent process ignores stays
+  // ignored.
+  static void CatchSignals();
   static bool interrupted();
+  // With the status of the signal that came, as a shell expects.
+  static void EndIfInterrupted();
 
   // Pushes out what was printed and ends the progress bar. Throws Error like Print.
   void Finish();

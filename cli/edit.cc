@@ -24,18 +24,17 @@ void RefuseBadOutput(const EditOptions& options) {
   RequireOutput(options);
   if (options.dry_run) return;
   const Location output = Location::Parse(options.output);
-  RefuseSameFile(Location::Parse(options.input), output);
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
-      !FormatOfOutput(output, options.target.to).named)
+      !IsSpecialFile(output.path) && !FormatOfOutput(output, options.target.to).named)
     throw Error(ErrorKind::kAlreadyExists, output.path, "", "is there already; -O/--overwrite replaces it");
 }
 
-void AddEdit(CLI::App& verb, EditOptions& options) {
+void AddEdit(CLI::App& verb, EditOptions& options, Writes output) {
   verb.add_option("INPUT", options.input, "The atlas: a file, STORE.db#NAME, or - for standard input")
       ->type_name("FILE")
       ->required();
-  verb.add_option("OUTPUT", options.output, "Where to: a file, STORE.db#NAME, or - for standard output")
+  Mark(verb.add_option("OUTPUT", options.output, "Where to: a file, STORE.db#NAME, or - for standard output"), output)
       ->type_name("FILE");
   AddFrom(verb, options.from);
   AddEditTarget(verb, options);
@@ -52,11 +51,9 @@ ReportFiles FilesOf(const EditOptions& options) {
   return {.input = options.input, .output = options.dry_run ? std::string() : options.output};
 }
 
-SideFile::SideFile(const std::string& path, const EditOptions& options, const std::vector<std::string>& others) {
-  RefuseSideFile(path, others);
+SideFile::SideFile(const std::string& path, const EditOptions& options) {
+  if (path == "-") throw Error(ErrorKind::kUsage, "a file beside the atlas cannot go to standard output; name a file");
   if (path.empty() || options.dry_run) return;
-  if (!options.target.overwrite && std::filesystem::exists(path))
-    throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O/--overwrite replaces it");
   file_.emplace(path, AtomicFileOptions{.overwrite = options.target.overwrite, .sync = !options.target.no_sync});
 }
 
@@ -66,6 +63,7 @@ void SideFile::Write(std::string_view text) {
 
 void SideFile::Commit() {
   if (file_) file_->Commit();
+  file_.reset();
 }
 
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) {
@@ -74,10 +72,11 @@ Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) 
 }
 
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
-                 Notices& notices) {
+                 Notices& notices, SideFile* beside) {
   if (options.dry_run) return;
   WriteOptions write = MakeWriteOptions(console, options.target, provenance, options.wait);
   write.format = FormatToWrite(atlas, options.output, options.target.to);
+  if (beside != nullptr) write.before_commit = [beside] { beside->Commit(); };
   WriteAtlas(atlas, options.output, write, &notices);
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "cli/command.h"
+#include "cli/guard.h"
 #include "cli/options.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
@@ -27,7 +28,7 @@ struct EditOptions {
 };
 
 // The positionals INPUT and OUTPUT (OUTPUT may be left out with --dry-run), --from, and AddEditTarget.
-void AddEdit(CLI::App& verb, EditOptions& options);
+void AddEdit(CLI::App& verb, EditOptions& options, Writes output = Writes::kAtlas);
 
 // --to, -O, --no-sync, --wait, --json and --dry-run alone, for verbs that name their inputs and outputs otherwise.
 void AddEditTarget(CLI::App& verb, EditOptions& options);
@@ -39,20 +40,19 @@ void RequireOutput(const EditOptions& options);
 // output's suffix decides.
 std::string FormatToWrite(const Atlas& atlas, const Location& output, const std::string& to);
 
-// Throws Error for what would fail at the end: no output, an output that is the input, whose format is unknown, or
-// binary on a terminal.
+// Throws Error for what would fail at the end: no output, one that is there, whose format is unknown, or binary on a
+// terminal.
 void RefuseBadOutput(const EditOptions& options);
 
 // What reports name as input and output; no output with --dry-run.
 ReportFiles FilesOf(const EditOptions& options);
 
 // A file beside the output: a journal, a table of ids. It is opened before the work, so that what would fail at the end
-// fails at once, and is there once the work has succeeded. With an empty path or --dry-run it does nothing.
+// fails at once, and is there, on disk, right before the output is. With an empty path or --dry-run it does nothing.
 class SideFile {
  public:
-  // Throws Error when the file is one of `others`, which no verb may overwrite, is there and may not be replaced, or
-  // cannot be made.
-  SideFile(const std::string& path, const EditOptions& options, const std::vector<std::string>& others);
+  // Throws Error when the file is standard output, is there and may not be replaced, or cannot be made.
+  SideFile(const std::string& path, const EditOptions& options);
   bool wanted() const { return file_.has_value(); }
   void Write(std::string_view text);
   void Commit();
@@ -61,8 +61,7 @@ class SideFile {
   std::optional<AtomicFile> file_;
 };
 
-// The input, whole. Refuses at once, before anything is read, what would fail at the end: an output that is the input,
-// whose format is unknown, or binary on a terminal.
+// The input, whole. Refuses at once, before anything is read, what RefuseBadOutput refuses.
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices);
 
 // What work() returns; an Error about an atlas gets the file that the atlas was read from.
@@ -75,9 +74,10 @@ auto NamingFile(const std::string& path, const Work& work) {
   }
 }
 
-// Writes the result, unless --dry-run. `provenance` is its line in the history of a store: `cull session_a.osa`.
+// Writes the result, unless --dry-run, and what is `beside` it right before it appears. `provenance` is its line in the
+// history of a store: `cull session_a.osa`.
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
-                 Notices& notices);
+                 Notices& notices, SideFile* beside = nullptr);
 
 // Prints the report (JSON with --json, text otherwise; to standard error when the atlas itself goes to standard
 // output), where the output went, and the notices. Returns kLossy when they hold a loss.

@@ -9,6 +9,7 @@
 
 #include "cli/command.h"
 #include "cli/console.h"
+#include "cli/guard.h"
 #include "cli/help/help.h"
 #include "cli/help/tree.h"
 #include "cli/options.h"
@@ -53,7 +54,7 @@ void Bind(Program& program) {
 }
 
 // The innermost verb that was named on the command line.
-const CLI::App& NamedVerb(const CLI::App& app) {
+CLI::App& NamedVerb(CLI::App& app) {
   const auto named = app.get_subcommands();
   return named.empty() ? app : NamedVerb(*named.front());
 }
@@ -71,7 +72,7 @@ std::string Explain(const CLI::App& verb, const std::string& word) {
   return kind + " '" + word + "'" + (meant.empty() ? "" : "; did you mean '" + meant + "'?");
 }
 
-int ReportUsage(const CLI::App& app, const CLI::ParseError& error) {
+int ReportUsage(CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& verb = NamedVerb(app);
   std::string text = error.what();
   std::vector<std::string> rest = app.remaining(true);
@@ -88,7 +89,9 @@ int ReportUsage(const CLI::App& app, const CLI::ParseError& error) {
 int RunVerb(Program& program) {
   Console console(program.console);
   const CLI::App* verb = program.app.get_subcommands().front();
+  Console::CatchSignals();
   try {
+    GuardFiles(NamedVerb(program.app));
     const ExitCode code = program.runs.at(verb)(console);
     console.Finish();
     return static_cast<int>(code);
@@ -99,7 +102,7 @@ int RunVerb(Program& program) {
   } catch (const std::exception& error) {
     console.Fail(error.what());
   }
-  if (Console::interrupted()) std::raise(SIGINT);  // everything is tidied up: end as a shell expects of Ctrl-C
+  Console::EndIfInterrupted();
   return static_cast<int>(ExitCode::kFailed);
 }
 

@@ -3,8 +3,7 @@
 
 #include <unistd.h>
 
-#include <filesystem>
-
+#include "cli/guard.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
@@ -73,13 +72,6 @@ std::vector<std::string> FormatIds(bool reading) {
   return ids;
 }
 
-// Whether two paths lead to one file, there or not.
-bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
-  std::error_code missing;
-  if (std::filesystem::equivalent(a, b, missing)) return true;
-  return std::filesystem::weakly_canonical(a, missing) == std::filesystem::weakly_canonical(b, missing);
-}
-
 }  // namespace
 
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
@@ -108,7 +100,8 @@ void AddFrom(CLI::App& verb, std::string& from) {
 }
 
 void AddOutput(CLI::App& verb, OutputOptions& options) {
-  verb.add_option("-o,--output", options.path, "Write to this file instead of standard output")->type_name("FILE");
+  Mark(verb.add_option("-o,--output", options.path, "Write to this file instead of standard output"), Writes::kFile)
+      ->type_name("FILE");
   verb.add_flag("-O,--overwrite", options.overwrite, "Replace the output file if it is there");
 }
 
@@ -181,21 +174,6 @@ std::string CheckPositive(const std::string& text) {
 std::string CheckNonNegative(const std::string& text) {
   const auto number = ParseNumber<double>(text);
   return number && *number >= 0 ? std::string() : "expected 0 or a number above it, found '" + text + "'";
-}
-
-void RefuseSideFile(const std::string& side, const std::vector<std::string>& others) {
-  if (side == "-") throw Error(ErrorKind::kUsage, "a file beside the atlas cannot go to standard output; name a file");
-  for (const std::string& other : others) {
-    const std::string path = Location::Parse(other).path;
-    if (!side.empty() && !path.empty() && path != "-" && IsSameFile(side, path))
-      throw Error(ErrorKind::kUsage, side, "", "is the atlas " + other + "; name another file for what goes beside it");
-  }
-}
-
-void RefuseSameFile(const Location& input, const Location& output) {
-  if (input.path == "-" || output.path == "-" || input.name != output.name) return;
-  if (IsSameFile(input.path, output.path))
-    throw Error(ErrorKind::kUsage, output.ToString(), "", "is the input, which is never changed; name another output");
 }
 
 void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii) {

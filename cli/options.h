@@ -87,13 +87,6 @@ CLI::Validator OneOf(const std::map<std::string, Value>& words) {
 std::string CheckPositive(const std::string& text);     // a number above 0
 std::string CheckNonNegative(const std::string& text);  // 0 or above
 
-// Throws Error when the output is the input, which no verb changes.
-void RefuseSameFile(const Location& input, const Location& output);
-
-// Throws Error when a file that is written beside an atlas (a journal, a table of ids) is one of `others`, inputs and
-// outputs, or standard output. An empty path is no file.
-void RefuseSideFile(const std::string& side, const std::vector<std::string>& others);
-
 // Throws Error when bytes that are not text would go to a terminal.
 void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii = false);
 

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/formats/sqlite/store.h"
@@ -28,7 +29,7 @@ ExitCode RunBackup(const BackupOptions& options, Console& console) {
 Run AddBackup(CLI::App& verb) {
   const auto options = std::make_shared<BackupOptions>();
   AddStore(verb, options->store);
-  verb.add_option("TARGET", options->target, "The copy to make")->type_name("FILE")->required();
+  Mark(verb.add_option("TARGET", options->target, "The copy to make"), Writes::kFile)->type_name("FILE")->required();
   verb.add_flag("-O,--overwrite", options->overwrite, "Replace the target if it is there");
   return [options](Console& console) { return RunBackup(*options, console); };
 }

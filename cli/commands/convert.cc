@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
@@ -81,7 +82,6 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
 ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Location input(options.input), output(options.output);
   const Format& format = FormatOfOutput(output, FormatAsked(options));
-  RefuseSameFile(input, output);
   RefuseBinaryOnTerminal(output, format, options.ascii);
 
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
@@ -138,7 +138,8 @@ Run AddConvert(CLI::App& verb) {
   verb.add_option("INPUT", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
       ->type_name("FILE")
       ->required();
-  verb.add_option("OUTPUT", options->output, "Where to: a file, STORE.db#NAME, or - for standard output")
+  Mark(verb.add_option("OUTPUT", options->output, "Where to: a file, STORE.db#NAME, or - for standard output"),
+       Writes::kAtlas)
       ->type_name("FILE")
       ->required();
   AddFrom(verb, options->from);

@@ -100,9 +100,7 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   merge.threads = console.threads();
   merge.progress = console.MakeProgress();
   if (options.join) merge.join = JoinOptionsOf(options);
-  std::vector<std::string> atlas_files = options.inputs;
-  atlas_files.push_back(options.edit.output);
-  SideFile id_map(options.id_map, options.edit, atlas_files);
+  SideFile id_map(options.id_map, options.edit);
   Notices notices;
   std::vector<Atlas> atlases;
   for (const std::string& input : options.inputs) {
@@ -112,8 +110,7 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   }
   const MergeResult result = MergeAtlases(std::move(atlases), merge);
   if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
-  WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices);
-  id_map.Commit();
+  WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
   Note(result.report, notices);
   return FinishEdit(MergeText(result.report), ToJson(result.report, FilesOf(options.edit).output), options.edit,
                     console, notices);
@@ -163,7 +160,9 @@ Run AddMerge(CLI::App& verb) {
   verb.add_option("INPUT", options->inputs, "The atlases: files, STORE.db#NAME, or - for standard input")
       ->type_name("FILE")
       ->required();
-  verb.add_option("-o,--output", options->edit.output, "Where to: a file, STORE.db#NAME, or - for standard output")
+  Mark(
+      verb.add_option("-o,--output", options->edit.output, "Where to: a file, STORE.db#NAME, or - for standard output"),
+      Writes::kAtlas)
       ->type_name("FILE");
   AddFrom(verb, options->edit.from);
   AddEditTarget(verb, options->edit);
@@ -174,7 +173,9 @@ Run AddMerge(CLI::App& verb) {
       ->transform(OneOf(kConflicts));
   verb.add_flag("--ignore-vocabulary", options->merge.ignore_vocabulary,
                 "Merge though the inputs' bags of words are of different vocabularies; the first one's name stays");
-  verb.add_option("--id-map", options->id_map, "Write which id of which input became which, as CSV or (.json) JSON")
+  Mark(verb.add_option("--id-map", options->id_map,
+                       "Write which id of which input became which, as CSV or (.json) JSON"),
+       Writes::kFile)
       ->type_name("FILE");
   BindJoin(verb, *options);
   return [options](Console& console) { return RunMerge(*options, console); };

@@ -80,7 +80,6 @@ ExitCode RunOnTable(const RenumberVerbOptions& options, Console& console) {
   const IdMap ids = GivenIds(options);
   RequireOutput(options.edit);
   const MappedFile file(options.edit.input);
-  RefuseSameFile(Location::Parse(options.edit.input), Location::Parse(options.edit.output));
   const std::string table = ApplyIdMapToCsv(file.text(), ids);
   if (!options.edit.dry_run) WriteOutput({options.edit.output, options.edit.target.overwrite}, table, console);
   return Finish(ids, options, console, {});
@@ -90,13 +89,12 @@ ExitCode RunRenumber(const RenumberVerbOptions& options, Console& console) {
   const bool by_table = !options.apply.empty() || !options.undo.empty();
   if (!options.of.empty() && !by_table) RefuseUsage("--of names an input of the table that --apply or --undo gives");
   if (by_table && options.edit.input.ends_with(".csv")) return RunOnTable(options, console);
-  SideFile id_map(options.id_map, options.edit, {options.edit.input, options.edit.output});
+  SideFile id_map(options.id_map, options.edit);
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   const IdMap ids = Change(options, atlas, console);
   if (id_map.wanted()) id_map.Write(IdMapsToText({&ids, 1}, options.id_map));
-  WriteResult(atlas, options.edit, "renumber " + options.edit.input, console, notices);
-  id_map.Commit();
+  WriteResult(atlas, options.edit, "renumber " + options.edit.input, console, notices, &id_map);
   return Finish(ids, options, console, notices);
 }
 
@@ -123,7 +121,8 @@ Run AddRenumber(CLI::App& verb) {
                     ->type_name("ORDER")
                     ->transform(OneOf(kOrders))
                     ->excludes(offset);
-  verb.add_option("--id-map", options->id_map, "Write which id became which, as CSV or (.json) JSON")
+  Mark(verb.add_option("--id-map", options->id_map, "Write which id became which, as CSV or (.json) JSON"),
+       Writes::kFile)
       ->type_name("FILE");
   auto* apply = verb.add_option("--apply", options->apply,
                                 "Change ids as this id map says; INPUT may then also be a CSV table with ids")

@@ -60,7 +60,7 @@ ExitCode RunUndo(const RepairVerbOptions& options, Console& console) {
 
 ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   if (!options.undo.empty()) return RunUndo(options, console);
-  SideFile journal(options.journal, options.edit, {options.edit.input, options.edit.output});
+  SideFile journal(options.journal, options.edit);
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   const RepairReport report =
@@ -69,8 +69,7 @@ ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
                           .threads = console.threads(),
                           .progress = console.MakeProgress()});
   if (journal.wanted()) journal.Write(ToJson(report.journal));
-  WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices);
-  journal.Commit();
+  WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices, &journal);
   const ExitCode code = FinishEdit(InCommandWords(TextOf(report, options.edit.dry_run)),
                                    ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
   return report.sound() ? code : ExitCode::kFailed;
@@ -97,7 +96,8 @@ Run AddRepair(CLI::App& verb) {
       ->allow_extra_args(false)
       ->check(CheckFixableRule);
   CLI::Option* journal =
-      verb.add_option("--journal", options->journal, "Write every edit here, with what was there before")
+      Mark(verb.add_option("--journal", options->journal, "Write every edit here, with what was there before"),
+           Writes::kFile)
           ->type_name("FILE");
   verb.add_option("--undo", options->undo, "Take back the edits of this journal: INPUT is what the repair wrote")
       ->type_name("FILE")

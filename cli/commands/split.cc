@@ -10,6 +10,7 @@
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
@@ -60,7 +61,10 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
   if (options.edit.dry_run) return;
   for (const Part& part : parts) {
     const Location output = Location::Parse(OutputOf(options.edit.output, part.name));
-    RefuseSameFile(Location::Parse(options.edit.input), output);
+    if (output.name.empty())
+      detail::RefuseInput(output.path);
+    else
+      detail::RefuseInput(output.path, output.name);
     if (!options.edit.target.overwrite && IsThere(output))
       throw Error(ErrorKind::kAlreadyExists, output.ToString(), "", "is there already; -O/--overwrite replaces it");
   }
@@ -101,7 +105,7 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
 
 Run AddSplit(CLI::App& verb) {
   const auto options = std::make_shared<SplitVerbOptions>();
-  AddEdit(verb, options->edit);
+  AddEdit(verb, options->edit, Writes::kPattern);
   verb.get_option("OUTPUT")->description(
       "Where to: a file or STORE.db#NAME; the name of each part goes in place of {}, or behind the name");
   verb.add_option("--by", options->split.by,

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
@@ -64,7 +65,8 @@ Run AddSynthesize(CLI::App& verb) {
   SyntheticOptions& atlas = options->atlas;
   std::vector<std::string> sensors;
   for (const auto& [name, sensor] : Sensors()) sensors.push_back(name);
-  verb.add_option("OUTPUT", options->output, "Where to: a file, STORE.db#NAME, or - for standard output")
+  Mark(verb.add_option("OUTPUT", options->output, "Where to: a file, STORE.db#NAME, or - for standard output"),
+       Writes::kAtlas)
       ->type_name("FILE")
       ->required();
   AddTarget(verb, options->target);

@@ -88,7 +88,7 @@ std::string TextOf(const TransformReport& report) {
 // An .osa file has no place for where on earth its map is, so that stands in a file beside it.
 std::string GeoreferencePath(const TransformVerbOptions& options, Notices& notices) {
   if (options.georeference.empty() || options.edit.dry_run) return {};
-  if (options.edit.output == "-") {
+  if (options.edit.output == "-" || IsSpecialFile(options.edit.output)) {
     notices.Warn("standard output has no place for the origin; keep the report");
     return {};
   }
@@ -104,14 +104,13 @@ ExitCode RunTransform(const TransformVerbOptions& options, Console& console) {
       .to = DestinationOf(options, console, notices), .threads = console.threads(), .progress = console.MakeProgress()};
   for (const std::uint64_t id : options.maps) transform.maps.emplace_back(id);
   Atlas atlas = ReadInput(options.edit, console, notices);
-  SideFile georeference(GeoreferencePath(options, notices), options.edit, {options.edit.input, options.edit.output});
+  SideFile georeference(GeoreferencePath(options, notices), options.edit);
   const TransformReport report = NamingFile(options.edit.input, [&] { return TransformAtlas(atlas, transform); });
   for (const MovedMap& moved : report.maps)
     for (const std::string& warning : moved.warnings) notices.Warn(ToString(moved.map) + ": " + warning);
   const std::string json = ToJson(report, FilesOf(options.edit));
   georeference.Write(json);
-  WriteResult(atlas, options.edit, "transform " + options.edit.input, console, notices);
-  georeference.Commit();
+  WriteResult(atlas, options.edit, "transform " + options.edit.input, console, notices, &georeference);
   return FinishEdit(TextOf(report), json, options.edit, console, notices);
 }
 

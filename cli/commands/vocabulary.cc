@@ -146,7 +146,6 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   if (options.vocabulary.empty() && options.name.empty() && options.checksum.empty())
     throw CLI::ValidationError("vocabulary set", "give --vocabulary, or --name and --checksum");
   const Location input(options.input), output(options.output);
-  RefuseSameFile(input, output);
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   Notices notices;
   Atlas atlas = ReadAtlas(input, MakeReadOptions(console, options.from), &notices);
@@ -212,7 +211,7 @@ Run BindVerify(CLI::App& verb) {
 Run BindSet(CLI::App& verb) {
   const auto options = std::make_shared<SetOptions>();
   verb.add_option("INPUT", options->input, "The atlas")->type_name("FILE")->required();
-  verb.add_option("OUTPUT", options->output, "The copy to write")->type_name("FILE")->required();
+  Mark(verb.add_option("OUTPUT", options->output, "The copy to write"), Writes::kAtlas)->type_name("FILE")->required();
   CLI::Option* file = verb.add_option("--vocabulary", options->vocabulary, "Stamp the name and checksum of this file")
                           ->type_name("FILE");
   verb.add_option("--name", options->name, "Stamp this name")->type_name("NAME")->excludes(file);

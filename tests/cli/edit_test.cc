@@ -33,11 +33,11 @@ class Edit : public ::testing::Test {
 
 TEST_F(Edit, WhatGoesBesideTheAtlasReplacesNoAtlas) {
   const std::string same = (folder_.path() / "." / "a.osa").string();
-  ExpectRefused({"repair", input_, output_, "--journal", same, "-O"}, "is the atlas");
-  ExpectRefused({"repair", input_, output_, "--journal", output_}, "is the atlas");
-  ExpectRefused({"renumber", input_, output_, "--id-map", same, "-O"}, "is the atlas");
-  ExpectRefused({"renumber", input_, output_, "--id-map", output_}, "is the atlas");
-  ExpectRefused({"merge", other_, input_, "-o", output_, "--id-map", same, "-O"}, "is the atlas");
+  ExpectRefused({"repair", input_, output_, "--journal", same, "-O"}, "never changed");
+  ExpectRefused({"repair", input_, output_, "--journal", output_}, "is an output of this run already");
+  ExpectRefused({"renumber", input_, output_, "--id-map", same, "-O"}, "never changed");
+  ExpectRefused({"renumber", input_, output_, "--id-map", output_}, "is an output of this run already");
+  ExpectRefused({"merge", other_, input_, "-o", output_, "--id-map", same, "-O"}, "never changed");
   ExpectRefused({"repair", input_, output_, "--journal", "-"}, "standard output");
   EXPECT_FALSE(std::filesystem::exists(output_));
 }

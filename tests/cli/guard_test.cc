@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// No output is an input: every verb, with each of its outputs pointed at each of its inputs, by whatever path.
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <thread>
+
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
+#include "tests/cli/verbs.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+// A folder with inputs, in which the command runs.
+class Guard : public ::testing::Test {
+ protected:
+  Guard() {
+    FillFolder(folder_.path().string());
+    fs::current_path(folder_.path());
+    fs::create_directory("x");
+  }
+  ~Guard() override { fs::current_path(before_); }
+
+  std::vector<std::string> NamesInStore() { return Store::Open("m.db").Names(); }
+
+  const fs::path before_ = fs::current_path();
+  const TemporaryFolder folder_;
+};
+
+// Paths to the file, made where they have to be.
+std::vector<std::string> PathsTo(const std::string& file) {
+  fs::create_hard_link(file, "hard-" + file);
+  fs::create_symlink(file, "soft-" + file);
+  fs::create_symlink(fs::absolute("soft-" + file), "x/far-" + file);
+  return {file,           "./" + file,    "x/../" + file, fs::absolute(file).string(),
+          "hard-" + file, "soft-" + file, "x/far-" + file};
+}
+
+// The command line with another value for one option, which is added when it is not there.
+std::vector<std::string> With(const Verb& verb, const FileOption& option, const std::string& value) {
+  std::vector<std::string> line = CommandLine(verb);
+  const std::string usual = ValueOf(verb, option);
+  if (option.positional) {
+    *std::ranges::find(line, usual) = value;
+  } else if (const auto found = std::ranges::find(line, option.name); found != line.end()) {
+    *std::next(found) = value;
+  } else {
+    line.insert(line.end(), {option.name, value});
+  }
+  return line;
+}
+
+// Options that exclude each other cannot meet in one run.
+bool CannotMeet(const ProcessResult& result) {
+  return result.exit_code == 2 && result.err.find("exclu") != std::string::npos;
+}
+
+void TryToOverwrite(const Verb& verb, const FileOption& output, const FileOption& input) {
+  const std::string atlas = ValueOf(verb, input), file = Location(atlas).path;
+  const std::string before = ReadWholeFile(file);
+  for (const std::string& path : PathsTo(file)) {
+    SCOPED_TRACE(verb.name() + ": " + output.name + " is " + input.name + ", as " + path);
+    std::vector<std::string> line = With(verb, output, path);
+    if (!input.required) line.insert(line.end(), {input.name, atlas});
+    if (verb.overwrites) line.push_back("-O");
+    const ProcessResult result = RunSlamdb(line);
+    EXPECT_EQ(ReadWholeFile(file), before);
+    if (CannotMeet(result)) continue;
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, AnyOf(HasSubstr("never changed"), HasSubstr("is the store itself")));
+  }
+}
+
+TEST_F(Guard, NoOutputOfAnyVerbIsAnInput) {
+  int pairs = 0;
+  for (const Verb& verb : AllVerbs())
+    for (const FileOption& output : verb.files)
+      for (const FileOption& input : verb.files) {
+        if (!output.writes || *output.writes == cli::Writes::kPattern || input.writes) continue;
+        const TemporaryFolder own;
+        FillFolder(own.path().string());
+        fs::current_path(own.path());
+        fs::create_directory("x");
+        TryToOverwrite(verb, output, input);
+        fs::current_path(folder_.path());
+        ++pairs;
+      }
+  EXPECT_GT(pairs, 30);
+}
+
+TEST_F(Guard, NoTwoOutputsOfAnyVerbAreOneFile) {
+  for (const Verb& verb : AllVerbs())
+    for (const FileOption& one : verb.files)
+      for (const FileOption& other : verb.files) {
+        if (!one.writes || !other.writes || one.name == other.name || other.positional) continue;
+        SCOPED_TRACE(verb.name() + ": " + one.name + " and " + other.name);
+        const ProcessResult result = RunSlamdb(With(verb, other, "x/../" + ValueOf(verb, one)));
+        EXPECT_EQ(result.exit_code, 1);
+        EXPECT_THAT(result.err, HasSubstr("is an output of this run already"));
+        EXPECT_FALSE(fs::exists(ValueOf(verb, one)));
+      }
+}
+
+TEST_F(Guard, NamesAreNotEmpty) {
+  for (const Verb& verb : AllVerbs())
+    for (const FileOption& option : verb.files) {
+      SCOPED_TRACE(verb.name() + ": " + option.name);
+      const ProcessResult result = RunSlamdb(With(verb, option, ""));
+      EXPECT_EQ(result.exit_code, 2);
+      EXPECT_THAT(result.err, AnyOf(HasSubstr("the name of the file is empty"), HasSubstr("exclu")));
+    }
+  EXPECT_THAT(RunSlamdb({"convert", "a.osa", "m.db#"}).err, HasSubstr("names no atlas behind the #"));
+}
+
+TEST_F(Guard, AnAtlasOfAStoreIsAnInputByEveryName) {
+  const auto refused = [&](std::vector<std::string> line) {
+    const ProcessResult result = RunSlamdb(line);
+    EXPECT_EQ(result.exit_code, 1) << result.out;
+    EXPECT_THAT(result.err, HasSubstr("never changed"));
+    EXPECT_THAT(NamesInStore(), ElementsAre("a", "b"));
+  };
+  fs::create_symlink("m.db", "link.db");
+  refused({"convert", "m.db#a", "link.db#a", "-O"});
+  refused({"merge", "a.osa", "m.db#b", "-o", "m.db#b", "-O"});
+  refused({"extract", "m.db#a", "m.db", "--map", "0", "-O", "--to", "orbslam3"});
+  refused({"check", "m.db#a", "-o", "link.db", "-O"});
+  refused({"split", "m.db#a", "m.db#{}", "-O", "--min-keyframes", "1", "--by", "map"});
+  EXPECT_EQ(RunSlamdb({"extract", "m.db#a", "m.db#part", "--map", "0"}).exit_code, 0) << "another atlas is none";
+}
+
+TEST_F(Guard, TheOnlyAtlasOfAStoreIsAnInputWithoutItsName) {
+  ASSERT_EQ(RunSlamdb({"convert", "a.osa", "one.db#lab"}).exit_code, 0);
+  const ProcessResult result = RunSlamdb({"extract", "one.db", "one.db#lab", "-O", "--map", "0"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("never changed"));
+}
+
+TEST_F(Guard, AStoreIsNeverReplacedByAFile) {
+  for (const std::vector<std::string>& line :
+       std::vector<std::vector<std::string>>{{"convert", "a.osa", "m.db", "-O", "--to", "orbslam3"},
+                                             {"check", "a.osa", "-o", "m.db", "-O"},
+                                             {"repair", "a.osa", "out.osa", "--journal", "m.db", "-O"}}) {
+    const ProcessResult result = RunSlamdb(line);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("is an SQLite database"));
+    EXPECT_THAT(NamesInStore(), ElementsAre("a", "b"));
+    EXPECT_FALSE(fs::exists("out.osa"));
+  }
+}
+
+TEST_F(Guard, StandardOutputIsNoInputEither) {
+  const std::string before = ReadWholeFile("a.osa");
+  const std::string command = std::string(SLAMDB_COMMAND) + " info a.osa >> a.osa";
+  EXPECT_EQ(RunProgram({"sh", "-c", command}).exit_code, 1);
+  EXPECT_EQ(
+      RunProgram({"sh", "-c", std::string(SLAMDB_COMMAND) + " dump - --from orbslam3 -o a.osa -O < a.osa"}).exit_code,
+      1);
+  EXPECT_EQ(ReadWholeFile("a.osa"), before);
+}
+
+TEST_F(Guard, WhatIsNoRegularFileIsWrittenIntoAndStays) {
+  ASSERT_EQ(::mkfifo("pipe", 0600), 0);
+  std::string got;
+  std::thread reader([&] { got = ReadWholeFile("pipe"); });
+  EXPECT_EQ(RunSlamdb({"convert", "a.osa", "pipe", "--to", "orbslam3"}).exit_code, 0);
+  reader.join();
+  EXPECT_EQ(got, ReadWholeFile("a.osa"));
+  EXPECT_TRUE(fs::is_fifo("pipe"));
+  EXPECT_EQ(RunSlamdb({"convert", "a.osa", "/dev/null", "--to", "kitti"}).exit_code, 3);
+  EXPECT_FALSE(fs::exists("/dev/null.times"));
+  const ProcessResult out = RunSlamdb({"convert", "a.osa", "/dev/stdout", "--to", "orbslam3", "--quiet"});
+  EXPECT_EQ(out.out, ReadWholeFile("a.osa"));
+}
+
+TEST_F(Guard, AHashInTheNameOfAFileIsNoStore) {
+  EXPECT_EQ(RunSlamdb({"convert", "a.osa", "out#1.osa"}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile("out#1.osa"), ReadWholeFile("a.osa"));
+  EXPECT_EQ(RunSlamdb({"convert", "a.osa", "new.db#1.osa"}).exit_code, 0);
+  EXPECT_THAT(Store::Open("new.db").Names(), ElementsAre("1.osa"));
+  EXPECT_THAT(RunSlamdb({"convert", "a.osa", "out#1"}).err, HasSubstr("`#1` names an atlas of a store of this name"));
+}
+
+// Of two who save under one new name one is told so.
+TEST_F(Guard, ANewNameIsClaimedOnce) {
+  for (const char* target : {"new.osa", "m.db#new"}) {
+    for (int round = 0; round < 5; ++round) {
+      std::vector<int> codes(2);
+      std::thread other([&] { codes[0] = RunSlamdb({"convert", "a.osa", target}).exit_code; });
+      codes[1] = RunSlamdb({"convert", "b.osa", target}).exit_code;
+      other.join();
+      std::ranges::sort(codes);
+      EXPECT_THAT(codes, ElementsAre(0, 1)) << target;
+      if (Location(target).name.empty())
+        fs::remove(target);
+      else
+        RunSlamdb({"remove", target});
+    }
+  }
+}
+
+// ---- signals
+
+// Starts the command, which waits for its input behind an open side file, sends the signal and gives the wait status.
+int StatusAfter(int signal) {
+  const pid_t process = ::fork();
+  if (process == 0) {
+    ::freopen("/dev/null", "w", stderr);
+    ::execl(SLAMDB_COMMAND, "slamdb", "repair", "-", "out.osa", "--from", "orbslam3", "--journal", "fix.json", nullptr);
+    ::_exit(127);
+  }
+  const auto has_temporary = [] {
+    return std::any_of(fs::directory_iterator("."), fs::directory_iterator(),
+                       [](const auto& entry) { return entry.path().string().find(".slamdb-") != std::string::npos; });
+  };
+  while (!has_temporary()) std::this_thread::yield();
+  ::kill(process, signal);
+  int status = 0;
+  ::waitpid(process, &status, 0);
+  EXPECT_FALSE(has_temporary());
+  return status;
+}
+
+TEST_F(Guard, SignalsLeaveNothingBehind) {
+  int ends[2] = {};
+  ASSERT_EQ(::pipe(ends), 0);  // an input that never comes
+  const int kept = ::dup(STDIN_FILENO);
+  ::dup2(ends[0], STDIN_FILENO);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const int status = StatusAfter(signal);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    EXPECT_EQ(WTERMSIG(status), signal);
+    EXPECT_FALSE(fs::exists("out.osa"));
+    EXPECT_FALSE(fs::exists("fix.json"));
+  }
+  ::dup2(kept, STDIN_FILENO);
+}
+
+}  // namespace
+}  // namespace slamdb::testing
