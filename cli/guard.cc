@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/guard.h"
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,14 +24,6 @@ void RefuseEmptyNames(const CLI::Option& option, const std::string& value) {
   if (location.name.empty() && location.path != value) RefuseUsage(which + value + " names no atlas behind the #");
 }
 
-// Whether several atlases are kept in the file; its name says so where it is not there or cannot be read.
-bool IsStore(const std::string& path) {
-  std::error_code missing;
-  if (!std::filesystem::is_regular_file(path, missing)) return false;
-  const Format* format = FindFormatOfInput(Location(path, {}));
-  return format != nullptr && format->named;
-}
-
 struct NamedFile {
   std::string path;
   detail::AtlasName atlas;
@@ -40,7 +31,7 @@ struct NamedFile {
   static NamedFile Of(const std::string& value, const char* standard_stream) {
     if (value == "-") return {standard_stream, std::nullopt};
     const Location location = Location::Parse(value);
-    if (!location.name.empty() || IsStore(location.path)) return {location.path, location.name};
+    if (!location.name.empty() || HoldsNamedAtlases(location.path)) return {location.path, location.name};
     return {location.path, std::nullopt};
   }
 };

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
 
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
@@ -105,8 +106,9 @@ class Trial {
     SCOPED_TRACE(how + " at call " + std::to_string(at) + " (" + run.failed + ")");
     const Content now = ContentHere();
     ExpectOldOrNew(now, /*temporaries=*/how == "kill");
-    if (run.exit_code == clean_.exit_code && run.exit_code != 1)
+    if (run.exit_code == clean_.exit_code && run.exit_code != 1) {
       EXPECT_EQ(now, new_) << "exit status " << run.exit_code;
+    }
     if (how != "kill") return;
     const Run next = RunOn(line_, 0, "none", Log());
     EXPECT_THAT(next.exit_code, ::testing::AnyOf(clean_.exit_code, 1));

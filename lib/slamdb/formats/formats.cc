@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
@@ -179,6 +180,21 @@ const Format* FindFormatOfInput(const Location& location) {
   if (!source.is_file()) return nullptr;
   const Format* format = Detect(Probe::Of(source)).format;
   return format != nullptr && CanRead(*format) ? format : nullptr;
+}
+
+bool HoldsNamedAtlases(const std::string& path) {
+  constexpr auto kNamed = [](const Format& format) { return format.named; };
+  if (FormatBySuffix(path, kNamed) != nullptr) return true;
+  std::error_code missing;
+  if (!std::filesystem::is_regular_file(path, missing)) return false;
+  try {
+    const Probe probe = Probe::Of(path);
+    return std::ranges::any_of(Formats(), [&](const Format& format) {
+      return format.named && format.sniff != nullptr && format.sniff(probe);
+    });
+  } catch (const Error&) {
+    return false;  // whoever reads it will say why it cannot be read
+  }
 }
 
 const Format& FormatOfOutput(const Location& location, std::string_view id) {

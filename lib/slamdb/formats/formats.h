@@ -86,6 +86,10 @@ SLAMDB_EXPORT const Format& FormatOfInput(const Location& location, std::string_
 // Throws Error (kNotFound) when there is no such file.
 [[nodiscard]] SLAMDB_EXPORT const Format* FindFormatOfInput(const Location& location);
 
+// Whether the file holds several atlases, each under a name: by its suffix, or by its content. False where none is
+// there or it cannot be read.
+[[nodiscard]] SLAMDB_EXPORT bool HoldsNamedAtlases(const std::string& path);
+
 // The format to write: `id`, or by suffix.
 //
 // Throws Error (kUsage) naming the suffixes.

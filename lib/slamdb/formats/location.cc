@@ -11,23 +11,15 @@
 namespace slamdb {
 namespace {
 
-// Whether the path has a suffix of formats whose files hold atlases by name, or of the others.
-bool HasSuffixOf(std::string_view path, bool named) {
+// Whether the path has the suffix of files that hold one atlas, without a name.
+bool NamesPlainFile(std::string_view path) {
   const auto ends_path = [path](std::string_view suffix) {
     return path.size() > suffix.size() &&
            ::strncasecmp(path.substr(path.size() - suffix.size()).data(), suffix.data(), suffix.size()) == 0;
   };
   return std::ranges::any_of(Formats(), [&](const Format& format) {
-    return format.named == named && std::ranges::any_of(format.suffixes, ends_path);
+    return !format.named && std::ranges::any_of(format.suffixes, ends_path);
   });
-}
-
-bool IsStore(const std::string& path) {
-  std::error_code missing;
-  if (HasSuffixOf(path, /*named=*/true)) return true;
-  if (!std::filesystem::is_regular_file(path, missing)) return false;
-  const Format* format = FindFormatOfInput(Location(path, {}));
-  return format != nullptr && format->named;
 }
 
 }  // namespace
@@ -40,7 +32,7 @@ Location Location::Parse(std::string_view text) {
   std::error_code ignored;
   if (hash == std::string_view::npos || hash <= component || std::filesystem::exists(text, ignored)) return whole;
   const Location parts(std::string(text.substr(0, hash)), std::string(text.substr(hash + 1)));
-  return HasSuffixOf(text, /*named=*/false) && !IsStore(parts.path) ? whole : parts;
+  return NamesPlainFile(text) && !HoldsNamedAtlases(parts.path) ? whole : parts;
 }
 
 }  // namespace slamdb
