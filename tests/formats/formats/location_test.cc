@@ -30,6 +30,12 @@ TEST(Location, KeepsTheHashOfAFileThatIsThere) {
   EXPECT_EQ(Location::Parse(path + "#a"), (Location{path, "a"}));
 }
 
+TEST(Location, TakesTheHashForPartOfAFileNameWhereNoStoreCanBe) {
+  EXPECT_EQ(Location::Parse("out#1.osa"), (Location{"out#1.osa", ""}));
+  EXPECT_EQ(Location::Parse("a.osa#2.keyframes.csv"), (Location{"a.osa#2.keyframes.csv", ""}));
+  EXPECT_EQ(Location::Parse("lab.db#1.osa"), (Location{"lab.db", "1.osa"}));
+}
+
 TEST(Location, IsMadeOfText) {
   const std::string text = "store.db#office";
   const Location parsed("store.db", "office");
