@@ -122,6 +122,7 @@ void AtomicFile::Open() {
   if (target_.ends_with('/') || (old && S_ISDIR(old->st_mode)))
     throw Error(ErrorKind::kUsage, path_, "", "is a directory, expected a file to write");
   detail::EnterOutput(path_);
+  detail::RemoveDeadTemporaryFiles(target_);
   if (old) RefuseReplacing(path_, target_, options_);
   temporary_ = std::make_unique<detail::TemporaryFile>(target_, old ? S_IRUSR | S_IWUSR : 0666, path_);
   descriptor_ = temporary_->descriptor();

@@ -117,24 +117,9 @@ void RemoveIfDead(const std::string& path) {
   if (Lock(file.value, LOCK_EX | LOCK_NB) && IsStillAt(path, status)) ::unlink(path.c_str());
 }
 
-// Once for each folder: a verb that writes thousands of files reads it once.
-void RemoveDeadOnes(const std::filesystem::path& folder) {
-  static std::mutex mutex;
-  static std::set<std::pair<dev_t, ino_t>> done;
-  struct stat status {};
-  if (::stat(folder.c_str(), &status) != 0) return;
-  const std::lock_guard lock(mutex);
-  if (!done.emplace(status.st_dev, status.st_ino).second) return;
-  std::error_code unreadable;
-  for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
-       entry.increment(unreadable))
-    if (IsTemporaryName(entry->path().filename().native())) RemoveIfDead(entry->path().native());
-}
-
 }  // namespace
 
 TemporaryFile::TemporaryFile(const std::string& target, mode_t mode, const std::string& path) {
-  RemoveDeadOnes(FolderOf(target));
   for (struct stat status{}; status.st_nlink == 0;) {  // until none takes a new one for a dead one before it is locked
     if (descriptor_ >= 0) ::close(descriptor_);
     do {
@@ -161,6 +146,20 @@ int TemporaryFile::Close() { return CallsOfFiles().close(std::exchange(descripto
 void TemporaryFile::Keep() {
   path_.clear();
   GiveBackSlot(std::exchange(slot_, -1));
+}
+
+void RemoveDeadTemporaryFiles(const std::string& target) {
+  static std::mutex mutex;
+  static std::set<std::pair<dev_t, ino_t>> done;
+  const std::filesystem::path folder = FolderOf(target);
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0) return;
+  const std::lock_guard lock(mutex);
+  if (!done.emplace(status.st_dev, status.st_ino).second) return;
+  std::error_code unreadable;
+  for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
+       entry.increment(unreadable))
+    if (IsTemporaryName(entry->path().filename().native())) RemoveIfDead(entry->path().native());
 }
 
 void RemoveTemporaryFiles() noexcept {

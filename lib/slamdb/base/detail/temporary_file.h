@@ -11,8 +11,8 @@ namespace slamdb::detail {
 
 // A file beside the place where it belongs once it is whole: `.NAME.slamdb-XXXXXX`, gone when this object goes.
 //
-// What kills a program leaves such a file behind. So it is locked (flock) while its writer lives, and the first one
-// that a process makes in a folder removes those there that nobody holds any more: regular files of this user, of such
+// What kills a program leaves such a file behind. So it is locked (flock) while its writer lives, and
+// RemoveDeadTemporaryFiles() removes those in a folder that nobody holds any more: regular files of this user, of such
 // a name, with one link, whose lock is free. Locks of another machine cannot be seen on every network file system; on
 // any file system that is not known to be local, a dead one goes only when it was not written for a day.
 class TemporaryFile {
@@ -39,6 +39,9 @@ class TemporaryFile {
   int lock_ = -1;  // of the same open file, so that it stays locked until it is in place
   int slot_ = -1;  // among those that RemoveTemporaryFiles knows
 };
+
+// What dead programs left in the folder where `target` is. A process looks once into each.
+void RemoveDeadTemporaryFiles(const std::string& target);
 
 // Removes the temporary files of this process. For a signal handler that ends the process right after.
 SLAMDB_EXPORT void RemoveTemporaryFiles() noexcept;
