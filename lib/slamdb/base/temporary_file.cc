@@ -108,8 +108,15 @@ bool IsStillAt(const std::string& path, const struct stat& status) {
   return ::lstat(path.c_str(), &now) == 0 && now.st_dev == status.st_dev && now.st_ino == status.st_ino;
 }
 
+// To write, which some locks need, or to read where the mode of what was to be replaced allows no more.
+int OpenToLock(const std::string& path) {
+  constexpr int kHow = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  const int descriptor = ::open(path.c_str(), O_WRONLY | kHow);
+  return descriptor >= 0 ? descriptor : ::open(path.c_str(), O_RDONLY | kHow);
+}
+
 void RemoveIfDead(const std::string& path) {
-  const Descriptor file(::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  const Descriptor file(OpenToLock(path));
   struct stat status {};
   if (file.value < 0 || ::fstat(file.value, &status) != 0) return;
   if (!S_ISREG(status.st_mode) || status.st_nlink != 1 || status.st_uid != ::geteuid()) return;
