@@ -52,7 +52,8 @@ ReportFiles FilesOf(const EditOptions& options) {
 }
 
 SideFile::SideFile(const std::string& path, const EditOptions& options) {
-  if (path == "-") throw Error(ErrorKind::kUsage, "a file beside the atlas cannot go to standard output; name a file");
+  if (IsStandardOutput(path))
+    throw Error(ErrorKind::kUsage, "a file beside the atlas cannot go to standard output; name a file");
   if (path.empty() || options.dry_run) return;
   file_.emplace(path, AtomicFileOptions{.overwrite = options.target.overwrite, .sync = !options.target.no_sync});
 }
@@ -83,7 +84,7 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
 ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,
                     const Notices& notices) {
   console.Report(notices);
-  const bool piped = !options.dry_run && options.output == "-";
+  const bool piped = !options.dry_run && IsStandardOutput(options.output);
   std::string report = options.json ? InCommandWords(json) : std::string(text);
   if (!options.json && !options.dry_run && !piped) report += "wrote " + options.output + "\n";
   if (piped)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/options.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "cli/guard.h"
@@ -176,9 +177,17 @@ std::string CheckNonNegative(const std::string& text) {
   return number && *number >= 0 ? std::string() : "expected 0 or a number above it, found '" + text + "'";
 }
 
+bool IsStandardOutput(const std::string& path) {
+  if (path == "-") return true;
+  struct stat named {
+  }, standard{};
+  return ::stat(path.c_str(), &named) == 0 && ::fstat(STDOUT_FILENO, &standard) == 0 &&
+         named.st_dev == standard.st_dev && named.st_ino == standard.st_ino;
+}
+
 void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii) {
   const bool binary = format.kind == FileKind::kBinary || (format.kind == FileKind::kBinaryOrText && !ascii);
-  if (!binary || output.path != "-" || ::isatty(STDOUT_FILENO) == 0) return;
+  if (!binary || !IsStandardOutput(output.path) || ::isatty(STDOUT_FILENO) == 0) return;
   throw Error(ErrorKind::kUsage, std::string(format.title) +
                                      " is binary and would garble the terminal; name a file, or redirect the output");
 }

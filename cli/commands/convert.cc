@@ -97,7 +97,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), &notices);
 
   console.Report(notices);
-  if (output.path != "-" && !console.quiet())
+  if (!IsStandardOutput(output.path) && !console.quiet())
     console.Print("wrote " + output.ToString() + " (" + std::string(format.id) + ") " + Summary(atlas, output) + "\n");
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }

@@ -54,7 +54,7 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   WriteAtlas(atlas, output,
              MakeWriteOptions(console, options.target, "synthesize --seed " + std::to_string(wanted.seed)), &notices);
   console.Report(notices);
-  if (output.path != "-" && !console.quiet())
+  if (!IsStandardOutput(output.path) && !console.quiet())
     console.Print("wrote " + output.ToString() + ": " + Counted(atlas.maps.size(), "map") + " of " +
                   Counted(wanted.keyframes, "keyframe") + " and " + Counted(wanted.points, "point") + "\n");
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;

@@ -154,7 +154,7 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   write.format = FormatToWrite(atlas, output, options.target.to);
   WriteAtlas(atlas, output, write, &notices);
   console.Report(notices);
-  if (output.path != "-" && !console.quiet())
+  if (!IsStandardOutput(output.path) && !console.quiet())
     console.Print("wrote " + output.ToString() + " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum +
                   ")\n");
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;

@@ -184,7 +184,7 @@ TEST_F(Guard, WhatIsNoRegularFileIsWrittenIntoAndStays) {
   EXPECT_TRUE(fs::is_fifo("pipe"));
   EXPECT_EQ(RunSlamdb({"convert", "a.osa", "/dev/null", "--to", "kitti"}).exit_code, 3);
   EXPECT_FALSE(fs::exists("/dev/null.times"));
-  const ProcessResult out = RunSlamdb({"convert", "a.osa", "/dev/stdout", "--to", "orbslam3", "--quiet"});
+  const ProcessResult out = RunSlamdb({"convert", "a.osa", "/dev/stdout", "--to", "orbslam3"});
   EXPECT_EQ(out.out, ReadWholeFile("a.osa"));
 }
 
