@@ -182,7 +182,7 @@ bool IsStandardOutput(const std::string& path) {
   struct stat named {
   }, standard{};
   return ::stat(path.c_str(), &named) == 0 && ::fstat(STDOUT_FILENO, &standard) == 0 &&
-         named.st_dev == standard.st_dev && named.st_ino == standard.st_ino;
+         named.st_dev == standard.st_dev && named.st_ino == standard.st_ino && !S_ISCHR(named.st_mode);
 }
 
 void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii) {
