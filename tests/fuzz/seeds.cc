@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <string>
 
 #include "slamdb/base/error.h"
@@ -144,7 +145,20 @@ void WriteAtlases(const path& folder) {
     }
 }
 
+// Patches of a store, see fuzz_store.cc: one or a few bytes anywhere.
+void WriteStorePatches(const path& folder) {
+  std::filesystem::create_directories(folder);
+  std::mt19937_64 random(1);
+  for (int seed = 0; seed < 300; ++seed) {
+    std::string patches;
+    for (int left = seed % 4; left >= 0; --left)
+      for (int byte = 0; byte < 7; ++byte) patches += static_cast<char>(random());
+    Write(folder / std::to_string(seed), patches);
+  }
+}
+
 void WriteSeeds(const path& base) {
+  WriteStorePatches(base / "store");
   WriteAtlases(base / "atlases");
   WriteSeedsOfFixtures(base);
   WriteSeedsOfTables(base / "table");
