@@ -3,14 +3,18 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <string>
 
+#include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
+#include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
+#include "tests/fuzz/osa_mutator.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
 // the store's blobs of their keyframes, and small files of other formats.
@@ -111,7 +115,51 @@ void WriteSeedsOfTables(const path& folder) {
   WriteChanged(folder, "transform", "% matrix\n0 -2 0 1; 2 0 0 +2\n0,0,2,3 # metres\n0 0 0 1");
 }
 
+// Small atlases of every kind of sensor, sound but for their image grids, which would be most of the bytes; and what
+// they are when fields and lists are changed.
+void WriteAtlases(const path& folder) {
+  std::filesystem::create_directories(folder);
+  constexpr std::uint64_t kVariations = 100;
+  std::uint64_t seed = 0;
+  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kRgbd, Sensor::kFisheyeStereo})
+    for (const bool inertial : {false, true}) {
+      Atlas atlas = SynthesizeAtlas({.sensor = sensor,
+                                     .inertial = inertial,
+                                     .maps = 2,
+                                     .keyframes = 4,
+                                     .points = 20,
+                                     .features = 60,
+                                     .threads = 1});
+      for (Map& map : atlas.maps)
+        for (KeyFrame& keyframe : map.keyframes) keyframe.features.grid = keyframe.features.right_grid = {};
+      const std::string name = std::to_string(seed / kVariations);
+      Write(folder / name, EncodeOrbslam3(atlas));
+      for (std::uint64_t variation = 0; variation < kVariations; ++variation) {
+        Atlas changed = atlas;
+        fuzz::Mutate(changed, ++seed);
+        try {
+          Write(folder / (name + "_changed_" + std::to_string(variation)), EncodeOrbslam3(changed));
+        } catch (const Error&) {  // holds what a file cannot
+        }
+      }
+    }
+}
+
+// Patches of a store, see fuzz_store.cc: one or a few bytes anywhere.
+void WriteStorePatches(const path& folder) {
+  std::filesystem::create_directories(folder);
+  std::mt19937_64 random(1);
+  for (int seed = 0; seed < 300; ++seed) {
+    std::string patches;
+    for (int left = seed % 4; left >= 0; --left)
+      for (int byte = 0; byte < 7; ++byte) patches += static_cast<char>(random());
+    Write(folder / std::to_string(seed), patches);
+  }
+}
+
 void WriteSeeds(const path& base) {
+  WriteStorePatches(base / "store");
+  WriteAtlases(base / "atlases");
   WriteSeedsOfFixtures(base);
   WriteSeedsOfTables(base / "table");
   const path archives = base / "orbslam3", blobs = base / "store_blobs";

@@ -204,21 +204,28 @@ void CheckIntrinsicsAgree(const Subject& subject, Findings& findings) {
 }
 
 // What follows from fx, fy, cx, cy and mbf, as ORB-SLAM3 computes it. Those themselves come from the camera where they
-// cannot be right.
+// cannot be right. False, and nothing changed, where all is well or nothing usable follows, as 1/fx of a tiny fx.
+bool RebuildIntrinsicsOf(KeyFrame& keyframe, const Camera* camera) {
+  const Intrinsics before = keyframe.intrinsics;
+  const Eigen::Matrix3f matrix = keyframe.calibration_matrix;
+  const float half_baseline = keyframe.half_baseline;
+  if (!IsPositive(before) && camera != nullptr && IsSound(*camera)) TakeIntrinsics(*camera, keyframe.intrinsics);
+  if (!IsPositive(keyframe.intrinsics) || !std::isfinite(before.baseline_fx)) return false;
+  if (before == keyframe.intrinsics && IsDerived(keyframe)) return false;
+  DeriveFromIntrinsics(keyframe);
+  if (IsDerived(keyframe)) return true;
+  keyframe.intrinsics = before;
+  keyframe.calibration_matrix = matrix;
+  keyframe.half_baseline = half_baseline;
+  return false;
+}
+
 std::size_t RebuildIntrinsics(Atlas& atlas) {
   const AtlasIndex index(atlas);
   std::size_t changed = 0;
   for (Map& map : atlas.maps)
-    for (KeyFrame& keyframe : map.keyframes) {
-      if (keyframe.bad) continue;
-      const Intrinsics before = keyframe.intrinsics;
-      const Camera* camera = index.FindCamera(keyframe.camera);
-      if (!IsPositive(before) && camera != nullptr && IsSound(*camera)) TakeIntrinsics(*camera, keyframe.intrinsics);
-      if (!IsPositive(keyframe.intrinsics) || !std::isfinite(before.baseline_fx)) continue;
-      if (before == keyframe.intrinsics && IsDerived(keyframe)) continue;
-      DeriveFromIntrinsics(keyframe);
-      ++changed;
-    }
+    for (KeyFrame& keyframe : map.keyframes)
+      if (!keyframe.bad && RebuildIntrinsicsOf(keyframe, index.FindCamera(keyframe.camera))) ++changed;
   return changed;
 }
 

@@ -265,7 +265,9 @@ std::size_t RebuildGrids(Atlas& atlas) {
   const auto rebuild = [&](FeatureGrid& grid, const Column<Keypoint>& keypoints, const ImageBounds& bounds) {
     const bool sound = GridFits(grid, bounds) && GridIndicesFit(grid, keypoints);
     if (sound && GridHoldsKeypoints(grid, keypoints, bounds)) return;
-    grid = DeriveGrid(keypoints, bounds);
+    FeatureGrid derived = DeriveGrid(keypoints, bounds);
+    if (derived == grid) return;  // the bounds give no grid
+    grid = std::move(derived);
     ++rebuilt;
   };
   for (Map& map : atlas.maps)

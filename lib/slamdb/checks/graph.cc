@@ -170,7 +170,7 @@ std::size_t RegrowTrees(Atlas& atlas) {
 void CheckParentListsChild(const Subject& subject, Findings& findings) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
     const KeyFrame* parent = subject.index.FindKeyFrame(row, keyframe.parent);
-    if (parent != nullptr && parent != &keyframe && !Contains(parent->children, keyframe.id))
+    if (parent != nullptr && parent != &keyframe && keyframe.id && !Contains(parent->children, keyframe.id))
       findings.Add(PlaceOf(map, keyframe), "parent ", keyframe.parent, " does not have it as child");
   });
 }
@@ -181,7 +181,7 @@ std::size_t AddMissingChildren(Atlas& atlas) {
   for (std::size_t row = 0; row < atlas.maps.size(); ++row)
     for (const KeyFrame& keyframe : atlas.maps[row].keyframes) {
       const std::uint32_t parent = index.KeyFrameRow(row, keyframe.parent);
-      if (keyframe.bad || parent == kNoRow || keyframe.parent == keyframe.id) continue;
+      if (keyframe.bad || parent == kNoRow || keyframe.parent == keyframe.id || !keyframe.id) continue;
       Column<KeyFrameId>& children = atlas.maps[row].keyframes[parent].children;
       if (Contains(children, keyframe.id)) continue;
       children.push_back(keyframe.id);

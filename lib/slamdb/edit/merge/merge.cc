@@ -11,6 +11,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
@@ -222,14 +223,14 @@ class Merger {
       if (range.empty() || as_kind == IdKind::kCamera) continue;
       const auto meets = [&](const IdRange& used) { return used.Meets(range); };
       if (std::ranges::any_of(used_[kind], meets)) {
-        shift.offsets[kind] = NextId(result_.atlas.next_ids, as_kind) - range.lowest;
+        const std::uint64_t free = NextId(result_.atlas.next_ids, as_kind), largest = LargestId(as_kind);
+        if (free > largest || range.highest - range.lowest > largest - free)
+          throw Error(ErrorKind::kNotPossible, detail::Concat(NameOfInput(i), ": its ", NameOf(as_kind),
+                                                              " ids would begin at ", free, " and end beyond ", largest,
+                                                              "; make the ids of the inputs dense first: `Renumber`"));
+        shift.offsets[kind] = free - range.lowest;
         range.lowest += shift.offsets[kind];
         range.highest += shift.offsets[kind];
-        if (range.highest > LargestId(as_kind))
-          throw Error(ErrorKind::kNotPossible, NameOfInput(i) + ": its " + std::string(NameOf(as_kind)) +
-                                                   " ids would reach " + std::to_string(range.highest) +
-                                                   ", expected at most " + std::to_string(LargestId(as_kind)) +
-                                                   "; make the ids of the inputs dense first: `Renumber`");
       }
       used_[kind].push_back(range);
     }
