@@ -115,7 +115,10 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
     each.input = input;
     atlases.push_back(ReadInput(each, console, notices));
   }
-  if (merge.join && !options.no_fuse && HoldLandmarksAlone(atlases)) merge.join->fuse = options.fusion;
+  if (HoldLandmarksAlone(atlases)) {
+    if (!merge.join) notices.Note("the maps of landmarks stay apart; --join makes one of two");
+    if (merge.join && !options.no_fuse) merge.join->fuse = options.fusion;
+  }
   const MergeResult result = MergeAtlases(std::move(atlases), merge);
   if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
   WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices);

@@ -44,8 +44,9 @@ std::string InputsTable(const MergeReport& report) {
 
 // What the transform, the anchors and the fusion came to.
 std::string JoinText(const JoinReport& join) {
-  std::string text = "joined " + ToString(join.second) + " into " + ToString(join.first) + ": " +
-                     SimilarityText(join.first_from_second) + "\n";
+  const std::string moved = SimilarityText(join.first_from_second);
+  std::string text = "joined " + ToString(join.second) + " into " + ToString(join.first) +
+                     (moved == "nothing" ? ", as they lie" : ": " + moved) + "\n";
   if (join.fit)
     text += "  anchors fit within " + Short(join.fit->rms) + " (root mean square), at most " + Short(join.fit->max) +
             "; " + Grouped(static_cast<std::uint64_t>(std::ranges::count(join.fit->inliers, 1))) + " of " +

@@ -40,14 +40,14 @@ std::vector<CheckedFile> Files() {
 
 TEST(Verdict, IsSaidFirst) {
   const std::vector<CheckedFile> files = Files();
-  EXPECT_EQ(Verdict(files[0]), "5 errors, 1 warning, 1 note: not sound");
+  EXPECT_EQ(Verdict(files[0]), "6 errors, 3 warnings, 3 notes: not sound");
   EXPECT_EQ(Verdict(files[1]), "sound");
   EXPECT_EQ(Verdict(files[2]), "not readable");
   CheckedFile noted{.name = "noted.osa", .report = files[0].report};
   std::erase_if(noted.report.results, [](const RuleResult& result) { return result.severity == Severity::kError; });
-  EXPECT_EQ(Verdict(noted), "sound, 1 warning, 1 note");
+  EXPECT_EQ(Verdict(noted), "sound, 3 warnings, 3 notes");
   const std::string text = TextReport(files);
-  EXPECT_EQ(text.substr(0, text.find('\n')), files[0].name + ": 5 errors, 1 warning, 1 note: not sound (" +
+  EXPECT_EQ(text.substr(0, text.find('\n')), files[0].name + ": 6 errors, 3 warnings, 3 notes: not sound (" +
                                                  std::to_string(ReadRules().size() + 1) + " rules checked)");
 }
 
@@ -67,7 +67,7 @@ TEST(TextReport, GroupsByRuleErrorsFirst) {
 TEST(TextReport, NamesTheFilesThatFailAtTheEnd) {
   const std::string text = TextReport(Files());
   EXPECT_THAT(text, EndsWith("\n3 files: 1 sound, 1 not sound, 1 not readable\n  " + Files()[0].name +
-                             ": 5 errors, 1 warning, 1 note: not sound\n  " + Files()[2].name + ": not readable\n"));
+                             ": 6 errors, 3 warnings, 3 notes: not sound\n  " + Files()[2].name + ": not readable\n"));
 }
 
 TEST(TextReport, ShowsNotesOnRequestOnly) {

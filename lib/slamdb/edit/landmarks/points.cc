@@ -19,7 +19,7 @@ Eigen::Vector3d UnitOrZero(const Vector& vector) {
 // A landmark without normal says nothing; otherwise the point's keeps its length, which tells how far its views spread.
 void SetNormal(const Landmark& landmark, MapPoint& point) {
   const Eigen::Vector3d direction = UnitOrZero(landmark.normal);
-  if (direction.isZero(0) || direction == LandmarkNormalOf(point)) return;
+  if (direction.isZero(0) || landmark.normal == LandmarkNormalOf(point)) return;
   const double length = static_cast<double>(point.normal.norm());
   const bool has_length = length > 0 && length <= 1;
   point.normal = (has_length ? -length * direction : Eigen::Vector3d(-direction)).cast<float>();
