@@ -8,6 +8,7 @@
 #include <mrpt/maps/CLandmark.h>
 #include <mrpt/maps/CLandmarksMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationImage.h>
 #include <mrpt/poses/CPointPDFGaussian.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/vision/types.h>
@@ -198,6 +199,19 @@ TEST(Normals, OfMrptsMakersPointToTheSensor) {
   CLandmarksMap stereo;
   mrpt::vision::projectMatchedFeatures(matches, rig, stereo);
   ExpectInView(stereo);
+
+  mrpt::obs::CObservationImage seen;
+  seen.image = mrpt::img::CImage(320, 240, mrpt::img::CH_GRAY);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x)
+      seen.image.setPixel(
+          x, y, (x / 20 + y / 20) % 2 == 0 ? mrpt::img::TColor(20, 20, 20) : mrpt::img::TColor(240, 240, 240));
+  seen.cameraParams.setIntrinsicParamsFromValues(300, 300, 160, 120);
+  mrpt::vision::CFeatureExtraction::TOptions corners;
+  corners.featsType = mrpt::vision::featKLT;
+  CLandmarksMap image;
+  image.loadSiftFeaturesFromImageObservation(seen, corners);
+  ExpectInView(image);
 }
 
 TEST(Normals, OfFromPointsAreAsMrptsMakersSetThem) {
