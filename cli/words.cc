@@ -21,8 +21,6 @@ constexpr std::array kWords = {
     Word{"SalvageAtlas", "`slamdb recover`"},
     Word{"`overwrite` of Store::Backup", "-O/--overwrite"},
     Word{"migrate it first", "run `slamdb migrate`"},
-    Word{"joining needs `JoinOptions::first_from_second` or `JoinOptions::anchors`",
-         "--join needs --transform or --anchors"},
     Word{"RecoverOptions::rig", "--cameras"},
     Word{"setting `Atlas::vocabulary`", "`slamdb vocabulary set`"},
     Word{"`CheckAtlas`", "`slamdb check`"},

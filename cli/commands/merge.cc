@@ -118,6 +118,8 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   if (HoldLandmarksAlone(atlases)) {
     if (!merge.join) notices.Note("the maps of landmarks stay apart; --join makes one of two");
     if (merge.join && !options.no_fuse) merge.join->fuse = options.fusion;
+  } else if (merge.join && options.transform.empty() && options.anchors.empty()) {
+    RefuseUsage("--join needs --transform or --anchors: how the second map lies in the first");
   }
   const MergeResult result = MergeAtlases(std::move(atlases), merge);
   if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
@@ -201,8 +203,6 @@ constexpr Example kExamples[] = {
      "One map of two, where it is known how the second lies in the first."},
     {"slamdb merge two_maps.osa -o one.osa --join --anchors 12:51,30:77,41:90",
      "Joins the two maps of one atlas by keyframes that were taken at the same places."},
-    {"slamdb merge a.mrpt b.mrpt -o ab.mrpt --join",
-     "One map of two maps of landmarks in one frame; those that are alike become one."},
     {"slamdb merge robot*.osa -o fleet.osa --on-conflict keep-first", "Maps that several robots carry come in once."},
 };
 
@@ -218,7 +218,8 @@ one. The next ids end up above all. What the result holds is counted and held ag
 
 With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
 on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
-a time. Maps of MRPT landmarks need no transform when they are in one frame.
+a time. Maps of MRPT landmarks need no transform when they are in one frame, and
+are fused where they are alike.
 
 The inputs must have the same vocabulary, as ORB-SLAM3 can load only one; --ignore-vocabulary insists.)",
     .failed = "An input could not be read, the merge was refused, or the output not be written.",

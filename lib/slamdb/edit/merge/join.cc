@@ -86,9 +86,7 @@ Similarity3d Solve(const Map& first, const Map& second, const JoinOptions& optio
   const Correspondences pairs = Gather(first, second, options);
   if (pairs.first.empty()) {
     if (IsOfLandmarks(first) && IsOfLandmarks(second)) return {};
-    throw Error(ErrorKind::kUsage,
-                "joining needs `JoinOptions::first_from_second` or `JoinOptions::anchors`: how the second map lies in "
-                "the first");
+    throw Error(ErrorKind::kUsage, "joining needs a transform, or anchors to solve it from");
   }
   UmeyamaOptions umeyama;
   umeyama.with_scale = options.with_scale.value_or(!IsMetric(first) || !IsMetric(second));
