@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # mrpt.sh [PRESET]: installs MRPT 2 (Debian 12: 190 packages, 85 MB to fetch, 310 MB on disk) and exchanges landmark files
-# with it in both directions.
+# with it in both directions, sees which way its landmarks face, and fuses the same maps by it and by slamdb.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:-dev}

@@ -2,6 +2,7 @@
 #include "slamdb/checks/check.h"
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -52,13 +53,24 @@ CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {
 std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptions& options, const std::string& format,
                      const Console& console) {
   if (format == "json") return ToJson(files);
-  if (format == "junit") return JUnitReport(files);
-  if (format == "sarif") return SarifReport(files, std::string(Version()));
+  if (format == "junit") return JUnitReport(files, console.verbose());
+  if (format == "sarif") return SarifReport(files, std::string(Version()), console.verbose());
   TextReportOptions text;
   text.shown_per_rule = options.max_findings.value_or(text.shown_per_rule);
-  text.show_notes = !console.quiet();
-  text.note_findings = console.verbose() || options.max_findings.has_value();
+  text.show_notes = console.verbose();
+  text.only_broken = console.quiet();
   return TextReport(files, text);
+}
+
+// The file that a code host knows: without the name of an atlas in a store, links followed, and relative to the working
+// folder where it lies below.
+std::string FileOfInput(const std::string& input) {
+  const std::string path = Location::Parse(input).path;
+  if (path == "-") return "standard-input";
+  std::error_code ignored;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(path, ignored);
+  const std::filesystem::path below = whole.lexically_relative(std::filesystem::current_path(ignored));
+  return below.empty() || *below.begin() == ".." ? path : below.string();
 }
 
 std::string Catalogue(const std::string& format) {
@@ -85,7 +97,8 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
       });
   std::vector<CheckedFile> files;
   for (const auto& outcome : outcomes)
-    files.push_back({.name = outcome.path, .report = outcome.result, .failure = outcome.error});
+    files.push_back(
+        {.name = outcome.path, .report = outcome.result, .failure = outcome.error, .file = FileOfInput(outcome.path)});
   WriteOutput(options.output, Rendered(files, options, format, console), console);
   ExitCode code = ReportOutcomes(outcomes, console);
   for (const auto& outcome : outcomes)
@@ -153,6 +166,7 @@ constexpr Example kExamples[] = {
     {"slamdb check maps/*.osa", "Several atlases, one summary."},
     {"slamdb check lab.osa --format sarif -o lab.sarif",
      "For a code host that shows findings; junit is for CI servers."},
+    {"slamdb check lab.osa -v", "With notes, which are only counted otherwise; in reports of all formats."},
     {"slamdb check lab.osa --strict --min-keyframes 100 --max-reprojection-px 1.5", "A gate for a pipeline."},
     {"slamdb check lab.osa --ignore map-not-empty --warn point-bad", "With severities of your own."},
 };
@@ -164,8 +178,9 @@ const Command kCheck = {
     .summary = "check the integrity of atlases",
     .description =
         R"(Holds every rule of a sound atlas against the inputs and tells what breaks them, where, and what ORB-SLAM3 does then. Errors
-crash a SLAM system or make it misbehave; warnings are unusual but usable; notes are normal in healthy files. --list
-shows the rules.)",
+crash a SLAM system or make it misbehave; warnings are unusual but usable; notes are normal in healthy files, and only
+counted unless -v asks for them. An atlas without errors is sound. A file that cannot be read is a result like others, and
+does not stop them. --list shows the rules.)",
     .done = "No errors were found.",
     .failed = "Errors were found, or an input could not be read.",
     .examples = kExamples,

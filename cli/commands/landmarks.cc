@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/landmarks/landmarks.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "cli/commands/commands.h"
@@ -35,12 +36,29 @@ bool HoldsObservations(const EditOptions& options) {
   return !options.dry_run && HasAny(FormatOfOutput(options.output, options.target.to).writes, Content::kObservations);
 }
 
-ExitCode RunToPoints(const EditOptions& options, Console& console) {
+struct ToPointsOptions {
+  EditOptions edit;
+  std::string into;
+  bool add = false;
+};
+
+void WarnOfTurned(std::uint64_t turned, Notices& notices) {
+  if (turned > 0)
+    notices.Warn("the normals of " + Counted(turned, "landmark") +
+                 " point away from the cameras, as earlier versions of slamdb made them; they were turned round");
+}
+
+void WarnOfAdded(std::uint64_t added, const EditOptions& options, Notices& notices) {
+  if (added > 0 && HoldsObservations(options))
+    notices.Warn("points without observations are for viewers and exports: ORB-SLAM3 crashes on them");
+}
+
+ExitCode MakeThem(const EditOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options, console, notices);
   const MakePointsReport report = MakePoints(atlas);
-  if (report.added > 0 && HoldsObservations(options))
-    notices.Warn("points without observations are for viewers and exports: ORB-SLAM3 crashes on them");
+  WarnOfAdded(report.added, options, notices);
+  WarnOfTurned(report.turned, notices);
   WriteResult(atlas, options, "landmarks to-points " + options.input, console, notices);
   std::string text = "moved " + Counted(report.moved, "point") + ", added " + Grouped(report.added) + "\n";
   if (report.plain > 0) text += "  " + Grouped(report.plain) + " of those added have no ORB descriptor\n";
@@ -48,6 +66,62 @@ ExitCode RunToPoints(const EditOptions& options, Console& console) {
   if (report.renamed > 0)
     text += "  " + Counted(report.renamed, "landmark") + " got new ids, since another map has theirs\n";
   return FinishEdit(text, ToJson(report, FilesOf(options)), options, console, notices);
+}
+
+// "3 landmarks ...: 4, 17, 23"; the first few of many.
+void WarnOfLeftOut(const std::vector<LandmarkId>& ids, const std::string& why, Notices& notices) {
+  constexpr std::size_t kShown = 5;
+  if (ids.empty()) return;
+  std::string text = Counted(ids.size(), "landmark") + " left out, " + why + ":";
+  for (std::size_t i = 0; i < std::min(kShown, ids.size()); ++i)
+    text += (i > 0 ? ", " : " ") + (ids[i] ? ToString(ids[i]) : std::string("one without id"));
+  if (ids.size() > kShown) text += " and " + Grouped(ids.size() - kShown) + " more";
+  notices.Warn(text);
+}
+
+// What the format of the output has no place for goes before it is written, and is a loss only where it says more than
+// the atlas does.
+void DropUnwritable(const LayLandmarksReport& report, const EditOptions& options, Atlas& atlas, Notices& notices) {
+  if (options.dry_run) return;
+  const Format& format = FormatOfOutput(options.output, options.target.to);
+  if (HasAny(format.writes, Content::kLandmarks)) return;
+  for (Map& map : atlas.maps) map.landmarks.clear();
+  if (report.counts > 0)
+    notices.Lose(std::string(format.id) + " cannot hold times and counts of landmarks (" + Grouped(report.counts) +
+                 "); a store can");
+}
+
+std::string LayText(const LayLandmarksReport& report) {
+  std::string text = "moved " + Counted(report.moved, "point") + " to their landmarks";
+  if (report.same > 0) text += ", of which " + Grouped(report.same) + " were there already";
+  text += "\n";
+  if (report.added > 0) text += "  " + Counted(report.added, "point") + " made of landmarks that were not there\n";
+  if (report.without > 0) text += "  " + Counted(report.without, "point") + " without landmark left as they were\n";
+  return text;
+}
+
+ExitCode LayThem(const ToPointsOptions& options, Console& console) {
+  const EditOptions& edit = options.edit;
+  Notices notices;
+  if (!edit.dry_run) RefuseSameFile(Location::Parse(options.into), Location::Parse(edit.output));
+  const Atlas landmarks = ReadInput(edit, console, notices);
+  Atlas atlas = ReadAtlas(options.into, MakeReadOptions(console, {}, edit.wait), &notices);
+  const LayLandmarksReport report = LayLandmarks(atlas, landmarks, {.add = options.add});
+  WarnOfLeftOut(report.not_there, "since " + options.into + " has no point of the id", notices);
+  WarnOfLeftOut(report.ambiguous, "since several maps have the id", notices);
+  WarnOfLeftOut(report.infinite, "since they are at no finite place", notices);
+  WarnOfAdded(report.added, edit, notices);
+  WarnOfTurned(report.turned, notices);
+  DropUnwritable(report, edit, atlas, notices);
+  WriteResult(atlas, edit, "landmarks to-points " + edit.input + " --into " + options.into, console, notices);
+  return FinishEdit(LayText(report),
+                    ToJson(report, {.input = options.into, .output = FilesOf(edit).output}, edit.input), edit, console,
+                    notices);
+}
+
+ExitCode RunToPoints(const ToPointsOptions& options, Console& console) {
+  if (!options.into.empty()) return LayThem(options, console);
+  return MakeThem(options.edit, console);
 }
 
 Run BindFromPoints(CLI::App& verb) {
@@ -61,8 +135,15 @@ Run BindFromPoints(CLI::App& verb) {
 }
 
 Run BindToPoints(CLI::App& verb) {
-  const auto options = std::make_shared<EditOptions>();
-  AddEdit(verb, *options);
+  const auto options = std::make_shared<ToPointsOptions>();
+  AddEdit(verb, options->edit);
+  auto* into =
+      verb.add_option("--into", options->into,
+                      "Lay the landmarks onto this atlas, of whose points they were made: by id, the output is "
+                      "that atlas with its points moved")
+          ->type_name("ATLAS");
+  verb.add_flag("--add", options->add, "With --into: make points of landmarks that the atlas does not have")
+      ->needs(into);
   return [options](Console& console) { return RunToPoints(*options, console); };
 }
 
@@ -80,6 +161,8 @@ constexpr Example kExamples[] = {
      "For a program with MRPT 2; exits 3, since landmarks are not all that the atlas has."},
     {"slamdb landmarks from-points session_a.osa maps.db#a", "Keeps them in a store, beside the points."},
     {"slamdb landmarks to-points landmarks.mrpt points.ply", "To look at landmarks in a viewer of point clouds."},
+    {"slamdb landmarks to-points landmarks.mrpt --into session_a.osa moved.osa",
+     "Takes what another program did to the landmarks back to the atlas that they were made of."},
 };
 
 }  // namespace
@@ -93,7 +176,10 @@ seen, and features with descriptors. 'from-points' makes them of the points of a
 keypoints, carried to first order through every keyframe that observes a point, poses and scale taken for exact.
 
 'to-points' gives points that are there the position of their landmark, and adds points for other landmarks. Those
-have no observations, so they are for looking at and exporting, not for ORB-SLAM3.
+have no observations, so they are for looking at and exporting, not for ORB-SLAM3. With --into the landmarks of a file move
+the points of the atlas that they came from, which keeps everything else.
+
+Normals of landmarks point to the cameras, those of points away from them; both verbs turn them.
 
 Landmarks are kept in stores (.db) and in MRPT's files: .mrpt for MRPT 2, .mrpt3 for MRPT 3, with .gz behind them
 compressed, .mrpt.txt as text. An .osa file has no place for them.)",

@@ -20,7 +20,7 @@ struct MergeVerbOptions {
   std::vector<std::string> inputs;
   MergeOptions merge;
   std::string id_map;
-  bool join = false, scale = false, no_scale = false, fuse = false;
+  bool join = false, scale = false, no_scale = false, fuse = false, no_fuse = false;
   std::string transform, anchors, maps;
   std::optional<double> outlier_distance;
   FuseOptions fusion;
@@ -55,8 +55,6 @@ MapId MapOf(std::string_view text) {
 }
 
 JoinOptions JoinOptionsOf(const MergeVerbOptions& options) {
-  if (options.transform.empty() && options.anchors.empty())
-    RefuseUsage("--join needs --transform or --anchors: how the second map lies in the first");
   JoinOptions join;
   const std::size_t colon = options.maps.find(':');
   if (!options.maps.empty()) {
@@ -93,6 +91,13 @@ std::vector<std::string> DistinctNames(std::vector<std::string> names) {
   return names;
 }
 
+// Maps of landmarks are fused unless told otherwise, as MRPT's fuseWith does.
+bool HoldLandmarksAlone(const std::vector<Atlas>& atlases) {
+  return std::ranges::all_of(atlases, [](const Atlas& atlas) {
+    return std::ranges::all_of(atlas.maps, [](const Map& map) { return map.keyframes.empty(); });
+  });
+}
+
 ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   MergeOptions merge = options.merge;
   merge.names = DistinctNames(options.inputs);
@@ -107,6 +112,12 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
     EditOptions each = options.edit;
     each.input = input;
     atlases.push_back(ReadInput(each, console, notices));
+  }
+  if (HoldLandmarksAlone(atlases)) {
+    if (!merge.join) notices.Note("the maps of landmarks stay apart; --join makes one of two");
+    if (merge.join && !options.no_fuse) merge.join->fuse = options.fusion;
+  } else if (merge.join && options.transform.empty() && options.anchors.empty()) {
+    RefuseUsage("--join needs --transform or --anchors: how the second map lies in the first");
   }
   const MergeResult result = MergeAtlases(std::move(atlases), merge);
   if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
@@ -141,6 +152,10 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
       ->check(CheckPositive);
   auto* fuse =
       needs_join(verb.add_flag("--fuse", options.fuse, "Fuse points that both maps have, and their landmarks"));
+  needs_join(verb.add_flag("--no-fuse", options.no_fuse,
+                           "Keep landmarks apart; by default those of maps without keyframes are fused where they are "
+                           "alike"))
+      ->excludes(fuse);
   verb.add_option("--fuse-radius", options.fusion.radius, "How far apart fused points may be, in pixels of uncertainty")
       ->type_name("PIXELS")
       ->check(CheckPositive)
@@ -204,7 +219,8 @@ one. The next ids end up above all. What the result holds is counted and held ag
 
 With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
 on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
-a time.
+a time. Maps of MRPT landmarks need no transform when they are in one frame, and
+are fused where they are alike.
 
 The inputs must have the same vocabulary, as ORB-SLAM3 can load only one; --ignore-vocabulary insists.)",
     .failed = "An input could not be read, the merge was refused, or the output not be written.",

@@ -41,7 +41,7 @@ std::string TextOf(const RepairReport& report, bool dry_run) {
     text += "  " + std::string(ToString(rule.severity)) + " " + rule.rule + ": " + rule.title + "\n" +
             Line(rule.first) + More(rule.findings) + "      stays: " + rule.reason + "\n";
   }
-  if (notes > 0) text += Counted(notes, "note") + " left, as healthy files have them; `slamdb check` tells\n";
+  if (notes > 0) text += Counted(notes, "note") + " left, as healthy files have them; `slamdb check -v` tells\n";
   return text;
 }
 

@@ -44,20 +44,30 @@ std::string InputsTable(const MergeReport& report) {
 
 // What the transform, the anchors and the fusion came to.
 std::string JoinText(const JoinReport& join) {
-  std::string text = "joined " + ToString(join.second) + " into " + ToString(join.first) + ": " +
-                     SimilarityText(join.first_from_second) + "\n";
+  const std::string moved = SimilarityText(join.first_from_second);
+  std::string text = "joined " + ToString(join.second) + " into " + ToString(join.first) +
+                     (moved == "nothing" ? ", as they lie" : ": " + moved) + "\n";
   if (join.fit)
     text += "  anchors fit within " + Short(join.fit->rms) + " (root mean square), at most " + Short(join.fit->max) +
             "; " + Grouped(static_cast<std::uint64_t>(std::ranges::count(join.fit->inliers, 1))) + " of " +
             Counted(join.fit->inliers.size(), "was used", "were used") + "\n";
-  text += "  " + Counted(join.keyframes, "keyframe") + " and " + Counted(join.points, "point") + " changed map; " +
-          ToString(join.link.second) + " hangs on " + ToString(join.link.first) + ", " + Short(join.link_distance) +
-          " away, by a merge edge\n";
+  if (join.link.first)
+    text += "  " + Counted(join.keyframes, "keyframe") + " and " + Counted(join.points, "point") + " changed map; " +
+            ToString(join.link.second) + " hangs on " + ToString(join.link.first) + ", " + Short(join.link_distance) +
+            " away, by a merge edge\n";
   if (join.fused)
     text += "  " + Counted(join.fused->fused, "point") + " fused, " + Short(join.fused->mean_distance) +
             " apart on average; " + Counted(join.fused->observations, "observation") + " moved, covisibility of " +
             Counted(join.fused->keyframes, "keyframe") + " counted anew\n";
-  if (join.fused_landmarks > 0) text += "  " + Counted(join.fused_landmarks, "landmark") + " fused\n";
+  if (join.landmarks > 0)
+    text += "  " + Counted(join.landmarks, "landmark") + " changed map, of which " + Grouped(join.fused_landmarks) +
+            (join.fused_landmarks == 1 ? " was fused" : " were fused") +
+            (join.alike && join.alike->fused > 0 ? ", " + Short(join.alike->mean_distance) + " apart on average" : "") +
+            "\n";
+  if (join.alike && join.alike->plain > 0)
+    text += "  " + Counted(join.alike->plain, "landmark") + " without a descriptor not compared\n";
+  if (join.alike && join.alike->unplaced > 0)
+    text += "  " + Counted(join.alike->unplaced, "landmark") + " without covariance not compared\n";
   return text;
 }
 

@@ -3,8 +3,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "tests/support/corrupt.h"
@@ -13,6 +15,7 @@ namespace slamdb {
 namespace {
 
 using nlohmann::json;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -35,30 +38,47 @@ std::vector<CheckedFile> Files() {
   return files;
 }
 
+TEST(Verdict, IsSaidFirst) {
+  const std::vector<CheckedFile> files = Files();
+  EXPECT_EQ(Verdict(files[0]), "6 errors, 3 warnings, 3 notes: not sound");
+  EXPECT_EQ(Verdict(files[1]), "sound");
+  EXPECT_EQ(Verdict(files[2]), "not readable");
+  CheckedFile noted{.name = "noted.osa", .report = files[0].report};
+  std::erase_if(noted.report.results, [](const RuleResult& result) { return result.severity == Severity::kError; });
+  EXPECT_EQ(Verdict(noted), "sound, 3 warnings, 3 notes");
+  const std::string text = TextReport(files);
+  EXPECT_EQ(text.substr(0, text.find('\n')), files[0].name + ": 6 errors, 3 warnings, 3 notes: not sound (" +
+                                                 std::to_string(ReadRules().size() + 1) + " rules checked)");
+}
+
 TEST(TextReport, GroupsByRuleErrorsFirst) {
-  const std::string text = TextReport(Files(), {.shown_per_rule = 1});
-  EXPECT_THAT(text, HasSubstr("error observation-target (4): points are observed by keyframes of their map\n"
-                              "    otherwise ORB-SLAM3 skips the observation"));
-  EXPECT_THAT(text, HasSubstr("observed by kf 18446744073709551610, which does not exist\n      ... and 3 more\n"));
-  EXPECT_THAT(text, HasSubstr("error gate-min-keyframes (1)"));
+  const std::string text = TextReport(Files(), {.shown_per_rule = 1, .show_notes = true});
+  EXPECT_THAT(text, HasSubstr("\n  error observation-target (4)\n      map 0, mp "));
+  EXPECT_THAT(text, HasSubstr("observed by kf 18446744073709551610, which does not exist\n      ... and 3 more\n"
+                              "    ORB-SLAM3 skips the observation"));
+  EXPECT_THAT(text, HasSubstr("error gate-min-keyframes\n"));
   EXPECT_THAT(text, HasSubstr("atlas: has 12 keyframes, fewer than 99"));
   EXPECT_THAT(text, HasSubstr("sound.osa: sound ("));
-  EXPECT_THAT(text, HasSubstr("3 files: 1 without errors, 1 with errors, 1 not readable"));
+  EXPECT_THAT(text, Not(HasSubstr(FindRule("observation-target")->title))) << "what should hold is not what is broken";
   EXPECT_LT(text.find("gate-min-keyframes"), text.find("warning camera-type"));
   EXPECT_LT(text.find("warning camera-type"), text.find("note uninitialised"));
 }
 
-TEST(TextReport, HidesNotesOnRequest) {
-  const std::string text = TextReport(Files(), {.show_notes = false});
-  EXPECT_THAT(text, Not(HasSubstr("note uninitialised")));
-  EXPECT_THAT(text, HasSubstr("note"));  // still counted
+TEST(TextReport, NamesTheFilesThatFailAtTheEnd) {
+  const std::string text = TextReport(Files());
+  EXPECT_THAT(text, EndsWith("\n3 files: 1 sound, 1 not sound, 1 not readable\n  " + Files()[0].name +
+                             ": 6 errors, 3 warnings, 3 notes: not sound\n  " + Files()[2].name + ": not readable\n"));
 }
 
-TEST(TextReport, GivesNotesOneLineEachOnRequest) {
-  const std::string text = TextReport(Files(), {.note_findings = false});
-  EXPECT_THAT(text, HasSubstr("\n  note uninitialised (1): what does not apply is zero\n"));
-  EXPECT_THAT(text, Not(HasSubstr("is uninitialised memory in")));
-  EXPECT_THAT(text, HasSubstr("which does not exist"));  // errors keep their findings
+TEST(TextReport, ShowsNotesOnRequestOnly) {
+  EXPECT_THAT(TextReport(Files()), Not(HasSubstr("note uninitialised")));
+  EXPECT_THAT(TextReport(Files(), {.show_notes = true}), HasSubstr("note uninitialised\n      map 0: "));
+}
+
+TEST(TextReport, LeavesOutSoundFilesOnRequest) {
+  const std::vector<CheckedFile> files = Files();
+  EXPECT_THAT(TextReport(files, {.only_broken = true}), Not(HasSubstr("sound.osa: sound")));
+  EXPECT_EQ(TextReport(std::span(files).subspan(1, 1), {.only_broken = true}), "");
 }
 
 TEST(CheckReportAsJson, HoldsEverything) {
@@ -119,8 +139,8 @@ TEST(CheckReportAsJson, HasASchemaThatNamesItsKeys) {
 TEST(JUnitReport, EscapesAndCounts) {
   const std::string xml = JUnitReport(Files());
   EXPECT_THAT(xml, HasSubstr("<testsuite name=\"maps/a &lt;&quot;&amp;?'&gt; \xC3\xA9.osa\""));
-  EXPECT_THAT(xml,
-              HasSubstr("<failure type=\"error\" message=\"points are observed by keyframes of their map: 4 errors"));
+  EXPECT_THAT(xml, HasSubstr("<failure type=\"error\" message=\"4 errors: map 0, mp "));
+  EXPECT_THAT(xml, HasSubstr("which does not exist; and 3 more\">"));
   EXPECT_THAT(
       xml, HasSubstr("<error type=\"unreadable\" message=\"bad.osa: byte 12: not an atlas &lt;&amp; &quot;&gt;\"/>"));
   EXPECT_THAT(xml, HasSubstr("name=\"gate-min-keyframes\">\n      <failure"));
@@ -134,6 +154,8 @@ TEST(JUnitReport, EscapesAndCounts) {
   EXPECT_EQ(count("<testcase"), 2 * ReadRules().size() + 2);
   EXPECT_EQ(count("<testsuite "), count("</testsuite>"));
   EXPECT_EQ(count("\xFF"), 0u);
+  EXPECT_EQ(count("is uninitialised memory in"), 0u);
+  EXPECT_THAT(JUnitReport(Files(), true), HasSubstr("is uninitialised memory in"));
 }
 
 TEST(SarifReport, IsSarif) {
@@ -143,18 +165,72 @@ TEST(SarifReport, IsSarif) {
   const json& run = sarif["runs"][0];
   const json& rules = run["tool"]["driver"]["rules"];
   EXPECT_EQ(run["tool"]["driver"]["semanticVersion"], "1.2.3");
-  EXPECT_EQ(rules.size(), ReadRules().size() + ReadGates().size());
+  EXPECT_EQ(rules.size(), ReadRules().size() + ReadGates().size() + 2);
   ASSERT_FALSE(run["results"].empty());
+  std::set<std::string> fingerprints;
   for (const json& result : run["results"]) {
     EXPECT_EQ(rules[result["ruleIndex"].get<std::size_t>()]["id"], result["ruleId"]);
-    EXPECT_FALSE(result["message"]["text"].get<std::string>().empty());
+    EXPECT_NE(result["level"], "note");
+    EXPECT_TRUE(fingerprints.insert(result["partialFingerprints"]["primaryLocationLineHash"]).second);
     ASSERT_EQ(result["locations"].size(), 1u);
     const json& location = result["locations"][0];
-    EXPECT_EQ(location["physicalLocation"]["artifactLocation"]["uri"], "maps/a%20%3C%22%26%01%27%3E%20%C3%A9.osa");
+    if (result["ruleId"] != "unreadable") {
+      EXPECT_EQ(location["physicalLocation"]["artifactLocation"]["uri"], "maps/a%20%3C%22%26%01%27%3E%20%C3%A9.osa");
+    }
     EXPECT_TRUE(location["logicalLocations"][0]["fullyQualifiedName"].is_string());
   }
+  EXPECT_EQ(run["results"][0]["ruleId"], "unreadable");
+  EXPECT_EQ(run["results"][0]["level"], "error");
   EXPECT_EQ(run["invocations"][0]["executionSuccessful"], false);
   EXPECT_EQ(run["invocations"][0]["toolExecutionNotifications"].size(), 1u);
+}
+
+// What GitHub asks of the texts of rules: none empty, none too long, few tags.
+TEST(SarifReport, HasTheTextsThatGitHubWants) {
+  const json rules = json::parse(SarifReport({}, "1"))["runs"][0]["tool"]["driver"]["rules"];
+  for (const json& rule : rules) {
+    for (const char* text : {"shortDescription", "fullDescription", "help"}) {
+      const std::string value = rule[text]["text"];
+      EXPECT_TRUE(!value.empty() && value.size() <= 1024) << rule["id"] << " " << text;
+    }
+    EXPECT_FALSE(rule["help"]["markdown"].get<std::string>().empty());
+    EXPECT_LE(rule["name"].get<std::string>().size(), 255u);
+    EXPECT_LE(rule["properties"]["tags"].size(), 10u);
+    EXPECT_THAT((std::set<std::string>{"note", "warning", "error"}),
+                ::testing::Contains(rule["defaultConfiguration"]["level"].get<std::string>()));
+  }
+}
+
+TEST(SarifReport, HasNotesOnRequest) {
+  EXPECT_THAT(SarifReport(Files(), "1"), Not(HasSubstr("is uninitialised memory in")));
+  EXPECT_THAT(SarifReport(Files(), "1", true), HasSubstr("is uninitialised memory in"));
+}
+
+TEST(SarifReport, NamesTheFileOfAStore) {
+  std::vector<CheckedFile> files = Files();
+  files[0].file = "maps.db";
+  EXPECT_THAT(SarifReport(files, "1"), HasSubstr("\"uri\": \"maps.db\""));
+}
+
+// More than GitHub shows: errors stay, warnings go first, and the last result says how many.
+TEST(SarifReport, StaysBelowTheLimitsOfGitHub) {
+  std::vector<CheckedFile> files(3);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    files[i].name = std::to_string(i) + ".osa";
+    for (const Severity severity : {Severity::kWarning, Severity::kError}) {
+      RuleResult& result = files[i].report.results.emplace_back();
+      result.id = "observation-target";
+      result.severity = severity;
+      result.count = 1000;
+      for (std::uint64_t id = 0; id < 1000; ++id) result.findings.push_back({{.point = MapPointId(id)}, "is broken"});
+    }
+  }
+  const json results = json::parse(SarifReport(files, "1"))["runs"][0]["results"];
+  ASSERT_EQ(results.size(), 5000u);
+  EXPECT_EQ(std::ranges::count(results, json("error"), [](const json& result) { return result["level"]; }), 3000);
+  EXPECT_EQ(results.back()["ruleId"], "truncated");
+  EXPECT_EQ(results.back()["level"], "warning");
+  EXPECT_THAT(results.back()["message"]["text"].get<std::string>(), HasSubstr("1001 more results are not listed"));
 }
 
 TEST(SarifReport, NamesEntities) {

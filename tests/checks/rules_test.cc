@@ -82,6 +82,12 @@ TEST_P(TwinTest, FindingsNameAPlaceAndABreach) {
     for (const Finding& finding : result.findings) {
       EXPECT_FALSE(finding.message.empty());
       EXPECT_THAT(finding.message, Not(::testing::EndsWith(".")));
+      // What is broken, and not what should hold.
+      EXPECT_THAT(finding.message, Not(::testing::HasSubstr(result.title)));
+      // The place names an entity; what concerns the atlas as a whole is named in words.
+      if (finding.place == Place{}) {
+        EXPECT_THAT(finding.message, ::testing::ContainsRegex("vocabulary|next .* id|map|entry|keyframe|point"));
+      }
     }
   }
 }

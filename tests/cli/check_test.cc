@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/json_schema.h"
@@ -11,6 +12,8 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 const std::string kTiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
 
@@ -46,7 +49,7 @@ TEST_F(Check, FormatsForPrograms) {
   const json report = json::parse(RunSlamdb({"check", Sound(), "--json"}).out);
   EXPECT_EQ(BreachOf(report, "check.schema.json"), "");
   EXPECT_EQ(RunSlamdb({"check", Sound(), "--format", "json"}).out, RunSlamdb({"check", Sound(), "--json"}).out);
-  EXPECT_EQ(json::parse(RunSlamdb({"check", Sound(), "--format", "sarif"}).out).at("version"), "2.1.0");
+  EXPECT_EQ(BreachOf(json::parse(RunSlamdb({"check", Sound(), "--format", "sarif"}).out), "sarif.schema.json"), "");
   EXPECT_THAT(RunSlamdb({"check", Sound(), "--format", "junit"}).out, HasSubstr("<testsuite"));
 }
 
@@ -103,6 +106,64 @@ TEST_F(Check, SeveralFilesOneFailure) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("missing.osa"));
   EXPECT_THAT(result.out, HasSubstr("sound.osa"));
+}
+
+TEST_F(Check, SaysTheVerdictFirstAndNamesWhatFails) {
+  const std::string twice = SLAMDB_FIXTURES "/mono_small_twice/mono_small_twice.osa";
+  const ProcessResult one = RunSlamdb({"check", twice});
+  EXPECT_EQ(one.exit_code, 1);
+  EXPECT_THAT(one.out, StartsWith(twice + ": 1 error, 876 notes: not sound ("));
+  EXPECT_THAT(one.out,
+              HasSubstr("\n  error map-listed-once\n      map 0: entry 1 of the map list is this map again\n"));
+  EXPECT_THAT(one.out, Not(HasSubstr("note ")));
+  EXPECT_THAT(RunSlamdb({"check", twice, "-v"}).out, HasSubstr("\n  note observation-slot (100)\n      map 0, mp "));
+  const ProcessResult three = RunSlamdb({"check", Sound(), twice, In("missing.osa")});
+  EXPECT_THAT(three.out, HasSubstr("\n3 files: 1 sound, 1 not sound, 1 not readable\n  " + twice +
+                                   ": 1 error, 876 notes: not sound\n  " + In("missing.osa") + ": not readable\n"));
+  EXPECT_EQ(RunSlamdb({"check", Sound(), "--quiet"}).out, "");
+  EXPECT_THAT(RunSlamdb({"check", Sound(), twice, "--quiet"}).out, StartsWith(twice));
+}
+
+// A file that is none is a result in every format, and the others are checked all the same.
+TEST_F(Check, AnUnreadableFileIsAResult) {
+  WriteWholeFile(In("none.osa"), "no atlas");
+  WriteWholeFile(In("empty.osa"), "");
+  const auto report = [&](const char* format) {
+    const ProcessResult result =
+        RunSlamdb({"check", In("none.osa"), In("empty.osa"), In("missing.osa"), Sound(), "--format", format});
+    EXPECT_EQ(result.exit_code, 1);
+    return result.out;
+  };
+  const json sarif = json::parse(report("sarif"));
+  EXPECT_EQ(BreachOf(sarif, "sarif.schema.json"), "");
+  ASSERT_EQ(sarif["runs"][0]["results"].size(), 3U);
+  for (const json& result : sarif["runs"][0]["results"]) EXPECT_EQ(result["ruleId"], "unreadable");
+  const json inputs = json::parse(report("json"))["inputs"];
+  ASSERT_EQ(inputs.size(), 4U);
+  EXPECT_TRUE(inputs[0].contains("failure"));
+  EXPECT_EQ(inputs[3]["sound"], true);
+  const std::string junit = report("junit");
+  EXPECT_THAT(junit, HasSubstr("tests=\"" + std::to_string(inputs[3]["checked"].size() + 3) +
+                               "\" failures=\"0\" errors=\"3\""));
+}
+
+TEST_F(Check, SarifHasPathsThatACodeHostKnows) {
+  const std::string store = In("maps of.db");
+  ASSERT_EQ(RunSlamdb({"convert", SLAMDB_FIXTURES "/mono_small_twice/mono_small_twice.osa", store + "#hall"}).exit_code,
+            0);
+  const std::string before = std::filesystem::current_path();
+  std::filesystem::current_path(std::filesystem::path(store).parent_path());
+  std::filesystem::create_symlink("maps of.db", In("link.db"));
+  std::string uris;
+  for (const std::string& input : {store + "#hall", std::string("./maps of.db#hall"), std::string("link.db")}) {
+    const json sarif = json::parse(RunSlamdb({"check", input, "--format", "sarif", "-v"}).out);
+    EXPECT_EQ(BreachOf(sarif, "sarif.schema.json"), "");
+    uris += sarif["runs"][0]["results"][0]["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+                .get<std::string>() +
+            "\n";
+  }
+  std::filesystem::current_path(before);
+  EXPECT_EQ(uris, "maps%20of.db\nmaps%20of.db\nmaps%20of.db\n");
 }
 
 TEST_F(Check, VocabularyThatIsNoneIsRefused) {

@@ -30,6 +30,9 @@ class Validator {
       return place + ": is " + value.dump() + ", expected " + schema.at("const").dump();
     if (schema.contains("minimum") && value.is_number() && value < schema.at("minimum"))
       return place + ": is " + value.dump() + ", expected at least " + schema.at("minimum").dump();
+    if (value.is_string() && (value.get<std::string>().size() < schema.value("minLength", std::size_t{0}) ||
+                              value.get<std::string>().size() > schema.value("maxLength", std::string::npos)))
+      return place + ": is of " + std::to_string(value.get<std::string>().size()) + " bytes";
     if (schema.contains("anyOf")) return AnyBreach(value, schema.at("anyOf"), place);
     if (value.is_object()) return ObjectBreach(value, schema, place);
     return value.is_array() ? ArrayBreach(value, schema, place) : "";

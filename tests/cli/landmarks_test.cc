@@ -130,6 +130,59 @@ TEST(Landmarks, AreShownAndListed) {
   EXPECT_THAT(merged.out, ContainsRegex("result .* 3,166"));
 }
 
+// What another program did to landmarks, back on the atlas.
+TEST(Landmarks, GoBackOntoTheAtlasTheyCameFrom) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "lab.mrpt", "--quiet"}).exit_code, 3);
+  const ProcessResult same =
+      RunSlamdb({"landmarks", "to-points", folder / "lab.mrpt", "--into", kSession, folder / "same.osa"});
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_EQ(same.out, "moved 3,162 points to their landmarks, of which 3,162 were there already\nwrote " +
+                          (folder / "same.osa") + "\n");
+  EXPECT_EQ(ReadWholeFile(folder / "same.osa"), ReadWholeFile(kSession));
+  ASSERT_EQ(RunSlamdb({"transform", folder / "lab.mrpt", folder / "moved.mrpt", "--by", "1 2 3 0 0 0 1"}).exit_code,
+            0);
+  const ProcessResult moved = RunSlamdb(
+      {"landmarks", "to-points", folder / "moved.mrpt", "--into", kSession, (folder / "a.db") + "#moved", "--json"});
+  EXPECT_EQ(moved.exit_code, 0) << moved.err;
+  const json report = json::parse(moved.out);
+  EXPECT_EQ(BreachOf(report, "landmarks.schema.json"), "");
+  EXPECT_EQ(report["into"]["moved"], 3162);
+  EXPECT_EQ(report["into"]["same"], 0);
+  EXPECT_EQ(LandmarksIn((folder / "a.db") + "#moved"), 3162U);
+  EXPECT_THAT(RunSlamdb({"diff", kSession, (folder / "a.db") + "#moved"}).out, HasSubstr("changed: position 3,162"));
+}
+
+TEST(Landmarks, ThatTheAtlasDoesNotHaveAreNamed) {
+  const TemporaryFolder folder;
+  const ProcessResult laid = RunSlamdb({"landmarks", "to-points", kMrpt, "--into", kSession, folder / "a.osa"});
+  EXPECT_THAT(laid.err, ContainsRegex("landmarks? left out, since .* has no point of the id: "));
+  EXPECT_EQ(RunSlamdb({"landmarks", "to-points", kMrpt, "--into", kSession, kSession, "-O"}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"landmarks", "to-points", kMrpt, folder / "b.osa", "--add"}).exit_code, 2);
+}
+
+TEST(Landmarks, OfTwoMapsBecomeOne) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "lab.mrpt", "--quiet"}).exit_code, 3);
+  const auto join = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{
+        "merge", folder / "lab.mrpt", folder / "lab.mrpt", "-o", folder / "c.mrpt", "--join", "--json", "-O"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProcessResult joined = RunSlamdb(words);
+    EXPECT_EQ(joined.exit_code, 0) << joined.err;
+    const json report = json::parse(joined.out);
+    EXPECT_EQ(BreachOf(report, "merge.schema.json"), "");
+    return report["join"];
+  };
+  const json fused = join({});
+  EXPECT_EQ(fused["landmarks"], 3162);
+  const auto unplaced = fused["alike_landmarks"]["unplaced"].get<std::uint64_t>() / 2;
+  EXPECT_EQ(fused["fused_landmarks"].get<std::uint64_t>() + unplaced, 3162U) << "each finds itself again";
+  EXPECT_EQ(LandmarksIn(folder / "c.mrpt"), 3162 + unplaced);
+  EXPECT_EQ(join({"--no-fuse"})["fused_landmarks"], 0);
+  EXPECT_EQ(LandmarksIn(folder / "c.mrpt"), 6324U);
+}
+
 TEST(Landmarks, AreOfNoKeyFrame) {
   const TemporaryFolder folder;
   const ProcessResult converted = RunSlamdb({"convert", kMrpt, folder / "a.mrpt", "--keyframes", "3:"});

@@ -439,6 +439,13 @@ const std::vector<Twin>& AllTwins() {
       {"landmark-id-unique", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].id = LandmarkId(5); }},
       {"landmark-finite", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].mean.y() = kNan; }},
       {"landmark-finite", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].normal.z() = kNan; }},
+      {"landmark-normal", Base::kMonocular,
+       [](Atlas& atlas) {
+         const MapPoint& point = FirstMap(atlas).points[2];
+         Landmark& landmark = AddLandmarks(atlas)[1];
+         landmark.id = LandmarkId(point.id.value());
+         landmark.normal = point.normal.cast<double>();
+       }},
       {"landmark-covariance", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].cov_12 = 3; }},
       {"landmark-covariance", Base::kMonocular, [](Atlas& atlas) { AddLandmarks(atlas)[1].cov_33 = kNan; }},
       {"landmark-descriptors", Base::kMonocular,

@@ -155,7 +155,8 @@ void CheckCameraParameters(const Subject& subject, Findings& findings) {
     else if (!std::ranges::all_of(camera.parameters, [](float value) { return std::isfinite(value); }))
       findings.Add(place, "its parameters hold NaN or infinity");
     else if (!(camera.parameters[0] > 0 && camera.parameters[1] > 0))
-      findings.Add(place, "its focal lengths are ", camera.parameters[0], " and ", camera.parameters[1]);
+      findings.Add(place, "its focal lengths are not both above 0: ", camera.parameters[0], " and ",
+                   camera.parameters[1]);
   }
 }
 
@@ -180,7 +181,8 @@ void CheckIntrinsicsPositive(const Subject& subject, Findings& findings) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
     const Intrinsics& k = keyframe.intrinsics;
     if (!IsPositive(k))
-      findings.Add(PlaceOf(map, keyframe), "fx, fy, cx, cy are ", k.fx, ", ", k.fy, ", ", k.cx, ", ", k.cy);
+      findings.Add(PlaceOf(map, keyframe), "its intrinsics cannot be used: fx, fy, cx, cy are ", k.fx, ", ", k.fy, ", ",
+                   k.cx, ", ", k.cy);
   });
 }
 

@@ -84,9 +84,10 @@ void CheckTemporalMutual(const Subject& subject, Findings& findings) {
     const KeyFrame* previous = subject.index.FindKeyFrame(row, keyframe.previous);
     const KeyFrame* next = subject.index.FindKeyFrame(row, keyframe.next);
     if (previous != nullptr && previous != &keyframe && previous->next != keyframe.id)
-      findings.Add(PlaceOf(map, keyframe), "previous ", keyframe.previous, " is followed by ", previous->next);
+      findings.Add(PlaceOf(map, keyframe), "previous ", keyframe.previous, " is followed by ", previous->next,
+                   " instead of it");
     if (next != nullptr && next != &keyframe && next->previous != keyframe.id)
-      findings.Add(PlaceOf(map, keyframe), "next ", keyframe.next, " comes after ", next->previous);
+      findings.Add(PlaceOf(map, keyframe), "next ", keyframe.next, " comes after ", next->previous, " instead of it");
   });
 }
 

@@ -277,8 +277,8 @@ void CheckConnectionPositive(const Subject& subject, Findings& findings) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
     for (const Connection& connection : keyframe.connections)
       if (connection.weight <= 0)
-        findings.Add(PlaceOf(map, keyframe), "covisibility with ", connection.keyframe, " has weight ",
-                     connection.weight);
+        findings.Add(PlaceOf(map, keyframe), "is covisible with ", connection.keyframe, " by ", connection.weight,
+                     " points");
   });
 }
 

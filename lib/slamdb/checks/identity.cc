@@ -101,6 +101,12 @@ bool IsLeftover(const Map& map) {
          map.repeated_points.empty();
 }
 
+// The id of a list's entity; none beyond its end.
+template <class Entities>
+auto IdAt(const Entities& entities, std::size_t row) {
+  return row < entities.size() ? entities[row].id : decltype(entities[row].id)();
+}
+
 }  // namespace
 
 void CheckListEntryNull(const Subject& subject, Findings& findings) {
@@ -158,14 +164,18 @@ std::size_t DropEntriesOfOtherMaps(Atlas& atlas) {
 void CheckListedOnce(const Subject& subject, Findings& findings) {
   const auto& maps = subject.atlas.maps;
   for (const RepeatedEntry& entry : subject.atlas.repeated_cameras)
-    if (!IsNull(entry)) findings.Add(Place{}, "entry ", entry.position, " of the camera list repeats an earlier one");
+    if (!IsNull(entry))
+      findings.Add({.camera = IdAt(subject.atlas.cameras, entry.row)}, "is listed again, as entry ", entry.position,
+                   " of the camera list");
   for (std::size_t map = 0; map < maps.size(); ++map) {
     for (const RepeatedEntry& entry : maps[map].repeated_keyframes)
       if (entry.owner_map == map)
-        findings.Add(PlaceOf(maps[map]), "entry ", entry.position, " of the keyframe list repeats an earlier one");
+        findings.Add({.map = maps[map].id, .keyframe = IdAt(maps[map].keyframes, entry.row)},
+                     "is listed again, as entry ", entry.position, " of the keyframe list");
     for (const RepeatedEntry& entry : maps[map].repeated_points)
       if (entry.owner_map == map)
-        findings.Add(PlaceOf(maps[map]), "entry ", entry.position, " of the point list repeats an earlier one");
+        findings.Add({.map = maps[map].id, .point = IdAt(maps[map].points, entry.row)}, "is listed again, as entry ",
+                     entry.position, " of the point list");
   }
 }
 

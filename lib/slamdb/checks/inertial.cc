@@ -45,12 +45,13 @@ void CheckImuChain(const Subject& subject, Findings& findings) {
     const KeyFrame* next = subject.index.FindKeyFrame(row, keyframe.next);
     if (previous != nullptr && previous != &keyframe) {
       if (previous->next != keyframe.id)
-        findings.Add(PlaceOf(map, keyframe), "previous ", keyframe.previous, " is followed by ", previous->next);
+        findings.Add(PlaceOf(map, keyframe), "previous ", keyframe.previous, " is followed by ", previous->next,
+                     " instead of it");
       else if (!(previous->timestamp < keyframe.timestamp))
         findings.Add(PlaceOf(map, keyframe), "previous ", keyframe.previous, " was not taken before it");
     }
     if (next != nullptr && next != &keyframe && next->previous != keyframe.id)
-      findings.Add(PlaceOf(map, keyframe), "next ", keyframe.next, " comes after ", next->previous);
+      findings.Add(PlaceOf(map, keyframe), "next ", keyframe.next, " comes after ", next->previous, " instead of it");
   });
 }
 

@@ -34,6 +34,12 @@ bool AreInOrder(const std::vector<FeatureDescriptor>& descriptors) {
          (descriptors.empty() || descriptors.back().kind <= DescriptorKind::kLatch);
 }
 
+// MRPT's normals point to the sensors, those of points away from the cameras.
+bool FacesAsItsPoint(const Landmark& landmark, const IdTable& points, const Map& map) {
+  const std::uint32_t row = landmark.is_numbered() ? points.Find(landmark.id.value()) : kNoRow;
+  return row != kNoRow && landmark.normal.dot(map.points[row].normal.cast<double>()) > 0;
+}
+
 }  // namespace
 
 void CheckLandmarkIdUnique(const Subject& subject, Findings& findings) {
@@ -51,18 +57,42 @@ void CheckLandmarkIdUnique(const Subject& subject, Findings& findings) {
 
 void CheckLandmarkFinite(const Subject& subject, Findings& findings) {
   ForEachLandmark(subject.atlas, [&](const Map& map, const Landmark& landmark) {
-    if (!landmark.mean.allFinite()) findings.Add(PlaceOf(map, landmark), "the mean is not finite");
-    if (!landmark.normal.allFinite()) findings.Add(PlaceOf(map, landmark), "the normal is not finite");
+    if (!landmark.mean.allFinite()) findings.Add(PlaceOf(map, landmark), "its mean holds NaN or infinity");
+    if (!landmark.normal.allFinite()) findings.Add(PlaceOf(map, landmark), "its normal holds NaN or infinity");
   });
+}
+
+void CheckLandmarkNormal(const Subject& subject, Findings& findings) {
+  for (const Map& map : subject.atlas.maps) {
+    if (map.landmarks.empty()) continue;
+    const IdTable points = PointTable(map);
+    for (const Landmark& landmark : map.landmarks)
+      if (FacesAsItsPoint(landmark, points, map))
+        findings.Add(PlaceOf(map, landmark), "its normal points away from the cameras, as that of its point");
+  }
+}
+
+std::size_t TurnLandmarkNormals(Atlas& atlas) {
+  std::size_t turned = 0;
+  for (Map& map : atlas.maps) {
+    if (map.landmarks.empty()) continue;
+    const IdTable points = PointTable(map);
+    for (Landmark& landmark : map.landmarks)
+      if (FacesAsItsPoint(landmark, points, map)) {
+        landmark.normal = -landmark.normal;
+        ++turned;
+      }
+  }
+  return turned;
 }
 
 void CheckLandmarkCovariance(const Subject& subject, Findings& findings) {
   ForEachLandmark(subject.atlas, [&](const Map& map, const Landmark& landmark) {
     const Eigen::Matrix3d covariance = landmark.pose().covariance;
     if (!covariance.allFinite())
-      findings.Add(PlaceOf(map, landmark), "the covariance is not finite");
+      findings.Add(PlaceOf(map, landmark), "its covariance holds NaN or infinity");
     else if (HasNegativeVariance(covariance))
-      findings.Add(PlaceOf(map, landmark), "the covariance has a negative variance in some direction");
+      findings.Add(PlaceOf(map, landmark), "its covariance has a negative variance in some direction");
   });
 }
 

@@ -16,15 +16,20 @@ struct CheckedFile {
   std::string name;
   CheckReport report;
   std::string failure;  // why it could not be read; empty: it was
+  std::string file;     // that a code host knows, relative where it can be; empty: the name
 };
+
+// "sound", "sound, 2 warnings, 120 notes", "1 error, 3 notes: not sound", "not readable".
+[[nodiscard]] SLAMDB_EXPORT std::string Verdict(const CheckedFile& file);
 
 struct TextReportOptions {
   std::size_t shown_per_rule = 5;  // findings of each rule; the rest is counted
-  bool show_notes = true;          // otherwise notes are only counted in the totals
-  bool note_findings = true;       // otherwise a rule with notes is one line
+  bool show_notes = false;         // otherwise notes are only counted
+  bool only_broken = false;        // leave out files without errors and warnings
 };
 
-// For people: a paragraph for each rule with findings, errors first, and a line of totals. Without colours.
+// For people, without colours: the verdict on each file with a paragraph for each rule that it breaks, errors first,
+// and of several files at the end how many failed and which.
 [[nodiscard]] SLAMDB_EXPORT std::string TextReport(std::span<const CheckedFile> files,
                                                    const TextReportOptions& options = {});
 
@@ -32,11 +37,16 @@ struct TextReportOptions {
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const CheckedFile> files);
 
 // JUnit XML: a suite for each file, a case for each rule and gate.
-// Errors are failures; warnings and notes are in the output of their case.
-[[nodiscard]] SLAMDB_EXPORT std::string JUnitReport(std::span<const CheckedFile> files);
+// Errors are failures; warnings, and notes when asked for, are in the output of their case.
+// A file that could not be read is a case with an error.
+[[nodiscard]] SLAMDB_EXPORT std::string JUnitReport(std::span<const CheckedFile> files, bool with_notes = false);
 
-// SARIF 2.1.0 with rule metadata and logical locations (`map/0/mp/4312`). `version` is the tool's own.
-[[nodiscard]] SLAMDB_EXPORT std::string SarifReport(std::span<const CheckedFile> files, const std::string& version);
+// SARIF 2.1.0 as GitHub takes it (schema/sarif.schema.json): rule metadata, fingerprints, logical locations
+// (`map/0/mp/4312`), a result of rule `unreadable` for each file that could not be read.
+// At most 5,000 results, which is what GitHub shows: errors first, then warnings; what was left out is a result itself.
+// `version` is the tool's own.
+[[nodiscard]] SLAMDB_EXPORT std::string SarifReport(std::span<const CheckedFile> files, const std::string& version,
+                                                    bool with_notes = false);
 
 // The catalogue of rules and gates for people, as JSON (schema/rules.schema.json), and as the tables of docs/checks.md.
 [[nodiscard]] SLAMDB_EXPORT std::string TextCatalogue();

@@ -63,19 +63,28 @@ std::string Lines(const RuleResult& result) {
     text += detail::Concat(ToString(finding.place), ": ", finding.message, "\n");
   if (result.count > result.findings.size())
     text += detail::Concat("... and ", std::to_string(result.count - result.findings.size()), " more\n");
-  if (!result.consequence.empty()) text += detail::Concat("otherwise ORB-SLAM3 ", result.consequence, "\n");
+  if (!result.consequence.empty()) text += detail::Concat("ORB-SLAM3 ", result.consequence, "\n");
   return text;
 }
 
-void AppendCase(const CheckedFile& file, const std::string& id, std::string& xml) {
+// "3 errors: map 0, kf 7: parent kf 9, which does not exist; and 2 more".
+std::string SummaryOf(const RuleResult& result) {
+  std::string text =
+      detail::Concat(std::to_string(result.count), " ", ToString(result.severity), result.count == 1 ? "" : "s");
+  if (result.findings.empty()) return text;
+  text += detail::Concat(": ", ToString(result.findings[0].place), ": ", result.findings[0].message);
+  if (result.count > 1) text += detail::Concat("; and ", std::to_string(result.count - 1), " more");
+  return text;
+}
+
+void AppendCase(const CheckedFile& file, const std::string& id, bool with_notes, std::string& xml) {
   xml += detail::Concat("    <testcase", Attribute("classname", file.name), Attribute("name", id));
   const RuleResult* result = FindResult(file.report, id);
-  if (result == nullptr) {
+  if (result == nullptr || (result->severity == Severity::kNote && !with_notes)) {
     xml += "/>\n";
     return;
   }
-  const std::string summary = detail::Concat(result->title, ": ", std::to_string(result->count), " ",
-                                             ToString(result->severity), result->count == 1 ? "" : "s");
+  const std::string summary = SummaryOf(*result);
   if (result->severity == Severity::kError)
     xml += detail::Concat(">\n      <failure", Attribute("type", "error"), Attribute("message", summary), ">",
                           Escaped(Lines(*result)), "</failure>\n    </testcase>\n");
@@ -88,13 +97,13 @@ std::size_t FailedCases(const CheckReport& report) {
   return static_cast<std::size_t>(std::ranges::count(report.results, Severity::kError, &RuleResult::severity));
 }
 
-void AppendSuite(const CheckedFile& file, std::string& xml) {
+void AppendSuite(const CheckedFile& file, bool with_notes, std::string& xml) {
   const bool read = file.failure.empty();
   xml += detail::Concat("  <testsuite", Attribute("name", file.name),
                         Attribute("tests", std::to_string(read ? file.report.checked.size() : 1)),
                         Attribute("failures", std::to_string(FailedCases(file.report))),
                         Attribute("errors", read ? "0" : "1"), ">\n");
-  for (const std::string& id : file.report.checked) AppendCase(file, id, xml);
+  for (const std::string& id : file.report.checked) AppendCase(file, id, with_notes, xml);
   if (!read)
     xml +=
         detail::Concat("    <testcase", Attribute("classname", file.name), Attribute("name", "read"), ">\n      <error",
@@ -104,7 +113,7 @@ void AppendSuite(const CheckedFile& file, std::string& xml) {
 
 }  // namespace
 
-std::string JUnitReport(std::span<const CheckedFile> files) {
+std::string JUnitReport(std::span<const CheckedFile> files, bool with_notes) {
   std::size_t tests = 0, failures = 0, errors = 0;
   std::string suites;
   for (const CheckedFile& file : files) {
@@ -112,7 +121,7 @@ std::string JUnitReport(std::span<const CheckedFile> files) {
     tests += read ? file.report.checked.size() : 1;
     failures += FailedCases(file.report);
     errors += read ? 0 : 1;
-    AppendSuite(file, suites);
+    AppendSuite(file, with_notes, suites);
   }
   return detail::Concat("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites", Attribute("name", "slamdb check"),
                         Attribute("tests", std::to_string(tests)), Attribute("failures", std::to_string(failures)),

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <span>
+#include <unordered_map>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/hash.h"
 #include "slamdb/base/detail/json.h"
 #include "slamdb/checks/report.h"
 
@@ -44,21 +47,51 @@ std::string QualifiedName(const Place& place) {
   return name.empty() ? "atlas" : name;
 }
 
-Json RuleJson(std::string_view id, std::string_view title, std::string_view help, Severity severity) {
+// Rules of the report itself, behind those of the catalogue and the gates.
+constexpr std::string_view kUnreadable = "unreadable", kTruncated = "truncated";
+
+// GitHub shows so many results of a run; the whole file then stays far below the 10 MB that it takes compressed.
+constexpr std::size_t kMostResults = 5000;
+
+std::string_view ProblemSeverity(Severity severity) {
+  return severity == Severity::kNote ? "recommendation" : ToString(severity);
+}
+
+// `broken` says what a finding of the rule means, in a sentence without its full stop.
+Json RuleJson(std::string_view id, std::string_view broken, const std::string& text, Severity severity) {
   return {{"id", id},
-          {"shortDescription", {{"text", title}}},
-          {"help", {{"text", help}}},
-          {"defaultConfiguration", {{"level", ToString(severity)}}}};
+          {"name", id},
+          {"shortDescription", {{"text", broken}}},
+          {"fullDescription", {{"text", text}}},
+          {"help", {{"text", text}, {"markdown", detail::Concat("**`", id, "`** ", text)}}},
+          {"defaultConfiguration", {{"level", ToString(severity)}}},
+          {"properties",
+           {{"tags", {"slam-map", "orb-slam3"}},
+            {"precision", "very-high"},
+            {"problem.severity", ProblemSeverity(severity)}}}};
 }
 
 Json RulesJson() {
   Json rules = Json::array();
-  for (const Rule& rule : ReadRules())
-    rules.push_back(
-        RuleJson(rule.id, rule.title, detail::Concat("Otherwise ORB-SLAM3 ", rule.consequence, "."), rule.severity));
+  for (const Rule& rule : ReadRules()) {
+    std::string text =
+        detail::Concat("In a sound atlas ", rule.title, ". Where that is broken, ORB-SLAM3 ", rule.consequence, ".");
+    if (rule.fix) text += detail::Concat(" `slamdb repair` has a repair: ", rule.fix.name, ".");
+    rules.push_back(RuleJson(rule.id, detail::Concat("Broken: ", rule.title), text, rule.severity));
+  }
   for (const Gate& gate : ReadGates())
-    rules.push_back(RuleJson(GateRuleId(gate.id), detail::Concat("passes the quality gate ", gate.id),
-                             "The limit is set on the command line.", Severity::kError));
+    rules.push_back(RuleJson(GateRuleId(gate.id), detail::Concat("Missed: the quality gate ", gate.id),
+                             detail::Concat("The gate sets how many ", gate.title, " an atlas must have at ",
+                                            gate.is_minimum ? "least" : "most", "; the limit is given with the check."),
+                             Severity::kError));
+  rules.push_back(RuleJson(kUnreadable, "The file cannot be read as an atlas",
+                           "The file is damaged, cut, of another format, or not there. `slamdb recover` saves what is "
+                           "whole of a damaged atlas.",
+                           Severity::kError));
+  rules.push_back(RuleJson(kTruncated, "Not all findings are listed",
+                           "All findings are counted, but so many are not listed one by one; `slamdb check` as text or "
+                           "JSON tells of each rule how many there are.",
+                           Severity::kWarning));
   return rules;
 }
 
@@ -68,52 +101,95 @@ std::size_t RuleIndex(const std::string& id) {
   if (rule != rules.end()) return static_cast<std::size_t>(rule - rules.begin());
   const auto gates = ReadGates();
   const auto gate = std::ranges::find_if(gates, [&](const Gate& candidate) { return GateRuleId(candidate.id) == id; });
-  return rules.size() + static_cast<std::size_t>(gate - gates.begin());
+  return rules.size() + static_cast<std::size_t>(gate - gates.begin()) + (id == kTruncated ? 1 : 0);
 }
 
-Json LocationJson(const std::string& file, const Place& place) {
-  return {{"physicalLocation", {{"artifactLocation", {{"uri", Uri(file)}}}}},
-          {"logicalLocations", {{{"fullyQualifiedName", QualifiedName(place)}}}}};
+const std::string& FileOf(const CheckedFile& file) { return file.file.empty() ? file.name : file.file; }
+
+// An atlas has no lines, but GitHub wants some.
+Json PhysicalJson(const CheckedFile& file) {
+  return {{"artifactLocation", {{"uri", Uri(FileOf(file))}}},
+          {"region", {{"startLine", 1}, {"startColumn", 1}, {"endLine", 1}, {"endColumn", 2}}}};
 }
 
-void AppendResults(const CheckedFile& file, Json& results) {
+// Collects results, the worst first, up to what a code host takes.
+class SarifResults {
+ public:
+  void Add(const CheckedFile& file, const std::string& rule, Severity severity, const std::string& where,
+           const std::string& message) {
+    if (results_.size() + 1 < kMostResults) return Push(file, rule, severity, where, message);
+    if (left_out_++ > 0) return;
+    first_left_out_ = &file;
+    worst_left_out_ = severity;
+  }
+
+  Json Take() {
+    if (left_out_ > 0)
+      Push(*first_left_out_, std::string(kTruncated), worst_left_out_, "atlas",
+           detail::Concat(std::to_string(left_out_), " more results are not listed: a code host takes so many."));
+    return std::move(results_);
+  }
+
+ private:
+  // A finding is known again by its rule, file and place, whatever others come and go.
+  void Push(const CheckedFile& file, const std::string& rule, Severity severity, const std::string& where,
+            const std::string& message) {
+    const std::string key = detail::Concat(rule, "\n", file.name, "\n", where);
+    const std::string hash = detail::Hex(detail::HashBytes(std::as_bytes(std::span(key.data(), key.size()))));
+    results_.push_back(
+        {{"ruleId", rule},
+         {"ruleIndex", RuleIndex(rule)},
+         {"level", ToString(severity)},
+         {"message", {{"text", message}}},
+         {"locations",
+          {{{"physicalLocation", PhysicalJson(file)}, {"logicalLocations", {{{"fullyQualifiedName", where}}}}}}},
+         {"partialFingerprints",
+          {{"primaryLocationLineHash", detail::Concat(hash, ":", std::to_string(++seen_[hash]))}}}});
+  }
+
+  Json results_ = Json::array();
+  std::unordered_map<std::string, int> seen_;
+  std::uint64_t left_out_ = 0;
+  const CheckedFile* first_left_out_ = nullptr;
+  Severity worst_left_out_ = Severity::kNote;
+};
+
+void AppendResults(const CheckedFile& file, Severity severity, SarifResults& results) {
   for (const RuleResult& result : file.report.results) {
+    if (result.severity != severity) continue;
     for (const Finding& finding : result.findings)
-      results.push_back({{"ruleId", result.id},
-                         {"ruleIndex", RuleIndex(result.id)},
-                         {"level", ToString(result.severity)},
-                         {"message", {{"text", detail::Concat(ToString(finding.place), ": ", finding.message)}}},
-                         {"locations", {LocationJson(file.name, finding.place)}}});
+      results.Add(file, result.id, severity, QualifiedName(finding.place),
+                  detail::Concat(ToString(finding.place), ": ", finding.message, "."));
     if (result.count > result.findings.size())
-      results.push_back({{"ruleId", result.id},
-                         {"ruleIndex", RuleIndex(result.id)},
-                         {"level", ToString(result.severity)},
-                         {"message",
-                          {{"text", std::to_string(result.count - result.findings.size()) + " more findings of rule " +
-                                        result.id + " are not listed"}}},
-                         {"locations", {LocationJson(file.name, Place{})}}});
+      results.Add(file, result.id, severity, "atlas",
+                  detail::Concat(std::to_string(result.count - result.findings.size()), " more findings of rule ",
+                                 result.id, " are not listed."));
   }
 }
 
 }  // namespace
 
-std::string SarifReport(std::span<const CheckedFile> files, const std::string& version) {
-  Json results = Json::array(), notifications = Json::array();
+std::string SarifReport(std::span<const CheckedFile> files, const std::string& version, bool with_notes) {
+  SarifResults results;
+  Json notifications = Json::array();
   for (const CheckedFile& file : files) {
-    AppendResults(file, results);
     if (file.failure.empty()) continue;
-    notifications.push_back(
-        {{"level", "error"},
-         {"message", {{"text", file.failure}}},
-         {"locations", {{{"physicalLocation", {{"artifactLocation", {{"uri", Uri(file.name)}}}}}}}}});
+    results.Add(file, std::string(kUnreadable), Severity::kError, "atlas",
+                detail::Concat("cannot be read: ", file.failure, "."));
+    notifications.push_back({{"level", "error"},
+                             {"message", {{"text", file.failure}}},
+                             {"locations", {{{"physicalLocation", PhysicalJson(file)}}}}});
   }
+  for (const Severity severity : {Severity::kError, Severity::kWarning, Severity::kNote})
+    if (severity != Severity::kNote || with_notes)
+      for (const CheckedFile& file : files) AppendResults(file, severity, results);
   const Json driver{{"name", "slamdb"}, {"semanticVersion", version}, {"rules", RulesJson()}};
   Json run;
   run["tool"] = {{"driver", driver}};
   run["invocations"] =
       Json::array({{{"executionSuccessful", notifications.empty()}, {"toolExecutionNotifications", notifications}}});
   run["columnKind"] = "unicodeCodePoints";
-  run["results"] = std::move(results);
+  run["results"] = results.Take();
   Json sarif;
   sarif["$schema"] = kSchema;
   sarif["version"] = "2.1.0";

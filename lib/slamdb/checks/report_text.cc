@@ -14,66 +14,79 @@ std::string Counted(std::uint64_t count, std::string_view noun) {
   return detail::Concat(std::to_string(count), " ", noun, count == 1 ? "" : "s");
 }
 
-// "1 error, 2 warnings, 530 notes"; kinds without any are left out, and nothing at all is "sound".
+// "1 error, 2 warnings, 530 notes"; kinds without any are left out.
 std::string Totals(const CheckReport& report) {
   std::string text;
   for (const Severity severity : kWorstFirst)
     if (const std::uint64_t count = report.Count(severity); count > 0)
       text += (text.empty() ? "" : ", ") + Counted(count, ToString(severity));
-  return text.empty() ? "sound" : text;
+  return text;
 }
 
-void AppendHead(const RuleResult& result, std::string& text) {
-  text += detail::Concat("  ", result.severity, " ", result.id, " (", result.count, "): ", result.title, "\n");
-}
-
+// What is broken and where, and what comes of it. What should hold is in the catalogue.
 void AppendResult(const RuleResult& result, std::size_t shown, std::string& text) {
+  text += detail::Concat("\n  ", result.severity, " ", result.id);
+  if (result.count > 1) text += detail::Concat(" (", result.count, ")");
   text += "\n";
-  AppendHead(result, text);
-  if (!result.consequence.empty()) text += detail::Concat("    otherwise ORB-SLAM3 ", result.consequence, "\n");
   shown = std::min(shown, result.findings.size());
   for (std::size_t i = 0; i < shown; ++i)
     text += detail::Concat("      ", ToString(result.findings[i].place), ": ", result.findings[i].message, "\n");
   if (result.count > shown) text += detail::Concat("      ... and ", std::to_string(result.count - shown), " more\n");
+  if (!result.consequence.empty()) text += detail::Concat("    ORB-SLAM3 ", result.consequence, "\n");
 }
 
 void AppendFile(const CheckedFile& file, const TextReportOptions& options, std::string& text) {
   if (!file.failure.empty()) {
-    text += detail::Concat(file.name, ": cannot be checked\n\n  ", file.failure, "\n");
+    text += detail::Concat(file.name, ": ", Verdict(file), "\n\n  ", file.failure, "\n");
     return;
   }
-  text += detail::Concat(file.name, ": ", Totals(file.report), " (", Counted(file.report.checked.size(), "rule"),
-                         " checked)\n");
+  text +=
+      detail::Concat(file.name, ": ", Verdict(file), " (", Counted(file.report.checked.size(), "rule"), " checked)\n");
   for (const Severity severity : kWorstFirst) {
     if (severity == Severity::kNote && !options.show_notes) continue;
-    const bool brief = severity == Severity::kNote && !options.note_findings;
-    if (brief && file.report.Count(severity) > 0) text += "\n";
-    for (const RuleResult& result : file.report.results) {
-      if (result.severity != severity) continue;
-      brief ? AppendHead(result, text) : AppendResult(result, options.shown_per_rule, text);
-    }
+    for (const RuleResult& result : file.report.results)
+      if (result.severity == severity) AppendResult(result, options.shown_per_rule, text);
   }
+}
+
+bool IsBroken(const CheckedFile& file) {
+  return !file.failure.empty() || file.report.Count(Severity::kError) + file.report.Count(Severity::kWarning) > 0;
+}
+
+bool IsSound(const CheckedFile& file) { return file.failure.empty() && file.report.ok(); }
+
+// How many files failed, and which.
+std::string Summary(std::span<const CheckedFile> files) {
+  const auto sound = static_cast<std::size_t>(std::ranges::count_if(files, IsSound));
+  const auto unreadable = static_cast<std::size_t>(
+      std::ranges::count_if(files, [](const CheckedFile& file) { return !file.failure.empty(); }));
+  std::string text = detail::Concat(std::to_string(files.size()), " files: ", std::to_string(sound), " sound, ",
+                                    std::to_string(files.size() - sound - unreadable), " not sound");
+  if (unreadable > 0) text += detail::Concat(", ", std::to_string(unreadable), " not readable");
+  text += "\n";
+  for (const CheckedFile& file : files)
+    if (!IsSound(file)) text += detail::Concat("  ", file.name, ": ", Verdict(file), "\n");
+  return text;
 }
 
 }  // namespace
 
+std::string Verdict(const CheckedFile& file) {
+  if (!file.failure.empty()) return "not readable";
+  const std::string totals = Totals(file.report);
+  if (!file.report.ok()) return totals + ": not sound";
+  return totals.empty() ? "sound" : "sound, " + totals;
+}
+
 std::string TextReport(std::span<const CheckedFile> files, const TextReportOptions& options) {
   std::string text;
-  std::size_t with_errors = 0, failed = 0;
   for (const CheckedFile& file : files) {
+    if (options.only_broken && !IsBroken(file)) continue;
     if (!text.empty()) text += "\n";
     AppendFile(file, options, text);
-    if (!file.failure.empty())
-      ++failed;
-    else if (!file.report.ok())
-      ++with_errors;
   }
-  if (files.size() < 2) return text;
-  text += detail::Concat("\n", std::to_string(files.size()),
-                         " files: ", std::to_string(files.size() - with_errors - failed), " without errors, ",
-                         std::to_string(with_errors), " with errors");
-  if (failed > 0) text += detail::Concat(", ", std::to_string(failed), " not readable");
-  return text + "\n";
+  if (files.size() < 2 || (options.only_broken && text.empty())) return text;
+  return text + "\n" + Summary(files);
 }
 
 std::string TextCatalogue() {

@@ -191,7 +191,7 @@ std::size_t DropInfinitePoints(Atlas& atlas) {
 void CheckPointNormal(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
     if (point.normal.allFinite() && !IsSoundNormal(point.normal))
-      findings.Add(PlaceOf(map, point), "its normal, a mean of unit vectors, has length ", point.normal.norm());
+      findings.Add(PlaceOf(map, point), "its normal has length ", point.normal.norm(), ", as no mean of unit vectors");
   });
 }
 
@@ -226,7 +226,7 @@ std::size_t RestoreDescriptors(Atlas& atlas) {
 void CheckDistanceRange(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
     if (!HasSoundRange(point))
-      findings.Add(PlaceOf(map, point), "is to be seen from ", point.min_distance, " to ", point.max_distance, " away");
+      findings.Add(PlaceOf(map, point), "its distance range is none: ", point.min_distance, " to ", point.max_distance);
   });
 }
 

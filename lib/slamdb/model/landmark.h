@@ -82,7 +82,7 @@ struct GaussianPoint {
 struct SLAMDB_EXPORT Landmark {
   LandmarkId id;                                     //                                                   ID
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();    // world, metres or map units         pose_mean
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit viewing direction, from the camera to it, or zero
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit vector to its sensors, against a MapPoint's; or 0
   // Upper triangle of the covariance of the mean, metres^2. Zero: not known.     pose_cov_11 22 33 12 13 23
   double cov_11 = 0, cov_22 = 0, cov_33 = 0, cov_12 = 0, cov_13 = 0, cov_23 = 0;
   std::uint64_t last_seen = 0;            // 100 ns since 1601-01-01 UTC; 0: not known         timestampLastSeen

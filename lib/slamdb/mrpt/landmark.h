@@ -140,7 +140,7 @@ class SLAMDB_EXPORT CLandmark {
 
   std::vector<CFeature> features;  // the first decides the type
   TPoint3D pose_mean;
-  TPoint3D normal;                                           // unit viewing direction, or zero
+  TPoint3D normal;                                           // unit vector to the sensor, or zero
   double pose_cov_11 = 0, pose_cov_22 = 0, pose_cov_33 = 0;  // metres^2; all zero: not known
   double pose_cov_12 = 0, pose_cov_13 = 0, pose_cov_23 = 0;
   TLandmarkID ID = INVALID_LANDMARK_ID;

@@ -7,8 +7,17 @@
 #include <mrpt/io/CFileOutputStream.h>
 #include <mrpt/maps/CLandmark.h>
 #include <mrpt/maps/CLandmarksMap.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/poses/CPointPDFGaussian.h>
 #include <mrpt/serialization/CArchive.h>
+#include <mrpt/vision/types.h>
+#include <mrpt/vision/utils.h>
 
+#include <cmath>
+#include <filesystem>
+
+#include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "tests/formats/formats/small_atlas.h"
@@ -134,6 +143,189 @@ TEST(Exchange, TextIsTheSame) {
   Notices notices;
   detail::kMrptTextFormat.write(Read(folder.Path("by_mrpt")), {folder.Path("by_us.txt"), ""}, {}, notices);
   EXPECT_EQ(ReadFile(folder.Path("by_us.txt")), ReadFile(folder.Path("by_mrpt.txt")));
+}
+
+// ---- the direction of normals
+
+// The landmarks of a map of MRPT's, as slamdb reads them.
+std::vector<Landmark> Taken(const CLandmarksMap& map) {
+  const TemporaryFolder folder;
+  {
+    mrpt::io::CFileOutputStream stream(folder.Path("map"));
+    SaveByMrpt(map, stream);
+  }
+  return Read(folder.Path("map")).maps.at(0).landmarks;
+}
+
+// They became points: whether a frame at the origin may take each for in view.
+void ExpectInView(const CLandmarksMap& map) {
+  Atlas atlas;
+  atlas.maps.emplace_back().landmarks = Taken(map);
+  ASSERT_FALSE(atlas.maps[0].landmarks.empty());
+  for (const Landmark& landmark : atlas.maps[0].landmarks) EXPECT_LT(landmark.normal.dot(landmark.mean), 0);
+  MakePoints(atlas);
+  for (const MapPoint& point : atlas.maps[0].points) EXPECT_GT(point.position.normalized().dot(point.normal), 0.5F);
+}
+
+TEST(Normals, OfMrptsMakersPointToTheSensor) {
+  CLandmarksMap scanned;
+  mrpt::obs::CObservation2DRangeScan scan;
+  scan.aperture = 1;
+  scan.resizeScan(3);
+  for (int i = 0; i < 3; ++i) {
+    scan.setScanRange(i, 5);
+    scan.setScanRangeValidity(i, true);
+  }
+  scanned.loadOccupancyFeaturesFrom2DRangeScan(scan, std::nullopt, 1);
+  ExpectInView(scanned);
+
+  mrpt::vision::CMatchedFeatureList matches;
+  for (int i = 0; i < 2; ++i) {
+    mrpt::vision::CFeature left, right;
+    left.type = right.type = mrpt::vision::featORB;
+    left.keypoint.pt = {340.0F + 20 * static_cast<float>(i), 250};
+    right.keypoint.pt = {320.0F + 20 * static_cast<float>(i), 250};
+    matches.emplace_back(left, right);
+  }
+  mrpt::vision::TStereoSystemParams rig;
+  rig.K.setZero();
+  rig.K(0, 0) = rig.K(1, 1) = 500;
+  rig.K(0, 2) = 320;
+  rig.K(1, 2) = 240;
+  rig.K(2, 2) = 1;
+  rig.baseline = 0.2F;
+  rig.minZ = 0;
+  rig.maxZ = 50;
+  CLandmarksMap stereo;
+  mrpt::vision::projectMatchedFeatures(matches, rig, stereo);
+  ExpectInView(stereo);
+
+  mrpt::obs::CObservationImage seen;
+  seen.image = mrpt::img::CImage(320, 240, mrpt::img::CH_GRAY);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x)
+      seen.image.setPixel(
+          x, y, (x / 20 + y / 20) % 2 == 0 ? mrpt::img::TColor(20, 20, 20) : mrpt::img::TColor(240, 240, 240));
+  seen.cameraParams.setIntrinsicParamsFromValues(300, 300, 160, 120);
+  mrpt::vision::CFeatureExtraction::TOptions corners;
+  corners.featsType = mrpt::vision::featKLT;
+  CLandmarksMap image;
+  image.loadSiftFeaturesFromImageObservation(seen, corners);
+  ExpectInView(image);
+}
+
+TEST(Normals, OfFromPointsAreAsMrptsMakersSetThem) {
+  Atlas atlas = SmallAtlas();
+  MakeLandmarks(atlas);
+  std::size_t facing = 0;
+  for (const Map& map : atlas.maps)
+    for (const MapPoint& point : map.points) {
+      const auto landmark = std::ranges::find(map.landmarks, LandmarkId(point.id.value()), &Landmark::id);
+      if (landmark == map.landmarks.end() || landmark->normal.isZero(0)) continue;
+      EXPECT_LT(landmark->normal.dot(point.normal.cast<double>()), 0);
+      ++facing;
+    }
+  EXPECT_GT(facing, 0U);
+}
+
+// ---- fusing
+
+// A SIFT landmark; `number` decides its place, covariance and descriptor.
+CLandmark Sift(int number, double shift) {
+  CLandmark landmark;
+  landmark.ID = number;
+  const double n = number % 1000;
+  landmark.pose_mean = {3 * n + shift, 0.5 * std::sin(n), 5 + shift};
+  landmark.normal = {0, 0, -1};
+  landmark.pose_cov_11 = static_cast<float>(0.1 + 0.01 * std::cos(n));
+  landmark.pose_cov_22 = 0.2F;
+  landmark.pose_cov_33 = 0.4F;
+  landmark.pose_cov_12 = 0.02F;
+  landmark.pose_cov_13 = static_cast<float>(0.03 * std::sin(n));
+  landmark.timestampLastSeen = mrpt::Clock::fromDouble(1000 + shift);
+  landmark.seenTimesCount = 1;
+  landmark.features.resize(1);
+  landmark.features[0].type = mrpt::vision::featSIFT;
+  std::vector<std::uint8_t> bytes(128);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(number % 1000 * 31 + i * 7);
+  landmark.features[0].descriptors.SIFT = bytes;
+  return landmark;
+}
+
+// What MRPT's fuseWith makes of two maps, and what slamdb makes of the same two.
+struct Fused {
+  std::vector<Landmark> by_mrpt, by_us;
+};
+Fused FuseBoth(const CLandmarksMap& a, const CLandmarksMap& b) {
+  Fused fused;
+  fused.by_us = Taken(a);
+  const std::size_t second = fused.by_us.size();
+  std::ranges::copy(Taken(b), std::back_inserter(fused.by_us));
+  FuseAlikeLandmarks(fused.by_us, second);
+  CLandmarksMap first = a, other = b;
+  first.fuseWith(other);
+  fused.by_mrpt = Taken(first);
+  return fused;
+}
+
+// It leaves a file in the working folder.
+class Fusing : public ::testing::Test {
+ protected:
+  Fusing() : before_(std::filesystem::current_path()) { std::filesystem::current_path(folder_.Path("")); }
+  ~Fusing() override { std::filesystem::current_path(before_); }
+
+ private:
+  TemporaryFolder folder_;
+  std::filesystem::path before_;
+};
+
+TEST_F(Fusing, GivesTheNumbersOfMrpt) {
+  CLandmarksMap a, b;
+  for (int i = 0; i < 40; ++i) a.landmarks.push_back(Sift(1000 + i, 0));
+  for (int i = 20; i < 60; ++i) {  // half of them there, moved by growing distances, of which some are too far
+    CLandmark landmark = Sift(2000 + i, 0.05 * (i - 20));
+    landmark.features[0].descriptors.SIFT->at(3) += static_cast<std::uint8_t>(i);
+    b.landmarks.push_back(landmark);
+  }
+  const auto [by_mrpt, by_us] = FuseBoth(a, b);
+  ASSERT_EQ(by_us.size(), by_mrpt.size());
+  EXPECT_GT(by_us.size(), 60U);
+  EXPECT_LT(by_us.size(), 80U);
+  for (std::size_t i = 0; i < by_us.size(); ++i) {
+    const Landmark &ours = by_us[i], &theirs = by_mrpt[i];
+    EXPECT_EQ(ours.id, theirs.id);
+    EXPECT_TRUE(ours.mean.isApprox(theirs.mean, 1e-6)) << ours.mean.transpose() << " and " << theirs.mean.transpose();
+    EXPECT_TRUE(ours.pose().covariance.isApprox(theirs.pose().covariance, 1e-5));
+    EXPECT_EQ(ours.seen_count, theirs.seen_count) << "the same where the other was seen once";
+    EXPECT_EQ(ours.last_seen, theirs.last_seen) << "the same where the other is newer";
+    EXPECT_TRUE(ours.normal.isApprox(theirs.normal));
+    ASSERT_EQ(ours.features.size(), theirs.features.size());
+  }
+}
+
+TEST_F(Fusing, MatchesUpToTheSameDistance) {
+  int id = 100'000;  // MRPT keeps distances of descriptors by id for as long as the program runs
+  const auto fuses = [&](double apart, int byte) {
+    CLandmarksMap a, b;
+    for (CLandmarksMap* map : {&a, &b}) {
+      CLandmark landmark = Sift(5, 0);
+      landmark.ID = ++id;
+      landmark.pose_mean = {map == &a ? 0 : apart, 0, 5};
+      landmark.pose_cov_11 = landmark.pose_cov_22 = landmark.pose_cov_33 = 0.5F;
+      landmark.pose_cov_12 = landmark.pose_cov_13 = landmark.pose_cov_23 = 0;
+      landmark.features[0].descriptors.SIFT->at(0) = static_cast<std::uint8_t>(map == &a ? 0 : byte);
+      map->landmarks.push_back(landmark);
+    }
+    const auto [by_mrpt, by_us] = FuseBoth(a, b);
+    EXPECT_EQ(by_us.size(), by_mrpt.size()) << apart << " apart, byte " << byte;
+    return by_mrpt.size() == 1;
+  };
+  EXPECT_TRUE(fuses(4.7095, 0));
+  EXPECT_FALSE(fuses(4.7098, 0));
+  EXPECT_TRUE(fuses(0, 117));
+  EXPECT_FALSE(fuses(0, 118));
+  EXPECT_TRUE(fuses(2, 106));
+  EXPECT_FALSE(fuses(2, 107));
 }
 
 }  // namespace

@@ -197,6 +197,8 @@ void CheckTextNumbers(const Subject&, Findings&);
 // landmarks.cc
 void CheckLandmarkIdUnique(const Subject&, Findings&);
 void CheckLandmarkFinite(const Subject&, Findings&);
+void CheckLandmarkNormal(const Subject&, Findings&);
+std::size_t TurnLandmarkNormals(Atlas&);
 void CheckLandmarkCovariance(const Subject&, Findings&);
 void CheckLandmarkDescriptors(const Subject&, Findings&);
 

@@ -41,6 +41,8 @@ GaussianPoint FusedPose(const Landmark& a, const Landmark& b) {
   return {WeightedMean(a, a.mean, b, b.mean), Eigen::Matrix3d::Zero()};
 }
 
+bool IsOfFloats(const Eigen::Matrix3d& matrix) { return matrix == matrix.cast<float>().cast<double>(); }
+
 std::uint32_t Sum(std::uint32_t a, std::uint32_t b) {
   return a > std::numeric_limits<std::uint32_t>::max() - b ? std::numeric_limits<std::uint32_t>::max() : a + b;
 }
@@ -49,7 +51,10 @@ std::uint32_t Sum(std::uint32_t a, std::uint32_t b) {
 
 Landmark FuseLandmarks(const Landmark& a, const Landmark& b) {
   Landmark fused = a;
-  fused.set_pose(FusedPose(a, b));
+  GaussianPoint pose = FusedPose(a, b);
+  if (IsOfFloats(a.pose().covariance) && IsOfFloats(b.pose().covariance))
+    pose.covariance = pose.covariance.cast<float>().cast<double>().eval();
+  fused.set_pose(pose);
   const Eigen::Vector3d normal = WeightedMean(a, a.normal, b, b.normal);
   fused.normal = normal.isZero(0) ? normal : normal.normalized();
   fused.seen_count = Sum(a.seen_count, b.seen_count);

@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/landmarks/detail/points.h"
 #include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/model/counters.h"
 #include "slamdb/model/covariance.h"
@@ -18,11 +19,6 @@ namespace slamdb {
 namespace {
 
 constexpr std::size_t kGrain = 1024;  // points
-
-Eigen::Vector3d UnitOrZero(const Eigen::Vector3f& vector) {
-  const Eigen::Vector3d wide = vector.cast<double>();
-  return wide.isZero(0) || !wide.allFinite() ? Eigen::Vector3d::Zero().eval() : wide.normalized();
-}
 
 double RoundedToFloat(double value) { return static_cast<double>(static_cast<float>(value)); }
 
@@ -38,7 +34,7 @@ class LandmarkMaker {
     GaussianPoint pose{.mean = point.position.cast<double>()};
     pose.covariance = covariances_.Of(point).value_or(pose.covariance).unaryExpr(&RoundedToFloat);
     landmark.set_pose(pose);
-    landmark.normal = UnitOrZero(point.normal);
+    landmark.normal = detail::LandmarkNormalOf(point);
     landmark.seen_count = static_cast<std::uint32_t>(point.observations.size());
     for (const Observation& observation : point.observations)
       if (const KeyFrame* keyframe = Find(observation.keyframe))
@@ -89,34 +85,6 @@ class LandmarkMaker {
   IdTable keyframes_;
   PointCovariances covariances_;
 };
-
-// Position and normal; what else a point has of a landmark when it is made of it.
-void MoveTo(const Landmark& landmark, MapPoint& point) {
-  point.position = landmark.mean.cast<float>();
-  point.normal = landmark.normal.cast<float>();
-}
-
-// MRPT 2 makes BLD of ORB when it reads a file and writes it again; the type of the feature stays.
-const FeatureDescriptor* OrbOf(const LandmarkFeature& feature) {
-  const FeatureDescriptor* orb = feature.FindDescriptor(DescriptorKind::kOrb);
-  return orb != nullptr || feature.type != FeatureType::kOrb ? orb : feature.FindDescriptor(DescriptorKind::kBld);
-}
-
-MapPoint PointOf(const Landmark& landmark, MapPointId id) {
-  MapPoint point;
-  point.id = id;
-  point.first_keyframe = -1;
-  MoveTo(landmark, point);
-  point.descriptor_form = MatrixForm::kEmpty;
-  for (const LandmarkFeature& feature : landmark.features) {
-    const FeatureDescriptor* orb = OrbOf(feature);
-    if (orb == nullptr || orb->bytes.size() != point.descriptor.size()) continue;
-    std::copy(orb->bytes.begin(), orb->bytes.end(), point.descriptor.begin());
-    point.descriptor_form = MatrixForm::kUsual;
-    break;
-  }
-  return point;
-}
 
 // Which map each point id of an atlas belongs to; hands out new ones.
 class PointIds {
@@ -177,17 +145,22 @@ MakePointsReport MakePoints(Atlas& atlas) {
     const IdTable rows = PointTable(map);
     std::vector<Landmark> landmarks;
     report.fused += TakeLandmarks(landmarks, map.landmarks);  // one of each id
+    detail::Facing facing;
+    for (const Landmark& landmark : landmarks)
+      if (const std::uint32_t row = rows.Find(landmark.id.value()); row != kNoRow)
+        facing.Add(landmark, map.points[row]);
+    if (facing.as_points()) report.turned += detail::TurnNormals(landmarks);
     for (Landmark& landmark : landmarks) {
       const std::uint32_t row = rows.Find(landmark.id.value());
       if (row != kNoRow) {
-        MoveTo(landmark, map.points[row]);
+        detail::MoveTo(landmark, map.points[row]);
         ++report.moved;
         continue;
       }
       const LandmarkId id = ids.Claim(landmark, map);
       report.renamed += landmark.is_numbered() && id != landmark.id;
       landmark.id = id;
-      map.points.push_back(PointOf(landmark, MapPointId(id.value())));
+      map.points.push_back(detail::PointOf(landmark, MapPointId(id.value())));
       ++report.added;
       report.plain += !map.points.back().has_descriptor();
     }

@@ -43,8 +43,9 @@ std::size_t RowOfMap(const Atlas& atlas, MapId id) {
       ids += (ids.empty() ? "" : ", ") + std::to_string(atlas.maps[row].id.value());
       continue;
     }
-    if (atlas.maps[row].keyframes.empty())
-      throw Error(ErrorKind::kNotPossible, ToString(id) + " has no keyframes, so there is nothing to join");
+    if (atlas.maps[row].keyframes.empty() && atlas.maps[row].landmarks.empty())
+      throw Error(ErrorKind::kNotPossible,
+                  ToString(id) + " has neither keyframes nor landmarks, so there is nothing to join");
     return row;
   }
   throw Error(ErrorKind::kNotPossible, "there is no " + ToString(id) + "; maps are " + (ids.empty() ? "none" : ids));
@@ -78,9 +79,15 @@ Correspondences Gather(const Map& first, const Map& second, const JoinOptions& o
   return pairs;
 }
 
+// Landmarks alone are in one frame unless told otherwise, as MRPT's fuseWith takes them.
+bool IsOfLandmarks(const Map& map) { return map.keyframes.empty(); }
+
 Similarity3d Solve(const Map& first, const Map& second, const JoinOptions& options, JoinReport& report) {
   const Correspondences pairs = Gather(first, second, options);
-  if (pairs.first.empty()) throw Error(ErrorKind::kUsage, "joining needs a transform, or anchors to solve it from");
+  if (pairs.first.empty()) {
+    if (IsOfLandmarks(first) && IsOfLandmarks(second)) return {};
+    throw Error(ErrorKind::kUsage, "joining needs a transform, or anchors to solve it from");
+  }
   UmeyamaOptions umeyama;
   umeyama.with_scale = options.with_scale.value_or(!IsMetric(first) || !IsMetric(second));
   umeyama.outlier_distance = options.outlier_distance.value_or(umeyama.outlier_distance);
@@ -220,16 +227,23 @@ FuseReport Fuse(Map& map, std::size_t second, const JoinOptions& options) {
   return FusePoints(map, second, fuse);
 }
 
-// Landmarks follow the points that they stand for, of which some went into others.
-std::uint64_t AbsorbLandmarks(Map& first, Map& second, const std::optional<FuseReport>& fused) {
-  if (fused) {
+// Landmarks follow the points that they stand for, of which some went into others; those of maps that have no points
+// are compared themselves.
+void AbsorbLandmarks(Map& first, Map& second, const JoinOptions& options, JoinReport& report) {
+  report.landmarks = second.landmarks.size();
+  const std::size_t own = first.landmarks.size();
+  if (report.fused) {
     std::unordered_map<std::uint64_t, MapPointId> survivors;
-    for (const auto& [gone, survivor] : fused->replaced) survivors.emplace(gone.value(), survivor);
+    for (const auto& [gone, survivor] : report.fused->replaced) survivors.emplace(gone.value(), survivor);
     for (Landmark& landmark : second.landmarks)
       if (const auto found = survivors.find(landmark.id.value()); found != survivors.end())
         landmark.id = LandmarkId(found->second.value());
   }
-  return TakeLandmarks(first.landmarks, second.landmarks);
+  report.fused_landmarks = TakeLandmarks(first.landmarks, second.landmarks);
+  if (!options.fuse || !first.points.empty()) return;
+  report.alike =
+      FuseAlikeLandmarks(first.landmarks, own, {.hamming = options.fuse->hamming, .threads = options.threads});
+  report.fused_landmarks += report.alike->fused;
 }
 
 // Lists with null pointers and repetitions name rows of lists that are about to change, and of two entities with one id
@@ -259,13 +273,15 @@ JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
       options.first_from_second ? *options.first_from_second : Solve(first, second, options, report);
   std::ranges::move(TransformWarnings(second, report.first_from_second), std::back_inserter(report.warnings));
   TransformMap(second, report.first_from_second, options.threads);
-  Link(first, second, ChooseLink(first, second, options, report), report);
-  WarnIfFarApart(first, second, report);
+  if (!IsOfLandmarks(first) && !IsOfLandmarks(second)) {
+    Link(first, second, ChooseLink(first, second, options, report), report);
+    WarnIfFarApart(first, second, report);
+  }
   const std::size_t own_points = first.points.size();
   Absorb(first, second, report);
   steps.Next();
-  if (options.fuse) report.fused = Fuse(first, own_points, options);
-  report.fused_landmarks = AbsorbLandmarks(first, second, report.fused);
+  if (options.fuse && own_points > 0 && report.points > 0) report.fused = Fuse(first, own_points, options);
+  AbsorbLandmarks(first, second, options, report);
   atlas.maps.erase(atlas.maps.begin() + static_cast<std::ptrdiff_t>(second_row));
   steps.Next();
   return report;

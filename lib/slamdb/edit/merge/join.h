@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "slamdb/base/progress.h"
+#include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/edit/merge/fuse.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
@@ -49,13 +50,15 @@ struct JoinReport {
   MapId first, second;  // the second is gone
   Similarity3d first_from_second;
   std::optional<AnchorFit> fit;             // when the transform was solved
-  KeyFramePair link;                        // joined by a merge edge and in the spanning tree
+  KeyFramePair link;                        // joined by a merge edge and in the spanning tree; none without keyframes
   double link_distance = 0;                 // between their camera centres after the move
   std::uint64_t keyframes = 0, points = 0;  // that changed map
   bool left_inertial = false;               // the first map was inertial, the second not: the result is not
   std::vector<std::string> warnings;        // a poor fit, maps far apart, and TransformWarnings of the second map
-  std::optional<FuseReport> fused;
-  std::uint64_t fused_landmarks = 0;  // landmarks of the second map that went into those of the same thing
+  std::optional<FuseReport> fused;          // points, where both maps have some
+  std::uint64_t landmarks = 0;              // that changed map
+  std::uint64_t fused_landmarks = 0;        // of those: went into landmarks of the same thing
+  std::optional<FuseAlikeReport> alike;     // how those of maps without points were compared
 };
 
 // Moves the second map into the world frame of the first and makes one map of both, as ORB-SLAM3's merge does but for
@@ -68,6 +71,9 @@ struct JoinReport {
 // scene, and in the same direction.
 // Landmarks of the second map come along.
 // Those of equal ids, and those of points that are fused, become one (landmarks.h).
+//
+// Maps of landmarks alone are joined, too: without a transform and anchors they are taken to be in one frame, and
+// fusing compares the landmarks themselves (FuseAlikeLandmarks). There is no link where a map has no keyframes.
 //
 // Throws Error, and then changes nothing:
 //   kUsage        both maps are one, there is nothing to solve the transform from, or the transform is none

@@ -327,11 +327,7 @@ class Merger {
   void ChooseMaps(const std::vector<Atlas>& inputs, JoinOptions& join) const {
     if (inputs.size() > 2)
       throw Error(ErrorKind::kUsage, "two maps can be joined at a time; merge the first two inputs, then the next");
-    std::vector<MapId> first, second;
-    for (const Map& map : inputs.front().maps)
-      if (!map.keyframes.empty()) first.push_back(map.id);
-    for (const Map& map : inputs.back().maps)
-      if (!map.keyframes.empty()) second.push_back(map.id);
+    std::vector<MapId> first = MapsToJoin(inputs.front()), second = MapsToJoin(inputs.back());
     if (inputs.size() == 1 && first.size() == 2) {
       second = {first.back()};
       first.pop_back();
@@ -346,6 +342,16 @@ class Merger {
       RequireKeyFrame(inputs.front(), NameOfInput(0), join.first, anchor.first);
       RequireKeyFrame(inputs.back(), NameOfInput(inputs.size() - 1), join.second, anchor.second);
     }
+  }
+
+  // Those with keyframes; if there is none, those with landmarks.
+  static std::vector<MapId> MapsToJoin(const Atlas& input) {
+    std::vector<MapId> with_keyframes, with_landmarks;
+    for (const Map& map : input.maps) {
+      if (!map.keyframes.empty()) with_keyframes.push_back(map.id);
+      if (!map.landmarks.empty()) with_landmarks.push_back(map.id);
+    }
+    return with_keyframes.empty() ? with_landmarks : with_keyframes;
   }
 
   // In the ids that the user knows, before they change.
@@ -378,11 +384,15 @@ class Merger {
   void FollowJoin(const JoinOptions& join, IdMap& ids) const {
     for (IdPair& pair : ids[IdKind::kMap])
       if (pair.after == join.second.value()) pair.after = join.first.value();
-    if (!result_.report.join->fused) return;
-    const auto& replaced = result_.report.join->fused->replaced;
+    if (const auto& fused = result_.report.join->fused) Follow(fused->replaced, ids);
+    if (const auto& alike = result_.report.join->alike) Follow(alike->replaced, ids);
+  }
+
+  // Landmarks stand among the points.
+  template <class Id>
+  static void Follow(const std::vector<std::pair<Id, Id>>& replaced, IdMap& ids) {
     for (IdPair& pair : ids[IdKind::kPoint]) {
-      const auto found =
-          std::ranges::lower_bound(replaced, MapPointId(pair.after), {}, &std::pair<MapPointId, MapPointId>::first);
+      const auto found = std::ranges::lower_bound(replaced, Id(pair.after), {}, &std::pair<Id, Id>::first);
       if (found != replaced.end() && found->first.value() == pair.after) pair.after = found->second.value();
     }
   }

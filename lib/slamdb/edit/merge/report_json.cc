@@ -49,7 +49,13 @@ Json JsonOf(const JoinReport& join) {
                {"warnings", join.warnings}};
   if (join.fit) json["alignment"] = JsonOf(*join.fit);
   if (join.fused) json["fused"] = JsonOf(*join.fused);
+  json["landmarks"] = join.landmarks;
   json["fused_landmarks"] = join.fused_landmarks;
+  if (join.alike)
+    json["alike_landmarks"] = {{"fused", join.alike->fused},
+                               {"plain", join.alike->plain},
+                               {"unplaced", join.alike->unplaced},
+                               {"mean_distance", join.alike->mean_distance}};
   return json;
 }
 

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/landmarks/detail/points.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slamdb::detail {
+namespace {
+
+template <class Vector>
+Eigen::Vector3d UnitOrZero(const Vector& vector) {
+  const Eigen::Vector3d wide = vector.template cast<double>();
+  const double length = wide.norm();
+  return length > 0 && std::isfinite(length) ? Eigen::Vector3d(wide / length) : Eigen::Vector3d::Zero();
+}
+
+// ORB-SLAM3's normals point from the cameras to the point. MRPT's makers of landmarks let them point to the sensor.
+// This and LandmarkNormalOf are the only places where one becomes the other.
+// A landmark without normal says nothing; otherwise the point's keeps its length, which tells how far its views spread.
+void SetNormal(const Landmark& landmark, MapPoint& point) {
+  const Eigen::Vector3d direction = UnitOrZero(landmark.normal);
+  if (direction.isZero(0) || landmark.normal == LandmarkNormalOf(point)) return;
+  const double length = static_cast<double>(point.normal.norm());
+  const bool has_length = length > 0 && length <= 1;
+  point.normal = (has_length ? -length * direction : Eigen::Vector3d(-direction)).cast<float>();
+}
+
+}  // namespace
+
+Eigen::Vector3d LandmarkNormalOf(const MapPoint& point) {
+  const Eigen::Vector3d direction = UnitOrZero(point.normal);
+  return direction.isZero(0) ? direction : Eigen::Vector3d(-direction);
+}
+
+void MoveTo(const Landmark& landmark, MapPoint& point) {
+  point.position = landmark.mean.cast<float>();
+  SetNormal(landmark, point);
+}
+
+const FeatureDescriptor* OrbOf(const LandmarkFeature& feature) {
+  const FeatureDescriptor* orb = feature.FindDescriptor(DescriptorKind::kOrb);
+  return orb != nullptr || feature.type != FeatureType::kOrb ? orb : feature.FindDescriptor(DescriptorKind::kBld);
+}
+
+MapPoint PointOf(const Landmark& landmark, MapPointId id) {
+  MapPoint point;
+  point.id = id;
+  point.first_keyframe = -1;
+  MoveTo(landmark, point);
+  point.descriptor_form = MatrixForm::kEmpty;
+  for (const LandmarkFeature& feature : landmark.features) {
+    const FeatureDescriptor* orb = OrbOf(feature);
+    if (orb == nullptr || orb->bytes.size() != point.descriptor.size()) continue;
+    std::copy(orb->bytes.begin(), orb->bytes.end(), point.descriptor.begin());
+    point.descriptor_form = MatrixForm::kUsual;
+    break;
+  }
+  return point;
+}
+
+void Facing::Add(const Landmark& landmark, const MapPoint& point) {
+  const double along = landmark.normal.dot(point.normal.cast<double>());
+  away_ += along > 0;
+  towards_ += along < 0;
+}
+
+std::uint64_t TurnNormals(std::vector<Landmark>& landmarks) {
+  std::uint64_t turned = 0;
+  for (Landmark& landmark : landmarks)
+    if (!landmark.normal.isZero(0)) {
+      landmark.normal = -landmark.normal;
+      ++turned;
+    }
+  return turned;
+}
+
+}  // namespace slamdb::detail
