@@ -102,7 +102,7 @@ TEST(Shrink, ChoosesPairsThatSeeInCommonWithoutDepth) {
   Atlas atlas = Views(views, 15, /*depth=*/false);
   const ShrinkReport report = Shrink(atlas, {.target_keyframes = 2, .min_points = 3});
   EXPECT_EQ(report.coverage.covered, 2U);
-  EXPECT_EQ(report.removed.after.points, 3U);
+  EXPECT_GE(report.removed.after.points, 3U);
   // The third completes what 0 and 1 have in common with it.
   Atlas more = Views(views, 15, /*depth=*/false);
   EXPECT_EQ(Shrink(more, {.target_keyframes = 3, .min_points = 3}).coverage.covered, 3U);

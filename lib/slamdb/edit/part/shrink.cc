@@ -27,7 +27,8 @@ Subset Choose(const AtlasIndex& index, const ShrinkOptions& options) {
   for (std::uint32_t number = 0; number < sights.keyframes(); ++number) {
     const KeyFrame& keyframe = sights.KeyFrameOf(number);
     const std::uint64_t measurements = sizeof(ImuMeasurement) * keyframe.preintegration.measurements.size();
-    budget.keyframe_bytes.push_back(detail::ArchiveBytes(keyframe) - (options.for_localization ? measurements : 0));
+    budget.keyframe_bytes.push_back(detail::ArchiveBytes(keyframe) - measurements);
+    if (!options.for_localization) budget.bytes_around += measurements;  // joined over gaps, all may stay
   }
   return detail::ChooseKeyFrames(sights, budget);
 }
