@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/temporary_file.h"
@@ -83,6 +84,15 @@ void Console::Report(const Notices& notices, const std::string& prefix) {
     const bool loss = notice.kind == Notice::Kind::kLoss;
     const char* severity = loss ? "loss" : notice.kind == Notice::Kind::kWarning ? "warning" : "note";
     Diagnose(severity, prefix + notice.text, loss || !options_.quiet);
+  }
+}
+
+void Console::PrintWritten(const std::string& output, const Notices& notices, const std::string& details) {
+  const std::string& written = notices.written();
+  if (IsStandardOutput(output)) {
+    if (!written.empty()) Note("wrote " + written);
+  } else if (!options_.quiet) {
+    Print("wrote " + output + (written.empty() ? details : ": " + written) + "\n");
   }
 }
 

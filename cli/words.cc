@@ -27,6 +27,8 @@ constexpr std::array kWords = {
     Word{"the time unit of the read options", "--time-unit"},
     Word{"migrate it first", "run `slamdb migrate`"},
     Word{"RecoverOptions::rig", "--cameras"},
+    Word{"JoinOptions::force", "--force"},
+    Word{"MergeOptions::force", "--force"},
     Word{"setting `Atlas::vocabulary`", "`slamdb vocabulary set`"},
     Word{"`CheckAtlas`", "`slamdb check`"},
     Word{"`Cull`", "`slamdb cull`"},

@@ -184,7 +184,7 @@ Normals of landmarks point to the cameras, those of points away from them; both 
 Landmarks are kept in stores (.db) and in MRPT's files: .mrpt for MRPT 2, .mrpt3 for MRPT 3, with .gz behind them
 compressed, .mrpt.txt as text. An .osa file has no place for them.)",
     .done = "Done, and nothing was lost.",
-    .lossy = "Done, but the output does not hold all of the input; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddLandmarks,
 };

@@ -58,10 +58,10 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   WriteAtlas(atlas, output,
              MakeWriteOptions(console, options.target, "synthesize --seed " + std::to_string(wanted.seed)), &notices);
   console.Report(notices);
-  if (!IsStandardOutput(output.path) && !console.quiet())
-    console.Print("wrote " + output.ToString() + ": " + Counted(atlas.maps.size(), "map") + " of " +
-                  Counted(wanted.keyframes, "keyframe") + " and " + Counted(wanted.points, "point") + "\n" +
-                  (vocabulary ? "" : "its words are of no vocabulary: --vocabulary makes them of one\n"));
+  console.PrintWritten(output.ToString(), notices,
+                       ": " + Counted(atlas.maps.size(), "map") + " of " + Counted(wanted.keyframes, "keyframe") +
+                           " and " + Counted(wanted.points, "point") +
+                           (vocabulary ? "" : "\nits words are of no vocabulary: --vocabulary makes them of one"));
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 
@@ -123,7 +123,7 @@ graph and counters are geometrically consistent, and 'slamdb check' finds nothin
 The words are made up, of a vocabulary that is none: --vocabulary, or 'slamdb vocabulary recompute' later, makes them of one.
 For trying, testing and benchmarking without data.)",
     .failed = "The options contradict each other, or the output could not be written.",
-    .lossy = "Done, but the output's format does not hold everything that an atlas has.",
+    .lossy = "Done, but the output, of a format for atlases, does not hold everything that an atlas has.",
     .examples = kExamples,
     .add = AddSynthesize,
 };

@@ -145,7 +145,7 @@ Vocabulary WantedVocabulary(const SetOptions& options, const Vocabulary& found) 
 ExitCode RunSet(const SetOptions& options, Console& console) {
   if (options.vocabulary.empty() && options.name.empty() && options.checksum.empty())
     throw CLI::ValidationError("vocabulary set", "give --vocabulary, or --name and --checksum");
-  const Location input(options.input), output(options.output);
+  const Location input(options.input), output(NamedOutput(options.input, options.output, options.target.to));
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   Notices notices;
   Atlas atlas = ReadAtlas(input, MakeReadOptions(console, options.from), &notices);
@@ -154,9 +154,8 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   write.format = FormatToWrite(atlas, output, options.target.to);
   WriteAtlas(atlas, output, write, &notices);
   console.Report(notices);
-  if (!IsStandardOutput(output.path) && !console.quiet())
-    console.Print("wrote " + output.ToString() + " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum +
-                  ")\n");
+  console.PrintWritten(output.ToString(), notices,
+                       " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum + ")");
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 

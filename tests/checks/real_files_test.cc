@@ -49,15 +49,8 @@ TEST_P(FileAtRest, IsSound) {
 }
 INSTANTIATE_TEST_SUITE_P(Files, FileAtRest,
                          ::testing::Values("mono_small", "mono_dist", "stereo_inertial", "fisheye_stereo",
-                                           "multimap_rgbd", "session_small_a", "session_small_b", "session_a",
+                                           "multimap_rgbd", "mono_small_newmap", "session_small_a", "session_small_b", "session_a",
                                            "session_b"));
-
-class UnusualFile : public RealFile {};
-TEST_P(UnusualFile, HasOneWarning) {
-  EXPECT_THAT(Found(Severity::kError), IsEmpty());
-  EXPECT_THAT(Found(Severity::kWarning), UnorderedElementsAre(Pair("map-not-empty", 1)));
-}
-INSTANTIATE_TEST_SUITE_P(Files, UnusualFile, ::testing::Values("mono_small_newmap"));
 
 class FileThatIsRefused : public RealFile {};
 TEST_P(FileThatIsRefused, HasAnError) {

@@ -142,6 +142,9 @@ TEST_F(Transform, DiffSpeaksForScripts) {
   EXPECT_NEAR(report["motions"][0]["after_from_before"]["scale"], 2, 1e-5);
   EXPECT_THAT(RunSlamdb({"diff", In("a.osa"), In("twice.osa")}).out, HasSubstr("as a whole: scale 2"));
   EXPECT_EQ(RunSlamdb({"diff", In("a.osa"), In("twice.osa"), "-q"}).out, "");
+  // Trouble is 2, as cmp has it.
+  EXPECT_EQ(RunSlamdb({"diff", In("a.osa"), In("missing.osa")}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"diff", In("a.osa")}).exit_code, 2);
 }
 
 TEST_F(Transform, DiffTellsErrorsFromDifferences) {

@@ -38,6 +38,9 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   EnterOutput(target.path, "");  // as a store, before it is made; which of its atlases is seen when that is known
   Store store = Store::OpenForWriting(target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout});
   const std::vector<std::string> stored = store.Names();
+  if (target.name.empty() && !stored.empty() && !options.overwrite)
+    throw Error(ErrorKind::kAlreadyExists, target.path, "",
+                "holds atlases already; name the new one, as " + target.path + "#NAME");
   std::string name = target.name;
   if (name.empty()) name = stored.empty() ? std::string(kDefaultName) : store.OnlyName();
   const SaveReport report = store.Save(name, atlas,

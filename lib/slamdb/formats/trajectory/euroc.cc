@@ -65,9 +65,9 @@ std::string NanosecondsText(const detail::PoseText& pose) {
   return std::to_string(whole + (up ? text.starts_with('-') ? -1 : 1 : 0));
 }
 
-void LoseUnreachable(std::size_t dropped, Notices& notices) {
+void WarnOfUnreachable(std::size_t dropped, Notices& notices) {
   if (dropped > 0)
-    notices.Lose(
+    notices.Warn(
         "left out because their time does not fit into 64 bits of nanoseconds (was it recorded in seconds?): " +
         detail::Counted(dropped, "keyframe"));
 }
@@ -78,7 +78,7 @@ void DropUnreachableTimes(std::vector<detail::MapTrajectory>& trajectories, Noti
     dropped +=
         std::erase_if(trajectory.poses, [](const detail::TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
   std::erase_if(trajectories, [](const detail::MapTrajectory& trajectory) { return trajectory.poses.empty(); });
-  LoseUnreachable(dropped, notices);
+  WarnOfUnreachable(dropped, notices);
 }
 
 bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
@@ -91,17 +91,18 @@ bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
 constexpr const char* kToldApart = "lines `# map N` tell them apart";
 
 void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
-  DropUnreachableTimes(trajectories, notices);
-  const bool inertial = IsInertial(trajectories);
+  detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
+  DropUnreachableTimes(trajectories.maps, notices);
+  const bool inertial = IsInertial(trajectories.maps);
   std::vector<detail::MapLines> maps;
-  for (const auto& [map, poses] : trajectories) {
+  for (const auto& [map, poses] : trajectories.maps) {
     detail::MapLines& lines = maps.emplace_back(map->id);
     for (const detail::TimedPose& pose : poses) AppendLine(lines.lines, pose, inertial);
   }
   detail::WarnOfSeveralFrames(maps.size(), kToldApart, notices);
   const std::string header = std::string(kPoseHeader) + (inertial ? std::string(kInertialHeader) : "") + "\n";
   detail::WriteMapLines(target, options, header, maps);
+  notices.Tell(trajectories.Summary());
 }
 
 Atlas ReadEuroc(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -146,7 +147,7 @@ void detail::WriteEurocText(const TrajectoryText& trajectory, const Target& targ
       lines.lines += '\n';
     }
   }
-  LoseUnreachable(dropped, notices);
+  WarnOfUnreachable(dropped, notices);
   WarnOfSeveralFrames(maps.size(), kToldApart, notices);
   WriteMapLines(target, options, std::string(kPoseHeader) + "\n", maps);
 }
@@ -155,6 +156,7 @@ const Format detail::kEurocFormat = {.id = "euroc",
                                      .title = "EuRoC ground truth csv",
                                      .suffixes = kSuffixes,
                                      .chooses_maps = true,
+                                     .is_export = true,
                                      .reads = Content::kPoses | Content::kMaps,
                                      .writes = Content::kPoses | Content::kMaps,
                                      .sniff = SniffEuroc,

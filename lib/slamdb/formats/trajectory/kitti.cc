@@ -56,27 +56,27 @@ AtomicFileOptions TogetherWith(std::optional<AtomicFile>& times, const WriteOpti
   return together;
 }
 
-void WriteLines(const std::vector<Lines>& maps, const Target& target, const WriteOptions& options, Notices& notices) {
+void WriteLines(const std::vector<Lines>& maps, const std::string& summary, const Target& target, const WriteOptions& options, Notices& notices) {
   const std::string times_path = target.path + ".times";
   std::optional<AtomicFile> times;
   if (target.is_file() && !IsSpecialFile(target.path)) times.emplace(times_path, detail::FileOptions(options));
   AtomicFile file(target, TogetherWith(times, options));
   detail::WarnOfSeveralFrames(maps.size(), LinesOfMaps(maps), notices);
-  if (times)
-    notices.Note("the timestamps are in " + times_path + ", one line for each pose");
-  else
-    notices.Lose(detail::Concat("kitti has no timestamps in its lines, and ",
+  if (!times)
+    notices.Warn(detail::Concat("kitti has no timestamps in its lines, and ",
                                 target.sink ? target.path : "standard output", " has no second file for them"));
   for (const Lines& lines : maps) {
     file.Write(lines.poses);
     if (times) times->Write(lines.seconds);
   }
   file.Commit();
+  notices.Tell(summary + (times ? "; their times are in " + times_path : std::string()));
 }
 
 void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  const detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<Lines> maps;
-  for (const auto& [map, poses] : detail::CollectTrajectories(atlas, target, options, notices)) {
+  for (const auto& [map, poses] : trajectories.maps) {
     Lines& lines = maps.emplace_back(map->id, poses.size());
     for (const detail::TimedPose& pose : poses) {
       detail::PoseText text;
@@ -86,7 +86,7 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
       lines.seconds += '\n';
     }
   }
-  WriteLines(maps, target, options, notices);
+  WriteLines(maps, trajectories.Summary(), target, options, notices);
 }
 
 Atlas ReadKitti(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -105,20 +105,23 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};
 void detail::WriteKittiText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
                             Notices& notices) {
   std::vector<Lines> maps;
+  std::size_t poses = 0;
   for (const MapText& map : trajectory) {
     Lines& lines = maps.emplace_back(map.id, map.poses.size());
+    poses += map.poses.size();
     for (const PoseText& pose : map.poses) {
       AppendLine<double>(lines.poses, pose.quaternion.toRotationMatrix(), pose.position);
       lines.seconds.append(pose.seconds).append("\n");
     }
   }
-  WriteLines(maps, target, options, notices);
+  WriteLines(maps, Counted(poses, "pose"), target, options, notices);
 }
 
 const Format detail::kKittiFormat = {.id = "kitti",
                                      .title = "KITTI trajectory",
                                      .suffixes = kSuffixes,
                                      .chooses_maps = true,
+                                     .is_export = true,
                                      .reads = Content::kPoses,
                                      .writes = Content::kPoses,
                                      .sniff = SniffKitti,

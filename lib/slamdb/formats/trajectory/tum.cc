@@ -21,8 +21,9 @@ void AppendLine(std::string& out, const detail::PoseText& pose) {
 }
 
 void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  const detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<detail::MapLines> maps;
-  for (const auto& [map, poses] : detail::CollectTrajectories(atlas, target, options, notices)) {
+  for (const auto& [map, poses] : trajectories.maps) {
     detail::MapLines& lines = maps.emplace_back(map->id);
     for (const detail::TimedPose& pose : poses) {
       detail::PoseText text;
@@ -33,6 +34,7 @@ void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& opti
   }
   detail::WarnOfSeveralFrames(maps.size(), kToldApart, notices);
   detail::WriteMapLines(target, options, kHeader, maps);
+  notices.Tell(trajectories.Summary());
 }
 
 Atlas ReadTum(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -69,6 +71,7 @@ const Format detail::kTumFormat = {.id = "tum",
                                    .title = "TUM trajectory",
                                    .suffixes = kSuffixes,
                                    .chooses_maps = true,
+                                   .is_export = true,
                                    .reads = Content::kPoses | Content::kMaps,
                                    .writes = Content::kPoses | Content::kMaps,
                                    .sniff = SniffTum,
