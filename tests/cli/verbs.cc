@@ -91,7 +91,7 @@ std::string ValueOf(const Verb& verb, const FileOption& option) {
 std::vector<std::string> CommandLine(const Verb& verb) {
   std::vector<std::string> line = verb.words;
   for (const FileOption& file : verb.files) {
-    if (!file.required && !file.writes) continue;
+    if (!file.required && !file.positional && !file.writes) continue;
     if (!file.positional) line.push_back(file.name);
     line.push_back(ValueOf(verb, file));
   }
