@@ -78,7 +78,8 @@ void TryToOverwrite(const Verb& verb, const FileOption& output, const FileOption
   for (const std::string& path : PathsTo(file)) {
     SCOPED_TRACE(verb.name() + ": " + output.name + " is " + input.name + ", as " + path);
     std::vector<std::string> line = With(verb, output, path);
-    if (std::ranges::find(line, atlas) == line.end()) line.insert(line.end(), {input.name, atlas});
+    if (!input.positional && std::ranges::find(line, input.name) == line.end())
+      line.insert(line.end(), {input.name, atlas});
     if (verb.overwrites) line.push_back("-O");
     const ProcessResult result = RunSlamdb(line);
     EXPECT_EQ(ReadWholeFile(file), before);

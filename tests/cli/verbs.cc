@@ -38,7 +38,7 @@ std::string InputOf(const std::string& verb, const std::string& option) {
                                                              {"landmarks from-points INPUT", "points.osa"}};
   for (const std::string& key : {verb + " " + option, option})
     if (const auto found = kInputs.find(key); found != kInputs.end()) return found->second;
-  return option == "AFTER" ? "b.osa" : "a.osa";
+  return option == "AFTER" || option.starts_with("--") ? "b.osa" : "a.osa";
 }
 
 FileOption FileOptionOf(CLI::Option& option) {
