@@ -179,8 +179,8 @@ std::string CheckNonNegative(const std::string& text) {
 
 bool IsStandardOutput(const std::string& path) {
   if (path == "-") return true;
-  struct stat named {
-  }, standard{};
+  struct stat named {};
+  struct stat standard {};
   return ::stat(path.c_str(), &named) == 0 && ::fstat(STDOUT_FILENO, &standard) == 0 &&
          named.st_dev == standard.st_dev && named.st_ino == standard.st_ino && !S_ISCHR(named.st_mode);
 }

@@ -38,7 +38,7 @@ std::string InputOf(const std::string& verb, const std::string& option) {
                                                              {"landmarks from-points INPUT", "points.osa"}};
   for (const std::string& key : {verb + " " + option, option})
     if (const auto found = kInputs.find(key); found != kInputs.end()) return found->second;
-  return option == "AFTER" ? "b.osa" : "a.osa";
+  return option == "AFTER" || option.starts_with("--") ? "b.osa" : "a.osa";
 }
 
 FileOption FileOptionOf(CLI::Option& option) {
@@ -91,7 +91,7 @@ std::string ValueOf(const Verb& verb, const FileOption& option) {
 std::vector<std::string> CommandLine(const Verb& verb) {
   std::vector<std::string> line = verb.words;
   for (const FileOption& file : verb.files) {
-    if (!file.required && !file.writes) continue;
+    if (!file.required && !file.positional && !file.writes) continue;
     if (!file.positional) line.push_back(file.name);
     line.push_back(ValueOf(verb, file));
   }
