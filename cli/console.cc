@@ -13,6 +13,7 @@
 
 #include "cli/report/layout.h"
 #include "cli/words.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {
@@ -45,7 +46,9 @@ Console::Console(ConsoleOptions options) : options_(options) {
 
 Console::~Console() { ClearProgress(); }
 
-void Console::Print(std::string_view text) {
+void Console::Print(std::string_view text) { PrintData(detail::VisibleText(text)); }
+
+void Console::PrintData(std::string_view text) {
   ClearProgress();
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) throw SystemError("-", "cannot write results");
 }
@@ -59,7 +62,7 @@ void Console::Finish() {
   ::getrusage(RUSAGE_SELF, &usage);
   Diagnose("note",
            Short(seconds, 3) + " s, at most " + HumanBytes(static_cast<std::uint64_t>(usage.ru_maxrss) * 1024) +
-               " of memory, mapped files included",
+               " of memory",
            true);
 }
 
@@ -78,7 +81,7 @@ void Console::Diagnose(std::string_view severity, std::string_view text, bool sh
   if (colour_) line += ColourOf(severity);
   line.append(severity).append(":");
   if (colour_) line += "\033[0m";
-  line.append(" ").append(InCommandWords(text)).append("\n");
+  line.append(" ").append(detail::Visible(InCommandWords(text))).append("\n");
   const std::lock_guard lock(mutex_);
   WriteError(line);
 }
@@ -106,7 +109,11 @@ void Console::ShowProgress(std::string_view stage, double fraction) {
   std::string bar(kBarColumns, ' ');
   std::fill_n(bar.begin(), full, '=');
   std::string line = "\r\033[K[";
-  line.append(bar).append("] ").append(std::to_string(static_cast<int>(clamped * 100))).append("% ").append(stage);
+  line.append(bar)
+      .append("] ")
+      .append(std::to_string(static_cast<int>(clamped * 100)))
+      .append("% ")
+      .append(detail::Visible(stage));
   WriteError(line);
   bar_shown_ = true;
   drawn_ = now;

@@ -12,6 +12,7 @@
 #include "cli/help/help.h"
 #include "cli/help/tree.h"
 #include "cli/options.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/version.h"
 
@@ -80,7 +81,7 @@ int ReportUsage(const CLI::App& app, const CLI::ParseError& error) {
     text = Explain(verb, rest.front());
   else if (&verb == &app || (!VerbsOf(verb).empty()))
     text = "a verb is missing";
-  std::cerr << "slamdb: error: " << text << "\nTry '" << FullName(verb) << " --help'.\n";
+  std::cerr << "slamdb: error: " << detail::VisibleText(text) << "\nTry '" << FullName(verb) << " --help'.\n";
   return static_cast<int>(ExitCode::kUsage);
 }
 

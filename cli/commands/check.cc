@@ -10,6 +10,7 @@
 #include "cli/commands/commands.h"
 #include "cli/help/help.h"
 #include "cli/options.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
@@ -58,7 +59,7 @@ std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptio
   text.shown_per_rule = options.max_findings.value_or(text.shown_per_rule);
   text.show_notes = !console.quiet();
   text.note_findings = console.verbose() || options.max_findings.has_value();
-  return TextReport(files, text);
+  return detail::VisibleText(TextReport(files, text));
 }
 
 std::string Catalogue(const std::string& format) {
@@ -81,7 +82,9 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
       options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
         CheckOptions mine = check;
         mine.threads = read.threads;
-        return CheckAtlas(ReadAtlas(path, read, &notices), mine);
+        ReadOptions whole = read;
+        whole.needs = Content::kObservations | Content::kLandmarks;
+        return CheckAtlas(ReadAtlas(path, whole, &notices), mine);
       });
   std::vector<CheckedFile> files;
   for (const auto& outcome : outcomes)

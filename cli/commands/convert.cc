@@ -6,6 +6,7 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
@@ -98,7 +99,8 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
 
   console.Report(notices);
   if (output.path != "-" && !console.quiet())
-    console.Print("wrote " + output.ToString() + " (" + std::string(format.id) + ") " + Summary(atlas, output) + "\n");
+    console.Print("wrote " + detail::Visible(output.ToString()) + " (" + std::string(format.id) + ") " +
+                  Summary(atlas, output) + "\n");
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 
