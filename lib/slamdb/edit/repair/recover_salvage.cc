@@ -71,6 +71,7 @@ void TellRebuilt(SalvageReport& report) {
 
 SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
   SalvageReport report{.damage = salvage.damage};
+  report.undone = salvage.undone;
   report.untouched = report.whole() && CheckAtlas(salvage.atlas, {.threads = options.threads}).ok();
   if (!report.untouched) report.recovery = RecoverAtlas(salvage.atlas, options);
   if (salvage.atlas.maps.empty() && !report.untouched)

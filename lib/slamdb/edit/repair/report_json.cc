@@ -59,6 +59,7 @@ std::string ToJson(const SalvageReport& report, const ReportFiles& files) {
   json["keyframes"] = JsonOf(report.keyframes);
   json["points"] = JsonOf(report.points);
   json["landmarks"] = JsonOf(report.landmarks);
+  json["transfer"] = detail::TextOrNull(report.undone);
   json["damage"] = report.damage;
   json["losses"] = report.losses;
   json["repairs"] = ListOf(report.recovery.repairs);
