@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "cli/words.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 
@@ -70,7 +71,9 @@ void SideFile::Commit() {
 
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) {
   RefuseBadOutput(options);
-  return ReadAtlas(options.input, MakeReadOptions(console, options.from, options.wait), &notices);
+  ReadOptions read = MakeReadOptions(console, options.from, options.wait);
+  read.needs = options.needs;
+  return ReadAtlas(options.input, read, &notices);
 }
 
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
@@ -86,10 +89,12 @@ ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOpti
   console.Report(notices);
   const bool piped = !options.dry_run && options.output == "-";
   std::string report = options.json ? InCommandWords(json) : std::string(text);
-  if (!options.json && !options.dry_run && !piped) report += "wrote " + options.output + "\n";
+  if (!options.json && !options.dry_run && !piped) report += "wrote " + detail::Visible(options.output) + "\n";
   if (piped)
-    std::cerr << report;
-  else if (options.json || !console.quiet())
+    std::cerr << (options.json ? report : detail::VisibleText(report));
+  else if (options.json)
+    console.PrintData(report);
+  else if (!console.quiet())
     console.Print(report);
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }

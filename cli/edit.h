@@ -22,6 +22,7 @@ inline constexpr std::string_view kOutputLossy =
 struct EditOptions {
   std::string input, output, from;
   TargetOptions target;
+  Content needs = Content::kNothing;  // of the input: see ReadOptions::needs
   bool json = false, dry_run = false;
   double wait = 5;
 };

@@ -52,6 +52,7 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
 
 Run AddShrink(CLI::App& verb) {
   const auto options = std::make_shared<ShrinkVerbOptions>();
+  options->edit.needs = Content::kObservations;
   AddEdit(verb, options->edit);
   constexpr const char* kGroup = "How small";
   verb.add_option("--target-mb", options->target_megabytes, "At most so many megabytes (1,000,000 bytes) as .osa file")

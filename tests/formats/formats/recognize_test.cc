@@ -89,10 +89,10 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"xml", "<?xml version=\"1.0\"?>", "XML file"}, WrongFile{"web_page", "<!DOCTYPE html>", "web page"},
         WrongFile{"settings", "%YAML:1.0\n---\nCamera.type: \"PinHole\"\n", "settings of ORB-SLAM3"},
         WrongFile{"osmap", "%YAML:1.0\n---\nmappointsFile: m.mappoints\n", "osmap map"},
-        WrongFile{"vocabulary", "10 6  0 0 \n0 0 252 188\n", "DBoW2 vocabulary"},
+        WrongFile{"vocabulary", "10 6  0 0 \n0 0 252 188", "DBoW2 vocabulary"},
         WrongFile{"vocabulary_mark",
                   "\xef\xbb\xbf"
-                  "10 6 0 0\r\n0 0 252 188\r\n",
+                  "10 6 0 0\r\n0 0 252 188",
                   "DBoW2 vocabulary"},
         WrongFile{"colmap", Sqlite("CREATE TABLE keypoints CREATE TABLE two_view_geometries"), "COLMAP database"},
         WrongFile{"rtabmap", Sqlite("CREATE TABLE Node CREATE TABLE Link CREATE TABLE Admin"), "RTAB-Map database"},
@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(
                   "stella_vslam map (MessagePack)"},
         WrongFile{"mrpt", "\x99mrpt::maps::CLandmarksMap\x07\1\0\0\0"s,
                   "MRPT objects (mrpt::maps::CLandmarksMap of version 7)"},
-        WrongFile{"cut_mrpt", "\x99mrpt::maps::CLand", "ends in the header of a landmarks map of MRPT",
+        WrongFile{"cut_mrpt", "\x99mrpt::maps::CLand", "this is the beginning of a landmarks map of MRPT",
                   ErrorKind::kDamaged},
         WrongFile{"cut_mrpt_count", "\x99mrpt::maps::CLandmarksMap\0\2"s, "the file is truncated", ErrorKind::kDamaged},
         WrongFile{"text", "To whom it may concern\n", "looks like a text file", ErrorKind::kDamaged},
@@ -148,7 +148,7 @@ TEST(FindFormatOfInput, IsTheFormatOfWhatIsReadAndNullOtherwise) {
   EXPECT_EQ(FindFormatOfInput(SLAMDB_FIXTURES "/tiny/tiny.osa"), &FormatById("orbslam3"));
   EXPECT_EQ(FindFormatOfInput(folder.Make("a.tum", "# only comments\n")), &FormatById("tum"));
   EXPECT_EQ(FindFormatOfInput(folder.Path("")), nullptr);
-  EXPECT_EQ(FindFormatOfInput("-"), nullptr);
+  EXPECT_EQ(FindFormatOfInput(Source(std::as_bytes(std::span("x", 1)), "-")), nullptr);
 }
 
 }  // namespace

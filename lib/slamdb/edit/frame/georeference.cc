@@ -101,7 +101,7 @@ std::vector<GpsFix> ParseFixes(std::string_view csv) {
 }
 
 std::vector<GpsFix> ReadFixes(const std::string& path) {
-  return detail::ParseFile(path, [](std::string_view csv) {
+  return detail::ParseFile(path, "a table of GPS fixes", [](std::string_view csv) {
     auto fixes = ParseFixes(csv);
     if (fixes.empty()) throw Error(ErrorKind::kDamaged, "holds no fix");
     return fixes;

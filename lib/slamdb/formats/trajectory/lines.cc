@@ -33,7 +33,8 @@ PoseAtlas ParsePoses(std::string_view text, const TableKind& kind, const std::fu
 
 Atlas ReadPoses(const Source& source, const ReadOptions& options, const TableKind& kind,
                 const std::function<ReadPose(const Table&)>& pose) {
-  return ParseFile(source, [&](std::string_view text) { return ParsePoses(text, kind, pose); }).Finish(options);
+  return ParseFile(source, "a trajectory", [&](std::string_view text) { return ParsePoses(text, kind, pose); })
+      .Finish(options);
 }
 
 std::array<double, 7> NumbersBehindTime(const Table& table) {
