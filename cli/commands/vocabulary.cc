@@ -59,8 +59,9 @@ ReadOptions WithoutFeatures(ReadOptions read) {
 }
 
 // A folder is neither an atlas nor a vocabulary file, and reading it as an atlas says best what it is.
-bool IsAtlas(const Source& source, const ReadOptions& read) {
-  return !read.format.empty() || std::filesystem::is_directory(source.path) || FindFormatOfInput(source) != nullptr;
+bool IsAtlas(const HeldSource& held, const ReadOptions& read) {
+  return !read.format.empty() || std::filesystem::is_directory(held.source().path) ||
+         FindFormatOfInput(held) != nullptr;
 }
 
 Shown ShowOne(const std::string& path, const ReadOptions& read, Notices& notices) {
@@ -68,7 +69,7 @@ Shown ShowOne(const std::string& path, const ReadOptions& read, Notices& notices
   const HeldSource held({location.path, location.name}, [](const Probe& beginning) {
     detail::RefuseOther(beginning, "an atlas or a vocabulary", {"archive", "gzip", "vocabulary", "binary-vocabulary"});
   });
-  if (IsAtlas(held.source(), read))
+  if (IsAtlas(held, read))
     return {.vocabulary = ReadAtlas(held, WithoutFeatures(read), &notices).vocabulary, .file = {}};
   const VocabularyFile file = ReadVocabularyFile(held.source());
   if (file.identity.checksum == kChecksumOfNothing) throw Error(ErrorKind::kDamaged, path, "", "is empty");

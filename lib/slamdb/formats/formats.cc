@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/csv/detail/csv.h"
 #include "slamdb/formats/detail/choose.h"
@@ -146,6 +147,11 @@ const Format& FormatOf(const Probe& probe, const ReadOptions& options) {
   return format;
 }
 
+const Format* FindReadable(const Source& source) {
+  const Format* format = Detect(Probe::Of(source)).format;
+  return format != nullptr && CanRead(*format) ? format : nullptr;
+}
+
 const Format& FormatOfSuffix(const Target& target) {
   if (!target.is_file())
     throw Error(ErrorKind::kUsage, target.path, "",
@@ -199,10 +205,11 @@ const Format& FormatOfInput(const Location& location, std::string_view id) {
   return detail::FormatToRead(detail::Hold({location.path, location.name}, options).source(), options);
 }
 
-const Format* FindFormatOfInput(const Source& source) {
-  const Format* format = Detect(Probe::Of(source)).format;
-  return format != nullptr && CanRead(*format) ? format : nullptr;
+const Format* FindFormatOfInput(const Location& location) {
+  return detail::IsStream(location.path) ? nullptr : FindReadable(Source(location.path));
 }
+
+const Format* FindFormatOfInput(const HeldSource& held) { return FindReadable(held.source()); }
 
 const Format& FormatOfOutput(const Location& location, std::string_view id) {
   return detail::FormatToWrite({location.path, location.name}, {.format = std::string(id)});

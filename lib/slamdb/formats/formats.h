@@ -85,10 +85,12 @@ SLAMDB_EXPORT const Format& FormatById(std::string_view id);
 // Throws Error as ReadAtlas does.
 SLAMDB_EXPORT const Format& FormatOfInput(const Location& location, std::string_view id = {});
 
-// The same, or null for what is no atlas that slamdb reads. Of a stream, give the source of a HeldSource.
+// The same, or null for what is no atlas that slamdb reads, and for a stream, which is not read for it unless it is
+// held.
 //
 // Throws Error (kNotFound) when there is no such file.
-[[nodiscard]] SLAMDB_EXPORT const Format* FindFormatOfInput(const Source& source);
+[[nodiscard]] SLAMDB_EXPORT const Format* FindFormatOfInput(const Location& location);
+[[nodiscard]] SLAMDB_EXPORT const Format* FindFormatOfInput(const HeldSource& held);
 
 // The format to write: `id`, or by suffix.
 //
