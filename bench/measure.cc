@@ -249,7 +249,7 @@ Sample MergeInputAndOutput(const Workplace& at) {
 
 Sample Copy(const Workplace& at, int threads) {
   return Time([&] {
-    const MappedFile file(at.binary());
+    const WholeFile file(at.binary());
     const Bytes bytes = file.bytes();
     auto* memory = static_cast<std::byte*>(AllocateColumn(bytes.size()));
     detail::ParallelFor(bytes.size(), std::size_t{4} << 20, threads, [&](std::size_t begin, std::size_t end) {
@@ -264,7 +264,7 @@ Sample CopyAllThreads(const Workplace& at) { return Copy(at, 0); }
 Sample CopyToFile(const Workplace& at) {
   std::filesystem::remove(at.output());
   return Time([&] {
-    const MappedFile file(at.binary());
+    const WholeFile file(at.binary());
     AtomicFile output(at.output(), {.overwrite = true, .sync = false});
     output.Write(file.bytes());
     output.Commit();

@@ -15,6 +15,7 @@
 #include "cli/report/layout.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/temporary_file.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {
@@ -61,7 +62,9 @@ Console::Console(ConsoleOptions options) : options_(options) {
 
 Console::~Console() { ClearProgress(); }
 
-void Console::Print(std::string_view text) {
+void Console::Print(std::string_view text) { PrintData(detail::VisibleText(text)); }
+
+void Console::PrintData(std::string_view text) {
   ClearProgress();
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) throw SystemError("-", "cannot write results");
 }
@@ -75,7 +78,7 @@ void Console::Finish() {
   ::getrusage(RUSAGE_SELF, &usage);
   Diagnose("note",
            Short(seconds, 3) + " s, at most " + HumanBytes(static_cast<std::uint64_t>(usage.ru_maxrss) * 1024) +
-               " of memory, mapped files included",
+               " of memory",
            true);
 }
 
@@ -92,7 +95,7 @@ void Console::PrintWritten(const std::string& output, const Notices& notices, co
   if (IsStandardOutput(output)) {
     if (!written.empty()) Note("wrote " + written);
   } else if (!options_.quiet) {
-    Print("wrote " + output + (written.empty() ? details : ": " + written) + "\n");
+    Print("wrote " + detail::Visible(output + (written.empty() ? details : ": " + written)) + "\n");
   }
 }
 
@@ -103,7 +106,7 @@ void Console::Diagnose(std::string_view severity, std::string_view text, bool sh
   if (colour_) line += ColourOf(severity);
   line.append(severity).append(":");
   if (colour_) line += "\033[0m";
-  line.append(" ").append(InCommandWords(text)).append("\n");
+  line.append(" ").append(detail::Visible(InCommandWords(text))).append("\n");
   const std::lock_guard lock(mutex_);
   WriteError(line);
 }
@@ -142,7 +145,11 @@ void Console::ShowProgress(std::string_view stage, double fraction) {
   std::string bar(kBarColumns, ' ');
   std::fill_n(bar.begin(), full, '=');
   std::string line = "\r\033[K[";
-  line.append(bar).append("] ").append(std::to_string(static_cast<int>(clamped * 100))).append("% ").append(stage);
+  line.append(bar)
+      .append("] ")
+      .append(std::to_string(static_cast<int>(clamped * 100)))
+      .append("% ")
+      .append(detail::Visible(stage));
   WriteError(line);
   bar_shown_ = true;
   drawn_ = now;

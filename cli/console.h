@@ -36,8 +36,11 @@ class Console {
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
 
-  // A result, as it is. Throws Error when standard output cannot take it.
+  // A result for people: what would steer their terminal or hide is escaped (base/detail/visible.h). Throws Error when
+  // standard output cannot take it.
   void Print(std::string_view text);
+  // JSON, tables and files for programs, as they are. Throws Error likewise.
+  void PrintData(std::string_view text);
 
   void Note(std::string_view text) { Diagnose("note", text, !options_.quiet); }
   void Warn(std::string_view text) { Diagnose("warning", text, !options_.quiet); }

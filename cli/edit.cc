@@ -7,6 +7,7 @@
 
 #include "cli/report/layout.h"
 #include "cli/words.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/words/mend.h"
@@ -158,7 +159,9 @@ void TellErrors(const std::string& input, const Atlas& atlas, const Console& con
 
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices, InputErrors errors) {
   RefuseBadOutput(options);
-  Atlas atlas = ReadAtlas(options.input, MakeReadOptions(console, options.from, options.wait), &notices);
+  ReadOptions read = MakeReadOptions(console, options.from, options.wait);
+  read.needs = options.needs;
+  Atlas atlas = ReadAtlas(options.input, read, &notices);
   options.inputs->Add(atlas);
   if (errors == InputErrors::kTell) TellErrors(options.input, atlas, console, notices);
   return atlas;
@@ -203,8 +206,10 @@ ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOpti
   const bool piped = !options.dry_run && IsStandardOutput(options.output);
   std::string report = options.json ? InCommandWords(json) : std::string(text);
   if (piped)
-    std::cerr << report;
-  else if (options.json || !console.quiet())
+    std::cerr << (options.json ? report : detail::VisibleText(report));
+  else if (options.json)
+    console.PrintData(report);
+  else if (!console.quiet())
     console.Print(report);
   if (!options.json && !options.dry_run) console.PrintWritten(options.output, notices);
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;

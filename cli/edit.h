@@ -39,6 +39,7 @@ void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::str
 struct EditOptions {
   std::string input, output, from;
   TargetOptions target;
+  Content needs = Content::kNothing;  // of the input: see ReadOptions::needs
   bool json = false, dry_run = false;
   double wait = 5;
   std::shared_ptr<Inputs> inputs =

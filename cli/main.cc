@@ -13,6 +13,7 @@
 #include "cli/help/help.h"
 #include "cli/help/tree.h"
 #include "cli/options.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/version.h"
 
@@ -81,7 +82,7 @@ int ReportUsage(CLI::App& app, const CLI::ParseError& error) {
     text = Explain(verb, rest.front());
   else if (&verb == &app || (!VerbsOf(verb).empty()))
     text = "a verb is missing";
-  std::cerr << "slamdb: error: " << text << "\nTry '" << FullName(verb) << " --help'.\n";
+  std::cerr << "slamdb: error: " << detail::VisibleText(text) << "\nTry '" << FullName(verb) << " --help'.\n";
   return static_cast<int>(ExitCode::kUsage);
 }
 

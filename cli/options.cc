@@ -108,7 +108,7 @@ void AddOutput(CLI::App& verb, OutputOptions& options) {
 
 void WriteOutput(const OutputOptions& options, std::string_view text, Console& console) {
   if (options.path == "-") {
-    console.Print(text);
+    console.PrintData(text);
     return;
   }
   AtomicFile file(options.path, {.overwrite = options.overwrite});

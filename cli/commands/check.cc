@@ -11,6 +11,7 @@
 #include "cli/commands/commands.h"
 #include "cli/help/help.h"
 #include "cli/options.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
@@ -59,7 +60,7 @@ std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptio
   text.shown_per_rule = options.max_findings.value_or(text.shown_per_rule);
   text.show_notes = console.verbose();
   text.only_broken = console.quiet();
-  return TextReport(files, text);
+  return detail::VisibleText(TextReport(files, text));
 }
 
 // The file that a code host knows: without the name of an atlas in a store, links followed, and relative to the working
@@ -93,7 +94,9 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
       options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
         CheckOptions mine = check;
         mine.threads = read.threads;
-        return CheckAtlas(ReadAtlas(path, read, &notices), mine);
+        ReadOptions whole = read;
+        whole.needs = Content::kObservations | Content::kLandmarks;
+        return CheckAtlas(ReadAtlas(path, whole, &notices), mine);
       });
   std::vector<CheckedFile> files;
   for (const auto& outcome : outcomes)

@@ -192,9 +192,9 @@ std::string FishScript(const CLI::App& program) {
 
 ExitCode RunCompletion(const CLI::App& program, const CompletionOptions& options, Console& console) {
   if (options.shell == "bash") {
-    console.Print(BashScript(program));
+    console.PrintData(BashScript(program));
   } else {
-    console.Print(options.shell == "zsh" ? ZshScript(program) : FishScript(program));
+    console.PrintData(options.shell == "zsh" ? ZshScript(program) : FishScript(program));
   }
   return ExitCode::kDone;
 }

@@ -68,6 +68,7 @@ ExitCode RunCull(const CullVerbOptions& options, Console& console) {
 
 Run AddCull(CLI::App& verb) {
   const auto options = std::make_shared<CullVerbOptions>();
+  options->edit.needs = Content::kObservations;
   AddEdit(verb, options->edit);
   constexpr const char* kGroup = "Rules";
   CullOptions& rules = options->rules;

@@ -152,7 +152,7 @@ ExitCode RunDiff(const DiffVerbOptions& options, Console& console) {
                   {.tolerance = options.tolerance, .threads = console.threads(), .progress = console.MakeProgress()});
   console.Report(notices);
   if (options.json)
-    console.Print(JsonOf(diff, options));
+    console.PrintData(JsonOf(diff, options));
   else if (options.summary)
     console.Print(SummaryOf(diff));
   else if (!console.quiet())

@@ -44,6 +44,7 @@ ExitCode RunFragments(const FragmentVerbOptions& options, Console& console) {
 
 Run AddFragments(CLI::App& verb) {
   const auto options = std::make_shared<FragmentVerbOptions>();
+  options->edit.needs = Content::kObservations | Content::kLandmarks;
   AddEdit(verb, options->edit);
   verb.add_option("--min-keyframes", options->fragments.min_keyframes, "Drop maps with fewer; empty ones always go")
       ->type_name("N")

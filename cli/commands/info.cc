@@ -66,7 +66,7 @@ ExitCode RunInfo(const InfoOptions& options, Console& console) {
       console.Print((several ? outcome.path + ": " : "") +
                     ValueText(ValueAt(ordered_json::parse(ToJson(outcome.result)), options.key)));
     } else if (options.json) {
-      console.Print(ToJson(outcome.result, several ? -1 : 2));
+      console.PrintData(ToJson(outcome.result, several ? -1 : 2));
     } else {
       console.Print((first ? "" : "\n") + InfoText(outcome.result));
     }

@@ -126,6 +126,7 @@ ExitCode RunToPoints(const ToPointsOptions& options, Console& console) {
 
 Run BindFromPoints(CLI::App& verb) {
   const auto options = std::make_shared<FromPointsOptions>();
+  options->edit.needs = Content::kObservations;
   AddEdit(verb, options->edit);
   verb.add_option("--sigma", options->sigma, "Standard deviation of a keypoint at full size, in pixels [1]")
       ->type_name("PIXELS")

@@ -31,7 +31,10 @@ std::string ListText(const std::vector<StoredAtlas>& atlases) {
 
 ExitCode RunList(const ListOptions& options, Console& console) {
   const std::vector<StoredAtlas> atlases = Store::Open(options.store.path, options.store.wait).List();
-  console.Print(options.json ? ToJson(atlases, options.store.path) : ListText(atlases));
+  if (options.json)
+    console.PrintData(ToJson(atlases, options.store.path));
+  else
+    console.Print(ListText(atlases));
   return ExitCode::kDone;
 }
 

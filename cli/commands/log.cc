@@ -27,7 +27,10 @@ std::string LogText(const std::vector<HistoryEntry>& entries) {
 ExitCode RunLog(const LogOptions& options, Console& console) {
   const Location location = Location::Parse(options.store.path);
   const std::vector<HistoryEntry> entries = Store::Open(location.path, options.store.wait).Log(location.name);
-  console.Print(options.json ? ToJson(entries, options.store.path) : LogText(entries));
+  if (options.json)
+    console.PrintData(ToJson(entries, options.store.path));
+  else
+    console.Print(LogText(entries));
   return ExitCode::kDone;
 }
 

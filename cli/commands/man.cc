@@ -33,12 +33,12 @@ ExitCode RunMan(const CLI::App& program, const ManOptions& options, Console& con
     return ExitCode::kDone;
   }
   if (options.verb.empty()) {
-    console.Print(ManualPage(program));
+    console.PrintData(ManualPage(program));
     return ExitCode::kDone;
   }
   for (const CLI::App* verb : VerbsOf(program)) {
     if (verb->get_name() != options.verb) continue;
-    console.Print(ManualPage(*verb));
+    console.PrintData(ManualPage(*verb));
     return ExitCode::kDone;
   }
   RefuseUsage("no verb '" + options.verb + "'");

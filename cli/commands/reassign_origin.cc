@@ -59,6 +59,7 @@ ExitCode RunReassign(const ReassignOptions& options, Console& console) {
 
 Run AddReassign(CLI::App& verb) {
   const auto options = std::make_shared<ReassignOptions>();
+  options->edit.needs = Content::kObservations;
   AddEdit(verb, options->edit);
   auto* from_map = verb.add_flag("--from-map", options->origin.from_map,
                                  "Every keyframe and point was made in the map that it is in now");

@@ -26,9 +26,10 @@ std::string Share(const SalvagedList& list, std::string_view one, std::string_vi
 }
 
 std::string TextOf(const SalvageReport& report) {
-  if (report.untouched) return "the file is whole and sound\n";
-  std::string text = "recovered " + Share(report.maps, "map", "maps") + ", " +
-                     Share(report.keyframes, "keyframe", "keyframes") + ", " + Share(report.points, "point", "points");
+  std::string text = report.undone.empty() ? "" : "undone: " + report.undone + "\n";
+  if (report.untouched) return text + "the file is whole and sound\n";
+  text += "recovered " + Share(report.maps, "map", "maps") + ", " + Share(report.keyframes, "keyframe", "keyframes") +
+          ", " + Share(report.points, "point", "points");
   if (const std::size_t made = report.recovery.triangulated_points.size(); made > 0)
     text += "; " + Counted(made, "point") + " triangulated anew";
   if (report.landmarks.listed > 0) text += ", " + Share(report.landmarks, "landmark", "landmarks");

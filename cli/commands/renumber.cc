@@ -79,7 +79,7 @@ ExitCode Finish(const IdMap& ids, const RenumberVerbOptions& options, Console& c
 ExitCode RunOnTable(const RenumberVerbOptions& options, Console& console) {
   const IdMap ids = GivenIds(options);
   RequireOutput(options.edit);
-  const MappedFile file(options.edit.input);
+  const WholeFile file(options.edit.input);
   const std::string table = ApplyIdMapToCsv(file.text(), ids);
   if (!options.edit.dry_run) WriteOutput({options.edit.output, options.edit.target.overwrite}, table, console);
   return Finish(ids, options, console, {});

@@ -95,6 +95,7 @@ std::string CheckFixableRule(const std::string& id) {
 
 Run AddRepair(CLI::App& verb) {
   const auto options = std::make_shared<RepairVerbOptions>();
+  options->edit.needs = Content::kObservations | Content::kLandmarks;
   AddEdit(verb, options->edit);
   verb.add_option("--rule", options->rules, "Apply the repair of this rule only; may be given several times")
       ->type_name("RULE")

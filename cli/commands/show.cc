@@ -138,7 +138,10 @@ ExitCode RunShow(const ShowOptions& options, Console& console) {
     }
     for (const std::string& json : found) {
       if (!options.json && (names.size() > 1 || found.size() > 1)) console.Print(options.entities[i] + "\n");
-      console.Print(options.json ? json + "\n" : EntityText(json, options.all));
+      if (options.json)
+        console.PrintData(json + "\n");
+      else
+        console.Print(EntityText(json, options.all));
     }
   }
   return code;

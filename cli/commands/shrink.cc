@@ -53,6 +53,7 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
 
 Run AddShrink(CLI::App& verb) {
   const auto options = std::make_shared<ShrinkVerbOptions>();
+  options->edit.needs = Content::kObservations;
   AddEdit(verb, options->edit);
   AddVocabulary(verb, options->vocabulary);
   constexpr const char* kGroup = "How small";

@@ -21,6 +21,7 @@ namespace {
 struct SplitVerbOptions {
   EditOptions edit;
   SplitOptions split;
+  Border border = Border::kSmart;
 };
 
 const std::map<std::string, SplitBy> kWays = {
@@ -80,17 +81,17 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
   Notices notices;
   const Atlas atlas = ReadWhole(options, console, notices);
   const AtlasIndex index(atlas);
-  SplitOptions split = options.split;
-  split.threads = console.threads();
-  split.progress = console.MakeProgress();
-  const std::vector<Part> parts = NamingFile(options.edit.input, [&] { return SplitAtlas(index, split); });
+  const std::vector<Part> parts = NamingFile(options.edit.input, [&] { return SplitAtlas(index, options.split); });
   RefuseBadOutputs(options, parts);
   Table table({Table::Align::kLeft, Table::Align::kRight, Table::Align::kRight});
   table.Add({"part", "keyframes", "points"});
   std::vector<TakenPart> taken;
-  for (const Part& part : parts) {
+  const Progress progress = console.MakeProgress();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Part& part = parts[i];
+    progress("splitting", static_cast<double>(i) / static_cast<double>(parts.size()));
     SubsetReport removed;
-    const Atlas own = TakePart(atlas, part.subset, removed, console.threads());
+    const Atlas own = TakePart(index, part, options.border, removed, console.threads());
     EditOptions edit = options.edit;
     edit.output = OutputOf(options.edit.output, part.name);
     edit.inputs = std::make_shared<Inputs>();  // a part may be as empty as its map
@@ -119,7 +120,7 @@ Run AddSplit(CLI::App& verb) {
       ->type_name("N")
       ->check(CheckPositive)
       ->capture_default_str();
-  verb.add_option("--border", options->split.border, "Points that several parts observe: see 'slamdb extract --help'")
+  verb.add_option("--border", options->border, "Points that several parts observe: see 'slamdb extract --help'")
       ->transform(OneOf(kBorders))
       ->default_str("smart");
   return [options](Console& console) { return RunSplit(*options, console); };

@@ -29,7 +29,10 @@ std::string StatsText(const StoreStats& stats) {
 
 ExitCode RunStats(const StatsOptions& options, Console& console) {
   const StoreStats stats = Store::Open(options.store.path, options.store.wait).Stats();
-  console.Print(options.json ? ToJson(stats, options.store.path) : StatsText(stats));
+  if (options.json)
+    console.PrintData(ToJson(stats, options.store.path));
+  else
+    console.Print(StatsText(stats));
   return ExitCode::kDone;
 }
 

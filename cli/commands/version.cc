@@ -32,7 +32,7 @@ ExitCode RunVersion(const VersionOptions& options, Console& console) {
            {"suffixes", std::vector<std::string>(format.suffixes.begin(), format.suffixes.end())},
            {"reads", format.read != nullptr},
            {"writes", format.write != nullptr}});
-    console.Print(detail::JsonText(report));
+    console.PrintData(detail::JsonText(report));
     return ExitCode::kDone;
   }
   using enum Table::Align;

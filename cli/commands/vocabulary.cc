@@ -10,6 +10,8 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/detail/json.h"
+#include "slamdb/base/detail/recognize.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/words/words.h"
 #include "slamdb/formats/formats.h"
@@ -17,6 +19,7 @@
 namespace slamdb::cli {
 namespace {
 
+using detail::Visible;
 using nlohmann::ordered_json;
 
 struct ShowVocabularyOptions {
@@ -32,6 +35,7 @@ struct VerifyOptions {
 struct SetOptions {
   std::string input, output, from, vocabulary, name, checksum;
   TargetOptions target;
+  bool force = false;
 };
 
 struct RecomputeOptions {
@@ -45,38 +49,41 @@ struct RecomputeOptions {
 // What an atlas refers to, or what a vocabulary file is.
 struct Shown {
   Vocabulary vocabulary;
-  bool is_file = false;
-  std::optional<VocabularyShape> shape;
+  std::optional<VocabularyFile> file;
 };
 
-Vocabulary VocabularyOfAtlas(const std::string& path, ReadOptions read, Notices& notices) {
+ReadOptions WithoutFeatures(ReadOptions read) {
+  read.needs = Content::kBagOfWords;
   read.features = FeatureColumns::kNone;
-  return ReadAtlas(path, read, &notices).vocabulary;
+  return read;
 }
 
 // A folder is neither an atlas nor a vocabulary file, and reading it as an atlas says best what it is.
-bool IsAtlas(const std::string& path, const ReadOptions& read) {
-  return !read.format.empty() || std::filesystem::is_directory(path) || FindFormatOfInput(path) != nullptr;
+bool IsAtlas(const HeldSource& held, const ReadOptions& read) {
+  return !read.format.empty() || std::filesystem::is_directory(held.source().path) ||
+         FindFormatOfInput(held) != nullptr;
 }
 
 Shown ShowOne(const std::string& path, const ReadOptions& read, Notices& notices) {
-  Shown shown;
-  if (IsAtlas(path, read)) {
-    shown.vocabulary = VocabularyOfAtlas(path, read, notices);
-    return shown;
-  }
-  const VocabularyFile file = ReadVocabularyFile(path);
-  shown = {.vocabulary = file.identity, .is_file = true, .shape = file.shape};
-  if (shown.vocabulary.checksum == kChecksumOfNothing) throw Error(ErrorKind::kDamaged, path, "", "is empty");
-  return shown;
+  const Location location(path);
+  const HeldSource held({location.path, location.name}, [](const Probe& beginning) {
+    detail::RefuseOther(beginning, "an atlas or a vocabulary", {"archive", "gzip", "vocabulary", "binary-vocabulary"});
+  });
+  if (IsAtlas(held, read))
+    return {.vocabulary = ReadAtlas(held, WithoutFeatures(read), &notices).vocabulary, .file = {}};
+  const VocabularyFile file = ReadVocabularyFile(held.source());
+  if (file.identity.checksum == kChecksumOfNothing) throw Error(ErrorKind::kDamaged, path, "", "is empty");
+  return {.vocabulary = file.identity, .file = file};
 }
 
 std::string ShownText(const Outcome<Shown>& outcome) {
   const Vocabulary& vocabulary = outcome.result.vocabulary;
-  std::string text =
-      outcome.path + "\n  name       " + vocabulary.name + "\n  checksum   " + vocabulary.checksum + "\n";
-  const auto& shape = outcome.result.shape;
-  if (!shape) return outcome.result.is_file ? text + "  (not a text vocabulary)\n" : text;
+  std::string text = Visible(outcome.path) + "\n  name       " + Visible(vocabulary.name) + "\n  checksum   " +
+                     Visible(vocabulary.checksum) + "\n";
+  const auto& file = outcome.result.file;
+  if (!file) return text;
+  const auto& shape = file->shape;
+  if (!shape) return text + "  (" + (file->other.empty() ? "a vocabulary in its binary form" : file->other) + ")\n";
   return text + "  words      " + Grouped(shape->words) + "\n  branching  " + std::to_string(shape->branching) +
          "\n  depth      " + std::to_string(shape->depth) + "\n  weighting  " + shape->weighting + "\n  scoring    " +
          shape->scoring + "\n";
@@ -89,9 +96,10 @@ ordered_json VocabularyJson(const Vocabulary& vocabulary) {
 ordered_json ShownJson(const Outcome<Shown>& outcome) {
   const Vocabulary& vocabulary = outcome.result.vocabulary;
   ordered_json json = {{"input", outcome.path},
-                       {"kind", outcome.result.is_file ? "vocabulary" : "atlas"},
+                       {"kind", outcome.result.file ? "vocabulary" : "atlas"},
                        {"vocabulary", VocabularyJson(vocabulary)}};
-  if (const auto& shape = outcome.result.shape)
+  const auto& file = outcome.result.file;
+  if (const auto& shape = file ? file->shape : std::nullopt)
     json["shape"] = {{"words", shape->words},
                      {"branching", shape->branching},
                      {"depth", shape->depth},
@@ -110,23 +118,26 @@ ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
     if (options.json) report.push_back(ShownJson(outcome));
     if (!options.json) console.Print(ShownText(outcome));
   }
-  if (options.json) console.Print(detail::JsonText({{"report", "slamdb-vocabulary-2"}, {"inputs", report}}));
+  if (options.json) console.PrintData(detail::JsonText({{"report", "slamdb-vocabulary-2"}, {"inputs", report}}));
   return ReportOutcomes(outcomes, console);
 }
 
 // ---- verify
 
 ExitCode RunVerify(const VerifyOptions& options, Console& console) {
-  const Vocabulary wanted = ReadVocabularyFile(options.vocabulary).identity;
+  const VocabularyFile file = ReadVocabularyFile(options.vocabulary);
+  if (!file.other.empty()) throw Error(ErrorKind::kUnsupported, options.vocabulary, "", file.other);
+  const Vocabulary& wanted = file.identity;
   const auto outcomes = ForEachInput<Vocabulary>(
       options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
-        return VocabularyOfAtlas(path, read, notices);
+        return ReadAtlas(path, WithoutFeatures(read), &notices).vocabulary;
       });
   ExitCode code = ReportOutcomes(outcomes, console);
   for (const auto& outcome : outcomes) {
     if (!outcome.ok()) continue;
     const std::string mismatch = VocabularyMismatch(outcome.result, wanted);
-    console.Print(outcome.path + ": " + (mismatch.empty() ? "matches " + wanted.name : mismatch) + "\n");
+    console.Print(Visible(outcome.path) + ": " + Visible(mismatch.empty() ? "matches " + wanted.name : mismatch) +
+                  "\n");
     if (!mismatch.empty()) code = ExitCode::kFailed;
   }
   return code;
@@ -136,7 +147,12 @@ ExitCode RunVerify(const VerifyOptions& options, Console& console) {
 
 Vocabulary WantedVocabulary(const SetOptions& options, const Vocabulary& found) {
   Vocabulary wanted = found;
-  if (!options.vocabulary.empty()) wanted = ReadVocabularyFile(options.vocabulary).identity;
+  if (!options.vocabulary.empty()) {
+    const VocabularyFile file = ReadVocabularyFile(options.vocabulary);
+    if (!file.other.empty() && !options.force)
+      throw Error(ErrorKind::kUnsupported, options.vocabulary, "", file.other + " (--force stamps it all the same)");
+    wanted = file.identity;
+  }
   if (!options.name.empty()) wanted.name = options.name;
   if (!options.checksum.empty()) wanted.checksum = options.checksum;
   return wanted;
@@ -148,7 +164,9 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   const Location input(options.input), output(NamedOutput(options.input, options.output, options.target.to));
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   Notices notices;
-  Atlas atlas = ReadAtlas(input, MakeReadOptions(console, options.from), &notices);
+  ReadOptions read = MakeReadOptions(console, options.from);
+  read.needs = Content::kBagOfWords;
+  Atlas atlas = ReadAtlas(input, read, &notices);
   atlas.vocabulary = WantedVocabulary(options, atlas.vocabulary);
   WriteOptions write = MakeWriteOptions(console, options.target, "vocabulary set " + options.input);
   write.format = FormatToWrite(atlas, output, options.target.to);
@@ -191,6 +209,11 @@ std::string CheckMd5(const std::string& text) {
   return "expected 32 hexadecimal digits in lower case, found '" + text + "'";
 }
 
+std::string CheckName(const std::string& text) {
+  const std::string_view problem = detail::ProblemOfName(text);
+  return problem.empty() ? std::string() : "the name " + std::string(problem);
+}
+
 Run BindShow(CLI::App& verb) {
   const auto options = std::make_shared<ShowVocabularyOptions>();
   AddInputs(verb, options->inputs, "An atlas, or a vocabulary file");
@@ -213,8 +236,9 @@ Run BindSet(CLI::App& verb) {
   Mark(verb.add_option("OUTPUT", options->output, "The copy to write"), Writes::kAtlas)->type_name("FILE")->required();
   CLI::Option* file = verb.add_option("--vocabulary", options->vocabulary, "Stamp the name and checksum of this file")
                           ->type_name("FILE");
-  verb.add_option("--name", options->name, "Stamp this name")->type_name("NAME")->excludes(file);
+  verb.add_option("--name", options->name, "Stamp this name")->type_name("NAME")->check(CheckName)->excludes(file);
   verb.add_option("--checksum", options->checksum, "Stamp this MD5")->type_name("MD5")->check(CheckMd5)->excludes(file);
+  verb.add_flag("--force", options->force, "Stamp also what is no vocabulary");
   AddFrom(verb, options->from);
   AddTarget(verb, options->target);
   return [options](Console& console) { return RunSet(*options, console); };
@@ -222,6 +246,7 @@ Run BindSet(CLI::App& verb) {
 
 Run BindRecompute(CLI::App& verb) {
   const auto options = std::make_shared<RecomputeOptions>();
+  options->edit.needs = Content::kBagOfWords;
   AddEdit(verb, options->edit);
   verb.add_option("--vocabulary", options->vocabulary, "The vocabulary file: DBoW2 text, or its binary form")
       ->type_name("FILE")

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/visible.h"
 
 namespace slamdb::cli {
 namespace {
@@ -171,7 +172,7 @@ std::string BoostReleases(std::uint32_t version) {
 }
 
 std::string InfoText(const AtlasInfo& report) {
-  std::string text = report.input + "\n" + HeaderText(report);
+  std::string text = detail::Visible(report.input) + "\n" + HeaderText(report);
   for (const MapStatistics& map : report.statistics.maps) text += MapText(map);
   return text + PartsText(report.parts);
 }

@@ -7,6 +7,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/detail/visible.h"
 
 namespace slamdb::cli {
 namespace {
@@ -87,6 +88,11 @@ std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width
   }
   finish();
   return out;
+}
+
+void Table::Add(std::vector<std::string> cells) {
+  for (std::string& cell : cells) cell = detail::Visible(cell);
+  rows_.push_back(std::move(cells));
 }
 
 void Table::Drop(std::size_t column) {

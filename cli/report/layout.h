@@ -36,7 +36,8 @@ class Table {
   enum class Align { kLeft, kRight };
 
   explicit Table(std::vector<Align> columns, std::size_t indent = 0) : columns_(std::move(columns)), indent_(indent) {}
-  void Add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  // Names in cells may be any: what would steer a terminal is escaped.
+  void Add(std::vector<std::string> cells);
   void Drop(std::size_t column);  // leaves out a column that says nothing here
   bool empty() const { return rows_.empty(); }
   std::string ToString() const;

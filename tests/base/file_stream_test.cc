@@ -97,10 +97,10 @@ TEST(FileStream, ShowsMemoryWhereItIs) {
   EXPECT_TRUE(std::string_view(stream.data(), stream.size()) == Content(3 * kBlock + 77));
 }
 
-TEST(FileStream, RefusesWhatIsNoFile) {
+TEST(FileStream, RefusesWhatIsNeitherFileNorStream) {
   EXPECT_THROW(detail::FileStream("/nowhere/atlas.osa"), Error);
   EXPECT_THROW(detail::FileStream(testing::TempDir()), Error);
-  EXPECT_THROW(detail::FileStream("/dev/null"), Error);
+  EXPECT_EQ(detail::FileStream("/dev/null").size(), 0U);
 }
 
 }  // namespace

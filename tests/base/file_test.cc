@@ -42,40 +42,39 @@ std::string MessageOf(Work work) {
 
 std::string TextOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-TEST_F(Files, MapsAFileForReading) {
-  const MappedFile file(Put("a", std::string("text\0text", 9)));
+TEST_F(Files, ReadsAWholeFile) {
+  const WholeFile file(Put("a", std::string("text\0text", 9)));
   EXPECT_EQ(TextOf(file.bytes()), std::string("text\0text", 9));
   EXPECT_EQ(file.path(), Path("a"));
 }
 
-TEST_F(Files, MapsAnEmptyFile) { EXPECT_TRUE(MappedFile(Put("empty", "")).bytes().empty()); }
+TEST_F(Files, ReadsAnEmptyFile) { EXPECT_TRUE(WholeFile(Put("empty", "")).bytes().empty()); }
 
-TEST_F(Files, MapsMemoryWithoutCopyingIt) {
+TEST_F(Files, TakesMemoryWithoutCopyingIt) {
   const std::string text = "in memory";
-  MappedFile file(Source(std::as_bytes(std::span(text)), "name"));
+  WholeFile file(Source(std::as_bytes(std::span(text)), "name"));
   EXPECT_EQ(file.text().data(), text.data());
   EXPECT_EQ(file.text(), text);
   EXPECT_EQ(file.path(), "name");
-  file = MappedFile(Put("a", "mapped"));
-  EXPECT_EQ(file.text(), "mapped");
+  file = WholeFile(Put("a", "of a file"));
+  EXPECT_EQ(file.text(), "of a file");
 }
 
-TEST_F(Files, MovesAMapping) {
-  MappedFile first(Put("a", "one"));
-  MappedFile second(Put("b", "two"));
+TEST_F(Files, MovesWhatWasRead) {
+  WholeFile first(Put("a", "one"));
+  WholeFile second(Put("b", "two"));
   second = std::move(first);
-  const MappedFile third(std::move(second));
+  const WholeFile third(std::move(second));
   EXPECT_EQ(TextOf(third.bytes()), "one");
 }
 
-TEST_F(Files, SaysWhatCannotBeMapped) {
-  const Error missing = ErrorOf([&] { MappedFile(Path("missing")); });
+TEST_F(Files, SaysWhatCannotBeRead) {
+  const Error missing = ErrorOf([&] { WholeFile(Path("missing")); });
   EXPECT_THAT(missing.what(), HasSubstr("missing: cannot open: No such file"));
   EXPECT_EQ(missing.kind(), ErrorKind::kNotFound);
-  const Error folder = ErrorOf([&] { MappedFile(folder_.path().string()); });
+  const Error folder = ErrorOf([&] { WholeFile(folder_.path().string()); });
   EXPECT_THAT(folder.what(), HasSubstr("is a directory"));
   EXPECT_EQ(folder.kind(), ErrorKind::kUsage);
-  EXPECT_THAT(MessageOf([] { MappedFile("/dev/null"); }), HasSubstr("is not a regular file"));
 }
 
 TEST_F(Files, AppearWholeWhenCommitted) {
@@ -154,16 +153,16 @@ TEST_F(Files, AreProbedByTheirFirstBytes) {
   EXPECT_EQ(small.head, "abc");
   EXPECT_EQ(small.size, 3U);
   EXPECT_FALSE(small.is_directory);
-  const Probe large = Probe::Of(Put("large", std::string(10000, 'x')));
-  EXPECT_EQ(large.head, std::string(4096, 'x'));
-  EXPECT_EQ(large.size, 10000U);
+  const Probe large = Probe::Of(Put("large", std::string(100000, 'x')));
+  EXPECT_EQ(large.head, std::string(65536, 'x'));
+  EXPECT_EQ(large.size, 100000U);
   EXPECT_TRUE(Probe::Of(folder_.path().string()).is_directory);
   EXPECT_TRUE(Probe::Of("-").head.empty());
-  const std::string text(5000, 'y');
+  const std::string text(70000, 'y');
   const Probe memory = Probe::Of({std::as_bytes(std::span(text)), "name"});
   EXPECT_EQ(memory.path, "name");
-  EXPECT_EQ(memory.head, std::string(4096, 'y'));
-  EXPECT_EQ(memory.size, 5000U);
+  EXPECT_EQ(memory.head, std::string(65536, 'y'));
+  EXPECT_EQ(memory.size, 70000U);
   EXPECT_THAT(MessageOf([&] { Probe::Of(Path("missing")); }), HasSubstr("cannot open"));
 }
 

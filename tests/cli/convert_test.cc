@@ -47,12 +47,6 @@ TEST(Convert, StandardInputAndOutput) {
   EXPECT_TRUE(result.out == ReadWholeFile(kTiny));
 }
 
-TEST(Convert, StandardInputNeedsAFormat) {
-  const ProcessResult result = RunSlamdb({"convert", "-", "out.osa"}, ReadWholeFile(kTiny));
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("--from"));
-}
-
 TEST(Convert, RefusesToOverwrite) {
   const TemporaryFolder folder;
   WriteWholeFile(folder / "there.osa", "precious");

@@ -36,7 +36,7 @@ void ExpectFailure(const std::string& path) {
 TEST(Errors, SpeakOfTheSwitchesOfTheCommand) {
   const TemporaryFolder folder;
   WriteWholeFile(folder / "there.osa", "mine");
-  WriteWholeFile(folder / "voc.txt", "10 6  0 0 \n0 0 252 188\n");
+  WriteWholeFile(folder / "voc.txt", "10 6  0 0 \n0 0 252 188");
   ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "maps.db#lab"}).exit_code, 0);
   struct Case {
     std::vector<std::string> words;
@@ -47,7 +47,7 @@ TEST(Errors, SpeakOfTheSwitchesOfTheCommand) {
       {{"convert", kTiny, folder / "maps.db#lab"}, "holds an atlas named 'lab' already; -O/--overwrite replaces it"},
       {{"convert", kTiny, "-"}, "standard output has no suffix to tell the format by; --to names it (orbslam3, "},
       {{"convert", kTiny, folder / "a.xyz"}, "or name the format by --to (orbslam3, "},
-      {{"info", "-"}, "standard input has no name to tell its format by; --from names it (orbslam3, "},
+      {{"info", "-"}, "-: is empty; was the program that saved it stopped before it could?"},
       {{"convert", kTiny, folder / "a.ply", "--strict"}, "; --strict refuses that"},
       {{"info", folder / "voc.txt"}, "`slamdb vocabulary show` tells its name and MD5"},
       {{"convert", kTiny, folder / "a.ply", "--map", "7"}, "has no map 7"},
@@ -61,8 +61,10 @@ TEST(Errors, SpeakOfTheSwitchesOfTheCommand) {
 }
 
 TEST(Errors, InReportsSpeakOfTheSwitchesToo) {
-  const ProcessResult result = RunSlamdb({"check", "-", "--json"});
-  EXPECT_THAT(result.out, HasSubstr("--from names it"));
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "zeros.osa", std::string(100, '\0'));
+  const ProcessResult result = RunSlamdb({"check", folder / "zeros.osa", "--json"});
+  EXPECT_THAT(result.out, HasSubstr("`slamdb recover` looks for"));
   EXPECT_THAT(result.out, Not(HasSubstr("::")));
 }
 

@@ -51,10 +51,6 @@ const Verb kVerbs[] = {
      [](Atlas& atlas, int threads, const Progress& progress) {
        Extract(atlas, {.part = {.every = 2}, .threads = threads, .progress = progress});
      }},
-    {"Split",
-     [](Atlas& atlas, int threads, const Progress& progress) {
-       static_cast<void>(SplitAtlas(AtlasIndex(atlas), {.threads = threads, .progress = progress}));
-     }},
     {"Fragments", [](Atlas& atlas, int threads,
                      const Progress& progress) { DropFragments(atlas, {.threads = threads, .progress = progress}); }},
     {"Transform",

@@ -40,7 +40,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.threads = 1;
     return Cull(taken, options).removed;
   });
-  part([&](Atlas& taken) { return Shrink(taken, {.target_keyframes = 2, .min_points = 2, .threads = 1}).removed; });
+  part([&](Atlas& taken) { return Shrink(taken, {.target_keyframes = 2, .min_points = 2, }).removed; });
   part([&](Atlas& taken) {
     return Shrink(taken, {.target_bytes = 6000, .for_localization = true, .threads = 1}).removed;
   });
@@ -51,9 +51,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const AtlasIndex index(*atlas);
     for (const SplitBy by : {SplitBy::kMap, SplitBy::kSession, SplitBy::kComponent})
       fuzz::MayRefuse([&] {
-        for (const Part& taken : SplitAtlas(index, {.by = by, .threads = 1})) {
+        for (const Part& taken : SplitAtlas(index, {.by = by})) {
           SubsetReport removed;
-          fuzz::Require(!TakePart(*atlas, taken.subset, removed, 1).maps.empty(), "a part has a map");
+          fuzz::Require(!TakePart(index, taken, Border::kSmart, removed, 1).maps.empty(), "a part has a map");
         }
       });
   });

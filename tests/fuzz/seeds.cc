@@ -86,7 +86,7 @@ void WriteChanged(const path& folder, const std::string& name, const std::string
 }
 
 std::string ReadFixture(const std::string& name) {
-  const MappedFile file(std::string(SLAMDB_FIXTURES) + "/" + name);
+  const WholeFile file(std::string(SLAMDB_FIXTURES) + "/" + name);
   return std::string(file.text());
 }
 

@@ -1,124 +1,147 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/file.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
+#include <filesystem>
 #include <utility>
 
-#include "slamdb/base/detail/descriptor.h"
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
 namespace {
 
-using detail::Descriptor;
+constexpr std::size_t kHeadBytes = std::size_t{64} << 10;
+constexpr std::size_t kFirstBytes = std::size_t{1} << 20;  // of memory for a stream, which doubles as it fills,
+constexpr std::size_t kLargeStep = std::size_t{64} << 20;  // and grows by so much once it is large
 
-void* MapAnonymous(const std::string& path, std::size_t bytes) {
-  void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) throw SystemError(path, "cannot reserve memory for the input");
-  return memory;
-}
+// Memory that grows in place, or moves without being copied. Given back unless it is released.
+class GrowingMemory {
+ public:
+  GrowingMemory(const std::string& path, std::size_t bytes) : path_(path), capacity_(bytes) {
+    void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) Refuse();
+    data_ = static_cast<char*>(memory);
+  }
+  ~GrowingMemory() {
+    if (data_ != nullptr) ::munmap(data_, capacity_);
+  }
+  GrowingMemory(const GrowingMemory&) = delete;
+  GrowingMemory& operator=(const GrowingMemory&) = delete;
 
-// Reads a pipe to its end into an anonymous mapping that doubles as it fills.
-Bytes ReadStandardInput(const std::string& path) {
-  std::size_t capacity = std::size_t{1} << 20, size = 0;
-  auto* memory = static_cast<std::byte*>(MapAnonymous(path, capacity));
+  char* data() const { return data_; }
+  std::size_t capacity() const { return capacity_; }
+
+  void Resize(std::size_t bytes) {
+    void* moved = ::mremap(data_, capacity_, bytes, MREMAP_MAYMOVE);
+    if (moved == MAP_FAILED) Refuse();
+    data_ = static_cast<char*>(moved);
+    capacity_ = bytes;
+  }
+  void Release() { data_ = nullptr; }
+
+ private:
+  [[noreturn]] void Refuse() const {
+    throw Error(ErrorKind::kOutOfResources, path_, "", "the machine has too little memory left to read it");
+  }
+
+  const std::string& path_;
+  char* data_ = nullptr;
+  std::size_t capacity_;
+};
+
+// Reads to the end of a stream. Returns the number of bytes.
+std::size_t ReadStream(detail::OpenedInput& input, const std::string& path, const WholeFile::Look& look,
+                       GrowingMemory& memory) {
+  std::size_t size = input.Read(memory.data(), kHeadBytes);
+  if (look && size > 0) look(Probe::Of({Bytes(reinterpret_cast<const std::byte*>(memory.data()), size), path}));
   while (true) {
-    const ssize_t got = ::read(STDIN_FILENO, memory + size, capacity - size);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) {
-      const Error error = SystemError(path, "cannot read standard input");
-      ::munmap(memory, capacity);
-      throw error;
-    }
-    if (got == 0) break;
-    size += static_cast<std::size_t>(got);
-    if (size < capacity) continue;
-    void* larger = ::mremap(memory, capacity, capacity * 2, MREMAP_MAYMOVE);
-    if (larger == MAP_FAILED) {
-      ::munmap(memory, capacity);
-      throw Error(ErrorKind::kOutOfResources, path, "", "standard input does not fit into memory");
-    }
-    memory = static_cast<std::byte*>(larger);
-    capacity *= 2;
+    const std::size_t wanted = memory.capacity() - size;
+    const std::size_t got = input.Read(memory.data() + size, wanted);
+    size += got;
+    if (got < wanted) return size;
+    if (size >= kMostStreamBytes)
+      throw Error(ErrorKind::kOutOfResources, path, "",
+                  detail::Concat("is a stream of more than ", kMostStreamBytes >> 30U,
+                                 " GiB, of which slamdb reads no more; save it to a file, which may be larger"));
+    memory.Resize(size + std::min(size, kLargeStep));
   }
-  if (size == 0) {
-    ::munmap(memory, capacity);
-    return {};
-  }
-  const std::size_t page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  const std::size_t kept = (size + page - 1) / page * page;
-  if (kept < capacity) ::munmap(memory + kept, capacity - kept);
-  return {memory, size};
 }
 
-Bytes MapRegularFile(const std::string& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.value < 0) throw SystemError(path, "cannot open");
-  struct stat status {};
-  if (::fstat(file.value, &status) != 0) throw SystemError(path, "cannot read its size");
-  if (S_ISDIR(status.st_mode)) throw Error(ErrorKind::kUsage, path, "", "is a directory, expected a file");
-  if (!S_ISREG(status.st_mode))
-    throw Error(ErrorKind::kUsage, path, "", "is not a regular file; pipe it in and name the input `-`");
-  const auto size = static_cast<std::size_t>(status.st_size);
-  if (size == 0) return {};
-  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.value, 0);
-  if (memory == MAP_FAILED) throw SystemError(path, "cannot map");
-  ::madvise(memory, size, MADV_SEQUENTIAL);
-  return {static_cast<const std::byte*>(memory), size};
+std::size_t ReadRegular(detail::OpenedInput& input, const std::string& path, GrowingMemory& memory) {
+  const std::size_t size = input.Read(memory.data(), memory.capacity());
+  if (size < memory.capacity())
+    throw Error(ErrorKind::kDamaged, path, detail::Concat("byte ", size), "the file became shorter while it was read");
+  return size;
+}
+
+// The bytes in place of those of the mapping that are not used.
+std::size_t WholePages(std::size_t bytes) {
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  return (bytes + page - 1) / page * page;
 }
 
 }  // namespace
 
-MappedFile::MappedFile(const Source& source) : path_(source.path), mapped_(!source.memory) {
+WholeFile::WholeFile(const Source& source, const Look& look) : path_(source.path) {
   if (source.is_file()) detail::EnterInput(path_);
-  if (source.memory)
+  if (source.memory) {
     bytes_ = *source.memory;
-  else
-    bytes_ = source.is_file() ? MapRegularFile(path_) : ReadStandardInput(path_);
+    return;
+  }
+  detail::OpenedInput input(path_);
+  GrowingMemory memory(path_, input.is_stream() ? kFirstBytes : static_cast<std::size_t>(input.size()));
+  const std::size_t size =
+      input.is_stream() ? ReadStream(input, path_, look, memory) : ReadRegular(input, path_, memory);
+  if (size == 0) return;
+  reserved_ = WholePages(size);
+  if (reserved_ < memory.capacity()) memory.Resize(reserved_);
+  bytes_ = {reinterpret_cast<const std::byte*>(memory.data()), size};
+  memory.Release();
 }
 
-MappedFile::~MappedFile() {
-  if (mapped_ && bytes_.data() != nullptr) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+WholeFile::~WholeFile() {
+  if (reserved_ > 0) ::munmap(const_cast<std::byte*>(bytes_.data()), reserved_);
 }
 
-MappedFile::MappedFile(MappedFile&& other) noexcept
-    : path_(std::move(other.path_)), bytes_(std::exchange(other.bytes_, {})), mapped_(other.mapped_) {}
+WholeFile::WholeFile(WholeFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      bytes_(std::exchange(other.bytes_, {})),
+      reserved_(std::exchange(other.reserved_, 0)) {}
 
-MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
+WholeFile& WholeFile::operator=(WholeFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(bytes_, other.bytes_);
-  std::swap(mapped_, other.mapped_);
+  std::swap(reserved_, other.reserved_);
   return *this;
 }
 
+HeldSource::HeldSource(Source source, const WholeFile::Look& look) : source_(std::move(source)) {
+  if (source_.memory || !detail::IsStream(source_.path)) return;
+  stream_.emplace(source_, look);
+  source_.memory = stream_->bytes();
+}
+
 Probe Probe::Of(const Source& source) {
-  constexpr std::size_t kHeadBytes = 4096;
-  const std::string& path = source.path;
-  Probe probe{.path = path, .head = {}, .memory = source.memory};
+  Probe probe{.path = source.path, .head = {}, .memory = source.memory};
   if (source.memory) {
     const Bytes head = source.memory->first(std::min(source.memory->size(), kHeadBytes));
     probe.head.assign(reinterpret_cast<const char*>(head.data()), head.size());
     probe.size = source.memory->size();
+    return probe;
   }
-  if (!source.is_file()) return probe;
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.value < 0) throw SystemError(path, "cannot open");
-  struct stat status {};
-  if (::fstat(file.value, &status) != 0) throw SystemError(path, "cannot read its size");
-  probe.is_directory = S_ISDIR(status.st_mode);
-  if (probe.is_directory) return probe;
-  probe.size = static_cast<std::uint64_t>(status.st_size);
-  std::array<char, kHeadBytes> head{};
-  const ssize_t got = ::pread(file.value, head.data(), head.size(), 0);
-  if (got > 0) probe.head.assign(head.data(), static_cast<std::size_t>(got));
+  std::error_code unknown;
+  probe.is_directory = std::filesystem::is_directory(source.path, unknown);
+  if (probe.is_directory || detail::IsStream(source.path)) return probe;
+  detail::OpenedInput input(source.path);
+  probe.size = input.size();
+  probe.head.resize(std::min<std::size_t>(probe.size, kHeadBytes));
+  probe.head.resize(input.Read(probe.head.data(), probe.head.size()));
   return probe;
 }
 

@@ -47,18 +47,27 @@ struct Target {
   bool is_file() const { return !sink && path != "-"; }
 };
 
-// The bytes of a source, all of them at hand: a file is mapped, standard input is read into memory.
-// Opening never changes a file.
-// A file that another program shortens while it is mapped raises SIGBUS, as with every mapping.
+// The most bytes that are read of a stream: standard input, a FIFO, a device. A file may be larger.
+inline constexpr std::uint64_t kMostStreamBytes = std::uint64_t{2} << 30;
+
+struct Probe;
+
+// The bytes of a source, all of them, read into memory; those of a source in memory stay where they are.
+// Reading never changes a file. One that another program shortens meanwhile gives an Error.
 //
-// Throws Error: kNotFound when the path is missing; kUsage when it is a directory or no regular file; kPermission and
-// others as the system has it (SystemError); kOutOfResources when standard input does not fit into memory.
-class SLAMDB_EXPORT MappedFile {
+// Throws Error: kNotFound when the path is missing; kUsage when it is a directory, a block device or a socket;
+// kPermission and others as the system has it (SystemError); kDamaged when the file becomes shorter while it is read;
+// kNotPossible for a FIFO that nothing writes into; kOutOfResources when the bytes do not fit into memory, or those of
+// a stream are more than kMostStreamBytes.
+class SLAMDB_EXPORT WholeFile {
  public:
-  explicit MappedFile(const Source& source);
-  ~MappedFile();
-  MappedFile(MappedFile&& other) noexcept;
-  MappedFile& operator=(MappedFile&& other) noexcept;
+  // Sees the beginning of a stream, 64 kB of it, before the rest is read; may throw.
+  using Look = std::function<void(const Probe&)>;
+
+  explicit WholeFile(const Source& source, const Look& look = {});
+  ~WholeFile();
+  WholeFile(WholeFile&& other) noexcept;
+  WholeFile& operator=(WholeFile&& other) noexcept;
 
   Bytes bytes() const { return bytes_; }
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}; }
@@ -67,20 +76,35 @@ class SLAMDB_EXPORT MappedFile {
  private:
   std::string path_;
   Bytes bytes_;
-  bool mapped_;  // by this object; otherwise the bytes are somebody else's
+  std::size_t reserved_ = 0;  // bytes of a mapping that is this object's; 0: the bytes are somebody else's
+};
+
+// A source that can be looked at, and then read: the bytes of a stream, which come once, are read into memory. A file,
+// and bytes in memory, are as they were.
+//
+// Throws Error as WholeFile does, and what `look` throws.
+class SLAMDB_EXPORT HeldSource {
+ public:
+  explicit HeldSource(Source source, const WholeFile::Look& look = {});
+  const Source& source() const { return source_; }
+
+ private:
+  Source source_;
+  std::optional<WholeFile> stream_;
 };
 
 // The first bytes of a source: what a format looks at to say whether it is its own.
 struct Probe {
   std::string path;
-  std::string head;        // up to 4096 bytes
+  std::string head;        // up to 64 kB
   std::uint64_t size = 0;  // of the file
   bool is_directory = false;
   std::optional<Bytes> memory;  // of a source in memory, all of it
 
-  // Standard input (`-`) gives an empty head.
+  // Of a stream that is not held, nothing: an empty head.
   //
-  // Throws Error when the path is missing (kNotFound) or cannot be opened (kPermission and others, see SystemError).
+  // Throws Error when the path is missing (kNotFound) or cannot be opened (kPermission and others, see SystemError),
+  // and for a block device or a socket (kUsage).
   SLAMDB_EXPORT static Probe Of(const Source& source);
 };
 

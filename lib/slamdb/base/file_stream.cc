@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/detail/file_stream.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
 
 #include "slamdb/base/detail/run_files.h"
@@ -20,19 +16,6 @@ constexpr std::size_t kBlock = std::size_t{2} << 20;  // a huge page
 constexpr int kReadWrite = PROT_READ | PROT_WRITE;
 
 std::size_t Blocks(std::size_t bytes) { return (bytes + kBlock - 1) / kBlock; }
-
-// Reads up to `bytes` from the current position; less only at the end of the file.
-std::size_t ReadFully(const std::string& path, int descriptor, char* to, std::size_t bytes) {
-  std::size_t size = 0;
-  while (size < bytes) {
-    const ssize_t got = ::read(descriptor, to + size, bytes - size);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw SystemError(path, "cannot read");
-    if (got == 0) break;
-    size += static_cast<std::size_t>(got);
-  }
-  return size;
-}
 
 // Moves the memory behind a block of addresses to another. The old addresses must stay reserved: a mapping that
 // somebody else got there would go away with ours. Where the kernel cannot do that, the memory is given back.
@@ -47,35 +30,21 @@ bool MoveMemory(char* from, char* to) {
 
 }  // namespace
 
-FileStream::FileStream(const Source& source) : path_(source.path) {
-  if (source.memory) {
-    data_ = reinterpret_cast<const char*>(source.memory->data());
-    size_ = filled_ = source.memory->size();
-  } else if (source.is_file()) {
-    OpenFile();
-  } else {
-    ReadStandardInput();
+FileStream::FileStream(const Source& source, const WholeFile::Look& look) : path_(source.path) {
+  if (!source.memory && !IsStream(path_)) file_.emplace(path_);
+  if (file_ && !file_->is_stream()) {
+    EnterInput(path_);
+    size_ = static_cast<std::size_t>(file_->size());
+    ReserveAddresses(Blocks(size_) * kBlock);
+    return;
   }
-}
-
-void FileStream::OpenFile() {
-  EnterInput(path_);
-  descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) throw SystemError(path_, "cannot open");
-  struct stat status {};
-  if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(descriptor_);
-    throw Error(ErrorKind::kUsage, path_, "",
-                S_ISDIR(status.st_mode) ? "is a directory, expected a file"
-                                        : "is not a regular file; pipe it in and name the input `-`");
-  }
-  size_ = static_cast<std::size_t>(status.st_size);
-  ReserveAddresses(Blocks(size_) * kBlock);
+  stream_.emplace(source, look);
+  data_ = stream_->text().data();
+  size_ = filled_ = stream_->text().size();
 }
 
 FileStream::~FileStream() {
   if (reserved_ != nullptr) ::munmap(reserved_, reserved_bytes_);
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void FileStream::ReserveAddresses(std::size_t bytes) {
@@ -84,19 +53,6 @@ void FileStream::ReserveAddresses(std::size_t bytes) {
   if (range == MAP_FAILED) throw SystemError(path_, "cannot reserve addresses for the file");
   reserved_ = static_cast<char*>(range);
   data_ = window_ = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(reserved_) + kBlock - 1) & ~(kBlock - 1));
-}
-
-// The size is not known before the end, so a large range of addresses is set aside for it.
-void FileStream::ReadStandardInput() {
-  constexpr std::size_t kMostBytes = std::size_t{1} << 38;
-  ReserveAddresses(kMostBytes);
-  while (filled_ == backed_) {
-    if (backed_ == kMostBytes)
-      throw Error(ErrorKind::kOutOfResources, path_, "", "standard input is larger than 256 GiB");
-    AddBlock();
-    filled_ += ReadFully(path_, STDIN_FILENO, window_ + filled_, kBlock);
-  }
-  size_ = filled_;
 }
 
 // Puts memory behind the next block of addresses: that of a released block if there is one.
@@ -124,7 +80,7 @@ void FileStream::FillTo(std::size_t offset) {
   while (filled_ < wanted) {
     if (backed_ <= filled_) AddBlock();
     const std::size_t bytes = std::min(size_, backed_) - filled_;
-    if (ReadFully(path_, descriptor_, window_ + filled_, bytes) != bytes)
+    if (file_->Read(window_ + filled_, bytes) != bytes)
       throw Error(ErrorKind::kDamaged, path_, "byte " + std::to_string(filled_),
                   "the file became shorter while it was read");
     filled_ += bytes;

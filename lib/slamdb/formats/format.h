@@ -94,6 +94,7 @@ enum class FeatureColumns {
 struct ReadOptions : WithFormatOptions<ReadOptions> {
   std::string format;                     // id of one of Formats(); empty: told by the content, then by the suffix
   const Format* custom_format = nullptr;  // one of your own instead
+  Content needs = Content::kNothing;      // Error when the format of the input can hold nothing of this; none: never
   FeatureColumns features = FeatureColumns::kAll;
   Selection selection;
   std::vector<PartSize>* part_sizes = nullptr;  // filled where the format can tell

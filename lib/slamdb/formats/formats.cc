@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/csv/detail/csv.h"
 #include "slamdb/formats/detail/choose.h"
@@ -88,6 +89,13 @@ void RequireReadable(const Format& format, const std::string& path) {
                      Ids(CanRead), ")"));
 }
 
+// A trajectory has no points, and landmarks no keyframes.
+void RequireContent(const Format& format, Content needs, const std::string& path) {
+  if (needs == Content::kNothing || HasAny(format.reads, needs)) return;
+  throw Error(ErrorKind::kUnsupported, path, "",
+              Concat("is a ", format.title, "; an atlas is needed, such as the .osa file that ORB-SLAM3 saved"));
+}
+
 void RequireWritable(const Format& format, const std::string& path) {
   if (CanWrite(format)) return;
   throw Error(ErrorKind::kUsage, path, "",
@@ -116,16 +124,34 @@ Detected Detect(const Probe& probe) {
   return {.format = FormatBySuffix(probe.path, CanRead)};
 }
 
-const Format& DetectFormat(const Source& source) {
-  if (!source.memory && !source.is_file())
-    throw Error(
-        ErrorKind::kUsage, source.path, "",
-        Concat("standard input has no name to tell its format by; ReadOptions::format names it (", Ids(CanRead), ")"));
-  const Probe probe = Probe::Of(source);
+[[noreturn]] void RefuseForeign(const detail::ForeignFile& foreign, const std::string& path) {
+  throw Error(foreign.kind, path, "", foreign.sentence);
+}
+
+const Format& DetectFormat(const Probe& probe) {
   const Detected detected = Detect(probe);
   if (detected.format != nullptr) return *detected.format;
-  if (detected.foreign) throw Error(detected.foreign->kind, source.path, "", detected.foreign->sentence);
-  throw Error(ErrorKind::kDamaged, source.path, "", detail::DescribeUnknown(probe));
+  if (detected.foreign) RefuseForeign(*detected.foreign, probe.path);
+  throw Error(ErrorKind::kDamaged, probe.path, "", detail::DescribeUnknown(probe));
+}
+
+// A format that was asked for is not what the file has where the file is known to be something else.
+void RefuseOther(const Format& format, const Probe& probe) {
+  if (format.sniff != nullptr && format.sniff(probe)) return;
+  if (const auto foreign = detail::RecognizeOther(probe)) RefuseForeign(*foreign, probe.path);
+}
+
+// By the options, or by content, then by suffix.
+const Format& FormatOf(const Probe& probe, const ReadOptions& options) {
+  if (options.format.empty()) return DetectFormat(probe);
+  const Format& format = FormatById(options.format);
+  if (CanRead(format)) RefuseOther(format, probe);
+  return format;
+}
+
+const Format* FindReadable(const Source& source) {
+  const Format* format = Detect(Probe::Of(source)).format;
+  return format != nullptr && CanRead(*format) ? format : nullptr;
 }
 
 const Format& FormatOfSuffix(const Target& target) {
@@ -142,15 +168,21 @@ const Format& FormatOfSuffix(const Target& target) {
 
 }  // namespace
 
+HeldSource detail::Hold(const Source& source, const ReadOptions& options) {
+  if (options.custom_format != nullptr) return HeldSource(source);
+  return HeldSource(source, [&options](const Probe& beginning) { FormatOf(beginning, options); });
+}
+
 const Format& detail::FormatToRead(const Source& source, const ReadOptions& options) {
-  const Format* format = options.custom_format;
-  if (format == nullptr) format = options.format.empty() ? &DetectFormat(source) : &FormatById(options.format);
-  if (!options.format.empty() && !CanRead(*format))
+  const Format& format =
+      options.custom_format != nullptr ? *options.custom_format : FormatOf(Probe::Of(source), options);
+  if (!options.format.empty() && !CanRead(format))
     throw Error(ErrorKind::kUsage, source.path, "",
-                Concat("format `", format->id, "` can only be written; readable are ", Ids(CanRead)));
-  RequireReadable(*format, source.path);
-  RequirePlain(*format, source.path, source.name);
-  return *format;
+                Concat("format `", format.id, "` can only be written; readable are ", Ids(CanRead)));
+  RequireReadable(format, source.path);
+  RequireContent(format, options.needs, source.path);
+  RequirePlain(format, source.path, source.name);
+  return format;
 }
 
 const Format& detail::FormatToWrite(const Target& target, const WriteOptions& options) {
@@ -172,15 +204,15 @@ const Format& FormatById(std::string_view id) {
 }
 
 const Format& FormatOfInput(const Location& location, std::string_view id) {
-  return detail::FormatToRead({location.path, location.name}, {.format = std::string(id)});
+  const ReadOptions options{.format = std::string(id)};
+  return detail::FormatToRead(detail::Hold({location.path, location.name}, options).source(), options);
 }
 
 const Format* FindFormatOfInput(const Location& location) {
-  const Source source(location.path);
-  if (!source.is_file()) return nullptr;
-  const Format* format = Detect(Probe::Of(source)).format;
-  return format != nullptr && CanRead(*format) ? format : nullptr;
+  return detail::IsStream(location.path) ? nullptr : FindReadable(Source(location.path));
 }
+
+const Format* FindFormatOfInput(const HeldSource& held) { return FindReadable(held.source()); }
 
 bool HoldsNamedAtlases(const std::string& path) {
   constexpr auto kNamed = [](const Format& format) { return format.named; };

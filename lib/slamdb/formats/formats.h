@@ -19,6 +19,7 @@ namespace slamdb {
 // ---- reading
 
 // Reads with the format of the options, or else the one that the input has by its content, then by its suffix.
+// Streams (standard input, a FIFO) are read into memory, up to kMostStreamBytes.
 //
 // Throws Error:
 //   kNotFound        nothing is there
@@ -35,6 +36,9 @@ namespace slamdb {
 //
 // Throws Error as above, and kNotPossible when the stream fails.
 [[nodiscard]] SLAMDB_EXPORT Atlas ReadAtlas(std::istream& stream, const ReadOptions& options = {},
+                                            Notices* notices = nullptr);
+// The same of a source that was looked at before.
+[[nodiscard]] SLAMDB_EXPORT Atlas ReadAtlas(const HeldSource& held, const ReadOptions& options = {},
                                             Notices* notices = nullptr);
 // The same of bytes in memory, which are not copied.
 //
@@ -76,15 +80,17 @@ SLAMDB_EXPORT std::span<const Format> Formats();
 // Throws Error (kUsage) naming the known ids.
 SLAMDB_EXPORT const Format& FormatById(std::string_view id);
 
-// The format of a file that is there: by content first, then by suffix; `id` overrides.
+// The format of a file that is there: by content first, then by suffix; `id` overrides. A stream is read for it.
 //
 // Throws Error as ReadAtlas does.
 SLAMDB_EXPORT const Format& FormatOfInput(const Location& location, std::string_view id = {});
 
-// The same, or null for a file that is no atlas which slamdb reads, and for standard input.
+// The same, or null for what is no atlas that slamdb reads, and for a stream, which is not read for it unless it is
+// held.
 //
 // Throws Error (kNotFound) when there is no such file.
 [[nodiscard]] SLAMDB_EXPORT const Format* FindFormatOfInput(const Location& location);
+[[nodiscard]] SLAMDB_EXPORT const Format* FindFormatOfInput(const HeldSource& held);
 
 // Whether the file holds several atlases, each under a name: by its suffix, or by its content. False where none is
 // there or it cannot be read.

@@ -105,15 +105,19 @@ Json TotalsJson(const AtlasStatistics& totals) {
 }  // namespace
 
 AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notices, bool header_only) {
-  const Format& found = detail::FormatToRead({location.path, location.name}, options);
+  const HeldSource held = detail::Hold({location.path, location.name}, options);
+  const Format& found = detail::FormatToRead(held.source(), options);
   AtlasInfo info{
       .input = location.ToString(), .format_id = std::string(found.id), .format_title = std::string(found.title)};
   options.features = header_only ? FeatureColumns::kNone : FeatureColumns::kGeometry;
   options.part_sizes = &info.parts;
-  const Atlas atlas = ReadAtlas(location, options, notices);
+  const Atlas atlas = ReadAtlas(held, options, notices);
   std::error_code unknown;
   const std::uint64_t size = std::filesystem::file_size(location.path, unknown);
-  if (!unknown) info.bytes = size;
+  if (held.source().memory)
+    info.bytes = held.source().memory->size();
+  else if (!unknown)
+    info.bytes = size;
   if (found.keeps_encoding) info.encoding = atlas.encoding;
   info.vocabulary = atlas.vocabulary;
   info.next_ids = atlas.next_ids;

@@ -16,7 +16,7 @@ namespace slamdb {
 struct AtlasInfo {
   std::string input;  // as it was named
   std::string format_id, format_title;
-  std::optional<std::uint64_t> bytes;       // of the file; a store's too; none for standard input
+  std::optional<std::uint64_t> bytes;       // of the input; a store's too
   std::optional<ArchiveEncoding> encoding;  // of an .osa file, or an atlas in a store
   Vocabulary vocabulary;
   Counters next_ids;

@@ -26,7 +26,9 @@ auto InMemory(const std::string& path, const char* problem, const Work& work) {
 Atlas Read(const Source& source, const ReadOptions& options, Notices* notices) {
   Notices unheard;
   return InMemory(source.path, "the machine has too little memory left to read it", [&] {
-    return detail::FormatToRead(source, options).read(source, options, notices == nullptr ? unheard : *notices);
+    const HeldSource held = detail::Hold(source, options);
+    const Format& format = detail::FormatToRead(held.source(), options);
+    return format.read(held.source(), options, notices == nullptr ? unheard : *notices);
   });
 }
 
@@ -81,6 +83,10 @@ std::string WholeStream(std::istream& stream) {
 
 Atlas ReadAtlas(const Location& location, const ReadOptions& options, Notices* notices) {
   return Read({location.path, location.name}, options, notices);
+}
+
+Atlas ReadAtlas(const HeldSource& held, const ReadOptions& options, Notices* notices) {
+  return Read(held.source(), options, notices);
 }
 
 Atlas ReadAtlas(std::istream& stream, const ReadOptions& options, Notices* notices) {

@@ -15,14 +15,15 @@ namespace {
 
 // Whether nothing but its name says what the file is: a disk that was not written in time holds zeros.
 bool IsArchiveThatBeginsWithZeros(const Source& source) {
-  if (!source.is_file() || !source.path.ends_with(".osa")) return false;
-  const std::string head = Probe::Of(source).head;
+  if (!source.path.ends_with(".osa")) return false;
+  constexpr std::size_t kPage = 4096;
+  const std::string head = Probe::Of(source).head.substr(0, kPage);
   return !head.empty() && std::all_of(head.begin(), head.end(), [](char byte) { return byte == 0; });
 }
 
 const Format& FormatToSalvage(const Source& source, const ReadOptions& options) {
-  const bool detected = options.format.empty() && options.custom_format == nullptr;
-  if (detected && IsArchiveThatBeginsWithZeros(source)) return kOrbslam3Format;
+  const bool may_be = options.format.empty() || options.format == kOrbslam3Format.id;
+  if (options.custom_format == nullptr && may_be && IsArchiveThatBeginsWithZeros(source)) return kOrbslam3Format;
   return detail::FormatToRead(source, options);
 }
 
@@ -33,7 +34,7 @@ std::string RecoverableIds() {
   return ids;
 }
 
-Salvage SalvageSource(const Source& source, const ReadOptions& options) {
+Salvage SalvageHeld(const Source& source, const ReadOptions& options) {
   const Format& format = FormatToSalvage(source, options);
   if (format.salvage == nullptr)
     throw Error(
@@ -44,6 +45,10 @@ Salvage SalvageSource(const Source& source, const ReadOptions& options) {
   } catch (const std::bad_alloc&) {
     throw Error(ErrorKind::kOutOfResources, source.path, "", "the machine has too little memory left to read it");
   }
+}
+
+Salvage SalvageSource(const Source& source, const ReadOptions& options) {
+  return SalvageHeld(detail::Hold(source, options).source(), options);
 }
 
 }  // namespace

@@ -214,9 +214,11 @@ TEST(TakePart, IsWhatKeepingTheSubsetLeaves) {
   const AtlasIndex index(atlas);
   for (const Part& part : SplitAtlas(index, {.by = SplitBy::kMap})) {
     SubsetReport taken, kept;
-    const Atlas own = TakePart(atlas, part.subset, taken);
+    const Atlas own = TakePart(index, part, Border::kSmart, taken);
     Atlas whole = atlas;
-    kept = KeepSubset(whole, part.subset);
+    Subset subset = Select(index, {.map = atlas.maps[part.maps.at(0).map].id});
+    SettleBorder(index, Border::kSmart, subset);
+    kept = KeepSubset(whole, subset);
     EXPECT_THAT(own, EqualsAtlas(whole)) << part.name;
     EXPECT_EQ(taken.maps, 2U);
     EXPECT_EQ(taken.keyframes, kept.keyframes);
@@ -224,6 +226,49 @@ TEST(TakePart, IsWhatKeepingTheSubsetLeaves) {
     EXPECT_EQ(taken.before, CountEntities(atlas));
     EXPECT_EQ(taken.after, CountEntities(own));
     EXPECT_THAT(Troubles(own), IsEmpty());
+  }
+}
+
+TEST(TakePart, TakesSessionsThroughSeveralMaps) {
+  const Atlas atlas = Rows();
+  const AtlasIndex index(atlas);
+  for (const Part& part : SplitAtlas(index, {.by = SplitBy::kSession})) {
+    SubsetReport taken, kept;
+    const Atlas own = TakePart(index, part, Border::kSmart, taken);
+    Atlas whole = atlas;
+    const std::uint32_t session = atlas.maps[part.maps[0].map].keyframes[part.maps[0].keyframes.at(0)].origin_map;
+    Subset subset = Select(index, {.session = session});
+    SettleBorder(index, Border::kSmart, subset);
+    kept = KeepSubset(whole, subset);
+    EXPECT_THAT(own, EqualsAtlas(whole)) << part.name;
+    EXPECT_EQ(taken.after, kept.after) << part.name;
+  }
+}
+
+TEST(TakePart, RefusesPartsOfAnotherAtlas) {
+  const Atlas atlas = Rows(), other;
+  const std::vector<Part> parts = SplitAtlas(AtlasIndex(atlas), {.by = SplitBy::kMap});
+  SubsetReport taken;
+  EXPECT_EQ(KindOf([&] { return TakePart(AtlasIndex(other), parts[0], Border::kSmart, taken); }), ErrorKind::kUsage);
+}
+
+// A flag for each row of the atlas in each part would take memory by the square of their number.
+TEST(SplitAtlas, ListsRowsOnceHoweverManyPartsThereAre) {
+  Atlas atlas;
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    Map& map = atlas.maps.emplace_back();
+    map.id = MapId(i);
+    map.keyframes.emplace_back().id = KeyFrameId(i);
+    map.keyframes[0].origin_map = i;
+  }
+  const AtlasIndex index(atlas);
+  for (const SplitBy by : {SplitBy::kMap, SplitBy::kSession, SplitBy::kComponent}) {
+    const std::vector<Part> parts = SplitAtlas(index, {.by = by});
+    EXPECT_THAT(parts, SizeIs(3000));
+    for (const Part& part : parts) {
+      ASSERT_THAT(part.maps, SizeIs(1));
+      EXPECT_THAT(part.maps[0].keyframes, SizeIs(1));
+    }
   }
 }
 
@@ -257,7 +302,7 @@ TEST(Select, MapsOfLandmarksAloneStayWithThem) {
   const std::vector<Part> parts = SplitAtlas(index, {.by = SplitBy::kMap});
   ASSERT_THAT(parts, SizeIs(3));
   SubsetReport taken;
-  EXPECT_THAT(TakePart(atlas, parts[2].subset, taken).maps[0].landmarks, SizeIs(2));
+  EXPECT_THAT(TakePart(index, parts[2], Border::kSmart, taken).maps[0].landmarks, SizeIs(2));
   EXPECT_EQ(taken.landmarks, 4U);
   Atlas whole = atlas;
   KeepSubset(whole, Subset::Everything(whole));

@@ -115,7 +115,6 @@ TEST(Formats, ThatAreUnknownAreAnsweredWithTheKnownOnes) {
   EXPECT_THAT(ProblemOf([] { FormatById("plyy"); }), HasSubstr("unknown format `plyy`; known are "));
   EXPECT_THAT(ProblemOf([] { FormatOfOutput({"a.xyz", ""}); }), HasSubstr(".ply"));
   EXPECT_THAT(ProblemOf([] { FormatOfOutput({"-", ""}); }), HasSubstr("WriteOptions::format names it"));
-  EXPECT_THAT(ProblemOf([] { FormatOfInput({"-", ""}); }), HasSubstr("ReadOptions::format names it"));
   EXPECT_THAT(ProblemOf([] { FormatOfOutput({"a.ply", "office"}); }), HasSubstr("names one atlas of a store"));
 }
 

@@ -200,7 +200,7 @@ TEST(FormatOptions, ReachTheirFormat) {
 constexpr std::string_view kMagic = "timestamps\n";
 
 Atlas ReadTimestamps(const Source& source, const ReadOptions& options, Notices&) {
-  const MappedFile file(source);
+  const WholeFile file(source);
   if (!file.text().starts_with(kMagic)) throw Error(ErrorKind::kDamaged, source.path, "byte 0", "no timestamps");
   std::istringstream text{std::string(file.text().substr(kMagic.size()))};
   Atlas atlas;

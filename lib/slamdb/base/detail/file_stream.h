@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/file.h"
 
 namespace slamdb::detail {
@@ -14,13 +16,13 @@ namespace slamdb::detail {
 // which those between the last Release() and filled() can be looked at. Memory is that of the window; the huge pages of
 // what was released are moved to where reading goes on, so that the kernel neither clears nor finds new ones. That is
 // several times faster than mapping the file, whose page faults cost more than copying it, and a file that somebody
-// shortens meanwhile is an Error instead of a SIGBUS. `-` is standard input, which is read whole; bytes in memory are
-// filled from the start and stay where they are.
+// shortens meanwhile is an Error instead of a SIGBUS. A stream (`-`, a FIFO) is read whole; bytes in memory are filled
+// from the start and stay where they are.
 // FillTo() belongs to one thread; Release() may be called from any.
 class FileStream {
  public:
-  // Throws Error when the path is missing, a directory, not a regular file, or not readable.
-  explicit FileStream(const Source& source);
+  // `look` sees the beginning of a stream. Throws Error as WholeFile does.
+  explicit FileStream(const Source& source, const WholeFile::Look& look = {});
   ~FileStream();
   FileStream(const FileStream&) = delete;
   FileStream& operator=(const FileStream&) = delete;
@@ -36,13 +38,12 @@ class FileStream {
   void Release(std::size_t offset);
 
  private:
-  void OpenFile();
   void ReserveAddresses(std::size_t bytes);
-  void ReadStandardInput();
   void AddBlock();
 
   std::string path_;
-  int descriptor_ = -1;
+  std::optional<OpenedInput> file_;  // a regular one
+  std::optional<WholeFile> stream_;
   char* reserved_ = nullptr;  // the whole range of addresses, with room to align
   std::size_t reserved_bytes_ = 0;
   char* window_ = nullptr;      // in that range, aligned to blocks; null for bytes in memory

@@ -254,7 +254,7 @@ std::vector<GpsFix> ParseFixes(std::string_view text, const FixReadOptions& opti
 }
 
 std::vector<GpsFix> ReadFixes(const std::string& path, const FixReadOptions& options, Notices* notices) {
-  return detail::ParseFile(path, [&](std::string_view text) {
+  return detail::ParseFile(path, "a table of GPS fixes", [&](std::string_view text) {
     auto fixes = ParseFixes(text, options, notices);
     if (fixes.empty()) throw Error(ErrorKind::kDamaged, "holds no fix");
     return fixes;

@@ -75,7 +75,8 @@ Similarity3d ParseSimilarity(std::string_view text) {
 
 Similarity3d ReadSimilarity(const std::string& text_or_path) {
   std::error_code missing;
-  if (std::filesystem::exists(text_or_path, missing)) return detail::ParseFile(text_or_path, ParseSimilarity);
+  if (std::filesystem::exists(text_or_path, missing))
+    return detail::ParseFile(text_or_path, "a transform", ParseSimilarity);
   if (text_or_path.find_first_of("0123456789") == std::string::npos)
     throw Error(ErrorKind::kNotFound, text_or_path, "", "is neither a transform nor a file that holds one");
   return ParseSimilarity(text_or_path);

@@ -91,7 +91,7 @@ void WriteIdMaps(std::span<const IdMap> maps, const std::string& path, const Ato
 }
 
 std::vector<IdMap> ReadIdMaps(const std::string& path) {
-  return detail::ParseFile(path, IsJson(path) ? ParseIdMapsJson : ParseIdMapsCsv);
+  return detail::ParseFile(path, "a table of ids", IsJson(path) ? ParseIdMapsJson : ParseIdMapsCsv, {"report"});
 }
 
 IdMap ReadIdMap(const std::string& path, const std::string& input) {

@@ -75,7 +75,7 @@ Anchors ParseAnchorsCsv(std::string_view csv) {
 Anchors ReadAnchors(const std::string& text_or_path) {
   std::error_code missing;
   if (!std::filesystem::exists(text_or_path, missing)) return ParseAnchors(text_or_path);
-  return detail::ParseFile(text_or_path, ParseAnchorsCsv);
+  return detail::ParseFile(text_or_path, "a table of anchors", ParseAnchorsCsv);
 }
 
 }  // namespace slamdb

@@ -2,10 +2,10 @@
 #include "slamdb/edit/part/split.h"
 
 #include <algorithm>
-#include <set>
+#include <map>
+#include <numeric>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/part/select.h"
 
@@ -14,59 +14,72 @@ namespace {
 
 using detail::Concat;
 
-bool HasAny(const std::vector<std::uint8_t>& flags) { return std::ranges::count(flags, 1) > 0; }
-
-// The part of some keyframes of one map, and the points that they observe.
-Subset PartOf(const AtlasIndex& index, const Component& component) {
-  Subset subset = Subset::Nothing(index.atlas());
-  auto& [keyframes, points, landmarks] = subset.maps[component.map];
-  std::ranges::fill(landmarks, std::uint8_t{1});
-  for (const std::uint32_t row : component.keyframes) keyframes[row] = 1;
-  const Map& map = index.atlas().maps[component.map];
-  for (std::size_t i = 0; i < points.size(); ++i)
-    points[i] =
-        std::ranges::any_of(map.points[i].observations, [&, &flags = keyframes](const Observation& observation) {
-          const std::uint32_t observer = index.KeyFrameRow(component.map, observation.keyframe);
-          return observer != kNoRow && flags[observer] != 0;
-        });
-  return subset;
-}
-
+// Sessions go through several maps.
 void AddSessions(const AtlasIndex& index, std::vector<Part>& parts) {
-  std::set<std::uint32_t> sessions;
-  for (const Map& map : index.atlas().maps)
-    for (const KeyFrame& keyframe : map.keyframes) sessions.insert(keyframe.origin_map);
-  for (const std::uint32_t session : sessions)
-    parts.push_back({Concat("session-", session), Select(index, {.session = session})});
+  std::map<std::uint32_t, std::vector<Part::OfMap>> sessions;
+  const Atlas& atlas = index.atlas();
+  for (std::uint32_t map = 0; map < atlas.maps.size(); ++map) {
+    for (std::uint32_t row = 0; row < atlas.maps[map].keyframes.size(); ++row) {
+      std::vector<Part::OfMap>& session = sessions[atlas.maps[map].keyframes[row].origin_map];
+      if (session.empty() || session.back().map != map) session.push_back({map, {}});
+      session.back().keyframes.push_back(row);
+    }
+  }
+  for (auto& [session, maps] : sessions) parts.push_back({Concat("session-", session), std::move(maps), {}});
 }
 
 void AddMaps(const AtlasIndex& index, std::vector<Part>& parts) {
   const Atlas& atlas = index.atlas();
-  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+  for (std::uint32_t row = 0; row < atlas.maps.size(); ++row) {
     const Map& map = atlas.maps[row];
     if (map.keyframes.empty() && map.landmarks.empty()) continue;
-    Part& part = parts.emplace_back(Part{Concat("map-", map.id.value()), Subset::Nothing(atlas)});
-    part.subset.maps[row] = Subset::Everything(atlas).maps[row];
+    std::vector<std::uint32_t> keyframes(map.keyframes.size());
+    std::iota(keyframes.begin(), keyframes.end(), 0U);
+    parts.push_back({Concat("map-", map.id.value()), {{row, std::move(keyframes)}}, {}});
   }
 }
 
 void AddComponents(const AtlasIndex& index, std::vector<Part>& parts) {
   for (std::uint32_t row = 0; row < index.atlas().maps.size(); ++row) {
     std::size_t number = 0;
-    for (const Component& component : FindComponents(index, row))
-      parts.push_back(
-          {Concat("map-", index.atlas().maps[row].id.value(), "-component-", ++number), PartOf(index, component)});
+    for (Component& component : FindComponents(index, row))
+      parts.push_back({Concat("map-", index.atlas().maps[row].id.value(), "-component-", ++number),
+                       {{row, std::move(component.keyframes)}},
+                       {}});
   }
 }
 
-bool IsSmall(const Part& part, std::size_t min_keyframes) {
+bool IsSmall(const Atlas& atlas, const Part& part, std::size_t min_keyframes) {
   std::size_t keyframes = 0;
   bool has_landmarks = false;
-  for (const Subset::MapRows& rows : part.subset.maps) {
-    keyframes += static_cast<std::size_t>(std::ranges::count(rows.keyframes, 1));
-    has_landmarks = has_landmarks || HasAny(rows.landmarks);
+  for (const Part::OfMap& of : part.maps) {
+    keyframes += of.keyframes.size();
+    has_landmarks = has_landmarks || !atlas.maps[of.map].landmarks.empty();
   }
   return keyframes < min_keyframes && (keyframes > 0 || !has_landmarks);
+}
+
+void RequireOfAtlas(const Atlas& atlas, const Part& part) {
+  for (const Part::OfMap& of : part.maps)
+    if (of.map >= atlas.maps.size() ||
+        (!of.keyframes.empty() && std::ranges::max(of.keyframes) >= atlas.maps[of.map].keyframes.size()))
+      throw Error(ErrorKind::kUsage, Concat("the part ", part.name, " is not of this atlas"));
+}
+
+// What a part takes of one map, with its border settled.
+Subset::MapRows RowsOf(const AtlasIndex& index, const Part::OfMap& of, Border border, int threads) {
+  const Map& map = index.atlas().maps[of.map];
+  Subset::MapRows rows{.keyframes = std::vector<std::uint8_t>(map.keyframes.size(), 0),
+                       .points = std::vector<std::uint8_t>(map.points.size(), 0),
+                       .landmarks = std::vector<std::uint8_t>(map.landmarks.size(), 1)};
+  for (const std::uint32_t row : of.keyframes) rows.keyframes[row] = 1;
+  for (std::size_t i = 0; i < map.points.size(); ++i)
+    rows.points[i] = std::ranges::any_of(map.points[i].observations, [&](const Observation& observation) {
+      const std::uint32_t observer = index.KeyFrameRow(of.map, observation.keyframe);
+      return observer != kNoRow && rows.keyframes[observer] != 0;
+    });
+  SettleBorder(index, of.map, border, rows, threads);
+  return rows;
 }
 
 std::string_view NameOf(SplitBy by) {
@@ -80,44 +93,36 @@ std::vector<Part> SplitAtlas(const AtlasIndex& index, const SplitOptions& option
   if (options.by == SplitBy::kSession) AddSessions(index, parts);
   if (options.by == SplitBy::kMap) AddMaps(index, parts);
   if (options.by == SplitBy::kComponent) AddComponents(index, parts);
-  std::erase_if(parts, [&](const Part& part) { return IsSmall(part, options.min_keyframes); });
+  std::erase_if(parts, [&](const Part& part) { return IsSmall(index.atlas(), part, options.min_keyframes); });
   if (parts.empty())
     throw Error(ErrorKind::kNotPossible, Concat("has no ", NameOf(options.by), " with ", options.min_keyframes,
                                                 options.min_keyframes == 1 ? " keyframe" : " keyframes"));
-  detail::Steps steps(options.progress, "splitting", parts.size());
-  for (Part& part : parts) {
-    SettleBorder(index, options.border, part.subset, options.threads);
-    steps.Next();
-  }
+  const EntityCounts counts = CountEntities(index.atlas());
+  for (Part& part : parts) part.of_atlas = counts;
   return parts;
 }
 
-Atlas TakePart(const Atlas& atlas, const Subset& subset, SubsetReport& report, int threads) {
-  Atlas part;
-  part.vocabulary = atlas.vocabulary;
-  part.cameras = atlas.cameras;
-  part.next_ids = atlas.next_ids;
-  part.encoding = atlas.encoding;
-  Subset rows;
-  SubsetReport left;
-  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
-    if (!HasAny(subset.maps.at(row).keyframes) && !HasAny(subset.maps[row].landmarks)) {
-      ++left.maps;
-      left.landmarks += atlas.maps[row].landmarks.size();
-      left.keyframes += atlas.maps[row].keyframes.size();
-      left.points += atlas.maps[row].points.size();
-      continue;
-    }
-    part.maps.push_back(atlas.maps[row]);
-    rows.maps.push_back(subset.maps[row]);
+Atlas TakePart(const AtlasIndex& index, const Part& part, Border border, SubsetReport& report, int threads) {
+  const Atlas& atlas = index.atlas();
+  RequireOfAtlas(atlas, part);
+  Atlas own;
+  own.vocabulary = atlas.vocabulary;
+  own.cameras = atlas.cameras;
+  own.next_ids = atlas.next_ids;
+  own.encoding = atlas.encoding;
+  Subset subset;
+  for (const Part::OfMap& of : part.maps) {
+    own.maps.push_back(atlas.maps[of.map]);
+    subset.maps.push_back(RowsOf(index, of, border, threads));
   }
-  report = KeepSubset(part, rows, threads);
-  report.before = CountEntities(atlas);
-  report.maps += left.maps;
-  report.keyframes += left.keyframes;
-  report.points += left.points;
-  report.landmarks += left.landmarks;
-  return part;
+  report = KeepSubset(own, subset, threads);
+  const EntityCounts copied = report.before;
+  report.before = part.of_atlas;
+  report.maps += report.before.maps - copied.maps;
+  report.keyframes += report.before.keyframes - copied.keyframes;
+  report.points += report.before.points - copied.points;
+  report.landmarks += report.before.landmarks - copied.landmarks;
+  return own;
 }
 
 }  // namespace slamdb

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "slamdb/base/progress.h"
 #include "slamdb/base/report_files.h"
 #include "slamdb/edit/part/subset.h"
 #include "slamdb/export.h"
@@ -20,32 +20,34 @@ enum class SplitBy {
 
 struct SplitOptions {
   SplitBy by = SplitBy::kMap;
-  Border border = Border::kSmart;  // for points that several parts observe
-  std::size_t min_keyframes = 1;   // parts with fewer are left out, but for maps of landmarks alone
-  int threads = 0;                 // 0: every core
-  Progress progress;               // may be empty
+  std::size_t min_keyframes = 1;  // parts with fewer are left out, but for maps of landmarks alone
 };
 
 // One part of an atlas that is split: `map-3`, `session-0`, `map-3-component-2`.
 struct Part {
+  struct OfMap {
+    std::uint32_t map = 0;                 // row of Atlas::maps
+    std::vector<std::uint32_t> keyframes;  // rows, ascending
+  };
   std::string name;
-  Subset subset;
+  std::vector<OfMap> maps;  // those that it has something of, ascending
+  EntityCounts of_atlas;    // how many there are in all
 };
 
-// The parts in order of map, session or component (by size within its map), with their borders settled.
+// The parts in order of map, session or component (by size within its map).
 // Maps without keyframes are none, unless they hold landmarks and are parts as a whole.
-// Points belong to every part that observes them, landmarks to every part of their map.
 //
 // Throws Error (kNotPossible) when no part is left.
-// Cost: linear for each part.
+// Cost: linear in the atlas, time and memory, however many parts there are.
 [[nodiscard]] SLAMDB_EXPORT std::vector<Part> SplitAtlas(const AtlasIndex& index, const SplitOptions& options = {});
 
-// KeepSubset of a copy. Maps without a keyframe or landmark in the subset are not copied.
+// An atlas of the part alone: its keyframes, the points that they observe, as far as the border lets them stay, and all
+// landmarks of their maps; closed as KeepSubset does it.
 //
-// Throws Error (kUsage) when the subset is not of this atlas.
-// Cost: linear in the part. `threads` 0: every core.
-[[nodiscard]] SLAMDB_EXPORT Atlas TakePart(const Atlas& atlas, const Subset& subset, SubsetReport& report,
-                                           int threads = 0);
+// Throws Error (kUsage) when the part is not of this atlas.
+// Cost: linear in the maps that the part is of. `threads` 0: every core.
+[[nodiscard]] SLAMDB_EXPORT Atlas TakePart(const AtlasIndex& index, const Part& part, Border border,
+                                           SubsetReport& report, int threads = 0);
 
 // A part that was taken, for the report.
 struct TakenPart {

@@ -228,15 +228,19 @@ std::set<CameraId> UsedCameras(const Atlas& atlas) {
   return used;
 }
 
+void RefuseOther() {
+  throw Error(ErrorKind::kUsage, "the subset is not of this atlas: it has other maps, keyframes, points or landmarks");
+}
+
+void RequireSameShape(const Map& map, const Subset::MapRows& rows) {
+  if (rows.keyframes.size() != map.keyframes.size() || rows.points.size() != map.points.size() ||
+      rows.landmarks.size() != map.landmarks.size())
+    RefuseOther();
+}
+
 void RequireSameShape(const Atlas& atlas, const Subset& subset) {
-  bool fits = atlas.maps.size() == subset.maps.size();
-  for (std::size_t row = 0; fits && row < atlas.maps.size(); ++row)
-    fits = subset.maps[row].keyframes.size() == atlas.maps[row].keyframes.size() &&
-           subset.maps[row].points.size() == atlas.maps[row].points.size() &&
-           subset.maps[row].landmarks.size() == atlas.maps[row].landmarks.size();
-  if (!fits)
-    throw Error(ErrorKind::kUsage,
-                "the subset is not of this atlas: it has other maps, keyframes, points or landmarks");
+  if (atlas.maps.size() != subset.maps.size()) RefuseOther();
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) RequireSameShape(atlas.maps[row], subset.maps[row]);
 }
 
 Subset Filled(const Atlas& atlas, std::uint8_t value) {
@@ -310,15 +314,18 @@ Subset Subset::Nothing(const Atlas& atlas) { return Filled(atlas, 0); }
 
 void SettleBorder(const AtlasIndex& index, Border border, Subset& subset, int threads) {
   RequireSameShape(index.atlas(), subset);
-  for (std::size_t map_row = 0; map_row < subset.maps.size(); ++map_row) {
-    Subset::MapRows& rows = subset.maps[map_row];
-    if (border == Border::kCompletePoints) AddObservers(index, map_row, rows);
-    const PointBorder points(index, map_row, rows.keyframes);
-    detail::ParallelFor(rows.points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row)
-        if (rows.points[row] && !points.Holds(index.atlas().maps[map_row].points[row], border)) rows.points[row] = 0;
-    });
-  }
+  for (std::uint32_t map = 0; map < subset.maps.size(); ++map)
+    SettleBorder(index, map, border, subset.maps[map], threads);
+}
+
+void SettleBorder(const AtlasIndex& index, std::uint32_t map, Border border, Subset::MapRows& rows, int threads) {
+  RequireSameShape(index.atlas().maps.at(map), rows);
+  if (border == Border::kCompletePoints) AddObservers(index, map, rows);
+  const PointBorder points(index, map, rows.keyframes);
+  detail::ParallelFor(rows.points.size(), kPointGrain, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row)
+      if (rows.points[row] && !points.Holds(index.atlas().maps[map].points[row], border)) rows.points[row] = 0;
+  });
 }
 
 SubsetReport KeepSubset(Atlas& atlas, const Subset& subset, int threads) {

@@ -39,6 +39,9 @@ enum class Border {
 // Throws Error (kUsage) when the subset is not of this atlas.
 // Cost: linear. `threads` 0: every core.
 SLAMDB_EXPORT void SettleBorder(const AtlasIndex& index, Border border, Subset& subset, int threads = 0);
+// The same of one map alone, a row of Atlas::maps.
+SLAMDB_EXPORT void SettleBorder(const AtlasIndex& index, std::uint32_t map, Border border, Subset::MapRows& rows,
+                                int threads = 0);
 
 // How many entities there are.
 struct EntityCounts {

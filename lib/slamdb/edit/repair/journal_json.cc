@@ -239,6 +239,6 @@ void WriteJournal(const Journal& journal, const std::string& path, const AtomicF
   file.Commit();
 }
 
-Journal ReadJournal(const std::string& path) { return detail::ParseFile(path, ParseJournal); }
+Journal ReadJournal(const std::string& path) { return detail::ParseFile(path, "a journal", ParseJournal, {"journal"}); }
 
 }  // namespace slamdb

@@ -64,6 +64,8 @@ struct SalvageReport {
   std::vector<std::string> losses;                  // what is lost or was found again in another way, one sentence each
   RecoverReport recovery;
 
+  std::string undone;  // as in Salvage
+
   bool untouched = false;  // the file was whole and sound, and the atlas is as it was read
 
   bool whole() const { return damage.empty(); }

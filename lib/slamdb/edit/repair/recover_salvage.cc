@@ -102,6 +102,7 @@ bool IsSound(const Atlas& atlas, const RecoverOptions& options) {
 
 SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
   SalvageReport report{.damage = salvage.damage};
+  report.undone = salvage.undone;
   report.untouched = report.whole() && IsSound(salvage.atlas, options);
   RecoverOptions recover = options;
   recover.triangulate = options.triangulate && !report.whole();

@@ -60,6 +60,7 @@ std::string ToJson(const SalvageReport& report, const ReportFiles& files) {
   json["points"] = JsonOf(report.points);
   json["points"]["triangulated"] = report.recovery.triangulated_points.size();
   json["landmarks"] = JsonOf(report.landmarks);
+  json["transfer"] = detail::TextOrNull(report.undone);
   json["damage"] = report.damage;
   json["losses"] = report.losses;
   json["repairs"] = ListOf(report.recovery.repairs);

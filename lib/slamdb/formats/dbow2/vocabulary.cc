@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/file_stream.h"
 #include "slamdb/base/detail/hash.h"
+#include "slamdb/base/detail/recognize.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/dbow2/detail/encoding.h"
@@ -38,26 +39,18 @@ Vocabulary Identify(const std::string& path, std::string_view file) {
   return {std::filesystem::path(path).filename().string(), detail::Md5(std::as_bytes(std::span(file)))};
 }
 
-// What people take for a vocabulary that ORB-SLAM3 reads.
-std::string DescribeOther(std::string_view file) {
-  struct Signature {
-    std::string_view start, meaning;
-  };
-  using namespace std::string_view_literals;
-  static constexpr Signature kSignatures[] = {
-      {"\x1f\x8b"sv, "is compressed; unpack it first (`tar -xzf ORBvoc.txt.tar.gz`)"},
-      {"\xfd"
-       "7zXZ"sv,
-       "is compressed; unpack it first (`xz -dk`)"},
-      {"%YAML"sv, "is a DBoW2 vocabulary as YAML, which ORB-SLAM3 does not read; save it as text"},
-      {"\xfc\xce\x53\x03\0\0\0\0"sv, "is an FBoW vocabulary, whose words are numbered otherwise than DBoW2's"},
-      {"\x81\x3f\x86\xb1\x14\0\0\0"sv, "is a DBoW3 vocabulary, which ORB-SLAM3 does not read"},
-  };
-  if (file.empty()) return "is empty";
-  if (detail::IsUtf16(file)) return "is text in UTF-16, which ORB-SLAM3 does not read; save it as UTF-8";
-  for (const Signature& signature : kSignatures)
-    if (file.starts_with(signature.start)) return std::string(signature.meaning);
+// What people take for a vocabulary that ORB-SLAM3 reads; empty when it is one, or its binary form.
+std::string DescribeOther(const std::string& path, std::string_view file) {
+  if (IsUsable(dbow2::ParseTextHeader(file)) || IsUsable(dbow2::ParseBinaryHeader(file))) return {};
+  const auto recognized = detail::Recognize(Probe::Of({std::as_bytes(std::span(file)), path}));
+  if (recognized && recognized->id != "vocabulary") return detail::SentenceOf(*recognized, "a DBoW2 vocabulary");
   return "is no DBoW2 vocabulary: neither text (a first line `k L scoring weighting`) nor its binary form";
+}
+
+// A stream is refused by its beginning.
+void RefuseStream(const Probe& beginning) {
+  const std::string other = DescribeOther(beginning.path, beginning.head);
+  if (!other.empty()) throw Error(ErrorKind::kUnsupported, beginning.path, "", other);
 }
 
 VocabularyTree ParseTree(const std::string& path, std::string_view file, int threads) {
@@ -65,23 +58,24 @@ VocabularyTree ParseTree(const std::string& path, std::string_view file, int thr
     return dbow2::ParseText(path, file, *text, threads);
   if (const auto binary = dbow2::ParseBinaryHeader(file); IsUsable(binary))
     return dbow2::ParseBinary(path, file, *binary, threads);
-  throw Error(file.empty() ? ErrorKind::kDamaged : ErrorKind::kUnsupported, path, "", DescribeOther(file));
+  throw Error(file.empty() ? ErrorKind::kDamaged : ErrorKind::kUnsupported, path, "", DescribeOther(path, file));
 }
 
 }  // namespace
 
 VocabularyFile ReadVocabularyFile(const Source& source) {
-  detail::FileStream file(source);
+  detail::FileStream file(source, RefuseStream);
   file.FillTo(file.size());
   const std::string_view bytes(file.data(), file.size());
   auto shape = std::async(std::launch::async, [&] { return ReadShape(bytes); });
   VocabularyFile vocabulary{.identity = Identify(source.path, bytes)};
+  vocabulary.other = DescribeOther(source.path, bytes);
   vocabulary.shape = shape.get();
   return vocabulary;
 }
 
 LoadedVocabulary LoadVocabulary(const Source& source, int threads) {
-  detail::FileStream file(source);
+  detail::FileStream file(source, RefuseStream);
   file.FillTo(file.size());
   const std::string_view bytes(file.data(), file.size());
   auto identity = std::async(std::launch::async, [&] { return Identify(source.path, bytes); });

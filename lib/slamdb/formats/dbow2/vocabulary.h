@@ -25,6 +25,7 @@ struct VocabularyShape {
 struct VocabularyFile {
   Vocabulary identity;                   // base name, and MD5 of the file's bytes
   std::optional<VocabularyShape> shape;  // nullopt when it is not a text vocabulary (a binary conversion, an archive)
+  std::string other;                     // what it is instead of a vocabulary, for people; empty: it is one
 };
 
 // Reads the file, or bytes in memory, once.

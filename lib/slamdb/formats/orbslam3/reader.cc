@@ -3,11 +3,13 @@
 #include <memory>
 #include <optional>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/decode_jobs.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/formats/orbslam3/detail/skipper.h"
+#include "slamdb/formats/orbslam3/detail/transfer.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 
 // How an atlas is read: the calling thread walks the file once from front to back, follows pointers and the class
@@ -274,21 +276,43 @@ std::optional<Atlas> ReadTextOfShorterLongs(const Source& source, const ReadOpti
   return std::nullopt;
 }
 
+Atlas ReadEither(const Source& source, const ReadOptions& options, Notices& notices) {
+  detail::FileStream file(source);
+  const ArchiveHeader header = ReadArchiveHeader(file, notices);
+  if (!header.encoding.text) return ReadArchive<BinaryInput>(file, header, options, notices);
+  try {
+    return ReadArchive<TextInput>(file, header, options, notices);
+  } catch (const Error& error) {
+    if (!IsOfTheBytes(error)) throw;
+    if (auto atlas = ReadTextOfShorterLongs(source, options, notices)) return *std::move(atlas);
+    throw;
+  }
+}
+
+// Throws the error of a binary archive with its likely cause, where that is a transfer as text.
+void NameTransfer(const Source& source, const Error& error) {
+  const WholeFile file(source);
+  if (SniffArchive(file.text()) != false) return;
+  const std::optional<Transfer> transfer = FindTransfer(file.text());
+  if (!transfer) return;
+  throw Error(error.kind(), error.path(), error.place(),
+              detail::Concat(error.problem(), "; ", SentenceOf(*transfer),
+                             CanUndo(*transfer) ? "; SalvageAtlas undoes it" : ""));
+}
+
 }  // namespace
 }  // namespace slamdb::orbslam3
 
 namespace slamdb {
 
-Atlas ReadOrbslam3(const Source& source, const ReadOptions& options, Notices& notices) {
-  detail::FileStream file(source);
-  const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(file, notices);
-  if (!header.encoding.text) return orbslam3::ReadArchive<orbslam3::BinaryInput>(file, header, options, notices);
+Atlas ReadOrbslam3(const Source& given, const ReadOptions& options, Notices& notices) {
+  const HeldSource held(given);
+  const Source& source = held.source();
   try {
-    return orbslam3::ReadArchive<orbslam3::TextInput>(file, header, options, notices);
+    return orbslam3::ReadEither(source, options, notices);
   } catch (const Error& error) {
-    const bool can_be_read_again = source.memory || source.is_file();
-    if (!can_be_read_again || !orbslam3::IsOfTheBytes(error)) throw;
-    if (auto atlas = orbslam3::ReadTextOfShorterLongs(source, options, notices)) return *std::move(atlas);
+    if (!orbslam3::IsOfTheBytes(error)) throw;
+    orbslam3::NameTransfer(source, error);
     throw;
   }
 }

@@ -13,6 +13,7 @@
 #include "slamdb/formats/orbslam3/detail/pointer_search.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/formats/orbslam3/detail/skipper.h"
+#include "slamdb/formats/orbslam3/detail/transfer.h"
 
 namespace slamdb::orbslam3 {
 namespace {
@@ -794,7 +795,9 @@ class Salvager {
 
 namespace slamdb::detail {
 
-Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
+namespace {
+
+Salvage SalvageBytesOf(const Source& source) {
   detail::FileStream file(source);
   Notices notices;
   orbslam3::ArchiveHeader header;
@@ -810,6 +813,22 @@ Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
   const Error* why = header_error ? &*header_error : nullptr;
   if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run(why);
   return orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run(why);
+}
+
+}  // namespace
+
+Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
+  std::optional<orbslam3::Transfer> transfer;
+  std::string before;
+  {
+    const WholeFile file(source);
+    if (orbslam3::SniffArchive(file.text()) == false) transfer = orbslam3::FindTransfer(file.text());
+    if (transfer && orbslam3::CanUndo(*transfer)) before = orbslam3::Undo(*transfer, file.text());
+  }
+  if (before.empty()) return SalvageBytesOf(source);
+  Salvage salvage = SalvageBytesOf({std::as_bytes(std::span(before)), source.path});
+  salvage.undone = orbslam3::SentenceOf(*transfer);
+  return salvage;
 }
 
 }  // namespace slamdb::detail

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
@@ -25,6 +26,8 @@ constexpr const char* kNewFile = "PRAGMA page_size=8192";
 
 void CheckNotStandardStream(const std::string& path) {
   if (path == "-") throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be standard input or output");
+  if (detail::IsStream(path))
+    throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be a FIFO, a device or a socket");
 }
 
 // Size and time of a file: tells whether it was written while a connection trusted that nobody would.

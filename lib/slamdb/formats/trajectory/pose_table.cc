@@ -223,7 +223,7 @@ std::string TimesBeside(const std::string& path) {
 }
 
 std::vector<std::string> ReadTimes(const std::string& path, const ReadOptions& options, Notices& notices) {
-  return ParseFile(path, [&](std::string_view text) {
+  return ParseFile(path, "a table of times", [&](std::string_view text) {
     Table table(text, {.columns = {TimeColumn()}, .expected = "one time a line"});
     TimeReader times(table, {.asked = options.of<TrajectoryReadOptions>().time_unit});
     while (table.Next()) times.Add();
@@ -254,7 +254,7 @@ void SetTimes(std::vector<PoseText>& poses, const Source& source, const ReadOpti
 
 TrajectoryText ReadMatrices(const Source& source, const ReadOptions& options, Notices& notices) {
   TrajectoryText maps(1, {MapId(0), {}});
-  ParseFile(source, [&](std::string_view text) {
+  ParseFile(source, "a trajectory", [&](std::string_view text) {
     Table table(text, MatrixTable());
     while (table.Next()) maps[0].poses.push_back(PoseOfMatrix(table));
     return 0;
@@ -277,7 +277,8 @@ const TableKind& PoseTable(PoseLayout layout) {
 TrajectoryText ReadTrajectoryText(const Source& source, PoseLayout layout, const ReadOptions& options,
                                   Notices& notices) {
   if (layout == PoseLayout::kKitti) return ReadMatrices(source, options, notices);
-  return ParseFile(source, [&](std::string_view text) { return ParsePoses(text, layout, options, notices); });
+  return ParseFile(source, "a trajectory",
+                   [&](std::string_view text) { return ParsePoses(text, layout, options, notices); });
 }
 
 }  // namespace slamdb::detail

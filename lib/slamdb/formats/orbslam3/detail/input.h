@@ -38,7 +38,8 @@ class Cursor {
       : stream_(stream), encoding_(&encoding), begin_(stream->data()), next_(begin_), end_(begin_ + stream->filled()) {}
 
   std::size_t offset() const { return static_cast<std::size_t>(next_ - begin_); }
-  void Seek(std::size_t offset) { next_ = begin_ + offset; }
+  // Not beyond the end of the file.
+  void Seek(std::size_t offset) { next_ = begin_ + std::min(offset, stream_->size()); }
   // Of the whole file.
   std::size_t remaining() const { return stream_->size() - offset(); }
   const ArchiveEncoding& encoding() const { return *encoding_; }

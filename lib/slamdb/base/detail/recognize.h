@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "slamdb/base/error.h"
+#include "slamdb/base/file.h"
+#include "slamdb/export.h"
+
+// What a file is by its bytes, whoever wanted to read it. Every input that is refused says what it is by this.
+namespace slamdb::detail {
+
+struct Recognized {
+  std::string_view id;  // `git-lfs`, `zip`, `vocabulary`, ...
+  ErrorKind kind;
+  std::string what;  // `a Git LFS pointer that stands for the file`
+  std::string next;  // what to do about it; may be empty
+};
+
+// nullopt when nothing is known about it. Reads on in files of which the first bytes say too little.
+SLAMDB_EXPORT std::optional<Recognized> Recognize(const Probe& probe);
+
+// `not an atlas: this is a Git LFS pointer that stands for the file; fetch the file itself (git lfs pull)`.
+SLAMDB_EXPORT std::string SentenceOf(const Recognized& recognized, std::string_view wanted);
+
+// Throws Error when the bytes are known to be something else than what was wanted (`a journal`), and than what `takes`
+// lists.
+SLAMDB_EXPORT void RefuseOther(const Probe& probe, std::string_view wanted,
+                               std::initializer_list<std::string_view> takes = {});
+
+}  // namespace slamdb::detail

@@ -1,0 +1,556 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/detail/recognize.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/opened_input.h"
+#include "slamdb/base/detail/text.h"
+
+namespace slamdb::detail {
+namespace {
+
+using std::string_view_literals::operator""sv;
+
+bool HasAt(std::string_view text, std::size_t offset, std::string_view part) {
+  return text.size() >= offset + part.size() && text.compare(offset, part.size(), part) == 0;
+}
+
+bool Has(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
+
+// ---- binary records, read one behind the other
+
+// A cursor over the head of a file. What lies behind the head counts as fitting.
+class Records {
+ public:
+  Records(std::string_view head, std::uint64_t size) : head_(head), size_(size) {}
+
+  template <class Value>
+  Value Take() {
+    Value value{};
+    if (at_ + sizeof value <= head_.size()) std::memcpy(&value, head_.data() + at_, sizeof value);
+    Skip(sizeof value);
+    return value;
+  }
+  template <std::size_t count>
+  std::array<double, count> TakeDoubles() {
+    std::array<double, count> values{};
+    for (double& value : values) value = Take<double>();
+    return values;
+  }
+  // Up to a zero byte. False when there is none soon, or the name is not printable.
+  bool PassName() {
+    constexpr std::size_t kLongest = 1024;
+    const std::size_t end = head_.find('\0', std::min(at_, head_.size()));
+    if (end == std::string_view::npos) return Behind() || head_.size() - at_ < kLongest;
+    const std::string_view name = head_.substr(at_, end - at_);
+    at_ = end + 1;
+    return name.size() < kLongest && !name.empty() &&
+           std::all_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x20; });
+  }
+  void Skip(std::uint64_t bytes) {
+    at_ = bytes > size_ - std::min<std::uint64_t>(at_, size_) ? size_ + 1 : at_ + static_cast<std::size_t>(bytes);
+  }
+
+  bool Behind() const { return at_ >= head_.size() && size_ > head_.size(); }  // of the bytes that are known
+  bool AtEnd() const { return at_ == size_; }
+  bool BeyondEnd() const { return at_ > size_; }
+
+ private:
+  std::string_view head_;
+  std::uint64_t size_;
+  std::size_t at_ = 0;
+};
+
+template <std::size_t count>
+bool AreFinite(const std::array<double, count>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::abs(value) < 1e12; });
+}
+
+bool IsUnit(const std::array<double, 4>& quaternion) {
+  double square = 0;
+  for (const double value : quaternion) square += value * value;
+  return std::abs(square - 1) < 1e-3;
+}
+
+// Whether a count and as many records as `pass` takes make the file, as far as its beginning is known.
+template <class Pass>
+bool IsListOf(const Probe& probe, const Pass& pass) {
+  constexpr std::uint64_t kLeastRecord = 8;
+  Records records(probe.head, probe.size);
+  const auto count = records.Take<std::uint64_t>();
+  if (count == 0 || count > probe.size / kLeastRecord) return false;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (i > 0 && records.Behind()) return true;
+    if (records.BeyondEnd() || !pass(records)) return false;
+  }
+  return records.AtEnd() || records.Behind();
+}
+
+constexpr std::array<std::uint8_t, 18> kColmapParameters = {3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12, 16, 4, 5, 3, 4, 6, 2};
+
+bool IsColmapCameras(const Probe& probe) {
+  return IsListOf(probe, [](Records& records) {
+    records.Take<std::uint32_t>();
+    const auto model = records.Take<std::int32_t>();
+    const auto width = records.Take<std::uint64_t>(), height = records.Take<std::uint64_t>();
+    if (model < 0 || model >= static_cast<int>(kColmapParameters.size())) return false;
+    for (int i = 0; i < kColmapParameters[static_cast<std::size_t>(model)]; ++i)
+      if (!AreFinite(records.TakeDoubles<1>())) return false;
+    constexpr std::uint64_t kMostPixels = 1'000'000;
+    return width > 0 && width < kMostPixels && height > 0 && height < kMostPixels;
+  });
+}
+
+bool IsColmapImages(const Probe& probe) {
+  return IsListOf(probe, [](Records& records) {
+    records.Take<std::uint32_t>();
+    const bool unit = IsUnit(records.TakeDoubles<4>());
+    const bool finite = AreFinite(records.TakeDoubles<3>());
+    records.Take<std::uint32_t>();
+    const bool named = records.PassName();
+    if (!unit || !finite || !named) return false;
+    records.Skip(std::min(records.Take<std::uint64_t>(), std::uint64_t{1} << 40U) * 24);
+    return true;
+  });
+}
+
+bool IsColmapPoints(const Probe& probe) {
+  return IsListOf(probe, [](Records& records) {
+    records.Take<std::uint64_t>();
+    const bool finite = AreFinite(records.TakeDoubles<3>());
+    records.Skip(3);
+    const double error = records.Take<double>();
+    records.Skip(std::min(records.Take<std::uint64_t>(), std::uint64_t{1} << 40U) * 8);
+    return finite && error >= -1 && error < 1e6;
+  });
+}
+
+bool IsColmapFrames(const Probe& probe) {
+  return IsListOf(probe, [](Records& records) {
+    records.Skip(8);
+    const bool unit = IsUnit(records.TakeDoubles<4>());
+    const bool finite = AreFinite(records.TakeDoubles<3>());
+    records.Skip(std::uint64_t{records.Take<std::uint32_t>()} * 16);
+    return unit && finite;
+  });
+}
+
+// Pointers as Boost writes them without a header: a map of ORB-SLAM2 begins with its first class and a set of points.
+bool IsOrbslam2Map(const Probe& probe) {
+  constexpr std::string_view kStart = "\0\0\1\0\0\0\0\0\0\0\0\0\0\0\0\0"sv;
+  if (!probe.head.starts_with(kStart)) return false;
+  Records records(std::string_view(probe.head).substr(kStart.size()), probe.size - kStart.size());
+  const auto points = records.Take<std::uint64_t>();
+  return points > 0 && points < probe.size && records.Take<std::uint32_t>() == 0;
+}
+
+// ---- Protocol Buffers of osmap
+
+// The field `tag` of a length and as many bytes; nothing when another stands there.
+std::optional<std::string_view> TakeField(std::string_view& message, char tag) {
+  if (message.empty() || message[0] != tag) return std::nullopt;
+  std::uint64_t length = 0;
+  std::size_t at = 1;
+  for (unsigned shift = 0; shift < 35; shift += 7, ++at) {
+    if (at >= message.size()) return std::nullopt;
+    const auto byte = static_cast<unsigned char>(message[at]);
+    length |= std::uint64_t{byte & 0x7fU} << shift;
+    if (byte < 0x80) break;
+  }
+  const std::string_view content = message.substr(std::min(at + 1, message.size()), length);
+  message.remove_prefix(std::min<std::size_t>(message.size(), at + 1 + content.size()));
+  return content;
+}
+
+// An optional id, then a position of three floats or a pose of twelve; of features, their keyframe and slots.
+std::string_view OsmapPart(const Probe& probe) {
+  std::string_view head = probe.head;
+  std::optional<std::string_view> first = TakeField(head, '\x0a');
+  if (!first) return {};
+  std::string_view entry = *first;
+  if (entry.starts_with('\x08')) {
+    entry.remove_prefix(1);
+    while (!entry.empty() && (static_cast<unsigned char>(entry[0]) & 0x80U) != 0) entry.remove_prefix(1);
+    entry.remove_prefix(std::min<std::size_t>(1, entry.size()));
+  }
+  std::string_view inner = entry.starts_with('\x12') ? TakeField(entry, '\x12').value_or(""sv) : ""sv;
+  if (inner.size() >= 5 && inner.size() <= 15 && inner.size() % 5 == 0 && (inner[0] & 7) == 5) return "map points";
+  if (inner.size() == 50 && inner.starts_with("\x0a\x30"sv)) return "keyframes";
+  if (inner.starts_with('\x10')) {
+    inner.remove_prefix(1);
+    while (!inner.empty() && (static_cast<unsigned char>(inner[0]) & 0x80U) != 0) inner.remove_prefix(1);
+    inner.remove_prefix(std::min<std::size_t>(1, inner.size()));
+  }
+  return inner.starts_with("\x1a\x14"sv) || inner.starts_with("\x1a\x0f"sv) ? "features"sv : ""sv;
+}
+
+// ---- zeros
+
+constexpr std::size_t kZeroPage = 4096;  // as a disk leaves that was not written in time
+
+std::size_t CountZeros(std::string_view head) { return std::min(head.find_first_not_of('\0'), head.size()); }
+
+// ---- text
+
+std::string_view FirstLine(std::string_view text) { return TakeLine(text); }
+
+std::vector<std::string_view> Words(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (auto word = TakeWord(line, kBlanks); !word.empty(); word = TakeWord(line, kBlanks)) words.push_back(word);
+  return words;
+}
+
+// The first line of a DBoW2 vocabulary as text: branching factor, depth, scoring and weighting; a node behind it.
+bool IsVocabulary(const Probe& probe) {
+  if (IsUtf16(probe.head)) return false;
+  std::string_view head = WithoutMark(probe.head);
+  const std::vector<std::string_view> words = Words(TakeLine(head));
+  if (words.size() != 4) return false;
+  constexpr std::array<std::array<int, 2>, 4> kRanges = {{{2, 20}, {1, 10}, {0, 5}, {0, 3}}};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto number = ParseNumber<int>(words[i]);
+    if (!number || *number < kRanges[i][0] || *number > kRanges[i][1]) return false;
+  }
+  constexpr std::size_t kOfNode = 34;  // parent, whether it is a word, descriptor; and a weight
+  const bool whole = Has(head, "\n");
+  return head.empty() || !whole || Words(TakeLine(head)).size() >= kOfNode;
+}
+
+bool IsBinaryVocabulary(const Probe& probe) {
+  constexpr std::uint32_t kRecord = 41;
+  Records records(probe.head, probe.size);
+  const auto nodes = records.Take<std::uint32_t>(), bytes = records.Take<std::uint32_t>();
+  const auto branching = records.Take<std::uint32_t>(), depth = records.Take<std::uint32_t>();
+  return bytes == kRecord && nodes > 1 && branching >= 2 && branching <= 64 && depth >= 1 && depth <= 20;
+}
+
+bool StartsWithIgnoringCase(std::string_view text, std::string_view lower) {
+  return text.size() >= lower.size() && std::equal(lower.begin(), lower.end(), text.begin(), [](char a, char b) {
+           return a == static_cast<char>(std::tolower(static_cast<unsigned char>(b)));
+         });
+}
+
+// Without a byte order mark, blanks and line ends in front.
+std::string_view Stripped(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  return text;
+}
+
+bool IsWebPage(const Probe& probe) {
+  const std::string_view text = Stripped(probe.head);
+  for (const std::string_view start : {"<!doctype html"sv, "<html"sv, "<head"sv, "<body"sv})
+    if (StartsWithIgnoringCase(text, start)) return true;
+  return text.starts_with("<!--") && (Has(text, "<html") || Has(text, "<!DOCTYPE html"));
+}
+
+bool IsColmapCamerasText(const Probe& probe) {
+  if (probe.head.starts_with("# Camera list with one line of data per camera")) return true;
+  constexpr std::array kModels = {"SIMPLE_PINHOLE"sv, "PINHOLE"sv, "SIMPLE_RADIAL"sv,
+                                  "RADIAL"sv,         "OPENCV"sv,  "OPENCV_FISHEYE"sv,
+                                  "FULL_OPENCV"sv,    "FOV"sv,     "SIMPLE_RADIAL_FISHEYE"sv};
+  const std::vector<std::string_view> words = Words(FirstLine(probe.head));
+  return words.size() >= 7 && ParseNumber<std::uint32_t>(words[0]) &&
+         std::find(kModels.begin(), kModels.end(), words[1]) != kModels.end();
+}
+
+// `1 qw qx qy qz tx ty tz 1 name.png`.
+bool IsColmapImagesText(const Probe& probe) {
+  if (probe.head.starts_with("# Image list with two lines of data per image")) return true;
+  const std::vector<std::string_view> words = Words(FirstLine(probe.head));
+  if (words.size() != 10 || !ParseNumber<std::uint32_t>(words[0]) || !ParseNumber<std::uint32_t>(words[8]))
+    return false;
+  std::array<double, 4> quaternion{};
+  for (std::size_t i = 0; i < 4; ++i) quaternion[i] = ParseNumber<double>(words[i + 1]).value_or(0);
+  return IsUnit(quaternion) && !ParseNumber<double>(words[9]);
+}
+
+// What a report or another text of slamdb says that it is: `slamdb-check-2`.
+std::string_view ReportName(std::string_view head) {
+  const std::string_view text = Stripped(head);
+  constexpr std::string_view kKey = "\"report\":";
+  const std::size_t key = text.substr(0, 200).find(kKey);
+  if (!text.starts_with('{') || key == std::string_view::npos) return {};
+  std::string_view value = text.substr(key + kKey.size());
+  value.remove_prefix(std::min(value.find_first_not_of(" \""), value.size()));
+  value = value.substr(0, value.find('"'));
+  return value.starts_with("slamdb-") ? value : ""sv;
+}
+
+bool IsBase64OfAtlas(const Probe& probe) {
+  const std::string_view text = Stripped(probe.head);
+  return text.starts_with("FgAAAAAAAABzZXJpYWxpemF0aW9u") || text.starts_with("FgAAAHNlcmlhbGl6YXRpb246") ||
+         text.starts_with("U1FMaXRlIGZvcm1hdCAz");
+}
+
+// As xxd, hexdump, od and plain hexadecimal digits show the first bytes of an archive or an SQLite file.
+bool IsHexDump(const Probe& probe) {
+  std::string digits;
+  std::string_view line = FirstLine(Stripped(probe.head).substr(0, 200));
+  const std::string_view first = line.substr(0, line.find(' '));
+  const bool offset = first.find_first_not_of("0:") == std::string_view::npos && first.size() >= 6;
+  if (offset) line.remove_prefix(first.size());
+  for (const char c : line) {
+    if (std::isxdigit(static_cast<unsigned char>(c)))
+      digits += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    else if (c != ' ')
+      break;
+  }
+  for (const std::string_view start : {"1600000000000000736572"sv, "00160000000000006573"sv, "16000000736572"sv,
+                                       "53514c69746520"sv, "515369746c206566"sv})
+    if (digits.starts_with(start)) return true;
+  return false;
+}
+
+// ---- databases
+
+// SQLite keeps the text of its CREATE TABLE statements in the first page, and in further ones when there are many.
+std::string SqliteText(const Probe& probe) {
+  constexpr std::size_t kEnough = std::size_t{1} << 20;
+  if (probe.memory || IsStream(probe.path)) {
+    const Bytes bytes = probe.memory.value_or(std::as_bytes(std::span(probe.head)));
+    const Bytes first = bytes.first(std::min(bytes.size(), kEnough));
+    return {reinterpret_cast<const char*>(first.data()), first.size()};
+  }
+  OpenedInput input(probe.path);
+  std::string text(std::min<std::size_t>(kEnough, input.size()), '\0');
+  text.resize(input.Read(text.data(), text.size()));
+  return text;
+}
+
+constexpr std::string_view kRecording = "run a SLAM system on it and give the atlas that it saves";
+
+Recognized RecognizeSqlite(const Probe& probe) {
+  const auto is = [](std::string_view id, std::string_view what, std::string_view next) {
+    return Recognized{id, ErrorKind::kUnsupported, std::string(what), std::string(next)};
+  };
+  if (HasAt(probe.head, 68, "SLDB")) return is("store", "a slamdb store", "name the atlas in it as STORE.db#NAME");
+  const std::string text = SqliteText(probe);
+  const auto table = [&text](std::string_view name) {
+    for (const std::string_view before : {"TABLE "sv, "TABLE IF NOT EXISTS "sv, "TABLE \""sv, "TABLE `"sv, "TABLE ["sv})
+      if (Has(text, std::string(before) + std::string(name))) return true;
+    return false;
+  };
+  if (Has(text, "keypoints") && (Has(text, "two_view_geometries") || Has(text, "inlier_matches")))
+    return is("colmap-database", "a COLMAP database (features and matches, no map)", "");
+  if (table("Node") && table("Link") && table("Admin"))
+    return is("rtabmap", "an RTAB-Map database, which slamdb does not read", "");
+  if (Has(text, "associations") && (Has(text, "undist_keypts") || (table("keyframes") && table("landmarks"))))
+    return is("stella-database", "a stella_vslam map database, which slamdb does not read", "");
+  if (Has(text, "serialized_data") || (table("topics") && table("messages")))
+    return is("rosbag2", "a ROS 2 bag, the recording a map is made from", kRecording);
+  return is("sqlite", "an SQLite database, but not a slamdb store", "");
+}
+
+// ---- MRPT
+
+// MRPT writes `0x80 | length` before the class name of an object, behind it a version and, in a map, a count.
+std::optional<Recognized> RecognizeMrpt(std::string_view head) {
+  constexpr std::string_view kLandmarksClass = "mrpt::maps::CLandmarksMap";
+  const auto first = head.empty() ? 0U : static_cast<unsigned char>(head[0]);
+  if (first <= 0x80) return std::nullopt;
+  const std::string_view name = head.substr(1, first & 0x7fU);
+  if (!name.empty() && kLandmarksClass.starts_with(name) && head.size() < kLandmarksClass.size() + 6)
+    return Recognized{"mrpt", ErrorKind::kDamaged, "the beginning of a landmarks map of MRPT",
+                      "it ends in its header: the file is truncated"};
+  if (name == "CSimpleMap" || name == "mrpt::maps::CSimpleMap")
+    return Recognized{"simplemap", ErrorKind::kUnsupported,
+                      "a simplemap of MRPT (poses and observations of a robot, no visual map)",
+                      "of MRPT's files slamdb reads landmarks maps"};
+  if (!name.starts_with("mrpt::") && !name.starts_with("CLandmark")) return std::nullopt;
+  std::string what(name);
+  if (head.size() > 1 + name.size())
+    what += " of version " + std::to_string(static_cast<unsigned char>(head[1 + name.size()]));
+  return Recognized{"mrpt", ErrorKind::kUnsupported, Concat("a file of MRPT objects (", what, ")"),
+                    "of those slamdb reads landmarks maps of MRPT 2 and 3"};
+}
+
+// ---- the table
+
+// A file that begins with `signature` at `offset`, or that `is` knows, and what to say of it.
+struct Known {
+  std::string_view id;
+  std::size_t offset;
+  std::string_view signature;
+  std::string_view what;
+  std::string_view next = "";
+  bool (*is)(const Probe&) = nullptr;
+};
+
+constexpr std::string_view kUnpack = "unpack it and give the file in it";
+constexpr std::string_view kSavedInstead = "was it saved in place of the file that was to be downloaded?";
+
+bool IsCameraSettings(const Probe& probe) { return probe.head.starts_with("%YAML"); }
+bool IsOsmapHeader(const Probe& probe) { return IsCameraSettings(probe) && Has(probe.head, "mappointsFile"); }
+bool IsVocabularyYaml(const Probe& probe) {
+  return IsCameraSettings(probe) && Has(probe.head, "vocabulary:") && Has(probe.head, "scoringType");
+}
+bool IsRosParameters(const Probe& probe) { return StartsWithIgnoringCase(Stripped(probe.head), "rosbag2_bagfile"); }
+bool IsGitAnnex(const Probe& probe) {
+  return probe.size < 1024 && Has(probe.head, "annex/objects/") && (probe.head[0] == '/' || probe.head[0] == '.');
+}
+bool IsDvc(const Probe& probe) {
+  return probe.size < 4096 && probe.head.starts_with("outs:") && Has(probe.head, "path:");
+}
+bool IsMp4(const Probe& probe) { return HasAt(probe.head, 4, "ftyp"); }
+bool IsStella(const Probe& probe) {
+  // A MessagePack map whose first key, in byte order, is `cameras`.
+  const auto first = probe.head.empty() ? 0U : static_cast<unsigned char>(probe.head[0]);
+  const std::size_t key = first >= 0x80 && first <= 0x8f ? 1 : first == 0xde ? 3 : 0;
+  return key > 0 && HasAt(probe.head, key,
+                          "\xa7"
+                          "cameras"sv);
+}
+bool IsArchive(const Probe& probe) { return Has(std::string_view(probe.head).substr(0, 64), "serialization::archive"); }
+bool IsSarif(const Probe& probe) {
+  return Stripped(probe.head).starts_with('{') && Has(std::string_view(probe.head).substr(0, 500), "sarif");
+}
+bool IsErrorReply(const Probe& probe) {
+  const std::string_view text = Stripped(probe.head);
+  return probe.size < 4096 &&
+         ((text.starts_with('{') && (Has(text, "\"message\"") || Has(text, "\"error\""))) || Has(text, "<Error>"));
+}
+
+// In the order in which they are asked.
+constexpr Known kKnown[] = {
+    {"gzip", 0, "\x1f\x8b"sv, "gzip-compressed", "unpack it first (gunzip; of a .tar.gz: tar -xzf)"},
+    {"xz", 0, "\xfd\x37zXZ\x00"sv, "xz-compressed", "unpack it first (unxz)"},
+    {"zstd", 0, "\x28\xb5\x2f\xfd"sv, "zstd-compressed", "unpack it first (unzstd)"},
+    {"bzip2", 0, "BZh"sv, "bzip2-compressed", "unpack it first (bunzip2)"},
+    {"lz4", 0, "\x04\x22\x4d\x18"sv, "lz4-compressed", "unpack it first (unlz4)"},
+    {"compress", 0, "\x1f\x9d"sv, "compressed (.Z)", "unpack it first (uncompress)"},
+    {"zip", 0, "PK\x03\x04"sv, "a zip archive", kUnpack},
+    {"zip", 0, "PK\x05\x06"sv, "a zip archive with nothing in it"},
+    {"7z", 0, "7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack},
+    {"rar", 0, "Rar!\x1a\x07"sv, "a rar archive", kUnpack},
+    {"tar", 257, "ustar"sv, "a tar archive", kUnpack},
+    {"ar", 0, "!<arch>\n"sv, "an ar archive (a static library, or a Debian package)"},
+    {"png", 0, "\x89PNG\r\n\x1a\n"sv, "a PNG image"},
+    {"jpeg", 0, "\xff\xd8\xff"sv, "a JPEG image"},
+    {"gif", 0, "GIF8"sv, "a GIF image"},
+    {"webp", 8, "WEBP"sv, "a WebP image"},
+    {"avi", 8, "AVI "sv, "an AVI video, which a map may be made from", kRecording},
+    {"tiff", 0, "II*\0"sv, "a TIFF image"},
+    {"tiff", 0, "MM\0*"sv, "a TIFF image"},
+    {"pnm", 0, "P5\n"sv, "a PGM image, such as the occupancy grid of a robot"},
+    {"pnm", 0, "P6\n"sv, "a PPM image"},
+    {"mp4", 0, "", "an MP4 video, which a map may be made from", kRecording, IsMp4},
+    {"matroska", 0, "\x1a\x45\xdf\xa3"sv, "a Matroska or WebM video, which a map may be made from", kRecording},
+    {"pdf", 0, "%PDF-"sv, "a PDF document"},
+    {"elf", 0,
+     "\x7f"
+     "ELF"sv,
+     "a program or library (ELF)"},
+    {"script", 0, "#!"sv, "a script"},
+    {"rosbag", 0, "#ROSBAG V"sv, "a ROS bag, the recording a map is made from", kRecording},
+    {"mcap", 0, "\x89MCAP"sv, "an MCAP recording (ROS 2), which a map is made from", kRecording},
+    {"rosbag2", 0, "", "the metadata of a ROS 2 bag, the recording a map is made from", kRecording, IsRosParameters},
+    {"hdf5", 0, "\x89HDF\r\n\x1a\n"sv, "an HDF5 file"},
+    {"numpy", 0, "\x93NUMPY"sv, "an array of NumPy"},
+    {"las", 0, "LASF"sv, "a LAS point cloud"},
+    {"e57", 0, "ASTM-E57"sv, "an E57 point cloud"},
+    {"gltf", 0, "glTF"sv, "a glTF scene"},
+    {"pgp", 0, "-----BEGIN PGP"sv, "encrypted or signed by PGP", "decrypt it first"},
+    {"openssl", 0, "Salted__"sv, "encrypted by OpenSSL", "decrypt it first"},
+    {"git-lfs", 0, "version https://git-lfs.github.com/spec/"sv, "a Git LFS pointer that stands for the file",
+     "fetch the file itself (git lfs pull)"},
+    {"git-annex", 0, "", "a pointer of git-annex that stands for the file", "fetch the file itself (git annex get)",
+     IsGitAnnex},
+    {"dvc", 0, "", "a pointer of DVC that stands for the file", "fetch the file itself (dvc pull)", IsDvc},
+    {"web-page", 0, "", "a web page", kSavedInstead, IsWebPage},
+    {"http", 0, "HTTP/"sv, "the answer of a web server, with its header", kSavedInstead},
+    {"sarif", 0, "", "a SARIF report", "give the file that it tells of", IsSarif},
+    {"error-reply", 0, "", "the error message of a server", kSavedInstead, IsErrorReply},
+    {"junit", 0, "<?xml"sv, "an XML file", "ORB-SLAM3 saves binary or text archives"},
+    {"orbslam2", 0, "",
+     "a map of a fork of ORB-SLAM2 (a Boost archive without a header, map.bin), which slamdb does not read",
+     "it names neither its classes nor its version; save it again as osmap or as an atlas of ORB-SLAM3", IsOrbslam2Map},
+    {"stella", 0, "", "a stella_vslam map (MessagePack), which slamdb does not read", "", IsStella},
+    {"fbow", 0, "\xfc\xce\x53\x03\0\0\0\0"sv, "an FBoW vocabulary, whose words are numbered otherwise than DBoW2's"},
+    {"dbow3", 0, "\x81\x3f\x86\xb1\x14\0\0\0"sv, "a DBoW3 vocabulary, which ORB-SLAM3 does not read"},
+    {"vocabulary", 0, "", "a DBoW2 vocabulary as ORB-SLAM3 uses it", "ReadVocabularyFile tells its name and MD5",
+     IsVocabulary},
+    {"binary-vocabulary", 0, "", "a DBoW2 vocabulary in its binary form", "ReadVocabularyFile tells its name and MD5",
+     IsBinaryVocabulary},
+    {"vocabulary-yaml", 0, "", "a DBoW2 vocabulary as YAML, which ORB-SLAM3 does not read", "save it as text",
+     IsVocabularyYaml},
+    {"osmap", 0, "", "the header of an osmap map (ORB-SLAM2), which slamdb does not read", "", IsOsmapHeader},
+    {"yaml", 0, "", "a YAML file of OpenCV, such as the settings of ORB-SLAM3",
+     "the atlas is the .osa file that System.SaveAtlasToFile names in it", IsCameraSettings},
+    {"colmap-points", 0, "# 3D point list with one line of data per point"sv,
+     "points3D.txt of a COLMAP model, which slamdb does not read", ""},
+    {"colmap-rigs", 0, "# Rig calib list with one line"sv, "rigs.txt of a COLMAP model, which slamdb does not read",
+     ""},
+    {"colmap-frames", 0, "# Frame list with one line"sv, "frames.txt of a COLMAP model, which slamdb does not read",
+     ""},
+    {"colmap-cameras", 0, "", "cameras.txt of a COLMAP model, which slamdb does not read", "", IsColmapCamerasText},
+    {"colmap-images", 0, "", "images.txt of a COLMAP model, which slamdb does not read", "", IsColmapImagesText},
+    {"colmap-cameras", 0, "", "cameras.bin of a COLMAP model, which slamdb does not read", "", IsColmapCameras},
+    {"colmap-images", 0, "", "images.bin of a COLMAP model, which slamdb does not read", "", IsColmapImages},
+    {"colmap-frames", 0, "", "frames.bin of a COLMAP model, which slamdb does not read", "", IsColmapFrames},
+    {"colmap-points", 0, "", "points3D.bin of a COLMAP model, which slamdb does not read", "", IsColmapPoints},
+    {"ply", 0, "ply\n"sv, "a PLY point cloud"},
+    {"ply", 0, "ply\r\n"sv, "a PLY point cloud"},
+    {"pcd", 0, "# .PCD"sv, "a PCD point cloud"},
+    {"dump", 0, "{\"type\":\"atlas\""sv, "a dump of slamdb (JSON lines)", "give the atlas that it was made from"},
+    {"base64", 0, "", "an atlas or a store in base64", "decode it first (base64 -d)", IsBase64OfAtlas},
+    {"uuencode", 0, "begin 644 "sv, "uuencoded", "decode it first (uudecode)"},
+    {"hex-dump", 0, "", "an atlas or a store as hexadecimal digits", "decode it first (xxd -r)", IsHexDump},
+};
+
+Recognized Make(const Known& known) {
+  return {known.id, ErrorKind::kUnsupported, std::string(known.what), std::string(known.next)};
+}
+
+std::optional<Recognized> RecognizeReport(std::string_view head) {
+  const std::string_view report = ReportName(head);
+  if (report.empty()) return std::nullopt;
+  if (report.starts_with("slamdb-journal-"))
+    return Recognized{"journal", ErrorKind::kUnsupported,
+                      "a journal of `RepairAtlas`, which takes back what it changed", "give the atlas"};
+  return Recognized{"report", ErrorKind::kUnsupported, Concat("a report of slamdb (", report, ")"),
+                    "give the atlas that it tells of"};
+}
+
+}  // namespace
+
+std::optional<Recognized> Recognize(const Probe& probe) {
+  const std::string_view head = probe.head;
+  if (probe.size == 0) return Recognized{"empty", ErrorKind::kDamaged, "", ""};
+  if (const std::size_t zeros = CountZeros(head); zeros == head.size() || zeros >= kZeroPage)
+    return Recognized{"zeros", ErrorKind::kDamaged, Concat(zeros, " zero bytes"), ""};
+  if (head.starts_with("SQLite format 3\0"sv)) return RecognizeSqlite(probe);
+  if (auto report = RecognizeReport(head)) return report;
+  for (const Known& known : kKnown)
+    if (known.is != nullptr ? known.is(probe) : HasAt(head, known.offset, known.signature)) return Make(known);
+  if (const std::string_view part = OsmapPart(probe); !part.empty())
+    return Recognized{"osmap", ErrorKind::kUnsupported,
+                      Concat("the ", part, " of an osmap map (ORB-SLAM2), which slamdb does not read"), ""};
+  if (auto mrpt = RecognizeMrpt(head)) return mrpt;
+  if (IsArchive(probe))
+    return Recognized{"archive", ErrorKind::kUnsupported, "an atlas of ORB-SLAM3, or another archive of Boost", ""};
+  if (IsUtf16(head)) return Recognized{"utf-16", ErrorKind::kUnsupported, "text in UTF-16", "save it as UTF-8"};
+  return std::nullopt;
+}
+
+std::string SentenceOf(const Recognized& recognized, std::string_view wanted) {
+  if (recognized.id == "empty") return "is empty; was the program that saved it stopped before it could?";
+  if (recognized.id == "zeros")
+    return Concat("begins with ", recognized.what, " and holds no ", wanted.substr(wanted.find(' ') + 1),
+                  " there; was the disk full or the power cut while it was saved?", recognized.next);
+  return Concat("not ", wanted, ": this is ", recognized.what, recognized.next.empty() ? "" : "; ", recognized.next);
+}
+
+void RefuseOther(const Probe& probe, std::string_view wanted, std::initializer_list<std::string_view> takes) {
+  const auto recognized = Recognize(probe);
+  if (!recognized || std::find(takes.begin(), takes.end(), recognized->id) != takes.end()) return;
+  throw Error(recognized->kind, probe.path, "", SentenceOf(*recognized, wanted));
+}
+
+}  // namespace slamdb::detail
