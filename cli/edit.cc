@@ -63,7 +63,7 @@ void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::str
                     (LacksFor(format, inputs.all).empty() && !LacksFor(format, all).empty());
   const std::string what(lacks);
   if (!lost)
-    notices.Warn("the output holds no " + what + ", since the input has none");
+    notices.Warn("the output holds no " + what + ", and neither does the input as it was read");
   else if (dry_run)
     notices.Warn("the output would hold no " + what + ", though the input has some");
   else

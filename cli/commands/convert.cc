@@ -36,8 +36,8 @@ void RefuseEmptySelection(const Atlas& atlas, const Selection& selection, const 
   if (options.selection.map && atlas.maps.empty())
     throw Error(ErrorKind::kNotFound, options.input, "", "has no map " + std::to_string(*options.selection.map));
   const Substance selected = SubstanceOf(atlas, /*with_bad=*/true);
-  if ((selection.has_keyframe_range() && !selected.keyframes) ||
-      (selection.box && !selected.points && !selected.landmarks))
+  if (selected.landmarks) return;
+  if ((selection.has_keyframe_range() && !selected.keyframes) || (selection.box && !selected.points))
     throw Error(ErrorKind::kNotFound, options.input, "",
                 selected.keyframes ? "has no points in the box" : "has no keyframes in the range");
 }

@@ -64,7 +64,7 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   }
   const SalvageReport report = NamingFile(options.edit.input, [&] { return RecoverSalvage(salvage, recover); });
   options.edit.inputs->all = options.edit.inputs->good = {
-      .maps = report.maps.listed > 0, .keyframes = report.keyframes.listed > 0, .points = report.points.listed > 0};
+      .maps = report.maps.listed > 0, .keyframes = report.keyframes.listed > 0};  // keyframes alone are worth saving
   WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
   const ExitCode code =
       FinishEdit(InCommandWords(TextOf(report)), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);

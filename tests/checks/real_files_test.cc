@@ -49,8 +49,8 @@ TEST_P(FileAtRest, IsSound) {
 }
 INSTANTIATE_TEST_SUITE_P(Files, FileAtRest,
                          ::testing::Values("mono_small", "mono_dist", "stereo_inertial", "fisheye_stereo",
-                                           "multimap_rgbd", "mono_small_newmap", "session_small_a", "session_small_b", "session_a",
-                                           "session_b"));
+                                           "multimap_rgbd", "mono_small_newmap", "session_small_a", "session_small_b",
+                                           "session_a", "session_b"));
 
 class FileThatIsRefused : public RealFile {};
 TEST_P(FileThatIsRefused, HasAnError) {

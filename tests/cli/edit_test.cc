@@ -109,9 +109,10 @@ TEST_F(Edit, NothingLeftIsNoSuccess) {
   const std::string all_bad = folder_ / "all_bad.osa";
   WriteAtlas(atlas, all_bad);
   const std::string lacks = "though the input has some; nothing was written";
-  ExpectRefused({"repair", all_bad, output_}, "would hold no keyframes, " + lacks);
-  ExpectRefused({"cull", input_, output_, "--min-observations", "1000"}, "would hold no points, " + lacks);
-  ExpectRefused({"fragments", input_, output_, "--min-keyframes", "1000"}, "would hold no keyframes, " + lacks);
+  ExpectRefused({"repair", all_bad, output_}, "would hold no maps, " + lacks);
+  ExpectRefused({"cull", input_, output_, "--max-error", "1e-9"}, "would hold no points, " + lacks);
+  ExpectRefused({"fragments", input_, output_, "--min-keyframes", "1000"}, "would hold no maps, " + lacks);
+  EXPECT_FALSE(std::filesystem::exists(output_));
   ExpectRefused({"convert", all_bad, folder_ / "x.keyframes.csv"}, "would hold no keyframes, " + lacks);
   ExpectRefused({"convert", input_, folder_ / "x.ply", "--box", "1e6,1e6,1e6:2e6,2e6,2e6"}, "has no points in the box");
   ExpectRefused({"convert", input_, folder_ / "x.tum", "--time", "1:2"}, "has no keyframes in the range");
@@ -122,7 +123,7 @@ TEST_F(Edit, NothingLeftIsNoSuccess) {
   WriteAtlas(atlas, all_bad, {.overwrite = true});
   const ProcessResult moved = RunSlamdb({"renumber", all_bad, output_, "--start", "5"});
   EXPECT_EQ(moved.exit_code, 0);
-  EXPECT_THAT(moved.err, HasSubstr("holds no keyframes, since the input has none"));
+  EXPECT_THAT(moved.err, HasSubstr("holds no keyframes, and neither does the input"));
 }
 
 TEST_F(Edit, AStoreTakesTheNamesOfItsInputs) {

@@ -149,7 +149,7 @@ TEST_F(Transform, DiffSpeaksForScripts) {
 
 TEST_F(Transform, DiffTellsErrorsFromDifferences) {
   const ProcessResult missing = RunSlamdb({"diff", In("a.osa"), In("missing.osa"), "--summary"});
-  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_EQ(missing.exit_code, 2);
   EXPECT_EQ(missing.out, "");
   EXPECT_THAT(missing.err, HasSubstr("missing.osa"));
   EXPECT_EQ(RunSlamdb({"diff", In("a.osa")}).exit_code, 2);

@@ -180,6 +180,7 @@ std::string Listed(const std::vector<KeyFrameId>& ids) {
 MendWordsReport MendWords(Atlas& atlas, const MendWordsOptions& options) {
   MendWordsReport report;
   for (const Map& map : atlas.maps) report.keyframes += map.keyframes.size();
+  if (report.keyframes == 0) return report;
   detail::Steps steps(options.progress, "holding words against their vocabulary", 1);
   if (options.tree != nullptr) HoldAgainst(atlas, options, report);
   report.restored_vocabulary = RestoreVocabulary(options, atlas.vocabulary);
