@@ -17,6 +17,7 @@ struct SalvagedList {
 struct SalvagedMap {
   MapId id;
   SalvagedList keyframes, points, landmarks;
+  bool lost_head = false;  // of an ORB-SLAM3 file: its id and its initial keyframe are taken from its keyframes
 };
 
 // What could be read of a damaged file.

@@ -44,14 +44,14 @@ void TellLists(const Salvage& salvage, SalvageReport& report) {
 }
 
 void TellBeginning(const Salvage& salvage, SalvageReport& report) {
+  for (const SalvagedMap& map : salvage.maps)
+    if (map.lost_head)
+      report.losses.push_back(Concat(map.id, ": its id and its initial keyframe lost, and taken from its keyframes"));
   if (!salvage.lost_beginning) return;
   if (report.recovery.taken_vocabulary)
     report.losses.emplace_back("the vocabulary's name and checksum lost, and taken from RecoverOptions::rig");
   else if (salvage.atlas.vocabulary == Vocabulary())
     report.losses.emplace_back("the vocabulary's name and checksum lost; setting `Atlas::vocabulary` stamps them");
-  if (!salvage.maps.empty())
-    report.losses.push_back(
-        Concat(salvage.maps.front().id, ": its id and its initial keyframe lost, and taken from its keyframes"));
 }
 
 void TellRebuilt(SalvageReport& report) {

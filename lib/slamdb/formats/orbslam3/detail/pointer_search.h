@@ -53,6 +53,10 @@ class BinarySearch {
     const std::size_t head = size_bytes + sizeof(std::uint32_t) + (list_with_info ? 5 : 0);
     return offset < head ? 0 : offset - head;
   }
+  // Where the last `count` numbers of the file begin.
+  static std::size_t LastNumbers(std::string_view file, std::size_t count, std::uint8_t bytes) {
+    return file.size() < count * bytes ? 0 : file.size() - count * bytes;
+  }
 
  private:
   std::string_view file_;
@@ -81,6 +85,14 @@ class TextSearch {
   static std::size_t ListBegin(std::string_view file, std::size_t offset, bool list_with_info, std::uint8_t) {
     for (int tokens = list_with_info ? 4 : 2; tokens > 0 && offset > 0; --tokens) {
       offset = file.find_last_not_of(' ', offset - 1);
+      offset = offset == std::string_view::npos ? 0 : file.find_last_of(" \n", offset) + 1;
+    }
+    return offset;
+  }
+  static std::size_t LastNumbers(std::string_view file, std::size_t count, std::uint8_t) {
+    std::size_t offset = file.size();
+    for (; count > 0 && offset > 0; --count) {
+      offset = file.find_last_not_of(" \n", offset - 1);
       offset = offset == std::string_view::npos ? 0 : file.find_last_of(" \n", offset) + 1;
     }
     return offset;
