@@ -4,8 +4,11 @@
 #include <filesystem>
 #include <iostream>
 
+#include "cli/report/layout.h"
 #include "cli/words.h"
 #include "slamdb/base/error.h"
+#include "slamdb/checks/check.h"
+#include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
@@ -68,9 +71,46 @@ void SideFile::Commit() {
   if (file_) file_->Commit();
 }
 
-Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) {
+namespace {
+
+void TellErrors(const std::string& input, const Atlas& atlas, const Console& console, Notices& notices) {
+  const CheckReport check = CheckAtlas(atlas, {.max_findings = 1, .threads = console.threads()});
+  for (const RuleResult& result : check.results) {
+    if (result.severity != Severity::kError) continue;
+    notices.Warn(input + " has " + Counted(check.Count(Severity::kError), "error") + ", the first of " + result.id +
+                 "; `slamdb repair` it first, or the result has them too");
+    return;
+  }
+}
+
+}  // namespace
+
+Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices, InputErrors errors) {
   RefuseBadOutput(options);
-  return ReadAtlas(options.input, MakeReadOptions(console, options.from, options.wait), &notices);
+  Atlas atlas = ReadAtlas(options.input, MakeReadOptions(console, options.from, options.wait), &notices);
+  if (errors == InputErrors::kTell) TellErrors(options.input, atlas, console, notices);
+  return atlas;
+}
+
+void AddVocabulary(CLI::App& verb, std::string& path) {
+  verb.add_option("--vocabulary", path,
+                  "The vocabulary file that the atlas was made with: words that cannot be of it are computed anew")
+      ->type_name("FILE");
+}
+
+std::optional<LoadedVocabulary> LoadGivenVocabulary(const std::string& path, const Console& console) {
+  if (path.empty()) return std::nullopt;
+  return LoadVocabulary(path, console.threads());
+}
+
+void HoldWords(const std::string& input, const std::optional<LoadedVocabulary>& vocabulary, const Console& console,
+               Atlas& atlas, Notices& notices) {
+  if (!vocabulary) return;
+  const MendWordsReport report = NamingFile(input, [&] {
+    return MendWords(atlas,
+                     {.tree = &vocabulary->tree, .identity = vocabulary->identity, .threads = console.threads()});
+  });
+  for (const std::string& sentence : SentencesOf(report)) notices.Warn(input + ": " + InCommandWords(sentence));
 }
 
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,

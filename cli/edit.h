@@ -10,6 +10,7 @@
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/report_files.h"
+#include "slamdb/formats/dbow2/vocabulary.h"
 
 // The frame of the verbs that change an atlas: read the input, call one function of the library, write the output, say
 // what was done. Inputs are never changed, and with --dry-run nothing is written.
@@ -61,9 +62,21 @@ class SideFile {
   std::optional<AtomicFile> file_;
 };
 
-// The input, whole. Refuses at once, before anything is read, what would fail at the end: an output that is the input,
-// whose format is unknown, or binary on a terminal.
-Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices);
+// What becomes of the errors that a check of the input finds.
+enum class InputErrors { kTell, kAreRepaired };
+
+// The input, whole. Says in one line when a check finds errors in it. Refuses at once, before anything is read, what
+// would fail at the end: an output that is the input, whose format is unknown, or binary on a terminal.
+Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices,
+                InputErrors errors = InputErrors::kTell);
+
+// --vocabulary FILE, and the vocabulary, whole, when it is given.
+void AddVocabulary(CLI::App& verb, std::string& path);
+std::optional<LoadedVocabulary> LoadGivenVocabulary(const std::string& path, const Console& console);
+
+// Holds the words of an input against the vocabulary, if there is one, and notes what was computed anew.
+void HoldWords(const std::string& input, const std::optional<LoadedVocabulary>& vocabulary, const Console& console,
+               Atlas& atlas, Notices& notices);
 
 // What work() returns; an Error about an atlas gets the file that the atlas was read from.
 template <class Work>

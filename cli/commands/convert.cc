@@ -6,7 +6,9 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/words.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/mrpt/options.h"
@@ -78,6 +80,19 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   return write;
 }
 
+// Returns whether no error is left.
+bool RepairForOrbslam3(Atlas& atlas, Console& console, Notices& notices) {
+  const RepairReport report = RepairAtlas(atlas, {.journal = false, .threads = console.threads()});
+  for (const AppliedFix& fix : report.applied)
+    if (fix.severity == Severity::kError)
+      notices.Warn("repaired: " + fix.title + " (" + Counted(fix.changes, "change") + ")");
+  for (const Unrepaired& rule : report.left)
+    if (rule.severity == Severity::kError)
+      notices.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
+                   InCommandWords(rule.reason));
+  return report.sound();
+}
+
 ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Location input(options.input), output(options.output);
   const Format& format = FormatOfOutput(output, FormatAsked(options));
@@ -87,7 +102,8 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.selection = ParseSelection(options.selection);
   Notices notices;
-  const Atlas atlas = ReadAtlas(input, read, &notices);
+  Atlas atlas = ReadAtlas(input, read, &notices);
+  const bool sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
   RefuseEmptySelection(atlas, options);
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))
@@ -99,6 +115,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   console.Report(notices);
   if (output.path != "-" && !console.quiet())
     console.Print("wrote " + output.ToString() + " (" + std::string(format.id) + ") " + Summary(atlas, output) + "\n");
+  if (!sound) return ExitCode::kFailed;
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 
@@ -108,9 +125,8 @@ void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
   verb.add_flag("--text", options.text, "Write a text archive: short for --to orbslam3-text")
       ->excludes(verb.get_option("--to"))
       ->group(kArchive);
-  verb.add_flag(
-          "--sanitize", options.sanitize,
-          "Write what ORB-SLAM3 itself reads safely: uninitialised fields zeroed, duplicate and empty maps dropped")
+  verb.add_flag("--sanitize", options.sanitize,
+                "Repair what ORB-SLAM3 refuses or crashes on, as `slamdb repair` does, and zero uninitialised fields")
       ->group(kArchive);
   verb.add_option(
           "--boost-version", options.boost_version,

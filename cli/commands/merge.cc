@@ -19,7 +19,7 @@ struct MergeVerbOptions {
   EditOptions edit;
   std::vector<std::string> inputs;
   MergeOptions merge;
-  std::string id_map;
+  std::string id_map, vocabulary;
   bool join = false, scale = false, no_scale = false, fuse = false, no_fuse = false;
   std::string transform, anchors, maps;
   std::optional<double> outlier_distance;
@@ -109,11 +109,13 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   atlas_files.push_back(options.edit.output);
   SideFile id_map(options.id_map, options.edit, atlas_files);
   Notices notices;
+  const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
   std::vector<Atlas> atlases;
   for (const std::string& input : options.inputs) {
     EditOptions each = options.edit;
     each.input = input;
     atlases.push_back(ReadInput(each, console, notices));
+    HoldWords(input, vocabulary, console, atlases.back(), notices);
   }
   if (HoldLandmarksAlone(atlases)) {
     if (!merge.join) notices.Note("the maps of landmarks stay apart; --join makes one of two");
@@ -189,6 +191,7 @@ Run AddMerge(CLI::App& verb) {
       ->transform(OneOf(kConflicts));
   verb.add_flag("--ignore-vocabulary", options->merge.ignore_vocabulary,
                 "Merge though the inputs' bags of words are of different vocabularies; the first one's name stays");
+  AddVocabulary(verb, options->vocabulary);
   verb.add_option("--id-map", options->id_map, "Write which id of which input became which, as CSV or (.json) JSON")
       ->type_name("FILE");
   BindJoin(verb, *options);

@@ -16,7 +16,8 @@ namespace {
 
 struct RecoverVerbOptions {
   EditOptions edit;
-  std::string cameras;
+  std::string cameras, vocabulary;
+  bool no_triangulate = false;
 };
 
 std::string Share(const SalvagedList& list, std::string_view one, std::string_view many) {
@@ -28,6 +29,8 @@ std::string TextOf(const SalvageReport& report) {
   if (report.untouched) return "the file is whole and sound\n";
   std::string text = "recovered " + Share(report.maps, "map", "maps") + ", " +
                      Share(report.keyframes, "keyframe", "keyframes") + ", " + Share(report.points, "point", "points");
+  if (const std::size_t made = report.recovery.triangulated_points.size(); made > 0)
+    text += "; " + Counted(made, "point") + " triangulated anew";
   if (report.landmarks.listed > 0) text += ", " + Share(report.landmarks, "landmark", "landmarks");
   text += "\ndamage\n";
   if (report.whole()) text += "  every byte can be read, but what some say is not sound\n";
@@ -49,10 +52,16 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   std::optional<Atlas> rig;
   if (!options.cameras.empty()) rig = ReadAtlas(options.cameras, MakeReadOptions(console, {}, wait), &notices);
   Salvage salvage = SalvageAtlas(options.edit.input, MakeReadOptions(console, options.edit.from, wait));
-  const SalvageReport report = NamingFile(options.edit.input, [&] {
-    return RecoverSalvage(
-        salvage, {.rig = rig ? &*rig : nullptr, .threads = console.threads(), .progress = console.MakeProgress()});
-  });
+  const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
+  RecoverOptions recover = {.rig = rig ? &*rig : nullptr,
+                            .triangulate = !options.no_triangulate,
+                            .threads = console.threads(),
+                            .progress = console.MakeProgress()};
+  if (vocabulary) {
+    recover.vocabulary = &vocabulary->tree;
+    recover.vocabulary_identity = vocabulary->identity;
+  }
+  const SalvageReport report = NamingFile(options.edit.input, [&] { return RecoverSalvage(salvage, recover); });
   WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
   const ExitCode code =
       FinishEdit(InCommandWords(TextOf(report)), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
@@ -70,6 +79,9 @@ Run AddRecover(CLI::App& verb) {
   verb.add_option("--cameras", options->cameras,
                   "Another atlas of the same cameras and vocabulary: what of those is lost is taken from it")
       ->type_name("FILE");
+  AddVocabulary(verb, options->vocabulary);
+  verb.add_flag("--no-triangulate", options->no_triangulate,
+                "Do not make lost points anew from what two keyframes, or one with a depth, saw of them");
   return [options](Console& console) { return RunRecover(*options, console); };
 }
 
@@ -80,6 +92,8 @@ constexpr Example kExamples[] = {
      "Cameras are the last thing in a file; a fisheye lens is known from an older atlas alone."},
     {"slamdb recover zeros_first.osa rescued.osa --cameras yesterday.osa",
      "A file whose beginning is lost; the vocabulary is known from an older atlas."},
+    {"slamdb recover flipped.osa rescued.osa --vocabulary ORBvoc.txt",
+     "Bags of words are held against the vocabulary, and computed anew where they are damaged."},
     {"slamdb recover damaged.db#lab lab.osa", "Also of a store with damaged pages."},
 };
 
@@ -91,7 +105,8 @@ const Command kRecover = {
     .description =
         R"(Reads every keyframe and point that is whole in an ORB-SLAM3 file that was cut short or damaged, binary or text, or in a
 damaged store; finds again what the keyframes tell of what is lost (cameras, the next ids); drops or repairs what refers to
-the rest; and writes an atlas that 'slamdb check' finds sound. The input is never changed. Landmarks of a store are saved
+the rest; triangulates points whose bytes are lost from what keyframes saw of them, and counts them apart; drops bags of words that are in doubt, or computes them anew with --vocabulary; and writes an atlas that 'slamdb
+check' finds sound. The input is never changed. Landmarks of a store are saved
 too, and those of an MRPT file in front of a cut.
 
 In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its

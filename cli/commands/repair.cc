@@ -16,7 +16,7 @@ namespace {
 struct RepairVerbOptions {
   EditOptions edit;
   std::vector<std::string> rules;
-  std::string journal, undo;
+  std::string journal, undo, vocabulary;
 };
 
 std::string Line(const Finding& finding) { return "      " + ToString(finding.place) + ": " + finding.message + "\n"; }
@@ -48,7 +48,7 @@ std::string TextOf(const RepairReport& report, bool dry_run) {
 ExitCode RunUndo(const RepairVerbOptions& options, Console& console) {
   Notices notices;
   const Journal journal = ReadJournal(options.undo);
-  Atlas atlas = ReadInput(options.edit, console, notices);
+  Atlas atlas = ReadInput(options.edit, console, notices, InputErrors::kAreRepaired);
   const UndoReport report = NamingFile(options.edit.input, [&] {
     return UndoRepair(atlas, journal, {.threads = console.threads(), .progress = console.MakeProgress()});
   });
@@ -62,12 +62,17 @@ ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   if (!options.undo.empty()) return RunUndo(options, console);
   SideFile journal(options.journal, options.edit, {options.edit.input, options.edit.output});
   Notices notices;
-  Atlas atlas = ReadInput(options.edit, console, notices);
-  const RepairReport report =
-      RepairAtlas(atlas, {.rules = options.rules,
+  Atlas atlas = ReadInput(options.edit, console, notices, InputErrors::kAreRepaired);
+  const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
+  RepairOptions repair = {.rules = options.rules,
                           .journal = journal.wanted() || options.edit.json,  // which counts its edits
                           .threads = console.threads(),
-                          .progress = console.MakeProgress()});
+                          .progress = console.MakeProgress()};
+  if (vocabulary) {
+    repair.vocabulary = &vocabulary->tree;
+    repair.vocabulary_identity = vocabulary->identity;
+  }
+  const RepairReport report = NamingFile(options.edit.input, [&] { return RepairAtlas(atlas, repair); });
   if (journal.wanted()) journal.Write(ToJson(report.journal));
   WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices);
   journal.Commit();
@@ -96,19 +101,23 @@ Run AddRepair(CLI::App& verb) {
       ->type_name("RULE")
       ->allow_extra_args(false)
       ->check(CheckFixableRule);
+  AddVocabulary(verb, options->vocabulary);
   CLI::Option* journal =
       verb.add_option("--journal", options->journal, "Write every edit here, with what was there before")
           ->type_name("FILE");
   verb.add_option("--undo", options->undo, "Take back the edits of this journal: INPUT is what the repair wrote")
       ->type_name("FILE")
       ->excludes(journal)
-      ->excludes(verb.get_option("--rule"));
+      ->excludes(verb.get_option("--rule"))
+      ->excludes(verb.get_option("--vocabulary"));
   return [options](Console& console) { return RunRepair(*options, console); };
 }
 
 constexpr Example kExamples[] = {
     {"slamdb repair crashed.osa sound.osa", "Repairs what can be repaired, and says what cannot and why."},
     {"slamdb repair crashed.osa --dry-run", "Only says what it would do."},
+    {"slamdb repair crashed.osa sound.osa --vocabulary ORBvoc.txt",
+     "Words that are damaged come back; without the vocabulary they are dropped."},
     {"slamdb repair saved_twice.osa good.osa --rule map-listed-once", "Applies one repair and touches nothing else."},
     {"slamdb repair crashed.osa sound.osa --journal fix.json\nslamdb repair --undo fix.json sound.osa again.osa",
      "Keeps a journal, and gets the file back as it was, byte for byte."},

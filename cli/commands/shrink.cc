@@ -19,7 +19,7 @@ struct ShrinkVerbOptions {
   EditOptions edit;
   std::optional<double> target_megabytes;
   ShrinkOptions shrink;
-  std::string purpose;
+  std::string purpose, vocabulary;
 };
 
 std::string SizesText(const ShrinkReport& report) {
@@ -43,6 +43,7 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
   shrink.progress = console.MakeProgress();
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
+  HoldWords(options.edit.input, LoadGivenVocabulary(options.vocabulary, console), console, atlas, notices);
   const ShrinkReport report = Shrink(atlas, shrink);
   WriteResult(atlas, options.edit, "shrink " + options.edit.input, console, notices);
   WarnIfNothingIsLeft(report.removed, notices);
@@ -53,6 +54,7 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
 Run AddShrink(CLI::App& verb) {
   const auto options = std::make_shared<ShrinkVerbOptions>();
   AddEdit(verb, options->edit);
+  AddVocabulary(verb, options->vocabulary);
   constexpr const char* kGroup = "How small";
   verb.add_option("--target-mb", options->target_megabytes, "At most so many megabytes (1,000,000 bytes) as .osa file")
       ->type_name("MB")

@@ -5,16 +5,18 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/words/words.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
 namespace {
 
 struct SynthesizeOptions {
-  std::string output, sensor = "monocular";
+  std::string output, sensor = "monocular", vocabulary;
   TargetOptions target;
   SyntheticOptions atlas;
   std::uint64_t size = 0;  // bytes wanted; 0: as --keyframes and --points say
@@ -48,14 +50,17 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   wanted.threads = console.threads();
   wanted.progress = console.MakeProgress();
   if (options.size > 0) ScaleTo(options.size, wanted);
-  const Atlas atlas = SynthesizeAtlas(wanted);
+  const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
+  Atlas atlas = SynthesizeAtlas(wanted);
+  if (vocabulary) RecomputeWords(atlas, vocabulary->tree, vocabulary->identity, {.threads = console.threads()});
   Notices notices;
   WriteAtlas(atlas, output,
              MakeWriteOptions(console, options.target, "synthesize --seed " + std::to_string(wanted.seed)), &notices);
   console.Report(notices);
   if (output.path != "-" && !console.quiet())
     console.Print("wrote " + output.ToString() + ": " + Counted(atlas.maps.size(), "map") + " of " +
-                  Counted(wanted.keyframes, "keyframe") + " and " + Counted(wanted.points, "point") + "\n");
+                  Counted(wanted.keyframes, "keyframe") + " and " + Counted(wanted.points, "point") + "\n" +
+                  (vocabulary ? "" : "its words are of no vocabulary: --vocabulary makes them of one\n"));
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 
@@ -84,6 +89,11 @@ Run AddSynthesize(CLI::App& verb) {
   number("--features", atlas.features, "Keypoints in each keyframe, at most");
   number("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")->check(CheckNonNegative);
   number("--seed", atlas.seed, "Another number, another atlas");
+  verb.add_option("--vocabulary", options->vocabulary,
+                  "Make the words of this vocabulary file, so that a SLAM system that has it can load the atlas; by "
+                  "default they are made up")
+      ->type_name("FILE")
+      ->group(kGroup);
   verb.add_option("--size", options->size, "Keyframes and points for a binary .osa of about this size, such as 200MB")
       ->type_name("SIZE")
       ->transform(CLI::AsSizeValue(true))
@@ -96,6 +106,7 @@ Run AddSynthesize(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb synthesize small.osa", "A small monocular atlas to try things on."},
     {"slamdb synthesize big.osa --size 200MB --sensor rgbd", "One for measuring."},
+    {"slamdb synthesize small.osa --vocabulary ORBvoc.txt", "One that ORB-SLAM3 finds its places in."},
     {"slamdb synthesize lab.db#vi --sensor stereo --inertial --maps 3", "Three stereo-inertial maps, into a store."},
 };
 
@@ -107,6 +118,7 @@ const Command kSynthesize = {
     .description =
         R"(Makes an atlas as ORB-SLAM3 would have saved it, of a camera that goes round a room: poses, points, keypoints, descriptors,
 graph and counters are geometrically consistent, and 'slamdb check' finds nothing in it. Equal options give equal bytes.
+The words are made up, of a vocabulary that is none: --vocabulary, or 'slamdb vocabulary recompute' later, makes them of one.
 For trying, testing and benchmarking without data.)",
     .failed = "The options contradict each other, or the output could not be written.",
     .lossy = "Done, but the output's format does not hold everything that an atlas has.",

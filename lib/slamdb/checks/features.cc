@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <string_view>
 
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/vocabulary.h"
 
 namespace slamdb::detail {
 namespace {
@@ -358,13 +360,21 @@ void CheckBagOfWordsSorted(const Subject& subject, Findings& findings) {
   });
 }
 
+// Of a vocabulary that is neither given nor known, the bags themselves tell how far words go.
 void CheckWordRange(const Subject& subject, Findings& findings) {
-  if (!subject.options.vocabulary_words) return;
-  const std::uint64_t words = *subject.options.vocabulary_words;
+  std::optional<std::uint64_t> words = subject.options.vocabulary_words;
+  if (!words) words = KnownWords(subject.atlas.vocabulary);
+  const std::optional<std::uint64_t> end = words ? words : WordsFarAbove(subject.atlas);
+  if (!end) return;
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    for (const std::uint32_t word : keyframe.features.bag_of_words.words)
-      if (word >= words)
-        findings.Add(PlaceOf(map, keyframe), "has word ", word, " of a vocabulary of ", words, " words");
+    for (const std::uint32_t word : keyframe.features.bag_of_words.words) {
+      if (word < *end) continue;
+      if (words)
+        findings.Add(PlaceOf(map, keyframe), "has word ", word, " of a vocabulary of ", *words, " words");
+      else
+        findings.Add(PlaceOf(map, keyframe), "has word ", word, ", far above the words of the other keyframes, below ",
+                     *end);
+    }
   });
 }
 

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/vocabulary.h"
 
 namespace slamdb::detail {
 namespace {
@@ -30,48 +32,21 @@ bool Rises(const Column<std::uint32_t>& keys) {
   return std::ranges::adjacent_find(keys, std::greater_equal<>()) == keys.end();
 }
 
-// The order of `keys`, equal ones as they stand.
-std::vector<std::size_t> SortedRows(const Column<std::uint32_t>& keys) {
-  std::vector<std::size_t> rows(keys.size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return keys[row]; });
-  return rows;
+bool DropWords(Features& features) {
+  features.bag_of_words = {};
+  features.feature_vector = {};
+  return true;
 }
 
-bool SortWords(BagOfWords& bag) {
-  if (Rises(bag.words) || bag.words.size() != bag.weights.size()) return false;
-  BagOfWords sorted;
-  for (const std::size_t row : SortedRows(bag.words)) {
-    if (!sorted.words.empty() && sorted.words.back() == bag.words[row]) continue;
-    sorted.words.push_back(bag.words[row]);
-    sorted.weights.push_back(bag.weights[row]);
-  }
-  bag = std::move(sorted);
-  return true;
+std::optional<std::uint64_t> WordsEnd(const Atlas& atlas) {
+  const std::optional<std::uint64_t> known = KnownWords(atlas.vocabulary);
+  return known ? known : WordsFarAbove(atlas);
 }
 
 // Whether the nodes' entries are all there.
 bool IsWhole(const FeatureVector& vector) {
   return vector.nodes.size() == vector.sizes.size() &&
          std::accumulate(vector.sizes.begin(), vector.sizes.end(), std::uint64_t{0}) == vector.features.size();
-}
-
-bool SortNodes(FeatureVector& vector) {
-  if (Rises(vector.nodes) || !IsWhole(vector)) return false;
-  std::vector<std::size_t> begins(vector.sizes.size());
-  std::exclusive_scan(vector.sizes.begin(), vector.sizes.end(), begins.begin(), std::size_t{0});
-  FeatureVector sorted;
-  for (const std::size_t row : SortedRows(vector.nodes)) {
-    if (sorted.nodes.empty() || sorted.nodes.back() != vector.nodes[row]) {
-      sorted.nodes.push_back(vector.nodes[row]);
-      sorted.sizes.push_back(0);
-    }
-    sorted.sizes.back() += vector.sizes[row];
-    const auto first = vector.features.begin() + static_cast<std::ptrdiff_t>(begins[row]);
-    sorted.features.insert(sorted.features.end(), first, first + vector.sizes[row]);
-  }
-  vector = std::move(sorted);
-  return true;
 }
 
 // Takes entries that are no row, or one that stood before, out of a feature vector; nodes without entries go too.
@@ -153,9 +128,20 @@ std::size_t EraseWildFeatures(Atlas& atlas) {
       atlas, [](Features& features) { return EraseWild(features.feature_vector, features.descriptors.size()); });
 }
 
-std::size_t SortBagsOfWords(Atlas& atlas) {
-  return ChangeFeatures(atlas, [](Features& features) -> std::size_t {
-    return std::size_t{SortWords(features.bag_of_words)} + std::size_t{SortNodes(features.feature_vector)};
+// What a file holds out of order was never written so, and sorting would hide it. Without words ORB-SLAM3 does not find
+// the keyframe by its looks, until they are computed anew.
+std::size_t DropUnsortedBags(Atlas& atlas) {
+  return ChangeFeatures(atlas, [](Features& features) {
+    return !(Rises(features.bag_of_words.words) && Rises(features.feature_vector.nodes)) && DropWords(features);
+  });
+}
+
+std::size_t DropWildBags(Atlas& atlas) {
+  const std::optional<std::uint64_t> end = WordsEnd(atlas);
+  if (!end) return 0;
+  return ChangeFeatures(atlas, [&](Features& features) {
+    const auto wild = [&](std::uint32_t word) { return word >= *end; };
+    return std::ranges::any_of(features.bag_of_words.words, wild) && DropWords(features);
   });
 }
 

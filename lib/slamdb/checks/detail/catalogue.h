@@ -158,7 +158,8 @@ void CheckBagOfWordsPaired(const Subject&, Findings&);
 std::size_t ClearHalfBags(Atlas&);
 void CheckBagOfWordsWeight(const Subject&, Findings&);
 void CheckBagOfWordsSorted(const Subject&, Findings&);
-std::size_t SortBagsOfWords(Atlas&);
+std::size_t DropUnsortedBags(Atlas&);
+std::size_t DropWildBags(Atlas&);
 void CheckWordRange(const Subject&, Findings&);
 
 // values.cc

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Steps: 1. what cannot be an entity goes: ids that are none or taken, landmarks at no finite place, maps with nothing;
 //        2. what stands at the end of a file is found again: members of maps, cameras, counters;
-//        3. the repairs of the rules drop what depends on what is lost;
-//        4. entities that break a rule without repair go, and 3 again, until no error is left.
+//        3. points whose bytes are lost are triangulated from what keyframes saw of them;
+//        4. the repairs of the rules drop what depends on what is lost;
+//        5. entities that break a rule without repair go, and 4 again, until no error is left.
 #include "slamdb/edit/repair/recover.h"
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/edit/part/subset.h"
+#include "slamdb/edit/repair/detail/triangulate.h"
 #include "slamdb/model/detail/irregular_entries.h"
 
 namespace slamdb {
@@ -134,7 +136,8 @@ void RaiseCounters(Atlas& atlas, RecoverReport& report) {
 }
 
 void Repair(const RecoverOptions& options, Atlas& atlas, RecoverReport& report) {
-  RepairReport repair = RepairAtlas(atlas, {.journal = false, .threads = options.threads});
+  const std::optional<std::uint64_t> words = report.words.words == 0 ? std::nullopt : std::optional(report.words.words);
+  RepairReport repair = RepairAtlas(atlas, {.vocabulary_words = words, .journal = false, .threads = options.threads});
   std::ranges::move(repair.applied, std::back_inserter(report.repairs));
   report.left = std::move(repair.left);
 }
@@ -180,8 +183,13 @@ RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
     report.taken_vocabulary = true;
   }
   DropImpossible(atlas, report);
+  report.words = MendWords(atlas, {.tree = options.vocabulary,
+                                   .identity = options.vocabulary_identity,
+                                   .damaged = true,
+                                   .threads = options.threads});
   RebuildMaps(atlas, report);
   RebuildCameras(options, atlas, report);
+  if (options.triangulate) report.triangulated_points = detail::TriangulateLostPoints(atlas, options.threads);
   RaiseCounters(atlas, report);
   steps.Next();
   Repair(options, atlas, report);
@@ -191,6 +199,8 @@ RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
     KeepSubset(atlas, subset);
     Repair(options, atlas, report);
   }
+  const AtlasIndex index(atlas);
+  std::erase_if(report.triangulated_points, [&](MapPointId id) { return !index.LocatePoint(id); });
   steps.Next();
   return report;
 }

@@ -7,6 +7,7 @@
 #include "slamdb/base/progress.h"
 #include "slamdb/base/report_files.h"
 #include "slamdb/edit/repair/repair.h"
+#include "slamdb/edit/words/mend.h"
 #include "slamdb/export.h"
 #include "slamdb/model/salvage.h"
 
@@ -15,6 +16,13 @@ namespace slamdb {
 struct RecoverOptions {
   // Another atlas of the same cameras and vocabulary: those that are lost are taken from it.
   const Atlas* rig = nullptr;
+  // The vocabulary that bags of words are of: words that cannot be of it are computed anew. Without it those in doubt
+  // are dropped.
+  const VocabularyTree* vocabulary = nullptr;
+  Vocabulary vocabulary_identity;
+  // Make points anew that keyframes see and no map holds, where two views or a depth allow. RecoverSalvage does so
+  // where bytes are damaged only: what a whole file refers to in vain was culled.
+  bool triangulate = true;
   int threads = 0;    // 0: every core
   Progress progress;  // may be empty
 };
@@ -30,25 +38,29 @@ struct RecoverReport {
   std::vector<MapId> rebuilt_maps;        // whose members behind the lists were lost: origins, inertial stage and such
   bool taken_vocabulary = false;          // from the rig
   bool rebuilt_counters = false;
-  std::vector<AppliedFix> repairs;  // of what depended on what is lost
-  std::vector<Unrepaired> left;     // as in RepairReport
+  std::vector<MapPointId> triangulated_points;  // made anew from the slots of keyframes, by map and id
+  MendWordsReport words;                        // bags that were in doubt
+  std::vector<AppliedFix> repairs;              // of what depended on what is lost
+  std::vector<Unrepaired> left;                 // as in RepairReport
 
-  SLAMDB_EXPORT bool sound() const;  // no error is left
+  SLAMDB_EXPORT bool sound() const;  // no error is left, as a check of the result found
 };
 
 // Makes of an atlas of which parts are lost one that is sound.
-// Cameras, counters and members of maps that are lost are found again from the keyframes, references to what is lost
+// Cameras, counters and members of maps that are lost are found again from the keyframes, points are triangulated from
+// what keyframes saw of them, references to what is lost
 // are dropped by the repairs of the rules, and keyframes and points that break a rule without repair go. A sound atlas
 // stays as it is but for what RepairAtlas changes.
 //
-// Throws nothing but std::bad_alloc and what the listener to its progress throws.
+// Throws Error (kNotPossible) when the words are of another vocabulary than the one that is given, std::bad_alloc, and
+// what the listener to its progress throws.
 // Cost: linear for each repair, in place; the result is the same for any number of threads.
 SLAMDB_EXPORT RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options = {});
 
 // What became of a damaged file.
 struct SalvageReport {
   std::vector<std::string> damage;                  // as in Salvage; empty: the file is whole
-  SalvagedList maps, keyframes, points, landmarks;  // read: in the result
+  SalvagedList maps, keyframes, points, landmarks;  // read: in the result, points made anew not counted
   std::vector<std::string> losses;                  // what is lost or was found again in another way, one sentence each
   RecoverReport recovery;
 
@@ -58,7 +70,8 @@ struct SalvageReport {
 };
 
 // Makes of what was salvaged from a damaged file (formats/salvage.h) an atlas that is sound, and says what is lost.
-// Of a file that is whole and sound nothing changes.
+// Of a file that is whole and sound, has words of its vocabulary and refers to nothing that is not there, nothing
+// changes.
 //
 // Throws Error (kDamaged) when no keyframe and no landmark could be read whole.
 // Cost: as RecoverAtlas.

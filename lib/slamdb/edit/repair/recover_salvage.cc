@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/recover.h"
@@ -22,6 +25,7 @@ void CountLists(const Salvage& salvage, SalvageReport& report) {
     report.points.read += map.points.size();
     report.landmarks.read += map.landmarks.size();
   }
+  report.points.read -= report.recovery.triangulated_points.size();
 }
 
 void TellLists(const Salvage& salvage, SalvageReport& report) {
@@ -35,6 +39,9 @@ void TellLists(const Salvage& salvage, SalvageReport& report) {
   for (const SalvagedMap& map : salvage.maps)
     if (map.points.listed == 0 && map.keyframes.read < map.keyframes.listed)
       report.losses.push_back(Concat(map.id, ": all points lost, whose number stands behind the keyframes"));
+  if (const std::size_t made = report.recovery.triangulated_points.size(); made > 0)
+    report.losses.push_back(Counted(made, "point") +
+                            " of those lost triangulated anew from what keyframes saw of them");
   const auto drop = [&](std::uint64_t count, std::string_view one) {
     if (count > 0) report.losses.push_back(Counted(count, one) + " of these dropped, since they were damaged");
   };
@@ -67,12 +74,38 @@ void TellRebuilt(SalvageReport& report) {
   if (recovery.rebuilt_counters) report.losses.emplace_back("the next ids lost, and set above all ids that are known");
 }
 
+void TellWords(SalvageReport& report) {
+  for (std::string& sentence : SentencesOf(report.recovery.words)) report.losses.push_back(std::move(sentence));
+}
+
+// Whether ORB-SLAM3 finds everything that the atlas refers to; what it leaves null without harm counts too.
+bool HasNothingMissing(const CheckReport& check) {
+  constexpr std::array<std::string_view, 4> kLeftNull = {"slot-target", "replacement-target", "temporal-target",
+                                                         "bad-point-referenced"};
+  return std::ranges::none_of(check.results, [&](const RuleResult& result) {
+    return std::ranges::find(kLeftNull, result.id) != kLeftNull.end();
+  });
+}
+
+// Whether the file can stay as it is.
+bool IsSound(const Atlas& atlas, const RecoverOptions& options) {
+  const CheckReport check = CheckAtlas(atlas, {.threads = options.threads});
+  if (!check.ok() || !HasNothingMissing(check)) return false;
+  if (options.vocabulary == nullptr) return true;
+  Atlas copy = atlas;
+  return !MendWords(copy,
+                    {.tree = options.vocabulary, .identity = options.vocabulary_identity, .threads = options.threads})
+              .changed();
+}
+
 }  // namespace
 
 SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
   SalvageReport report{.damage = salvage.damage};
-  report.untouched = report.whole() && CheckAtlas(salvage.atlas, {.threads = options.threads}).ok();
-  if (!report.untouched) report.recovery = RecoverAtlas(salvage.atlas, options);
+  report.untouched = report.whole() && IsSound(salvage.atlas, options);
+  RecoverOptions recover = options;
+  recover.triangulate = options.triangulate && !report.whole();
+  if (!report.untouched) report.recovery = RecoverAtlas(salvage.atlas, recover);
   if (salvage.atlas.maps.empty() && !report.untouched)
     throw Error(ErrorKind::kDamaged, Concat("holds no keyframe and no landmark that could be read whole",
                                             report.whole() ? "" : ": " + report.damage.front()));
@@ -80,6 +113,7 @@ SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
   TellLists(salvage, report);
   TellBeginning(salvage, report);
   TellRebuilt(report);
+  TellWords(report);
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/words/mend.h"
 #include "slamdb/model/digest.h"
 
 namespace slamdb {
@@ -28,7 +29,29 @@ bool IsChosen(const RepairOptions& options, std::string_view rule) {
 }
 
 CheckReport Check(const Atlas& atlas, const RepairOptions& options) {
-  return CheckAtlas(atlas, {.vocabulary_words = options.vocabulary_words, .threads = options.threads});
+  const std::optional<std::uint64_t> words =
+      options.vocabulary == nullptr ? options.vocabulary_words : options.vocabulary->word_count;
+  return CheckAtlas(atlas, {.vocabulary_words = words, .threads = options.threads});
+}
+
+// Words are mended before the rules look, which without a vocabulary can only drop them.
+void ApplyVocabulary(const RepairOptions& options, Atlas& atlas, RepairReport& report) {
+  constexpr std::string_view kRule = "word-range";
+  if (options.vocabulary == nullptr || !IsChosen(options, kRule)) return;
+  const Atlas original = options.journal ? atlas : Atlas();
+  const MendWordsReport mended = MendWords(
+      atlas, {.tree = options.vocabulary, .identity = options.vocabulary_identity, .threads = options.threads});
+  if (!mended.changed()) return;
+  if (options.journal) AppendChanges(original, atlas, kRule, report.journal);
+  const std::uint64_t changes = mended.recomputed.size() + mended.restored_vocabulary;
+  const Place place = {.keyframe = mended.recomputed.empty() ? KeyFrameId() : mended.recomputed.front()};
+  report.applied.push_back({.rule = std::string(kRule),
+                            .fix = "RecomputeWords",
+                            .severity = FindRule(kRule)->severity,
+                            .title = std::string(FindRule(kRule)->title),
+                            .findings = changes,
+                            .changes = changes,
+                            .first = {place, SentencesOf(mended).front()}});
 }
 
 // Applies the fixes of the chosen rules that found something; returns whether any of them changed anything.
@@ -72,6 +95,7 @@ RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options) {
   RepairReport report;
   if (options.journal)
     report.journal = {.original = HashWithoutEncoding(atlas, options.threads), .encoding = atlas.encoding};
+  ApplyVocabulary(options, atlas, report);
   CheckReport check = Check(atlas, options);
   detail::Steps steps(options.progress, "repairing", check.results.size() + 1);
   for (int round = 0; round < kMostRounds && ApplyFixes(check, options, steps, atlas, report); ++round)

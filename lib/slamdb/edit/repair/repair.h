@@ -10,15 +10,19 @@
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/repair/journal.h"
 #include "slamdb/export.h"
+#include "slamdb/model/vocabulary_tree.h"
 
 namespace slamdb {
 
 struct RepairOptions {
   std::vector<std::string> rules;                 // ids of the rules whose fixes are applied; empty: of every rule
   std::optional<std::uint64_t> vocabulary_words;  // as in CheckOptions
-  bool journal = true;                            // false saves the copy that it takes
-  int threads = 0;                                // 0: every core
-  Progress progress;                              // may be empty
+  // The vocabulary that bags of words are of: words that cannot be of it are computed anew, as MendWords does.
+  const VocabularyTree* vocabulary = nullptr;
+  Vocabulary vocabulary_identity;
+  bool journal = true;  // false saves the copy that it takes
+  int threads = 0;      // 0: every core
+  Progress progress;    // may be empty
 };
 
 // One fix, applied.
@@ -53,7 +57,8 @@ struct RepairReport {
 // What is sound stays as it is, and so does what has no safe fix.
 // UndoRepair(atlas, report.journal) undoes it bit by bit; WriteJournal keeps the journal for later.
 //
-// Throws Error (kUsage), before anything changes, when the options name an unknown rule, or one without a fix.
+// Throws Error, before anything changes: kUsage, when the options name an unknown rule, or one without a fix;
+// kNotPossible, when the words are of another vocabulary than the one that is given.
 // Cost: linear for each fix that is needed; holds a second copy of the atlas meanwhile when it keeps a journal. The
 // outcome is the same for any number of threads.
 SLAMDB_EXPORT RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options = {});

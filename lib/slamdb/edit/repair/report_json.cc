@@ -58,6 +58,7 @@ std::string ToJson(const SalvageReport& report, const ReportFiles& files) {
   json["maps"] = JsonOf(report.maps);
   json["keyframes"] = JsonOf(report.keyframes);
   json["points"] = JsonOf(report.points);
+  json["points"]["triangulated"] = report.recovery.triangulated_points.size();
   json["landmarks"] = JsonOf(report.landmarks);
   json["damage"] = report.damage;
   json["losses"] = report.losses;
