@@ -285,7 +285,8 @@ constexpr Rule kRules[] = {
     {"bag-of-words-sorted",
      kError,
      "words and nodes ascend, each once",
-     "writes them in order, so they are damaged, and a damaged word is beyond the end of its inverted index",
+     "sorts them; its own writing is in order, so the file is damaged, and a damaged word is beyond the end of its "
+     "inverted index",
      CheckBagOfWordsSorted,
      {"DropUnsortedBags", DropUnsortedBags}},
     {"word-range",

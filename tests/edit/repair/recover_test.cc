@@ -54,7 +54,7 @@ class Recover : public ::testing::Test {
     } catch (const Error&) {
       return std::nullopt;
     }
-    RecoverAtlas(salvage.atlas, {.threads = 1});
+    RecoverAtlas(salvage.atlas, {.triangulate = false, .threads = 1});  // whose points do not follow the bytes
     for (const RuleResult& result : CheckAtlas(salvage.atlas, {.threads = 1}).results)
       if (result.severity == Severity::kError && result.id != "vocabulary-checksum")
         ADD_FAILURE() << result.id << ": " << ToString(result.findings[0].place) << ": " << result.findings[0].message;
@@ -251,6 +251,23 @@ TEST_F(Recover, DropsWhatBreaksARuleWithoutRepair) {
   EXPECT_TRUE(report.sound());
   EXPECT_EQ(report.dropped_keyframes, 2u);
   EXPECT_EQ(KeyFramesOf(atlas), keyframes - 2);
+}
+
+// Damage gave a keyframe and a point the ids of others, which stand behind them: those stay, whom others know by it.
+TEST_F(Recover, KeepsTheOneThatHasItsIdByRight) {
+  Atlas atlas = SoundAtlas(Base::kMonocular);
+  Map& map = atlas.maps[0];
+  const KeyFrame keyframe = map.keyframes[6];
+  const MapPoint point = map.points[6];
+  map.keyframes[2].id = keyframe.id;
+  map.points[2].id = point.id;
+  const RecoverReport report = RecoverAtlas(atlas, {.triangulate = false});
+  EXPECT_EQ(report.dropped_keyframes, 1u);
+  EXPECT_GE(report.dropped_points, 1u);
+  const auto kept = std::ranges::find(map.keyframes, keyframe.id, &KeyFrame::id);
+  ASSERT_NE(kept, map.keyframes.end());
+  EXPECT_EQ(kept->frame_id, keyframe.frame_id);
+  EXPECT_EQ(std::ranges::find(map.points, point.id, &MapPoint::id)->position, point.position);
 }
 
 TEST_F(Recover, KeepsLandmarksAtFinitePlaces) {

@@ -9,7 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <map>
+#include <utility>
 
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/edit/part/subset.h"
@@ -21,25 +22,81 @@ namespace {
 
 constexpr std::uint64_t kLargestId = (std::uint64_t{1} << 31) - 1;  // what ORB-SLAM3 numbers its vertices by
 constexpr int kMostRounds = 8;
+constexpr std::size_t kMostWitnesses = 1000;  // of one entity: enough to tell two apart
 
 template <class Entity>
 bool IsId(Id<Entity> id) {
   return id.value() <= kLargestId;
 }
 
-// Of several entities with one id the first one counts.
-template <class List>
-std::uint64_t DropImpossible(List& list) {
-  std::set<std::uint64_t> seen;
-  return std::erase_if(list,
-                       [&](const auto& entity) { return !IsId(entity.id) || !seen.insert(entity.id.value()).second; });
+// Who in a map can say which id an entity has.
+struct Witnesses {
+  const Map& map;
+  const IdTable keyframes, points;
+
+  explicit Witnesses(const Map& of) : map(of), keyframes(KeyFrameTable(of)), points(PointTable(of)) {}
+
+  static bool Observes(const MapPoint& point, KeyFrameId keyframe, std::size_t row) {
+    const auto feature = static_cast<std::int32_t>(row);
+    const auto first = point.observations.begin();
+    const auto last = first + static_cast<std::ptrdiff_t>(std::min(point.observations.size(), kMostWitnesses));
+    return std::any_of(first, last, [&](const Observation& observation) {
+      return observation.keyframe == keyframe && (observation.left == feature || observation.right == feature);
+    });
+  }
+
+  // How many points observe the keyframe, by its id, where it has them.
+  std::size_t Count(const KeyFrame& keyframe) const {
+    const Column<MapPointId>& slots = keyframe.features.map_points;
+    std::size_t count = 0;
+    for (std::size_t row = 0; row < std::min(slots.size(), kMostWitnesses); ++row) {
+      const std::uint32_t point = points.Find(slots[row].value());
+      count += point != kNoRow && Observes(map.points[point], keyframe.id, row);
+    }
+    return count;
+  }
+  // How many keyframes have the point, by its id, where it observes.
+  std::size_t Count(const MapPoint& point) const {
+    std::size_t count = 0;
+    for (const Observation& observation : point.observations) {
+      const std::uint32_t keyframe = keyframes.Find(observation.keyframe.value());
+      if (keyframe == kNoRow) continue;
+      const Column<MapPointId>& slots = map.keyframes[keyframe].features.map_points;
+      for (const std::int32_t row : {observation.left, observation.right})
+        count += row >= 0 && static_cast<std::size_t>(row) < slots.size() &&
+                 slots[static_cast<std::size_t>(row)] == point.id;
+    }
+    return count;
+  }
+};
+
+// Of several entities with one id, one of which has it from damage, the one with most witnesses counts, the first of
+// equals.
+template <class Entity>
+std::uint64_t DropImpossible(const Witnesses& witnesses, Column<Entity>& list) {
+  std::map<Id<Entity>, std::size_t> rows;
+  std::vector<std::uint8_t> dropped(list.size(), 0);
+  for (std::size_t row = 0; row < list.size(); ++row) {
+    if (!IsId(list[row].id)) {
+      dropped[row] = 1;
+      continue;
+    }
+    const auto [first, is_new] = rows.try_emplace(list[row].id, row);
+    if (is_new) continue;
+    if (witnesses.Count(list[row]) > witnesses.Count(list[first->second]))
+      dropped[std::exchange(first->second, row)] = 1;
+    else
+      dropped[row] = 1;
+  }
+  std::size_t row = 0;
+  return std::erase_if(list, [&](const Entity&) { return dropped[row++] != 0; });
 }
 
 void DropImpossible(Atlas& atlas, RecoverReport& report) {
   detail::DropIrregularEntries(atlas);
   for (Map& map : atlas.maps) {
-    report.dropped_keyframes += DropImpossible(map.keyframes);
-    report.dropped_points += DropImpossible(map.points);
+    report.dropped_keyframes += DropImpossible(Witnesses(map), map.keyframes);
+    report.dropped_points += DropImpossible(Witnesses(map), map.points);
     report.dropped_landmarks += std::erase_if(map.landmarks, [](const Landmark& landmark) {
       return !landmark.mean.allFinite() || !landmark.normal.allFinite();
     });
