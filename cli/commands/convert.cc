@@ -84,8 +84,7 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
 bool RepairForOrbslam3(Atlas& atlas, Console& console, Notices& notices) {
   const RepairReport report = RepairAtlas(atlas, {.journal = false, .threads = console.threads()});
   for (const AppliedFix& fix : report.applied)
-    if (fix.severity == Severity::kError)
-      notices.Warn("repaired: " + fix.title + " (" + Counted(fix.changes, "change") + ")");
+    notices.Warn("repaired: " + fix.title + " (" + Counted(fix.changes, "change") + ")");
   for (const Unrepaired& rule : report.left)
     if (rule.severity == Severity::kError)
       notices.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
