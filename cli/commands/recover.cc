@@ -87,7 +87,6 @@ Run AddRecover(CLI::App& verb) {
 
 constexpr Example kExamples[] = {
     {"slamdb recover cut.osa rescued.osa", "Keeps what is whole of a file that was cut short."},
-    {"slamdb recover cut.osa --dry-run", "Only says how much that would be."},
     {"slamdb recover fisheye_cut.osa rescued.osa --cameras yesterday.osa",
      "Cameras are the last thing in a file; a fisheye lens is known from an older atlas alone."},
     {"slamdb recover zeros_first.osa rescued.osa --cameras yesterday.osa",
