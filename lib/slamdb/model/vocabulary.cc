@@ -16,7 +16,8 @@ constexpr std::array kKnown = {
     KnownVocabulary{"small.bin", "3c9a7c0ca5fcfe0f47d39fbf01877eaa", 27},
 };
 
-constexpr std::size_t kFewestBags = 3;  // that tell what is usual
+constexpr std::size_t kFewestBags = 3;            // that tell what is usual
+constexpr std::uint64_t kSmallVocabulary = 4096;  // words; below this a few bags tell little
 
 }  // namespace
 
@@ -45,7 +46,7 @@ std::optional<std::uint64_t> WordsFarAbove(const Atlas& atlas, double margin) {
   if (largest.size() < kFewestBags) return std::nullopt;
   const auto middle = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 2);
   std::ranges::nth_element(largest, middle);
-  return static_cast<std::uint64_t>(static_cast<double>(*middle) * margin) + 1;
+  return std::max(kSmallVocabulary, static_cast<std::uint64_t>(static_cast<double>(*middle) * margin) + 1);
 }
 
 }  // namespace slamdb
