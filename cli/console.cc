@@ -31,6 +31,7 @@ void EndNow(int) {
   detail::RemoveTemporaryFiles();
   ::signal(signal_seen, SIG_DFL);
   ::raise(signal_seen);
+  ::_exit(128 + signal_seen);  // the first process of a container, which signals end only where it handles them
 }
 
 // The first signal cancels at the next progress call. Where none comes soon, or a second signal does, the process ends
