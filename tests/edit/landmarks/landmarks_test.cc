@@ -269,12 +269,13 @@ TEST(LayLandmarks, NamesWhatDoesNotFit) {
   Atlas atlas = SynthesizeAtlas({.keyframes = 6, .points = 100});
   Atlas file = LandmarksOf(atlas);
   file.maps[0].landmarks.resize(3);
+  file.maps.emplace_back();  // before anybody refers to the first
   std::vector<Landmark>& landmarks = file.maps[0].landmarks;
   landmarks.push_back(LandmarkAt({1, 1, 1}, {1, 1, 1}));
   landmarks.push_back(LandmarkAt({1, 1, 1}, {1, 1, 1}));
   landmarks.back().id = LandmarkId(1'000'000);
   landmarks[1].mean.x() = std::numeric_limits<double>::infinity();
-  file.maps.emplace_back().landmarks = {landmarks[2]};
+  file.maps[1].landmarks = {landmarks[2]};
   Atlas added = atlas;
   const LayLandmarksReport report = LayLandmarks(atlas, file);
   EXPECT_EQ(report.moved, 1U);
