@@ -283,6 +283,10 @@ TEST(LayLandmarks, NamesWhatDoesNotFit) {
   EXPECT_EQ(report.ambiguous, (std::vector{landmarks[2].id, landmarks[2].id}));
   EXPECT_EQ(report.not_there, (std::vector{LandmarkId(), LandmarkId(1'000'000)}));
   EXPECT_EQ(LayLandmarks(added, file, {.add = true}).added, 1U);
+  Atlas twice = added;
+  twice.maps[0].landmarks.clear();
+  file.maps[0].landmarks[4].id = file.maps[1].landmarks[0].id = LandmarkId(2'000'000);
+  EXPECT_EQ(LayLandmarks(twice, file, {.add = true}).added, 0U) << "no id is given twice";
   EXPECT_EQ(added.maps[0].points.back().id, MapPointId(1'000'000));
   EXPECT_GT(added.next_ids.map_point, 1'000'000U);
 }

@@ -155,7 +155,10 @@ class AlikeFuser {
   // In its standard deviations; below 0: the two cannot be compared.
   double SquaredDescriptorDistance(std::size_t a, std::size_t b) const {
     const FeatureDescriptor &first = *descriptors_[a], &second = *descriptors_[b];
-    if (landmarks_[a].features.front().type != landmarks_[b].features.front().type || first.bytes.empty() ||
+    const FeatureType type = landmarks_[a].features.front().type;
+    // Of an ORB feature either slot holds ORB.
+    const bool same_kind = first.kind == second.kind || type == FeatureType::kOrb;
+    if (type != landmarks_[b].features.front().type || !same_kind || first.bytes.empty() ||
         first.bytes.size() != second.bytes.size())
       return -1;
     if (first.kind == DescriptorKind::kSift)

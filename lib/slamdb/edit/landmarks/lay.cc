@@ -82,10 +82,10 @@ class Layer {
       Spot* spot = Find(landmark);
       if (!landmark.mean.allFinite() || !landmark.normal.allFinite()) {
         report_.infinite.push_back(landmark.id);
+      } else if ((spot != nullptr && spot->several) || repeated.contains(landmark.id.value())) {
+        report_.ambiguous.push_back(landmark.id);
       } else if (spot == nullptr) {
         AddNew(landmark, home);
-      } else if (spot->several || repeated.contains(landmark.id.value())) {
-        report_.ambiguous.push_back(landmark.id);
       } else {
         home = spot->map;
         Lay(landmark, *spot);
