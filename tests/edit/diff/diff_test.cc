@@ -254,6 +254,56 @@ TEST_F(Diff, KeyFramesWithoutDescriptorsGoByTime) {
   EXPECT_EQ(diff.points.removed.size(), 150U);
 }
 
+// Drops the first features of a keyframe, and moves up the rows of those that are left.
+void DropFeatures(Map& map, KeyFrame& keyframe, int count) {
+  Features& features = keyframe.features;
+  const auto drop = [count](auto& column) { column.erase(column.begin(), column.begin() + count); };
+  drop(features.keypoints);
+  drop(features.undistorted);
+  drop(features.right_x);
+  drop(features.depth);
+  drop(features.descriptors);
+  drop(features.map_points);
+  features.count -= count;
+  for (MapPoint& point : map.points)
+    for (Observation& observation : point.observations)
+      if (observation.keyframe == keyframe.id) observation.left -= count;
+  for (MapPoint& point : map.points)
+    std::erase_if(point.observations,
+                  [&](const Observation& each) { return each.keyframe == keyframe.id && each.left < 0; });
+}
+
+std::size_t Slots(const KeyFrame& keyframe, int count) {
+  const auto& slots = keyframe.features.map_points;
+  return static_cast<std::size_t>(
+      std::count_if(slots.begin(), slots.begin() + count, [](MapPointId id) { return id.has_value(); }));
+}
+
+TEST_F(Diff, KeyFramesThatLostFeaturesAreTheSame) {
+  constexpr int kDropped = 120;
+  const std::size_t slots = Slots(map_.keyframes[2], kDropped);
+  DropFeatures(map_, map_.keyframes[2], kDropped);
+  const AtlasDiff diff = Run();
+  EXPECT_THAT(diff.keyframes.removed, IsEmpty());
+  EXPECT_THAT(diff.keyframes.added, IsEmpty());
+  EXPECT_THAT(diff.keyframes.changes, ElementsAre(AspectCount{"features lost", 1}));
+  EXPECT_THAT(diff.points.removed, IsEmpty());
+  EXPECT_EQ(LinksOf(diff, "slots").removed, slots);
+  EXPECT_EQ(LinksOf(diff, "slots").changed, 0U) << "rows move up together";
+  EXPECT_EQ(LinksOf(diff, "observations").changed, 0U);
+  EXPECT_EQ(LinksOf(diff, "observations").added, 0U);
+}
+
+// Whatever they lost: known by their id, time and pose, and moved by what is left of them.
+TEST_F(Diff, KeyFramesThatLostAllFeaturesAreTheSameWhereTheyStand) {
+  DropFeatures(map_, map_.keyframes[1], map_.keyframes[1].features.count);
+  DropFeatures(map_, map_.keyframes[3], 50);
+  map_.keyframes[3].camera_from_world.translation.x() += 1;
+  const AtlasDiff diff = Run();
+  EXPECT_THAT(diff.keyframes.removed, IsEmpty());
+  EXPECT_THAT(diff.keyframes.changes, ElementsAre(AspectCount{"pose", 1}, AspectCount{"features lost", 2}));
+}
+
 TEST_F(Diff, DamageDoesNotMatter) {
   map_.points[0].observations[0].keyframe = KeyFrameId(123456);
   map_.points[1].id = map_.points[2].id;

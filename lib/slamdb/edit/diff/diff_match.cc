@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // 1. Keyframes by what does not change while a map is edited: descriptors and time; the id decides between equal ones.
+//    Those that lost features are known by the rest of them, under the same time.
 // 2. Maps by the keyframes that they share.
 // 3. Points by descriptor and observers, then by any keypoint that sees both.
 #include "slamdb/edit/diff/detail/diff_match.h"
@@ -54,12 +55,57 @@ KeyFrameKeys KeysOf(const NumberedAtlas& atlas, int threads) {
   return keys;
 }
 
+// A key of each descriptor with its row, ascending.
+std::vector<std::pair<std::uint64_t, std::int32_t>> SortedDescriptors(const Features& features) {
+  std::vector<std::pair<std::uint64_t, std::int32_t>> rows;
+  for (const Descriptor& descriptor : features.descriptors)
+    rows.emplace_back(HashOf(descriptor), static_cast<std::int32_t>(rows.size()));
+  std::ranges::sort(rows);
+  return rows;
+}
+
+// visit(row before, row after) for descriptors that both have, equal ones in their order.
+template <class Visit>
+void ForEachSharedDescriptor(const Features& before, const Features& after, const Visit& visit) {
+  const auto first = SortedDescriptors(before), second = SortedDescriptors(after);
+  for (auto a = first.begin(), b = second.begin(); a != first.end() && b != second.end();) {
+    if (a->first < b->first)
+      ++a;
+    else if (b->first < a->first)
+      ++b;
+    else
+      visit((a++)->second, (b++)->second);
+  }
+}
+
+// Whether two keyframes of one time are one of which features were lost: most of the fewer are among the more. With the
+// same id and pose any are enough, and none where one lost all. Sessions that began at the same second share none.
+bool LostFeaturesOnly(const KeyFrame& before, const KeyFrame& after) {
+  const bool stands = before.id == after.id &&
+                      before.camera_from_world.translation == after.camera_from_world.translation &&
+                      before.camera_from_world.rotation.coeffs() == after.camera_from_world.rotation.coeffs();
+  const std::size_t fewer = std::min(before.features.descriptors.size(), after.features.descriptors.size());
+  if (fewer == 0) return stands;
+  std::size_t shared = 0;
+  ForEachSharedDescriptor(before.features, after.features, [&](std::int32_t, std::int32_t) { ++shared; });
+  return stands ? shared > 0 : 2 * shared > fewer;
+}
+
 Pairing PairKeyFrames(const NumberedAtlas& before, const NumberedAtlas& after, int threads) {
   const KeyFrameKeys before_keys = KeysOf(before, threads), after_keys = KeysOf(after, threads);
   Pairing pairing(before.keyframes.size(), after.keyframes.size());
-  const auto join = [&](const auto& key) {
+  const auto join = [&](const auto& key, const Pairing::Accept& accept = {}) {
     pairing.Join([&](std::uint32_t n) { return key(*before.keyframes[n], before_keys, n); },
-                 [&](std::uint32_t n) { return key(*after.keyframes[n], after_keys, n); });
+                 [&](std::uint32_t n) { return key(*after.keyframes[n], after_keys, n); }, accept);
+  };
+  const auto time = [](const KeyFrame& keyframe, const KeyFrameKeys&, std::uint32_t) {
+    return Mixed(TimeKey(keyframe), 0);
+  };
+  const auto time_and_id = [](const KeyFrame& keyframe, const KeyFrameKeys&, std::uint32_t) {
+    return Mixed(Mixed(TimeKey(keyframe), 0), keyframe.id.value());
+  };
+  const auto lost_features = [&](std::uint32_t a, std::uint32_t b) {
+    return LostFeaturesOnly(*before.keyframes[a], *after.keyframes[b]);
   };
   const auto look = [](const KeyFrame& keyframe, const KeyFrameKeys& keys, std::uint32_t n) {
     return keys.descriptors[n] == Pairing::kNoKey ? Pairing::kNoKey : Mixed(keys.descriptors[n], TimeKey(keyframe));
@@ -70,17 +116,14 @@ Pairing PairKeyFrames(const NumberedAtlas& before, const NumberedAtlas& after, i
   join([&](const KeyFrame& keyframe, const KeyFrameKeys& keys, std::uint32_t n) {
     return with_id(look(keyframe, keys, n), keyframe);
   });
+  join(time_and_id, lost_features);
   join(look);
   join([](const KeyFrame&, const KeyFrameKeys& keys, std::uint32_t n) { return keys.descriptors[n]; });
   join([](const KeyFrame&, const KeyFrameKeys& keys, std::uint32_t n) { return keys.keypoints[n]; });
+  join(time, lost_features);
   if (before_keys.any_descriptors && after_keys.any_descriptors) return pairing;
   // A format without descriptors: only times are left. Sessions that began at the same second must not mix otherwise.
-  const auto time = [](const KeyFrame& keyframe, const KeyFrameKeys&, std::uint32_t) {
-    return Mixed(TimeKey(keyframe), 0);
-  };
-  join([&](const KeyFrame& keyframe, const KeyFrameKeys& keys, std::uint32_t n) {
-    return with_id(time(keyframe, keys, n), keyframe);
-  });
+  join(time_and_id);
   join(time);
   return pairing;
 }
@@ -129,11 +172,18 @@ Pairing PairCameras(const Atlas& before, const Atlas& after) {
 // Points are compared under the numbers that keyframes have in the atlas after.
 class PointPairing {
  public:
-  PointPairing(const NumberedAtlas& before, const NumberedAtlas& after, const Pairing& keyframes, int threads)
-      : before_(before), after_(after), keyframes_(keyframes), pairing_(before.points.size(), after.points.size()) {
-    before_seen_ = SeenKeys(before_, threads, [&](std::uint32_t n) { return keyframes_.AfterOf(n); });
-    after_seen_ =
-        SeenKeys(after_, threads, [&](std::uint32_t n) { return keyframes_.BeforeOf(n) == kNoRow ? kNoRow : n; });
+  PointPairing(const NumberedAtlas& before, const NumberedAtlas& after, const Pairing& keyframes,
+               const FeatureRows& rows, int threads)
+      : before_(before),
+        after_(after),
+        keyframes_(keyframes),
+        rows_(rows),
+        pairing_(before.points.size(), after.points.size()) {
+    before_seen_ = SeenKeys(
+        before_, threads, [&](std::uint32_t n) { return keyframes_.AfterOf(n); },
+        [&](std::uint32_t n, std::int32_t row) { return rows_.AfterOf(n, row); });
+    after_seen_ = SeenKeys(
+        after_, threads, [&](std::uint32_t n) { return keyframes_.BeforeOf(n) == kNoRow ? kNoRow : n; }, OwnRow);
   }
 
   Pairing Run() {
@@ -153,9 +203,12 @@ class PointPairing {
   }
 
  private:
-  // A key of the set of observations in keyframes that both atlases have.
-  template <class Number>
-  static std::vector<std::uint64_t> SeenKeys(const NumberedAtlas& atlas, int threads, const Number& number) {
+  static std::int32_t OwnRow(std::uint32_t, std::int32_t row) { return row; }
+
+  // A key of the set of observations in keyframes that both atlases have, by numbers and rows of the atlas after.
+  template <class Number, class Row>
+  static std::vector<std::uint64_t> SeenKeys(const NumberedAtlas& atlas, int threads, const Number& number,
+                                             const Row& row_of) {
     std::vector<std::uint64_t> keys(atlas.points.size(), Pairing::kNoKey);
     ParallelFor(keys.size(), 16 * kPerBlock, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n) {
@@ -166,8 +219,8 @@ class PointPairing {
           const std::uint32_t observer = own == kNoRow ? kNoRow : number(own);
           if (observer == kNoRow) continue;
           any = true;
-          sum += Mixed(observer, std::uint64_t{static_cast<std::uint32_t>(observation.left)} << 32 |
-                                     static_cast<std::uint32_t>(observation.right));
+          sum += Mixed(observer, std::uint64_t{static_cast<std::uint32_t>(row_of(own, observation.left))} << 32 |
+                                     static_cast<std::uint32_t>(row_of(own, observation.right)));
         }
         if (any) keys[n] = Mixed(sum, 0);
       }
@@ -182,14 +235,16 @@ class PointPairing {
   }
 
   // visit(key of a keypoint) for the keypoints that see a point.
-  template <class Number, class Visit>
-  static void ForEachKeypoint(const NumberedAtlas& atlas, std::uint32_t n, const Number& number, const Visit& visit) {
+  template <class Number, class Row, class Visit>
+  static void ForEachKeypoint(const NumberedAtlas& atlas, std::uint32_t n, const Number& number, const Row& row_of,
+                              const Visit& visit) {
     for (const Observation& observation : atlas.points[n]->observations) {
       const std::uint32_t own = atlas.FindKeyFrame(atlas.map_of_point[n], observation.keyframe);
       const std::uint32_t observer = own == kNoRow ? kNoRow : number(own);
       if (observer == kNoRow) continue;
-      for (const std::int32_t row : {observation.left, observation.right})
-        if (row >= 0) visit(std::uint64_t{observer} << 32 | static_cast<std::uint32_t>(row));
+      for (const std::int32_t row : {row_of(own, observation.left), row_of(own, observation.right)})
+        if (row >= 0 && row != FeatureRows::kGone)
+          visit(std::uint64_t{observer} << 32 | static_cast<std::uint32_t>(row));
     }
   }
 
@@ -200,7 +255,7 @@ class PointPairing {
     for (std::uint32_t n = 0; n < after_.points.size(); ++n) {
       if (pairing_.BeforeOf(n) != kNoRow) continue;
       ForEachKeypoint(
-          after_, n, [](std::uint32_t own) { return own; },
+          after_, n, [](std::uint32_t own) { return own; }, OwnRow,
           [&](std::uint64_t keypoint) {
             keypoints.push_back(keypoint);
             owners.push_back(n);
@@ -216,6 +271,7 @@ class PointPairing {
       votes.clear();
       ForEachKeypoint(
           before_, n, [&](std::uint32_t own) { return keyframes_.AfterOf(own); },
+          [&](std::uint32_t own, std::int32_t row) { return rows_.AfterOf(own, row); },
           [&](std::uint64_t keypoint) {
             const std::uint32_t owner = table.Find(keypoint);
             if (owner != kNoRow && pairing_.BeforeOf(owner) == kNoRow) votes.push_back(owner);
@@ -237,6 +293,7 @@ class PointPairing {
 
   const NumberedAtlas &before_, &after_;
   const Pairing& keyframes_;
+  const FeatureRows& rows_;
   Pairing pairing_;
   std::vector<std::uint64_t> before_seen_, after_seen_;
 };
@@ -262,7 +319,7 @@ void Pairing::Add(std::uint32_t before, std::uint32_t after) {
   before_of_[after] = before;
 }
 
-void Pairing::Join(const Key& before_key, const Key& after_key) {
+void Pairing::Join(const Key& before_key, const Key& after_key, const Accept& accept) {
   std::vector<std::uint64_t> keys;
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t n = 0; n < before_of_.size(); ++n) {
@@ -288,17 +345,33 @@ void Pairing::Join(const Key& before_key, const Key& after_key) {
     if (after_of_[n] != kNoRow) continue;
     const std::uint32_t first = table.Find(before_key(n));
     if (first == kNoRow || head[first] == kNoRow) continue;
+    if (accept && !accept(n, numbers[head[first]])) continue;
     Add(n, numbers[head[first]]);
     head[first] = next[head[first]];
   }
+}
+
+FeatureRows::FeatureRows(const NumberedAtlas& before, const NumberedAtlas& after, const Pairing& keyframes, int threads)
+    : rows_(before.keyframes.size()) {
+  ParallelFor(rows_.size(), kPerBlock, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) {
+      const std::uint32_t partner = keyframes.AfterOf(static_cast<std::uint32_t>(n));
+      if (partner == kNoRow) continue;
+      const Features &first = before.keyframes[n]->features, &second = after.keyframes[partner]->features;
+      if (first.descriptors.size() == second.descriptors.size()) continue;
+      rows_[n].assign(std::max(first.descriptors.size(), first.map_points.size()), kGone);
+      ForEachSharedDescriptor(first, second, [&](std::int32_t a, std::int32_t b) { rows_[n][a] = b; });
+    }
+  });
 }
 
 AtlasPairing PairEntities(const NumberedAtlas& before, const NumberedAtlas& after, int threads) {
   Pairing keyframes = PairKeyFrames(before, after, threads);
   Pairing maps = PairMaps(before, after, keyframes);
   Pairing cameras = PairCameras(before.atlas(), after.atlas());
-  Pairing points = PointPairing(before, after, keyframes, threads).Run();
-  return {std::move(maps), std::move(cameras), std::move(keyframes), std::move(points)};
+  FeatureRows rows(before, after, keyframes, threads);
+  Pairing points = PointPairing(before, after, keyframes, rows, threads).Run();
+  return {std::move(maps), std::move(cameras), std::move(keyframes), std::move(rows), std::move(points)};
 }
 
 }  // namespace slamdb::detail

@@ -46,9 +46,8 @@ LinkCounts CompareLinks(std::vector<Link>& before, std::vector<Link>& after) {
   return counts;
 }
 
-std::uint64_t RowsOf(const Observation& observation) {
-  return std::uint64_t{static_cast<std::uint32_t>(observation.left)} << 32 |
-         static_cast<std::uint32_t>(observation.right);
+std::uint64_t RowsOf(std::int32_t left, std::int32_t right) {
+  return std::uint64_t{static_cast<std::uint32_t>(left)} << 32 | static_cast<std::uint32_t>(right);
 }
 
 }  // namespace
@@ -99,7 +98,8 @@ KeyFramePairDiff PairComparison::CompareKeyFrame(std::uint32_t n) const {
   diff.Note(kTime, same_(a.timestamp, b.timestamp));
   diff.Note(kCalibration, SameCalibration(a, b));
   // Which points the features see is compared by where that leads, in CompareSlots.
-  diff.Note(kFeatures, same_.Fields<Column<MapPointId>, MatrixForm>(a, b, kFeatureFields));
+  const bool lost = b.features.descriptors.size() < a.features.descriptors.size();
+  diff.Note(lost ? kLostFeatures : kFeatures, same_.Fields<Column<MapPointId>, MatrixForm>(a, b, kFeatureFields));
   diff.Note(kBagOfWords, same_.Fields(a, b, kWordFields));
   diff.Note(kInertial, same_.Fields(a, b, kInertialFields));
   diff.Note(kState, a.first_connection == b.first_connection && a.not_erase == b.not_erase &&
@@ -143,11 +143,17 @@ void PairComparison::CompareSlots(std::uint32_t n, std::uint32_t partner, LinkCo
   const Column<MapPointId>& slots_a = before_.keyframes[n]->features.map_points;
   const Column<MapPointId>& slots_b = after_.keyframes[partner]->features.map_points;
   const std::uint32_t map_a = before_.map_of_keyframe[n], map_b = after_.map_of_keyframe[partner];
-  for (std::size_t row = 0; row < std::max(slots_a.size(), slots_b.size()); ++row) {
-    const MapPointId a = row < slots_a.size() ? slots_a[row] : MapPointId();
-    const MapPointId b = row < slots_b.size() ? slots_b[row] : MapPointId();
+  const auto compare = [&](MapPointId a, MapPointId b) {
     if ((a || b) && !SamePoint(map_a, a, map_b, b)) slots.Count(a.has_value(), b.has_value());
+  };
+  std::vector<std::uint8_t> met(slots_b.size(), 0);
+  for (std::size_t row = 0; row < slots_a.size(); ++row) {
+    const auto after = static_cast<std::size_t>(pairing_.rows.AfterOf(n, static_cast<std::int32_t>(row)));
+    compare(slots_a[row], after < slots_b.size() ? slots_b[after] : MapPointId());
+    if (after < met.size()) met[after] = 1;
   }
+  for (std::size_t row = 0; row < slots_b.size(); ++row)
+    if (!met[row]) compare(MapPointId(), slots_b[row]);
 }
 
 PointPairDiff PairComparison::ComparePoint(std::uint32_t n) const {
@@ -187,10 +193,13 @@ void PairComparison::CompareFirst(std::uint32_t n, std::uint32_t partner, PairDi
 void PairComparison::CompareObservations(std::uint32_t n, std::uint32_t partner, LinkCounts& observations) const {
   const std::uint32_t map_a = before_.map_of_point[n], map_b = after_.map_of_point[partner];
   std::vector<Link> first, second;
-  for (const Observation& each : before_.points[n]->observations)
-    first.push_back({TargetBefore(map_a, each.keyframe), RowsOf(each)});
+  for (const Observation& each : before_.points[n]->observations) {
+    const std::uint32_t keyframe = before_.FindKeyFrame(map_a, each.keyframe);
+    const auto row = [&](std::int32_t own) { return keyframe == kNoRow ? own : pairing_.rows.AfterOf(keyframe, own); };
+    first.push_back({TargetBefore(map_a, each.keyframe), RowsOf(row(each.left), row(each.right))});
+  }
   for (const Observation& each : after_.points[partner]->observations)
-    second.push_back({TargetAfter(map_b, each.keyframe), RowsOf(each)});
+    second.push_back({TargetAfter(map_b, each.keyframe), RowsOf(each.left, each.right)});
   observations = CompareLinks(first, second);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "slamdb/model/index.h"
@@ -47,11 +48,13 @@ class Pairing {
  public:
   static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
   using Key = std::function<std::uint64_t(std::uint32_t)>;
+  using Accept = std::function<bool(std::uint32_t before, std::uint32_t after)>;
 
   Pairing(std::size_t before, std::size_t after) : after_of_(before, kNoRow), before_of_(after, kNoRow) {}
 
-  // Pairs those not paired yet that have the same key, the first with the first. kNoKey pairs with nothing. O(n).
-  void Join(const Key& before_key, const Key& after_key);
+  // Pairs those not paired yet that have the same key, the first with the first, if it is accepted. kNoKey pairs with
+  // nothing. O(n).
+  void Join(const Key& before_key, const Key& after_key, const Accept& accept = {});
   void Add(std::uint32_t before, std::uint32_t after);
 
   // The partner, or kNoRow.
@@ -64,8 +67,27 @@ class Pairing {
   std::vector<std::uint32_t> after_of_, before_of_;
 };
 
+// Which row of a keyframe's features became which, in pairs of keyframes that do not have as many.
+class FeatureRows {
+ public:
+  FeatureRows(const NumberedAtlas& before, const NumberedAtlas& after, const Pairing& keyframes, int threads);
+
+  // The row after, or one that no keyframe has when the feature is gone. What is no row stays as it is.
+  std::int32_t AfterOf(std::uint32_t keyframe_before, std::int32_t row) const {
+    const std::vector<std::int32_t>& rows = rows_[keyframe_before];
+    return row < 0 || rows.empty() ? row : static_cast<std::size_t>(row) < rows.size() ? rows[row] : kGone;
+  }
+
+  static constexpr std::int32_t kGone = std::numeric_limits<std::int32_t>::max();
+
+ private:
+  std::vector<std::vector<std::int32_t>> rows_;  // by keyframe before; empty: the same
+};
+
 struct AtlasPairing {
-  Pairing maps, cameras, keyframes, points;
+  Pairing maps, cameras, keyframes;
+  FeatureRows rows;
+  Pairing points;
 };
 AtlasPairing PairEntities(const NumberedAtlas& before, const NumberedAtlas& after, int threads);
 

@@ -17,6 +17,7 @@ enum KeyFrameAspect : std::size_t {
   kTime,
   kCalibration,
   kFeatures,
+  kLostFeatures,
   kBagOfWords,
   kInertial,
   kState,
@@ -24,7 +25,7 @@ enum KeyFrameAspect : std::size_t {
   kKeyFrameAspects
 };
 inline constexpr std::array<std::string_view, kKeyFrameAspects> kKeyFrameAspectNames = {
-    "pose",         "time",          "camera and calibration", "features",
+    "pose",         "time",          "camera and calibration", "features",  "features lost",
     "bag of words", "inertial data", "flags and state",        "origin map"};
 
 enum PointAspect : std::size_t {
