@@ -193,6 +193,90 @@ TEST(Join, WarnsOfWhatLooksWrong) {
   EXPECT_THAT(warnings({.anchors = std::vector<KeyFramePair>(7)}), Contains(HasSubstr("the fit is poor")));
 }
 
+// ---- what does not go together, whichever comes first
+
+// Both orders of joining; what is refused without force is forced.
+std::vector<std::string> JoinWarnings(const Atlas& atlas, bool turned, bool force) {
+  Atlas both = atlas;
+  JoinOptions join{.first_from_second = Similarity3d(), .force = force};
+  join.first = both.maps[turned ? 1 : 0].id;
+  join.second = both.maps[turned ? 0 : 1].id;
+  const JoinReport report = JoinMaps(both, join);
+  EXPECT_EQ(bool{both.maps[0].imu_initialized},
+            bool{atlas.maps[0].imu_initialized} && bool{atlas.maps[1].imu_initialized});
+  return report.warnings;
+}
+
+void SetImu(Map& map, bool inertial, bool initialised) {
+  map.inertial = inertial;
+  map.imu_initialized = map.imu_ba1 = map.imu_ba2 = initialised;
+}
+
+void MakeMonocular(Map& map) {
+  for (KeyFrame& keyframe : map.keyframes) keyframe.intrinsics.baseline_fx = keyframe.intrinsics.baseline = 0;
+}
+
+TEST(Join, WarnsOfTheImuInEveryOrder) {
+  Atlas atlas = MakeWorld(kWorlds[4], 2);
+  for (const bool turned : {false, true}) {
+    SetImu(atlas.maps[0], true, true);
+    SetImu(atlas.maps[1], true, false);
+    EXPECT_THAT(JoinWarnings(atlas, turned, false), ElementsAre(HasSubstr("counts as not initialised")));
+    SetImu(atlas.maps[1], false, false);
+    EXPECT_THAT(JoinWarnings(atlas, turned, false), ElementsAre(HasSubstr("counts as not inertial")));
+    SetImu(atlas.maps[0], true, false);
+    EXPECT_THAT(JoinWarnings(atlas, turned, false), ElementsAre(HasSubstr("has an IMU, map 1 has none")));
+    SetImu(atlas.maps[0], true, true);
+    SetImu(atlas.maps[1], true, true);
+    atlas.maps[1].imu_ba2 = false;
+    EXPECT_THAT(JoinWarnings(atlas, turned, false), ElementsAre(HasSubstr("has come further in map 0")));
+    SetImu(atlas.maps[0], false, false);
+    SetImu(atlas.maps[1], false, false);
+    EXPECT_THAT(JoinWarnings(atlas, turned, false), IsEmpty());
+  }
+}
+
+TEST(Join, RefusesAnArbitraryScaleWithAMetricOneInEveryOrder) {
+  Atlas atlas = MakeWorld(kWorlds[4], 2);
+  SetImu(atlas.maps[0], false, false);
+  SetImu(atlas.maps[1], false, false);
+  MakeMonocular(atlas.maps[1]);
+  for (const bool turned : {false, true}) {
+    const Atlas original = atlas;
+    EXPECT_THAT(ErrorOf([&] { JoinWarnings(atlas, turned, false); }),
+                HasSubstr("the scale of map 1, which is monocular without initialised IMU, is arbitrary, that of map 0 "
+                          "is metric"));
+    EXPECT_THAT(atlas, EqualsAtlas(original));
+    EXPECT_THAT(JoinWarnings(atlas, turned, true),
+                ElementsAre(HasSubstr("is arbitrary"), HasSubstr("map 0 has stereo or depth, map 1 is monocular")));
+  }
+  MakeMonocular(atlas.maps[0]);
+  EXPECT_THAT(JoinWarnings(atlas, false, false), ElementsAre(HasSubstr("right only where both are the same")));
+  SetImu(atlas.maps[0], true, true);
+  EXPECT_THAT(ErrorOf([&] { JoinWarnings(atlas, true, false); }), HasSubstr("is metric"));
+}
+
+TEST(Join, WarnsOfOtherCameras) {
+  Atlas atlas = MakeWorld(kWorlds[4], 2);
+  for (KeyFrame& keyframe : atlas.maps[1].keyframes) keyframe.intrinsics.fx *= 2;
+  for (const bool turned : {false, true})
+    EXPECT_THAT(JoinWarnings(atlas, turned, false), ElementsAre(HasSubstr("have other intrinsics")));
+  for (KeyFrame& keyframe : atlas.maps[1].keyframes) keyframe.camera = keyframe.right_camera = CameraId(77);
+  EXPECT_THAT(JoinWarnings(atlas, true, false), ElementsAre(HasSubstr("have other cameras")));
+}
+
+TEST(Merge, WarnsOfWhatMapsSideBySideDoNotShare) {
+  const Atlas stereo = MakeWorld(kWorlds[4], 1, 1);
+  Atlas mono = MakeWorld(kWorlds[4], 1, 2);
+  EXPECT_THAT(MergeAtlases({stereo, mono}).report.warnings, IsEmpty());
+  MakeMonocular(mono.maps[0]);
+  SetImu(mono.maps[0], true, false);
+  for (const auto& inputs : {std::vector{stereo, mono, mono}, std::vector{mono, stereo}}) {
+    const std::vector<std::string> warnings = MergeAtlases(inputs).report.warnings;
+    EXPECT_THAT(warnings, ElementsAre(HasSubstr("has an IMU"), HasSubstr("is monocular"), HasSubstr("is arbitrary")));
+  }
+}
+
 TEST(Join, BadInputChangesNothing) {
   const Atlas original = MakeWorld(kWorlds[4], 2);
   const auto error = [&](const JoinOptions& join) {

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "slamdb/base/error.h"
 #include "slamdb/edit/part/detail/archive_size.h"
 #include "slamdb/edit/part/detail/free_features.h"
@@ -38,7 +40,7 @@ TEST(ArchiveBytes, IsTheSizeOfTheFile) {
 }
 
 // Which keyframes see which points: a map by lists of points.
-Atlas Views(const std::vector<std::vector<std::uint64_t>>& views, std::size_t points) {
+Atlas Views(const std::vector<std::vector<std::uint64_t>>& views, std::size_t points, bool depth = true) {
   Atlas atlas;
   Map& map = atlas.maps.emplace_back();
   map.id = MapId(0);
@@ -51,7 +53,7 @@ Atlas Views(const std::vector<std::vector<std::uint64_t>>& views, std::size_t po
       map.points[p].observations.push_back({keyframe.id, static_cast<std::int32_t>(keyframe.features.count++), -1});
       map.points[p].reference = keyframe.id;
       keyframe.features.map_points.push_back(MapPointId(p));
-      keyframe.features.right_x.push_back(1);  // with depth, so that one observer is enough
+      keyframe.features.right_x.push_back(depth ? 1 : -1);  // with depth one observer is enough
     }
   }
   return atlas;
@@ -92,6 +94,36 @@ TEST(Shrink, PrefersPlacesThatLackPointsToThoseThatHaveEnough) {
   EXPECT_THAT(Ids(atlas), ElementsAre(0, 2));
 }
 
+// Without depth a point that loses observers needs two that stay. The keyframes that see most, 0 and 1, see nothing in
+// common; 2 and 3 do.
+TEST(Shrink, ChoosesPairsThatSeeInCommonWithoutDepth) {
+  const std::vector<std::vector<std::uint64_t>> views = {
+      {0, 1, 2, 3, 4, 5}, {6, 7, 8, 9, 10, 11}, {12, 13, 14, 0}, {12, 13, 14, 6}, {1, 2, 3, 7, 8, 9}};
+  Atlas atlas = Views(views, 15, /*depth=*/false);
+  const ShrinkReport report = Shrink(atlas, {.target_keyframes = 2, .min_points = 3});
+  EXPECT_EQ(report.coverage.covered, 2U);
+  EXPECT_GE(report.removed.after.points, 3U);
+  // The third completes what 0 and 1 have in common with it.
+  Atlas more = Views(views, 15, /*depth=*/false);
+  EXPECT_EQ(Shrink(more, {.target_keyframes = 3, .min_points = 3}).coverage.covered, 3U);
+  EXPECT_THAT(Ids(more), ElementsAre(0, 1, 4));
+}
+
+TEST(Shrink, LeavesOutWhatIsBad) {
+  Atlas atlas = Views({{0, 1, 2, 3}, {0, 1}, {2, 3}}, 4);
+  atlas.maps[0].keyframes[0].bad = true;
+  Shrink(atlas, {.target_keyframes = 2, .min_points = 2});
+  EXPECT_THAT(Ids(atlas), ElementsAre(1, 2));
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.bad = true;
+  EXPECT_THAT([&] { Shrink(atlas, {.target_keyframes = 1}); }, ThrowsMessage<Error>(HasSubstr("all are flagged bad")));
+}
+
+TEST(Coverage, IsPoorBelowFourFifths) {
+  EXPECT_FALSE((Coverage{.places = 12, .covered_before = 10, .covered = 8}.poor()));
+  EXPECT_TRUE((Coverage{.places = 12, .covered_before = 10, .covered = 7}.poor()));
+  EXPECT_FALSE((Coverage{.places = 12}.poor()));
+}
+
 TEST(Shrink, KeepsToTheSize) {
   for (const SyntheticOptions& kind : SensorKinds()) {
     const Atlas atlas = SynthesizeAtlas(kind);
@@ -125,8 +157,8 @@ TEST(Shrink, ForLocalizationKeepsEveryPlace) {
     const std::size_t keyframes = KeyFrames(atlas), points = atlas.maps[0].points.size();
     const ShrinkReport report = Shrink(atlas, {.for_localization = true});
     EXPECT_THAT(NewTroubles({}, atlas), IsEmpty());
-    EXPECT_EQ(atlas.maps.size(), 1U);
-    EXPECT_EQ(KeyFrames(atlas), keyframes / static_cast<std::size_t>(kind.maps));
+    EXPECT_EQ(atlas.maps.size(), static_cast<std::size_t>(kind.maps));
+    EXPECT_EQ(KeyFrames(atlas), keyframes);
     EXPECT_EQ(atlas.maps[0].points.size(), points);
     EXPECT_GT(report.features_dropped, 0U);
     EXPECT_EQ(report.measurements_dropped > 0, kind.inertial);
@@ -145,13 +177,13 @@ TEST(DropFreeFeatures, TwiceIsOnce) {
   EXPECT_THAT(again, EqualsAtlas(atlas));
 }
 
-// The preset cuts twice: all but one map, then all but some keyframes of it.
+// Cuts twice: all but one map, then all but some keyframes of it.
 TEST(Shrink, ReportsWhatBothCutsTook) {
   Atlas atlas =
       SynthesizeAtlas({.sensor = Sensor::kStereo, .maps = 2, .keyframes = 10, .points = 120, .features = 100});
   for (Map& map : atlas.maps) map.landmarks.resize(3);
   const EntityCounts before = CountEntities(atlas);
-  const ShrinkReport report = Shrink(atlas, {.target_keyframes = 4, .for_localization = true});
+  const ShrinkReport report = Shrink(atlas, {.target_keyframes = 4, .for_localization = true, .largest_map = true});
   const EntityCounts after = CountEntities(atlas);
   EXPECT_EQ(report.removed.before, before);
   EXPECT_EQ(report.removed.after, after);
@@ -183,6 +215,64 @@ TEST_P(RealAtlasShrunk, IsSoundAndCovers) {
 }
 INSTANTIATE_TEST_SUITE_P(Files, RealAtlasShrunk,
                          ::testing::Values("mono_dist", "stereo_inertial", "fisheye_stereo", "multimap_rgbd"));
+
+// ---- never less than what needs no computing
+
+// A keyframe by the rows of its map and in it, map by map, ascending by id.
+std::vector<EntityRow> InOrder(const Atlas& atlas) {
+  std::vector<EntityRow> order;
+  for (std::uint32_t map = 0; map < atlas.maps.size(); ++map) {
+    const auto& keyframes = atlas.maps[map].keyframes;
+    const std::size_t first = order.size();
+    for (std::uint32_t row = 0; row < keyframes.size(); ++row) order.push_back({map, row});
+    std::sort(order.begin() + static_cast<std::ptrdiff_t>(first), order.end(),
+              [&](const EntityRow& a, const EntityRow& b) { return keyframes[a.row].id < keyframes[b.row].id; });
+  }
+  return order;
+}
+
+std::uint64_t CoveredBy(const AtlasIndex& index, const std::vector<EntityRow>& keyframes) {
+  Subset kept = Subset::Everything(index.atlas());
+  for (Subset::MapRows& map : kept.maps) std::ranges::fill(map.keyframes, std::uint8_t{0});
+  for (const EntityRow& keyframe : keyframes) kept.maps[keyframe.map].keyframes[keyframe.row] = 1;
+  SettleBorder(index, Border::kStrict, kept);
+  return MeasureCoverage(index, kept).covered;
+}
+
+// What consecutive keyframes cover at most, of up to 24 beginnings, and evenly spaced ones.
+std::uint64_t CoveredWithoutComputing(const AtlasIndex& index, const std::vector<EntityRow>& order, std::size_t count) {
+  std::uint64_t most = 0;
+  const std::size_t last = order.size() - count;
+  for (std::size_t begin = 0; begin <= last; begin += std::max<std::size_t>(last / 24, 1)) {
+    const auto from = order.begin() + static_cast<std::ptrdiff_t>(begin);
+    most = std::max(most, CoveredBy(index, {from, from + static_cast<std::ptrdiff_t>(count)}));
+  }
+  std::vector<EntityRow> cut, stepped, spread;
+  for (std::size_t i = 0; i < count; ++i) {
+    cut.push_back(order[i * order.size() / count]);
+    stepped.push_back(order[i * (order.size() / count)]);
+    spread.push_back(order[count == 1 ? 0 : i * (order.size() - 1) / (count - 1)]);
+  }
+  return std::max({most, CoveredBy(index, cut), CoveredBy(index, stepped), CoveredBy(index, spread)});
+}
+
+class RealAtlasBudget : public ::testing::TestWithParam<const char*> {};
+TEST_P(RealAtlasBudget, CoversNoLessThanConsecutiveOrEvenlySpacedKeyFrames) {
+  SLAMDB_REQUIRE_REAL_ATLAS(path, GetParam());
+  Notices notices;
+  const Atlas atlas = ReadOrbslam3(path, {}, notices);
+  const AtlasIndex index(atlas);
+  const std::vector<EntityRow> order = InOrder(atlas);
+  for (const std::size_t count : {1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50, 80, 120}) {
+    if (count >= order.size()) break;
+    Atlas small = atlas;
+    const Coverage coverage = Shrink(small, {.target_keyframes = count}).coverage;
+    EXPECT_EQ(KeyFrames(small), count);
+    EXPECT_GE(coverage.covered, CoveredWithoutComputing(index, order, count)) << count << " keyframes";
+    EXPECT_EQ(MeasureCoverage(AtlasIndex(small), Subset::Everything(small)).places, count);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Files, RealAtlasBudget, ::testing::ValuesIn(kRealAtlases));
 
 }  // namespace
 }  // namespace slamdb::testing

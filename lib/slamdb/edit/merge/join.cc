@@ -19,6 +19,7 @@
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/edit/landmarks/landmarks.h"
+#include "slamdb/edit/merge/detail/mixture.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/spanning_tree.h"
 #include "slamdb/model/index.h"
@@ -28,13 +29,6 @@ namespace slamdb {
 namespace {
 
 constexpr std::size_t kMostCompared = 4096;  // keyframes of each map among which the linked pair is sought
-
-bool IsMetric(const Map& map) {
-  if (map.imu_initialized) return true;
-  return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) {
-    return keyframe.right_camera || keyframe.intrinsics.baseline_fx > 0;
-  });
-}
 
 std::size_t RowOfMap(const Atlas& atlas, MapId id) {
   std::string ids;
@@ -82,7 +76,7 @@ Similarity3d Solve(const Map& first, const Map& second, const JoinOptions& optio
   const Correspondences pairs = Gather(first, second, options);
   if (pairs.first.empty()) throw Error(ErrorKind::kUsage, "joining needs a transform, or anchors to solve it from");
   UmeyamaOptions umeyama;
-  umeyama.with_scale = options.with_scale.value_or(!IsMetric(first) || !IsMetric(second));
+  umeyama.with_scale = options.with_scale.value_or(!detail::IsMetric(first) || !detail::IsMetric(second));
   umeyama.outlier_distance = options.outlier_distance.value_or(umeyama.outlier_distance);
   UmeyamaResult solved = SolveUmeyama(pairs.second, pairs.first, umeyama);
   if (auto poor = PoorFitWarning(solved.rms, solved.spread)) report.warnings.push_back(*std::move(poor));
@@ -93,6 +87,21 @@ Similarity3d Solve(const Map& first, const Map& second, const JoinOptions& optio
   fit.inliers = std::move(solved.inliers);
   report.fit = std::move(fit);
   return solved.target_from_source;
+}
+
+// What does not go together; throws for what makes the joined map wrong.
+void Compare(const Map& first, const Map& second, const JoinOptions& options, JoinReport& report) {
+  const detail::NamedMap a{&first, ToString(first.id)}, b{&second, ToString(second.id)};
+  const double scale = report.first_from_second.scale;
+  const std::string problem = detail::ScaleProblem(a, b, scale), warning = detail::ScaleWarning(a, b, scale);
+  if (!problem.empty() && !options.force)
+    throw Error(ErrorKind::kNotPossible, problem +
+                                             "; give the scale, or solve it from anchors; JoinOptions::force joins "
+                                             "all the same");
+  for (const std::string& sentence : {problem, warning})
+    if (!sentence.empty()) report.warnings.push_back(sentence);
+  for (detail::Mixture& mixture : detail::MixturesOf(a, b, detail::Together::kJoined))
+    report.warnings.push_back(std::move(mixture.sentence));
 }
 
 // ---- the link
@@ -201,7 +210,7 @@ void MoveList(Column<Entity>& from, Column<Entity>& to) {
 void Absorb(Map& first, Map& second, JoinReport& report) {
   report.keyframes = second.keyframes.size();
   report.points = second.points.size();
-  report.left_inertial = first.inertial && !second.inertial;
+  report.left_inertial = first.inertial != second.inertial;
   first.max_keyframe_id = std::max(first.max_keyframe_id, second.max_keyframe_id);
   first.big_change_index = std::max(first.big_change_index, second.big_change_index) + 1;
   MoveList(second.keyframes, first.keyframes);
@@ -257,6 +266,7 @@ JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
   JoinReport report{.first = options.first, .second = options.second};
   report.first_from_second =
       options.first_from_second ? *options.first_from_second : Solve(first, second, options, report);
+  Compare(first, second, options, report);
   std::ranges::move(TransformWarnings(second, report.first_from_second), std::back_inserter(report.warnings));
   TransformMap(second, report.first_from_second, options.threads);
   Link(first, second, ChooseLink(first, second, options, report), report);

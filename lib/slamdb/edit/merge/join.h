@@ -33,6 +33,7 @@ struct JoinOptions {
   std::vector<PlacePair> places;
   std::optional<bool> with_scale;          // when solved; by default only when one of the maps is monocular without IMU
   std::optional<double> outlier_distance;  // anchors that lie farther apart are left out; units of the first map
+  bool force = false;                      // join also what makes the result wrong: a scale that is not the other's
   std::optional<FuseOptions> fuse;         // fuse what both maps have; threads and progress are those of the join
   int threads = 0;                         // 0: every core
   Progress progress;                       // may be empty
@@ -52,8 +53,9 @@ struct JoinReport {
   KeyFramePair link;                        // joined by a merge edge and in the spanning tree
   double link_distance = 0;                 // between their camera centres after the move
   std::uint64_t keyframes = 0, points = 0;  // that changed map
-  bool left_inertial = false;               // the first map was inertial, the second not: the result is not
-  std::vector<std::string> warnings;        // a poor fit, maps far apart, and TransformWarnings of the second map
+  bool left_inertial = false;               // one map was inertial, the other not: the result is not
+  std::vector<std::string> warnings;  // what does not go together (IMU and its state, stereo and monocular, scale,
+                                      // cameras), a poor fit, maps far apart, and TransformWarnings of the second
   std::optional<FuseReport> fused;
   std::uint64_t fused_landmarks = 0;  // landmarks of the second map that went into those of the same thing
 };
@@ -71,7 +73,8 @@ struct JoinReport {
 //
 // Throws Error, and then changes nothing:
 //   kUsage        both maps are one, there is nothing to solve the transform from, or the transform is none
-//   kNotPossible  a map or a keyframe is not there, a map is empty, ids are there more than once, lists hold null
+//   kNotPossible  one map is metric and the other of arbitrary scale, and the transform has none; a map or a keyframe
+//   is not there, a map is empty, ids are there more than once, lists hold null
 //                 pointers or repetitions, or the transform cannot be solved
 // Cost: linear, in place (the pair is sought among at most a few thousand keyframes of each map); the result is the
 // same for any number of threads.

@@ -10,11 +10,13 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <set>
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/detail/references.h"
+#include "slamdb/edit/merge/detail/mixture.h"
 #include "slamdb/model/counters.h"
 #include "slamdb/model/detail/irregular_entries.h"
 
@@ -121,7 +123,10 @@ class Merger {
       steps.Next();
     }
     Verify();
-    if (join) Join(*join, inputs.size());
+    if (join)
+      Join(*join, inputs.size());
+    else
+      CompareMaps();
     return std::move(result_);
   }
 
@@ -144,13 +149,13 @@ class Merger {
     for (std::size_t i = vocabulary_input_ + 1; i < inputs.size(); ++i) {
       const Vocabulary& other = inputs[i].vocabulary;
       if (other.checksum == first.checksum || !HasVocabulary(inputs[i])) continue;
-      if (!options_.ignore_vocabulary)
+      if (!options_.ignore_vocabulary && !options_.force)
         throw Error(
             ErrorKind::kNotPossible,
             NameOfInput(i) + ": its bags of words are of vocabulary '" + other.name + "' (MD5 " + other.checksum +
                 "), those of " + NameOfInput(vocabulary_input_) + " of '" + first.name + "' (" + first.checksum +
                 "): place recognition would compare words that mean different things; recompute the bags of words "
-                "of one, or merge all the same and ignore the vocabulary");
+                "of one; MergeOptions::force merges all the same");
       report().other_vocabularies.push_back(NameOfInput(i));
     }
   }
@@ -277,10 +282,12 @@ class Merger {
 
   void MoveMaps(std::size_t i, Atlas& input) {
     for (std::size_t row = 0; row < input.maps.size(); ++row) {
-      if (IsLeftOut(i, row))
+      if (IsLeftOut(i, row)) {
         report().left_out += CountContent(input.maps[row], options_.threads);
-      else
-        result_.atlas.maps.push_back(std::move(input.maps[row]));
+        continue;
+      }
+      result_.atlas.maps.push_back(std::move(input.maps[row]));
+      input_of_map_.push_back(i);
     }
   }
 
@@ -320,6 +327,23 @@ class Merger {
     if (report().result != expected)
       throw Error(ErrorKind::kInternal,
                   "the merged atlas does not hold what its inputs do; this is a fault of slamdb, nothing was written");
+  }
+
+  // Maps of other inputs with the first map of the first one; each aspect is told once.
+  void CompareMaps() {
+    const auto named = [&](std::size_t row) {
+      const Map& map = result_.atlas.maps[row];
+      return detail::NamedMap{&map, ToString(map.id) + " (" + NameOfInput(input_of_map_[row]) + ")"};
+    };
+    std::optional<std::size_t> first;
+    std::set<std::string_view> told;
+    for (std::size_t row = 0; row < input_of_map_.size(); ++row) {
+      if (result_.atlas.maps[row].keyframes.empty()) continue;
+      if (!first) first = row;
+      if (input_of_map_[row] == input_of_map_[*first]) continue;
+      for (detail::Mixture& mixture : detail::MixturesOf(named(*first), named(row), detail::Together::kSideBySide))
+        if (told.insert(mixture.aspect).second) report().warnings.push_back(std::move(mixture.sentence));
+    }
   }
 
   // Which maps are joined, when that is not said: the only ones that there are.
@@ -367,6 +391,7 @@ class Merger {
       for (KeyFramePair& anchor : join.anchors)
         anchor.second = KeyFrameId(anchor.second.value() + shift[Row(IdKind::kKeyFrame)]);
     }
+    join.force = join.force || options_.force;
     join.threads = options_.threads;
     join.progress = options_.progress;
     report().join = JoinMaps(result_.atlas, join);
@@ -393,6 +418,7 @@ class Merger {
   std::size_t vocabulary_input_ = 0;   // the first input that has a vocabulary
   ByKind<std::vector<IdRange>> used_;  // ids of the inputs so far
   std::vector<KnownMap> maps_;
+  std::vector<std::size_t> input_of_map_;  // by row of the result
 };
 
 }  // namespace

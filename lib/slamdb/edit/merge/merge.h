@@ -27,6 +27,7 @@ struct MergeOptions {
   std::vector<std::string> names;  // of the inputs, for messages and tables; may be shorter than the inputs
   SameMap same_map = SameMap::kKeepBoth;
   bool ignore_vocabulary = false;  // keep the first vocabulary though another input has a different one
+  bool force = false;              // that, and JoinOptions::force
   bool id_maps = false;            // fill MergeReport::id_maps
   // Also make one map of two. Ids are those in the inputs: `first` and what goes with it in the first input, `second`
   // in the second, or both in the only one; a map of `none` is the only one with keyframes that there is to choose.
@@ -57,6 +58,7 @@ struct MergeReport {
   std::vector<MapTwice> same_maps;
   std::uint64_t dropped_list_entries = 0;  // null pointers and repetitions in lists, which the result does not have
   std::vector<std::string> other_vocabularies;  // names of inputs whose vocabulary is not the first one's
+  std::vector<std::string> warnings;            // what maps side by side have that does not go together; see JoinReport
   ContentCounts left_out;                       // maps left out, and cameras unified
   ContentCounts result;                         // counted before joining: the inputs' sum without `left_out`
   std::vector<IdMap> id_maps;                   // one for each input; a fused point's new id is the survivor's

@@ -69,6 +69,7 @@ std::string ToJson(const MergeReport& report, const std::string& output) {
                                  {"left_out", twice.left_out}});
   json["dropped_list_entries"] = report.dropped_list_entries;
   json["other_vocabularies"] = report.other_vocabularies;
+  json["warnings"] = report.warnings;
   json["left_out"] = detail::JsonOf(report.left_out);
   json["result"] = detail::JsonOf(report.result);
   if (report.join) json["join"] = JsonOf(*report.join);

@@ -17,6 +17,9 @@ struct Coverage {
   std::uint64_t places = 0;          // good keyframes of the whole atlas
   std::uint64_t covered_before = 0;  // with everything
   std::uint64_t covered = 0;         // with the part
+
+  // Whether fewer than 80% of the places that were covered still are: a camera will often not be found.
+  bool poor() const { return covered * 5 < covered_before * 4; }
 };
 
 // Of the part that `kept` is of the atlas.

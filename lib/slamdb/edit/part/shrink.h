@@ -12,11 +12,12 @@
 
 namespace slamdb {
 
-// At least one of the first three must be asked for.
+// At least one of the first four must be asked for.
 struct ShrinkOptions {
   std::optional<std::size_t> target_keyframes;  // at most so many
   std::optional<std::uint64_t> target_bytes;    // at most so many of a binary .osa file
   bool for_localization = false;                // the preset, see Shrink
+  bool largest_map = false;                     // only the map with most keyframes stays, whatever else is asked for
   std::size_t min_points = kPointsToLocalize;   // for a place to be covered, see Coverage
   int threads = 0;                              // 0: every core
   Progress progress;                            // may be empty
@@ -30,15 +31,15 @@ struct ShrinkReport {
 };
 
 // Makes an atlas small and keeps as many places as it can (Coverage).
-// Keyframes are chosen by greedy maximum coverage: the next is the one that gives most to places that are not covered
-// yet, then the one with most new points.
-// Gains only fall while choosing, so each is computed anew only when its keyframe comes first (lazy greedy; Minoux
-// 1978).
-// The result is within 1 - 1/e of the best choice of as many keyframes.
+// What a choice of keyframes covers is counted with the points that really stay: a point that loses observers needs two
+// keyframes that see it, or one with depth.
+// Keyframes are chosen greedily: next comes the one, or the two together, that give most to places that are not covered
+// yet, then those with most new points.
+// The choice never covers less than as many consecutive keyframes, or as many evenly spaced ones.
+// Keyframes and points flagged bad go first.
 // The rest goes with KeepSubset, at the strict border.
 //
 // for_localization:
-//   the map with most keyframes alone stays
 //   features that see no point go (DropFreeFeatures)
 //   measurements behind inertial preintegrations go, which ORB-SLAM3 only needs to cull keyframes and to initialise the
 //   IMU
@@ -46,7 +47,7 @@ struct ShrinkReport {
 //
 // Throws Error:
 //   kUsage        nothing is asked for; before anything changes
-//   kNotPossible  not even one keyframe fits, or there is no map; the atlas is then of no use
+//   kNotPossible  not even one keyframe fits, or there is no map or no good keyframe; the atlas is then of no use
 // Cost: near linear, in place; the result is the same for any number of threads.
 SLAMDB_EXPORT ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options = {});
 
