@@ -17,8 +17,8 @@ class Console;
 enum class ExitCode : int {
   kDone = 0,
   kFailed = 1,  // or findings of severity error
-  kUsage = 2,
-  kLossy = 3,  // done, but something of the input is not in the output
+  kUsage = 2,   // and of verbs that compare any trouble
+  kLossy = 3,   // done, but an output that claims to hold an atlas does not hold all of the input
 };
 
 // What a verb does once its options are bound and parsed. Throws slamdb::Error.
@@ -39,6 +39,7 @@ struct Command {
   std::span<const Example> examples;
   Run (*add)(CLI::App& verb) = nullptr;  // binds options and returns what to run; does nothing else
   bool hidden = false;                   // not in the list of verbs
+  std::string_view trouble = {};         // of verbs whose failures end with 2, as cmp's do: what 2 means
 };
 
 // Every verb, in the order in which the help lists them.

@@ -71,6 +71,15 @@ void Console::Report(const Notices& notices, const std::string& prefix) {
   }
 }
 
+void Console::PrintWritten(const std::string& output, const Notices& notices, const std::string& details) {
+  const std::string& written = notices.written();
+  if (output == "-") {
+    if (!written.empty()) Note("wrote " + written);
+  } else if (!options_.quiet) {
+    Print("wrote " + output + (written.empty() ? details : ": " + written) + "\n");
+  }
+}
+
 void Console::Diagnose(std::string_view severity, std::string_view text, bool show) {
   if (!show) return;
   ClearProgress();

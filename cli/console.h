@@ -46,6 +46,11 @@ class Console {
   // All of them, each behind `prefix`; losses are shown even when quiet.
   void Report(const Notices& notices, const std::string& prefix = {});
 
+  // Says where the output went, and what of the atlas when that is an export; `details` is for what holds an atlas:
+  // `wrote map.osa (orbslam3) from 1 map`, `wrote map.ply: 3,162 points`. Of standard output only what an export holds,
+  // on standard error.
+  void PrintWritten(const std::string& output, const Notices& notices, const std::string& details = {});
+
   // For the library. Throws Interrupted out of it when the user pressed Ctrl-C, so that nothing half-written stays
   // behind. With `show` false it does only that, and may be called from several threads.
   Progress MakeProgress(bool show = true);

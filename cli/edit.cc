@@ -1,14 +1,84 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/edit.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
 #include "cli/words.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {
+
+namespace {
+
+// What of an atlas a file of the format is there for, and there is none of.
+std::string_view LacksFor(const Format& format, const Substance& substance) {
+  if (!format.is_export && HasAny(format.writes, Content::kPoses)) return substance.Lacks();
+  if (HasAny(format.writes, Content::kPoses)) return substance.keyframes ? "" : "keyframes";
+  if (HasAny(format.writes, Content::kPoints | Content::kObservations)) return substance.points ? "" : "points";
+  return substance.landmarks ? "" : "landmarks";
+}
+
+// The file's name without the suffix of its format.
+std::string StemOf(const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  std::size_t longest = std::filesystem::path(name).extension().string().size();
+  for (const Format& format : Formats())
+    for (const std::string_view suffix : format.suffixes)
+      if (name.ends_with(suffix)) longest = std::max(longest, suffix.size());
+  return name.substr(0, name.size() - longest);
+}
+
+// The name of an atlas that its location tells; empty when it tells none.
+std::string NameOfAtlas(const Location& input) {
+  std::error_code missing;
+  if (!input.name.empty() || !std::filesystem::is_regular_file(input.path, missing)) return input.name;
+  const Format* format = FindFormatOfInput(input);
+  if (format == nullptr || !format->named) return StemOf(input.path);
+  const std::vector<std::string> names = Store::Open(input.path).Names();
+  return names.size() == 1 ? names.front() : std::string();
+}
+
+}  // namespace
+
+void Inputs::Add(const Atlas& atlas) {
+  all |= SubstanceOf(atlas, /*with_bad=*/true);
+  good |= SubstanceOf(atlas);
+}
+
+void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::string& output, const Format& format,
+                       bool dry_run, Notices& notices) {
+  const Substance good = SubstanceOf(result);
+  const std::string_view lacks = LacksFor(format, good);
+  if (lacks.empty()) return;
+  const Substance all = format.is_export ? good : SubstanceOf(result, /*with_bad=*/true);
+  const bool lost = (LacksFor(format, inputs.good).empty()) ||
+                    (LacksFor(format, inputs.all).empty() && !LacksFor(format, all).empty());
+  const std::string what(lacks);
+  if (!lost)
+    notices.Warn("the output holds no " + what + ", and neither does the input as it was read");
+  else if (dry_run)
+    notices.Warn("the output would hold no " + what + ", though the input has some");
+  else
+    throw Error(ErrorKind::kNotPossible, output, "",
+                "would hold no " + what + ", though the input has some; nothing was written");
+}
+
+std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to) {
+  const Location target(output);
+  if (output.empty() || output == "-" || !target.name.empty()) return output;
+  try {
+    if (!FormatOfOutput(target, to).named) return output;
+    const std::string name = NameOfAtlas(input);
+    if (name.empty() || name.find('#') != std::string::npos) return output;
+    return output + "#" + name;
+  } catch (const Error&) {
+    return output;  // what is wrong with it is said where it is read and written
+  }
+}
 
 void RequireOutput(const EditOptions& options) {
   if (options.output.empty() && !options.dry_run)
@@ -39,6 +109,8 @@ void AddEdit(CLI::App& verb, EditOptions& options) {
       ->type_name("FILE");
   AddFrom(verb, options.from);
   AddEditTarget(verb, options);
+  verb.parse_complete_callback(
+      [&options] { options.output = NamedOutput(options.input, options.output, options.target.to); });
 }
 
 void AddEditTarget(CLI::App& verb, EditOptions& options) {
@@ -70,11 +142,16 @@ void SideFile::Commit() {
 
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices) {
   RefuseBadOutput(options);
-  return ReadAtlas(options.input, MakeReadOptions(console, options.from, options.wait), &notices);
+  Atlas atlas = ReadAtlas(options.input, MakeReadOptions(console, options.from, options.wait), &notices);
+  options.inputs->Add(atlas);
+  return atlas;
 }
 
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
                  Notices& notices) {
+  const bool elsewhere = options.output.empty() || options.dry_run;  // perhaps nowhere, and for what holds an atlas
+  const Format& format = elsewhere ? FormatById("orbslam3") : FormatOfOutput(options.output, options.target.to);
+  RefuseEmptyResult(atlas, *options.inputs, options.output, format, options.dry_run, notices);
   if (options.dry_run) return;
   WriteOptions write = MakeWriteOptions(console, options.target, provenance, options.wait);
   write.format = FormatToWrite(atlas, options.output, options.target.to);
@@ -86,11 +163,11 @@ ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOpti
   console.Report(notices);
   const bool piped = !options.dry_run && options.output == "-";
   std::string report = options.json ? InCommandWords(json) : std::string(text);
-  if (!options.json && !options.dry_run && !piped) report += "wrote " + options.output + "\n";
   if (piped)
     std::cerr << report;
   else if (options.json || !console.quiet())
     console.Print(report);
+  if (!options.json && !options.dry_run) console.PrintWritten(options.output, notices);
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/report_files.h"
+#include "slamdb/model/content.h"
 
 // The frame of the verbs that change an atlas: read the input, call one function of the library, write the output, say
 // what was done. Inputs are never changed, and with --dry-run nothing is written.
@@ -17,13 +19,28 @@ namespace slamdb::cli {
 
 // What exit code 3 means where only the format of the output can lose something.
 inline constexpr std::string_view kOutputLossy =
-    "Done, but the format of the output does not hold all of the atlas; standard error names what it lacks.";
+    "Done, but the output, of a format for atlases, does not hold all of the atlas; standard error names what it "
+    "lacks.";
+
+// What the inputs of a verb have some of, all together: with what is flagged bad, and without.
+struct Inputs {
+  Substance all, good;
+  void Add(const Atlas& atlas);
+};
+
+// The one guard against an empty result that passes for a success, for every verb that writes an atlas. Throws Error
+// when the output would hold nothing of what it is for (keyframes and points; of an export what that format is of)
+// though the inputs have some; warns when they have none either, and when nothing is written anyway.
+void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::string& output, const Format& format,
+                       bool dry_run, Notices& notices);
 
 struct EditOptions {
   std::string input, output, from;
   TargetOptions target;
   bool json = false, dry_run = false;
   double wait = 5;
+  std::shared_ptr<Inputs> inputs =
+      std::make_shared<Inputs>();  // that ReadInput has read, for WriteResult; copies share
 };
 
 // The positionals INPUT and OUTPUT (OUTPUT may be left out with --dry-run), --from, and AddEditTarget.
@@ -42,6 +59,10 @@ std::string FormatToWrite(const Atlas& atlas, const Location& output, const std:
 // Throws Error for what would fail at the end: no output, an output that is the input, whose format is unknown, or
 // binary on a terminal.
 void RefuseBadOutput(const EditOptions& options);
+
+// An output in a store without a name gets that of the input: its name in a store, else the stem of its file. So a
+// second atlas comes to lie beside the first. Standard input and what is no file name nothing.
+std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to);
 
 // What reports name as input and output; no output with --dry-run.
 ReportFiles FilesOf(const EditOptions& options);

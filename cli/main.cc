@@ -100,7 +100,9 @@ int RunVerb(Program& program) {
     console.Fail(error.what());
   }
   if (Console::interrupted()) std::raise(SIGINT);  // everything is tidied up: end as a shell expects of Ctrl-C
-  return static_cast<int>(ExitCode::kFailed);
+  const Command* command = FindCommand(verb->get_name());
+  const bool compares = command != nullptr && !command->trouble.empty();
+  return static_cast<int>(compares ? ExitCode::kUsage : ExitCode::kFailed);
 }
 
 int Main(int argc, char** argv) {

@@ -22,6 +22,8 @@ constexpr std::array kWords = {
     Word{"`overwrite` of Store::Backup", "-O/--overwrite"},
     Word{"migrate it first", "run `slamdb migrate`"},
     Word{"RecoverOptions::rig", "--cameras"},
+    Word{"JoinOptions::force", "--force"},
+    Word{"MergeOptions::force", "--force"},
     Word{"setting `Atlas::vocabulary`", "`slamdb vocabulary set`"},
     Word{"`CheckAtlas`", "`slamdb check`"},
     Word{"`Cull`", "`slamdb cull`"},

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
@@ -26,9 +27,14 @@ struct ConvertOptions {
   double wait = kUsualWait;
 };
 
-void RefuseEmptySelection(const Atlas& atlas, const ConvertOptions& options) {
+void RefuseEmptySelection(const Atlas& atlas, const Selection& selection, const ConvertOptions& options) {
   if (options.selection.map && atlas.maps.empty())
     throw Error(ErrorKind::kNotFound, options.input, "", "has no map " + std::to_string(*options.selection.map));
+  const Substance selected = SubstanceOf(atlas, /*with_bad=*/true);
+  if (selected.landmarks) return;
+  if ((selection.has_keyframe_range() && !selected.keyframes) || (selection.box && !selected.points))
+    throw Error(ErrorKind::kNotFound, options.input, "",
+                selected.keyframes ? "has no points in the box" : "has no keyframes in the range");
 }
 
 // What the reader had to leave out; WriteAtlas refuses what the target cannot hold.
@@ -79,7 +85,7 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
 }
 
 ExitCode RunConvert(const ConvertOptions& options, Console& console) {
-  const Location input(options.input), output(options.output);
+  const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
   const Format& format = FormatOfOutput(output, FormatAsked(options));
   RefuseSameFile(input, output);
   RefuseBinaryOnTerminal(output, format, options.ascii);
@@ -88,7 +94,10 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   read.selection = ParseSelection(options.selection);
   Notices notices;
   const Atlas atlas = ReadAtlas(input, read, &notices);
-  RefuseEmptySelection(atlas, options);
+  RefuseEmptySelection(atlas, read.selection, options);
+  Inputs inputs;
+  inputs.Add(atlas);
+  RefuseEmptyResult(atlas, inputs, output.ToString(), format, /*dry_run=*/false, notices);
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
@@ -97,13 +106,13 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), &notices);
 
   console.Report(notices);
-  if (output.path != "-" && !console.quiet())
-    console.Print("wrote " + output.ToString() + " (" + std::string(format.id) + ") " + Summary(atlas, output) + "\n");
+  console.PrintWritten(output.ToString(), notices, " (" + std::string(format.id) + ") " + Summary(atlas, output));
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 
 void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
-  verb.add_flag("--strict", options.strict, "Refuse to write what loses something, instead of exit code 3");
+  verb.add_flag("--strict", options.strict,
+                "Refuse to write what does not hold all of the atlas, exports of points and poses too");
   constexpr const char* kArchive = "ORB-SLAM3 files";
   verb.add_flag("--text", options.text, "Write a text archive: short for --to orbslam3-text")
       ->excludes(verb.get_option("--to"))
@@ -154,8 +163,7 @@ constexpr Example kExamples[] = {
      "Keeps an atlas in a store; saving it again writes what changed."},
     {"slamdb convert lab.db#session_a a.osa --boost-version 15", "And back, for ORB-SLAM3 on Ubuntu 18.04."},
     {"slamdb convert crashed.osa safe.osa --sanitize", "Makes a file that ORB-SLAM3 loads of one that makes it crash."},
-    {"slamdb convert session_a.osa trajectory.txt --to tum --body",
-     "Writes the keyframe poses; exits 3, since poses are not all that the atlas has."},
+    {"slamdb convert session_a.osa trajectory.txt --to tum --body", "Writes the keyframe poses, and says how many."},
 };
 
 }  // namespace
@@ -167,12 +175,12 @@ const Command kConvert = {
         R"(Reads an atlas and writes it in the format of the output. The input's format is told by its content, then by its suffix;
 the output's by its suffix; --from and --to override. 'slamdb version' lists the formats.
 
-An .osa file that is read and written again keeps every byte, also by way of a store. What a target cannot hold is named
-on standard error, and the exit code is then 3. The input is never changed. The output is written beside its place and
-renamed when it is whole.)",
-    .done = "Done, and nothing was lost.",
+An .osa file that is read and written again keeps every byte, also by way of a store. Exports of points and trajectories
+say in one line what was written. What any other target cannot hold is named on standard error, and the exit code is
+then 3. The input is never changed. The output is written beside its place and renamed when it is whole.)",
+    .done = "Done: an atlas was written whole, or the points or poses that were asked for.",
     .failed = "The input could not be read, the output not be written, or --strict refused a loss.",
-    .lossy = "Done, but the output does not hold all of the input; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddConvert,
 };

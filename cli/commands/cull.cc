@@ -61,7 +61,7 @@ ExitCode RunCull(const CullVerbOptions& options, Console& console) {
   Atlas atlas = ReadInput(options.edit, console, notices);
   const CullReport report = Cull(atlas, RulesOf(options, console));
   WriteResult(atlas, options.edit, "cull " + options.edit.input, console, notices);
-  WarnIfNothingIsLeft(report.removed, notices);
+  WarnOfPoorCoverage(report.coverage, notices);
   return FinishEdit(ReportText(report) + PartText(report.removed) + CoverageText(report.coverage),
                     ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
@@ -119,7 +119,7 @@ first keyframe of a map and keyframes with loop or merge edges stay. Bad points 
 ORB-SLAM3 also culls points that were found in fewer than a quarter of the frames that should have seen them; its files
 do not hold those counts. The report says from how many places the map can still be localised in; docs/cull.md defines it.)",
     .failed = "The input could not be read, a rule makes no sense, or the output could not be written.",
-    .lossy = "Done, but the output's format does not hold all of the atlas; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddCull,
 };

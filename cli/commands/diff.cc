@@ -207,9 +207,10 @@ how the files are encoded.
 
 An error prints nothing on standard output; a comparison always prints there, unless --quiet.)",
     .done = "The atlases are the same, or with --ignore-ids only renumbered.",
-    .failed = "The atlases differ; or an input could not be read, which standard error then says.",
+    .failed = "The atlases differ.",
     .examples = kExamples,
     .add = AddDiff,
+    .trouble = "Trouble: the command line was wrong, or an input could not be read.",
 };
 
 }  // namespace slamdb::cli

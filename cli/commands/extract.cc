@@ -82,7 +82,6 @@ ExitCode RunExtract(const ExtractVerbOptions& options, Console& console) {
                                .progress = console.MakeProgress()};
   const ExtractReport report = NamingFile(options.edit.input, [&] { return Extract(atlas, extract); });
   WriteResult(atlas, options.edit, "extract " + options.edit.input, console, notices);
-  WarnIfNothingIsLeft(report.removed, notices);
   return FinishEdit(PartText(report.removed) + CoverageText(report.coverage), ToJson(report, FilesOf(options.edit)),
                     options.edit, console, notices);
 }
@@ -158,7 +157,7 @@ covisibility, spanning tree, loop edges, neighbours in time with their preintegr
 they are. --border decides about points that lose observers. MRPT landmarks stay when they are inside box and polygon, or
 else with their map. The rules are in docs/extract.md.)",
     .failed = "The input could not be read, nothing is selected, or the output could not be written.",
-    .lossy = "Done, but the output's format does not hold all of the part; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddExtract,
 };

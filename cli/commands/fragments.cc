@@ -77,7 +77,7 @@ atlas as fragments. This verb lists the maps, drops the small ones and writes th
 ORB-SLAM3 never goes on in a loaded map by itself: it starts a new, empty one and joins a loaded one only when place
 recognition merges the two. It sorts maps by id, so --order matters to other readers alone.)",
     .failed = "The input could not be read, no map would be left, or the output could not be written.",
-    .lossy = "Done, but the output's format does not hold all of the atlas; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddFragments,
 };

@@ -98,7 +98,7 @@ have no observations, so they are for looking at and exporting, not for ORB-SLAM
 Landmarks are kept in stores (.db) and in MRPT's files: .mrpt for MRPT 2, .mrpt3 for MRPT 3, with .gz behind them
 compressed, .mrpt.txt as text. An .osa file has no place for them.)",
     .done = "Done, and nothing was lost.",
-    .lossy = "Done, but the output does not hold all of the input; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddLandmarks,
 };

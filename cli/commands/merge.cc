@@ -36,9 +36,9 @@ void Note(const MergeReport& report, Notices& notices) {
                    " is in the result twice; --on-conflict keep-first leaves the copy out");
   for (const std::string& name : report.other_vocabularies)
     notices.Warn(name + ": its bags of words are of another vocabulary; compute them anew before place recognition");
+  for (const std::string& warning : report.warnings) notices.Warn(warning);
   if (!report.join) return;
   for (const std::string& warning : report.join->warnings) notices.Warn(warning);
-  if (report.join->left_inertial) notices.Warn("the joined map counts as not inertial, because the second map is not");
 }
 
 // `0:1`, an end may be left out.
@@ -174,9 +174,15 @@ Run AddMerge(CLI::App& verb) {
       ->transform(OneOf(kConflicts));
   verb.add_flag("--ignore-vocabulary", options->merge.ignore_vocabulary,
                 "Merge though the inputs' bags of words are of different vocabularies; the first one's name stays");
+  verb.add_flag("--force", options->merge.force,
+                "Merge or join all the same what is refused: other vocabularies, an arbitrary scale with a metric one");
   verb.add_option("--id-map", options->id_map, "Write which id of which input became which, as CSV or (.json) JSON")
       ->type_name("FILE");
   BindJoin(verb, *options);
+  verb.parse_complete_callback([options] {
+    EditOptions& edit = options->edit;
+    if (!options->inputs.empty()) edit.output = NamedOutput(options->inputs.front(), edit.output, edit.target.to);
+  });
   return [options](Console& console) { return RunMerge(*options, console); };
 }
 
@@ -205,7 +211,9 @@ With --join two maps become one: the second is moved by --transform, or by what 
 on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
 a time.
 
-The inputs must have the same vocabulary, as ORB-SLAM3 can load only one; --ignore-vocabulary insists.)",
+The inputs must have the same vocabulary, as ORB-SLAM3 can load only one, and a map of arbitrary scale is not joined with a
+metric one by a transform without scale; --force insists. What else does not go together (IMU and its state, stereo and
+monocular, cameras) is a warning, whichever input comes first.)",
     .failed = "An input could not be read, the merge was refused, or the output not be written.",
     .lossy = kOutputLossy,
     .examples = kExamples,

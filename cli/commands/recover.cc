@@ -53,6 +53,8 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
     return RecoverSalvage(
         salvage, {.rig = rig ? &*rig : nullptr, .threads = console.threads(), .progress = console.MakeProgress()});
   });
+  options.edit.inputs->all = options.edit.inputs->good = {
+      .maps = report.maps.listed > 0, .keyframes = report.keyframes.listed > 0};  // keyframes alone are worth saving
   WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
   const ExitCode code =
       FinishEdit(InCommandWords(TextOf(report)), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);

@@ -131,7 +131,7 @@ refuses any other atlas.)",
     .failed =
         "Errors are left that have no safe repair (the output is written all the same), an input could not be read, "
         "or the output not be written.",
-    .lossy = "Done, but the output's format does not hold all of the atlas; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddRepair,
 };

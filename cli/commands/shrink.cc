@@ -37,15 +37,15 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
   if (options.target_megabytes)
     shrink.target_bytes = static_cast<std::uint64_t>(std::floor(*options.target_megabytes * kMegabyte));
   shrink.for_localization = options.purpose == "localization";
-  if (!shrink.target_bytes && !shrink.target_keyframes && !shrink.for_localization)
-    RefuseUsage("say how small: --target-mb, --target-keyframes, or --for localization");
+  if (!shrink.target_bytes && !shrink.target_keyframes && !shrink.for_localization && !shrink.largest_map)
+    RefuseUsage("say how small: --target-mb, --target-keyframes, --for localization, or --largest-map");
   shrink.threads = console.threads();
   shrink.progress = console.MakeProgress();
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   const ShrinkReport report = Shrink(atlas, shrink);
   WriteResult(atlas, options.edit, "shrink " + options.edit.input, console, notices);
-  WarnIfNothingIsLeft(report.removed, notices);
+  WarnOfPoorCoverage(report.coverage, notices);
   return FinishEdit(PartText(report.removed) + SizesText(report) + CoverageText(report.coverage),
                     ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
@@ -62,10 +62,11 @@ Run AddShrink(CLI::App& verb) {
       ->type_name("N")
       ->check(CheckPositive)
       ->group(kGroup);
-  verb.add_option("--for", options->purpose,
-                  "localization: the largest map alone, without features that see no point and IMU measurements")
+  verb.add_option("--for", options->purpose, "localization: without features that see no point and IMU measurements")
       ->type_name("PURPOSE")
       ->check(CLI::IsMember({"localization"}))
+      ->group(kGroup);
+  verb.add_flag("--largest-map", options->shrink.largest_map, "Only the map with most keyframes; the others go")
       ->group(kGroup);
   verb.add_option("--min-points", options->shrink.min_points, "With how many points a place counts as covered")
       ->type_name("N")
@@ -80,6 +81,7 @@ constexpr Example kExamples[] = {
     {"slamdb shrink session.osa small.osa --target-keyframes 60", "The 60 keyframes that cover most."},
     {"slamdb shrink atlas.osa robot.osa --for localization",
      "What a robot needs that only localises: about a third smaller, and no place less."},
+    {"slamdb shrink atlas.osa robot.osa --for localization --largest-map", "The same of the largest map alone."},
 };
 
 }  // namespace
@@ -90,12 +92,14 @@ const Command kShrink = {
     .description =
         R"(Keeps the keyframes that cover most places, as many as the target allows, and the points that they observe; the rest is
 closed as 'slamdb extract' does. Each keyframe of the input stands for its place; a place is covered when enough of the
-points that it sees are kept.
+points that it sees are kept. Points that need two keyframes stay only where two that see them are kept, and no choice
+covers less than as many consecutive or evenly spaced keyframes would. A warning tells when less than 80% of the places
+that were covered still are.
 
 --for localization also drops what ORB-SLAM3 does not need to load a map and localise in it. Such a map is not for being
 extended: mapping wants the features that see no point yet.)",
     .failed = "The input could not be read, the target is too small, or the output could not be written.",
-    .lossy = "Done, but the output's format does not hold all of the atlas; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddShrink,
 };

@@ -89,6 +89,7 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
     const Atlas own = TakePart(atlas, part.subset, removed, console.threads());
     EditOptions edit = options.edit;
     edit.output = OutputOf(options.edit.output, part.name);
+    edit.inputs = std::make_shared<Inputs>();  // a part may be as empty as its map
     WriteResult(own, edit, "split " + options.edit.input, console, notices);
     taken.push_back({.name = part.name, .output = FilesOf(edit).output, .counts = removed.after});
     table.Add({options.edit.dry_run ? part.name : edit.output, Grouped(removed.after.keyframes),
@@ -102,6 +103,7 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
 Run AddSplit(CLI::App& verb) {
   const auto options = std::make_shared<SplitVerbOptions>();
   AddEdit(verb, options->edit);
+  verb.parse_complete_callback({});  // each part has a file of its own, or a name
   verb.get_option("OUTPUT")->description(
       "Where to: a file or STORE.db#NAME; the name of each part goes in place of {}, or behind the name");
   verb.add_option("--by", options->split.by,
@@ -138,7 +140,7 @@ when maps are merged), or for each connected part of the covisibility graph. Eve
 
 No output is overwritten without -O, and when one is there, none is written.)",
     .failed = "The input could not be read, no part is left, or an output could not be written.",
-    .lossy = "Done, but the outputs' format does not hold all of the parts; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddSplit,
 };

@@ -53,9 +53,9 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   WriteAtlas(atlas, output,
              MakeWriteOptions(console, options.target, "synthesize --seed " + std::to_string(wanted.seed)), &notices);
   console.Report(notices);
-  if (output.path != "-" && !console.quiet())
-    console.Print("wrote " + output.ToString() + ": " + Counted(atlas.maps.size(), "map") + " of " +
-                  Counted(wanted.keyframes, "keyframe") + " and " + Counted(wanted.points, "point") + "\n");
+  console.PrintWritten(output.ToString(), notices,
+                       ": " + Counted(atlas.maps.size(), "map") + " of " + Counted(wanted.keyframes, "keyframe") +
+                           " and " + Counted(wanted.points, "point"));
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 
@@ -109,7 +109,7 @@ const Command kSynthesize = {
 graph and counters are geometrically consistent, and 'slamdb check' finds nothing in it. Equal options give equal bytes.
 For trying, testing and benchmarking without data.)",
     .failed = "The options contradict each other, or the output could not be written.",
-    .lossy = "Done, but the output's format does not hold everything that an atlas has.",
+    .lossy = "Done, but the output, of a format for atlases, does not hold everything that an atlas has.",
     .examples = kExamples,
     .add = AddSynthesize,
 };

@@ -213,7 +213,7 @@ Each map of an atlas has a frame of its own. --by, --scale and --axes move all o
 
 Georeferencing writes the origin to OUTPUT.georeference.json too, since an atlas has no place for it.)",
     .failed = "An input could not be read, the transform is none or could not be found, or the output not be written.",
-    .lossy = "Done, but the output does not hold all of the atlas; standard error names what it lacks.",
+    .lossy = kOutputLossy,
     .examples = kExamples,
     .add = AddTransform,
 };

@@ -145,7 +145,7 @@ Vocabulary WantedVocabulary(const SetOptions& options, const Vocabulary& found) 
 ExitCode RunSet(const SetOptions& options, Console& console) {
   if (options.vocabulary.empty() && options.name.empty() && options.checksum.empty())
     throw CLI::ValidationError("vocabulary set", "give --vocabulary, or --name and --checksum");
-  const Location input(options.input), output(options.output);
+  const Location input(options.input), output(NamedOutput(options.input, options.output, options.target.to));
   RefuseSameFile(input, output);
   RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
   Notices notices;
@@ -155,9 +155,8 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   write.format = FormatToWrite(atlas, output, options.target.to);
   WriteAtlas(atlas, output, write, &notices);
   console.Report(notices);
-  if (output.path != "-" && !console.quiet())
-    console.Print("wrote " + output.ToString() + " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum +
-                  ")\n");
+  console.PrintWritten(output.ToString(), notices,
+                       " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum + ")");
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 

@@ -83,7 +83,7 @@ std::vector<std::pair<ExitCode, std::string_view>> ExitCodesOf(const Command& co
   std::vector<std::pair<ExitCode, std::string_view>> codes = {
       {ExitCode::kDone, command.done},
       {ExitCode::kFailed, command.failed},
-      {ExitCode::kUsage, "The command line was wrong."},
+      {ExitCode::kUsage, command.trouble.empty() ? "The command line was wrong." : command.trouble},
   };
   if (!command.lossy.empty()) codes.emplace_back(ExitCode::kLossy, command.lossy);
   return codes;

@@ -47,10 +47,12 @@ std::string PartText(const SubsetReport& removed) {
   return text + cut.ToString("cut ") + chosen.ToString("chose ");
 }
 
-void WarnIfNothingIsLeft(const SubsetReport& removed, Notices& notices) {
-  const EntityCounts &before = removed.before, &after = removed.after;
-  if (before.keyframes > 0 && after.keyframes == 0) notices.Warn("no keyframe is left; milder rules keep some");
-  if (before.points > 0 && after.points == 0) notices.Warn("no map point is left; milder rules keep some");
+void WarnOfPoorCoverage(const Coverage& coverage, Notices& notices) {
+  if (!coverage.poor()) return;
+  notices.Warn(
+      "only " + Grouped(coverage.covered) + " of " + Counted(coverage.covered_before, "place") +
+      " that the atlas covers are left, less than 80%: from the others a camera will not be localised; keep more "
+      "keyframes");
 }
 
 std::string CoverageText(const Coverage& coverage) {

@@ -14,8 +14,8 @@ namespace slamdb::cli {
 // kept 1 of 2 maps, 46 of 106 keyframes, 3,155 of 6,911 points
 // cut 120 observations, ...
 std::string PartText(const SubsetReport& removed);
-// Warns when no keyframe, or no point, of many is left.
-void WarnIfNothingIsLeft(const SubsetReport& removed, Notices& notices);
+// Warns when a part that is to be localised in covers too little of what the whole covers.
+void WarnOfPoorCoverage(const Coverage& coverage, Notices& notices);
 // covers 45 of 46 places (97%), 46 before; a place is covered with 50 points
 std::string CoverageText(const Coverage& coverage);
 

@@ -24,12 +24,13 @@ const RuleResult* FindResult(const CheckReport& report, std::string_view id) {
   return nullptr;
 }
 
-// With three dangling observations (error), one empty map (warning) and one wild merge scale (note).
+// With three dangling observations (error), one keyframe of a map that never was (warning) and one wild merge scale
+// (note).
 Atlas Damaged() {
   Atlas atlas = SoundAtlas(Base::kMonocular);
   for (std::size_t row = 0; row < 3; ++row)
     atlas.maps[0].points[row].observations.push_back({KeyFrameId(100'000 + row), 0, -1});
-  atlas.maps.emplace_back().id = MapId(atlas.next_ids.map++);
+  atlas.maps[0].keyframes[1].origin_map = 99;
   atlas.maps[0].keyframes[0].merge_scale = std::numeric_limits<float>::quiet_NaN();
   return atlas;
 }
@@ -87,9 +88,9 @@ TEST(CheckAtlas, TakesOverrides) {
   EXPECT_TRUE(ignored.ok());
   EXPECT_EQ(ignored.checked.size(), ReadRules().size() - 2);
 
-  const CheckReport changed = CheckAtlas(Damaged(), {.warn = {"observation-target"}, .error = {"map-not-empty"}});
+  const CheckReport changed = CheckAtlas(Damaged(), {.warn = {"observation-target"}, .error = {"origin-map-id"}});
   EXPECT_EQ(FindResult(changed, "observation-target")->severity, Severity::kWarning);
-  EXPECT_EQ(FindResult(changed, "map-not-empty")->severity, Severity::kError);
+  EXPECT_EQ(FindResult(changed, "origin-map-id")->severity, Severity::kError);
 }
 
 TEST(CheckAtlas, StrictMakesWarningsErrors) {
@@ -124,8 +125,35 @@ TEST(CheckAtlas, HoldsGates) {
 
 TEST(CheckAtlas, EmptyAtlasIsHeldAgainstEveryRule) {
   const CheckReport report = CheckAtlas(Atlas(), {});
-  ASSERT_EQ(report.results.size(), 1u);
-  EXPECT_EQ(report.results[0].id, "vocabulary-checksum");
+  ASSERT_EQ(report.results.size(), 2u);
+  EXPECT_EQ(report.results[0].id, "atlas-not-empty");
+  EXPECT_EQ(report.results[1].id, "vocabulary-checksum");
+}
+
+// What an atlas has none of, it is not sound without; landmarks need neither keyframes nor points.
+TEST(CheckAtlas, AnAtlasOfNothingIsNotSound) {
+  const auto finding = [](const Atlas& atlas) {
+    const CheckReport report = CheckAtlas(atlas, {});
+    const RuleResult* result = FindResult(report, "atlas-not-empty");
+    EXPECT_TRUE(result == nullptr || !report.ok());
+    return result == nullptr ? std::string() : result->findings[0].message;
+  };
+  Atlas atlas = SoundAtlas(Base::kMonocular);
+  EXPECT_EQ(finding(atlas), "");
+  atlas.maps.emplace_back().id = MapId(atlas.next_ids.map++);  // what ORB-SLAM3 begins, and saves with the rest
+  EXPECT_EQ(finding(atlas), "");
+  EXPECT_EQ(FindResult(CheckAtlas(atlas, {}), "map-not-empty")->severity, Severity::kNote);
+  atlas.maps.pop_back();
+  for (MapPoint& point : atlas.maps[0].points) point.bad = true;
+  EXPECT_EQ(finding(atlas), "has no points but such as are flagged bad: there is nothing to localise in");
+  atlas.maps[0].points.clear();
+  EXPECT_EQ(finding(atlas), "has no points: there is nothing to localise in");
+  atlas.maps[0].keyframes.clear();
+  EXPECT_EQ(finding(atlas), "has no keyframes: there is nothing to localise in");
+  atlas.maps[0].landmarks.resize(1);
+  EXPECT_EQ(finding(atlas), "");
+  atlas.maps.clear();
+  EXPECT_EQ(finding(atlas), "has no maps: there is nothing to localise in");
 }
 
 // Overwrites ids, counts and numbers all over the atlas; whatever that makes of it, rules and fixes come back.

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 const std::string kTiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
@@ -73,15 +77,31 @@ TEST(Convert, NeverWritesItsInput) {
   EXPECT_EQ(ReadWholeFile(path), before);
 }
 
-TEST(Convert, LossIsNamedAndExitsThree) {
+TEST(Convert, AnExportIsDoneAndSaysInOneLineWhatItHolds) {
   const TemporaryFolder folder;
-  for (const char* format : {"ply", "pcd", "csv", "tum", "kitti", "euroc"}) {
+  for (const char* format : {"ply", "pcd", "csv", "csv-keyframes", "csv-observations", "tum", "kitti", "euroc"}) {
     SCOPED_TRACE(format);
-    const ProcessResult result = RunSlamdb({"convert", kTiny, folder / format, "--to", format});
-    EXPECT_EQ(result.exit_code, 3) << result.err;
-    EXPECT_THAT(result.err, HasSubstr("slamdb: loss: "));
-    EXPECT_TRUE(std::filesystem::exists(folder / format));
+    const std::string output = folder / format;
+    const ProcessResult result = RunSlamdb({"convert", kTiny, output, "--to", format});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, Not(HasSubstr("slamdb: loss: ")));
+    EXPECT_THAT(result.out, ContainsRegex("^wrote " + output + ": [1-9][0-9,]* (points|poses|keyframes|observations)"));
+    EXPECT_EQ(std::ranges::count(result.out, '\n'), 1);
+    EXPECT_TRUE(std::filesystem::exists(output));
+    const ProcessResult quiet = RunSlamdb({"convert", kTiny, output, "--to", format, "-O", "-q"});
+    EXPECT_EQ(quiet.exit_code, 0);
+    EXPECT_EQ(quiet.out + quiet.err, "");
+    EXPECT_EQ(RunSlamdb({"convert", kTiny, output, "--to", format, "-O", "--strict"}).exit_code, 1);
+    const ProcessResult piped = RunSlamdb({"convert", kTiny, "-", "--to", format});
+    EXPECT_THAT(piped.err, HasSubstr("slamdb: note: wrote "));
   }
+}
+
+TEST(Convert, LossOfWhatClaimsToHoldAnAtlasIsNamedAndExitsThree) {
+  const TemporaryFolder folder;
+  const ProcessResult result = RunSlamdb({"convert", kTiny, folder / "a.mrpt"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("slamdb: loss: mrpt cannot hold keyframe poses"));
 }
 
 TEST(Convert, StrictRefusesLossAndWritesNothing) {

@@ -4,12 +4,15 @@
 
 #include <filesystem>
 
+#include "slamdb/formats/formats.h"
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class Edit : public ::testing::Test {
@@ -60,7 +63,7 @@ TEST_F(Edit, SplitIntoAStoreWritesAllOrNothing) {
 }
 
 TEST_F(Edit, SplitKeepsCompoundSuffixes) {
-  EXPECT_EQ(RunSlamdb({"split", input_, folder_ / "x.keyframes.csv"}).exit_code, 3);
+  EXPECT_EQ(RunSlamdb({"split", input_, folder_ / "x.keyframes.csv"}).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "x-map-0.keyframes.csv"));
 }
 
@@ -96,6 +99,50 @@ TEST_F(Edit, TablesWithIdsThatTheMapDoesNotHaveAreRefused) {
   WriteWholeFile(table, "keyframe,x\n99,1\n");
   EXPECT_THAT(RunSlamdb({"renumber", table, folder_ / "u.csv", "--apply", ids, "--of", input_}).err,
               HasSubstr("keyframe 99 is not in the id map"));
+}
+
+// Whatever the verb: a result of which nothing is left is no success, and is not written.
+TEST_F(Edit, NothingLeftIsNoSuccess) {
+  Atlas atlas = ReadAtlas(input_);
+  for (Map& map : atlas.maps)
+    for (KeyFrame& keyframe : map.keyframes) keyframe.bad = true;
+  const std::string all_bad = folder_ / "all_bad.osa";
+  WriteAtlas(atlas, all_bad);
+  const std::string lacks = "though the input has some; nothing was written";
+  ExpectRefused({"repair", all_bad, output_}, "would hold no maps, " + lacks);
+  ExpectRefused({"cull", input_, output_, "--max-error", "1e-9"}, "would hold no points, " + lacks);
+  ExpectRefused({"fragments", input_, output_, "--min-keyframes", "1000"}, "would hold no maps, " + lacks);
+  EXPECT_FALSE(std::filesystem::exists(output_));
+  ExpectRefused({"convert", all_bad, folder_ / "x.keyframes.csv"}, "would hold no keyframes, " + lacks);
+  ExpectRefused({"convert", input_, folder_ / "x.ply", "--box", "1e6,1e6,1e6:2e6,2e6,2e6"}, "has no points in the box");
+  ExpectRefused({"convert", input_, folder_ / "x.tum", "--time", "1:2"}, "has no keyframes in the range");
+  EXPECT_EQ(RunSlamdb({"check", all_bad}).exit_code, 1);
+  EXPECT_THAT(RunSlamdb({"check", all_bad, "--json"}).out, HasSubstr("atlas-not-empty"));
+  // What had nothing to lose is told only.
+  for (Map& map : atlas.maps) map.points.clear();
+  WriteAtlas(atlas, all_bad, {.overwrite = true});
+  const ProcessResult moved = RunSlamdb({"renumber", all_bad, output_, "--start", "5"});
+  EXPECT_EQ(moved.exit_code, 0);
+  EXPECT_THAT(moved.err, HasSubstr("holds no keyframes, and neither does the input"));
+}
+
+TEST_F(Edit, AStoreTakesTheNamesOfItsInputs) {
+  const std::string store = folder_ / "m.db";
+  EXPECT_THAT(RunSlamdb({"convert", input_, store}).out, HasSubstr("wrote " + store + "#a (store)"));
+  EXPECT_THAT(RunSlamdb({"convert", other_, store}).out, HasSubstr("wrote " + store + "#b (store)"));
+  EXPECT_EQ(RunSlamdb({"renumber", store + "#a", folder_ / "n.db", "--start", "5"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"convert", folder_ / "n.db", folder_ / "o.db"}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"list", folder_ / "o.db"}).out, HasSubstr("\na "));
+  EXPECT_THAT(RunSlamdb({"convert", input_, store}).err, HasSubstr("holds an atlas named 'a' already"));
+  // Another name is another atlas, whatever -O replaces.
+  const std::string single = folder_ / "single.db";
+  ASSERT_EQ(RunSlamdb({"convert", input_, single + "#main"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"convert", other_, single, "-O"}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"list", single}).out, AllOf(HasSubstr("\nb "), HasSubstr("\nmain ")));
+  // Standard input has no name to give.
+  const ProcessResult piped = RunSlamdb({"convert", "-", store, "--from", "orbslam3"}, bytes_);
+  EXPECT_EQ(piped.exit_code, 1);
+  EXPECT_THAT(piped.err, AllOf(HasSubstr("name the new one"), Not(HasSubstr("overwrite"))));
 }
 
 TEST_F(Edit, RecoverRepairsWhatCanBeReadButIsNotSound) {

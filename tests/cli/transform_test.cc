@@ -142,11 +142,14 @@ TEST_F(Transform, DiffSpeaksForScripts) {
   EXPECT_NEAR(report["motions"][0]["after_from_before"]["scale"], 2, 1e-5);
   EXPECT_THAT(RunSlamdb({"diff", In("a.osa"), In("twice.osa")}).out, HasSubstr("as a whole: scale 2"));
   EXPECT_EQ(RunSlamdb({"diff", In("a.osa"), In("twice.osa"), "-q"}).out, "");
+  // Trouble is 2, as cmp has it.
+  EXPECT_EQ(RunSlamdb({"diff", In("a.osa"), In("missing.osa")}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"diff", In("a.osa")}).exit_code, 2);
 }
 
 TEST_F(Transform, DiffTellsErrorsFromDifferences) {
   const ProcessResult missing = RunSlamdb({"diff", In("a.osa"), In("missing.osa"), "--summary"});
-  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_EQ(missing.exit_code, 2);
   EXPECT_EQ(missing.out, "");
   EXPECT_THAT(missing.err, HasSubstr("missing.osa"));
   EXPECT_EQ(RunSlamdb({"diff", In("a.osa")}).exit_code, 2);

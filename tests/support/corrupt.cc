@@ -93,6 +93,7 @@ const std::vector<Twin>& AllTwins() {
       {"listed-in-one-map", Base::kTwoMaps,
        [](Atlas& atlas) { atlas.maps[1].repeated_keyframes.push_back({0, 0, 3}); }},
       {"listed-once", Base::kMonocular, [](Atlas& atlas) { FirstMap(atlas).repeated_points.push_back({9, 0, 2}); }},
+      {"atlas-not-empty", Base::kMonocular, [](Atlas& atlas) { atlas.maps.clear(); }},
       {"map-not-empty", Base::kMonocular, AddEmptyMap},
       {"keyframe-bad", Base::kMonocular, [](Atlas& atlas) { SomeKeyFrame(atlas).bad = true; },
        {"bad-keyframe-referenced"}},

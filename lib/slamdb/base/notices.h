@@ -12,7 +12,7 @@ struct Notice {
   enum class Kind {
     kNote,     // worth knowing
     kWarning,  // unusual; the result may not be what the user expects
-    kLoss,     // something of the input is not in the output: the command line exits 3
+    kLoss,     // something of the input is not in an output that claims to hold an atlas: the command line exits 3
   };
   Kind kind;
   std::string text;
@@ -28,7 +28,12 @@ class Notices {
   void Warn(std::string text) { items_.push_back({Notice::Kind::kWarning, std::move(text)}); }
   void Lose(std::string text) { items_.push_back({Notice::Kind::kLoss, std::move(text)}); }
 
+  // What an export holds: `12,345 points, 41 bad ones left out`.
+  void Tell(std::string written) { written_ = std::move(written); }
+
   const std::vector<Notice>& items() const { return items_; }
+  // Of the last export; empty when there was none.
+  const std::string& written() const { return written_; }
   bool lossy() const {
     for (const Notice& notice : items_)
       if (notice.kind == Notice::Kind::kLoss) return true;
@@ -37,6 +42,7 @@ class Notices {
 
  private:
   std::vector<Notice> items_;
+  std::string written_;
 };
 
 }  // namespace slamdb

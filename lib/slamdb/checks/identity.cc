@@ -4,6 +4,7 @@
 
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
+#include "slamdb/model/content.h"
 #include "slamdb/model/counters.h"
 
 namespace slamdb::detail {
@@ -183,6 +184,15 @@ void CheckMapEmpty(const Subject& subject, Findings& findings) {
   for (const Map& map : subject.atlas.maps)
     if (map.keyframes.empty() && map.landmarks.empty())
       findings.Add(PlaceOf(map), "has no keyframes and ", map.points.size(), " points");
+}
+
+void CheckAtlasEmpty(const Subject& subject, Findings& findings) {
+  const std::string_view lacks = SubstanceOf(subject.atlas).Lacks();
+  if (lacks.empty()) return;
+  const AtlasStatistics& all = subject.statistics;
+  const bool flagged = (lacks == "keyframes" && all.keyframes > 0) || (lacks == "points" && all.points > 0);
+  findings.Add(Place{}, "has no ", lacks, flagged ? " but such as are flagged bad" : "",
+               ": there is nothing to localise in");
 }
 
 // Only maps in which nothing is left: points without keyframes are data, which a repair does not throw away. Rows of

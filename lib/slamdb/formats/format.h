@@ -104,7 +104,8 @@ struct ReadOptions : WithFormatOptions<ReadOptions> {
 struct WriteOptions : WithFormatOptions<WriteOptions> {
   std::string format;                     // id of one of Formats(); empty: told by the suffix
   const Format* custom_format = nullptr;  // one of your own instead
-  bool strict = false;                    // Error, and nothing written, where the target cannot hold all of the atlas
+  bool strict = false;                    // Error, and nothing written, where the target cannot hold all of the atlas,
+                                          // exports of points and poses too
   bool overwrite = false;                 // replace what is there; otherwise Error
   bool sync = true;  // wait for the disk; false is faster and safe against everything but power loss
   // Called when all is written, right before it appears under its name; see AtomicFileOptions. May be empty.
@@ -135,6 +136,7 @@ struct Format {
   bool named = false;           // a file holds several atlases, each under a name
   bool chooses_maps = false;    // writes the map of ExportOptions::map alone; others write all maps whatever it says
   bool keeps_encoding = false;  // reads and keeps ArchiveEncoding
+  bool is_export = false;       // claims to hold points or poses, and no atlas: what it leaves out is no loss
   Content reads = Content::kNothing, writes = Content::kNothing;
   bool (*sniff)(const Probe&) = nullptr;  // by first bytes; null: by suffix only
   Atlas (*read)(const Source&, const ReadOptions&, Notices&) = nullptr;

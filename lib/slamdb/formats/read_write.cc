@@ -37,7 +37,8 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
     throw Error(ErrorKind::kNotPossible, target.path, "", losses.front() + "; WriteOptions::strict refuses that");
   Notices unheard;
   Notices& heard = notices == nullptr ? unheard : *notices;
-  for (const std::string& loss : losses) heard.Lose(loss);
+  if (!format.is_export)
+    for (const std::string& loss : losses) heard.Lose(loss);
   InMemory(target.path, "the machine has too little memory left to write it",
            [&] { format.write(atlas, target, options, heard); });
 }

@@ -107,6 +107,30 @@ ContentCounts CountContent(const Atlas& atlas, int threads) {
   return counts;
 }
 
+std::string_view Substance::Lacks() const {
+  if (landmarks) return {};
+  return !maps ? "maps" : !keyframes ? "keyframes" : !points ? "points" : "";
+}
+
+Substance& Substance::operator|=(const Substance& other) {
+  maps |= other.maps;
+  keyframes |= other.keyframes;
+  points |= other.points;
+  landmarks |= other.landmarks;
+  return *this;
+}
+
+Substance SubstanceOf(const Atlas& atlas, bool with_bad) {
+  const auto counts = [with_bad](const auto& entity) { return with_bad || !entity.bad; };
+  Substance substance{.maps = !atlas.maps.empty()};
+  for (const Map& map : atlas.maps) {
+    substance.keyframes |= std::ranges::any_of(map.keyframes, counts);
+    substance.points |= std::ranges::any_of(map.points, counts);
+    substance.landmarks |= !map.landmarks.empty();
+  }
+  return substance;
+}
+
 ContentSignature SignatureOf(const Map& map) {
   ContentSignature signature{
       .keyframes = map.keyframes.size(), .points = map.points.size(), .landmarks = map.landmarks.size()};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
@@ -30,6 +31,18 @@ struct SLAMDB_EXPORT ContentCounts {
 // Cost: linear. `threads` 0: every core.
 SLAMDB_EXPORT ContentCounts CountContent(const Map& map, int threads = 0);
 SLAMDB_EXPORT ContentCounts CountContent(const Atlas& atlas, int threads = 0);
+
+// What there is some of: the one measure of whether an atlas is one of nothing.
+struct SLAMDB_EXPORT Substance {
+  bool maps = false, keyframes = false, points = false, landmarks = false;
+
+  // What there must be and is none of: `maps`, `keyframes` or `points`; empty for an atlas that one can localise in,
+  // and for one of landmarks, which need neither.
+  std::string_view Lacks() const;
+  Substance& operator|=(const Substance& other);
+};
+// Of all, or without what is flagged bad.
+SLAMDB_EXPORT Substance SubstanceOf(const Atlas& atlas, bool with_bad = false);
 
 // A few numbers that equal maps share, cheap to compare before ContentHash.
 struct ContentSignature {

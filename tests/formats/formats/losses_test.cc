@@ -101,13 +101,28 @@ TEST(LossesOf, AreNoneWhereEverythingFits) {
   for (const Format& format : Formats()) EXPECT_THAT(detail::LossesOf({}, format, {}), IsEmpty()) << format.id;
 }
 
+// What claims to hold an atlas, and does not hold all of it.
 TEST(WriteAtlas, TellsLosses) {
   const TemporaryFolder folder;
   Notices notices;
-  WriteAtlas(OneMapAtlas(), folder.Path("a.ply"), {}, &notices);
+  WriteAtlas(LandmarkAtlas(), folder.Path("a.osa"), {}, &notices);
   EXPECT_TRUE(notices.lossy());
-  EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kLoss, "ply cannot hold keyframe poses (2)"}));
-  EXPECT_THAT(folder.Names(), ElementsAre("a.ply"));
+  EXPECT_EQ(notices.items()[0], (Notice{Notice::Kind::kLoss, "orbslam3 cannot hold landmarks (3)"}));
+  EXPECT_EQ(notices.written(), "");
+}
+
+TEST(WriteAtlas, TellsWhatAnExportHolds) {
+  const TemporaryFolder folder;
+  for (const Format& format : Formats()) {
+    if (!format.is_export) continue;
+    SCOPED_TRACE(format.id);
+    Notices notices;
+    WriteAtlas(OneMapAtlas(), folder.Path(format.id), {.format = std::string(format.id)}, &notices);
+    EXPECT_FALSE(notices.lossy());
+    EXPECT_NE(notices.written(), "");
+    EXPECT_FALSE(HasAll(format.writes, Content::kAtlas));
+  }
+  EXPECT_FALSE(FormatById("ndjson").is_export);
 }
 
 TEST(WriteAtlas, WritesNothingWhenStrict) {

@@ -17,6 +17,7 @@ std::size_t DropEntriesOfOtherMaps(Atlas&);
 void CheckListedOnce(const Subject&, Findings&);
 std::size_t DropRepeatedEntries(Atlas&);
 void CheckMapEmpty(const Subject&, Findings&);
+void CheckAtlasEmpty(const Subject&, Findings&);
 std::size_t DropEmptyMaps(Atlas&);
 void CheckMapIdUnique(const Subject&, Findings&);
 std::size_t RenumberRepeatedMaps(Atlas&);

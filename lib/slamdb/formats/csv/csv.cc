@@ -75,13 +75,14 @@ void AppendPoint(std::string& out, const PointRows& points, std::size_t row) {
 
 void WritePoints(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, FileOptions(options));
-  const PointRows points(atlas, target, options, notices);
+  const PointRows points(atlas, target, options);
   WarnOfSeveralFrames(points.maps(), "the column `map` tells them apart", notices);
   file.Write(kPointsHeader);
   WriteRows(file, points.size(), 4096, options, [&](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) AppendPoint(out, points, row);
   });
   file.Commit();
+  notices.Tell(points.Summary());
 }
 
 void AppendKeyFrame(std::string& out, MapId map, const KeyFrame& keyframe) {
@@ -121,11 +122,11 @@ void WriteKeyFrames(const Atlas& atlas, const Target& target, const WriteOptions
     for (const KeyFrame& keyframe : map->keyframes)
       if (!keyframe.bad) rows.emplace_back(map->id, &keyframe);
   }
-  if (rows.size() < all) notices.Note("left out because flagged bad: " + Counted(all - rows.size(), "keyframe"));
   WriteRows(file, rows.size(), 256, options, [&rows](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) AppendKeyFrame(out, rows[row].first, *rows[row].second);
   });
   file.Commit();
+  notices.Tell(CountWritten(rows.size(), "keyframe", all - rows.size()));
 }
 
 // The cells of one side: row, place and octave of the keypoint, error.
@@ -157,12 +158,15 @@ void AppendObservations(std::string& out, const PointRows& points, const PointRo
 
 void WriteObservations(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, FileOptions(options));
-  const PointRows points(atlas, target, options, notices);
+  const PointRows points(atlas, target, options);
   file.Write(kObservationsHeader);
   WriteRows(file, points.size(), 1024, options, [&](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) AppendObservations(out, points, points[row]);
   });
   file.Commit();
+  std::uint64_t observations = 0;
+  for (std::size_t row = 0; row < points.size(); ++row) observations += points[row].point->observations.size();
+  notices.Tell(Counted(observations, "observation") + " of " + points.Summary());
 }
 
 template <const std::string_view& kHeader>
@@ -180,6 +184,7 @@ const Format kCsvFormat = {.id = "csv",
                            .title = "CSV table of map points",
                            .suffixes = kPointsSuffixes,
                            .chooses_maps = true,
+                           .is_export = true,
                            .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = Sniff<kPointsHeader>,
                            .write = WritePoints};
@@ -188,6 +193,7 @@ const Format kCsvKeyFramesFormat = {.id = "csv-keyframes",
                                     .title = "CSV table of keyframes",
                                     .suffixes = kKeyFramesSuffixes,
                                     .chooses_maps = true,
+                                    .is_export = true,
                                     .writes = Content::kPoses | Content::kMaps,
                                     .sniff = Sniff<kKeyFramesHeader>,
                                     .write = WriteKeyFrames};
@@ -196,6 +202,7 @@ const Format kCsvObservationsFormat = {.id = "csv-observations",
                                        .title = "CSV table of observations",
                                        .suffixes = kObservationsSuffixes,
                                        .chooses_maps = true,
+                                       .is_export = true,
                                        .writes = Content::kObservations | Content::kMaps,
                                        .sniff = Sniff<kObservationsHeader>,
                                        .write = WriteObservations};

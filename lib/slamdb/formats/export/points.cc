@@ -6,6 +6,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/raw.h"
+#include "slamdb/formats/export/detail/rows.h"
 
 namespace slamdb::detail {
 namespace {
@@ -14,7 +15,7 @@ constexpr std::uint64_t kLargestUnsigned32 = std::numeric_limits<std::uint32_t>:
 
 }  // namespace
 
-PointRows::PointRows(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices)
+PointRows::PointRows(const Atlas& atlas, const Target& target, const WriteOptions& options)
     : maps_(ChooseMaps(atlas, options, target)) {
   std::size_t all = 0;
   for (const Map* map : maps_) all += map->points.size();
@@ -24,8 +25,10 @@ PointRows::PointRows(const Atlas& atlas, const Target& target, const WriteOption
     for (const MapPoint& point : maps_[row]->points)
       if (!point.bad) rows_.push_back({&point, row});
   }
-  if (rows_.size() < all) notices.Note("left out because flagged bad: " + Counted(all - rows_.size(), "map point"));
+  bad_ = all - rows_.size();
 }
+
+std::string PointRows::Summary() const { return CountWritten(rows_.size(), "point", bad_); }
 
 std::array<std::uint8_t, 3> ColorOfMap(MapId id) {
   // The "Tableau 10" palette.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 
 namespace slamdb::detail {
@@ -25,6 +26,10 @@ void WriteRows(AtomicFile& file, std::size_t count, std::size_t grain, const Wri
     for (std::size_t block = 0; block < used; ++block) file.Write(blocks[block]);
     if (options.progress) options.progress("writing", static_cast<double>(begin + rows) / static_cast<double>(count));
   }
+}
+
+std::string CountWritten(std::size_t count, std::string_view noun, std::size_t bad) {
+  return Counted(count, noun) + (bad == 0 ? "" : ", " + Counted(bad, "bad one") + " left out");
 }
 
 }  // namespace slamdb::detail

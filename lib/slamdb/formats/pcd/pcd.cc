@@ -77,7 +77,7 @@ void AppendAsciiRow(std::string& out, const PointRows& points, std::size_t row) 
 void WritePcd(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   const bool binary = options.of<PointCloudOptions>().binary;
   AtomicFile file(target, FileOptions(options));
-  const PointRows points(atlas, target, options, notices);
+  const PointRows points(atlas, target, options);
   WarnOfSeveralFrames(points.maps(), "the field `map` and the colour tell them apart", notices);
   const Columns columns{.map = ColumnForMapIds(points), .point = ColumnForPointIds(points)};
   file.Write(Header(points.size(), columns, binary));
@@ -90,6 +90,7 @@ void WritePcd(const Atlas& atlas, const Target& target, const WriteOptions& opti
     }
   });
   file.Commit();
+  notices.Tell(points.Summary());
 }
 
 bool SniffPcd(const Probe& probe) {
@@ -106,6 +107,7 @@ const Format kPcdFormat = {.id = "pcd",
                            .suffixes = kSuffixes,
                            .kind = FileKind::kBinaryOrText,
                            .chooses_maps = true,
+                           .is_export = true,
                            .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = SniffPcd,
                            .write = WritePcd};

@@ -71,7 +71,7 @@ void AppendAsciiRow(std::string& out, const PointRows& points, std::size_t row) 
 void WritePly(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   const bool binary = options.of<PointCloudOptions>().binary;
   AtomicFile file(target, FileOptions(options));
-  const PointRows points(atlas, target, options, notices);
+  const PointRows points(atlas, target, options);
   WarnOfSeveralFrames(points.maps(), "the property `map` and the colour tell them apart", notices);
   const Columns columns{.map = ColumnForMapIds(points), .point = ColumnForPointIds(points)};
   file.Write(Header(points.size(), columns, binary));
@@ -84,6 +84,7 @@ void WritePly(const Atlas& atlas, const Target& target, const WriteOptions& opti
     }
   });
   file.Commit();
+  notices.Tell(points.Summary());
 }
 
 bool SniffPly(const Probe& probe) { return probe.head.starts_with("ply\n") || probe.head.starts_with("ply\r\n"); }
@@ -97,6 +98,7 @@ const Format kPlyFormat = {.id = "ply",
                            .suffixes = kSuffixes,
                            .kind = FileKind::kBinaryOrText,
                            .chooses_maps = true,
+                           .is_export = true,
                            .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = SniffPly,
                            .write = WritePly};

@@ -36,6 +36,9 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   const StoreWriteOptions& how = options.of<StoreWriteOptions>();
   Store store = Store::OpenForWriting(target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout});
   const std::vector<std::string> stored = store.Names();
+  if (target.name.empty() && !stored.empty() && !options.overwrite)
+    throw Error(ErrorKind::kAlreadyExists, target.path, "",
+                "holds atlases already; name the new one, as " + target.path + "#NAME");
   std::string name = target.name;
   if (name.empty()) name = stored.empty() ? std::string(kDefaultName) : store.OnlyName();
   const SaveReport report = store.Save(name, atlas,

@@ -61,7 +61,7 @@ void DropUnreachableTimes(std::vector<detail::MapTrajectory>& trajectories, Noti
         std::erase_if(trajectory.poses, [](const detail::TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
   std::erase_if(trajectories, [](const detail::MapTrajectory& trajectory) { return trajectory.poses.empty(); });
   if (dropped > 0)
-    notices.Lose(
+    notices.Warn(
         "left out because their time does not fit into 64 bits of nanoseconds (was it recorded in seconds?): " +
         detail::Counted(dropped, "keyframe"));
 }
@@ -75,22 +75,23 @@ bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
 
 void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, detail::FileOptions(options));
-  std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
-  DropUnreachableTimes(trajectories, notices);
+  detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
+  DropUnreachableTimes(trajectories.maps, notices);
   std::vector<const Map*> maps;
-  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
+  for (const detail::MapTrajectory& trajectory : trajectories.maps) maps.push_back(trajectory.map);
   detail::WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
-  const bool inertial = IsInertial(trajectories);
+  const bool inertial = IsInertial(trajectories.maps);
   file.Write(kPoseHeader);
   if (inertial) file.Write(kInertialHeader);
   file.Write("\n");
-  for (const auto& [map, poses] : trajectories) {
-    if (trajectories.size() > 1) file.Write(detail::MapComment(map->id));
+  for (const auto& [map, poses] : trajectories.maps) {
+    if (trajectories.maps.size() > 1) file.Write(detail::MapComment(map->id));
     std::string lines;
     for (const detail::TimedPose& pose : poses) AppendLine(lines, pose, inertial);
     file.Write(lines);
   }
   file.Commit();
+  notices.Tell(trajectories.Summary());
 }
 
 const detail::TableKind& Kind() {
@@ -130,6 +131,7 @@ const Format detail::kEurocFormat = {.id = "euroc",
                                      .title = "EuRoC ground truth csv",
                                      .suffixes = kSuffixes,
                                      .chooses_maps = true,
+                                     .is_export = true,
                                      .reads = Content::kPoses | Content::kMaps,
                                      .writes = Content::kPoses | Content::kMaps,
                                      .sniff = SniffEuroc,

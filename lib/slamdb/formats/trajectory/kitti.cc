@@ -46,16 +46,14 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
   const std::string times_path = target.path + ".times";
   std::optional<AtomicFile> times;
   if (target.is_file()) times.emplace(times_path, detail::FileOptions(options));
-  const std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
+  const detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<const Map*> maps;
-  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
-  detail::WarnOfSeveralFrames(maps, LinesOfMaps(trajectories), notices);
-  if (times)
-    notices.Note("the timestamps are in " + times_path + ", one line for each pose");
-  else
-    notices.Lose(detail::Concat("kitti has no timestamps in its lines, and ",
+  for (const detail::MapTrajectory& trajectory : trajectories.maps) maps.push_back(trajectory.map);
+  detail::WarnOfSeveralFrames(maps, LinesOfMaps(trajectories.maps), notices);
+  if (!times)
+    notices.Warn(detail::Concat("kitti has no timestamps in its lines, and ",
                                 target.sink ? target.path : "standard output", " has no second file for them"));
-  for (const auto& [map, poses] : trajectories) {
+  for (const auto& [map, poses] : trajectories.maps) {
     std::string lines, seconds;
     for (const detail::TimedPose& pose : poses) {
       AppendLine(lines, pose.world_from_it);
@@ -67,6 +65,7 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
   }
   if (times) times->Commit();
   file.Commit();
+  notices.Tell(trajectories.Summary() + (times ? "; their times are in " + times_path : std::string()));
 }
 
 bool SniffKitti(const Probe& probe) {
@@ -82,6 +81,7 @@ const Format detail::kKittiFormat = {.id = "kitti",
                                      .title = "KITTI trajectory",
                                      .suffixes = kSuffixes,
                                      .chooses_maps = true,
+                                     .is_export = true,
                                      .writes = Content::kPoses,
                                      .sniff = SniffKitti,
                                      .write = WriteKitti};

@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/pose.h"
+#include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/export/options.h"
 
 namespace slamdb::detail {
@@ -18,8 +19,7 @@ struct Census {
   std::size_t bad = 0, not_finite = 0, without_body = 0;
 
   void Tell(PoseFrame frame, Notices& notices) const {
-    if (bad > 0) notices.Note("left out because flagged bad: " + Counted(bad, "keyframe"));
-    if (not_finite > 0) notices.Lose("left out because pose or time is not finite: " + Counted(not_finite, "keyframe"));
+    if (not_finite > 0) notices.Warn("left out because pose or time is not finite: " + Counted(not_finite, "keyframe"));
     if (frame == PoseFrame::kBody && without_body > 0)
       notices.Warn("the camera frame stands in for the body frame, for want of IMU calibration: " +
                    Counted(without_body, "keyframe"));
@@ -51,15 +51,22 @@ MapTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
 
 }  // namespace
 
-std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
-                                               Notices& notices) {
+std::string Trajectories::Summary() const {
+  std::size_t poses = 0;
+  for (const MapTrajectory& map : maps) poses += map.poses.size();
+  return CountWritten(poses, "pose", bad);
+}
+
+Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
+                                 Notices& notices) {
   const PoseFrame frame = options.of<TrajectoryOptions>().pose_frame;
-  std::vector<MapTrajectory> trajectories;
+  Trajectories trajectories;
   Census census;
   for (const Map* map : ChooseMaps(atlas, options, target)) {
     MapTrajectory trajectory = Collect(*map, frame, census);
-    if (!trajectory.poses.empty()) trajectories.push_back(std::move(trajectory));
+    if (!trajectory.poses.empty()) trajectories.maps.push_back(std::move(trajectory));
   }
+  trajectories.bad = census.bad;
   census.Tell(frame, notices);
   return trajectories;
 }

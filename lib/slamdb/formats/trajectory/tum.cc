@@ -34,18 +34,19 @@ void AppendLine(std::string& out, const detail::TimedPose& pose) {
 
 void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, detail::FileOptions(options));
-  const std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
+  const detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<const Map*> maps;
-  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
+  for (const detail::MapTrajectory& trajectory : trajectories.maps) maps.push_back(trajectory.map);
   detail::WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
   file.Write("# timestamp tx ty tz qx qy qz qw\n");
-  for (const auto& [map, poses] : trajectories) {
-    if (trajectories.size() > 1) file.Write(detail::MapComment(map->id));
+  for (const auto& [map, poses] : trajectories.maps) {
+    if (trajectories.maps.size() > 1) file.Write(detail::MapComment(map->id));
     std::string lines;
     for (const detail::TimedPose& pose : poses) AppendLine(lines, pose);
     file.Write(lines);
   }
   file.Commit();
+  notices.Tell(trajectories.Summary());
 }
 
 detail::ReadPose PoseOf(const detail::Table& table) {
@@ -73,6 +74,7 @@ const Format detail::kTumFormat = {.id = "tum",
                                    .title = "TUM trajectory",
                                    .suffixes = kSuffixes,
                                    .chooses_maps = true,
+                                   .is_export = true,
                                    .reads = Content::kPoses | Content::kMaps,
                                    .writes = Content::kPoses | Content::kMaps,
                                    .sniff = SniffTum,

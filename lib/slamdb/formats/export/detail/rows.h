@@ -21,4 +21,7 @@ inline AtomicFileOptions FileOptions(const WriteOptions& options) {
   return {.overwrite = options.overwrite, .sync = options.sync, .before_commit = options.before_commit};
 }
 
+// `3,162 points, 41 bad ones left out`.
+std::string CountWritten(std::size_t count, std::string_view noun, std::size_t bad);
+
 }  // namespace slamdb::detail

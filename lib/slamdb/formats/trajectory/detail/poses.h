@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "slamdb/formats/format.h"
@@ -19,12 +20,19 @@ struct MapTrajectory {
   std::vector<TimedPose> poses;
 };
 
-// The trajectories to write, one per chosen map, maps without poses left out. Keyframes flagged bad are left out with a
-// note; those whose pose or time is not finite are left out as a loss. Warns when the body frame is asked for and a
+// The trajectories to write, one per chosen map, maps without poses left out.
+struct Trajectories {
+  std::vector<MapTrajectory> maps;
+  std::size_t bad = 0;  // keyframes that are left out for that
+
+  std::string Summary() const;  // `221 poses, 3 bad ones left out`, for Notices::Tell
+};
+
+// Keyframes whose pose or time is not finite are left out with a warning. Warns when the body frame is asked for and a
 // keyframe has no IMU calibration, in which case camera and body are the same. Throws Error when ExportOptions::map is
 // no map.
-std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
-                                               Notices& notices);
+Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
+                                 Notices& notices);
 
 // An atlas that is being made of poses read from a file: ids are given in the order of the file.
 class PoseAtlas {
