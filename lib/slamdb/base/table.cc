@@ -206,12 +206,14 @@ std::vector<std::size_t> Matches(const std::vector<ColumnName>& names, const Col
     if (found.empty()) found = matching([&](const ColumnName& name) { return Stands(Comparable(name.name), wanted); });
     if (!found.empty()) return found;
   }
-  for (const std::string_view wanted : beginnings ? column.names : std::vector<std::string_view>())
+  for (std::string_view wanted : beginnings ? column.names : std::vector<std::string_view>()) {
+    if (wanted.starts_with('.')) wanted.remove_prefix(1);
     if (auto found = matching([&](const ColumnName& name) {
           return name.name.starts_with(wanted) && IsDatum(std::string_view(name.name).substr(wanted.size()));
         });
         !found.empty())
       return found;
+  }
   return {};
 }
 
@@ -302,6 +304,7 @@ bool TakePositions(std::span<const Cell> row, const TableKind& kind, TableLayout
 
 // Which columns a line lacks that names some of a group, so that it is not searched for by eye.
 std::string Missing(const std::vector<Cell>& row, const TableKind& kind) {
+  if (std::ranges::any_of(row, [](const Cell& cell) { return IsNumber(cell.text); })) return {};
   std::vector<ColumnName> names;
   for (const Cell& cell : row) names.emplace_back(cell.text);
   std::size_t found = 0;
