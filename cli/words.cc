@@ -21,6 +21,7 @@ constexpr std::array kWords = {
     Word{"SalvageAtlas", "`slamdb recover`"},
     Word{"`overwrite` of Store::Backup", "-O/--overwrite"},
     Word{"FitOptions::outlier_distance", "--robust"},
+    Word{"FitOptions::max_time_difference", "--max-dt"},
     Word{"give FitOptions::time_offset, or let it be estimated (estimate_time_offset)",
          "give --time-offset, or --estimate-time-offset"},
     Word{"the time unit of the read options", "--time-unit"},

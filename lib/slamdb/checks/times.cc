@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The times of keyframes: that they are seconds, and of one clock.
-#include "slamdb/base/detail/times.h"
+#include "slamdb/base/detail/time_units.h"
 
 #include <algorithm>
 #include <bit>

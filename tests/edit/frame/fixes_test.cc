@@ -107,7 +107,7 @@ std::string Write(const Table& table, std::mt19937_64& random) {
 
 class EveryTable : public ::testing::TestWithParam<Table> {};
 INSTANTIATE_TEST_SUITE_P(Fixes, EveryTable, ::testing::ValuesIn(Tables()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& table) { return std::string(table.param.name); });
 
 TEST_P(EveryTable, IsReadInEveryDialect) {
   std::mt19937_64 random(5);

@@ -84,7 +84,7 @@ void ExpectPoses(const std::vector<TrajectoryPose>& poses, const std::string& te
 
 class EveryTable : public ::testing::TestWithParam<Table> {};
 INSTANTIATE_TEST_SUITE_P(Trajectories, EveryTable, ::testing::ValuesIn(Tables()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& table) { return std::string(table.param.name); });
 
 std::string Write(const Table& table, std::mt19937_64& random) {
   const auto chance = [&] { return random() % 2 == 0; };

@@ -9,22 +9,13 @@
 #include <vector>
 
 #include "slamdb/base/detail/table.h"
+#include "slamdb/base/detail/time_units.h"
 #include "slamdb/base/notices.h"
 #include "slamdb/base/time_unit.h"
 #include "slamdb/export.h"
 
 // The times of tables, whatever they count. schema/tables.md says how the unit is told.
 namespace slamdb::detail {
-
-// The number times 10^power, as text with all its digits and without an exponent: `1700000000250000000` and -9 give
-// `1700000000.25`. Nothing when the text is no finite number, or one of absurd length.
-std::optional<std::string> ShiftedDecimal(std::string_view number, int power);
-
-// The power of ten that makes seconds of the unit.
-int PowerOf(TimeUnit unit);
-
-// Whether seconds lie in this century, as times of day since 1970 do.
-bool IsEpoch(double seconds);
 
 // Columns of times as all tables have them. `names` of the time, the better first, and of what is behind whole seconds.
 Column TimeColumn(int group = 0);

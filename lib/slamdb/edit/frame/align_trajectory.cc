@@ -59,8 +59,25 @@ ResidualStatistics StatisticsOf(std::vector<double> residuals) {
 
 detail::TimeOffset OffsetOf(const std::vector<TimedPosition>& keyframes, const std::vector<TimedPosition>& samples,
                             const TrajectoryAlignmentOptions& options) {
-  const detail::TimeOffset given{options.time_offset, options.time_offset};
+  const detail::TimeOffset given{options.time_offset, options.time_offset, options.max_time_difference};
   return options.estimate_time_offset ? detail::EstimateTimeOffset(keyframes, samples, options).value_or(given) : given;
+}
+
+// The median of how far keyframes are from the nearest position in time.
+std::optional<double> NearestTimes(const std::vector<TimedPosition>& keyframes,
+                                   const std::vector<TimedPosition>& samples, double offset) {
+  if (keyframes.empty() || samples.empty()) return std::nullopt;
+  std::vector<double> distances;
+  for (const TimedPosition& keyframe : keyframes) {
+    const double time = keyframe.timestamp + offset;
+    const auto after = std::ranges::lower_bound(samples, time, {}, &TimedPosition::timestamp);
+    double distance = after == samples.end() ? INFINITY : after->timestamp - time;
+    if (after != samples.begin()) distance = std::min(distance, time - (after - 1)->timestamp);
+    distances.push_back(distance);
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::ranges::nth_element(distances, middle);
+  return *middle;
 }
 
 // Names both time spans, and the offset that would lay one over the other.
@@ -80,6 +97,10 @@ Error TooFewPairs(const Map& map, std::size_t pairs, const std::vector<TimedPosi
         "; if the reference's clock is ahead by ",
         detail::Fixed(samples.front().timestamp - keyframes.front().timestamp, 3),
         " s, both begin at once: give FitOptions::time_offset, or let it be estimated (estimate_time_offset)");
+  else if (const auto nearest = NearestTimes(keyframes, samples, options.time_offset))
+    problem += detail::Concat("; half of the keyframes are ", detail::Digits(*nearest, 3),
+                              " s or more from the nearest position, ", "and FitOptions::max_time_difference allows ",
+                              detail::Digits(options.max_time_difference, 3), " s");
   return Error(ErrorKind::kNotPossible, problem);
 }
 
@@ -96,7 +117,7 @@ TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosit
   std::vector<double> times;
   std::vector<Eigen::Vector3d> source, target;
   for (const auto& [time, position] : keyframes) {
-    const auto there = detail::PositionAt(samples, time + offset.seconds, options.max_time_difference);
+    const auto there = detail::PositionAt(samples, time + offset.seconds, offset.reach);
     if (!there) continue;
     times.push_back(time);
     source.push_back(position);

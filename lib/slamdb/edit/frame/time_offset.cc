@@ -48,7 +48,7 @@ class Search {
     KeepBest(candidates, kRefined, std::less<>());
     for (Candidate& candidate : candidates) Refine(candidate);
     std::ranges::sort(candidates, {}, &Candidate::score);
-    TimeOffset found{candidates[0].offset, candidates[0].offset};
+    TimeOffset found{candidates[0].offset, candidates[0].offset, reach_};
     constexpr double kAsGood = 1.5;
     for (const Candidate& other : candidates)
       if (std::abs(other.offset - found.seconds) > 4 * step() && other.score <= kAsGood * candidates[0].score) {

@@ -15,6 +15,7 @@ std::optional<Eigen::Vector3d> PositionAt(const std::vector<TimedPosition>& refe
 struct TimeOffset {
   double seconds = 0;  // that the reference's clock is ahead of the keyframes'
   double rival = 0;    // another offset that fits nearly as well; the same when there is none
+  double reach = 0;    // how far apart keyframes and positions may then be: their samples no longer coincide
 };
 
 // How far the clock of a reference is ahead: of the offsets under which at least half of the shorter trajectory
