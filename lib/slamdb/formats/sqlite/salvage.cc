@@ -2,14 +2,11 @@
 #include "slamdb/formats/sqlite/detail/salvage.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/plan.h"
@@ -146,60 +143,15 @@ class StoreSalvager {
   Salvage salvage_;
 };
 
-// SQLite opens no file that is shorter than its header says. A store that was cut short is copied and lengthened with
-// empty pages, which read as damaged ones; the path of any other store is its own.
-class LengthenedCopy {
- public:
-  explicit LengthenedCopy(const std::string& path) : path_(path) {
-    const std::uint64_t pages_bytes = HeaderBytes(path);
-    std::error_code unknown;
-    const std::uint64_t bytes = std::filesystem::file_size(path, unknown);
-    if (unknown || bytes >= pages_bytes) return;
-    damage_ = "the file ends after " + std::to_string(bytes) + " of " + std::to_string(pages_bytes) + " bytes";
-    std::string folder = (std::filesystem::temp_directory_path() / "slamdb-recover-XXXXXX").string();
-    if (::mkdtemp(folder.data()) == nullptr) throw SystemError(folder, "cannot be created");
-    folder_ = folder;
-    path_ = (folder_ / "store.db").string();
-    std::filesystem::copy_file(path, path_);
-    std::filesystem::resize_file(path_, pages_bytes);
-  }
-  ~LengthenedCopy() {
-    std::error_code ignored;
-    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
-  }
-  LengthenedCopy(const LengthenedCopy&) = delete;
-  LengthenedCopy& operator=(const LengthenedCopy&) = delete;
-
-  const std::string& path() const { return path_; }
-  const std::string& damage() const { return damage_; }  // empty: the store is as long as it says
-
- private:
-  // Page size times pages, both big-endian in the first page. 0 where that is not a database.
-  static std::uint64_t HeaderBytes(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::array<unsigned char, 32> head{};
-    if (!file.read(reinterpret_cast<char*>(head.data()), head.size())) return 0;
-    const std::uint64_t page = std::uint64_t{head[16]} << 8 | head[17];
-    const std::uint64_t pages = std::uint64_t{head[28]} << 24 | head[29] << 16 | head[30] << 8 | head[31];
-    constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;  // a sparse file all the same
-    const std::uint64_t bytes = (page == 1 ? 65536 : page) * pages;
-    return bytes <= kMostBytes ? bytes : 0;
-  }
-
-  std::string path_, damage_;
-  std::filesystem::path folder_;
-};
-
-// The only atlas, without the index of names. `path` is what the user calls the store, of which `database` may be a
-// copy.
-std::string OnlyName(Database& database, const std::string& path) {
+// The only atlas, without the index of names.
+std::string OnlyName(Database& database) {
   Statement statement(database, "SELECT count(*), group_concat(name, ', ') FROM atlas NOT INDEXED", "table atlas");
   if (!statement.Step() || statement.Integer(0) == 0)
-    throw Error(ErrorKind::kNotFound, path, "", "no atlas could be read");
+    throw Error(ErrorKind::kNotFound, database.path(), "", "no atlas could be read");
   if (statement.Integer(0) == 1) return statement.Text(1);
-  throw Error(ErrorKind::kUsage, path, "",
-              detail::Concat("holds ", statement.Integer(0), " atlases: ", statement.Text(1), "; say which, as ", path,
-                             "#NAME"));
+  throw Error(ErrorKind::kUsage, database.path(), "",
+              detail::Concat("holds ", statement.Integer(0), " atlases: ", statement.Text(1), "; say which, as ",
+                             database.path(), "#NAME"));
 }
 
 }  // namespace
@@ -208,16 +160,18 @@ std::string OnlyName(Database& database, const std::string& path) {
 namespace slamdb::detail {
 
 Salvage SalvageStore(const std::string& path, const std::string& name, const ReadOptions& options) {
-  const double lock_timeout = options.of<StoreReadOptions>().lock_timeout;
-  const sqlite::LengthenedCopy copy(path);
-  sqlite::Database database(copy.path(), sqlite::Access::kSalvage, lock_timeout);
+  sqlite::Database database(path, sqlite::Access::kSalvage, options.of<StoreReadOptions>().lock_timeout);
+  const sqlite::Image image(path, sqlite::Missing::kIsZeros);
   sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kAccept, sqlite::Boxes::kNotNeeded);
-  const std::string chosen = name.empty() ? sqlite::OnlyName(database, path) : name;
+  const std::string chosen = name.empty() ? sqlite::OnlyName(database) : name;
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, chosen).Step())
     throw Error(ErrorKind::kNotFound, path, "", "no atlas named '" + chosen + "' could be read");
   Salvage salvage = sqlite::StoreSalvager(database, statement.Integer(0)).Run();
-  if (!copy.damage().empty()) salvage.damage.insert(salvage.damage.begin(), copy.damage());
+  if (image.changed()) throw Error(ErrorKind::kLocked, path, "", "is being changed while it is read: try again");
+  if (image.lacks_pages())
+    salvage.damage.insert(salvage.damage.begin(), Concat("the file ends after ", image.file_bytes(), " of ",
+                                                         image.promised_bytes(), " bytes"));
   return salvage;
 }
 

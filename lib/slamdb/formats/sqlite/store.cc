@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/store.h"
 
-#include <filesystem>
-
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
@@ -26,23 +24,12 @@ void CheckNotStandardStream(const std::string& path) {
   if (path == "-") throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be standard input or output");
 }
 
-// Size and time of a file: tells whether it was written while a connection trusted that nobody would.
-struct FileState {
-  std::uintmax_t size = 0;
-  std::filesystem::file_time_type time;
-  static FileState Of(const std::string& path) {
-    std::error_code gone;
-    return {std::filesystem::file_size(path, gone), std::filesystem::last_write_time(path, gone)};
-  }
-  friend bool operator==(const FileState&, const FileState&) = default;
-};
-
 bool IsEmpty(Database& database) { return database.Integer("SELECT count(*) FROM sqlite_schema") == 0; }
 
-void CreateSchema(Database& database, double lock_timeout) {
+void CreateSchema(Database& database) {
   database.Execute(kNewFile);
-  database.UseLog(lock_timeout);
-  WriteTransaction transaction(database, lock_timeout);
+  database.UseLog();
+  WriteTransaction transaction(database);
   if (!IsEmpty(database)) return;  // another program was faster
   RunMigrations(database, Migrations());
   transaction.Commit();
@@ -120,15 +107,15 @@ Store Store::Open(const std::string& path, double lock_timeout) {
 
 Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
   CheckNotStandardStream(path);
-  auto state = std::make_unique<State>(State{Database(path, Access::kCreate, options.lock_timeout), options, true});
+  auto state = std::make_unique<State>(State{Database(path, Access::kCreate, options.lock_timeout, options.progress), options, true});
   Database& database = state->database;
   // 64 MiB of cache: the pages that a save touches again and again. Deleted content need not be overwritten.
   database.Execute(
       "PRAGMA cache_size=-65536; PRAGMA secure_delete=OFF; PRAGMA foreign_keys=OFF; PRAGMA temp_store=MEMORY");
   database.Execute(options.sync ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=OFF");
-  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database, options.lock_timeout);
+  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database);
   CheckIsStore(database, NewestVersion());
-  database.UseLog(options.lock_timeout);
+  database.UseLog();
   return Store(std::move(state));
 }
 
@@ -156,7 +143,7 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
   Database& database = state_->database;
   const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
   SaveReport report;
-  WriteTransaction transaction(database, state_->options.lock_timeout);
+  WriteTransaction transaction(database);
   if (!options.overwrite && state_->Has(name))
     throw Error(ErrorKind::kAlreadyExists, path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
@@ -170,7 +157,6 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
 Atlas Store::Load(const std::string& name, const ReadOptions& options) {
   Database& database = state_->database;
   for (int attempt = 1;; ++attempt) {
-    const FileState before = FileState::Of(path());
     try {
       Transaction transaction(database, Transaction::Kind::kBegin);
       const std::int64_t row = state_->RowOf(name);
@@ -178,19 +164,21 @@ Atlas Store::Load(const std::string& name, const ReadOptions& options) {
       if (attempt == kLoadAttempts) how.threads = 1;  // one connection sees one moment, whoever saves
       Atlas atlas = LoadAtlas(database, row, how);
       if (options.part_sizes != nullptr) *options.part_sizes = PartSizesOf(database, row);
-      if (!database.immutable() || FileState::Of(path()) == before) return atlas;
+      return atlas;
     } catch (const SnapshotChanged&) {
+    } catch (const Error& error) {
+      if (!database.is_image() || error.kind() != ErrorKind::kLocked) throw;
     }
     if (attempt == kLoadAttempts)
       throw Error(ErrorKind::kLocked, path(), "", "is being changed while it is read: try again");
-    if (database.immutable()) database = Database(path(), Access::kRead, state_->options.lock_timeout);
+    if (database.is_image()) database = Database(path(), Access::kRead, state_->options.lock_timeout);
   }
 }
 
 void Store::Remove(const std::string& name) {
   state_->CheckWritable();
   Database& database = state_->database;
-  WriteTransaction transaction(database, state_->options.lock_timeout);
+  WriteTransaction transaction(database);
   const std::int64_t row = state_->RowOf(name);
   ChangeCounter changes;
   // The history needs the counts of what goes, and how many rows went: it is entered before and completed after.
@@ -208,8 +196,10 @@ StoreStats Store::Stats() { return ReadStatistics(state_->database); }
 void Store::Vacuum() {
   state_->CheckWritable();
   Database& database = state_->database;
+  // What VACUUM builds is as large as the store: it goes to a temporary file, not into memory.
+  database.Execute("PRAGMA temp_store=FILE; PRAGMA cache_size=-8192");
   const int code = sqlite3_exec(database.handle(), "VACUUM", nullptr, nullptr, nullptr);
-  if ((code & 0xff) == SQLITE_BUSY) throw LockedError(database, state_->options.lock_timeout);
+  if ((code & 0xff) == SQLITE_BUSY) throw LockedError(database);
   if (code != SQLITE_OK) throw database.Failure("", code);
   database.Execute("PRAGMA wal_checkpoint(TRUNCATE)");
 }

@@ -67,7 +67,8 @@ struct StoreStats {
 
 struct StoreOptions {
   bool sync = true;         // a committed save survives power loss; false: it may be lost, the store stays whole
-  double lock_timeout = 5;  // seconds to wait for another program that writes
+  double lock_timeout = 5;  // seconds to wait for another program that writes; infinity: for ever
+  Progress progress;        // called while it waits; may be empty
 };
 
 // Many atlases in one SQLite file, each under a name.
@@ -125,9 +126,11 @@ class SLAMDB_EXPORT Store {
   StoreStats Stats();
   void Vacuum();  // gives free pages back to the disk
   // Copies the store as it is now, also while others write (SQLite's online backup).
-  // The target appears whole or not.
+  // A new target appears whole or not, with the permissions of the store. With `overwrite` the store that is there
+  // becomes the copy in one transaction of its own: links are followed, and whatever fails leaves it as it was.
   //
-  // Throws Error (kAlreadyExists) when it is there and not to be overwritten.
+  // Throws Error: kAlreadyExists when it is there and not to be overwritten; kLocked when another program saves there
+  // meanwhile; kUnsupported when what is there is no store.
   void Backup(const std::string& target, bool overwrite = false);
 
  private:
