@@ -10,6 +10,7 @@
 #include "cli/words.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/salvage.h"
+#include "slamdb/formats/sqlite/options.h"
 
 namespace slamdb::cli {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 struct RecoverVerbOptions {
   EditOptions edit;
   std::string cameras;
+  bool accept_edits = false;
 };
 
 std::string Share(const SalvagedList& list, std::string_view one, std::string_view many) {
@@ -24,9 +26,18 @@ std::string Share(const SalvagedList& list, std::string_view one, std::string_vi
   return Grouped(list.read) + " of " + Counted(list.listed, one, many);
 }
 
+std::string AcceptedText(const SalvageReport& report) {
+  if (report.accepted.empty()) return {};
+  std::string text = "accepted as they are, edited outside slamdb\n";
+  constexpr std::size_t kShown = 20;
+  for (std::size_t i = 0; i < std::min(kShown, report.accepted.size()); ++i) text += "  " + report.accepted[i] + "\n";
+  if (report.accepted.size() > kShown) text += "  and " + Grouped(report.accepted.size() - kShown) + " more rows\n";
+  return text;
+}
+
 std::string TextOf(const SalvageReport& report) {
-  if (report.untouched) return "the file is whole and sound\n";
-  std::string text = "recovered " + Share(report.maps, "map", "maps") + ", " +
+  if (report.untouched) return AcceptedText(report) + "the file is whole and sound\n";
+  std::string text = AcceptedText(report) + "recovered " + Share(report.maps, "map", "maps") + ", " +
                      Share(report.keyframes, "keyframe", "keyframes") + ", " + Share(report.points, "point", "points");
   if (report.landmarks.listed > 0) text += ", " + Share(report.landmarks, "landmark", "landmarks");
   text += "\ndamage\n";
@@ -48,12 +59,17 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   Notices notices;
   std::optional<Atlas> rig;
   if (!options.cameras.empty()) rig = ReadAtlas(options.cameras, MakeReadOptions(console, {}, wait), &notices);
-  Salvage salvage = SalvageAtlas(options.edit.input, MakeReadOptions(console, options.edit.from, wait));
+  ReadOptions reading = MakeReadOptions(console, options.edit.from, wait);
+  reading.of<StoreReadOptions>().accept_edits = options.accept_edits;
+  Salvage salvage = SalvageAtlas(options.edit.input, reading);
   const SalvageReport report = NamingFile(options.edit.input, [&] {
     return RecoverSalvage(
         salvage, {.rig = rig ? &*rig : nullptr, .threads = console.threads(), .progress = console.MakeProgress()});
   });
-  WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
+  std::string provenance = "recover " + options.edit.input;
+  if (!report.accepted.empty())
+    provenance += " --accept-edits (" + Counted(report.accepted.size(), "row", "rows") + " edited outside slamdb)";
+  WriteResult(salvage.atlas, options.edit, provenance, console, notices);
   const ExitCode code =
       FinishEdit(InCommandWords(TextOf(report)), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
   for (const Unrepaired& rule : report.recovery.left)
@@ -70,6 +86,9 @@ Run AddRecover(CLI::App& verb) {
   verb.add_option("--cameras", options->cameras,
                   "Another atlas of the same cameras and vocabulary: what of those is lost is taken from it")
       ->type_name("FILE");
+  verb.add_flag(
+      "--accept-edits", options->accept_edits,
+      "Of a store: take rows that were edited in SQL as they are now, instead of leaving them out as damaged");
   return [options](Console& console) { return RunRecover(*options, console); };
 }
 
@@ -81,6 +100,8 @@ constexpr Example kExamples[] = {
     {"slamdb recover zeros_first.osa rescued.osa --cameras yesterday.osa",
      "A file whose beginning is lost; the vocabulary is known from an older atlas."},
     {"slamdb recover damaged.db#lab lab.osa", "Also of a store with damaged pages."},
+    {"slamdb recover lab.db#lab lab.db#mended --accept-edits",
+     "After UPDATE statements in lab.db: the rows count as they are now, and the history says so."},
 };
 
 }  // namespace

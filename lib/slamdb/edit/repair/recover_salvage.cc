@@ -70,7 +70,7 @@ void TellRebuilt(SalvageReport& report) {
 }  // namespace
 
 SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
-  SalvageReport report{.damage = salvage.damage};
+  SalvageReport report{.damage = salvage.damage, .accepted = salvage.accepted};
   report.untouched = report.whole() && CheckAtlas(salvage.atlas, {.threads = options.threads}).ok();
   if (!report.untouched) report.recovery = RecoverAtlas(salvage.atlas, options);
   if (salvage.atlas.maps.empty() && !report.untouched)

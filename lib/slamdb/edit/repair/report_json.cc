@@ -60,6 +60,7 @@ std::string ToJson(const SalvageReport& report, const ReportFiles& files) {
   json["points"] = JsonOf(report.points);
   json["landmarks"] = JsonOf(report.landmarks);
   json["damage"] = report.damage;
+  json["accepted"] = report.accepted;
   json["losses"] = report.losses;
   json["repairs"] = ListOf(report.recovery.repairs);
   json["left"] = ListOf(report.recovery.left);

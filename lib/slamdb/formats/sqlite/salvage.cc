@@ -128,10 +128,13 @@ class StoreSalvager {
     std::vector<std::int64_t> rows(count);
     for (std::size_t i = 0; i < count; ++i) rows[i] = first + static_cast<std::int64_t>(i);
     std::vector<typename List::value_type> entities(count);
+    std::vector<EditedRow>* edits = database_.edits();
+    const std::size_t noted = edits == nullptr ? 0 : edits->size();
     try {
       load(std::span<const std::int64_t>(rows), std::span(entities));
       std::ranges::move(entities, std::back_inserter(list));
     } catch (const Error& error) {
+      if (edits != nullptr) edits->resize(noted);
       if (count == 1) return Note(error);
       ReadRows(first, count / 2, list, load);
       ReadRows(first + static_cast<std::int64_t>(count / 2), count - count / 2, list, load);
@@ -155,6 +158,21 @@ std::string OnlyName(Database& database) {
 }
 
 }  // namespace
+
+Salvage SalvageRows(Database& database, std::int64_t atlas) { return StoreSalvager(database, atlas).Run(); }
+
+std::string ToString(const EditedRow& row) {
+  constexpr std::pair<std::string_view, std::string_view> kParts[] = {
+      {"keyframe_link", "the links of keyframe"},
+      {"keyframe_features", "the features of keyframe"},
+      {"observation", "the observations of map_point"},
+  };
+  std::string_view what = row.table;
+  for (const auto& [table, part] : kParts)
+    if (row.table == table) what = part;
+  return detail::Concat(what, " ", row.id);
+}
+
 }  // namespace slamdb::sqlite
 
 namespace slamdb::detail {
@@ -167,11 +185,14 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, chosen).Step())
     throw Error(ErrorKind::kNotFound, path, "", "no atlas named '" + chosen + "' could be read");
-  Salvage salvage = sqlite::StoreSalvager(database, statement.Integer(0)).Run();
+  std::vector<sqlite::EditedRow> edits;
+  if (options.of<StoreReadOptions>().accept_edits) database.AcceptEdits(&edits);
+  Salvage salvage = sqlite::SalvageRows(database, statement.Integer(0));
+  for (const sqlite::EditedRow& edit : edits) salvage.accepted.push_back(ToString(edit));
   if (image.changed()) throw Error(ErrorKind::kLocked, path, "", "is being changed while it is read: try again");
   if (image.lacks_pages())
-    salvage.damage.insert(salvage.damage.begin(), Concat("the file ends after ", image.file_bytes(), " of ",
-                                                         image.promised_bytes(), " bytes"));
+    salvage.damage.insert(salvage.damage.begin(),
+                          Concat("the file ends after ", image.file_bytes(), " of ", image.promised_bytes(), " bytes"));
   return salvage;
 }
 

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/store.h"
 
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/salvage.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/formats/sqlite/detail/statistics.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
@@ -20,6 +26,18 @@ constexpr int kLoadAttempts = 5;  // when another program saves the same atlas a
 // Measured: 4 to 16 KiB load and save alike; larger pages make the many small rows slower and small stores larger.
 constexpr const char* kNewFile = "PRAGMA page_size=8192";
 
+// So that every name can be given as store.db#NAME, and be shown.
+void CheckName(const Database& database, const std::string& name) {
+  constexpr std::size_t kLongest = 255;
+  const auto is_control = [](char letter) { return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f; };
+  if (!name.empty() && name.size() <= kLongest && name.find_first_of("#/") == std::string::npos &&
+      std::ranges::none_of(name, is_control))
+    return;
+  throw Error(ErrorKind::kUsage, database.path(), "",
+              detail::Concat("the name of an atlas is 1 to ", kLongest,
+                             " bytes of UTF-8 without `#`, `/` and control characters"));
+}
+
 void CheckNotStandardStream(const std::string& path) {
   if (path == "-") throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be standard input or output");
 }
@@ -33,6 +51,16 @@ void CreateSchema(Database& database) {
   if (!IsEmpty(database)) return;  // another program was faster
   RunMigrations(database, Migrations());
   transaction.Commit();
+}
+
+void PrepareToWrite(Database& database, const StoreOptions& options) {
+  // 64 MiB of cache: the pages that a save touches again and again. Deleted content need not be overwritten.
+  database.Execute(
+      "PRAGMA cache_size=-65536; PRAGMA secure_delete=OFF; PRAGMA foreign_keys=OFF; PRAGMA temp_store=MEMORY");
+  database.Execute(options.sync ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=OFF");
+  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database);
+  CheckIsStore(database, NewestVersion());
+  database.UseLog();
 }
 
 void Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
@@ -66,6 +94,7 @@ struct Store::State {
   Database database;
   StoreOptions options;
   bool writable = false;
+  bool made = false;  // by this connection, and nothing was saved yet
 
   bool Has(const std::string& name) {
     return Statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step();
@@ -87,10 +116,43 @@ struct Store::State {
     for (const std::string& name : Names()) known += (known.empty() ? "" : ", ") + name;
     return known.empty() ? "; the store is empty" : "; it holds " + known;
   }
+  // A store that was made for a save that failed goes again. Others may have come to it meanwhile: it is removed by
+  // who is alone with it, holds its lock and finds it empty; a writer who still waits for that lock notices
+  // (CheckStillThere).
+  void RemoveUnused() noexcept {
+    if (!made) return;
+    try {
+      database.Execute("PRAGMA journal_mode=DELETE; BEGIN EXCLUSIVE");  // fails while others have it open
+      const bool unused = IsEmpty(database) || database.Integer("SELECT count(*) FROM history") == 0;
+      if (unused && StillThere(database)) std::remove(database.path().c_str());
+      database.Execute("ROLLBACK");
+      if (!unused) database.UseLog();
+    } catch (const Error&) {  // it stays, empty
+    }
+  }
+  SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options);
   void CheckWritable() const {
     if (!writable) throw Error(ErrorKind::kUsage, database.path(), "", "opened for reading");
   }
 };
+
+// Where reading failed because rows differ from their hash, all of these rows: a person who edited the store in SQL
+// wants to know them. Any other damage stays what it is.
+Error NamingEdits(Database& database, std::int64_t atlas, const Error& found) {
+  constexpr std::size_t kNamed = 20;
+  std::vector<EditedRow> edits;
+  database.AcceptEdits(&edits);
+  const Salvage salvage = SalvageRows(database, atlas);
+  database.AcceptEdits(nullptr);
+  if (edits.empty() || !salvage.damage.empty()) return found;
+  std::string names = ToString(edits[0]);
+  for (std::size_t i = 1; i < std::min(edits.size(), kNamed); ++i)
+    names += (i + 1 == edits.size() ? " and " : ", ") + ToString(edits[i]);
+  if (edits.size() > kNamed) names += detail::Concat(" and ", edits.size() - kNamed, " more");
+  return Error(ErrorKind::kDamaged, database.path(), PlaceOf(edits[0].table.c_str(), edits[0].row),
+               "differs from its hash: edited outside slamdb, or damaged: " + names +
+                   "; StoreReadOptions::accept_edits takes them as they are");
+}
 
 Store::Store(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Store::~Store() = default;
@@ -107,15 +169,16 @@ Store Store::Open(const std::string& path, double lock_timeout) {
 
 Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
   CheckNotStandardStream(path);
-  auto state = std::make_unique<State>(State{Database(path, Access::kCreate, options.lock_timeout, options.progress), options, true});
-  Database& database = state->database;
-  // 64 MiB of cache: the pages that a save touches again and again. Deleted content need not be overwritten.
-  database.Execute(
-      "PRAGMA cache_size=-65536; PRAGMA secure_delete=OFF; PRAGMA foreign_keys=OFF; PRAGMA temp_store=MEMORY");
-  database.Execute(options.sync ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=OFF");
-  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database);
-  CheckIsStore(database, NewestVersion());
-  database.UseLog();
+  std::error_code ignored;
+  const bool is_new = !std::filesystem::exists(path, ignored);
+  auto state = std::make_unique<State>(
+      State{Database(path, Access::kCreate, options.lock_timeout, options.progress), options, true, is_new});
+  try {
+    PrepareToWrite(state->database, options);
+  } catch (...) {
+    state->RemoveUnused();
+    throw;
+  }
   return Store(std::move(state));
 }
 
@@ -137,19 +200,27 @@ std::string Store::OnlyName() {
 
 SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) {
   state_->CheckWritable();
-  if (name.empty()) throw Error(ErrorKind::kUsage, path(), "", "an atlas needs a name");
-  if (name.find('\0') != std::string::npos)
-    throw Error(ErrorKind::kUsage, path(), "", "a name must not contain a NUL character");
-  Database& database = state_->database;
-  const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
+  try {
+    SaveReport report = state_->Save(name, atlas, options);
+    state_->made = false;
+    return report;
+  } catch (...) {
+    state_->RemoveUnused();
+    throw;
+  }
+}
+
+SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options) {
+  CheckName(database, name);
+  const AtlasHashes hashes = detail::HashesOf(atlas, save_options.threads);
   SaveReport report;
   WriteTransaction transaction(database);
-  if (!options.overwrite && state_->Has(name))
-    throw Error(ErrorKind::kAlreadyExists, path(), "",
+  if (!save_options.overwrite && Has(name))
+    throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
-  SaveAtlas(database, name, atlas, hashes, options, report);
-  Record(database, "save", name, options.provenance, report.Total());
-  if (options.before_commit) options.before_commit();
+  SaveAtlas(database, name, atlas, hashes, save_options, report);
+  Record(database, "save", name, save_options.provenance, report.Total());
+  if (save_options.before_commit) save_options.before_commit();
   transaction.Commit();
   return report;
 }
@@ -157,9 +228,10 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
 Atlas Store::Load(const std::string& name, const ReadOptions& options) {
   Database& database = state_->database;
   for (int attempt = 1;; ++attempt) {
+    std::int64_t row = 0;
     try {
       Transaction transaction(database, Transaction::Kind::kBegin);
-      const std::int64_t row = state_->RowOf(name);
+      row = state_->RowOf(name);
       ReadOptions how = options;
       if (attempt == kLoadAttempts) how.threads = 1;  // one connection sees one moment, whoever saves
       Atlas atlas = LoadAtlas(database, row, how);
@@ -167,6 +239,7 @@ Atlas Store::Load(const std::string& name, const ReadOptions& options) {
       return atlas;
     } catch (const SnapshotChanged&) {
     } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kDamaged && row != 0) throw NamingEdits(database, row, error);
       if (!database.is_image() || error.kind() != ErrorKind::kLocked) throw;
     }
     if (attempt == kLoadAttempts)

@@ -112,8 +112,11 @@ class SLAMDB_EXPORT Store {
 
   // Saves under `name`, replacing the atlas of that name if there is one by writing only the rows that differ.
   //
-  // Throws Error: kUsage when the store was opened to read, or the name is empty or holds a NUL; kAlreadyExists without
-  // `overwrite`.
+  // A name is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters. A store that was made for a save that
+  // fails is removed again.
+  //
+  // Throws Error: kUsage when the store was opened to read, or for another name; kAlreadyExists without `overwrite`;
+  // kLocked when another program writes longer than `lock_timeout`, or removed the file.
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options = {});
 
   // Loads all or the selected part; the rest is not read.

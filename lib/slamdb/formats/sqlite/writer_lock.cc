@@ -73,10 +73,14 @@ Error LockedError(Database& database) {
                               " s): try again when it is done"));
 }
 
-void CheckStillThere(Database& database) {
+bool StillThere(Database& database) {
   int moved = 0;
   sqlite3_file_control(database.handle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
-  if (moved == 0) return;
+  return moved == 0;
+}
+
+void CheckStillThere(Database& database) {
+  if (StillThere(database)) return;
   throw Error(ErrorKind::kLocked, database.path(), "",
               "was removed, moved or replaced by another program since it was opened: nothing was saved; try again");
 }

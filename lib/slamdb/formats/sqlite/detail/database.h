@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
@@ -50,6 +51,13 @@ class Waiting {
   std::exception_ptr thrown_;
 };
 
+// A row that differs from its hash.
+struct EditedRow {
+  std::string table;
+  std::int64_t row = 0;
+  std::uint64_t id = 0;  // of the entity that it is, or belongs to
+};
+
 // One connection. Not thread-safe: one per thread.
 //
 // A path is always that of a file: SQLite itself would take `:memory:`, `file:...` and an empty one for something else.
@@ -66,11 +74,15 @@ class Database {
   void UseLog();
   double lock_timeout() const { return waiting_->timeout(); }
   void RethrowFromWaiting() { waiting_->Rethrow(); }  // what the listener to its progress threw, if it did
-  std::int64_t Integer(const std::string& sql);  // the first column of the first row; 0 when there is none
+  std::int64_t Integer(const std::string& sql);       // the first column of the first row; 0 when there is none
   bool HasTable(std::string_view name);
 
   // True when the store is read as an Image, without locks: somebody who writes to it meanwhile shows as kLocked.
   bool is_image() const { return is_image_; }
+
+  // From now on rows that differ from their hash are read as they are, and listed in `edits`, instead of being errors.
+  void AcceptEdits(std::vector<EditedRow>* edits) { edits_ = edits; }
+  std::vector<EditedRow>* edits() const { return edits_; }
 
   // The error of the last call on this connection, placed at `place` (`table map_point, row 12`).
   Error Failure(const std::string& place) const;
@@ -91,6 +103,7 @@ class Database {
   std::unique_ptr<Waiting> waiting_;  // SQLite keeps its address
   std::unique_ptr<sqlite3, Close> handle_;
   bool is_image_ = false;
+  std::vector<EditedRow>* edits_ = nullptr;
 };
 
 // A prepared statement, to be bound and stepped many times. Bound memory must live until the next Reset.

@@ -24,7 +24,9 @@ class WriteTransaction {
 // The error of a store that somebody else is writing: says who, as far as is known.
 Error LockedError(Database& database);
 
-// Throws Error (kLocked) when the file is no longer where the connection opened it: what is written there is lost.
+// Whether the file is where the connection opened it; what is written to one that was removed or moved away is lost.
+bool StillThere(Database& database);
+// Throws Error (kLocked) when it is not.
 void CheckStillThere(Database& database);
 
 std::string ToolName();   // `slamdb 0.1.0`
