@@ -52,8 +52,11 @@ TEST(StoreCrowd, WritersAndReaders) {
   Store store = Store::Open(path);
   EXPECT_EQ(store.Names().size(), 1U + kWriters * kSaves);
   EXPECT_EQ(store.Log().size(), 1U + 2 * kWriters * kSaves);
-  for (const std::string& name : store.Names())
-    if (name != "shared") EXPECT_EQ(FirstDifference(store.Load(name), odd), "") << name;
+  for (const std::string& name : store.Names()) {
+    if (name != "shared") {
+      EXPECT_EQ(FirstDifference(store.Load(name), odd), "") << name;
+    }
+  }
   EXPECT_EQ(Sql(path, "PRAGMA integrity_check"), "ok");
 }
 

@@ -63,6 +63,8 @@ TEST_F(StoreEdits, OfRowsWithExactNumbers) {
   EXPECT_THAT(salvage.damage, IsEmpty());
   ASSERT_FALSE(salvage.accepted.empty());
   Atlas expected = OddAtlas();
+  expected.repeated_maps.clear();  // of whole files alone
+  expected.repeated_cameras.clear();
   std::size_t edited = 0;
   for (std::size_t m = 0; m < expected.maps.size(); ++m)
     for (std::size_t i = 0; i < expected.maps[m].points.size(); ++i)

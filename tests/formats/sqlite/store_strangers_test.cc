@@ -100,7 +100,7 @@ TEST_F(StoreStrangers, TablesAreTables) {
   for (const char* harm : {
            "ALTER TABLE history RENAME TO h; CREATE VIEW history AS SELECT * FROM h",
            "ALTER TABLE writer RENAME TO w; CREATE VIRTUAL TABLE writer USING rtree (row, process, host)",
-           "ALTER TABLE atlas ADD COLUMN trap AS (zeroblob(1000000000))",
+           "ALTER TABLE atlas ADD COLUMN trap BLOB AS (zeroblob(1000000000))",
            "DROP TABLE map_point_box; CREATE VIRTUAL TABLE map_point_box USING fts5 (row)",
        }) {
     std::filesystem::remove(path_);

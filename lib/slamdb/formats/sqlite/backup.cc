@@ -68,12 +68,26 @@ void Restore(Database& source, const std::string& path) {
   copying.Lock();
   CheckStillThere(watch);
   if (watch.Integer("PRAGMA data_version") != seen)
-    throw Error(ErrorKind::kLocked, path, "",
-                "another program saved to it just now, which the copy would have lost: nothing was replaced; try again");
+    throw Error(
+        ErrorKind::kLocked, path, "",
+        "another program saved to it just now, which the copy would have lost: nothing was replaced; try again");
   copying.Finish();
 }
 
 // ---- into a new file
+
+// Where a link leads that leads to nothing yet.
+std::string FollowDangling(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as Linux has it
+  std::filesystem::path at = path;
+  std::error_code is_no_link;
+  for (int links = 0; links < kMostLinks; ++links) {
+    const auto next = std::filesystem::read_symlink(at, is_no_link);
+    if (is_no_link) break;
+    at = at.parent_path() / next;
+  }
+  return at.string();
+}
 
 // A file under a name of its own, removed unless it was given its right one.
 class TemporaryFile {
@@ -146,9 +160,10 @@ void CopyToNew(Database& source, const std::string& path) {
 }  // namespace
 
 void BackupTo(Database& source, const std::string& target, bool overwrite) {
+  if (target.empty()) throw Error(ErrorKind::kUsage, "a copy needs the name of a file, and this one is empty");
   std::error_code ignored;
   const auto status = std::filesystem::status(target, ignored);
-  if (!std::filesystem::exists(status)) return CopyToNew(source, target);
+  if (!std::filesystem::exists(status)) return CopyToNew(source, FollowDangling(target));
   if (std::filesystem::is_directory(status)) throw Error(ErrorKind::kUsage, target, "", "is a directory");
   if (!overwrite) throw TemporaryFile::ExistsError(target);
   if (std::filesystem::equivalent(source.path(), target, ignored))

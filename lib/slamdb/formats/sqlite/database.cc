@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <thread>
 
 #include "slamdb/base/detail/errno_kind.h"
@@ -305,6 +306,11 @@ void Statement::Run() {
   while (Step()) {
   }
   Reset();
+}
+
+double Statement::Real(int column) const {
+  const double value = sqlite3_column_double(handle_.get(), column);
+  return value == 0 && IsNull(column) ? std::numeric_limits<double>::quiet_NaN() : value;  // 0 for NULL, too
 }
 
 std::string Statement::Text(int column) const {

@@ -2,7 +2,9 @@
 #include "slamdb/formats/sqlite/detail/salvage.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
+#include <span>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
@@ -30,7 +32,12 @@ class StoreSalvager {
     std::vector<std::int64_t> maps;
     Try([&] { maps = RowsOfMaps(database_, atlas_); });
     salvage_.maps_listed = maps.size();
-    for (const std::int64_t row : maps) ReadMap(row);
+    for (const std::int64_t row : maps) {
+      if (row < 1 || row > 0x7fffffff)
+        Note(DamagedRow(database_, "map", row));
+      else
+        ReadMap(row);
+    }
     CompareCounts();
     return std::move(salvage_);
   }
@@ -71,18 +78,30 @@ class StoreSalvager {
     salvage_.maps.push_back(read);
   }
 
-  // Rows of a list are numbered without gaps, so the last one tells how many there are. Where its page is lost, the
-  // number of the whole atlas is an upper bound; that of landmarks is recorded nowhere, and so not known.
-  std::optional<std::uint64_t> CountRows(std::int64_t map, const std::string& table) {
-    std::int64_t last = -1;
-    const std::string range = std::to_string(FirstRowOfMap(map)) + " AND " + std::to_string(LastRowOfMap(map));
-    if (Try([&] { last = database_.Integer("SELECT max(row) FROM " + table + " WHERE row BETWEEN " + range); }))
-      return last < FirstRowOfMap(map) ? 0 : static_cast<std::uint64_t>(last - FirstRowOfMap(map)) + 1;
-    if (table == "landmark") return std::nullopt;
-    const std::string column = table == "keyframe" ? "keyframes" : "points";
+  // The rows that a list has. Where its pages are not all readable, every number that may be one of its rows: up to the
+  // last one that is known, or else as many as the atlas has, and never more than the file has room for. Nothing when
+  // not even that is known, as of landmarks.
+  std::optional<std::vector<std::int64_t>> RowsOf(std::int64_t map, const std::string& table) {
+    std::vector<std::int64_t> rows;
+    const std::string range = detail::Concat(" WHERE row BETWEEN ", FirstRowOfMap(map), " AND ", LastRowOfMap(map));
+    const std::string source = " FROM " + table + range;
+    if (Try([&] {
+          Statement statement(database_, "SELECT row" + source + " ORDER BY row", "table " + table);
+          while (statement.Step()) rows.push_back(statement.Integer(0));
+        }))
+      return rows;
     std::int64_t count = 0;
-    Try([&] { count = database_.Integer("SELECT " + column + " FROM atlas WHERE row = " + std::to_string(atlas_)); });
-    return static_cast<std::uint64_t>(std::clamp<std::int64_t>(count, 0, 0xffffffff));
+    if (!Try([&] { count = database_.Integer("SELECT max(row)" + source) - FirstRowOfMap(map) + 1; })) {
+      if (table == "landmark") return std::nullopt;
+      const std::string column = table == "keyframe" ? "keyframes" : "points";
+      Try([&] { count = database_.Integer(detail::Concat("SELECT ", column, " FROM atlas WHERE row = ", atlas_)); });
+    }
+    constexpr std::int64_t kLeastRowBytes = 16;
+    const std::int64_t most =
+        database_.Integer("PRAGMA page_count") * database_.Integer("PRAGMA page_size") / kLeastRowBytes;
+    rows.resize(static_cast<std::size_t>(std::clamp<std::int64_t>(count, 0, most)));
+    std::iota(rows.begin(), rows.end(), FirstRowOfMap(map));
+    return rows;
   }
 
   // Last rows that somebody deleted are missed by nothing but the numbers that the store records.
@@ -109,35 +128,44 @@ class StoreSalvager {
   template <class List, class Load>
   void ReadList(std::int64_t map, const std::string& table, std::size_t grain, List& list, SalvagedList& read,
                 const Load& load) {
-    const std::optional<std::uint64_t> count = CountRows(map, table);
-    std::size_t before = 0;
-    // Rows whose number is not known are read until a run of them gives nothing.
-    for (std::uint64_t first = 0; count ? first < *count : first == 0 || list.size() > before; first += grain) {
-      before = list.size();
-      const std::uint64_t end = count ? std::min<std::uint64_t>(*count, first + grain) : first + grain;
-      ReadRows(FirstRowOfMap(map) + static_cast<std::int64_t>(first), static_cast<std::size_t>(end - first), list,
-               load);
+    const std::optional<std::vector<std::int64_t>> rows = RowsOf(map, table);
+    if (rows) {
+      for (std::size_t first = 0; first < rows->size(); first += grain)
+        ReadRows(std::span(*rows).subspan(first, std::min(grain, rows->size() - first)), list, load);
+      read.listed = rows->size();
+    } else {
+      ReadUnknownRows(map, grain, list, load);
+      read.listed = list.size() + 1;  // at least the last one is lost
     }
     read.read = list.size();
-    read.listed = count.value_or(read.read + 1);  // at least the last one is lost
   }
 
-  // Reads a run of rows at once; where that fails, its halves.
+  // Rows whose number is not known are read until a run of them gives nothing.
   template <class List, class Load>
-  void ReadRows(std::int64_t first, std::size_t count, List& list, const Load& load) {
-    std::vector<std::int64_t> rows(count);
-    for (std::size_t i = 0; i < count; ++i) rows[i] = first + static_cast<std::int64_t>(i);
-    std::vector<typename List::value_type> entities(count);
+  void ReadUnknownRows(std::int64_t map, std::size_t grain, List& list, const Load& load) {
+    std::vector<std::int64_t> rows(grain);
+    std::iota(rows.begin(), rows.end(), FirstRowOfMap(map));
+    for (std::size_t before = 0;; before = list.size()) {
+      ReadRows(std::span<const std::int64_t>(rows), list, load);
+      if (list.size() == before) return;
+      for (std::int64_t& row : rows) row += static_cast<std::int64_t>(grain);
+    }
+  }
+
+  // Reads rows at once; where that fails, their halves.
+  template <class List, class Load>
+  void ReadRows(std::span<const std::int64_t> rows, List& list, const Load& load) {
+    std::vector<typename List::value_type> entities(rows.size());
     std::vector<EditedRow>* edits = database_.edits();
     const std::size_t noted = edits == nullptr ? 0 : edits->size();
     try {
-      load(std::span<const std::int64_t>(rows), std::span(entities));
+      load(rows, std::span(entities));
       std::ranges::move(entities, std::back_inserter(list));
     } catch (const Error& error) {
       if (edits != nullptr) edits->resize(noted);
-      if (count == 1) return Note(error);
-      ReadRows(first, count / 2, list, load);
-      ReadRows(first + static_cast<std::int64_t>(count / 2), count - count / 2, list, load);
+      if (rows.size() == 1) return Note(error);
+      ReadRows(rows.first(rows.size() / 2), list, load);
+      ReadRows(rows.subspan(rows.size() / 2), list, load);
     }
   }
 

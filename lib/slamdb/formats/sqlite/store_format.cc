@@ -52,7 +52,8 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices&) {
 void Write(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   RefuseMemory(target.sink != nullptr, target.path);
   const StoreWriteOptions& how = options.of<StoreWriteOptions>();
-  Store store = Store::OpenForWriting(target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout});
+  Store store = Store::OpenForWriting(
+      target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout, .progress = options.progress});
   const std::vector<std::string> stored = store.Names();
   std::string name = target.name;
   if (name.empty()) name = stored.empty() ? std::string(kDefaultName) : store.OnlyName();

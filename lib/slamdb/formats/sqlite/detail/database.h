@@ -125,7 +125,7 @@ class Statement {
 
   bool IsNull(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }
   std::int64_t Integer(int column) const { return sqlite3_column_int64(handle_.get(), column); }
-  double Real(int column) const { return sqlite3_column_double(handle_.get(), column); }
+  double Real(int column) const;  // NaN for NULL
   std::string Text(int column) const;
   Bytes Blob(int column) const;  // valid until the next Step or Reset
 
