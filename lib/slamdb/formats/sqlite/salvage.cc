@@ -82,14 +82,16 @@ class StoreSalvager {
   // last one that is known, or else as many as the atlas has, and never more than the file has room for. Nothing when
   // not even that is known, as of landmarks.
   std::optional<std::vector<std::int64_t>> RowsOf(std::int64_t map, const std::string& table) {
+    const std::string source =
+        detail::Concat(" FROM ", table, " WHERE row BETWEEN ", FirstRowOfMap(map), " AND ", LastRowOfMap(map));
     std::vector<std::int64_t> rows;
-    const std::string range = detail::Concat(" WHERE row BETWEEN ", FirstRowOfMap(map), " AND ", LastRowOfMap(map));
-    const std::string source = " FROM " + table + range;
-    if (Try([&] {
-          Statement statement(database_, "SELECT row" + source + " ORDER BY row", "table " + table);
-          while (statement.Step()) rows.push_back(statement.Integer(0));
-        }))
-      return rows;
+    const bool all_known = Try([&] {
+      Statement statement(database_, "SELECT row" + source + " ORDER BY row", "table " + table);
+      while (statement.Step()) rows.push_back(statement.Integer(0));
+    });
+    // Nothing records how many landmarks there are: where one is missing between others, it may have been deleted.
+    const bool has_gaps = !rows.empty() && rows.back() - rows.front() >= static_cast<std::int64_t>(rows.size());
+    if (all_known && !(table == "landmark" && has_gaps)) return rows;
     std::int64_t count = 0;
     if (!Try([&] { count = database_.Integer("SELECT max(row)" + source) - FirstRowOfMap(map) + 1; })) {
       if (table == "landmark") return std::nullopt;
@@ -99,6 +101,7 @@ class StoreSalvager {
     constexpr std::int64_t kLeastRowBytes = 16;
     const std::int64_t most =
         database_.Integer("PRAGMA page_count") * database_.Integer("PRAGMA page_size") / kLeastRowBytes;
+    if (all_known && count > most) return rows;
     rows.resize(static_cast<std::size_t>(std::clamp<std::int64_t>(count, 0, most)));
     std::iota(rows.begin(), rows.end(), FirstRowOfMap(map));
     return rows;
