@@ -130,7 +130,7 @@ void AddStore(CLI::App& verb, StoreVerbOptions& options) {
 }
 
 void AddWait(CLI::App& verb, double& wait) {
-  verb.add_option("--wait", wait, "How long to wait for another program that writes to the store")
+  verb.add_option("--wait", wait, "How long to wait for another program that writes to the store; inf is for ever")
       ->type_name("SECONDS")
       ->check(CheckNonNegative)
       ->capture_default_str();

@@ -18,6 +18,7 @@ constexpr std::array kWords = {
     Word{"ExportOptions::map", "`slamdb convert --map`"},
     Word{"Orbslam3WriteOptions::sanitize", "--sanitize"},
     Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
+    Word{"StoreReadOptions::accept_edits", "`slamdb recover --accept-edits`"},
     Word{"SalvageAtlas", "`slamdb recover`"},
     Word{"`overwrite` of Store::Backup", "-O/--overwrite"},
     Word{"FitOptions::outlier_distance", "--robust"},

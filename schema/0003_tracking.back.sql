@@ -1,10 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 -- From version 3 of the store back to version 2, which has no origins and counters of points: refused while there are
 -- any.
-CREATE TEMP TABLE step_back (points INTEGER);
-CREATE TEMP TRIGGER step_back_refused BEFORE INSERT ON step_back WHEN NEW.points > 0 BEGIN
-  SELECT RAISE(ABORT, 'the store holds origins or counters of map points, which version 2 cannot: remove the atlases that have some');
-END;
+CREATE TEMP TABLE step_back (
+  points INTEGER
+    CONSTRAINT "the store holds origins or counters of map points, which version 2 cannot: remove the atlases that have some"
+    CHECK (points = 0)
+);
 INSERT INTO step_back SELECT count(*) FROM map_point
 WHERE coalesce(origin_map, visible_count, found_count) IS NOT NULL;
 DROP TABLE step_back;

@@ -37,6 +37,7 @@ Run AddBackup(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb backup lab.db lab-backup.db", "A copy of the whole store as it is now."},
     {"slamdb backup -O lab.db /mnt/disk/lab.db", "Replaces yesterday's."},
+    {"slamdb backup -O lab-backup.db lab.db", "Puts it back, also while others use lab.db."},
 };
 
 }  // namespace
@@ -45,8 +46,11 @@ const Command kBackup = {
     .name = "backup",
     .summary = "copy a store, also while others write to it",
     .description =
-        "Copies a store as it is at this moment, with SQLite's online backup. Copying the file with cp while a "
-        "program writes to it may give a damaged copy.",
+        R"(Copies a store as it is at this moment, with SQLite's online backup. Copying the file with cp while a program writes to it
+may give a damaged copy. A new copy has the permissions of the store.
+
+With --overwrite the store that is there becomes the copy in one transaction: whatever fails leaves it as it was. When another
+program saves to it meanwhile, that save stays and nothing is replaced. What is no store is not replaced.)",
     .failed = "The store could not be read, or the copy not be written.",
     .examples = kExamples,
     .add = AddBackup,

@@ -10,6 +10,7 @@
 #include "cli/words.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/salvage.h"
+#include "slamdb/formats/sqlite/options.h"
 
 namespace slamdb::cli {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 struct RecoverVerbOptions {
   EditOptions edit;
   std::string cameras, vocabulary;
-  bool no_triangulate = false;
+  bool no_triangulate = false, accept_edits = false;
 };
 
 std::string Share(const SalvagedList& list, std::string_view one, std::string_view many) {
@@ -25,8 +26,17 @@ std::string Share(const SalvagedList& list, std::string_view one, std::string_vi
   return Grouped(list.read) + " of " + Counted(list.listed, one, many);
 }
 
+std::string AcceptedText(const SalvageReport& report) {
+  if (report.accepted.empty()) return {};
+  std::string text = "accepted as they are, edited outside slamdb\n";
+  constexpr std::size_t kShown = 20;
+  for (std::size_t i = 0; i < std::min(kShown, report.accepted.size()); ++i) text += "  " + report.accepted[i] + "\n";
+  if (report.accepted.size() > kShown) text += "  and " + Grouped(report.accepted.size() - kShown) + " more rows\n";
+  return text;
+}
+
 std::string TextOf(const SalvageReport& report) {
-  std::string text = report.undone.empty() ? "" : "undone: " + report.undone + "\n";
+  std::string text = AcceptedText(report) + (report.undone.empty() ? "" : "undone: " + report.undone + "\n");
   if (report.untouched) return text + "the file is whole and sound\n";
   text += "recovered " + Share(report.maps, "map", "maps") + ", " + Share(report.keyframes, "keyframe", "keyframes") +
           ", " + Share(report.points, "point", "points");
@@ -52,7 +62,9 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   Notices notices;
   std::optional<Atlas> rig;
   if (!options.cameras.empty()) rig = ReadAtlas(options.cameras, MakeReadOptions(console, {}, wait), &notices);
-  Salvage salvage = SalvageAtlas(options.edit.input, MakeReadOptions(console, options.edit.from, wait));
+  ReadOptions reading = MakeReadOptions(console, options.edit.from, wait);
+  reading.of<StoreReadOptions>().accept_edits = options.accept_edits;
+  Salvage salvage = SalvageAtlas(options.edit.input, reading);
   const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
   RecoverOptions recover = {.rig = rig ? &*rig : nullptr,
                             .triangulate = !options.no_triangulate,
@@ -65,7 +77,10 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   const SalvageReport report = NamingFile(options.edit.input, [&] { return RecoverSalvage(salvage, recover); });
   options.edit.inputs->all = options.edit.inputs->good = {
       .maps = report.maps.listed > 0, .keyframes = report.keyframes.listed > 0};  // keyframes alone are worth saving
-  WriteResult(salvage.atlas, options.edit, "recover " + options.edit.input, console, notices);
+  std::string provenance = "recover " + options.edit.input;
+  if (!report.accepted.empty())
+    provenance += " --accept-edits (" + Counted(report.accepted.size(), "row", "rows") + " edited outside slamdb)";
+  WriteResult(salvage.atlas, options.edit, provenance, console, notices);
   const ExitCode code =
       FinishEdit(InCommandWords(TextOf(report)), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
   for (const Unrepaired& rule : report.recovery.left)
@@ -85,6 +100,9 @@ Run AddRecover(CLI::App& verb) {
   AddVocabulary(verb, options->vocabulary);
   verb.add_flag("--no-triangulate", options->no_triangulate,
                 "Do not make lost points anew from what two keyframes, or one with a depth, saw of them");
+  verb.add_flag(
+      "--accept-edits", options->accept_edits,
+      "Of a store: take rows that were edited in SQL as they are now, instead of leaving them out as damaged");
   return [options](Console& console) { return RunRecover(*options, console); };
 }
 
@@ -97,6 +115,8 @@ constexpr Example kExamples[] = {
     {"slamdb recover flipped.osa rescued.osa --vocabulary ORBvoc.txt",
      "Bags of words are held against the vocabulary, and computed anew where they are damaged."},
     {"slamdb recover damaged.db#lab lab.osa", "Also of a store with damaged pages."},
+    {"slamdb recover lab.db#lab lab.db#mended --accept-edits",
+     "After UPDATE statements in lab.db: the rows count as they are now, and the history says so."},
 };
 
 }  // namespace

@@ -23,7 +23,8 @@ ExitCode RunRemove(const RemoveOptions& options, Console& console) {
   for (const std::string& text : options.atlases) {
     const Location location = Location::Parse(text);
     Store::Open(location.path);  // a name that is mistyped must not make a store
-    Store::OpenForWriting(location.path, {.lock_timeout = options.wait}).Remove(location.name);
+    Store::OpenForWriting(location.path, {.lock_timeout = options.wait, .progress = console.MakeProgress(false)})
+        .Remove(location.name);
     if (!console.quiet()) console.Print("removed " + location.ToString() + "\n");
   }
   return ExitCode::kDone;

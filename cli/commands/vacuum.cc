@@ -11,7 +11,8 @@ namespace {
 
 ExitCode RunVacuum(const StoreVerbOptions& options, Console& console) {
   const std::uint64_t before = Store::Open(options.path, options.wait).Stats().file_bytes;
-  Store store = Store::OpenForWriting(options.path, {.lock_timeout = options.wait});
+  Store store =
+      Store::OpenForWriting(options.path, {.lock_timeout = options.wait, .progress = console.MakeProgress(false)});
   store.Vacuum();
   if (!console.quiet())
     console.Print(options.path + ": " + HumanBytes(before) + " before, " + HumanBytes(store.Stats().file_bytes) +
@@ -36,7 +37,9 @@ const Command kVacuum = {
     .name = "vacuum",
     .summary = "give free space of a store back to the disk",
     .description =
-        "Rewrites a store without its free pages. Needs as much free disk space as the store takes while it runs.",
+        "Rewrites a store without its free pages. While it runs it needs as much free disk space as the store takes, "
+        "once "
+        "beside it and once in the folder of temporary files (SQLITE_TMPDIR, else TMPDIR, /var/tmp or /tmp).",
     .failed = "The store could not be written, or another program uses it.",
     .examples = kExamples,
     .add = AddVacuum,

@@ -109,6 +109,37 @@ TEST_F(StoreVerbs, MigrateBackLosesNothing) {
   EXPECT_EQ(Names(), (std::vector<std::string>{"a", "b"}));
 }
 
+TEST_F(StoreVerbs, RowsEditedInSqlAreNamedAndTakenWhenToldTo) {
+  const std::string sql =
+      "UPDATE keyframe SET timestamp = timestamp + 1 WHERE row = (SELECT min(row) FROM keyframe);"
+      "UPDATE map_point SET x = x + 0.5 WHERE row = (SELECT min(row) FROM map_point)";
+  if (RunProgram({"sqlite3", store_, sql}).exit_code == 127) GTEST_SKIP() << "no sqlite3";
+  const ProcessResult check = RunSlamdb({"check", At("a")});
+  EXPECT_EQ(check.exit_code, 1);
+  EXPECT_THAT(check.out + check.err, HasSubstr("edited outside slamdb"));
+  EXPECT_THAT(check.out + check.err, HasSubstr("keyframe "));
+  EXPECT_THAT(check.out + check.err, HasSubstr("map_point "));
+  EXPECT_THAT(check.out + check.err, HasSubstr("`slamdb recover --accept-edits`"));
+  const ProcessResult dropped = RunSlamdb({"recover", At("a"), At("without")});
+  EXPECT_EQ(dropped.exit_code, 3) << dropped.err;
+  const ProcessResult accepted = RunSlamdb({"recover", At("a"), At("edited"), "--accept-edits"});
+  EXPECT_EQ(accepted.exit_code, 0) << accepted.out << accepted.err;
+  EXPECT_THAT(accepted.out, HasSubstr("accepted as they are, edited outside slamdb\n  keyframe "));
+  EXPECT_EQ(RunSlamdb({"check", At("edited")}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"log", At("edited"), "--json"}).out, HasSubstr("(2 rows edited outside slamdb)"));
+  const json report = json::parse(RunSlamdb({"recover", At("a"), "--dry-run", "--json", "--accept-edits"}).out);
+  EXPECT_EQ(BreachOf(report, "recover.schema.json"), "");
+  EXPECT_EQ(report.at("accepted").size(), 2U);
+}
+
+TEST_F(StoreVerbs, NamesThatCouldNotBeGivenAgainAreRefused) {
+  const ProcessResult refused = RunSlamdb({"convert", kTiny, At("a\x1b[31m")});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("1 to 255 bytes of UTF-8"));
+  const ProcessResult empty = RunSlamdb({"convert", kTiny, "", "--to", "store"});
+  EXPECT_NE(empty.exit_code, 0);
+}
+
 TEST_F(StoreVerbs, NameIsNeededWhereThereAreSeveral) {
   const ProcessResult result = RunSlamdb({"info", store_});
   EXPECT_EQ(result.exit_code, 1);

@@ -26,7 +26,10 @@ struct SalvagedMap {
 struct Salvage {
   Atlas atlas;
   std::vector<std::string> damage;  // where reading failed, and how, the first of it; empty: the file is whole
-  std::vector<SalvagedMap> maps;    // by row of Atlas::maps
+  // Of a store: what differs from its hash, and was taken as it stands there, since StoreReadOptions::accept_edits said
+  // so.
+  std::vector<std::string> accepted;
+  std::vector<SalvagedMap> maps;  // by row of Atlas::maps
   std::uint64_t maps_listed = 0;
   std::string undone;           // what had been done to the file, and was undone before it was read; empty: nothing
   bool lost_beginning = false;  // of an ORB-SLAM3 file: vocabulary, number of maps, head of the first map

@@ -110,6 +110,24 @@ TEST_F(StoreSalvage, MissesLastRowsThatWereDeleted) {
   ExpectTrue(salvage);
 }
 
+// What was removed by a save leaves gaps between the rows, which are no damage.
+TEST_F(StoreSalvage, GapsAreNoDamage) {
+  atlas_.maps[0].points.erase(atlas_.maps[0].points.begin() + 10, atlas_.maps[0].points.begin() + 200);
+  atlas_.maps[0].keyframes.erase(atlas_.maps[0].keyframes.begin() + 3);
+  SaveIn(path_, atlas_);
+  const Salvage salvage = Salvaged();
+  EXPECT_THAT(salvage.damage, IsEmpty());
+  EXPECT_THAT(salvage.atlas, EqualsAtlas(atlas_));
+}
+
+// A stranger's store may have rows far apart, and maps where there can be none.
+TEST_F(StoreSalvage, RowsFarApartTakeNoTime) {
+  Sql(path_, "UPDATE map_point SET row = row + 4000000000 WHERE row = (SELECT max(row) FROM map_point)");
+  EXPECT_EQ(Salvaged().maps.back().points.listed, atlas_.maps.back().points.size());
+  Sql(path_, "UPDATE map SET row = -5 WHERE row = 1");
+  EXPECT_THAT(Salvaged().damage, Contains(HasSubstr("table map, row -5")));
+}
+
 TEST_F(StoreSalvage, ReadsAroundOverwrittenPages) {
   Store::OpenForWriting(path_, {.sync = false}).Vacuum();
   const std::string good = FileBytes(path_);

@@ -60,6 +60,7 @@ SLAMDB_EXPORT RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& opt
 // What became of a damaged file.
 struct SalvageReport {
   std::vector<std::string> damage;                  // as in Salvage; empty: the file is whole
+  std::vector<std::string> accepted;                // as in Salvage: edited rows of a store, taken as they are
   SalvagedList maps, keyframes, points, landmarks;  // read: in the result, points made anew not counted
   std::vector<std::string> losses;                  // what is lost or was found again in another way, one sentence each
   RecoverReport recovery;

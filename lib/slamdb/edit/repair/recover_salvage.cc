@@ -101,7 +101,7 @@ bool IsSound(const Atlas& atlas, const RecoverOptions& options) {
 }  // namespace
 
 SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
-  SalvageReport report{.damage = salvage.damage};
+  SalvageReport report{.damage = salvage.damage, .accepted = salvage.accepted};
   report.undone = salvage.undone;
   report.untouched = report.whole() && IsSound(salvage.atlas, options);
   RecoverOptions recover = options;

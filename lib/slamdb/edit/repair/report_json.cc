@@ -62,6 +62,7 @@ std::string ToJson(const SalvageReport& report, const ReportFiles& files) {
   json["landmarks"] = JsonOf(report.landmarks);
   json["transfer"] = detail::TextOrNull(report.undone);
   json["damage"] = report.damage;
+  json["accepted"] = report.accepted;
   json["losses"] = report.losses;
   json["repairs"] = ListOf(report.recovery.repairs);
   json["left"] = ListOf(report.recovery.left);

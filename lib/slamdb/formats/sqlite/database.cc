@@ -1,31 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/database.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <thread>
 
 #include "slamdb/base/detail/errno_kind.h"
+#include "slamdb/formats/sqlite/detail/image.h"
 
 namespace slamdb::sqlite {
 namespace {
-
-// Wants a URI for `immutable=1`; everything but plain characters is escaped.
-std::string ImmutableUri(const std::string& path) {
-  constexpr const char* kDigits = "0123456789ABCDEF";
-  std::string uri = "file:";
-  for (const char character : std::filesystem::absolute(path).string()) {
-    const auto byte = static_cast<unsigned char>(character);
-    if (std::isalnum(byte) != 0 || character == '/' || character == '.' || character == '-' || character == '_') {
-      uri += character;
-    } else {
-      uri += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
-    }
-  }
-  return uri + "?immutable=1";
-}
 
 // What SQLite's error codes mean to a caller. `system_error` is the errno behind the code, 0 when there is none.
 ErrorKind KindOf(int code, int system_error) {
@@ -47,8 +33,8 @@ ErrorKind KindOf(int code, int system_error) {
       return (code & 0xff) == SQLITE_CANTOPEN ? ErrorKind::kPermission : ErrorKind::kDamaged;
     case SQLITE_TOOBIG:
       return ErrorKind::kNotPossible;
-    case SQLITE_CONSTRAINT:  // a trigger of a migration refuses, or rows contradict each other
-      return code == SQLITE_CONSTRAINT_TRIGGER ? ErrorKind::kNotPossible : ErrorKind::kDamaged;
+    case SQLITE_CONSTRAINT:  // a migration refuses, or rows contradict each other
+      return code == SQLITE_CONSTRAINT_CHECK ? ErrorKind::kNotPossible : ErrorKind::kDamaged;
     case SQLITE_MISUSE:
     case SQLITE_RANGE:
       return ErrorKind::kInternal;
@@ -56,6 +42,9 @@ ErrorKind KindOf(int code, int system_error) {
       return ErrorKind::kDamaged;
   }
 }
+
+// What SQLite says in front of the name of a constraint, which in a migration is a sentence.
+constexpr std::string_view kCheckFailed = "CHECK constraint failed: ";
 
 std::string Explain(int code, const std::string& message) {
   switch (code & 0xff) {
@@ -78,16 +67,57 @@ std::string Explain(int code, const std::string& message) {
       return "out of memory";
     case SQLITE_TOOBIG:
       return "an entity is larger than SQLite can hold (1 GB)";
+    case SQLITE_CONSTRAINT:
+      return message.starts_with(kCheckFailed) ? message.substr(kCheckFailed.size()) : message;
     default:
       return message;
   }
 }
 
 void CheckIsFile(const std::string& path, bool may_be_missing) {
+  if (path.empty()) throw Error(ErrorKind::kUsage, "a store needs the name of a file, and this one is empty");
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
   if (std::filesystem::is_directory(status)) throw Error(ErrorKind::kUsage, path, "", "is a directory, not a store");
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw Error(ErrorKind::kUsage, path, "", "is a device or pipe; a store is a regular file");
   if (!may_be_missing && !std::filesystem::exists(status)) throw Error(ErrorKind::kNotFound, path, "", "no such file");
+}
+
+// Under which SQLite takes any path for that of a file.
+std::string FileNameOf(const std::string& path) { return path.starts_with('/') ? path : "./" + path; }
+
+bool HasContent(const std::string& path) {
+  std::error_code missing;
+  const auto bytes = std::filesystem::file_size(path, missing);
+  return !missing && bytes > 0;
+}
+
+bool Exists(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+std::string BesideTheFile(const std::string& log_path, const char* suffix) {
+  return log_path.substr(0, log_path.size() - 4) + suffix;
+}
+
+// What no store of ours needs, and what a hostile one could use to take time or memory.
+void LimitWhatFilesCanDo(sqlite3* handle) {
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_LOAD_EXTENSION, 0, nullptr);
+  constexpr std::pair<int, int> kLimits[] = {
+      {SQLITE_LIMIT_SQL_LENGTH, 1'000'000}, {SQLITE_LIMIT_COLUMN, 200},
+      {SQLITE_LIMIT_EXPR_DEPTH, 100},       {SQLITE_LIMIT_COMPOUND_SELECT, 20},
+      {SQLITE_LIMIT_VDBE_OP, 100'000},      {SQLITE_LIMIT_FUNCTION_ARG, 16},
+      {SQLITE_LIMIT_ATTACHED, 1},  // VACUUM attaches what it builds
+      {SQLITE_LIMIT_LIKE_PATTERN_LENGTH, 100},
+      {SQLITE_LIMIT_TRIGGER_DEPTH, 1},      {SQLITE_LIMIT_WORKER_THREADS, 0},
+  };
+  for (const auto& [limit, value] : kLimits) sqlite3_limit(handle, limit, value);
 }
 
 }  // namespace
@@ -97,53 +127,84 @@ Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::s
   return Error(KindOf(code, system_error), path, place, std::string(what) + Explain(code, sqlite3_errmsg(handle)));
 }
 
-Database::Database(const std::string& path, Access access, double lock_timeout) : path_(path) {
-  CheckIsFile(path, access == Access::kCreate);
-  if (access == Access::kRead || access == Access::kSalvage) {
-    OpenToRead(access, lock_timeout);
-  } else {
-    OpenToWrite(access, lock_timeout);
+bool Waiting::Pause(int attempt) {
+  using Clock = std::chrono::steady_clock;
+  constexpr double kShortest = 0.001, kLongest = 0.05;
+  if (attempt == 0) start_ = Clock::now();
+  const double waited = std::chrono::duration<double>(Clock::now() - start_).count();
+  if (!(waited < timeout_)) return false;
+  try {
+    if (progress_) progress_("waiting for another program that writes", waited / timeout_);
+  } catch (...) {
+    thrown_ = std::current_exception();  // SQLite, which called, knows no exceptions
+    return false;
   }
+  const double pause = std::min({kShortest * (attempt + 1), kLongest, timeout_ - waited});
+  std::this_thread::sleep_for(std::chrono::duration<double>(pause));
+  return true;
 }
 
-void Database::OpenHandle(const std::string& name, int flags) {
+void Waiting::Rethrow() {
+  if (thrown_ != nullptr) std::rethrow_exception(std::exchange(thrown_, nullptr));
+}
+
+Database::Database(const std::string& path, Access access, double lock_timeout, Progress progress)
+    : path_(path), waiting_(std::make_unique<Waiting>(lock_timeout, std::move(progress))) {
+  CheckIsFile(path, access == Access::kCreate);
+  if (access == Access::kSalvage)
+    OpenImage(access);
+  else if (access == Access::kRead)
+    OpenToRead();
+  else
+    OpenToWrite(access);
+}
+
+void Database::OpenHandle(int flags, const char* vfs) {
   sqlite3* handle = nullptr;
-  const int code = sqlite3_open_v2(name.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, nullptr);
+  const int code = sqlite3_open_v2(FileNameOf(path_).c_str(), &handle,
+                                   flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, vfs);
   handle_.reset(handle);
   if (code != SQLITE_OK) throw FailureOf(handle, code, path_, "", "cannot open: ");
-  // A hostile file must not reach functions or overwrite the schema through SQL of its own.
-  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  LimitWhatFilesCanDo(handle);
+  sqlite3_busy_handler(
+      handle, [](void* waiting, int attempt) { return static_cast<Waiting*>(waiting)->Pause(attempt) ? 1 : 0; },
+      waiting_.get());
+}
+
+int Database::BeginReading() {
+  return sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA cache_size=-8192; SELECT 1 FROM sqlite_schema LIMIT 1",
+                      nullptr, nullptr, nullptr);
 }
 
 // Opens for reading and writing where permitted, because only such a connection removes the (empty) log and index files
 // that SQLite lays beside a store while it is open; query_only keeps it from writing. A log that a killed writer left
-// is read and left alone. Where even those files cannot be made, and no log is there, nobody can be writing: immutable.
-void Database::OpenToRead(Access access, double lock_timeout) {
-  OpenHandle(path_, SQLITE_OPEN_READWRITE);
-  if (access == Access::kSalvage) TolerateDamagedSchema();
-  std::error_code missing;
-  const auto log_bytes = std::filesystem::file_size(log_path(), missing);
-  const bool has_log = !missing && log_bytes > 0;
-  if (has_log) sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-  sqlite3_busy_timeout(handle(), static_cast<int>(lock_timeout * 1000));
-  const auto begin_reading = [this] {
-    return sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA cache_size=-8192; SELECT 1 FROM sqlite_schema LIMIT 1",
-                        nullptr, nullptr, nullptr);
-  };
-  int code = begin_reading();
-  const int primary = code & 0xff;
-  if ((primary == SQLITE_CANTOPEN || primary == SQLITE_READONLY) && !has_log) {
-    OpenHandle(ImmutableUri(path_), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-    immutable_ = true;
-    if (access == Access::kSalvage) TolerateDamagedSchema();
-    code = begin_reading();
-  }
-  if ((code & 0xff) == SQLITE_CANTOPEN && has_log) {
+// is read and left alone. A store that cannot be written, or beside which nothing can be laid, is read as an image,
+// unless a writer has laid those files already, whose locks then count.
+void Database::OpenToRead() {
+  OpenHandle(SQLITE_OPEN_READWRITE);
+  const std::string log = LogPathOf(path_);
+  if (HasContent(log)) sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  const bool files_lie_beside = Exists(log) && Exists(BesideTheFile(log, "-shm"));
+  const bool journal_lies_beside = HasContent(BesideTheFile(log, "-journal"));
+  const bool writable = sqlite3_db_readonly(handle(), "main") == 0;
+  if (!writable && !files_lie_beside && !journal_lies_beside) return OpenImage(Access::kRead);
+  const int code = BeginReading();
+  const bool lacks_rights = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
+  if (lacks_rights && !journal_lies_beside) return OpenImage(Access::kRead);
+  if (lacks_rights)
     throw Error(ErrorKind::kPermission, path_, "",
-                "a log of unfinished work (" + log_path() +
-                    ") lies beside it in a folder that cannot be written: copy both to another folder");
-  }
+                "a journal of unfinished work (" + BesideTheFile(log, "-journal") +
+                    ") lies beside it, and one of them cannot be written: copy both to another folder");
+  if (code != SQLITE_OK) throw Failure("", code);
+}
+
+void Database::OpenImage(Access access) {
+  const bool salvage = access == Access::kSalvage;
+  OpenHandle(SQLITE_OPEN_READONLY, ImageVfs(salvage ? Missing::kIsZeros : Missing::kIsDamage));
+  is_image_ = true;
+  sqlite3_exec(handle(), "PRAGMA temp_store=MEMORY", nullptr, nullptr, nullptr);
+  if (salvage) TolerateDamagedSchema();
+  const int code = BeginReading();
   if (code != SQLITE_OK) throw Failure("", code);
 }
 
@@ -155,29 +216,22 @@ void Database::TolerateDamagedSchema() {
   sqlite3_exec(handle(), "SELECT 1 FROM sqlite_schema", nullptr, nullptr, nullptr);
 }
 
-void Database::OpenToWrite(Access access, double lock_timeout) {
-  OpenHandle(path_, SQLITE_OPEN_READWRITE | (access == Access::kCreate ? SQLITE_OPEN_CREATE : 0));
-  sqlite3_busy_timeout(handle(), static_cast<int>(lock_timeout * 1000));
+void Database::OpenToWrite(Access access) {
+  OpenHandle(SQLITE_OPEN_READWRITE | (access == Access::kCreate ? SQLITE_OPEN_CREATE : 0));
   if (sqlite3_db_readonly(handle(), "main") == 1)
     throw Error(ErrorKind::kPermission, path_, "", "the file cannot be written");
 }
-
-std::string Database::log_path() const { return std::string(sqlite3_db_filename(handle(), "main")) + "-wal"; }
 
 void Database::Execute(const std::string& sql) {
   const int code = sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) throw Failure("", code);
 }
 
-void Database::UseLog(double lock_timeout) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kPause(5);
-  const auto end = Clock::now() + std::chrono::duration<double>(lock_timeout);
-  while (true) {
+void Database::UseLog() {
+  for (int attempt = 0;; ++attempt) {
     const int code = sqlite3_exec(handle(), "PRAGMA journal_mode=WAL", nullptr, nullptr, nullptr);
     if (code == SQLITE_OK) return;
-    if ((code & 0xff) != SQLITE_BUSY || Clock::now() >= end) throw Failure("", code);
-    std::this_thread::sleep_for(kPause);
+    if ((code & 0xff) != SQLITE_BUSY || !waiting_->Pause(attempt)) throw Failure("", code);
   }
 }
 
@@ -193,7 +247,12 @@ bool Database::HasTable(std::string_view name) {
 
 Error Database::Failure(const std::string& place) const { return Failure(place, sqlite3_extended_errcode(handle())); }
 
-Error Database::Failure(const std::string& place, int code) const { return FailureOf(handle(), code, path_, place); }
+Error Database::Failure(const std::string& place, int code) const {
+  waiting_->Rethrow();
+  if (is_image_ && (code & 0xff) == SQLITE_BUSY)
+    return Error(ErrorKind::kLocked, path_, "", "is being changed while it is read: try again");
+  return FailureOf(handle(), code, path_, place);
+}
 
 Statement::Statement(Database& database, std::string_view sql, std::string place)
     : database_(&database), place_(std::move(place)) {
@@ -247,6 +306,11 @@ void Statement::Run() {
   while (Step()) {
   }
   Reset();
+}
+
+double Statement::Real(int column) const {
+  const double value = sqlite3_column_double(handle_.get(), column);
+  return value == 0 && IsNull(column) ? std::numeric_limits<double>::quiet_NaN() : value;  // 0 for NULL, too
 }
 
 std::string Statement::Text(int column) const {

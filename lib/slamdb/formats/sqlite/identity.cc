@@ -33,15 +33,24 @@ std::string OwnerOf(Database& database) {
                                                                      : "the SQLite database of another program";
 }
 
-// A damaged or hostile file may lack a table, or have a view of its name.
+// What the database has under a name: tables with rows of their own, and the R*Tree. A view, another virtual table, or
+// columns that are computed would run what the file says.
+bool HasPlainTable(Database& database, std::string_view table) {
+  Statement statement(database,
+                      "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1 AND (rootpage > 0 OR sql LIKE "
+                      "'CREATE VIRTUAL TABLE map_point_box USING rtree%') AND NOT EXISTS "
+                      "(SELECT 1 FROM pragma_table_xinfo(?1) WHERE hidden > 1)");
+  return statement.BindText(1, table).Step();
+}
+
+// A damaged or hostile file may lack a table, or have something else of its name.
 void CheckTables(Database& database, int version, Boxes boxes) {
   for (const char* table :
        {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
         "map_point", "map_point_box", "observation", "history", "writer", "landmark"}) {
     if (version < kFirstVersionWithLandmarks && table == std::string_view("landmark")) continue;
     if (boxes == Boxes::kNotNeeded && table == std::string_view("map_point_box")) continue;
-    Statement statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1");
-    if (!statement.BindText(1, table).Step()) {
+    if (!HasPlainTable(database, table)) {
       throw Error(ErrorKind::kDamaged, database.path(), std::string("table ") + table, "missing: the store is damaged");
     }
   }

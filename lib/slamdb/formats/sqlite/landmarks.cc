@@ -71,7 +71,7 @@ void ReadReals(Database& database, const Statement& row, Landmark& landmark) {
   } else {
     if (exact.size() != sizeof(reals)) throw DamagedRow(database, kTable, row.Integer(0));
     std::memcpy(reals.data(), exact.data(), sizeof(reals));
-    if (!ColumnsAgree(row, 3, reals)) throw DamagedRow(database, kTable, row.Integer(0));
+    RequireSame(database, kTable, row.Integer(0), landmark.id.value(), TakeColumns(row, 3, reals));
   }
   SetReals(reals, landmark);
 }
@@ -110,7 +110,7 @@ class LandmarkReader {
     if (!select_.Step()) return false;
     landmark = ReadLandmark(database_, select_);
     hash = detail::HashOf(landmark);
-    if (hash != select_.Integer(2)) throw DamagedRow(database_, kTable, row());
+    RequireSame(database_, kTable, row(), landmark.id.value(), hash == select_.Integer(2));
     return true;
   }
   std::int64_t row() const { return select_.Integer(0); }

@@ -230,7 +230,7 @@ Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row) {
   LoadOrigins(database, row, map);
   map.repeated_keyframes = LoadRepeated(database, atlas, "keyframes", row);
   map.repeated_points = LoadRepeated(database, atlas, "points", row);
-  if (detail::HashOfHeader(map) != statement.Integer(10)) throw DamagedRow(database, "map", row);
+  RequireSame(database, "map", row, map.id.value(), detail::HashOfHeader(map) == statement.Integer(10));
   return map;
 }
 
@@ -258,7 +258,13 @@ void ConnectionPool::Give(std::unique_ptr<Database> database) {
 
 Error DamagedRow(Database& database, const char* table, std::int64_t row) {
   return Error(ErrorKind::kDamaged, database.path(), PlaceOf(table, row),
-               "differs from its hash: the store is damaged, or was changed by another program");
+               "differs from its hash: the store is damaged, or was edited by another program");
+}
+
+void RequireSame(Database& database, const char* table, std::int64_t row, std::uint64_t id, bool same) {
+  if (same) return;
+  if (database.edits() == nullptr) throw DamagedRow(database, table, row);
+  database.edits()->push_back({table, row, id});
 }
 
 Atlas LoadAtlas(Database& database, std::int64_t row, const ReadOptions& options) {

@@ -8,18 +8,19 @@
 namespace slamdb::sqlite {
 namespace {
 
-void ReadReals(const Statement& row, int timestamp_column, int exact_column, KeyFrame& keyframe) {
+// False: the numbers in the columns are not those in `exact`.
+bool ReadReals(const Statement& row, int timestamp_column, int exact_column, KeyFrame& keyframe) {
   detail::KeyframeReals reals;
+  bool same = true;
   const Bytes exact = row.Blob(exact_column);
   if (!exact.empty()) {
     ByteReader in(exact);
-    keyframe.timestamp = in.Get<double>();
+    std::array timestamp{in.Get<double>()};
     reals = in.Get<detail::KeyframeReals>();
     in.ExpectEnd();
-    if (!ColumnsAgree(row, timestamp_column, std::array{keyframe.timestamp}) ||
-        !ColumnsAgree(row, timestamp_column + 1, reals)) {
-      throw Error(ErrorKind::kDamaged, "the numbers in its columns are not those in `exact`");
-    }
+    same = TakeColumns(row, timestamp_column, timestamp);
+    same = TakeColumns(row, timestamp_column + 1, reals) && same;
+    keyframe.timestamp = timestamp[0];
   } else {
     keyframe.timestamp = row.Real(timestamp_column);
     for (std::size_t i = 0; i < reals.size(); ++i) {
@@ -27,12 +28,14 @@ void ReadReals(const Statement& row, int timestamp_column, int exact_column, Key
     }
   }
   detail::SetReals(keyframe, reals);
+  return same;
 }
 
-void ReadKeyframe(const Statement& row, KeyFrame& keyframe) {
+// False: as above.
+bool ReadKeyframe(const Statement& row, KeyFrame& keyframe) {
   keyframe.id = KeyFrameId(static_cast<std::uint64_t>(row.Integer(1)));
   keyframe.frame_id = static_cast<std::uint64_t>(row.Integer(4));
-  ReadReals(row, 5, 38, keyframe);
+  const bool same = ReadReals(row, 5, 38, keyframe);
   keyframe.camera = FromReference<CameraId>(row, 22);
   keyframe.right_camera = FromReference<CameraId>(row, 23);
   keyframe.parent = FromReference<KeyFrameId>(row, 24);
@@ -48,6 +51,7 @@ void ReadKeyframe(const Statement& row, KeyFrame& keyframe) {
     flag->recorded = static_cast<std::uint8_t>(row.Integer(column++));
   }
   detail::DecodeDetails(row.Blob(37), keyframe);
+  return same;
 }
 
 // Runs `decode`, and says where when the bytes are damaged.
@@ -74,10 +78,11 @@ void ReadRows(Database& database, std::span<const std::int64_t> rows, std::span<
   statement.Bind(1, rows.front()).Bind(2, rows.back());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe", rows[i]);
-    DecodeAt(database, "keyframe", rows[i], [&] { ReadKeyframe(statement, keyframes[i]); });
+    bool same = true;
+    DecodeAt(database, "keyframe", rows[i], [&] { same = ReadKeyframe(statement, keyframes[i]); });
     hashes[i] = detail::HashOfRow(keyframes[i]);
     links_hashes[i] = statement.Integer(3);
-    if (hashes[i] != statement.Integer(2)) throw DamagedRow(database, "keyframe", rows[i]);
+    RequireSame(database, "keyframe", rows[i], keyframes[i].id.value(), same && hashes[i] == statement.Integer(2));
   }
 }
 
@@ -104,7 +109,8 @@ void ReadLinks(Database& database, std::span<const std::int64_t> rows, std::span
         keyframe.merge_edges.push_back(target);
       }
     }
-    if (detail::HashOfLinks(keyframe) != links_hashes[i]) throw DamagedRow(database, "keyframe_link", rows[i]);
+    RequireSame(database, "keyframe_link", rows[i], keyframe.id.value(),
+                detail::HashOfLinks(keyframe) == links_hashes[i]);
   }
 }
 
@@ -119,7 +125,7 @@ void ReadFeatures(Database& database, std::span<const std::int64_t> rows, std::s
     if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe_features", rows[i]);
     DecodeAt(database, "keyframe_features", rows[i], [&] { DecodeFeatures(statement.Blob(2), keyframes[i]); });
     hashes[i] = detail::HashOfFeatures(keyframes[i]);
-    if (hashes[i] != statement.Integer(1)) throw DamagedRow(database, "keyframe_features", rows[i]);
+    RequireSame(database, "keyframe_features", rows[i], keyframes[i].id.value(), hashes[i] == statement.Integer(1));
   }
 }
 

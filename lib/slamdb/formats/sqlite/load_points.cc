@@ -15,14 +15,16 @@ void ReadRecorded(const Statement& row, int column, Integer& value) {
   if (!row.IsNull(column)) value = static_cast<Integer>(row.Integer(column));
 }
 
-void ReadPoint(Database& database, const Statement& row, MapPoint& point) {
+// False: the numbers in its columns are not those in `exact`.
+bool ReadPoint(Database& database, const Statement& row, MapPoint& point) {
+  bool same = true;
   point.id = MapPointId(static_cast<std::uint64_t>(row.Integer(1)));
   std::array<float, 8> reals;
   const Bytes exact = row.Blob(19);
   if (!exact.empty()) {
     if (exact.size() != sizeof(reals)) throw DamagedRow(database, "map_point", row.Integer(0));
     std::memcpy(reals.data(), exact.data(), sizeof(reals));
-    if (!ColumnsAgree(row, 4, reals)) throw DamagedRow(database, "map_point", row.Integer(0));
+    same = TakeColumns(row, 4, reals);
   } else {
     for (std::size_t i = 0; i < reals.size(); ++i) reals[i] = static_cast<float>(row.Real(4 + static_cast<int>(i)));
   }
@@ -43,6 +45,7 @@ void ReadPoint(Database& database, const Statement& row, MapPoint& point) {
   ReadRecorded(row, 21, point.origin_map);
   ReadRecorded(row, 22, point.visible_count);
   ReadRecorded(row, 23, point.found_count);
+  return same;
 }
 
 // Reads the observations of points one after the other, in step with the points.
@@ -108,12 +111,13 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
     observations.Start(rows[first], rows[first + count - 1]);
     for (std::size_t i = first; i < first + count; ++i) {
       if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "map_point", rows[i]);
-      ReadPoint(database, statement, points[i]);
+      const bool same = ReadPoint(database, statement, points[i]);
       observations.Read(rows[i], points[i].observations);
       hashes[i] = detail::HashOfRow(points[i]);
       observations_hashes[i] = detail::HashOf(points[i].observations);
-      if (hashes[i] != statement.Integer(2)) throw DamagedRow(database, "map_point", rows[i]);
-      if (observations_hashes[i] != statement.Integer(3)) throw DamagedRow(database, "observation", rows[i]);
+      const std::uint64_t id = points[i].id.value();
+      RequireSame(database, "map_point", rows[i], id, same && hashes[i] == statement.Integer(2));
+      RequireSame(database, "observation", rows[i], id, observations_hashes[i] == statement.Integer(3));
     }
     observations.Finish();
   });

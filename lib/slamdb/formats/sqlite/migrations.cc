@@ -2,8 +2,8 @@
 #include "slamdb/formats/sqlite/detail/migrations.h"
 
 #include <algorithm>
-#include <filesystem>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
@@ -11,13 +11,20 @@
 namespace slamdb::sqlite {
 namespace {
 
-// `<path>.v<version>.bak`, or with a number behind it when that is taken.
-std::string FreeBackupName(const std::string& path, int version) {
-  const std::string name = path + ".v" + std::to_string(version) + ".bak";
-  std::string candidate = name;
-  std::error_code ignored;
-  for (int i = 2; std::filesystem::exists(candidate, ignored); ++i) candidate = name + "." + std::to_string(i);
-  return candidate;
+// Copies the store to `<path>.v<version>.bak`, or with a number behind it when that is taken. Nobody writes meanwhile:
+// the caller has the lock, on a connection that for that reason cannot be copied from.
+std::string BackUp(const std::string& path, int version, double lock_timeout) {
+  Database source(path, Access::kRead, lock_timeout);
+  const std::string name = detail::Concat(path, ".v", version, ".bak");
+  for (int i = 1;; ++i) {
+    const std::string target = i == 1 ? name : detail::Concat(name, ".", i);
+    try {
+      BackupTo(source, target, false);
+      return target;
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kAlreadyExists) throw;
+    }
+  }
 }
 
 void RecordMigration(Database& database, const MigrateReport& report) {
@@ -36,7 +43,7 @@ void RunStepBack(Database& database, const Migration& migration) {
 // Takes the step and takes it back again, so that a refusal comes before anything is written.
 void TryStepBack(const std::string& path, const MigrateOptions& options, const Migration& migration) {
   Database database(path, Access::kWrite, options.lock_timeout);
-  const WriteTransaction rolled_back(database, options.lock_timeout);
+  const WriteTransaction rolled_back(database);
   RunStepBack(database, migration);
 }
 
@@ -79,13 +86,10 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
   if (report.steps.empty() || options.dry_run) return report;
 
   Database database(path, Access::kWrite, options.lock_timeout);
-  if (options.backup) {
-    report.backup = FreeBackupName(path, report.from);
-    BackupTo(database, report.backup, false);
-  }
-  WriteTransaction transaction(database, options.lock_timeout);
+  WriteTransaction transaction(database);
   if (VersionOf(database) != report.from)
     throw Error(ErrorKind::kLocked, path, "", "migrated by another program meanwhile");
+  if (options.backup) report.backup = BackUp(path, report.from, options.lock_timeout);
   if (options.back)
     RunStepBack(database, migrations.back());
   else

@@ -10,6 +10,9 @@ namespace slamdb {
 // How ReadAtlas reads a store.
 struct SLAMDB_EXPORT StoreReadOptions {
   double lock_timeout = 5;  // seconds to wait for another process that holds the store
+  // SalvageAtlas takes rows that differ from their hash as they are, because somebody edited them in SQL on purpose,
+  // and names them in Salvage::accepted; otherwise it leaves them out as damaged.
+  bool accept_edits = false;
 };
 
 // How WriteAtlas writes to a store.

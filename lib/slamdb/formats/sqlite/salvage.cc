@@ -2,15 +2,14 @@
 #include "slamdb/formats/sqlite/detail/salvage.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <numeric>
 #include <optional>
+#include <span>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/plan.h"
@@ -34,7 +33,12 @@ class StoreSalvager {
     std::vector<std::int64_t> maps;
     Try([&] { maps = RowsOfMaps(database_, atlas_); });
     salvage_.maps_listed = maps.size();
-    for (const std::int64_t row : maps) ReadMap(row);
+    for (const std::int64_t row : maps) {
+      if (row < 1 || row > 0x7fffffff)
+        Note(DamagedRow(database_, "map", row));
+      else
+        ReadMap(row);
+    }
     CompareCounts();
     return std::move(salvage_);
   }
@@ -75,18 +79,33 @@ class StoreSalvager {
     salvage_.maps.push_back(read);
   }
 
-  // Rows of a list are numbered without gaps, so the last one tells how many there are. Where its page is lost, the
-  // number of the whole atlas is an upper bound; that of landmarks is recorded nowhere, and so not known.
-  std::optional<std::uint64_t> CountRows(std::int64_t map, const std::string& table) {
-    std::int64_t last = -1;
-    const std::string range = std::to_string(FirstRowOfMap(map)) + " AND " + std::to_string(LastRowOfMap(map));
-    if (Try([&] { last = database_.Integer("SELECT max(row) FROM " + table + " WHERE row BETWEEN " + range); }))
-      return last < FirstRowOfMap(map) ? 0 : static_cast<std::uint64_t>(last - FirstRowOfMap(map)) + 1;
-    if (table == "landmark") return std::nullopt;
-    const std::string column = table == "keyframe" ? "keyframes" : "points";
+  // The rows that a list has. Where its pages are not all readable, every number that may be one of its rows: up to the
+  // last one that is known, or else as many as the atlas has, and never more than the file has room for. Nothing when
+  // not even that is known, as of landmarks.
+  std::optional<std::vector<std::int64_t>> RowsOf(std::int64_t map, const std::string& table) {
+    const std::string source =
+        detail::Concat(" FROM ", table, " WHERE row BETWEEN ", FirstRowOfMap(map), " AND ", LastRowOfMap(map));
+    std::vector<std::int64_t> rows;
+    const bool all_known = Try([&] {
+      Statement statement(database_, "SELECT row" + source + " ORDER BY row", "table " + table);
+      while (statement.Step()) rows.push_back(statement.Integer(0));
+    });
+    // Nothing records how many landmarks there are: where one is missing between others, it may have been deleted.
+    const bool has_gaps = !rows.empty() && rows.back() - rows.front() >= static_cast<std::int64_t>(rows.size());
+    if (all_known && !(table == "landmark" && has_gaps)) return rows;
     std::int64_t count = 0;
-    Try([&] { count = database_.Integer("SELECT " + column + " FROM atlas WHERE row = " + std::to_string(atlas_)); });
-    return static_cast<std::uint64_t>(std::clamp<std::int64_t>(count, 0, 0xffffffff));
+    if (!Try([&] { count = database_.Integer("SELECT max(row)" + source) - FirstRowOfMap(map) + 1; })) {
+      if (table == "landmark") return std::nullopt;
+      const std::string column = table == "keyframe" ? "keyframes" : "points";
+      Try([&] { count = database_.Integer(detail::Concat("SELECT ", column, " FROM atlas WHERE row = ", atlas_)); });
+    }
+    constexpr std::int64_t kLeastRowBytes = 16;
+    const std::int64_t most =
+        database_.Integer("PRAGMA page_count") * database_.Integer("PRAGMA page_size") / kLeastRowBytes;
+    if (all_known && count > most) return rows;
+    rows.resize(static_cast<std::size_t>(std::clamp<std::int64_t>(count, 0, most)));
+    std::iota(rows.begin(), rows.end(), FirstRowOfMap(map));
+    return rows;
   }
 
   // Last rows that somebody deleted are missed by nothing but the numbers that the store records.
@@ -113,32 +132,44 @@ class StoreSalvager {
   template <class List, class Load>
   void ReadList(std::int64_t map, const std::string& table, std::size_t grain, List& list, SalvagedList& read,
                 const Load& load) {
-    const std::optional<std::uint64_t> count = CountRows(map, table);
-    std::size_t before = 0;
-    // Rows whose number is not known are read until a run of them gives nothing.
-    for (std::uint64_t first = 0; count ? first < *count : first == 0 || list.size() > before; first += grain) {
-      before = list.size();
-      const std::uint64_t end = count ? std::min<std::uint64_t>(*count, first + grain) : first + grain;
-      ReadRows(FirstRowOfMap(map) + static_cast<std::int64_t>(first), static_cast<std::size_t>(end - first), list,
-               load);
+    const std::optional<std::vector<std::int64_t>> rows = RowsOf(map, table);
+    if (rows) {
+      for (std::size_t first = 0; first < rows->size(); first += grain)
+        ReadRows(std::span(*rows).subspan(first, std::min(grain, rows->size() - first)), list, load);
+      read.listed = rows->size();
+    } else {
+      ReadUnknownRows(map, grain, list, load);
+      read.listed = list.size() + 1;  // at least the last one is lost
     }
     read.read = list.size();
-    read.listed = count.value_or(read.read + 1);  // at least the last one is lost
   }
 
-  // Reads a run of rows at once; where that fails, its halves.
+  // Rows whose number is not known are read until a run of them gives nothing.
   template <class List, class Load>
-  void ReadRows(std::int64_t first, std::size_t count, List& list, const Load& load) {
-    std::vector<std::int64_t> rows(count);
-    for (std::size_t i = 0; i < count; ++i) rows[i] = first + static_cast<std::int64_t>(i);
-    std::vector<typename List::value_type> entities(count);
+  void ReadUnknownRows(std::int64_t map, std::size_t grain, List& list, const Load& load) {
+    std::vector<std::int64_t> rows(grain);
+    std::iota(rows.begin(), rows.end(), FirstRowOfMap(map));
+    for (std::size_t before = 0;; before = list.size()) {
+      ReadRows(std::span<const std::int64_t>(rows), list, load);
+      if (list.size() == before) return;
+      for (std::int64_t& row : rows) row += static_cast<std::int64_t>(grain);
+    }
+  }
+
+  // Reads rows at once; where that fails, their halves.
+  template <class List, class Load>
+  void ReadRows(std::span<const std::int64_t> rows, List& list, const Load& load) {
+    std::vector<typename List::value_type> entities(rows.size());
+    std::vector<EditedRow>* edits = database_.edits();
+    const std::size_t noted = edits == nullptr ? 0 : edits->size();
     try {
-      load(std::span<const std::int64_t>(rows), std::span(entities));
+      load(rows, std::span(entities));
       std::ranges::move(entities, std::back_inserter(list));
     } catch (const Error& error) {
-      if (count == 1) return Note(error);
-      ReadRows(first, count / 2, list, load);
-      ReadRows(first + static_cast<std::int64_t>(count / 2), count - count / 2, list, load);
+      if (edits != nullptr) edits->resize(noted);
+      if (rows.size() == 1) return Note(error);
+      ReadRows(rows.first(rows.size() / 2), list, load);
+      ReadRows(rows.subspan(rows.size() / 2), list, load);
     }
   }
 
@@ -147,79 +178,54 @@ class StoreSalvager {
   Salvage salvage_;
 };
 
-// SQLite opens no file that is shorter than its header says. A store that was cut short is copied and lengthened with
-// empty pages, which read as damaged ones; the path of any other store is its own.
-class LengthenedCopy {
- public:
-  explicit LengthenedCopy(const std::string& path) : path_(path) {
-    const std::uint64_t pages_bytes = HeaderBytes(path);
-    std::error_code unknown;
-    const std::uint64_t bytes = std::filesystem::file_size(path, unknown);
-    if (unknown || bytes >= pages_bytes) return;
-    damage_ = "the file ends after " + std::to_string(bytes) + " of " + std::to_string(pages_bytes) + " bytes";
-    std::string folder = (std::filesystem::temp_directory_path() / "slamdb-recover-XXXXXX").string();
-    if (::mkdtemp(folder.data()) == nullptr) throw SystemError(folder, "cannot be created");
-    folder_ = folder;
-    path_ = (folder_ / "store.db").string();
-    std::filesystem::copy_file(path, path_);
-    std::filesystem::resize_file(path_, pages_bytes);
-  }
-  ~LengthenedCopy() {
-    std::error_code ignored;
-    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
-  }
-  LengthenedCopy(const LengthenedCopy&) = delete;
-  LengthenedCopy& operator=(const LengthenedCopy&) = delete;
-
-  const std::string& path() const { return path_; }
-  const std::string& damage() const { return damage_; }  // empty: the store is as long as it says
-
- private:
-  // Page size times pages, both big-endian in the first page. 0 where that is not a database.
-  static std::uint64_t HeaderBytes(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::array<unsigned char, 32> head{};
-    if (!file.read(reinterpret_cast<char*>(head.data()), head.size())) return 0;
-    const std::uint64_t page = std::uint64_t{head[16]} << 8 | head[17];
-    const std::uint64_t pages = std::uint64_t{head[28]} << 24 | head[29] << 16 | head[30] << 8 | head[31];
-    constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;  // a sparse file all the same
-    const std::uint64_t bytes = (page == 1 ? 65536 : page) * pages;
-    return bytes <= kMostBytes ? bytes : 0;
-  }
-
-  std::string path_, damage_;
-  std::filesystem::path folder_;
-};
-
-// The only atlas, without the index of names. `path` is what the user calls the store, of which `database` may be a
-// copy.
-std::string OnlyName(Database& database, const std::string& path) {
+// The only atlas, without the index of names.
+std::string OnlyName(Database& database) {
   Statement statement(database, "SELECT count(*), group_concat(name, ', ') FROM atlas NOT INDEXED", "table atlas");
   if (!statement.Step() || statement.Integer(0) == 0)
-    throw Error(ErrorKind::kNotFound, path, "", "no atlas could be read");
+    throw Error(ErrorKind::kNotFound, database.path(), "", "no atlas could be read");
   if (statement.Integer(0) == 1) return statement.Text(1);
-  throw Error(ErrorKind::kUsage, path, "",
-              detail::Concat("holds ", statement.Integer(0), " atlases: ", statement.Text(1), "; say which, as ", path,
-                             "#NAME"));
+  throw Error(ErrorKind::kUsage, database.path(), "",
+              detail::Concat("holds ", statement.Integer(0), " atlases: ", statement.Text(1), "; say which, as ",
+                             database.path(), "#NAME"));
 }
 
 }  // namespace
+
+Salvage SalvageRows(Database& database, std::int64_t atlas) { return StoreSalvager(database, atlas).Run(); }
+
+std::string ToString(const EditedRow& row) {
+  constexpr std::pair<std::string_view, std::string_view> kParts[] = {
+      {"keyframe_link", "the links of keyframe"},
+      {"keyframe_features", "the features of keyframe"},
+      {"observation", "the observations of map_point"},
+  };
+  std::string_view what = row.table;
+  for (const auto& [table, part] : kParts)
+    if (row.table == table) what = part;
+  return detail::Concat(what, " ", row.id);
+}
+
 }  // namespace slamdb::sqlite
 
 namespace slamdb::detail {
 
 Salvage SalvageStore(const std::string& path, const std::string& name, const ReadOptions& options) {
-  const double lock_timeout = options.of<StoreReadOptions>().lock_timeout;
-  const sqlite::LengthenedCopy copy(path);
-  sqlite::Database database(copy.path(), sqlite::Access::kSalvage, lock_timeout);
+  sqlite::Database database(path, sqlite::Access::kSalvage, options.of<StoreReadOptions>().lock_timeout);
+  const sqlite::Image image(path, sqlite::Missing::kIsZeros);
   sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kAccept, sqlite::Boxes::kNotNeeded);
-  const std::string chosen = name.empty() ? sqlite::OnlyName(database, path) : name;
+  const std::string chosen = name.empty() ? sqlite::OnlyName(database) : name;
   EnterInput(path, chosen);
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, chosen).Step())
     throw Error(ErrorKind::kNotFound, path, "", "no atlas named '" + chosen + "' could be read");
-  Salvage salvage = sqlite::StoreSalvager(database, statement.Integer(0)).Run();
-  if (!copy.damage().empty()) salvage.damage.insert(salvage.damage.begin(), copy.damage());
+  std::vector<sqlite::EditedRow> edits;
+  if (options.of<StoreReadOptions>().accept_edits) database.AcceptEdits(&edits);
+  Salvage salvage = sqlite::SalvageRows(database, statement.Integer(0));
+  for (const sqlite::EditedRow& edit : edits) salvage.accepted.push_back(ToString(edit));
+  if (image.changed()) throw Error(ErrorKind::kLocked, path, "", "is being changed while it is read: try again");
+  if (image.lacks_pages())
+    salvage.damage.insert(salvage.damage.begin(),
+                          Concat("the file ends after ", image.file_bytes(), " of ", image.promised_bytes(), " bytes"));
   return salvage;
 }
 

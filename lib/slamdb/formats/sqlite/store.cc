@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/store.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/salvage.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/formats/sqlite/detail/statistics.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
@@ -24,32 +29,43 @@ constexpr int kLoadAttempts = 5;  // when another program saves the same atlas a
 // Measured: 4 to 16 KiB load and save alike; larger pages make the many small rows slower and small stores larger.
 constexpr const char* kNewFile = "PRAGMA page_size=8192";
 
+// So that every name can be given as store.db#NAME, and be shown.
+void CheckName(const Database& database, const std::string& name) {
+  std::string_view problem = detail::ProblemOfName(name);
+  if (problem.empty() && name.find_first_of("#/") == std::string::npos) return;
+  if (problem.empty()) problem = "holds `#` or `/`";
+  throw Error(ErrorKind::kUsage, database.path(), "",
+              detail::Concat("the name of an atlas is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters: '",
+                             name, "' ", problem));
+}
+
 void CheckNotStandardStream(const std::string& path) {
   if (path == "-") throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be standard input or output");
   if (detail::IsStream(path))
     throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be a FIFO, a device or a socket");
 }
 
-// Size and time of a file: tells whether it was written while a connection trusted that nobody would.
-struct FileState {
-  std::uintmax_t size = 0;
-  std::filesystem::file_time_type time;
-  static FileState Of(const std::string& path) {
-    std::error_code gone;
-    return {std::filesystem::file_size(path, gone), std::filesystem::last_write_time(path, gone)};
-  }
-  friend bool operator==(const FileState&, const FileState&) = default;
-};
-
 bool IsEmpty(Database& database) { return database.Integer("SELECT count(*) FROM sqlite_schema") == 0; }
 
-void CreateSchema(Database& database, double lock_timeout) {
+void CreateSchema(Database& database) {
   database.Execute(kNewFile);
-  database.UseLog(lock_timeout);
-  WriteTransaction transaction(database, lock_timeout);
+  database.UseLog();
+  WriteTransaction transaction(database);
   if (!IsEmpty(database)) return;  // another program was faster
   RunMigrations(database, Migrations());
   transaction.Commit();
+}
+
+void PrepareToWrite(Database& database, const StoreOptions& options) {
+  // 64 MiB of cache: the pages that a save touches again and again. Deleted content need not be overwritten.
+  database.Execute(
+      "PRAGMA cache_size=-65536; PRAGMA secure_delete=OFF; PRAGMA foreign_keys=OFF; PRAGMA temp_store=MEMORY");
+  // EXTRA syncs the folder when the journal of a new store's first page goes. One that a power cut brought back would
+  // undo that page, and with it all that stands in the log by then.
+  database.Execute(options.sync ? "PRAGMA synchronous=EXTRA" : "PRAGMA synchronous=OFF");
+  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database);
+  CheckIsStore(database, NewestVersion());
+  database.UseLog();
 }
 
 void Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
@@ -83,6 +99,7 @@ struct Store::State {
   Database database;
   StoreOptions options;
   bool writable = false;
+  bool made = false;  // by this connection, and nothing was saved yet
 
   bool Has(const std::string& name) {
     return Statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step();
@@ -104,10 +121,43 @@ struct Store::State {
     for (const std::string& name : Names()) known += (known.empty() ? "" : ", ") + name;
     return known.empty() ? "; the store is empty" : "; it holds " + known;
   }
+  // A store that was made for a save that failed goes again. Others may have come to it meanwhile: it is removed by
+  // who is alone with it, holds its lock and finds it empty; a writer who still waits for that lock notices
+  // (CheckStillThere).
+  void RemoveUnused() noexcept {
+    if (!made) return;
+    try {
+      database.Execute("PRAGMA journal_mode=DELETE; BEGIN EXCLUSIVE");  // fails while others have it open
+      const bool unused = IsEmpty(database) || database.Integer("SELECT count(*) FROM history") == 0;
+      if (unused && StillThere(database)) std::remove(database.path().c_str());
+      database.Execute("ROLLBACK");
+      if (!unused) database.UseLog();
+    } catch (const Error&) {  // it stays, empty
+    }
+  }
+  SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options);
   void CheckWritable() const {
     if (!writable) throw Error(ErrorKind::kUsage, database.path(), "", "opened for reading");
   }
 };
+
+// Where reading failed because rows differ from their hash, all of these rows: a person who edited the store in SQL
+// wants to know them. Any other damage stays what it is.
+Error NamingEdits(Database& database, std::int64_t atlas, const Error& found) {
+  constexpr std::size_t kNamed = 20;
+  std::vector<EditedRow> edits;
+  database.AcceptEdits(&edits);
+  const Salvage salvage = SalvageRows(database, atlas);
+  database.AcceptEdits(nullptr);
+  if (edits.empty() || !salvage.damage.empty()) return found;
+  std::string names = ToString(edits[0]);
+  for (std::size_t i = 1; i < std::min(edits.size(), kNamed); ++i)
+    names += (i + 1 == edits.size() ? " and " : ", ") + ToString(edits[i]);
+  if (edits.size() > kNamed) names += detail::Concat(" and ", edits.size() - kNamed, " more");
+  return Error(ErrorKind::kDamaged, database.path(), PlaceOf(edits[0].table.c_str(), edits[0].row),
+               "differs from its hash: edited outside slamdb, or damaged: " + names +
+                   "; StoreReadOptions::accept_edits takes them as they are");
+}
 
 Store::Store(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Store::~Store() = default;
@@ -124,15 +174,16 @@ Store Store::Open(const std::string& path, double lock_timeout) {
 
 Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
   CheckNotStandardStream(path);
-  auto state = std::make_unique<State>(State{Database(path, Access::kCreate, options.lock_timeout), options, true});
-  Database& database = state->database;
-  // 64 MiB of cache: the pages that a save touches again and again. Deleted content need not be overwritten.
-  database.Execute(
-      "PRAGMA cache_size=-65536; PRAGMA secure_delete=OFF; PRAGMA foreign_keys=OFF; PRAGMA temp_store=MEMORY");
-  database.Execute(options.sync ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=OFF");
-  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database, options.lock_timeout);
-  CheckIsStore(database, NewestVersion());
-  database.UseLog(options.lock_timeout);
+  std::error_code ignored;
+  const bool is_new = !std::filesystem::exists(path, ignored);
+  auto state = std::make_unique<State>(
+      State{Database(path, Access::kCreate, options.lock_timeout, options.progress), options, true, is_new});
+  try {
+    PrepareToWrite(state->database, options);
+  } catch (...) {
+    state->RemoveUnused();
+    throw;
+  }
   return Store(std::move(state));
 }
 
@@ -154,20 +205,28 @@ std::string Store::OnlyName() {
 
 SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) {
   state_->CheckWritable();
-  if (name.empty()) throw Error(ErrorKind::kUsage, path(), "", "an atlas needs a name");
-  if (name.find('\0') != std::string::npos)
-    throw Error(ErrorKind::kUsage, path(), "", "a name must not contain a NUL character");
-  detail::EnterOutput(path(), name);
-  Database& database = state_->database;
-  const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
+  try {
+    SaveReport report = state_->Save(name, atlas, options);
+    state_->made = false;
+    return report;
+  } catch (...) {
+    state_->RemoveUnused();
+    throw;
+  }
+}
+
+SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options) {
+  CheckName(database, name);
+  detail::EnterOutput(database.path(), name);
+  const AtlasHashes hashes = detail::HashesOf(atlas, save_options.threads);
   SaveReport report;
-  WriteTransaction transaction(database, state_->options.lock_timeout);
-  if (!options.overwrite && state_->Has(name))
-    throw Error(ErrorKind::kAlreadyExists, path(), "",
+  WriteTransaction transaction(database);
+  if (!save_options.overwrite && Has(name))
+    throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
-  SaveAtlas(database, name, atlas, hashes, options, report);
-  Record(database, "save", name, options.provenance, report.Total());
-  if (options.before_commit) options.before_commit();
+  SaveAtlas(database, name, atlas, hashes, save_options, report);
+  Record(database, "save", name, save_options.provenance, report.Total());
+  if (save_options.before_commit) save_options.before_commit();
   transaction.Commit();
   return report;
 }
@@ -176,27 +235,30 @@ Atlas Store::Load(const std::string& name, const ReadOptions& options) {
   detail::EnterInput(path(), name);
   Database& database = state_->database;
   for (int attempt = 1;; ++attempt) {
-    const FileState before = FileState::Of(path());
+    std::int64_t row = 0;
     try {
       Transaction transaction(database, Transaction::Kind::kBegin);
-      const std::int64_t row = state_->RowOf(name);
+      row = state_->RowOf(name);
       ReadOptions how = options;
       if (attempt == kLoadAttempts) how.threads = 1;  // one connection sees one moment, whoever saves
       Atlas atlas = LoadAtlas(database, row, how);
       if (options.part_sizes != nullptr) *options.part_sizes = PartSizesOf(database, row);
-      if (!database.immutable() || FileState::Of(path()) == before) return atlas;
+      return atlas;
     } catch (const SnapshotChanged&) {
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kDamaged && row != 0) throw NamingEdits(database, row, error);
+      if (!database.is_image() || error.kind() != ErrorKind::kLocked) throw;
     }
     if (attempt == kLoadAttempts)
       throw Error(ErrorKind::kLocked, path(), "", "is being changed while it is read: try again");
-    if (database.immutable()) database = Database(path(), Access::kRead, state_->options.lock_timeout);
+    if (database.is_image()) database = Database(path(), Access::kRead, state_->options.lock_timeout);
   }
 }
 
 void Store::Remove(const std::string& name) {
   state_->CheckWritable();
   Database& database = state_->database;
-  WriteTransaction transaction(database, state_->options.lock_timeout);
+  WriteTransaction transaction(database);
   const std::int64_t row = state_->RowOf(name);
   ChangeCounter changes;
   // The history needs the counts of what goes, and how many rows went: it is entered before and completed after.
@@ -214,8 +276,10 @@ StoreStats Store::Stats() { return ReadStatistics(state_->database); }
 void Store::Vacuum() {
   state_->CheckWritable();
   Database& database = state_->database;
+  // What VACUUM builds is as large as the store: it goes to a temporary file, not into memory.
+  database.Execute("PRAGMA temp_store=FILE; PRAGMA cache_size=-8192");
   const int code = sqlite3_exec(database.handle(), "VACUUM", nullptr, nullptr, nullptr);
-  if ((code & 0xff) == SQLITE_BUSY) throw LockedError(database, state_->options.lock_timeout);
+  if ((code & 0xff) == SQLITE_BUSY) throw LockedError(database);
   if (code != SQLITE_OK) throw database.Failure("", code);
   database.Execute("PRAGMA wal_checkpoint(TRUNCATE)");
 }

@@ -67,7 +67,8 @@ struct StoreStats {
 
 struct StoreOptions {
   bool sync = true;         // a committed save survives power loss; false: it may be lost, the store stays whole
-  double lock_timeout = 5;  // seconds to wait for another program that writes
+  double lock_timeout = 5;  // seconds to wait for another program that writes; infinity: for ever
+  Progress progress;        // called while it waits; may be empty
 };
 
 // Many atlases in one SQLite file, each under a name.
@@ -111,8 +112,11 @@ class SLAMDB_EXPORT Store {
 
   // Saves under `name`, replacing the atlas of that name if there is one by writing only the rows that differ.
   //
-  // Throws Error: kUsage when the store was opened to read, or the name is empty or holds a NUL; kAlreadyExists without
-  // `overwrite`.
+  // A name is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters. A store that was made for a save that
+  // fails is removed again.
+  //
+  // Throws Error: kUsage when the store was opened to read, or for another name; kAlreadyExists without `overwrite`;
+  // kLocked when another program writes longer than `lock_timeout`, or removed the file.
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options = {});
 
   // Loads all or the selected part; the rest is not read.
@@ -125,9 +129,11 @@ class SLAMDB_EXPORT Store {
   StoreStats Stats();
   void Vacuum();  // gives free pages back to the disk
   // Copies the store as it is now, also while others write (SQLite's online backup).
-  // The target appears whole or not.
+  // A new target appears whole or not, with the permissions of the store. With `overwrite` the store that is there
+  // becomes the copy in one transaction of its own: links are followed, and whatever fails leaves it as it was.
   //
-  // Throws Error (kAlreadyExists) when it is there and not to be overwritten.
+  // Throws Error: kAlreadyExists when it is there and not to be overwritten; kLocked when another program saves there
+  // meanwhile; kUnsupported when what is there is no store.
   void Backup(const std::string& target, bool overwrite = false);
 
  private:

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/store_format.h"
 
+#include <filesystem>
+
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/sqlite/detail/database.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/salvage.h"
 #include "slamdb/formats/sqlite/options.h"
@@ -15,9 +19,23 @@ namespace {
 constexpr std::string_view kSuffixes[] = {".slamdb", ".db", ".sqlite", ".sqlite3"};
 constexpr std::string_view kDefaultName = "atlas";
 
+// The first page, which says what a database is, may be in the log alone: until the first checkpoint, which a killed
+// program does not reach.
+bool IsStoreByItsLog(const std::string& path) {
+  std::error_code missing;
+  if (std::filesystem::file_size(sqlite::LogPathOf(path), missing) == 0 || missing) return false;
+  try {
+    return sqlite::Database(path, sqlite::Access::kSalvage, 0).Integer("PRAGMA application_id") ==
+           sqlite::kApplicationId;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 bool Sniff(const Probe& probe) {
   const sqlite::Header header = sqlite::HeaderOf(probe.head);
-  return header.is_sqlite && header.application_id == sqlite::kApplicationId;
+  if (!header.is_sqlite) return false;
+  return header.application_id == sqlite::kApplicationId || (!probe.memory && IsStoreByItsLog(probe.path));
 }
 
 void RefuseMemory(bool is_memory, const std::string& path) {
@@ -36,7 +54,8 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   RefuseMemory(target.sink != nullptr, target.path);
   const StoreWriteOptions& how = options.of<StoreWriteOptions>();
   EnterOutput(target.path, "");  // as a store, before it is made; which of its atlases is seen when that is known
-  Store store = Store::OpenForWriting(target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout});
+  Store store = Store::OpenForWriting(
+      target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout, .progress = options.progress});
   const std::vector<std::string> stored = store.Names();
   if (target.name.empty() && !stored.empty() && !options.overwrite)
     throw Error(ErrorKind::kAlreadyExists, target.path, "",

@@ -44,30 +44,45 @@ void Announce(Database& database) {
 
 }  // namespace
 
-WriteTransaction::WriteTransaction(Database& database, double lock_timeout) : database_(database) {
+WriteTransaction::WriteTransaction(Database& database) : database_(database) {
   const auto begin = [&] {
     const int code = sqlite3_exec(database.handle(), "BEGIN IMMEDIATE", nullptr, nullptr, nullptr);
-    if ((code & 0xff) == SQLITE_BUSY) throw LockedError(database, lock_timeout);
+    if ((code & 0xff) == SQLITE_BUSY) throw LockedError(database);
     if (code != SQLITE_OK) throw database.Failure("", code);
   };
   begin();
-  if (database.HasTable("writer")) {
-    Announce(database);
-    database.Execute("COMMIT");
-    begin();
-  }
+  transaction_ = std::make_unique<Transaction>(database, Transaction::Kind::kJoin);
+  CheckStillThere(database);
+  if (!database.HasTable("writer")) return;
+  Announce(database);
+  transaction_->Commit();
+  begin();
   transaction_ = std::make_unique<Transaction>(database, Transaction::Kind::kJoin);
 }
 
 void WriteTransaction::Commit() {
+  CheckStillThere(database_);
   database_.Execute("DELETE FROM writer");
   transaction_->Commit();
 }
 
-Error LockedError(Database& database, double lock_timeout) {
-  return Error(
-      ErrorKind::kLocked, database.path(), "",
-      detail::Concat("locked by ", Holder(database), " (waited ", lock_timeout, " s): try again when it is done"));
+Error LockedError(Database& database) {
+  database.RethrowFromWaiting();
+  return Error(ErrorKind::kLocked, database.path(), "",
+               detail::Concat("locked by ", Holder(database), " (waited ", database.lock_timeout(),
+                              " s): try again when it is done"));
+}
+
+bool StillThere(Database& database) {
+  int moved = 0;
+  sqlite3_file_control(database.handle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  return moved == 0;
+}
+
+void CheckStillThere(Database& database) {
+  if (StillThere(database)) return;
+  throw Error(ErrorKind::kLocked, database.path(), "",
+              "was removed, moved or replaced by another program since it was opened: nothing was saved; try again");
 }
 
 std::string ToolName() { return detail::Concat("slamdb ", Version()); }

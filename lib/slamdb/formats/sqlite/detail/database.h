@@ -3,21 +3,26 @@
 
 #include <sqlite3.h>
 
+#include <chrono>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
+#include "slamdb/base/progress.h"
 
 // SQLite as this folder uses it: connections and prepared statements that own their handles and throw slamdb::Error.
 namespace slamdb::sqlite {
 
 enum class Access {
   kRead,     // never changes the file; works on read-only disks and in read-only folders
-  kSalvage,  // as kRead, with what can be read of a damaged schema
+  kSalvage,  // as kRead, with what can be read of a damaged schema and of a file that was cut
   kWrite,    // the file is there
   kCreate,   // the file is made when it is missing
 };
@@ -27,26 +32,57 @@ enum class Access {
 Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::string& place,
                 std::string_view what = {});
 
+// Waits for other programs that use a store, at most `timeout` seconds; infinity is for ever.
+class Waiting {
+ public:
+  // `progress` is called while it waits, and ends that by throwing. May be empty.
+  explicit Waiting(double timeout, Progress progress = {}) : timeout_(timeout), progress_(std::move(progress)) {}
+
+  // Called again and again while the store is locked, `attempt` from 0 on. False: the time is up, or progress threw.
+  bool Pause(int attempt);
+  // What progress threw, once.
+  void Rethrow();
+  double timeout() const { return timeout_; }
+
+ private:
+  double timeout_;
+  Progress progress_;
+  std::chrono::steady_clock::time_point start_{};
+  std::exception_ptr thrown_;
+};
+
+// A row that differs from its hash.
+struct EditedRow {
+  std::string table;
+  std::int64_t row = 0;
+  std::uint64_t id = 0;  // of the entity that it is, or belongs to
+};
+
 // One connection. Not thread-safe: one per thread.
+//
+// A path is always that of a file: SQLite itself would take `:memory:`, `file:...` and an empty one for something else.
 class Database {
  public:
-  // Throws Error: no such file, a directory, not a database, no permission.
-  Database(const std::string& path, Access access, double lock_timeout);
+  // Throws Error: no such file, a directory or another thing that is no file, not a database, no permission.
+  Database(const std::string& path, Access access, double lock_timeout, Progress progress = {});
 
   const std::string& path() const { return path_; }
   sqlite3* handle() const { return handle_.get(); }
 
   void Execute(const std::string& sql);
-  // Switches to a write-ahead log. Waits as long for others who do the same, which SQLite itself does not.
-  void UseLog(double lock_timeout);
-  std::int64_t Integer(const std::string& sql);  // the first column of the first row; 0 when there is none
+  // Switches to a write-ahead log. Waits for others who do the same, which SQLite itself does not.
+  void UseLog();
+  double lock_timeout() const { return waiting_->timeout(); }
+  void RethrowFromWaiting() { waiting_->Rethrow(); }  // what the listener to its progress threw, if it did
+  std::int64_t Integer(const std::string& sql);       // the first column of the first row; 0 when there is none
   bool HasTable(std::string_view name);
 
-  // Where SQLite keeps the write-ahead log: beside the file that symbolic links lead to.
-  std::string log_path() const;
+  // True when the store is read as an Image, without locks: somebody who writes to it meanwhile shows as kLocked.
+  bool is_image() const { return is_image_; }
 
-  // True when the file was opened as one that nobody writes: its folder is read-only and no log lies beside it.
-  bool immutable() const { return immutable_; }
+  // From now on rows that differ from their hash are read as they are, and listed in `edits`, instead of being errors.
+  void AcceptEdits(std::vector<EditedRow>* edits) { edits_ = edits; }
+  std::vector<EditedRow>* edits() const { return edits_; }
 
   // The error of the last call on this connection, placed at `place` (`table map_point, row 12`).
   Error Failure(const std::string& place) const;
@@ -56,14 +92,18 @@ class Database {
   struct Close {
     void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
   };
-  void OpenHandle(const std::string& name, int flags);
-  void OpenToRead(Access access, double lock_timeout);
+  void OpenHandle(int flags, const char* vfs = nullptr);
+  void OpenToRead();
+  void OpenImage(Access access);
+  int BeginReading();
   void TolerateDamagedSchema();
-  void OpenToWrite(Access access, double lock_timeout);
+  void OpenToWrite(Access access);
 
   std::string path_;
+  std::unique_ptr<Waiting> waiting_;  // SQLite keeps its address
   std::unique_ptr<sqlite3, Close> handle_;
-  bool immutable_ = false;
+  bool is_image_ = false;
+  std::vector<EditedRow>* edits_ = nullptr;
 };
 
 // A prepared statement, to be bound and stepped many times. Bound memory must live until the next Reset.
@@ -85,7 +125,7 @@ class Statement {
 
   bool IsNull(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }
   std::int64_t Integer(int column) const { return sqlite3_column_int64(handle_.get(), column); }
-  double Real(int column) const { return sqlite3_column_double(handle_.get(), column); }
+  double Real(int column) const;  // NaN for NULL
   std::string Text(int column) const;
   Bytes Blob(int column) const;  // valid until the next Step or Reset
 

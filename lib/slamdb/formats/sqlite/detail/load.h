@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -105,16 +106,23 @@ inline std::string PlaceOf(const char* table, std::int64_t row) {
 }
 Error DamagedRow(Database& database, const char* table, std::int64_t row);
 
-// Whether REAL columns from `first` on say the same as `values`, as far as they can: NULL stands for NaN.
+// Throws DamagedRow unless the row of the entity `id` is as it was saved, or the connection accepts edits.
+void RequireSame(Database& database, const char* table, std::int64_t row, std::uint64_t id, bool same);
+
+// Real numbers of a row, exact in `values`, and as far as columns can hold them in those from `first` on, where NULL
+// stands for NaN. What somebody edited is the columns: false when they differ, and `values` are then those.
 template <class Value, std::size_t size>
-bool ColumnsAgree(const Statement& statement, int first, const std::array<Value, size>& values) {
+bool TakeColumns(const Statement& statement, int first, std::array<Value, size>& values) {
+  bool same = true;
   for (std::size_t i = 0; i < size; ++i) {
     const int column = first + static_cast<int>(i);
-    const bool agrees =
-        values[i] == values[i] ? statement.Real(column) == static_cast<double>(values[i]) : statement.IsNull(column);
-    if (!agrees) return false;
+    const bool is_null = statement.IsNull(column);
+    if (values[i] == values[i] ? !is_null && statement.Real(column) == static_cast<double>(values[i]) : is_null)
+      continue;
+    values[i] = is_null ? std::numeric_limits<Value>::quiet_NaN() : static_cast<Value>(statement.Real(column));
+    same = false;
   }
-  return true;
+  return same;
 }
 
 template <class Entity>

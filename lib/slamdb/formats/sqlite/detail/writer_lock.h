@@ -11,9 +11,9 @@ namespace slamdb::sqlite {
 // tells others who holds it. Commit() removes the row with the work itself.
 class WriteTransaction {
  public:
-  // Waits for another writer at most `lock_timeout` seconds, then throws Error: `locked by slamdb 0.1.0, process 4711
-  // on host lab, since ...`.
-  WriteTransaction(Database& database, double lock_timeout);
+  // Waits for another writer as long as the connection waits, then throws Error: `locked by slamdb 0.1.0, process 4711
+  // on host lab, since ...`. Throws Error as well when the file is no longer where it was opened.
+  explicit WriteTransaction(Database& database);
   void Commit();
 
  private:
@@ -22,7 +22,12 @@ class WriteTransaction {
 };
 
 // The error of a store that somebody else is writing: says who, as far as is known.
-Error LockedError(Database& database, double lock_timeout);
+Error LockedError(Database& database);
+
+// Whether the file is where the connection opened it; what is written to one that was removed or moved away is lost.
+bool StillThere(Database& database);
+// Throws Error (kLocked) when it is not.
+void CheckStillThere(Database& database);
 
 std::string ToolName();   // `slamdb 0.1.0`
 std::string TimeOfDay();  // now, UTC, ISO 8601

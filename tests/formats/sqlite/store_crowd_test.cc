@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many processes write to and read from one store at once: every save that returned is there, and every read is whole.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+
+#include "slamdb/base/detail/concat.h"
+#include "tests/formats/sqlite/atlases.h"
+
+namespace slamdb::store_test {
+namespace {
+
+constexpr int kWriters = 4, kReaders = 4, kSaves = 6;
+
+pid_t Child(const std::function<void()>& work) {
+  const pid_t child = ::fork();
+  if (child != 0) return child;
+  const std::string error = ErrorOf(work);
+  if (!error.empty()) static_cast<void>(::write(STDERR_FILENO, (error + "\n").data(), error.size() + 1));
+  ::_exit(error.empty() ? 0 : 1);
+}
+
+TEST(StoreCrowd, WritersAndReaders) {
+  TemporaryFolder folder;
+  const std::string path = folder / "s.db";
+  const Atlas odd = OddAtlas(), sound = SoundAtlas();
+  SaveIn(path, sound, "shared");
+  std::vector<pid_t> children;
+  for (int writer = 0; writer < kWriters; ++writer)
+    children.push_back(Child([&] {
+      for (int i = 0; i < kSaves; ++i) {
+        Store store = Store::OpenForWriting(path, {.sync = false, .lock_timeout = 600});
+        store.Save(detail::Concat(writer, "-", i), odd, {.overwrite = false, .threads = 1});
+        store.Save("shared", i % 2 == 0 ? odd : sound, {.threads = 1});
+      }
+    }));
+  for (int reader = 0; reader < kReaders; ++reader)
+    children.push_back(Child([&] {
+      while (Store::Open(path, 600).Names().size() < 1 + kWriters * kSaves) {
+        const Atlas atlas = Store::Open(path, 600).Load("shared", {.threads = 2});
+        if (!FirstDifference(atlas, odd).empty() && !FirstDifference(atlas, sound).empty())
+          throw Error(ErrorKind::kInternal, "read a mixture");
+      }
+    }));
+  for (const pid_t child : children) {
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0);
+  }
+  Store store = Store::Open(path);
+  EXPECT_EQ(store.Names().size(), 1U + kWriters * kSaves);
+  EXPECT_EQ(store.Log().size(), 1U + 2 * kWriters * kSaves);
+  for (const std::string& name : store.Names()) {
+    if (name != "shared") {
+      EXPECT_EQ(FirstDifference(store.Load(name), odd), "") << name;
+    }
+  }
+  EXPECT_EQ(Sql(path, "PRAGMA integrity_check"), "ok");
+}
+
+}  // namespace
+}  // namespace slamdb::store_test
