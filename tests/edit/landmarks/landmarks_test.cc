@@ -225,7 +225,10 @@ TEST(MakePoints, TurnsWhatEarlierVersionsMade) {
 Atlas LandmarksOf(Atlas atlas) {
   MakeLandmarks(atlas);
   Atlas file;
-  for (Map& map : atlas.maps) file.maps.emplace_back().landmarks = std::move(map.landmarks);
+  for (Map& map : atlas.maps) {
+    file.maps.emplace_back().id = map.id;
+    file.maps.back().landmarks = std::move(map.landmarks);
+  }
   return file;
 }
 
@@ -269,7 +272,7 @@ TEST(LayLandmarks, NamesWhatDoesNotFit) {
   Atlas atlas = SynthesizeAtlas({.keyframes = 6, .points = 100});
   Atlas file = LandmarksOf(atlas);
   file.maps[0].landmarks.resize(3);
-  file.maps.emplace_back();  // before anybody refers to the first
+  file.maps.emplace_back().id = MapId(9);  // before anybody refers to the first
   std::vector<Landmark>& landmarks = file.maps[0].landmarks;
   landmarks.push_back(LandmarkAt({1, 1, 1}, {1, 1, 1}));
   landmarks.push_back(LandmarkAt({1, 1, 1}, {1, 1, 1}));
@@ -371,6 +374,7 @@ TEST(JoinMaps, FusesMapsOfLandmarksAlone) {
   Atlas atlas = LandmarksOf(SynthesizeAtlas({.keyframes = 8, .points = 200}));
   const std::size_t count = atlas.maps[0].landmarks.size();
   atlas.maps.push_back(atlas.maps[0]);
+  atlas.maps[0].id = MapId(0);
   atlas.maps[1].id = MapId(1);
   for (Landmark& landmark : atlas.maps[1].landmarks) landmark.id = LandmarkId(landmark.id.value() + 100'000);
   const JoinReport report = JoinMaps(atlas, {.first = MapId(0), .second = MapId(1), .fuse = FuseOptions{}});
