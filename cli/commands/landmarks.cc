@@ -103,7 +103,6 @@ std::string LayText(const LayLandmarksReport& report) {
 ExitCode LayThem(const ToPointsOptions& options, Console& console) {
   const EditOptions& edit = options.edit;
   Notices notices;
-  if (!edit.dry_run) RefuseSameFile(Location::Parse(options.into), Location::Parse(edit.output));
   const Atlas landmarks = ReadInput(edit, console, notices);
   Atlas atlas = ReadAtlas(options.into, MakeReadOptions(console, {}, edit.wait), &notices);
   const LayLandmarksReport report = LayLandmarks(atlas, landmarks, {.add = options.add});

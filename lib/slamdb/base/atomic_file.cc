@@ -156,7 +156,7 @@ void AtomicFile::Commit() {
   if (temporary_->Close() != 0) throw SystemError(path_, "cannot finish the file");
   if (options_.before_commit) options_.before_commit();
   Place();
-  if (options_.sync) SyncFolder();
+  if (options_.sync) detail::SyncFolderOf(target_, path_);
 }
 
 void AtomicFile::CommitSpecial() {
@@ -169,39 +169,14 @@ void AtomicFile::CommitSpecial() {
 void AtomicFile::Place() {
   detail::RefuseInput(path_);
   if (!options_.overwrite) {
-    Claim();
+    temporary_->Claim(target_);
   } else {
     if (StatusOf(target_)) RefuseReplacing(path_, target_, options_);
     if (CallsOfFiles().rename(temporary_->path().c_str(), target_.c_str()) != 0)
       throw SystemError(path_, "cannot rename the finished file into place");
+    temporary_->Keep();
   }
-  temporary_->Keep();
   detail::EnterPlaced(path_);
-}
-
-// Renames where no file is, in one step; by a link where the file system has no such renaming.
-void AtomicFile::Claim() {
-  const char *from = temporary_->path().c_str(), *to = target_.c_str();
-  if (CallsOfFiles().renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) return;
-  if (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) {
-    if (CallsOfFiles().link(from, to) == 0) {
-      ::unlink(from);
-      return;
-    }
-  }
-  if (errno == EEXIST)
-    throw Error(ErrorKind::kAlreadyExists, path_, "",
-                "is there already, made by another program meanwhile; WriteOptions::overwrite replaces it");
-  throw SystemError(path_, "cannot rename the finished file into place");
-}
-
-void AtomicFile::SyncFolder() {
-  const std::string folder = detail::FolderOf(target_).string();
-  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (opened.value >= 0 && CallsOfFiles().fsync(opened.value) == 0) return;
-  if (opened.value >= 0 && errno == EINVAL) return;  // a file system that has no way to sync a folder
-  throw SystemError(path_, detail::Concat("is written, but its folder ", folder,
-                                          " cannot be synced to disk, so that a power cut may lose the file"));
 }
 
 }  // namespace slamdb

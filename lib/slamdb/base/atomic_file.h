@@ -61,8 +61,6 @@ class SLAMDB_EXPORT AtomicFile {
   void OpenSpecial();
   void CommitSpecial();
   void Place();
-  void Claim();
-  void SyncFolder();
 
   std::string path_;                                  // as the user named it
   std::string target_;                                // where the rename goes: the path with symbolic links followed

@@ -13,6 +13,7 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <cstdio>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
@@ -22,6 +23,7 @@
 #include <string_view>
 #include <utility>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/links.h"
@@ -126,7 +128,7 @@ void RemoveIfDead(const std::string& path) {
 
 }  // namespace
 
-TemporaryFile::TemporaryFile(const std::string& target, mode_t mode, const std::string& path) {
+TemporaryFile::TemporaryFile(const std::string& target, mode_t mode, const std::string& path) : named_(path) {
   for (struct stat status{}; status.st_nlink == 0;) {  // until none takes a new one for a dead one before it is locked
     if (descriptor_ >= 0) ::close(descriptor_);
     do {
@@ -150,6 +152,21 @@ TemporaryFile::~TemporaryFile() {
 
 int TemporaryFile::Close() { return CallsOfFiles().close(std::exchange(descriptor_, -1)); }
 
+// By a link where the file system has no such renaming.
+void TemporaryFile::Claim(const std::string& target) {
+  const char *from = path_.c_str(), *to = target.c_str();
+  bool claimed = CallsOfFiles().renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0;
+  if (!claimed && (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) && CallsOfFiles().link(from, to) == 0) {
+    ::unlink(from);
+    claimed = true;
+  }
+  if (claimed) return Keep();
+  if (errno == EEXIST)
+    throw Error(ErrorKind::kAlreadyExists, named_, "",
+                "is there already, made by another program meanwhile; WriteOptions::overwrite replaces it");
+  throw SystemError(named_, "cannot rename the finished file into place");
+}
+
 void TemporaryFile::Keep() {
   path_.clear();
   GiveBackSlot(std::exchange(slot_, -1));
@@ -172,6 +189,15 @@ void RemoveDeadTemporaryFiles(const std::string& target) {
 void RemoveTemporaryFiles() noexcept {
   for (const Slot& slot : Slots())
     if (slot.filled) ::unlink(slot.path.data());
+}
+
+void SyncFolderOf(const std::string& target, const std::string& path) {
+  const std::string folder = FolderOf(target).string();
+  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.value >= 0 && CallsOfFiles().fsync(opened.value) == 0) return;
+  if (opened.value >= 0 && errno == EINVAL) return;  // a file system that has no way to sync a folder
+  throw SystemError(path, Concat("is written, but its folder ", folder,
+                                 " cannot be synced to disk, so that a power cut may lose the file"));
 }
 
 }  // namespace slamdb::detail

@@ -30,15 +30,24 @@ class TemporaryFile {
 
   // Ends writing, which tells of what the system had put off; what close() returns. The lock stays.
   int Close();
+  // Gives it the name `target`, where no file has that name, in one step.
+  //
+  // Throws Error: kAlreadyExists when somebody else has taken the name; as the system has it otherwise.
+  void Claim(const std::string& target);
   // It has another name now, and is no temporary file any more.
   void Keep();
 
  private:
-  std::string path_;
+  std::string named_, path_;
   int descriptor_ = -1;
   int lock_ = -1;  // of the same open file, so that it stays locked until it is in place
   int slot_ = -1;  // among those that RemoveTemporaryFiles knows
 };
+
+// Makes the name of a new file survive a power cut. Errors name `path`.
+//
+// Throws Error (SystemError) when the folder cannot be synced; the file is there all the same.
+void SyncFolderOf(const std::string& target, const std::string& path);
 
 // What dead programs left in the folder where `target` is. A process looks once into each.
 void RemoveDeadTemporaryFiles(const std::string& target);

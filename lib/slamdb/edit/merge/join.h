@@ -55,11 +55,11 @@ struct JoinReport {
   double link_distance = 0;                 // between their camera centres after the move
   std::uint64_t keyframes = 0, points = 0;  // that changed map
   bool left_inertial = false;               // one map was inertial, the other not: the result is not
-  std::vector<std::string> warnings;  // what does not go together (IMU and its state, stereo and monocular, scale,
-                                      // cameras), a poor fit, maps far apart, and TransformWarnings of the second
-  std::optional<FuseReport> fused;    // points, where both maps have some
-  std::uint64_t landmarks = 0;        // that changed map
-  std::uint64_t fused_landmarks = 0;  // of those: went into landmarks of the same thing
+  std::vector<std::string> warnings;     // what does not go together (IMU and its state, stereo and monocular, scale,
+                                         // cameras), a poor fit, maps far apart, and TransformWarnings of the second
+  std::optional<FuseReport> fused;       // points, where both maps have some
+  std::uint64_t landmarks = 0;           // that changed map
+  std::uint64_t fused_landmarks = 0;     // of those: went into landmarks of the same thing
   std::optional<FuseAlikeReport> alike;  // how those of maps without points were compared
 };
 

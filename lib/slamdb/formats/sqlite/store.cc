@@ -34,9 +34,10 @@ void CheckName(const Database& database, const std::string& name) {
   std::string_view problem = detail::ProblemOfName(name);
   if (problem.empty() && name.find_first_of("#/") == std::string::npos) return;
   if (problem.empty()) problem = "holds `#` or `/`";
-  throw Error(ErrorKind::kUsage, database.path(), "",
-              detail::Concat("the name of an atlas is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters: '",
-                             name, "' ", problem));
+  throw Error(
+      ErrorKind::kUsage, database.path(), "",
+      detail::Concat("the name of an atlas is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters: '", name,
+                     "' ", problem));
 }
 
 void CheckNotStandardStream(const std::string& path) {

@@ -56,7 +56,8 @@ AtomicFileOptions TogetherWith(std::optional<AtomicFile>& times, const WriteOpti
   return together;
 }
 
-void WriteLines(const std::vector<Lines>& maps, const std::string& summary, const Target& target, const WriteOptions& options, Notices& notices) {
+void WriteLines(const std::vector<Lines>& maps, const std::string& summary, const Target& target,
+                const WriteOptions& options, Notices& notices) {
   const std::string times_path = target.path + ".times";
   std::optional<AtomicFile> times;
   if (target.is_file() && !IsSpecialFile(target.path)) times.emplace(times_path, detail::FileOptions(options));
