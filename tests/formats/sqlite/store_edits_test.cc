@@ -87,6 +87,13 @@ TEST_F(StoreEdits, OfWhatHangsOnRows) {
   EXPECT_THAT(salvage.accepted, ElementsAre("the links of keyframe 3", "the observations of map_point 5"));
 }
 
+// The recorded hashes are those of what is saved, so that nothing but a look at the rows tells.
+TEST_F(StoreEdits, AreGoneWhenTheAtlasIsSavedOverThem) {
+  Sql(path_, "UPDATE map_point SET x = 0.5 WHERE map = 1 AND id = 5");
+  Store::OpenForWriting(path_).Save("a", atlas_, {.verify = true});
+  EXPECT_EQ(FirstDifference(LoadFrom(path_), atlas_), "");
+}
+
 TEST_F(StoreEdits, DamageStaysDamage) {
   Sql(path_, "UPDATE map_point SET x = 0.5 WHERE map = 1 AND id = 5");
   Sql(path_, "DELETE FROM keyframe_features WHERE keyframe = (SELECT row FROM keyframe WHERE map = 1 AND id = 3)");

@@ -137,6 +137,18 @@ struct Store::State {
     }
   }
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options);
+  // Whether every row holds what its hash says.
+  bool IsWhole(std::int64_t row) {
+    try {
+      ReadOptions one_connection;
+      one_connection.threads = 1;
+      LoadAtlas(database, row, one_connection);
+      return true;
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kDamaged) throw;
+      return false;
+    }
+  }
   void CheckWritable() const {
     if (!writable) throw Error(ErrorKind::kUsage, database.path(), "", "opened for reading");
   }
@@ -225,7 +237,13 @@ SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const
   if (!save_options.overwrite && Has(name))
     throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
+  const bool edited = save_options.verify && Has(name) && !IsWhole(RowOf(name));
+  if (edited) {
+    ChangeCounter uncounted;
+    DeleteAtlas(database, RowOf(name), uncounted);
+  }
   SaveAtlas(database, name, atlas, hashes, save_options, report);
+  report.replaced = report.replaced || edited;
   Record(database, "save", name, save_options.provenance, report.Total());
   if (save_options.before_commit) save_options.before_commit();
   transaction.Commit();

@@ -40,6 +40,8 @@ struct SaveReport {
 struct SaveOptions {
   std::string provenance;  // one line for the history: what made the atlas (`convert session_a.osa`)
   bool overwrite = true;   // replace the atlas of that name; false: Error (kAlreadyExists), whoever was faster
+  bool verify = false;  // of an atlas that is replaced: rows that somebody edited are written anew too, at the cost of
+                        // a load; false: rows whose recorded hash is that of the new ones stay, whatever they hold
   std::function<void()> before_commit;  // called when all rows are written, right before they are seen; may be empty
   int threads = 0;                      // 0: every core
   Progress progress;

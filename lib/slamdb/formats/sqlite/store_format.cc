@@ -65,6 +65,7 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   const SaveReport report = store.Save(name, atlas,
                                        {.provenance = how.provenance,
                                         .overwrite = options.overwrite,
+                                        .verify = true,
                                         .before_commit = options.before_commit,
                                         .threads = options.threads,
                                         .progress = options.progress});
