@@ -233,10 +233,8 @@ Run AddTransform(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb transform a.osa moved.osa --by '1 0 0 0 0 0.7071068 0.7071068'",
      "A quarter turn about z, then 1 m along x."},
-    {"slamdb transform mono.osa metric.osa --onto ground_truth.txt",
-     "Also finds the scale, which a lone camera leaves open."},
-    {"slamdb transform a.osa world.osa --onto mocap.csv --estimate-time-offset",
-     "By a clock of its own; the offset is found and told."},
+    {"slamdb transform mono.osa metric.osa --onto ground_truth.txt --estimate-time-offset",
+     "Also finds the scale, which a lone camera leaves open, and by how much the clocks differ."},
     {"slamdb transform a.osa ros.osa --axes camera:ros", "From z forward to x forward, z up."},
     {"slamdb transform a.osa level.osa --gravity auto --json", "Stands the map upright and tells how that was found."},
     {"slamdb transform lab.db#a lab.db#a_enu --georeference gps.csv --robust 3",

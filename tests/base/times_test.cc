@@ -125,8 +125,9 @@ TEST(Times, StampsWinOverReceipts) {
 
 TEST(Times, DatesAreRead) {
   Notices notices;
-  EXPECT_THAT(Seconds("time\n2023-11-14T22:13:20.25Z\n2023-11-15T00:13:21+02:00\n2023-11-14 22:13:22 UTC\n", notices),
-              ElementsAre("1700000000.25", "1700000001", "1700000002"));
+  EXPECT_THAT(
+      Seconds("time,x\n2023-11-14T22:13:20.25Z,\n2023-11-15T00:13:21+02:00,\n2023-11-14 22:13:22 UTC,\n", notices),
+      ElementsAre("1700000000.25", "1700000001", "1700000002"));
   EXPECT_THAT(notices.items(), IsEmpty());
   EXPECT_THAT(Seconds("date,time\n2023/11/14,22:13:20\n", notices), ElementsAre("1700000000"));
   EXPECT_THAT(notices.items().at(0).text, HasSubstr("UTC"));

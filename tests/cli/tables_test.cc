@@ -24,7 +24,7 @@ class Tables : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
     RunSlamdb(
-        {"synthesize", In("a.osa"), "--sensor", "rgbd", "--keyframes", "5", "--points", "60", "--features", "60"});
+        {"synthesize", In("a.osa"), "--sensor", "rgbd", "--keyframes", "5", "--points", "60", "--features", "80"});
     RunSlamdb({"convert", In("a.osa"), In("a.tum"), "-q"});
     RunSlamdb({"transform", In("a.osa"), In("a50.osa"), "--scale", "50"});
     poses_ = ReadTrajectory(In("a.tum"));

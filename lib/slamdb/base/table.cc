@@ -269,18 +269,20 @@ char SeparatorOfRows(std::string_view text, char of_names) {
   return of_names != ' ' && CellsOf(text, of_names).size() > 1 ? of_names : SeparatorOf(TakeTableLine(text));
 }
 
-// Finds the columns in the comments above a first row of so many cells.
-bool FindNamesInComments(std::size_t cells, const TableKind& kind, TableLayout& layout) {
+// Finds the columns in the comments above the first row.
+bool FindNamesInComments(const TableKind& kind, TableLayout& layout) {
   if (kind.columns.empty()) return false;
   for (std::string_view comment : layout.comments) {
     TableLayout named;
     comment.remove_prefix(std::min(comment.find_first_not_of("#% \t"), comment.size()));
     // In prose the words that are names do not stand where the cells are.
-    if (!TakeNames(comment, kind, named) || !named.problem.empty() || (cells > 0 && named.needed > cells)) continue;
+    if (!TakeNames(comment, kind, named) || !named.problem.empty()) continue;
+    const char separator = SeparatorOfRows(layout.rows, named.separator);
+    if (!layout.first.empty() && named.needed > CellsOf(layout.first, separator).size()) continue;
     layout.names = std::move(named.names);
     layout.places = std::move(named.places);
     layout.needed = named.needed;
-    layout.separator = SeparatorOfRows(layout.rows, named.separator);
+    layout.separator = separator;
     return true;
   }
   return false;
@@ -310,7 +312,7 @@ std::string Missing(const std::vector<Cell>& row, const TableKind& kind) {
   std::size_t found = 0;
   std::string missing;
   for (const Column& column : kind.columns) {
-    if (column.group != 0) continue;
+    if (column.group != 0 || column.names.empty()) continue;
     if (!Matches(names, column, kind.name_beginnings).empty())
       ++found;
     else
@@ -366,7 +368,7 @@ TableLayout FindLayout(std::string_view text, const TableKind& kind) {
   layout.first = SkipToRow(text, layout.line, layout.comments);
   layout.rows = text;
   if (layout.first.empty()) {
-    FindNamesInComments(0, kind, layout);
+    FindNamesInComments(kind, layout);
     return layout;
   }
   if (TakeNames(layout.first, kind, layout)) {
@@ -380,7 +382,7 @@ TableLayout FindLayout(std::string_view text, const TableKind& kind) {
     return layout;
   }
   const std::vector<Cell> row = CellsOf(layout.first, layout.separator = SeparatorOf(layout.first));
-  if (!FindNamesInComments(row.size(), kind, layout) && !TakePositions(row, kind, layout))
+  if (!FindNamesInComments(kind, layout) && !TakePositions(row, kind, layout))
     layout.problem = "expected " + kind.expected + ", found " + Excerpt(layout.first) + Missing(row, kind);
   return layout;
 }

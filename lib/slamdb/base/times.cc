@@ -132,10 +132,9 @@ std::string SecondsText(std::int64_t seconds, std::string_view fraction) {
 
 // `2023-11-14T22:13:20.25Z`, or with a blank between; the day may stand in another cell.
 std::optional<DateTime> ParseDateTime(std::string_view text, std::string_view date) {
-  auto day = TakeDay(date.empty() ? text : date);
-  if (!day || (!date.empty() && !Trimmed(date).empty()) || (date.empty() && !TakeOneOf(text, "Tt _"))) {
-    return std::nullopt;
-  }
+  const bool apart = !date.empty();
+  const auto day = TakeDay(apart ? date : text);
+  if (!day || (apart ? !date.empty() : !TakeOneOf(text, "Tt _"))) return std::nullopt;
   const auto time = TakeTimeOfDay(text);
   if (!time) return std::nullopt;
   const bool has_zone = !Trimmed(text).empty();

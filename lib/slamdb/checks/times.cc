@@ -46,7 +46,7 @@ std::optional<double> UnpackedSeconds(double timestamp) {
 // No time of any clock that counts seconds, but the two halves of one.
 bool IsPacked(double timestamp) {
   const double size = std::abs(timestamp);
-  return timestamp != 0 && (size < 1e-12 || size > 1e20) && UnpackedSeconds(timestamp);
+  return timestamp != 0 && std::isfinite(timestamp) && (size < 1e-12 || size > 1e20) && UnpackedSeconds(timestamp);
 }
 
 // The unit in which the times of a map lie in this century, when it is not seconds.

@@ -263,15 +263,16 @@ TEST(ConvertTrajectory, KeepsEveryDigit) {
 TEST(ConvertTrajectory, WritesWhatIsSelected) {
   const TemporaryFolder folder;
   const std::string path =
-      folder.Make("a.tum", "# map 3\n2 1 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n# map 4\n5 0 0 0 0 0 0 1\n");
+      folder.Make("a.tum", "# map 3\n2.5 1 0 0 0 0 0 1\n1.5 0 0 0 0 0 0 1\n# map 4\n5.5 0 0 0 0 0 0 1\n");
   ReadOptions read;
   read.selection.map = MapId(3);
-  read.selection.begin_time = 1.5;
+  read.selection.begin_time = 2;
   ConvertTrajectory(path, folder.Path("b.tum"), read);
-  EXPECT_EQ(ReadFile(folder.Path("b.tum")), "# timestamp tx ty tz qx qy qz qw\n2 1 0 0 0 0 0 1\n");
+  EXPECT_EQ(ReadFile(folder.Path("b.tum")), "# timestamp tx ty tz qx qy qz qw\n2.5 1 0 0 0 0 0 1\n");
   ConvertTrajectory(path, folder.Path("c.tum"));
-  EXPECT_EQ(ReadFile(folder.Path("c.tum")),
-            "# timestamp tx ty tz qx qy qz qw\n# map 3\n1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n# map 4\n5 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(
+      ReadFile(folder.Path("c.tum")),
+      "# timestamp tx ty tz qx qy qz qw\n# map 3\n1.5 0 0 0 0 0 0 1\n2.5 1 0 0 0 0 0 1\n# map 4\n5.5 0 0 0 0 0 0 1\n");
 }
 
 TEST(Trajectory, WhatSinglePrecisionLosesIsALoss) {

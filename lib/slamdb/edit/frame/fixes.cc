@@ -146,8 +146,9 @@ class FixReader {
     hemisphere = static_cast<char>(hemisphere & ~0x20);
     if (std::string_view(column == kLatitude ? "NS" : "EW").find(hemisphere) == std::string_view::npos)
       throw table_.CellError(table_.Raw(beside).empty() ? column : beside, column == kLatitude ? "N or S" : "E or W");
-    if (const auto degrees = detail::DegreesOfMinutes(cell, hemisphere); degrees && unit == 0) return *degrees;
-    const auto number = detail::ParseNumber<double>(cell);
+    const std::string digits = detail::IsDecimalComma(cell) ? detail::WithPoint(cell) : std::string(cell);
+    if (const auto degrees = detail::DegreesOfMinutes(digits, hemisphere); degrees && unit == 0) return *degrees;
+    const auto number = detail::ParseNumber<double>(digits);
     if (!number) throw table_.CellError(column, "degrees, or degrees and minutes as ddmm.mmmm");
     const double value = *number * (unit == 0 ? 1 : unit);
     return hemisphere == 'S' || hemisphere == 'W' ? -std::abs(value) : value;
