@@ -11,12 +11,14 @@
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/orbslam3/options.h"
+#include "slamdb/formats/trajectories.h"
+#include "slamdb/formats/trajectory/options.h"
 
 namespace slamdb::cli {
 namespace {
 
 struct ConvertOptions {
-  std::string input, output, from;
+  std::string input, output, from, time_unit, times;
   TargetOptions target;
   SelectionOptions selection;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false;
@@ -78,6 +80,34 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   return write;
 }
 
+ExitCode Finish(const std::string& wrote, const Location& output, const Format& format, Console& console,
+                const Notices& notices) {
+  console.Report(notices);
+  if (output.path != "-" && !console.quiet())
+    console.Print("wrote " + output.ToString() + " (" + std::string(format.id) + ") " + wrote + "\n");
+  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+}
+
+// A trajectory becomes a trajectory without an atlas between, in whose single precision digits would be lost. The body
+// is known to atlases alone.
+bool IsOfTrajectories(const Location& input, const Format& output, const ConvertOptions& options) {
+  if (!IsTrajectory(output) || options.body) return false;
+  if (!options.from.empty()) return IsTrajectory(FormatById(options.from));
+  const Format* format = FindFormatOfInput(input);
+  return format != nullptr && IsTrajectory(*format);
+}
+
+ExitCode ConvertPoses(const Location& input, const Location& output, const Format& format, const ReadOptions& read,
+                      const WriteOptions& write, Console& console) {
+  Notices notices;
+  const TrajectorySize size = ConvertTrajectory(input, output, read, write, &notices);
+  std::error_code ignored;
+  const std::uint64_t bytes = std::filesystem::file_size(output.path, ignored);
+  return Finish("from " + Counted(size.maps, "map") + ", " + Counted(size.poses, "pose") +
+                    (ignored ? "" : "; " + HumanBytes(bytes)),
+                output, format, console, notices);
+}
+
 ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Location input(options.input), output(options.output);
   const Format& format = FormatOfOutput(output, FormatAsked(options));
@@ -86,6 +116,9 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
 
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.selection = ParseSelection(options.selection);
+  read.of<TrajectoryReadOptions>() = {TimeUnitByName(options.time_unit), options.times};
+  if (IsOfTrajectories(input, format, options))
+    return ConvertPoses(input, output, format, read, WriteOptionsOf(options, read.selection, console), console);
   Notices notices;
   const Atlas atlas = ReadAtlas(input, read, &notices);
   RefuseEmptySelection(atlas, options);
@@ -96,10 +129,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
     notices.Warn("landmarks belong to no keyframe: the ranges of keyframes and times leave out none of them");
   WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), &notices);
 
-  console.Report(notices);
-  if (output.path != "-" && !console.quiet())
-    console.Print("wrote " + output.ToString() + " (" + std::string(format.id) + ") " + Summary(atlas, output) + "\n");
-  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+  return Finish(Summary(atlas, output), output, format, console, notices);
 }
 
 void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
@@ -127,6 +157,14 @@ void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
   constexpr const char* kExport = "Points and trajectories";
   verb.add_flag("--ascii", options.ascii, "Write PLY and PCD as text")->group(kExport);
   verb.add_flag("--body", options.body, "Write trajectories of the body (IMU) frame instead of the camera's")
+      ->group(kExport);
+  verb.add_option("--time-unit", options.time_unit,
+                  "What the times of a trajectory count; by default as its columns say, or as the times tell")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember({"s", "ms", "us", "ns"}))
+      ->group(kExport);
+  verb.add_option("--times", options.times, "The times of a KITTI trajectory; by default a file beside it")
+      ->type_name("FILE")
       ->group(kExport);
   verb.add_flag("--mrpt-own-slots", options.mrpt_own_slots,
                 "Write ORB descriptors where MRPT 2 itself writes them, though it then reads them as BLD")

@@ -7,11 +7,14 @@
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/axes.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/frame/transform_atlas.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/trajectories.h"
+#include "slamdb/formats/trajectory/options.h"
 
 namespace slamdb::cli {
 namespace {
@@ -19,9 +22,10 @@ namespace {
 struct TransformVerbOptions {
   EditOptions edit;
   std::string by, axes, gravity, onto, georeference, origin;
-  std::optional<double> scale, max_dt;
+  std::string time_unit, times;
+  std::optional<double> scale, max_dt, time_offset;
   std::optional<double> robust;
-  bool body = false, with_scale = false, without_scale = false;
+  bool body = false, with_scale = false, without_scale = false, estimate_time_offset = false;
   std::vector<std::uint64_t> maps;
 };
 
@@ -33,12 +37,24 @@ const std::map<std::string, UpMethod> kUpMethods = {{"auto", UpMethod::kAuto},
 std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console);
   read.features = FeatureColumns::kNone;
+  read.of<TrajectoryReadOptions>() = {TimeUnitByName(options.time_unit), options.times};
+  // Not by way of an atlas, whose single precision has no room for coordinates as UTM's.
+  if (const Format* format = FindFormatOfInput(Location(options.onto)); format != nullptr && IsTrajectory(*format)) {
+    std::vector<TimedPosition> positions;
+    for (const TrajectoryPose& pose : ReadTrajectory(Location(options.onto), read, &notices))
+      positions.push_back({pose.timestamp, pose.position});
+    return positions;
+  }
   const Atlas reference = ReadAtlas(options.onto, read, &notices);
   return NamingFile(options.onto, [&] { return TrajectoryOf(reference, options.body); });
 }
 
 FitOptions FitOf(const TransformVerbOptions& options) {
-  FitOptions fit{.max_time_difference = options.max_dt, .body = options.body, .outlier_distance = options.robust};
+  FitOptions fit{.max_time_difference = options.max_dt,
+                 .body = options.body,
+                 .outlier_distance = options.robust,
+                 .time_offset = options.time_offset.value_or(0),
+                 .estimate_time_offset = options.estimate_time_offset};
   if (options.with_scale || options.without_scale) fit.with_scale = options.with_scale;
   return fit;
 }
@@ -49,7 +65,8 @@ Destination DestinationOf(const TransformVerbOptions& options, Console& console,
   if (!options.axes.empty()) return Similarity3d{.rotation = ParseAxes(options.axes)};
   if (!options.gravity.empty()) return TurnUpright{kUpMethods.at(options.gravity)};
   if (!options.onto.empty()) return OntoTrajectory{ReadReference(options, console, notices), FitOf(options)};
-  OntoEarth earth{.fixes = ReadFixes(options.georeference), .fit = FitOf(options)};
+  OntoEarth earth{.fixes = ReadFixes(options.georeference, {.time_unit = TimeUnitByName(options.time_unit)}, &notices),
+                  .fit = FitOf(options)};
   if (!options.origin.empty()) earth.origin = ParseGeodetic(options.origin);
   return earth;
 }
@@ -58,7 +75,10 @@ std::string AlignmentText(const TrajectoryAlignment& alignment) {
   const ResidualStatistics& residuals = alignment.residuals;
   return Grouped(alignment.pairs) + " of " + Counted(alignment.keyframes, "keyframe") + " paired, " +
          Counted(alignment.inliers, "inlier") + "; residuals: rmse " + Short(residuals.rmse) + ", median " +
-         Short(residuals.median) + ", max " + Short(residuals.max);
+         Short(residuals.median) + ", max " + Short(residuals.max) +
+         (alignment.time_offset == 0
+              ? ""
+              : "\n  the reference's clock is ahead by " + detail::Fixed(alignment.time_offset, 4) + " s");
 }
 
 std::string UprightText(const Upright& upright) {
@@ -106,8 +126,10 @@ ExitCode RunTransform(const TransformVerbOptions& options, Console& console) {
   Atlas atlas = ReadInput(options.edit, console, notices);
   SideFile georeference(GeoreferencePath(options, notices), options.edit, {options.edit.input, options.edit.output});
   const TransformReport report = NamingFile(options.edit.input, [&] { return TransformAtlas(atlas, transform); });
-  for (const MovedMap& moved : report.maps)
+  for (const MovedMap& moved : report.maps) {
     for (const std::string& warning : moved.warnings) notices.Warn(ToString(moved.map) + ": " + warning);
+    for (const std::string& loss : moved.losses) notices.Lose(ToString(moved.map) + ": " + loss);
+  }
   const std::string json = ToJson(report, FilesOf(options.edit));
   georeference.Write(json);
   WriteResult(atlas, options.edit, "transform " + options.edit.input, console, notices);
@@ -133,11 +155,13 @@ void BindMotions(CLI::App& verb, TransformVerbOptions& options) {
               "ground); auto: by inertia, or else the cameras")
           ->type_name("METHOD")
           ->check(CLI::IsMember({"auto", "inertia", "cameras", "path"})),
-      verb.add_option("--onto", options.onto,
-                      "Lay the keyframes onto a trajectory (TUM, EuRoC) or another atlas, by time")
+      verb.add_option(
+              "--onto", options.onto,
+              "Lay the keyframes onto a trajectory (TUM, EuRoC, KITTI, tables of ROS) or another atlas, by time")
           ->type_name("FILE"),
-      verb.add_option("--georeference", options.georeference,
-                      "Lay the keyframes onto GPS fixes: a CSV file of time, latitude, longitude, altitude (WGS84)")
+      verb.add_option(
+              "--georeference", options.georeference,
+              "Lay the keyframes onto GPS fixes: a table of time, latitude, longitude, altitude (WGS84), or NMEA")
           ->type_name("FILE"),
   };
   for (CLI::Option* way : ways) {
@@ -154,9 +178,28 @@ void BindAlignment(CLI::App& verb, TransformVerbOptions& options) {
       ->type_name("SECONDS")
       ->check(CheckNonNegative)
       ->group(kGroup);
-  verb.add_option("--robust", options.robust, "Leave out pairs that end up farther apart than this, in metres")
+  verb.add_option("--robust", options.robust,
+                  "Leave out pairs that end up farther apart than this, in metres; by default only gross outliers are, "
+                  "and inf keeps all")
       ->type_name("DISTANCE")
       ->check(CheckPositive)
+      ->group(kGroup);
+  CLI::Option* offset = verb.add_option("--time-offset", options.time_offset,
+                                        "Seconds that the clock of the reference is ahead of the map's")
+                            ->type_name("SECONDS")
+                            ->group(kGroup);
+  verb.add_flag("--estimate-time-offset", options.estimate_time_offset,
+                "Find the time offset under which speeds and paths agree best")
+      ->excludes(offset)
+      ->group(kGroup);
+  verb.add_option("--time-unit", options.time_unit,
+                  "What the times of the reference count; by default as its columns say, or as the times tell")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember({"s", "ms", "us", "ns"}))
+      ->group(kGroup);
+  verb.add_option("--times", options.times, "The times of a KITTI trajectory; by default a file beside it")
+      ->type_name("FILE")
+      ->needs(verb.get_option("--onto"))
       ->group(kGroup);
   CLI::Option* with_scale =
       verb.add_flag("--with-scale", options.with_scale,
@@ -164,7 +207,8 @@ void BindAlignment(CLI::App& verb, TransformVerbOptions& options) {
           ->group(kGroup);
   verb.add_flag("--without-scale", options.without_scale, "Keep the scale")->excludes(with_scale)->group(kGroup);
   verb.add_flag("--body", options.body, "The positions are those of the IMU, not of the camera")->group(kGroup);
-  verb.add_option("--origin", options.origin, "Origin of the georeferenced frame; by default the first fix")
+  verb.add_option("--origin", options.origin,
+                  "Origin of the georeferenced frame; by default the first fix near the others")
       ->type_name("LAT,LON[,ALT]")
       ->needs(verb.get_option("--georeference"))
       ->group(kGroup);
@@ -190,8 +234,8 @@ Run AddTransform(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb transform a.osa moved.osa --by '1 0 0 0 0 0.7071068 0.7071068'",
      "A quarter turn about z, then 1 m along x."},
-    {"slamdb transform mono.osa metric.osa --onto ground_truth.txt",
-     "Also finds the scale, which a lone camera leaves open."},
+    {"slamdb transform mono.osa metric.osa --onto ground_truth.txt --estimate-time-offset",
+     "Also finds the scale, which a lone camera leaves open, and by how much the clocks differ."},
     {"slamdb transform a.osa ros.osa --axes camera:ros", "From z forward to x forward, z up."},
     {"slamdb transform a.osa level.osa --gravity auto --json", "Stands the map upright and tells how that was found."},
     {"slamdb transform lab.db#a lab.db#a_enu --georeference gps.csv --robust 3",

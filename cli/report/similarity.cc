@@ -10,9 +10,13 @@
 namespace slamdb::cli {
 namespace {
 
+// Six digits, and more where they would not reach millimetres, as those of coordinates of UTM.
 std::string Listed(const Eigen::Vector3d& vector) {
   const Eigen::Vector3d unsigned_zeros = vector.array() + 0.0;
-  return Short(unsigned_zeros.x(), 6) + " " + Short(unsigned_zeros.y(), 6) + " " + Short(unsigned_zeros.z(), 6);
+  const double largest = unsigned_zeros.cwiseAbs().maxCoeff();
+  const int digits = largest < 1e3 || largest > 1e12 ? 6 : 4 + static_cast<int>(std::log10(largest));
+  return Short(unsigned_zeros.x(), digits) + " " + Short(unsigned_zeros.y(), digits) + " " +
+         Short(unsigned_zeros.z(), digits);
 }
 
 }  // namespace

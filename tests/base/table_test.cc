@@ -139,12 +139,13 @@ TEST(ColumnName, SplitsOffTheUnit) {
 
 TEST(Table, ExactNamesWinOverBeginnings) {
   TableKind kind = Kind();
-  EXPECT_EQ(Failure("x_std,x_wgs,time,y\n9,2,1,3\n", kind).place(), "line 1");
+  EXPECT_EQ(Failure("x_std,x_wgs84,time,y\n9,2,1,3\n", kind).place(), "line 1");
   kind.name_beginnings = true;
   EXPECT_EQ(Read("x_std,time_since_start,x,time,y\n9,9,2,1,3\n", kind), (std::vector<Row>{{"1", "2", "3", ""}}));
-  EXPECT_EQ(Read("x_wgs,time,y\n2,1,3\n", kind), (std::vector<Row>{{"1", "2", "3", ""}}));
+  EXPECT_EQ(Read("x_wgs84,time,y\n2,1,3\n", kind), (std::vector<Row>{{"1", "2", "3", ""}}));
   EXPECT_EQ(Read("time,timestamp,x,y\n9,1,2,3\n", kind), (std::vector<Row>{{"1", "2", "3", ""}}));
-  EXPECT_EQ(Failure("xx,time,y\n2,1,3\n", kind).place(), "line 1");
+  for (const char* other : {"xx", "x_std", "x_ref", "x_since_start"})
+    EXPECT_EQ(Failure(std::string(other) + ",time,y\n2,1,3\n", kind).place(), "line 1") << other;
 }
 
 TEST(Table, TakesOneWholeGroup) {
@@ -153,7 +154,7 @@ TEST(Table, TakesOneWholeGroup) {
   EXPECT_EQ(Read("e,d,c,b,a\n5,4,3,2,1\n", kind), (std::vector<Row>{{"1", "2", "3", "4", "5"}}));
   EXPECT_EQ(Read("1,2\n", kind), (std::vector<Row>{{"1", "2", "", "", ""}}));
   EXPECT_EQ(Read("1,2,3\n", kind), (std::vector<Row>{{"", "", "1", "2", "3"}}));
-  EXPECT_EQ(Failure("a,c,d\n1,2,3\n", kind).problem(), "expected pairs, found `a,c,d`");
+  EXPECT_EQ(Failure("a,c,d\n1,2,3\n", kind).problem(), "expected pairs, found `a,c,d`, in which no column is named b");
 }
 
 TEST(Table, CommentsOfOtherWordsNameNothing) {

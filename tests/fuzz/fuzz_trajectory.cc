@@ -3,10 +3,11 @@
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 #include "tests/fuzz/fuzz.h"
 
-// Any bytes as a trajectory, TUM's and EuRoC's in turn. They are read or fail with an Error.
+// Any bytes as a trajectory, TUM's, EuRoC's and KITTI's in turn. They are read or fail with an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const slamdb::Source file(std::as_bytes(std::span(data, size)), "fuzz");
-  for (const slamdb::Format* format : {&slamdb::detail::kTumFormat, &slamdb::detail::kEurocFormat}) {
+  for (const slamdb::Format* format :
+       {&slamdb::detail::kTumFormat, &slamdb::detail::kEurocFormat, &slamdb::detail::kKittiFormat}) {
     slamdb::Notices notices;
     try {
       format->read(file, {}, notices);

@@ -8,14 +8,35 @@
 namespace slamdb::detail {
 namespace {
 
-// A carriage return in front of a line feed is as good as a blank.
-std::string_view BlanksOf(char separator) { return separator == '\t' ? " \r" : " \t\r"; }
+std::string_view BlanksOf(char separator) { return separator == '\t' ? " " : " \t"; }
+
+// Lines end with `\n`, `\r\n`, or, where old programs wrote them, with `\r`.
+bool IsLineEnd(char letter) { return letter == '\n' || letter == '\r'; }
+
+void SkipLineEnd(std::string_view& text) { text.remove_prefix(text.starts_with("\r\n") ? 2 : text.empty() ? 0 : 1); }
+
+std::string_view TakeTableLine(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  text.remove_prefix(line.size());
+  SkipLineEnd(text);
+  return line;
+}
+
+std::size_t LineEndsIn(std::string_view text) {
+  std::size_t ends = 0;
+  for (std::size_t at = text.find_first_of("\r\n"); at != text.npos; at = text.find_first_of("\r\n")) {
+    text.remove_prefix(at);
+    SkipLineEnd(text);
+    ++ends;
+  }
+  return ends;
+}
 
 void SkipBlanks(std::string_view& text, char separator) {
   text.remove_prefix(std::min(text.find_first_not_of(BlanksOf(separator)), text.size()));
 }
 
-bool AtLineEnd(std::string_view text) { return text.empty() || text.front() == '\n'; }
+bool AtLineEnd(std::string_view text) { return text.empty() || IsLineEnd(text.front()); }
 
 // Where the quote that begins the text is closed; npos when it is not.
 std::size_t ClosingQuote(std::string_view text) {
@@ -43,7 +64,7 @@ std::optional<Cell> TakeQuoted(std::string_view& text, char separator) {
 Cell TakeCell(std::string_view& text, char separator) {
   if (const auto quoted = TakeQuoted(text, separator)) return *quoted;
   const auto ends = [separator](char letter) {
-    return letter == '\n' || letter == separator || (separator == ' ' && (letter == '\t' || letter == '\r'));
+    return IsLineEnd(letter) || letter == separator || (separator == ' ' && letter == '\t');
   };
   std::string_view cell(text.data(), static_cast<std::size_t>(std::ranges::find_if(text, ends) - text.begin()));
   text.remove_prefix(cell.size());
@@ -62,9 +83,8 @@ std::string_view TakeRow(std::string_view& text, char separator, std::vector<Cel
     if (separator != ' ') text.remove_prefix(1);
     SkipBlanks(text, separator);
   }
-  std::string_view row = all.substr(0, all.size() - text.size());
-  if (row.ends_with('\r')) row.remove_suffix(1);
-  if (!text.empty()) text.remove_prefix(1);
+  const std::string_view row = all.substr(0, all.size() - text.size());
+  SkipLineEnd(text);
   return row;
 }
 
@@ -74,20 +94,27 @@ std::vector<Cell> CellsOf(std::string_view line, char separator) {
   return cells;
 }
 
+// `sep=;`, by which Excel tells itself.
+bool IsSeparatorLine(std::string_view line) { return line.size() == 5 && line.starts_with("sep="); }
+
 // Goes to the first line that is neither blank nor a comment, and returns it; empty when there is none.
 std::string_view SkipToRow(std::string_view& text, std::size_t& line_number, std::vector<std::string_view>& comments) {
   for (std::string_view behind = text; !text.empty(); text = behind, ++line_number) {
-    const std::string_view line = TakeLine(behind);
+    const std::string_view line = TakeTableLine(behind);
     const std::size_t first = line.find_first_not_of(kBlanks);
-    if (first == std::string_view::npos) continue;
+    if (first == std::string_view::npos || IsSeparatorLine(line)) continue;
     if (!IsCommentMark(line[first])) return line;
     comments.push_back(line);
   }
   return {};
 }
 
+bool IsNumber(std::string_view text) {
+  return ParseNumber<double>(IsDecimalComma(text) ? WithPoint(text) : std::string(text)).has_value();
+}
+
 bool AreNumbers(std::span<const Cell> cells) {
-  return std::ranges::all_of(cells, [](const Cell& cell) { return ParseNumber<double>(cell.text).has_value(); });
+  return std::ranges::all_of(cells, [](const Cell& cell) { return IsNumber(cell.text); });
 }
 
 bool HasUnquoted(std::string_view line, char separator) {
@@ -101,11 +128,13 @@ bool HasUnquoted(std::string_view line, char separator) {
 
 // Tabs may separate cells, or be mere blanks: the latter where numbers stand between more of one than of the other.
 char SeparatorOf(std::string_view line) {
-  for (const char separator : {';', ','})
-    if (HasUnquoted(line, separator)) return separator;
-  if (!HasUnquoted(line, '\t')) return ' ';
+  if (HasUnquoted(line, ';')) return ';';
   const std::vector<Cell> words = CellsOf(line, ' ');
-  return AreNumbers(words) && words.size() != CellsOf(line, '\t').size() ? ' ' : '\t';
+  const bool numbers = AreNumbers(words);
+  // Commas that stand in numbers between blanks are those of decimals.
+  if (HasUnquoted(line, ',') && !(numbers && words.size() > 1)) return ',';
+  if (!HasUnquoted(line, '\t')) return ' ';
+  return numbers && words.size() != CellsOf(line, '\t').size() ? ' ' : '\t';
 }
 
 std::string Lower(std::string_view text) {
@@ -117,11 +146,21 @@ std::string Lower(std::string_view text) {
 
 bool IsUnit(std::string_view word) {
   static constexpr std::string_view kUnits[] = {
-      "s",           "sec",   "secs",         "second", "seconds", "ms",  "msec",  "milliseconds",
-      "us",          "usec",  "microseconds", "ns",     "nsec",    "m",   "metre", "metres",
-      "nanoseconds", "meter", "meters",       "cm",     "mm",      "km",  "ft",    "foot",
-      "feet",        "deg",   "degs",         "degree", "degrees", "rad", "rads",  "radians"};
+      "s",    "sec",          "secs",         "second",      "seconds", "ms",   "msec",   "msecs",   "millis",
+      "us",   "usec",         "usecs",        "micros",      "ns",      "nsec", "nsecs",  "nanos",   "millisecond",
+      "min",  "milliseconds", "microseconds", "nanoseconds", "minutes", "h",    "hours",  "days",    "microsecond",
+      "m",    "metre",        "metres",       "meter",       "meters",  "cm",   "mm",     "km",      "nanosecond",
+      "ft",   "foot",         "feet",         "yd",          "yards",   "inch", "inches", "mi",      "miles",
+      "deg",  "degs",         "degree",       "degrees",     "rad",     "rads", "radian", "radians", "e7",
+      "dege7"};
   return std::ranges::find(kUnits, word) != std::end(kUnits);
+}
+
+// `us` for `\u00b5s` and `\u03bcs`, the two letters that people write.
+std::string WithoutMicro(std::string_view unit) {
+  for (const std::string_view micro : {"\xc2\xb5", "\xce\xbc", "\xce\x9c"})
+    if (unit.starts_with(micro)) return Concat('u', unit.substr(micro.size()));
+  return std::string(unit);
 }
 
 std::vector<ColumnName> NamesIn(std::string_view line, char separator) {
@@ -140,20 +179,41 @@ std::vector<ColumnName> NamesIn(std::string_view line, char separator) {
   return names;
 }
 
-// Which names stand for a column: exactly, without their units, or by their beginnings, the best of these.
+// Whether a name stands for a column. `.position.x` is wanted at the end of a path too: `field.pose.position.x`.
+bool Stands(std::string_view name, std::string_view wanted) {
+  if (!wanted.starts_with('.')) return name == wanted;
+  return name == wanted.substr(1) || (name.size() > wanted.size() && name.ends_with(wanted));
+}
+
+// What may stand behind a name without making it another thing, as `lat_std` and `time_since_start` are.
+bool IsDatum(std::string_view behind) {
+  static constexpr std::string_view kData[] = {"wgs84", "gps", "gnss", "ellipsoid", "ellipsoidal", "hae"};
+  return !behind.empty() && (behind.front() == '_' || behind.front() == ' ') &&
+         std::ranges::find(kData, behind.substr(1)) != std::end(kData);
+}
+
+// Which names stand for a column: the better ones first, each exactly, or without its unit, or at the end of a path;
+// or else by its beginning.
 std::vector<std::size_t> Matches(const std::vector<ColumnName>& names, const Column& column, bool beginnings) {
-  const auto begins = [](const ColumnName& name, std::string_view wanted) {
-    if (!name.text.starts_with(wanted) || name.text.size() == wanted.size()) return false;
-    return std::string_view(" ([_").find(name.text[wanted.size()]) != std::string_view::npos;
+  const auto matching = [&](const auto& matches) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (matches(names[i])) found.push_back(i);
+    return found;
   };
-  for (int rank = 0; rank < (beginnings ? 3 : 2); ++rank)
-    for (const std::string_view wanted : column.names) {
-      std::vector<std::size_t> matches;
-      for (std::size_t i = 0; i < names.size(); ++i)
-        if (rank == 0 ? names[i].text == wanted : rank == 1 ? names[i].name == wanted : begins(names[i], wanted))
-          matches.push_back(i);
-      if (!matches.empty()) return matches;
-    }
+  for (const std::string_view wanted : column.names) {
+    auto found = matching([&](const ColumnName& name) { return Stands(Comparable(name.text), wanted); });
+    if (found.empty()) found = matching([&](const ColumnName& name) { return Stands(Comparable(name.name), wanted); });
+    if (!found.empty()) return found;
+  }
+  for (std::string_view wanted : beginnings ? column.names : std::vector<std::string_view>()) {
+    if (wanted.starts_with('.')) wanted.remove_prefix(1);
+    if (auto found = matching([&](const ColumnName& name) {
+          return name.name.starts_with(wanted) && IsDatum(std::string_view(name.name).substr(wanted.size()));
+        });
+        !found.empty())
+      return found;
+  }
   return {};
 }
 
@@ -192,7 +252,7 @@ bool TakeNames(std::string_view line, const TableKind& kind, TableLayout& layout
     const std::vector<std::size_t> matches = Matches(names, kind.columns[i], kind.name_beginnings);
     if (matches.size() > 1)
       problem =
-          Concat("columns ", matches[0] + 1, " and ", matches[1] + 1, " are both named ", kind.columns[i].names[0]);
+          Concat("columns ", matches[0] + 1, " and ", matches[1] + 1, " are both named ", kind.columns[i].title());
     if (!matches.empty()) places[i] = matches[0];
   }
   if (!KeepWholeGroups(kind.columns, places)) return false;
@@ -206,21 +266,23 @@ bool TakeNames(std::string_view line, const TableKind& kind, TableLayout& layout
 
 // The separator of rows, the first of which begins `text`, under names with a separator.
 char SeparatorOfRows(std::string_view text, char of_names) {
-  return of_names != ' ' && CellsOf(text, of_names).size() > 1 ? of_names : SeparatorOf(TakeLine(text));
+  return of_names != ' ' && CellsOf(text, of_names).size() > 1 ? of_names : SeparatorOf(TakeTableLine(text));
 }
 
-// Finds the columns in the comments above a first row of so many cells.
-bool FindNamesInComments(std::size_t cells, const TableKind& kind, TableLayout& layout) {
+// Finds the columns in the comments above the first row.
+bool FindNamesInComments(const TableKind& kind, TableLayout& layout) {
   if (kind.columns.empty()) return false;
   for (std::string_view comment : layout.comments) {
     TableLayout named;
     comment.remove_prefix(std::min(comment.find_first_not_of("#% \t"), comment.size()));
     // In prose the words that are names do not stand where the cells are.
-    if (!TakeNames(comment, kind, named) || !named.problem.empty() || (cells > 0 && named.needed > cells)) continue;
+    if (!TakeNames(comment, kind, named) || !named.problem.empty()) continue;
+    const char separator = SeparatorOfRows(layout.rows, named.separator);
+    if (!layout.first.empty() && named.needed > CellsOf(layout.first, separator).size()) continue;
     layout.names = std::move(named.names);
     layout.places = std::move(named.places);
     layout.needed = named.needed;
-    layout.separator = SeparatorOfRows(layout.rows, named.separator);
+    layout.separator = separator;
     return true;
   }
   return false;
@@ -228,7 +290,7 @@ bool FindNamesInComments(std::size_t cells, const TableKind& kind, TableLayout& 
 
 // Gives the columns of the first group that a row of so many cells has their places.
 bool TakePositions(std::span<const Cell> row, const TableKind& kind, TableLayout& layout) {
-  if (!kind.by_position || row.empty() || !ParseNumber<double>(row[0].text)) return false;
+  if (!kind.by_position || row.empty() || !IsNumber(row[0].text)) return false;
   const auto filled = [&] { return row.back().text.empty() ? row.size() - 1 : row.size(); }();
   for (const Column& column : kind.columns) {
     std::size_t size = 0;
@@ -242,19 +304,62 @@ bool TakePositions(std::span<const Cell> row, const TableKind& kind, TableLayout
   return false;
 }
 
+// Which columns a line lacks that names some of a group, so that it is not searched for by eye.
+std::string Missing(const std::vector<Cell>& row, const TableKind& kind) {
+  if (std::ranges::any_of(row, [](const Cell& cell) { return IsNumber(cell.text); })) return {};
+  std::vector<ColumnName> names;
+  for (const Cell& cell : row) names.emplace_back(cell.text);
+  std::size_t found = 0;
+  std::string missing;
+  for (const Column& column : kind.columns) {
+    if (column.group != 0 || column.names.empty()) continue;
+    if (!Matches(names, column, kind.name_beginnings).empty())
+      ++found;
+    else
+      missing += Concat(missing.empty() ? "" : ", ", column.title());
+  }
+  return found > 0 && !missing.empty() ? Concat(", in which no column is named ", missing) : std::string();
+}
+
 }  // namespace
+
+std::string Comparable(std::string_view name) {
+  std::string text(name);
+  for (char& letter : text) letter = letter == ' ' || letter == '-' ? '_' : letter == '/' ? '.' : letter;
+  return text.starts_with('.') ? text.substr(1) : text;
+}
+
+bool IsDecimalComma(std::string_view text) {
+  const std::size_t comma = text.find(',');
+  if (comma == text.npos || comma + 1 == text.size()) return false;
+  const std::size_t first = text.front() == '+' || text.front() == '-' ? 1 : 0;
+  const auto digits = [](std::string_view part) { return part.find_first_not_of("0123456789") == part.npos; };
+  return comma > first && digits(text.substr(first, comma - first)) && digits(text.substr(comma + 1));
+}
+
+std::string WithPoint(std::string_view text) {
+  std::string number(text);
+  std::ranges::replace(number, ',', '.');
+  return number;
+}
+
+std::string_view Column::title() const {
+  const std::string_view name = called.empty() ? names[0] : called;
+  return name.substr(name.starts_with('.') ? 1 : 0);
+}
 
 ColumnName::ColumnName(std::string_view shown) : text(Lower(shown)), name(text) {
   const std::size_t bracket = text.find_last_of("[(");
   if (bracket != text.npos && bracket > 0 && (text.back() == ']' || text.back() == ')')) {
-    unit = Trimmed(std::string_view(text).substr(bracket + 1, text.size() - bracket - 2));
+    unit = WithoutMicro(Trimmed(std::string_view(text).substr(bracket + 1, text.size() - bracket - 2)));
     name = Trimmed(std::string_view(text).substr(0, bracket));
     if (name.ends_with('_')) name.pop_back();
     return;
   }
-  const std::size_t end = text.find_last_of("_ ");
-  if (end == text.npos || end == 0 || !IsUnit(std::string_view(text).substr(end + 1))) return;
-  unit = text.substr(end + 1);
+  if (IsUnit(text) && text.size() > 2) unit = text;  // `seconds`, `nanoseconds`
+  const std::size_t end = text.find_last_of("_ -");
+  if (end == text.npos || end == 0 || !IsUnit(WithoutMicro(std::string_view(text).substr(end + 1)))) return;
+  unit = WithoutMicro(std::string_view(text).substr(end + 1));
   name = Trimmed(std::string_view(text).substr(0, end));
 }
 
@@ -263,11 +368,11 @@ TableLayout FindLayout(std::string_view text, const TableKind& kind) {
   layout.first = SkipToRow(text, layout.line, layout.comments);
   layout.rows = text;
   if (layout.first.empty()) {
-    FindNamesInComments(0, kind, layout);
+    FindNamesInComments(kind, layout);
     return layout;
   }
   if (TakeNames(layout.first, kind, layout)) {
-    TakeLine(layout.rows);
+    TakeTableLine(layout.rows);
     ++layout.line;
     std::vector<std::string_view> comments;
     std::size_t line = layout.line;
@@ -277,8 +382,8 @@ TableLayout FindLayout(std::string_view text, const TableKind& kind) {
     return layout;
   }
   const std::vector<Cell> row = CellsOf(layout.first, layout.separator = SeparatorOf(layout.first));
-  if (!FindNamesInComments(row.size(), kind, layout) && !TakePositions(row, kind, layout))
-    layout.problem = "expected " + kind.expected + ", found " + Excerpt(layout.first);
+  if (!FindNamesInComments(kind, layout) && !TakePositions(row, kind, layout))
+    layout.problem = "expected " + kind.expected + ", found " + Excerpt(layout.first) + Missing(row, kind);
   return layout;
 }
 
@@ -287,11 +392,16 @@ TableGlance GlanceAtTable(std::string_view head, const TableKind& kind) {
   const TableLayout layout = FindLayout(WithoutMark(head), kind);
   if (!layout.names.empty()) return {.named = true, .separator = layout.separator};
   const std::vector<Cell> row = CellsOf(layout.first, layout.separator);
-  return {.numbers = AreNumbers(row) ? row.size() : 0, .separator = layout.separator};
+  if (row.empty() || !AreNumbers(row)) return {.separator = layout.separator};
+  const auto first = ParseNumber<double>(WithPoint(row[0].text));
+  return {.numbers = row.size(), .first = first.value_or(0), .separator = layout.separator};
 }
 
 Table::Table(std::string_view text, TableKind kind)
     : kind_(std::move(kind)), layout_(FindLayout(WithoutMark(text), kind_)) {
+  if (const std::size_t zero = text.find('\0'); zero != text.npos)
+    throw Error(ErrorKind::kDamaged, "", Concat("line ", 1 + LineEndsIn(text.substr(0, zero))),
+                "holds a zero byte, which no text does; is it UTF-16, which has to be saved as UTF-8, or damaged?");
   rest_ = layout_.rows;
   next_line_ = layout_.line;
   comments_ = layout_.comments;
@@ -321,9 +431,10 @@ bool Table::Next() {
       }
     }
     rest_ = behind;
-    next_line_ += 1 + static_cast<std::size_t>(std::ranges::count(row_, '\n'));
+    next_line_ += 1 + LineEndsIn(row_);
     if (std::ranges::all_of(cells_, [](const Cell& cell) { return cell.text.empty(); })) continue;
     CheckCells();
+    CheckDecimals();
     return true;
   }
   return false;
@@ -339,9 +450,28 @@ void Table::CheckCells() const {
                         : Concat("expected ", kind_.expected, ", found ", Excerpt(row_)));
 }
 
+// Decimal commas and decimal points in one table would make thousands of some numbers.
+void Table::CheckDecimals() {
+  const auto has_point = [](const Cell& cell) {
+    return cell.text.find('.') != cell.text.npos && ParseNumber<double>(cell.text).has_value();
+  };
+  const bool commas = std::ranges::any_of(cells_, [](const Cell& cell) { return IsDecimalComma(cell.text); });
+  decimal_commas_ |= commas;
+  if (commas) decimal_points_ |= std::ranges::any_of(cells_, has_point);
+  if (decimal_commas_ && decimal_points_)
+    throw LineError(Concat("expected one decimal mark, found commas and points in ", Excerpt(row_)));
+}
+
 std::string_view Table::Raw(std::size_t column) const {
   const auto place = layout_.places[column];
   return place && *place < cells_.size() ? cells_[*place].text : std::string_view();
+}
+
+std::string Table::Digits(std::size_t column) const {
+  const std::string_view cell = Raw(column);
+  std::string digits = IsDecimalComma(cell) ? WithPoint(cell) : std::string(cell);
+  if (digits.starts_with('+') && !digits.starts_with("+-")) digits.erase(0, 1);
+  return digits;
 }
 
 std::string Table::Text(std::size_t column) const {
@@ -353,8 +483,13 @@ std::string Table::Text(std::size_t column) const {
 }
 
 Error Table::CellError(std::size_t column, std::string_view expected) const {
-  return LineError(
-      Concat("expected ", expected, ", found '", Raw(column), "' in column ", kind_.columns[column].names[0]));
+  constexpr std::size_t kLongest = 40;
+  const std::string_view cell = Raw(column);
+  const bool commas =
+      layout_.separator == ',' && cell.find_first_of(kBlanks) != cell.npos && cell[0] >= '0' && cell[0] <= '9';
+  return LineError(Concat(
+      "expected ", expected, ", found '", cell.substr(0, kLongest), "' in column ", kind_.columns[column].title(),
+      commas ? "; commas separate cells here: where they are decimal commas, separate cells by semicolons" : ""));
 }
 
 Error Table::LineError(const std::string& problem) const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// 1. Without an outlier distance every pair is an inlier. Otherwise three pairs drawn at random are solved again and
-//    again, and the transform that most pairs agree with says which are inliers (RANSAC, Fischler and Bolles 1981).
+// 1. Without an outlier distance every pair is an inlier, or all but gross outliers: of the transforms of three pairs
+//    drawn at random the one whose median residual is least says which (LMedS, Rousseeuw 1984). Otherwise three pairs
+//    drawn at random are solved again and again, and the transform that most pairs agree with says which are inliers
+//    (RANSAC, Fischler and Bolles 1981).
 // 2. The inliers are solved by least squares, which says anew which pairs are inliers, until these stay the same.
 #include "slamdb/model/umeyama.h"
 
@@ -8,6 +10,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -128,6 +131,60 @@ Rows Consensus(Points source, Points target, const UmeyamaOptions& options) {
   return best;
 }
 
+// The least of the residuals that more than half of the pairs stay within; four at least, since three agree easily.
+double MedianResidual(Points source, Points target, const Similarity3d& transform) {
+  std::vector<double> residuals;
+  for (std::size_t row = 0; row < source.size(); ++row) residuals.push_back(Residual(source, target, transform, row));
+  const std::size_t middle = std::max<std::size_t>(residuals.size() / 2, 3);
+  std::ranges::nth_element(residuals, residuals.begin() + static_cast<std::ptrdiff_t>(middle));
+  return residuals[middle];
+}
+
+double SpreadOf(Points points, const Rows& rows) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const std::size_t row : rows) mean += points[row] / static_cast<double>(rows.size());
+  return RootMeanSquare(rows, [&](std::size_t row) { return (points[row] - mean).norm(); });
+}
+
+// The pairs that are no gross outliers of the transform; all of them when less than half are left.
+Rows WithoutGross(Points source, Points target, const Similarity3d& transform) {
+  constexpr double kSigmas = 10, kShareOfSpread = 0.1;
+  const double sigma = 1.4826 * MedianResidual(source, target, transform);
+  const double spread = SpreadOf(target, RowsWithin(source, target, transform, 2.5 * sigma));
+  return RowsWithin(source, target, transform, std::max(kSigmas * sigma, kShareOfSpread * spread));
+}
+
+// All pairs but gross outliers. Few pairs have no majority to tell them by.
+Rows PairsButGross(Points source, Points target, bool with_scale) {
+  constexpr std::size_t kFewest = 5;
+  constexpr int kDraws = 300;  // miss a transform of three inliers among half as many once in 10^17 times
+  Rows all(source.size());
+  std::iota(all.begin(), all.end(), 0);
+  if (source.size() < kFewest) return all;
+  Draws draws(source.size());
+  std::optional<Similarity3d> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const auto transform = Solve(source, target, draws.Three(), with_scale);
+    if (!transform || !(transform->scale > 0)) continue;
+    const double median = MedianResidual(source, target, *transform);
+    if (!(median < least)) continue;
+    least = median;
+    best = transform;
+  }
+  if (!best) return all;
+  Rows rows = WithoutGross(source, target, *best);
+  // Three pairs give a rough transform; that of all inliers says better which are.
+  for (int round = 0; round < kMostRefinements && rows.size() >= kFewestPairs; ++round) {
+    const auto refined = Solve(source, target, rows, with_scale);
+    if (!refined || !(refined->scale > 0)) break;
+    Rows again = WithoutGross(source, target, *refined);
+    if (again == rows) break;
+    rows = std::move(again);
+  }
+  return 2 * rows.size() > source.size() ? rows : all;
+}
+
 Similarity3d SolveOrThrow(Points source, Points target, const Rows& rows, bool with_scale) {
   const auto transform = Solve(source, target, rows, with_scale);
   if (!transform || !(transform->scale > 0))
@@ -156,7 +213,10 @@ UmeyamaResult SolveUmeyama(Points source, Points target, const UmeyamaOptions& o
   Rows rows(source.size());
   std::iota(rows.begin(), rows.end(), 0);
   const bool robust = options.outlier_distance > 0;
-  if (robust) rows = Consensus(source, target, options);
+  if (robust)
+    rows = Consensus(source, target, options);
+  else if (options.leave_out_gross)
+    rows = PairsButGross(source, target, options.with_scale);
   UmeyamaResult result;
   result.target_from_source = SolveOrThrow(source, target, rows, options.with_scale);
   for (int round = 0; robust && round < kMostRefinements; ++round) {
@@ -169,10 +229,8 @@ UmeyamaResult SolveUmeyama(Points source, Points target, const UmeyamaOptions& o
     result.residuals.push_back(Residual(source, target, result.target_from_source, row));
   result.inliers.assign(source.size(), 0);
   for (const std::size_t row : rows) result.inliers[row] = 1;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const std::size_t row : rows) mean += target[row] / static_cast<double>(rows.size());
   result.rms = RootMeanSquare(rows, [&](std::size_t row) { return result.residuals[row]; });
-  result.spread = RootMeanSquare(rows, [&](std::size_t row) { return (target[row] - mean).norm(); });
+  result.spread = SpreadOf(target, rows);
   return result;
 }
 

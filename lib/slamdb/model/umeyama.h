@@ -13,9 +13,12 @@
 namespace slamdb {
 
 struct UmeyamaOptions {
-  bool with_scale = true;       // false: the scale is 1
-  double outlier_distance = 0;  // target units; pairs farther apart than this are left out, and the rest is solved
-                                // again until nothing changes (RANSAC starts it); 0: every pair counts
+  bool with_scale = true;        // false: the scale is 1
+  double outlier_distance = 0;   // target units; pairs farther apart than this are left out, and the rest is solved
+                                 // again until nothing changes (RANSAC starts it); 0: every pair counts
+  bool leave_out_gross = false;  // without an outlier distance: pairs are left out that end up ten times farther apart
+                                 // than the rest (robust scale of the least median of squares) and by more than a tenth
+                                 // of how far the rest spreads
 };
 
 struct UmeyamaResult {

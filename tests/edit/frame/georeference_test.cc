@@ -108,7 +108,7 @@ TEST(ParseFixes, NamesTheLineThatIsNone) {
 
 TEST(ReadFixes, NamesTheFile) {
   const TemporaryFolder folder;
-  const std::string path = folder.Make("fixes.csv", "1.5,47,8,400\n2,91,8,400\n");
+  const std::string path = folder.Make("fixes.csv", "1.5,47,8,400\n2,x,8,400\n");
   const auto error_of = [](const std::string& file) {
     try {
       static_cast<void>(ReadFixes(file));

@@ -119,7 +119,7 @@ TEST(Tum, ReadsWhatItWrites) {
 }
 
 TEST(Tum, ReadsOtherWritersLines) {
-  const Atlas atlas = Decoded(detail::kTumFormat, "#comment\r\n\n  1.25\t1 2 3 0 0 0 2\r\n1e1 0 0 0 0 0 0 1");
+  const Atlas atlas = Decoded(detail::kTumFormat, "#comment\r\n\n  1.25\t1 2 3 0 0 0 0.99\r\n1e1 0 0 0 0 0 0 1");
   ASSERT_EQ(atlas.maps.size(), 1U);
   ASSERT_EQ(atlas.maps[0].keyframes.size(), 2U);
   EXPECT_EQ(atlas.maps[0].keyframes[0].timestamp, 1.25);
@@ -230,8 +230,8 @@ TEST(Euroc, ReadsWhatItWrites) {
 TEST(Euroc, NamesTheLineThatIsWrong) {
   const std::string expected =
       "expected at least 8 cells: timestamp [ns], position x y z, quaternion w x y z, found `15,0,0,0,1,0,0`";
-  EXPECT_EQ(ReadProblem(detail::kEurocFormat, "#timestamp, p_RS_R_x\n1.5,0,0,0,1,0,0,0\n"),
-            "line 2: expected whole nanoseconds, found '1.5' in column timestamp");
+  EXPECT_EQ(ReadProblem(detail::kEurocFormat, "#timestamp, p_RS_R_x\nnan,0,0,0,1,0,0,0\n"),
+            "line 2: expected a number, or date and time as 2023-11-14T22:13:20Z, found 'nan' in column timestamp");
   EXPECT_EQ(ReadProblem(detail::kEurocFormat, "#timestamp, p_RS_R_x\n15,0,0,0,1,0,0\n"), "line 2: " + expected);
 }
 

@@ -23,12 +23,19 @@ struct ColumnName {
   std::string unit;  // in lower case: `deg`, `ft`; empty when the name states none
 };
 
+// A name as it is compared: blanks and dashes in it are as good as `_`, and the slashes of a path as `.`.
+std::string Comparable(std::string_view name);
+
 // A column that a reader looks for.
 struct Column {
   static constexpr int kOptional = -1;
 
-  std::vector<std::string_view> names;  // in lower case, the better ones first; errors call the column by the first
-  int group = 0;                        // a table must have all columns of one group
+  // In lower case, the better ones first. One that a point begins is also wanted at the end of a path: `.position.x` is
+  // in `field.pose.position.x`.
+  std::vector<std::string_view> names;
+  int group = 0;                 // a table must have all columns of one group
+  std::string_view called = {};  // in errors; empty: the first name
+  std::string_view title() const;
 };
 
 // What a reader wants of a table.
@@ -37,8 +44,12 @@ struct TableKind {
   std::string expected;          // what a table holds, for errors: `8 numbers: timestamp tx ty tz qx qy qz qw`
   bool by_position = true;       // without names a group's columns stand in the order above
   bool more_cells = false;       // rows may have cells behind those that have names
-  bool name_beginnings = false;  // where no column has exactly the name, one that begins with it is taken: `lat_wgs84`
+  bool name_beginnings = false;  // where no column has exactly the name, one that a datum follows is taken: `lat_wgs84`
 };
+
+// `47,5`, a number as a spreadsheet writes it in many countries, and the same with a point.
+bool IsDecimalComma(std::string_view text);
+std::string WithPoint(std::string_view text);
 
 // A cell as it stands in the text, without blanks and quotes around.
 struct Cell {
@@ -65,6 +76,7 @@ TableLayout FindLayout(std::string_view text, const TableKind& kind);
 struct TableGlance {
   bool named = false;       // a line names the columns of the kind
   std::size_t numbers = 0;  // cells of the first row, when all are numbers and no line names the columns
+  double first = 0;         // the first of them
   char separator = ' ';
 };
 // Never throws. `head` is the beginning of a file.
@@ -105,9 +117,13 @@ class Table {
   // Throws Error naming line and column when the cell is no such number.
   template <class Number>
   Number Get(std::size_t column, std::string_view expected = "a number") const {
-    if (const auto number = ParseNumber<Number>(Raw(column))) return *number;
+    if (const auto number = ParseNumber<Number>(Digits(column))) return *number;
     throw CellError(column, expected);
   }
+  // A cell as a number is written everywhere: decimal commas are points, and no plus sign stands in front.
+  std::string Digits(std::size_t column) const;
+  // Whether a row so far had decimal commas.
+  bool has_decimal_commas() const { return decimal_commas_; }
 
   // `line 12: expected a number, found 'x' in column latitude`.
   Error CellError(std::size_t column, std::string_view expected) const;
@@ -116,6 +132,7 @@ class Table {
 
  private:
   void CheckCells() const;
+  void CheckDecimals();
 
   TableKind kind_;
   TableLayout layout_;
@@ -124,6 +141,7 @@ class Table {
   std::string_view row_;
   std::vector<Cell> cells_;
   std::vector<std::string_view> comments_;
+  bool decimal_commas_ = false, decimal_points_ = false;
 };
 
 }  // namespace slamdb::detail

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/detail/time_offset.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb {
@@ -17,9 +19,7 @@ constexpr std::size_t kFewestPairs = 3;
 
 std::vector<TimedPosition> Sorted(std::span<const TimedPosition> reference) {
   std::vector<TimedPosition> sorted(reference.begin(), reference.end());
-  std::erase_if(sorted, [](const TimedPosition& sample) {
-    return !std::isfinite(sample.timestamp) || !sample.position.allFinite();
-  });
+  std::erase_if(sorted, [](const TimedPosition& sample) { return !std::isfinite(sample.timestamp); });
   std::ranges::stable_sort(sorted, {}, &TimedPosition::timestamp);
   return sorted;
 }
@@ -30,22 +30,9 @@ std::vector<TimedPosition> PositionsOf(const Map& map, bool body) {
   for (const KeyFrame& keyframe : map.keyframes) {
     if (keyframe.bad) continue;
     const Eigen::Vector3f position = body ? WorldFromBody(keyframe).translation : CameraCenter(keyframe);
-    positions.push_back({keyframe.timestamp, position.cast<double>()});
+    if (position.allFinite()) positions.push_back({keyframe.timestamp, position.cast<double>()});
   }
   return Sorted(positions);
-}
-
-// The reference at a time.
-std::optional<Eigen::Vector3d> PositionAt(const std::vector<TimedPosition>& reference, double time, double most) {
-  const auto after = std::ranges::lower_bound(reference, time, {}, &TimedPosition::timestamp);
-  const double to_after = after == reference.end() ? INFINITY : after->timestamp - time;
-  if (after == reference.begin()) return to_after <= most ? std::optional(after->position) : std::nullopt;
-  const auto before = after - 1;
-  const double to_before = time - before->timestamp;
-  if (std::min(to_before, to_after) > most) return std::nullopt;
-  const double gap = to_before + to_after;
-  if (gap > 2 * most) return to_before < to_after ? before->position : after->position;
-  return Eigen::Vector3d(before->position + to_before / gap * (after->position - before->position));
 }
 
 std::string Span(const std::vector<TimedPosition>& positions) {
@@ -70,6 +57,53 @@ ResidualStatistics StatisticsOf(std::vector<double> residuals) {
   return statistics;
 }
 
+detail::TimeOffset OffsetOf(const std::vector<TimedPosition>& keyframes, const std::vector<TimedPosition>& samples,
+                            const TrajectoryAlignmentOptions& options) {
+  const detail::TimeOffset given{options.time_offset, options.time_offset, options.max_time_difference};
+  return options.estimate_time_offset ? detail::EstimateTimeOffset(keyframes, samples, options).value_or(given) : given;
+}
+
+// The median of how far keyframes are from the nearest position in time.
+std::optional<double> NearestTimes(const std::vector<TimedPosition>& keyframes,
+                                   const std::vector<TimedPosition>& samples, double offset) {
+  if (keyframes.empty() || samples.empty()) return std::nullopt;
+  std::vector<double> distances;
+  for (const TimedPosition& keyframe : keyframes) {
+    const double time = keyframe.timestamp + offset;
+    const auto after = std::ranges::lower_bound(samples, time, {}, &TimedPosition::timestamp);
+    double distance = after == samples.end() ? INFINITY : after->timestamp - time;
+    if (after != samples.begin()) distance = std::min(distance, time - (after - 1)->timestamp);
+    distances.push_back(distance);
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::ranges::nth_element(distances, middle);
+  return *middle;
+}
+
+// Names both time spans, and the offset that would lay one over the other.
+Error TooFewPairs(const Map& map, std::size_t pairs, const std::vector<TimedPosition>& keyframes,
+                  const std::vector<TimedPosition>& samples, const TrajectoryAlignmentOptions& options) {
+  std::string problem = detail::Concat(map.id, ": ", pairs, " of ", detail::Counted(keyframes.size(), "keyframe"),
+                                       keyframes.size() == 1 ? " has" : " have",
+                                       " a reference position at their time, but three are needed: the map covers ",
+                                       Span(keyframes), ", the reference ", Span(samples));
+  if (options.time_offset != 0)
+    problem += detail::Concat(" by a clock that is ahead by ", detail::Fixed(options.time_offset, 3), " s");
+  const bool apart = !keyframes.empty() && !samples.empty() &&
+                     (keyframes.back().timestamp + options.time_offset < samples.front().timestamp ||
+                      samples.back().timestamp < keyframes.front().timestamp + options.time_offset);
+  if (apart)
+    problem += detail::Concat(
+        "; if the reference's clock is ahead by ",
+        detail::Fixed(samples.front().timestamp - keyframes.front().timestamp, 3),
+        " s, both begin at once: give FitOptions::time_offset, or let it be estimated (estimate_time_offset)");
+  else if (const auto nearest = NearestTimes(keyframes, samples, options.time_offset))
+    problem += detail::Concat("; half of the keyframes are ", detail::Digits(*nearest, 3),
+                              " s or more from the nearest position, ", "and FitOptions::max_time_difference allows ",
+                              detail::Digits(options.max_time_difference, 3), " s");
+  return Error(ErrorKind::kNotPossible, problem);
+}
+
 }  // namespace
 
 TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosition> reference,
@@ -79,34 +113,40 @@ TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosit
     throw Error(ErrorKind::kNotPossible,
                 ToString(map.id) + " has no IMU calibration, so that nobody knows where its body is");
   const std::vector<TimedPosition> samples = Sorted(reference), keyframes = PositionsOf(map, options.body);
+  const detail::TimeOffset offset = OffsetOf(keyframes, samples, options);
+  std::vector<double> times;
   std::vector<Eigen::Vector3d> source, target;
   for (const auto& [time, position] : keyframes) {
-    const auto there = PositionAt(samples, time, options.max_time_difference);
+    const auto there = detail::PositionAt(samples, time + offset.seconds, offset.reach);
     if (!there) continue;
+    times.push_back(time);
     source.push_back(position);
     target.push_back(*there);
   }
-  if (source.size() < kFewestPairs)
-    throw Error(ErrorKind::kNotPossible,
-                ToString(map.id) + ": " + std::to_string(source.size()) + " of " + std::to_string(keyframes.size()) +
-                    " keyframes have a reference position at their time, but three are needed: the map covers " +
-                    Span(keyframes) + ", the reference " + Span(samples));
+  if (source.size() < kFewestPairs) throw TooFewPairs(map, source.size(), keyframes, samples, options);
   UmeyamaResult fit;
   try {
     fit = SolveUmeyama(source, target, options.fit);
   } catch (const Error& error) {
     throw Error(error.kind(), ToString(map.id) + ": " + error.problem());
   }
+  TrajectoryAlignment alignment{.reference_from_map = fit.target_from_source,
+                                .keyframes = keyframes.size(),
+                                .pairs = source.size(),
+                                .largest_residual = std::ranges::max(fit.residuals),
+                                .time_offset = offset.seconds,
+                                .rival_time_offset = offset.rival,
+                                .spread = fit.spread};
   std::vector<double> inliers;
   for (std::size_t pair = 0; pair < fit.residuals.size(); ++pair)
-    if (fit.inliers[pair] != 0) inliers.push_back(fit.residuals[pair]);
-  return {.reference_from_map = fit.target_from_source,
-          .keyframes = keyframes.size(),
-          .pairs = source.size(),
-          .inliers = inliers.size(),
-          .residuals = StatisticsOf(inliers),
-          .largest_residual = std::ranges::max(fit.residuals),
-          .spread = fit.spread};
+    if (fit.inliers[pair] != 0)
+      inliers.push_back(fit.residuals[pair]);
+    else
+      alignment.outliers.push_back({times[pair], fit.residuals[pair]});
+  std::ranges::stable_sort(alignment.outliers, std::greater<>(), &OutlierPair::residual);
+  alignment.inliers = inliers.size();
+  alignment.residuals = StatisticsOf(std::move(inliers));
+  return alignment;
 }
 
 std::vector<TimedPosition> TrajectoryOf(const Atlas& atlas, bool body) {

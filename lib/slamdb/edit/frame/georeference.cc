@@ -8,8 +8,7 @@
 #include <string>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/parse_file.h"
-#include "slamdb/base/detail/table.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -23,34 +22,11 @@ constexpr double kDegree = std::numbers::pi / 180;
 // From the axis of the earth to the ellipsoid along the normal.
 double NormalRadius(double sine) { return kSemiMajor / std::sqrt(1 - kEccentricity2 * sine * sine); }
 
+}  // namespace
+
 bool IsPlace(const Geodetic& place) {
   return std::abs(place.latitude) <= 90 && std::abs(place.longitude) <= 360 && std::isfinite(place.altitude);
 }
-
-// What the columns of fixes are, in the order that they have without names.
-enum FixColumn : std::size_t { kTime, kLatitude, kLongitude, kAltitude };
-
-const detail::TableKind& FixTable() {
-  static const detail::TableKind kind = {
-      .columns = {{{"timestamp", "time", "t", "seconds"}},
-                  {{"latitude", "lat"}},
-                  {{"longitude", "lon", "lng", "long"}},
-                  {{"altitude", "alt", "ele", "elevation", "height"}}},
-      .expected = "time, latitude, longitude and altitude in seconds, degrees and metres",
-      .more_cells = true,
-      .name_beginnings = true};
-  return kind;
-}
-
-GpsFix FixOf(const detail::Table& table) {
-  const GpsFix fix{table.Get<double>(kTime),
-                   {table.Get<double>(kLatitude), table.Get<double>(kLongitude), table.Get<double>(kAltitude)}};
-  if (!std::isfinite(fix.timestamp) || !IsPlace(fix.place))
-    throw table.LineError(detail::Concat("expected ", FixTable().expected, ", found ", detail::Excerpt(table.row())));
-  return fix;
-}
-
-}  // namespace
 
 Eigen::Vector3d EcefFromGeodetic(const Geodetic& place) {
   const double sine = std::sin(place.latitude * kDegree), cosine = std::cos(place.latitude * kDegree);
@@ -91,21 +67,6 @@ Eigen::Vector3d LocalFrame::FromGeodetic(const Geodetic& place) const {
 
 Geodetic LocalFrame::ToGeodetic(const Eigen::Vector3d& enu) const {
   return GeodeticFromEcef(ecef_ + enu_from_ecef_.transpose() * enu);
-}
-
-std::vector<GpsFix> ParseFixes(std::string_view csv) {
-  std::vector<GpsFix> fixes;
-  detail::Table table(csv, FixTable());
-  while (table.Next()) fixes.push_back(FixOf(table));
-  return fixes;
-}
-
-std::vector<GpsFix> ReadFixes(const std::string& path) {
-  return detail::ParseFile(path, [](std::string_view csv) {
-    auto fixes = ParseFixes(csv);
-    if (fixes.empty()) throw Error(ErrorKind::kDamaged, "holds no fix");
-    return fixes;
-  });
 }
 
 Geodetic ParseGeodetic(std::string_view text) {

@@ -3,11 +3,14 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/notices.h"
+#include "slamdb/base/time_unit.h"
 #include "slamdb/edit/frame/align_trajectory.h"
 #include "slamdb/export.h"
 
@@ -21,9 +24,18 @@ struct Geodetic {
 };
 
 struct GpsFix {
+  // Not a number: the receiver had no fix then, so that nothing is interpolated across that time.
+  static constexpr Geodetic kNowhere{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
+                                     std::numeric_limits<double>::quiet_NaN()};
+
   double timestamp = 0;  // seconds
   Geodetic place;
+
+  bool has_place() const { return place.latitude == place.latitude; }
 };
+
+// Whether latitude, longitude and altitude are of a place on earth.
+[[nodiscard]] SLAMDB_EXPORT bool IsPlace(const Geodetic& place);
 
 // Earth-centred, earth-fixed coordinates in metres (EPSG:4978), and back: to a micrometre from the ground up to orbits.
 [[nodiscard]] SLAMDB_EXPORT Eigen::Vector3d EcefFromGeodetic(const Geodetic& place);
@@ -45,30 +57,39 @@ class SLAMDB_EXPORT LocalFrame {
   Eigen::Matrix3d enu_from_ecef_;
 };
 
-// The fixes of a table in any dialect of schema/tables.md.
-// Columns, with anything behind the name where no column has exactly it (`lat [deg]`):
-//   timestamp, time, t or seconds
-//   latitude or lat
-//   longitude, lon, lng or long
+// How GPS fixes are read.
+struct FixReadOptions {
+  std::optional<TimeUnit> time_unit;  // by default as the table says, or its times tell
+};
+
+// The fixes of a table in any dialect of schema/tables.md, or of sentences of NMEA 0183.
+// Columns by their names, in any order, or else in this one:
+//   timestamp, time, header.stamp and others; a number since 1970, or date and time
+//   latitude or lat; longitude, lon, lng or long; with N, S, E and W beside them also degrees and minutes (ddmm.mmmm)
 //   altitude, alt, ele, elevation or height
-// Without names they stand in this order.
+// Units are as the names say (`altitude_ft`, `latitude [rad]`, `lat_e7`, `timestamp_ns`), otherwise degrees and metres;
+// times tell their own.
+// Rows of a receiver without a fix are named, and are fixes without a place: empty, not a number, 0,0, a status below
+// 0, a quality of 0, a latitude beyond 90 degrees. Sentences: GGA with the day of RMC or ZDA; RMC alone has no
+// altitude.
 //
-// Units: seconds, degrees, metres; a unit that a name states is not looked at.
-//
-// Throws Error (kDamaged) naming the line that is none, and the column when a cell is no number.
-[[nodiscard]] SLAMDB_EXPORT std::vector<GpsFix> ParseFixes(std::string_view csv);
+// Throws Error naming line, column, what is there and what was expected; also when no row has a fix, and when the unit
+// of angles or times cannot be told.
+[[nodiscard]] SLAMDB_EXPORT std::vector<GpsFix> ParseFixes(std::string_view text, const FixReadOptions& options = {},
+                                                           Notices* notices = nullptr);
 
 // The fixes of a file, at least one.
 //
 // Throws Error as ParseFixes, with the path.
-[[nodiscard]] SLAMDB_EXPORT std::vector<GpsFix> ReadFixes(const std::string& path);
+[[nodiscard]] SLAMDB_EXPORT std::vector<GpsFix> ReadFixes(const std::string& path, const FixReadOptions& options = {},
+                                                          Notices* notices = nullptr);
 
 // `LAT,LON` or `LAT,LON,ALT`.
 //
 // Throws Error (kUsage).
 [[nodiscard]] SLAMDB_EXPORT Geodetic ParseGeodetic(std::string_view text);
 
-// The fixes as positions in the frame.
+// The fixes as positions in the frame; not a number where a fix has no place.
 [[nodiscard]] SLAMDB_EXPORT std::vector<TimedPosition> PositionsIn(const LocalFrame& frame,
                                                                    const std::vector<GpsFix>& fixes);
 

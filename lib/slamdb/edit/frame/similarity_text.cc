@@ -2,6 +2,7 @@
 #include "slamdb/edit/frame/similarity_text.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <vector>
@@ -19,7 +20,8 @@ std::vector<double> NumbersIn(std::string_view text) {
   constexpr std::string_view kSeparators = " \t,;";
   std::vector<double> numbers;
   while (!text.empty()) {
-    std::string_view line = detail::TakeLine(text);
+    std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
     line = line.substr(0, line.find_first_of("#%"));
     for (auto word = detail::TakeWord(line, kSeparators); !word.empty(); word = detail::TakeWord(line, kSeparators)) {
       const auto number = detail::ParseNumber<double>(word);

@@ -165,14 +165,17 @@ std::vector<std::string> TransformWarnings(const Map& map, const Similarity3d& t
                          " in a map whose unit is the metre of its IMU: what the IMU measured stays as it is, which is "
                          "right only where this corrects an error of scale"));
   }
-  constexpr double kCoarseStep = 1e-3;
-  const double largest = LargestCoordinate(map, target_from_source);
-  const double step = largest * std::numeric_limits<float>::epsilon();
-  if (step > kCoarseStep)
-    warnings.push_back(detail::Concat("coordinates reach ", detail::Fixed(largest, 0),
-                                      ", where single precision has steps of ", detail::Digits(step, 1),
-                                      ": choose an origin nearby"));
   return warnings;
+}
+
+std::optional<std::string> CoarseningLoss(const Map& map, const Similarity3d& target_from_source) {
+  constexpr double kCoarseStep = 1e-3;
+  constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
+  const double largest = LargestCoordinate(map, target_from_source);
+  const double step = largest * kEpsilon;
+  if (step <= kCoarseStep || LargestCoordinate(map, {}) * kEpsilon >= step) return std::nullopt;
+  return detail::Concat("coordinates reach ", detail::Fixed(largest, 0), ", where single precision has steps of ",
+                        detail::Digits(step, 1), ": positions are rounded to these; choose an origin nearby");
 }
 
 }  // namespace slamdb

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,12 @@ SLAMDB_EXPORT void TransformMap(Map& map, const Similarity3d& target_from_source
 SLAMDB_EXPORT void RequireTransform(const Similarity3d& target_from_source);
 
 // What the owner of the map should know before it is moved so, one sentence each: gravity that no longer points along
-// -z in a map with IMU, a change of scale where the IMU has the unit fixed, coordinates so large that floats get
-// coarse.
+// -z in a map with IMU, a change of scale where the IMU has the unit fixed.
 [[nodiscard]] SLAMDB_EXPORT std::vector<std::string> TransformWarnings(const Map& map,
                                                                        const Similarity3d& target_from_source);
+
+// What is lost when coordinates get so large that single precision has steps of more than a millimetre.
+[[nodiscard]] SLAMDB_EXPORT std::optional<std::string> CoarseningLoss(const Map& map,
+                                                                      const Similarity3d& target_from_source);
 
 }  // namespace slamdb

@@ -21,12 +21,49 @@ MovedMap LaidOnto(const Map& map, const std::vector<TimedPosition>& reference, c
   TrajectoryAlignmentOptions options{.max_time_difference = fit.max_time_difference.value_or(default_time_difference),
                                      .body = fit.body};
   options.fit.with_scale = fit.with_scale.value_or(HasOpenScale(map));
-  options.fit.outlier_distance = fit.outlier_distance.value_or(options.fit.outlier_distance);
+  options.fit.outlier_distance = fit.outlier_distance.value_or(0);
+  options.fit.leave_out_gross = !fit.outlier_distance;
+  options.time_offset = fit.time_offset;
+  options.estimate_time_offset = fit.estimate_time_offset;
   const TrajectoryAlignment alignment = AlignToTrajectory(map, reference, options);
   MovedMap moved{.map = map.id, .target_from_source = alignment.reference_from_map, .alignment = alignment};
+  const std::vector<OutlierPair>& outliers = alignment.outliers;
+  if (!fit.outlier_distance && !outliers.empty())
+    moved.warnings.push_back(Concat(detail::Counted(outliers.size(), "pair"), " of ", alignment.pairs,
+                                    " left out as gross outliers: up to ", detail::Digits(outliers.front().residual),
+                                    " off, at ", detail::Fixed(outliers.front().timestamp, 3),
+                                    " s, where the others are ", detail::Digits(alignment.residuals.rmse, 3),
+                                    " off (RMS); FitOptions::outlier_distance sets another limit"));
+  if (alignment.rival_time_offset != alignment.time_offset)
+    moved.warnings.push_back(Concat("the time offset is not certain: ", detail::Fixed(alignment.rival_time_offset, 3),
+                                    " s fits nearly as well as ", detail::Fixed(alignment.time_offset, 3), " s"));
   if (auto poor = PoorFitWarning(alignment.residuals.rmse, alignment.spread))
     moved.warnings.push_back(*std::move(poor));
   return moved;
+}
+
+// The first fix, unless it is far from where most are.
+Geodetic FirstAmongOthers(std::vector<GpsFix> fixes) {
+  constexpr double kTimesFarther = 20, kNearby = 1000;  // metres
+  const auto middle_of = [](std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  };
+  std::erase_if(fixes, [](const GpsFix& fix) { return !fix.has_place(); });
+  std::vector<Eigen::Vector3d> places;
+  for (const GpsFix& fix : fixes) places.push_back(EcefFromGeodetic(fix.place));
+  Eigen::Vector3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& place : places) values.push_back(place[axis]);
+    middle[axis] = middle_of(std::move(values));
+  }
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& place : places) distances.push_back((place - middle).norm());
+  const double limit = std::max(kNearby, kTimesFarther * middle_of(distances));
+  const auto first = std::ranges::find_if(distances, [limit](double distance) { return distance <= limit; });
+  return fixes[static_cast<std::size_t>(first - distances.begin())].place;
 }
 
 // Finds the transform of one map after the other.
@@ -35,8 +72,9 @@ class Finder {
   explicit Finder(const Destination& motion) : destination_(motion) {
     if (const auto* everywhere = std::get_if<Similarity3d>(&motion)) RequireTransform(*everywhere);
     if (const auto* earth = std::get_if<OntoEarth>(&motion)) {
-      if (earth->fixes.empty()) throw Error(ErrorKind::kUsage, "there is no fix to lay the maps onto");
-      frame_.emplace(earth->origin.value_or(earth->fixes.front().place));
+      if (std::ranges::none_of(earth->fixes, &GpsFix::has_place))
+        throw Error(ErrorKind::kUsage, "there is no fix to lay the maps onto");
+      frame_.emplace(earth->origin ? *earth->origin : FirstAmongOthers(earth->fixes));
       fixes_ = PositionsIn(*frame_, earth->fixes);
     }
   }
@@ -49,6 +87,7 @@ class Finder {
     RequireTransform(moved.target_from_source);
     std::vector<std::string> warnings = TransformWarnings(map, moved.target_from_source);
     moved.warnings.insert(moved.warnings.begin(), warnings.begin(), warnings.end());
+    if (auto loss = CoarseningLoss(map, moved.target_from_source)) moved.losses.push_back(*std::move(loss));
     return moved;
   }
 
@@ -94,7 +133,8 @@ Json JsonOf(const TrajectoryAlignment& alignment) {
           {"inliers", alignment.inliers},
           {"residuals",
            {{"rmse", residuals.rmse}, {"mean", residuals.mean}, {"median", residuals.median}, {"max", residuals.max}}},
-          {"largest_residual", alignment.largest_residual}};
+          {"largest_residual", alignment.largest_residual},
+          {"time_offset", alignment.time_offset}};
 }
 
 Json JsonOf(const Upright& upright) {
@@ -110,6 +150,7 @@ Json JsonOf(const MovedMap& moved) {
   if (moved.alignment) json["alignment"] = JsonOf(*moved.alignment);
   if (moved.upright) json["upright"] = JsonOf(*moved.upright);
   json["warnings"] = moved.warnings;
+  json["losses"] = moved.losses;
   return json;
 }
 

@@ -21,7 +21,11 @@ struct FitOptions {
   std::optional<double> max_time_difference;  // seconds; by default 0.02 for trajectories and 1 for GPS
   bool body = false;                          // the positions are those of the IMU, not of the camera
   std::optional<bool> with_scale;             // by default only where the sensor leaves it open, see HasOpenScale
-  std::optional<double> outlier_distance;     // pairs that end up farther apart are left out; units of the reference
+  // Pairs that end up farther apart are left out; units of the reference. By default gross outliers are
+  // (UmeyamaOptions::leave_out_gross), and named in a warning; infinity keeps every pair.
+  std::optional<double> outlier_distance;
+  double time_offset = 0;             // seconds that the reference's clock is ahead of the maps'
+  bool estimate_time_offset = false;  // find it for each map instead
 };
 
 // Where maps go. Each map of an atlas has a frame of its own, so all but the first find a transform for each.
@@ -33,8 +37,8 @@ struct OntoTrajectory {
   FitOptions fit;
 };
 struct OntoEarth {
-  std::vector<GpsFix> fixes;       // at least one
-  std::optional<Geodetic> origin;  // of east, north, up; by default the first fix
+  std::vector<GpsFix> fixes;       // at least one with a place
+  std::optional<Geodetic> origin;  // of east, north, up; by default the first fix that is near the others
   FitOptions fit;
 };
 using Destination = std::variant<Similarity3d, TurnUpright, OntoTrajectory, OntoEarth>;
@@ -52,7 +56,8 @@ struct MovedMap {
   Similarity3d target_from_source;
   std::optional<TrajectoryAlignment> alignment;
   std::optional<Upright> upright;
-  std::vector<std::string> warnings;  // TransformWarnings, and a poor fit
+  std::vector<std::string> warnings;  // TransformWarnings, outliers, and a poor fit
+  std::vector<std::string> losses;    // what the single precision of maps cannot hold of the result
 };
 
 struct TransformReport {

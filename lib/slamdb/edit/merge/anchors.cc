@@ -19,8 +19,8 @@ constexpr std::size_t kKeyFrames = 0, kPlaces = 2;
 
 const detail::TableKind& AnchorTable() {
   static const detail::TableKind kind = {
-      .columns = {{{"first"}, 0},
-                  {{"second"}, 0},
+      .columns = {{{"first", "first_keyframe", "keyframe_first", "first_kf"}, 0},
+                  {{"second", "second_keyframe", "keyframe_second", "second_kf"}, 0},
                   {{"first_x"}, 1},
                   {{"first_y"}, 1},
                   {{"first_z"}, 1},

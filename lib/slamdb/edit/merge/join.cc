@@ -272,6 +272,7 @@ JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
   report.first_from_second =
       options.first_from_second ? *options.first_from_second : Solve(first, second, options, report);
   std::ranges::move(TransformWarnings(second, report.first_from_second), std::back_inserter(report.warnings));
+  if (auto loss = CoarseningLoss(second, report.first_from_second)) report.warnings.push_back(*std::move(loss));
   TransformMap(second, report.first_from_second, options.threads);
   if (!IsOfLandmarks(first) && !IsOfLandmarks(second)) {
     Link(first, second, ChooseLink(first, second, options, report), report);

@@ -25,9 +25,13 @@ std::vector<const Map*> ChooseMaps(const Atlas& atlas, const WriteOptions& optio
 void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string& how_told_apart, Notices& notices) {
   std::size_t filled = 0;
   for (const Map* map : maps) filled += map->keyframes.empty() && map->points.empty() ? 0 : 1;
-  if (filled < 2) return;
+  WarnOfSeveralFrames(filled, how_told_apart, notices);
+}
+
+void WarnOfSeveralFrames(std::size_t maps, const std::string& how_told_apart, Notices& notices) {
+  if (maps < 2) return;
   notices.Warn(
-      Concat(Thousands(filled),
+      Concat(Thousands(maps),
              " maps are in one file, each in a frame of reference of its own and not aligned with the others: ",
              how_told_apart, ", and ExportOptions::map writes one alone"));
 }

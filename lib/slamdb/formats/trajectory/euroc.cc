@@ -5,9 +5,9 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/detail/times.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/rows.h"
-#include "slamdb/formats/trajectory/detail/lines.h"
+#include "slamdb/formats/trajectory/detail/pose_text.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 
@@ -29,23 +29,24 @@ std::int64_t Nanoseconds(double seconds) {
   return static_cast<std::int64_t>(whole) * 1'000'000'000 + std::llround((seconds - whole) * 1e9);
 }
 
-double Seconds(std::int64_t nanoseconds) {
-  constexpr std::int64_t kPerSecond = 1'000'000'000;
-  return static_cast<double>(nanoseconds / kPerSecond) + static_cast<double>(nanoseconds % kPerSecond) / 1e9;
-}
-
 // What 64 bits of nanoseconds reach: 292 years to both sides.
 bool FitsNanoseconds(double seconds) { return std::abs(seconds) < 9.2e9; }
 
+void AppendPose(std::string& out, const detail::PoseText& pose) {
+  for (const std::string& number : pose.position) out.append(",").append(number);
+  const auto& [x, y, z, w] = pose.rotation;
+  for (const std::string* number : {&w, &x, &y, &z}) out.append(",").append(*number);
+}
+
 void AppendLine(std::string& out, const detail::TimedPose& pose, bool inertial) {
   AppendNumber(out, Nanoseconds(pose.timestamp));
+  detail::PoseText text;
+  detail::SetText(text, pose.world_from_it.translation, pose.world_from_it.rotation);
+  AppendPose(out, text);
   const auto add = [&out](float value) {
     out += ',';
     AppendNumber(out, value);
   };
-  const Quaternionf& rotation = pose.world_from_it.rotation;
-  for (const float value : pose.world_from_it.translation) add(value);
-  for (const float value : {rotation.w(), rotation.x(), rotation.y(), rotation.z()}) add(value);
   if (inertial) {
     for (const float value : pose.keyframe->velocity) add(value);
     for (const float value : pose.keyframe->imu_bias.gyroscope) add(value);
@@ -54,16 +55,30 @@ void AppendLine(std::string& out, const detail::TimedPose& pose, bool inertial) 
   out += '\n';
 }
 
+// Whole nanoseconds of seconds as text, rounded.
+std::string NanosecondsText(const detail::PoseText& pose) {
+  std::string text = detail::ShiftedDecimal(pose.seconds, 9).value_or("0");
+  const std::size_t point = text.find('.');
+  if (point == text.npos) return text;
+  const auto whole = detail::ParseNumber<std::int64_t>(text.substr(0, point)).value_or(0);
+  const bool up = text[point + 1] >= '5';
+  return std::to_string(whole + (up ? text.starts_with('-') ? -1 : 1 : 0));
+}
+
+void LoseUnreachable(std::size_t dropped, Notices& notices) {
+  if (dropped > 0)
+    notices.Lose(
+        "left out because their time does not fit into 64 bits of nanoseconds (was it recorded in seconds?): " +
+        detail::Counted(dropped, "keyframe"));
+}
+
 void DropUnreachableTimes(std::vector<detail::MapTrajectory>& trajectories, Notices& notices) {
   std::size_t dropped = 0;
   for (detail::MapTrajectory& trajectory : trajectories)
     dropped +=
         std::erase_if(trajectory.poses, [](const detail::TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
   std::erase_if(trajectories, [](const detail::MapTrajectory& trajectory) { return trajectory.poses.empty(); });
-  if (dropped > 0)
-    notices.Lose(
-        "left out because their time does not fit into 64 bits of nanoseconds (was it recorded in seconds?): " +
-        detail::Counted(dropped, "keyframe"));
+  LoseUnreachable(dropped, notices);
 }
 
 bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
@@ -73,58 +88,68 @@ bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
   });
 }
 
+constexpr const char* kToldApart = "lines `# map N` tell them apart";
+
 void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(target, detail::FileOptions(options));
   std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   DropUnreachableTimes(trajectories, notices);
-  std::vector<const Map*> maps;
-  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
-  detail::WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
   const bool inertial = IsInertial(trajectories);
-  file.Write(kPoseHeader);
-  if (inertial) file.Write(kInertialHeader);
-  file.Write("\n");
+  std::vector<detail::MapLines> maps;
   for (const auto& [map, poses] : trajectories) {
-    if (trajectories.size() > 1) file.Write(detail::MapComment(map->id));
-    std::string lines;
-    for (const detail::TimedPose& pose : poses) AppendLine(lines, pose, inertial);
-    file.Write(lines);
+    detail::MapLines& lines = maps.emplace_back(map->id);
+    for (const detail::TimedPose& pose : poses) AppendLine(lines.lines, pose, inertial);
   }
-  file.Commit();
+  detail::WarnOfSeveralFrames(maps.size(), kToldApart, notices);
+  const std::string header = std::string(kPoseHeader) + (inertial ? std::string(kInertialHeader) : "") + "\n";
+  detail::WriteMapLines(target, options, header, maps);
 }
 
-const detail::TableKind& Kind() {
-  static const detail::TableKind kind = {
-      .columns = {{{"timestamp"}},
-                  {{"p_rs_r_x"}},
-                  {{"p_rs_r_y"}},
-                  {{"p_rs_r_z"}},
-                  {{"q_rs_w"}},
-                  {{"q_rs_x"}},
-                  {{"q_rs_y"}},
-                  {{"q_rs_z"}}},
-      .expected = "at least 8 cells: timestamp [ns], position x y z, quaternion w x y z",
-      .more_cells = true};
-  return kind;
+Atlas ReadEuroc(const Source& source, const ReadOptions& options, Notices& notices) {
+  return detail::ReadPoses(source, detail::PoseLayout::kEuroc, options, notices);
 }
 
-detail::ReadPose PoseOf(const detail::Table& table) {
-  const auto nanoseconds = table.Get<std::int64_t>(0, "whole nanoseconds");
-  const auto v = detail::NumbersBehindTime(table);
-  const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
-  return {Seconds(nanoseconds), {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
+// The names of the columns, which are not those of the IMU and image csv of the same data set; or rows between commas
+// that begin with whole nanoseconds since 1970.
+bool SniffEuroc(const Probe& probe) {
+  static const detail::TableKind names = {.columns = {{{"timestamp"}},
+                                                      {{"p_rs_r_x"}},
+                                                      {{"p_rs_r_y"}},
+                                                      {{"p_rs_r_z"}},
+                                                      {{"q_rs_w"}},
+                                                      {{"q_rs_x"}},
+                                                      {{"q_rs_y"}},
+                                                      {{"q_rs_z"}}},
+                                          .more_cells = true};
+  const detail::TableGlance glance = detail::GlanceAtTable(probe.head, names);
+  if (glance.named) return true;
+  return (glance.numbers == 8 || glance.numbers == 17) && glance.separator == ',' &&
+         detail::IsEpoch(glance.first * 1e-9);
 }
-
-Atlas ReadEuroc(const Source& source, const ReadOptions& options, Notices&) {
-  return detail::ReadPoses(source, options, Kind(), PoseOf);
-}
-
-// The names of the columns, which are not those of the IMU and image csv of the same data set.
-bool SniffEuroc(const Probe& probe) { return detail::GlanceAtTable(probe.head, Kind()).named; }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".euroc.csv"};
 
 }  // namespace
+
+void detail::WriteEurocText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
+                            Notices& notices) {
+  std::vector<MapLines> maps;
+  std::size_t dropped = 0;
+  for (const MapText& map : trajectory) {
+    MapLines& lines = maps.emplace_back(map.id);
+    for (const PoseText& pose : map.poses) {
+      if (!FitsNanoseconds(pose.timestamp)) {
+        ++dropped;
+        continue;
+      }
+      lines.lines += NanosecondsText(pose);
+      AppendPose(lines.lines, pose);
+      lines.lines += '\n';
+    }
+  }
+  LoseUnreachable(dropped, notices);
+  WarnOfSeveralFrames(maps.size(), kToldApart, notices);
+  WriteMapLines(target, options, std::string(kPoseHeader) + "\n", maps);
+}
 
 const Format detail::kEurocFormat = {.id = "euroc",
                                      .title = "EuRoC ground truth csv",

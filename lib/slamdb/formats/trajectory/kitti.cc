@@ -7,7 +7,7 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/rows.h"
-#include "slamdb/formats/trajectory/detail/lines.h"
+#include "slamdb/formats/trajectory/detail/pose_text.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 
@@ -17,73 +17,106 @@ namespace {
 using detail::AppendNumber;
 using detail::AppendSeconds;
 
-void AppendLine(std::string& out, const Rigid3f& pose) {
-  const Eigen::Matrix3f rotation = pose.rotation.toRotationMatrix();
+template <class Scalar>
+void AppendLine(std::string& out, const Eigen::Matrix<Scalar, 3, 3>& rotation,
+                const std::array<std::string, 3>& translation) {
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       AppendNumber(out, rotation(row, column));
       out += ' ';
     }
-    AppendNumber(out, pose.translation[row]);
+    out += translation[static_cast<std::size_t>(row)];
     out += row < 2 ? ' ' : '\n';
   }
 }
 
+// The poses of one map, and the times of them.
+struct Lines {
+  MapId map;
+  std::size_t count = 0;
+  std::string poses, seconds;
+};
+
 // `lines 1-46 are map 0, lines 47-106 map 1`: readers of this format take no comments, so the warning has to say it.
-std::string LinesOfMaps(const std::vector<detail::MapTrajectory>& trajectories) {
+std::string LinesOfMaps(const std::vector<Lines>& maps) {
   std::string text;
   std::size_t line = 1;
-  for (const detail::MapTrajectory& trajectory : trajectories) {
-    const std::size_t last = line + trajectory.poses.size() - 1;
-    text += detail::Concat(text.empty() ? "lines " : ", lines ", line, "-", last, " are ", trajectory.map->id);
+  for (const Lines& lines : maps) {
+    const std::size_t last = line + lines.count - 1;
+    text += detail::Concat(text.empty() ? "lines " : ", lines ", line, "-", last, " are ", lines.map);
     line = last + 1;
   }
   return text;
 }
 
-void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+void WriteLines(const std::vector<Lines>& maps, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, detail::FileOptions(options));
   const std::string times_path = target.path + ".times";
   std::optional<AtomicFile> times;
   if (target.is_file()) times.emplace(times_path, detail::FileOptions(options));
-  const std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
-  std::vector<const Map*> maps;
-  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
-  detail::WarnOfSeveralFrames(maps, LinesOfMaps(trajectories), notices);
+  detail::WarnOfSeveralFrames(maps.size(), LinesOfMaps(maps), notices);
   if (times)
     notices.Note("the timestamps are in " + times_path + ", one line for each pose");
   else
     notices.Lose(detail::Concat("kitti has no timestamps in its lines, and ",
                                 target.sink ? target.path : "standard output", " has no second file for them"));
-  for (const auto& [map, poses] : trajectories) {
-    std::string lines, seconds;
-    for (const detail::TimedPose& pose : poses) {
-      AppendLine(lines, pose.world_from_it);
-      AppendSeconds(seconds, pose.timestamp);
-      seconds += '\n';
-    }
-    file.Write(lines);
-    if (times) times->Write(seconds);
+  for (const Lines& lines : maps) {
+    file.Write(lines.poses);
+    if (times) times->Write(lines.seconds);
   }
   if (times) times->Commit();
   file.Commit();
 }
 
+void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  std::vector<Lines> maps;
+  for (const auto& [map, poses] : detail::CollectTrajectories(atlas, target, options, notices)) {
+    Lines& lines = maps.emplace_back(map->id, poses.size());
+    for (const detail::TimedPose& pose : poses) {
+      detail::PoseText text;
+      detail::SetText(text, pose.world_from_it.translation, pose.world_from_it.rotation);
+      AppendLine<float>(lines.poses, pose.world_from_it.rotation.toRotationMatrix(), text.position);
+      AppendSeconds(lines.seconds, pose.timestamp);
+      lines.seconds += '\n';
+    }
+  }
+  WriteLines(maps, target, options, notices);
+}
+
+Atlas ReadKitti(const Source& source, const ReadOptions& options, Notices& notices) {
+  return detail::ReadPoses(source, detail::PoseLayout::kKitti, options, notices);
+}
+
 bool SniffKitti(const Probe& probe) {
   const detail::TableGlance glance = detail::GlanceAtTable(probe.head, {.columns = std::vector<detail::Column>(12)});
-  return glance.numbers == 12 && detail::IsBlank(glance.separator);
+  return glance.numbers == 12;
 }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};
 
 }  // namespace
 
+void detail::WriteKittiText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
+                            Notices& notices) {
+  std::vector<Lines> maps;
+  for (const MapText& map : trajectory) {
+    Lines& lines = maps.emplace_back(map.id, map.poses.size());
+    for (const PoseText& pose : map.poses) {
+      AppendLine<double>(lines.poses, pose.quaternion.toRotationMatrix(), pose.position);
+      lines.seconds.append(pose.seconds).append("\n");
+    }
+  }
+  WriteLines(maps, target, options, notices);
+}
+
 const Format detail::kKittiFormat = {.id = "kitti",
                                      .title = "KITTI trajectory",
                                      .suffixes = kSuffixes,
                                      .chooses_maps = true,
+                                     .reads = Content::kPoses,
                                      .writes = Content::kPoses,
                                      .sniff = SniffKitti,
+                                     .read = ReadKitti,
                                      .write = WriteKitti};
 
 }  // namespace slamdb

@@ -70,16 +70,21 @@ void PoseAtlas::BeginMap(MapId id) {
   if (id) atlas_.next_ids.map = std::max(atlas_.next_ids.map, id.value() + 1);
 }
 
-void PoseAtlas::Add(double timestamp, const Rigid3f& world_from_camera) {
+const KeyFrame& PoseAtlas::Add(double timestamp, const Eigen::Quaterniond& world_from_camera,
+                               const Eigen::Vector3d& position) {
   if (atlas_.maps.empty()) BeginMap(MapId(0));
   Map& map = atlas_.maps.back();
   KeyFrame& keyframe = map.keyframes.emplace_back();
   keyframe.id = KeyFrameId(next_keyframe_);
   keyframe.frame_id = next_keyframe_++;
   keyframe.timestamp = timestamp;
-  keyframe.camera_from_world = world_from_camera.Normalized().Inverse();
+  const Quaternionf rotation(world_from_camera.conjugate().normalized().cast<float>());
+  // The camera's centre is where rotation and translation say together, so the rotation is the rounded one.
+  const Eigen::Vector3d translation = -(rotation.cast<double>().normalized() * position);
+  keyframe.camera_from_world = {rotation, translation.cast<float>()};
   if (map.keyframes.size() == 1) map.initial_keyframe = map.first_keyframe = map.lowest_keyframe = keyframe.id;
   map.max_keyframe_id = keyframe.id.value();
+  return keyframe;
 }
 
 Atlas PoseAtlas::Finish(const ReadOptions& options) {

@@ -3,71 +3,67 @@
 
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/rows.h"
-#include "slamdb/formats/trajectory/detail/lines.h"
+#include "slamdb/formats/trajectory/detail/pose_table.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 
 namespace slamdb {
 namespace {
 
-using detail::AppendNumber;
-using detail::AppendSeconds;
+constexpr std::string_view kHeader = "# timestamp tx ty tz qx qy qz qw\n";
+constexpr const char* kToldApart = "lines `# map N` tell them apart";
 
-const detail::TableKind& Kind() {
-  static const detail::TableKind kind = {
-      .columns = {{{"timestamp", "time", "t"}}, {{"tx"}}, {{"ty"}}, {{"tz"}}, {{"qx"}}, {{"qy"}}, {{"qz"}}, {{"qw"}}},
-      .expected = "8 numbers: timestamp tx ty tz qx qy qz qw"};
-  return kind;
-}
-
-void AppendLine(std::string& out, const detail::TimedPose& pose) {
-  AppendSeconds(out, pose.timestamp);
-  const auto add = [&out](float value) {
-    out += ' ';
-    AppendNumber(out, value);
-  };
-  for (const float value : pose.world_from_it.translation) add(value);
-  for (const float value : pose.world_from_it.rotation.coeffs()) add(value);  // x y z w
+void AppendLine(std::string& out, const detail::PoseText& pose) {
+  out += pose.seconds;
+  for (const std::string& number : pose.position) out.append(" ").append(number);
+  for (const std::string& number : pose.rotation) out.append(" ").append(number);  // x y z w
   out += '\n';
 }
 
 void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  AtomicFile file(target, detail::FileOptions(options));
-  const std::vector<detail::MapTrajectory> trajectories = detail::CollectTrajectories(atlas, target, options, notices);
-  std::vector<const Map*> maps;
-  for (const detail::MapTrajectory& trajectory : trajectories) maps.push_back(trajectory.map);
-  detail::WarnOfSeveralFrames(maps, "lines `# map N` tell them apart", notices);
-  file.Write("# timestamp tx ty tz qx qy qz qw\n");
-  for (const auto& [map, poses] : trajectories) {
-    if (trajectories.size() > 1) file.Write(detail::MapComment(map->id));
-    std::string lines;
-    for (const detail::TimedPose& pose : poses) AppendLine(lines, pose);
-    file.Write(lines);
+  std::vector<detail::MapLines> maps;
+  for (const auto& [map, poses] : detail::CollectTrajectories(atlas, target, options, notices)) {
+    detail::MapLines& lines = maps.emplace_back(map->id);
+    for (const detail::TimedPose& pose : poses) {
+      detail::PoseText text;
+      detail::AppendSeconds(text.seconds, pose.timestamp);
+      detail::SetText(text, pose.world_from_it.translation, pose.world_from_it.rotation);
+      AppendLine(lines.lines, text);
+    }
   }
-  file.Commit();
+  detail::WarnOfSeveralFrames(maps.size(), kToldApart, notices);
+  detail::WriteMapLines(target, options, kHeader, maps);
 }
 
-detail::ReadPose PoseOf(const detail::Table& table) {
-  const double timestamp = table.Get<double>(0);
-  const auto v = detail::NumbersBehindTime(table);
-  const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
-  return {timestamp, {Quaternionf(rotation.cast<float>()), Eigen::Vector3d(v[0], v[1], v[2]).cast<float>()}};
+Atlas ReadTum(const Source& source, const ReadOptions& options, Notices& notices) {
+  return detail::ReadPoses(source, detail::PoseLayout::kTum, options, notices);
 }
 
-Atlas ReadTum(const Source& source, const ReadOptions& options, Notices&) {
-  return detail::ReadPoses(source, options, Kind(), PoseOf);
-}
+// Our own table of keyframes names the columns too, and is written only.
+bool IsKeyFrameTable(const Probe& probe) { return probe.head.starts_with("map,id,timestamp,frame_id,"); }
 
-// Without names only 8 numbers between blanks: between commas they may also be EuRoC's, in another order.
+// Without names 8 numbers: between blanks, or between commas where the first is no count of nanoseconds since 1970, as
+// EuRoC's is, which has them in another order.
 bool SniffTum(const Probe& probe) {
-  const detail::TableGlance glance = detail::GlanceAtTable(probe.head, Kind());
-  return glance.named || (glance.numbers == 8 && detail::IsBlank(glance.separator));
+  const detail::TableGlance glance = detail::GlanceAtTable(probe.head, detail::PoseTable(detail::PoseLayout::kTum));
+  if (glance.named) return !IsKeyFrameTable(probe) && !detail::kEurocFormat.sniff(probe);
+  return glance.numbers == 8 && (detail::IsBlank(glance.separator) || !detail::kEurocFormat.sniff(probe));
 }
 
 constexpr std::array<std::string_view, 2> kSuffixes = {".tum", ".txt"};
 
 }  // namespace
+
+void detail::WriteTumText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
+                          Notices& notices) {
+  std::vector<MapLines> maps;
+  for (const MapText& map : trajectory) {
+    MapLines& lines = maps.emplace_back(map.id);
+    for (const PoseText& pose : map.poses) AppendLine(lines.lines, pose);
+  }
+  WarnOfSeveralFrames(maps.size(), kToldApart, notices);
+  WriteMapLines(target, options, kHeader, maps);
+}
 
 const Format detail::kTumFormat = {.id = "tum",
                                    .title = "TUM trajectory",

@@ -15,5 +15,6 @@ std::vector<const Map*> ChooseMaps(const Atlas& atlas, const WriteOptions& optio
 // Warns when more than one of the maps has content: they are not aligned with each other, and side by side in one file
 // they look as if they were. `how_told_apart` ends the sentence (`the property "map" tells them apart`).
 void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string& how_told_apart, Notices& notices);
+void WarnOfSeveralFrames(std::size_t maps, const std::string& how_told_apart, Notices& notices);
 
 }  // namespace slamdb::detail

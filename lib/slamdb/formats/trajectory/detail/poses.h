@@ -30,7 +30,8 @@ std::vector<MapTrajectory> CollectTrajectories(const Atlas& atlas, const Target&
 class PoseAtlas {
  public:
   void BeginMap(MapId id);  // later poses belong to it; without it, to map 0
-  void Add(double timestamp, const Rigid3f& world_from_camera);
+  // In double: what is far from the origin must not be rounded before it is turned into the camera's frame.
+  const KeyFrame& Add(double timestamp, const Eigen::Quaterniond& world_from_camera, const Eigen::Vector3d& position);
   Atlas Finish(const ReadOptions& options);  // applies options.selection
 
  private:

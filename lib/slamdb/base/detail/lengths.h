@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "slamdb/base/detail/table.h"
+
+namespace slamdb::detail {
+
+// How many metres the lengths in a column of a table count, as its name says: `altitude_ft`, `tx [mm]`; 1 when it says
+// nothing. Throws Error (kUnsupported) when the unit is none that is known.
+double MetresIn(const Table& table, std::size_t column);
+
+// A length of the row in metres, with all its digits where the unit is a power of ten.
+std::string MetresText(const Table& table, std::size_t column, double unit);
+
+}  // namespace slamdb::detail

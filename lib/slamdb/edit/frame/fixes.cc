@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Tables of GPS fixes, whoever wrote them.
+#include "slamdb/edit/frame/detail/fixes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/lengths.h"
+#include "slamdb/base/detail/parse_file.h"
+#include "slamdb/base/detail/times.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Column;
+using detail::Concat;
+using detail::LeftOutFixes;
+using detail::Table;
+
+// What the columns of fixes are, in the order that they have without names.
+enum FixColumn : std::size_t {
+  kTime,
+  kLatitude,
+  kLongitude,
+  kAltitude,
+  kNanoseconds,
+  kDate,
+  kNorthSouth,
+  kEastWest,
+  kStatus,
+  kQuality,
+  kFixType
+};
+
+const detail::TableKind& FixTable() {
+  static const detail::TableKind kind = {
+      .columns = {detail::TimeColumn(),
+                  {{".latitude", ".lat"}},
+                  {{".longitude", ".lon", "lng", "long"}},
+                  {{".altitude", ".alt", "ele", "elevation", "height", "altitude_msl", "alt_msl", "altitude_hae",
+                    "alt_hae", "msl", "hmsl"}},
+                  detail::NanosecondsColumn(),
+                  {{"date", "day"}, Column::kOptional},
+                  {{"n/s", "n.s", "ns", "lat_dir", "latitude_direction", "lat_hemisphere", "north_south"},
+                   Column::kOptional},
+                  {{"e/w", "e.w", "ew", "lon_dir", "longitude_direction", "lon_hemisphere", "east_west"},
+                   Column::kOptional},
+                  {{".status.status", "status"}, Column::kOptional},
+                  {{"quality", "fix_quality", "gps_quality"}, Column::kOptional},
+                  {{"fix_type", "fixtype"}, Column::kOptional}},
+      .expected = "time, latitude, longitude and altitude in seconds, degrees and metres",
+      .more_cells = true,
+      .name_beginnings = true};
+  return kind;
+}
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// How many degrees the angles of a column count. 0: it says nothing.
+double DegreesIn(const Table& table, std::size_t column) {
+  const detail::ColumnName* name = table.NameOf(column);
+  if (name == nullptr || name->unit.empty()) return 0;
+  const std::string_view unit = name->unit;
+  if (unit == "deg" || unit == "degs" || unit == "degree" || unit == "degrees" || unit == "\xc2\xb0") return 1;
+  if (unit == "rad" || unit == "rads" || unit == "radian" || unit == "radians") return 1 / kDegree;
+  if (unit == "e7" || unit == "dege7" || unit == "1e-7 deg" || unit == "1e7 deg") return 1e-7;
+  throw Error(ErrorKind::kUnsupported, "", "column " + name->text,
+              Concat("expected angles in deg, rad or e7 (1e-7 degrees), found the unit '", name->unit, "'"));
+}
+
+// Reads the rows of a table, of which all together tell what angles count.
+class FixReader {
+ public:
+  explicit FixReader(const Table& table)
+      : table_(table),
+        latitude_unit_(DegreesIn(table, kLatitude)),
+        longitude_unit_(DegreesIn(table, kLongitude)),
+        altitude_unit_(detail::MetresIn(table, kAltitude)) {}
+
+  // False when the row has neither a fix nor a time that the receiver had none at.
+  bool Add(LeftOutFixes& left_out) {
+    std::string reason = NoFix();
+    Geodetic place = GpsFix::kNowhere;
+    if (reason.empty()) {
+      place = {Angle(kLatitude, kNorthSouth, latitude_unit_), Angle(kLongitude, kEastWest, longitude_unit_),
+               table_.Get<double>(kAltitude) * altitude_unit_};
+      if (!std::isfinite(place.latitude) || !std::isfinite(place.longitude) || !std::isfinite(place.altitude))
+        reason = "not a number";
+      else if (place.latitude == 0 && place.longitude == 0)
+        reason = "latitude 0 and longitude 0";
+    }
+    if (!reason.empty()) {
+      left_out.Add(reason, table_.line());
+      if (table_.Raw(kTime).empty() || table_.Raw(kTime).front() > '9') return false;
+      place = GpsFix::kNowhere;
+    }
+    fixes_.push_back({0, place});
+    lines_.push_back(table_.line());
+    return true;
+  }
+
+  // Brings angles to degrees, and takes away what is no place. Returns how many fixes there are.
+  std::size_t Finish(const std::vector<std::string>& seconds, LeftOutFixes& left_out, Notices& notices) {
+    SettleAngles(notices);
+    std::size_t places = 0;
+    for (std::size_t i = 0; i < fixes_.size(); ++i) {
+      GpsFix& fix = fixes_[i];
+      fix.timestamp = detail::ParseNumber<double>(seconds[i]).value_or(0);
+      if (!fix.has_place()) continue;
+      if (IsPlace(fix.place)) {
+        ++places;
+        continue;
+      }
+      left_out.Add("outside", Outside(fix.place), lines_[i]);
+      fix.place = GpsFix::kNowhere;
+    }
+    return places;
+  }
+
+  std::vector<GpsFix> Take() { return std::move(fixes_); }
+
+ private:
+  // Why the row has no fix; empty: it has one.
+  std::string NoFix() const {
+    const auto number = [&](std::size_t column) { return detail::ParseNumber<double>(table_.Raw(column)); };
+    if (const auto status = number(kStatus); status && *status < 0) return Concat("status ", *status);
+    if (const auto quality = number(kQuality); quality && *quality == 0) return "quality 0";
+    if (const auto type = number(kFixType); type && *type <= 1) return Concat("fix type ", *type);
+    for (const std::size_t column : {kLatitude, kLongitude, kAltitude})
+      if (table_.Raw(column).empty()) return Concat("no ", FixTable().columns[column].title());
+    return {};
+  }
+
+  // As it stands, in the unit of its column, or degrees where a hemisphere or the name says so.
+  double Angle(std::size_t column, std::size_t beside, double unit) const {
+    std::string_view cell = table_.Raw(column);
+    char hemisphere = table_.Raw(beside).empty() ? ' ' : table_.Raw(beside).front();
+    if (cell.size() > 1 && std::string_view("NSEW").find(cell.back()) != std::string_view::npos) {
+      hemisphere = cell.back();
+      cell = detail::Trimmed(cell.substr(0, cell.size() - 1));
+    }
+    if (hemisphere == ' ') return table_.Get<double>(column) * (unit == 0 ? 1 : unit);
+    hemisphere = static_cast<char>(hemisphere & ~0x20);
+    if (std::string_view(column == kLatitude ? "NS" : "EW").find(hemisphere) == std::string_view::npos)
+      throw table_.CellError(table_.Raw(beside).empty() ? column : beside, column == kLatitude ? "N or S" : "E or W");
+    const std::string digits = detail::IsDecimalComma(cell) ? detail::WithPoint(cell) : std::string(cell);
+    if (const auto degrees = detail::DegreesOfMinutes(digits, hemisphere); degrees && unit == 0) return *degrees;
+    const auto number = detail::ParseNumber<double>(digits);
+    if (!number) throw table_.CellError(column, "degrees, or degrees and minutes as ddmm.mmmm");
+    const double value = *number * (unit == 0 ? 1 : unit);
+    return hemisphere == 'S' || hemisphere == 'W' ? -std::abs(value) : value;
+  }
+
+  // Angles whose names state no unit are degrees, where they can be nothing else.
+  void SettleAngles(Notices& notices) {
+    if (latitude_unit_ != 0 || longitude_unit_ != 0 || fixes_.empty()) return;
+    double latitude = 0, longitude = 0;
+    bool whole = true;
+    for (const GpsFix& fix : fixes_) {
+      if (!fix.has_place()) continue;
+      latitude = std::max(latitude, std::abs(fix.place.latitude));
+      longitude = std::max(longitude, std::abs(fix.place.longitude));
+      whole &= std::round(fix.place.latitude) == fix.place.latitude;
+    }
+    if (whole && std::max(latitude, longitude) > 1e6 && latitude <= 9e8 && longitude <= 36e8) {
+      notices.Note("latitudes and longitudes are taken as 1e-7 degrees: they are whole numbers of that size");
+      for (GpsFix& fix : fixes_) fix.place.latitude *= 1e-7, fix.place.longitude *= 1e-7;
+      return;
+    }
+    const auto first = std::ranges::find_if(fixes_, &GpsFix::has_place);
+    if (first != fixes_.end() && latitude <= std::numbers::pi / 2 && longitude <= std::numbers::pi)
+      throw Error(ErrorKind::kNotPossible, "",
+                  Concat("line ", lines_[static_cast<std::size_t>(first - fixes_.begin())]),
+                  Concat("latitude ", first->place.latitude, " and longitude ", first->place.longitude,
+                         " may be radians, or degrees at sea off Africa; name the columns latitude [rad] and longitude "
+                         "[rad], or [deg]"));
+  }
+
+  static std::string Outside(const Geodetic& place) {
+    if (std::abs(place.latitude) <= 90) return Concat("longitude ", place.longitude, " is outside -360 to 360");
+    return Concat("latitude ", detail::Digits(place.latitude, 12), " is outside -90 to 90; ",
+                  std::abs(place.latitude) <= 360
+                      ? "are latitude and longitude swapped?"
+                      : "is it degrees and minutes (ddmm.mmmm), which need N or S beside them, or metres?");
+  }
+
+  const Table& table_;
+  const double latitude_unit_, longitude_unit_, altitude_unit_;
+  std::vector<GpsFix> fixes_;
+  std::vector<std::size_t> lines_;
+};
+
+}  // namespace
+
+namespace detail {
+
+void LeftOutFixes::Add(std::string_view kind, const std::string& text, std::size_t line) {
+  const auto same = std::ranges::find(reasons_, kind, &Reason::kind);
+  if (same != reasons_.end())
+    ++same->count;
+  else
+    reasons_.push_back({std::string(kind), text, 1, line});
+}
+
+void LeftOutFixes::Tell(std::size_t kept, Notices& notices) const {
+  if (reasons_.empty()) return;
+  if (kept == 0) {
+    const Reason& first = reasons_.front();
+    throw Error(ErrorKind::kDamaged, "", Concat("line ", first.first_line), "no row has a fix: " + first.text);
+  }
+  std::size_t count = 0;
+  std::string list;
+  for (const Reason& reason : reasons_) {
+    count += reason.count;
+    list += Concat(list.empty() ? "" : "; ", reason.text, " (", Counted(reason.count, "row"), ", first in line ",
+                   reason.first_line, ")");
+  }
+  notices.Warn(
+      Concat("left out because the receiver had no fix: ", Counted(count, "row"), " of ", count + kept, ": ", list));
+}
+
+std::optional<double> DegreesOfMinutes(std::string_view number, char hemisphere) {
+  const bool latitude = hemisphere == 'N' || hemisphere == 'S';
+  const std::size_t whole = std::min(number.find('.'), number.size());
+  if (whole != (latitude ? 4U : 5U)) return std::nullopt;
+  const auto degrees = ParseNumber<std::uint32_t>(number.substr(0, whole - 2));
+  const auto minutes = ParseNumber<double>(number.substr(whole - 2));
+  if (!degrees || !minutes || *minutes < 0 || *minutes >= 60) return std::nullopt;
+  const double value = *degrees + *minutes / 60;
+  return hemisphere == 'S' || hemisphere == 'W' ? -value : value;
+}
+
+}  // namespace detail
+
+std::vector<GpsFix> ParseFixes(std::string_view text, const FixReadOptions& options, Notices* notices) {
+  Notices unheard;
+  Notices& heard = notices == nullptr ? unheard : *notices;
+  if (detail::IsNmea(text)) return detail::ParseNmea(text, heard);
+  Table table(text, FixTable());
+  FixReader reader(table);
+  detail::TimeReader times(table,
+                           {.asked = options.time_unit, .time = kTime, .nanoseconds = kNanoseconds, .date = kDate});
+  LeftOutFixes left_out;
+  while (table.Next())
+    if (reader.Add(left_out)) times.Add();
+  left_out.Tell(reader.Finish(times.Seconds(heard), left_out, heard), heard);
+  if (table.has_decimal_commas()) heard.Note("commas in numbers are taken as decimal commas");
+  const detail::ColumnName* altitude = table.NameOf(kAltitude);
+  if (altitude != nullptr && altitude->text.find("msl") != std::string::npos)
+    heard.Note("altitudes above the sea are taken for altitudes above the ellipsoid");
+  return reader.Take();
+}
+
+std::vector<GpsFix> ReadFixes(const std::string& path, const FixReadOptions& options, Notices* notices) {
+  return detail::ParseFile(path, [&](std::string_view text) {
+    auto fixes = ParseFixes(text, options, notices);
+    if (fixes.empty()) throw Error(ErrorKind::kDamaged, "holds no fix");
+    return fixes;
+  });
+}
+
+}  // namespace slamdb

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sentences of NMEA 0183: GGA has place, altitude and time of day, RMC and ZDA have the day.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/frame/detail/fixes.h"
+
+namespace slamdb::detail {
+namespace {
+
+constexpr double kDay = 86400;
+
+struct Sentence {
+  std::size_t line = 0;
+  std::string_view text;                // without `$` and checksum
+  std::vector<std::string_view> cells;  // the first is talker and kind: GPGGA
+
+  bool Is(std::string_view kind) const { return cells[0].size() == 5 && cells[0].ends_with(kind); }
+  std::string_view At(std::size_t cell) const { return cell < cells.size() ? cells[cell] : std::string_view(); }
+  Error Wrong(std::size_t cell, std::string_view name, std::string_view expected) const {
+    return Error(ErrorKind::kDamaged, "", Concat("line ", line),
+                 Concat("expected ", expected, ", found '", At(cell), "' in the ", name, " of ", cells[0]));
+  }
+};
+
+void RequireChecksum(const Sentence& sentence, std::string_view recorded) {
+  unsigned sum = 0;
+  for (const char letter : sentence.text) sum ^= static_cast<unsigned char>(letter);
+  unsigned stated = 0;
+  const auto [end, error] = std::from_chars(recorded.data(), recorded.data() + recorded.size(), stated, 16);
+  if (error == std::errc() && end == recorded.data() + recorded.size() && stated == sum) return;
+  throw Error(ErrorKind::kDamaged, "", Concat("line ", sentence.line),
+              Concat("the checksum of the sentence ", sentence.cells[0], " does not match: it is damaged"));
+}
+
+// The sentences of a text; what is none is passed over where `$` does not begin it.
+std::vector<Sentence> SentencesIn(std::string_view text) {
+  std::vector<Sentence> sentences;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    std::string_view line = Trimmed(TakeLine(text));
+    if (!line.starts_with('$')) continue;
+    line.remove_prefix(1);
+    const std::size_t star = line.find('*');
+    Sentence sentence{number, line.substr(0, star), Split(line.substr(0, star), ',')};
+    if (star != line.npos) RequireChecksum(sentence, line.substr(star + 1));
+    sentences.push_back(std::move(sentence));
+  }
+  return sentences;
+}
+
+// `221320.25`: seconds since midnight.
+double TimeOfDay(const Sentence& sentence) {
+  const std::string_view text = sentence.At(1);
+  const auto whole = ParseNumber<int>(text.substr(0, std::min<std::size_t>(text.size(), 4)));
+  const auto seconds = ParseNumber<double>(text.substr(std::min<std::size_t>(text.size(), 4)));
+  if (text.size() < 6 || !whole || !seconds || *whole / 100 > 23 || *whole % 100 > 59 || !(*seconds < 61))
+    throw sentence.Wrong(1, "time", "hhmmss.ss");
+  return *whole / 100 * 3600 + *whole % 100 * 60 + *seconds;
+}
+
+double DaysOf(const Sentence& sentence, int year, int month, int day) {
+  const std::chrono::year_month_day date(std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day)));
+  if (!date.ok()) throw sentence.Wrong(9, "date", "a day");
+  return static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
+}
+
+// Seconds since 1970 of an RMC (ddmmyy) or ZDA; nothing of other sentences and of empty dates.
+std::optional<double> TimeWithDay(const Sentence& sentence) {
+  if (sentence.Is("RMC") && !sentence.At(9).empty() && !sentence.At(1).empty()) {
+    const auto date = ParseNumber<int>(sentence.At(9));
+    if (!date || sentence.At(9).size() != 6) throw sentence.Wrong(9, "date", "ddmmyy");
+    const int year = *date % 100;
+    return DaysOf(sentence, year + (year < 80 ? 2000 : 1900), *date / 100 % 100, *date / 10000) * kDay +
+           TimeOfDay(sentence);
+  }
+  if (sentence.Is("ZDA") && !sentence.At(4).empty() && !sentence.At(1).empty()) {
+    const auto day = ParseNumber<int>(sentence.At(2)), month = ParseNumber<int>(sentence.At(3)),
+               year = ParseNumber<int>(sentence.At(4));
+    if (!day || !month || !year) throw sentence.Wrong(4, "date", "day, month and year");
+    return DaysOf(sentence, *year, *month, *day) * kDay + TimeOfDay(sentence);
+  }
+  return std::nullopt;
+}
+
+// The time of a sentence that tells none of its day, nearest to that of one that does.
+double Nearest(double time_of_day, double known) {
+  return time_of_day + kDay * std::round((known - time_of_day) / kDay);
+}
+
+double Coordinate(const Sentence& sentence, std::size_t cell, std::string_view name, std::string_view letters) {
+  const std::string_view hemisphere = sentence.At(cell + 1);
+  if (hemisphere.size() != 1 || letters.find(hemisphere[0]) == letters.npos)
+    throw sentence.Wrong(cell + 1, "hemisphere", letters == "NS" ? "N or S" : "E or W");
+  const auto degrees = DegreesOfMinutes(sentence.At(cell), hemisphere[0]);
+  if (!degrees) throw sentence.Wrong(cell, name, "degrees and minutes");
+  return *degrees;
+}
+
+double AltitudeOf(const Sentence& sentence) {
+  const auto above_sea = ParseNumber<double>(sentence.At(9));
+  if (!above_sea) throw sentence.Wrong(9, "altitude", "metres");
+  return *above_sea + ParseNumber<double>(sentence.At(11)).value_or(0);  // geoid above the ellipsoid
+}
+
+}  // namespace
+
+bool IsNmea(std::string_view text) {
+  if (IsUtf16(text)) return false;
+  text = WithoutMark(text);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  return text.size() > 7 && text[0] == '$' && text[6] == ',';
+}
+
+std::vector<GpsFix> ParseNmea(std::string_view text, Notices& notices) {
+  const std::vector<Sentence> sentences = SentencesIn(WithoutMark(text));
+  std::optional<double> known;
+  for (const Sentence& sentence : sentences)
+    if (const auto time = TimeWithDay(sentence); time && !known) known = time;
+  if (!known)
+    throw Error(
+        ErrorKind::kNotPossible,
+        "is of NMEA sentences that tell the time of a day, but not which: no RMC or ZDA with a date is among them");
+  std::vector<GpsFix> fixes;
+  LeftOutFixes left_out;
+  for (const Sentence& sentence : sentences) {
+    if (const auto time = TimeWithDay(sentence)) known = time;
+    if (!sentence.Is("GGA")) continue;
+    if (sentence.At(6).empty() || sentence.At(6) == "0" || sentence.At(2).empty()) {
+      left_out.Add("quality 0", sentence.line);
+      if (!sentence.At(1).empty()) fixes.push_back({Nearest(TimeOfDay(sentence), *known), GpsFix::kNowhere});
+      continue;
+    }
+    fixes.push_back({Nearest(TimeOfDay(sentence), *known),
+                     {Coordinate(sentence, 2, "latitude", "NS"), Coordinate(sentence, 4, "longitude", "EW"),
+                      AltitudeOf(sentence)}});
+  }
+  left_out.Tell(static_cast<std::size_t>(std::ranges::count_if(fixes, &GpsFix::has_place)), notices);
+  if (fixes.empty())
+    throw Error(ErrorKind::kNotPossible, "is of NMEA sentences without GGA, which alone tell the altitude");
+  return fixes;
+}
+
+}  // namespace slamdb::detail

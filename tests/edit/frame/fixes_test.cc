@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// GPS fixes as receivers, loggers and ROS write them.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <random>
+
+#include "slamdb/base/error.h"
+#include "slamdb/edit/frame/georeference.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct Table {
+  const char* name;
+  std::vector<std::string> names;
+  std::vector<std::vector<std::string>> rows;
+};
+void PrintTo(const Table& table, std::ostream* out) { *out << table.name; }
+
+// Two fixes: at 1700000000.25 s 47.5 N 8.25 E, 400 m, and at 1700000001.25 s 47.25 S 8.5 W, 300 m.
+const std::vector<Table>& Tables() {
+  static const std::vector<Table> tables = {
+      {"plain",
+       {"timestamp", "latitude", "longitude", "altitude"},
+       {{"1700000000.25", "47.5", "8.25", "400"}, {"1700000001.25", "-47.25", "-8.5", "300"}}},
+      {"units",
+       {"timestamp_ns", "longitude [deg]", "latitude [deg]", "altitude [cm]"},
+       {{"1700000000250000000", "8.25", "47.5", "40000"}, {"1700000001250000000", "-8.5", "-47.25", "30000"}}},
+      {"feet",
+       {"t(ms)", "lat", "lon", "altitude_ft"},
+       {{"1700000000250", "47.5", "8.25", "1312.3359580052493"},
+        {"1700000001250", "-47.25", "-8.5", "984.251968503937"}}},
+      {"e7",
+       {"time_us", "lat_e7", "lon_e7", "alt_mm"},
+       {{"1700000000250000", "475000000", "82500000", "400000"},
+        {"1700000001250000", "-472500000", "-85000000", "300000"}}},
+      {"navsatfix",
+       {"%time", "field.header.seq", "field.header.stamp", "field.header.frame_id", "field.status.status",
+        "field.latitude", "field.longitude", "field.altitude", "field.position_covariance0"},
+       {{"1700000000950000000", "0", "1700000000250000000", "gps", "0", "47.5", "8.25", "400", "1"},
+        {"1700000000970000000", "0", "1700000000500000000", "gps", "-1", "47.5", "8.25", "400", "1"},
+        {"1700000001950000000", "1", "1700000001250000000", "gps", "0", "-47.25", "-8.5", "300", "1"}}},
+      {"ros2",
+       {"header.stamp.sec", "header.stamp.nanosec", "status.status", "latitude", "longitude", "altitude"},
+       {{"1700000000", "250000000", "0", "47.5", "8.25", "400"},
+        {"1700000001", "250000000", "0", "-47.25", "-8.5", "300"}}},
+      {"logger",
+       {"time_since_start", "lat_std", "Time", "Lat", "Lon", "lon_std", "Elevation", "fix_quality"},
+       {{"0", "9", "2023-11-14T22:13:20.25Z", "47.5", "8.25", "9", "400", "1"},
+        {"0", "9", "2023-11-14T22:13:21.00Z", "0", "0", "9", "0", "0"},
+        {"1", "9", "2023-11-14T22:13:21.25Z", "-47.25", "-8.5", "9", "300", "4"}}},
+      {"hemispheres",
+       {"time", "lat", "n/s", "lon", "e/w", "alt"},
+       {{"1700000000.25", "4730.0000", "N", "00815.0000", "E", "400"},
+        {"1700000001.25", "4715.0000", "S", "00830.0000", "W", "300"}}},
+      {"letters",
+       {"time", "lat", "lon", "alt"},
+       {{"1700000000.25", "47.5N", "8.25E", "400"}, {"1700000001.25", "47.25 S", "8.5 W", "300"}}},
+  };
+  return tables;
+}
+
+void ExpectFixes(std::vector<GpsFix> fixes, const std::string& text) {
+  std::erase_if(fixes, [](const GpsFix& fix) { return !fix.has_place(); });
+  ASSERT_EQ(fixes.size(), 2U) << text;
+  const GpsFix expected[] = {{1700000000.25, {47.5, 8.25, 400}}, {1700000001.25, {-47.25, -8.5, 300}}};
+  for (int i = 0; i < 2; ++i) {
+    const GpsFix& fix = fixes[static_cast<std::size_t>(i)];
+    EXPECT_EQ(fix.timestamp, expected[i].timestamp) << text;
+    EXPECT_NEAR(fix.place.latitude, expected[i].place.latitude, 1e-12) << text;
+    EXPECT_NEAR(fix.place.longitude, expected[i].place.longitude, 1e-12) << text;
+    EXPECT_NEAR(fix.place.altitude, expected[i].place.altitude, 1e-9) << text;
+  }
+}
+
+std::string Write(const Table& table, std::mt19937_64& random) {
+  const auto chance = [&] { return random() % 2 == 0; };
+  const std::string end = std::array{"\n", "\r\n", "\r"}[random() % 3];
+  const std::string separator = std::array{",", ";", "\t", ", ", " ; "}[random() % 5];
+  const bool quotes = chance(), plus = chance(), upper = chance();
+  const bool commas = separator.find(',') == std::string::npos && chance();
+  std::string text = chance() ? "\xef\xbb\xbf" : "";
+  if (chance()) text += "sep=" + separator.substr(0, 1) + end;
+  if (chance()) text += "# a receiver" + end;
+  std::string header;
+  for (const std::string& name : table.names) header += (header.empty() ? "" : separator) + name;
+  if (upper) std::ranges::transform(header, header.begin(), [](unsigned char c) { return std::toupper(c); });
+  text += header + end;
+  for (const auto& row : table.rows) {
+    std::string line;
+    for (std::string cell : row) {
+      const bool number = cell.find_first_not_of("-0123456789.") == std::string::npos;
+      if (number && commas) std::ranges::replace(cell, '.', ',');
+      if (number && plus && cell[0] != '-' && table.name != std::string("hemispheres")) cell.insert(0, 1, '+');
+      if (quotes) cell = '"' + cell + '"';
+      line += (line.empty() ? "" : separator) + cell;
+    }
+    text += line + end + (chance() ? end : "");
+  }
+  while (chance() && text.ends_with(end)) text.erase(text.size() - end.size());
+  return text;
+}
+
+class EveryTable : public ::testing::TestWithParam<Table> {};
+INSTANTIATE_TEST_SUITE_P(Fixes, EveryTable, ::testing::ValuesIn(Tables()),
+                         [](const auto& table) { return std::string(table.param.name); });
+
+TEST_P(EveryTable, IsReadInEveryDialect) {
+  std::mt19937_64 random(5);
+  for (int round = 0; round < 300; ++round) {
+    const std::string text = Write(GetParam(), random);
+    ExpectFixes(ParseFixes(text), text);
+  }
+}
+
+std::string Failure(std::string_view text) {
+  try {
+    static_cast<void>(ParseFixes(text));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string Notes(std::string_view text) {
+  Notices notices;
+  static_cast<void>(ParseFixes(text, {}, &notices));
+  std::string all;
+  for (const Notice& notice : notices.items()) all += notice.text + "\n";
+  return all;
+}
+
+TEST(Fixes, RowsWithoutAFixAreCountedAndNamed) {
+  const std::string text =
+      "time,lat,lon,alt,status\n1,47,8,400,0\n2,0,0,0,0\n3,nan,nan,nan,0\n4,,,,0\n5,47,8,400,-1\n6,153,8,400,0\n7,47,8,"
+      "400,0\n";
+  EXPECT_THAT(
+      Notes(text),
+      AllOf(HasSubstr("no fix: 5 rows of 7"), HasSubstr("latitude 0 and longitude 0 (1 row, first in line 3)"),
+            HasSubstr("not a number (1 row, first in line 4)"), HasSubstr("no latitude (1 row, first in line 5)"),
+            HasSubstr("status -1 (1 row, first in line 6)"), HasSubstr("latitude 153 is outside -90 to 90")));
+  const std::vector<GpsFix> fixes = ParseFixes(text);
+  EXPECT_EQ(std::ranges::count_if(fixes, &GpsFix::has_place), 2);
+  EXPECT_EQ(fixes.size(), 7U);  // what was lost at a time stays known
+  EXPECT_THAT(
+      Failure("time,lat,lon,alt\n1,153,47,400\n2,153.5,47,400\n"),
+      HasSubstr("line 2: no row has a fix: latitude 153 is outside -90 to 90; are latitude and longitude swapped?"));
+  EXPECT_THAT(Failure("time,lat,lon,alt\n1,4730.5,815.2,400\n"), HasSubstr("ddmm.mmmm"));
+}
+
+TEST(Fixes, UnitsAreNeverAssumed) {
+  EXPECT_THAT(Failure("time,lat,lon,altitude [furlong]\n1,47,8,400\n"), HasSubstr("found the unit 'furlong'"));
+  EXPECT_THAT(Failure("time,lat [gon],lon [gon],alt\n1,47,8,400\n"), HasSubstr("found the unit 'gon'"));
+  EXPECT_THAT(Failure("time,lat,lon,alt\n1,0.82,0.14,400\n"), HasSubstr("may be radians, or degrees"));
+  const auto radians = ParseFixes("time,lat [rad],lon_rad,alt\n1,0.82030474843733492,0.13962634015954636,400\n");
+  EXPECT_NEAR(radians.at(0).place.latitude, 47, 1e-12);
+  EXPECT_NEAR(radians.at(0).place.longitude, 8, 1e-12);
+  EXPECT_THAT(Notes("time,lat,lon,alt\n1,470000000,80000000,400\n"), HasSubstr("1e-7 degrees"));
+  EXPECT_THAT(Notes("time,lat,lon,alt_msl\n1,47,8,400\n"), HasSubstr("above the ellipsoid"));
+}
+
+TEST(Fixes, ColumnsThatAreMissingAreNamed) {
+  EXPECT_THAT(Failure("time,lat_std,lon,alt\n1,47,8,400\n"), HasSubstr("no column is named latitude"));
+  EXPECT_THAT(Failure("time_since_start,lat,lon,alt\n1,47,8,400\n"), HasSubstr("no column is named timestamp"));
+}
+
+TEST(Fixes, DecimalCommasNeedOtherSeparators) {
+  EXPECT_THAT(Notes("time;lat;lon;alt\n1,5;47,5;8,5;400\n"), HasSubstr("decimal commas"));
+  EXPECT_EQ(ParseFixes("1,5 47,5 8,5 400,25\n").at(0).place, (Geodetic{47.5, 8.5, 400.25}));
+  EXPECT_THAT(Failure("time;lat;lon;alt\n1.5;47,5;8,5;400\n"), HasSubstr("one decimal mark"));
+  EXPECT_THAT(Failure("time;lat;lon;alt\n1;47;8;1,234,567\n"), HasSubstr("found '1,234,567' in column altitude"));
+}
+
+std::string Sentence(const std::string& text) {
+  unsigned sum = 0;
+  for (const char letter : text) sum ^= static_cast<unsigned char>(letter);
+  const char* hex = "0123456789ABCDEF";
+  return "$" + text + "*" + hex[sum / 16] + hex[sum % 16] + "\r\n";
+}
+
+TEST(Nmea, TakesTheDayFromRmc) {
+  const std::string first = Sentence("GPGGA,221320.25,4730.0000,N,00815.0000,E,1,08,0.9,352.0,M,48.0,M,,");
+  const std::string text = first + Sentence("GPRMC,221320.25,A,4730.0000,N,00815.0000,E,0.0,0.0,141123,,") +
+                           Sentence("GNGGA,221320.50,,,,,0,,,,M,,M,,") +
+                           Sentence("GPGGA,221321.25,4715.0000,S,00830.0000,W,2,08,0.9,252.0,M,48.0,M,,");
+  ExpectFixes(ParseFixes(text), text);
+  EXPECT_THAT(Failure(first), HasSubstr("tell the time of a day, but not which"));
+  EXPECT_THAT(Failure("$GPGGA,221320.25,4730.0000,N*00\n"), HasSubstr("line 1: the checksum"));
+  EXPECT_THAT(Failure(Sentence("GPRMC,221320.25,A,4730.0000,N,00815.0000,E,0.0,0.0,141123,,")),
+              HasSubstr("without GGA"));
+}
+
+TEST(Nmea, GoesOnOverMidnight) {
+  const auto fixes = ParseFixes(Sentence("GPRMC,235959.50,A,4730.0000,N,00815.0000,E,0.0,0.0,141123,,") +
+                                Sentence("GPGGA,000000.50,4730.0000,N,00815.0000,E,1,08,0.9,352.0,M,48.0,M,,"));
+  EXPECT_EQ(fixes.at(0).timestamp, 1700006400.5);
+}
+
+}  // namespace
+}  // namespace slamdb
