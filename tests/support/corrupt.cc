@@ -2,6 +2,7 @@
 #include "tests/support/corrupt.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "slamdb/synthetic/synthesize.h"
@@ -69,6 +70,21 @@ void AddEmptyMap(Atlas& atlas) {
   Map map;
   map.id = MapId(atlas.next_ids.map++);
   atlas.maps.push_back(std::move(map));
+}
+
+// Times that count another unit than seconds.
+void CountTimesBy(Atlas& atlas, double per_second) {
+  for (KeyFrame& keyframe : FirstMap(atlas).keyframes) keyframe.timestamp *= per_second;
+}
+
+// Times as 32 bits of seconds and 32 bits of nanoseconds, read as one double.
+void PackTimes(Atlas& atlas, bool seconds_last) {
+  for (KeyFrame& keyframe : FirstMap(atlas).keyframes) {
+    const auto seconds = static_cast<std::uint64_t>(keyframe.timestamp);
+    const auto nanoseconds = static_cast<std::uint64_t>((keyframe.timestamp - static_cast<double>(seconds)) * 1e9) + 1;
+    keyframe.timestamp =
+        std::bit_cast<double>(seconds_last ? seconds << 32 | nanoseconds : nanoseconds << 32 | seconds);
+  }
 }
 
 // Three sound landmarks in the first map: of an id, of another one, and of none.
@@ -405,7 +421,16 @@ const std::vector<Twin>& AllTwins() {
        {"grid-cell"}},
       {"timestamp-finite", Base::kMonocular,
        [](Atlas& atlas) { SomeKeyFrame(atlas).timestamp = std::numeric_limits<double>::infinity(); }},
-      {"timestamp-order", Base::kMonocular, [](Atlas& atlas) { SomeKeyFrame(atlas).timestamp += 10000; }},
+      {"timestamp-seconds", Base::kMonocular, [](Atlas& atlas) { CountTimesBy(atlas, 1e9); }},
+      {"timestamp-seconds", Base::kMonocular, [](Atlas& atlas) { CountTimesBy(atlas, 1e6); }},
+      {"timestamp-seconds", Base::kMonocular, [](Atlas& atlas) { CountTimesBy(atlas, 1e3); }},
+      {"timestamp-seconds", Base::kMonocular, [](Atlas& atlas) { PackTimes(atlas, false); }, {"timestamp-order"}},
+      {"timestamp-seconds", Base::kMonocular, [](Atlas& atlas) { PackTimes(atlas, true); }, {"timestamp-order"}},
+      {"timestamp-order", Base::kMonocular, [](Atlas& atlas) { SomeKeyFrame(atlas).timestamp += 1000; }},
+      {"timestamp-gap", Base::kMonocular, [](Atlas& atlas) {
+         for (KeyFrame& keyframe : FirstMap(atlas).keyframes)
+           if (keyframe.id >= SomeKeyFrame(atlas).id) keyframe.timestamp += 7200;
+       }},
       {"intrinsics-positive", Base::kMonocular, [](Atlas& atlas) { SomeKeyFrame(atlas).intrinsics.fx = 0; }},
       {"intrinsics-agree", Base::kMonocular, [](Atlas& atlas) { SomeKeyFrame(atlas).calibration_matrix(0, 2) += 10; }},
       {"flag-byte", Base::kMonocular, [](Atlas& atlas) { SomeKeyFrame(atlas).has_velocity.recorded = 77; }},

@@ -289,23 +289,6 @@ void CheckTimestampFinite(const Subject& subject, Findings& findings) {
   });
 }
 
-// Keyframes of one origin map come from one run of the system; what merging brought together may overlap in time.
-void CheckTimestampOrder(const Subject& subject, Findings& findings) {
-  for (const Map& map : subject.atlas.maps) {
-    std::vector<const KeyFrame*> order;
-    for (const KeyFrame& keyframe : map.keyframes)
-      if (!keyframe.bad && std::isfinite(keyframe.timestamp)) order.push_back(&keyframe);
-    std::ranges::stable_sort(order, [](const KeyFrame* a, const KeyFrame* b) {
-      return std::pair(a->origin_map, a->id) < std::pair(b->origin_map, b->id);
-    });
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      const KeyFrame &before = *order[i - 1], &after = *order[i];
-      if (before.origin_map == after.origin_map && before.id != after.id && after.timestamp <= before.timestamp)
-        findings.Add(PlaceOf(map, after), "was taken ", before.timestamp - after.timestamp, " s before ", before.id);
-    }
-  }
-}
-
 void CheckFlagByte(const Subject& subject, Findings& findings) {
   for (const Map& map : subject.atlas.maps) {
     const std::array map_flags{map.imu_initialized, map.inertial, map.imu_ba1, map.imu_ba2};

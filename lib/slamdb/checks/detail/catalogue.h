@@ -177,9 +177,14 @@ void CheckDistanceRatio(const Subject&, Findings&);
 void CheckPointInFront(const Subject&, Findings&);
 void CheckReprojection(const Subject&, Findings&);
 void CheckTimestampFinite(const Subject&, Findings&);
-void CheckTimestampOrder(const Subject&, Findings&);
 void CheckFlagByte(const Subject&, Findings&);
 std::size_t NormalizeFlags(Atlas&);
+
+// times.cc
+void CheckTimestampSeconds(const Subject&, Findings&);
+std::size_t ReadTimestampsAsSeconds(Atlas&);
+void CheckTimestampOrder(const Subject&, Findings&);
+void CheckTimestampGap(const Subject&, Findings&);
 
 // inertial.cc
 void CheckImuChain(const Subject&, Findings&);
