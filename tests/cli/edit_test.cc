@@ -110,8 +110,8 @@ TEST_F(Edit, NothingLeftIsNoSuccess) {
   WriteAtlas(atlas, all_bad);
   const std::string lacks = "though the input has some; nothing was written";
   ExpectRefused({"repair", all_bad, output_}, "would hold no maps, " + lacks);
-  ExpectRefused({"cull", input_, output_, "--max-error", "1e-9"}, "would hold no points, " + lacks);
-  ExpectRefused({"fragments", input_, output_, "--min-keyframes", "1000"}, "would hold no maps, " + lacks);
+  ExpectRefused({"cull", input_, output_, "--unseen-since", "1e12"}, "would hold no points, " + lacks);
+  ExpectRefused({"fragments", input_, output_, "--min-keyframes", "1000"}, "no map has 1000 keyframes");
   EXPECT_FALSE(std::filesystem::exists(output_));
   ExpectRefused({"convert", all_bad, folder_ / "x.keyframes.csv"}, "would hold no keyframes, " + lacks);
   ExpectRefused({"convert", input_, folder_ / "x.ply", "--box", "1e6,1e6,1e6:2e6,2e6,2e6"}, "has no points in the box");
