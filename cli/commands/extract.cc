@@ -138,7 +138,7 @@ Run AddExtract(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb extract atlas.osa one.osa --map 1", "One map of several; other maps and their cameras go."},
     {"slamdb extract session.osa minute.osa --time 1403636580:1403636640", "One minute of a session."},
-    {"slamdb extract session.osa lab.osa --polygon '0,0 6,0 6,4 0,4' --region cameras",
+    {"slamdb extract session.osa lab.osa --polygon '-6,-6 6,-6 6,6 -6,6' --region cameras",
      "What was seen from inside a room, given as outline on the plan."},
     {"slamdb extract session.osa rest.osa --box -1,-2,0:1,0,3 --region points --except",
      "Cuts the points in a box out, such as those on a parked car."},

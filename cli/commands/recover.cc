@@ -110,8 +110,6 @@ constexpr Example kExamples[] = {
     {"slamdb recover cut.osa rescued.osa", "Keeps what is whole of a file that was cut short."},
     {"slamdb recover fisheye_cut.osa rescued.osa --cameras yesterday.osa",
      "Cameras are the last thing in a file; a fisheye lens is known from an older atlas alone."},
-    {"slamdb recover zeros_first.osa rescued.osa --cameras yesterday.osa",
-     "A file whose beginning is lost; the vocabulary is known from an older atlas."},
     {"slamdb recover flipped.osa rescued.osa --vocabulary ORBvoc.txt",
      "Bags of words are held against the vocabulary, and computed anew where they are damaged."},
     {"slamdb recover damaged.db#lab lab.osa", "Also of a store with damaged pages."},

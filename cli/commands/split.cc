@@ -71,6 +71,14 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
   }
 }
 
+void MakeFolder(const EditOptions& edit) {
+  const std::filesystem::path folder = std::filesystem::path(edit.output).parent_path();
+  std::error_code error;
+  if (edit.dry_run || folder.empty() || std::filesystem::exists(folder, error)) return;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw Error(ErrorKind::kPermission, folder.string(), "", "cannot be made: " + error.message());
+}
+
 Atlas ReadWhole(const SplitVerbOptions& options, Console& console, Notices& notices) {
   if (options.edit.output == "-") RefuseUsage("several atlases do not fit into standard output; name files");
   RequireOutput(options.edit);
@@ -83,6 +91,7 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
   const AtlasIndex index(atlas);
   const std::vector<Part> parts = NamingFile(options.edit.input, [&] { return SplitAtlas(index, options.split); });
   RefuseBadOutputs(options, parts);
+  MakeFolder(options.edit);
   Table table({Table::Align::kLeft, Table::Align::kRight, Table::Align::kRight});
   table.Add({"part", "keyframes", "points"});
   std::vector<TakenPart> taken;
@@ -143,7 +152,7 @@ const Command kSplit = {
 when maps are merged), or for each connected part of the covisibility graph. Every part is closed like those of
 'slamdb extract'. Ids stay as they are, and so do the counters: putting the parts together again hands out no id twice.
 
-No output is overwritten without -O, and when one is there, none is written.)",
+A folder that is not there yet is made. No output is overwritten without -O, and when one is there, none is written.)",
     .failed = "The input could not be read, no part is left, or an output could not be written.",
     .lossy = kOutputLossy,
     .examples = kExamples,

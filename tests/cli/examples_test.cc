@@ -21,12 +21,12 @@ constexpr std::array kWorld = {
     "slamdb synthesize atlas.osa --maps 3 --keyframes 24 -q",
     "slamdb synthesize two_maps.osa --sensor stereo --maps 2 --keyframes 50 -q",
     "slamdb merge atlas.osa mono.osa -o merged.osa -q",
-    "slamdb synthesize yesterday.osa --sensor fisheye --keyframes 12 -q",
+    "slamdb synthesize yesterday.osa --sensor fisheye --keyframes 12 --points 400 -q",
     "ln -s $FIXTURES/session_small_a/session_small_a.osa session_a.osa",
     "ln -s $FIXTURES/session_small_b/session_small_b.osa session_b.osa",
     "for name in session a before; do ln -s session_a.osa $name.osa; done",
     "for name in b robot1 robot2; do ln -s session_b.osa $name.osa; done",
-    "for name in crashed saved_twice; do ln -s $FIXTURES/mono_small_twice/mono_small_twice.osa $name.osa; done",
+    "ln -s $FIXTURES/mono_small_twice/mono_small_twice.osa saved_twice.osa",
     "slamdb cull session_a.osa after.osa -q",
     "slamdb renumber a.osa renumbered.osa --offset 100 -q",
     "ln -s a.osa there_and_back.osa",
@@ -34,10 +34,10 @@ constexpr std::array kWorld = {
     "head -c 2000000 session_a.osa >cut.osa",
     "head -c 1000000 yesterday.osa >fisheye_cut.osa",
     "(head -c 4096 /dev/zero; tail -c +4097 yesterday.osa) >zeros_first.osa",
-    "for name in b session_a map old; do slamdb convert lab.osa lab.db#$name -q; done; slamdb convert atlas.osa "
+    "for name in b session_a map old lab; do slamdb convert lab.osa lab.db#$name -q; done; slamdb convert atlas.osa "
     "lab.db#a -q",
     "slamdb convert session_a.osa lab.db#monday -q; slamdb convert session_b.osa lab.db#tuesday -q",
-    "cp lab.db damaged.db && slamdb convert lab.osa damaged.db#lab -q && printf damage | dd of=damaged.db bs=1 "
+    "cp lab.db lab-backup.db && cp lab.db damaged.db && printf damage | dd of=damaged.db bs=1 "
     "seek=200000 conv=notrunc status=none",
     "slamdb convert mono.osa ground_truth.txt --to tum -q || [ $? = 3 ]",
     "slamdb convert lab.osa lab.txt --to tum -q || [ $? = 3 ]",
@@ -45,6 +45,9 @@ constexpr std::array kWorld = {
     "75000, 400 - $3}' lab.txt) >gps.csv",
     "echo 1 0 0 0 0 0 1 >b_in_a.txt",
     "cp $FIXTURES/vocabulary/small.txt ORBvoc.txt; cp ORBvoc.txt smaller.txt",
+    "slamdb vocabulary recompute saved_twice.osa crashed.osa --vocabulary ORBvoc.txt -q",
+    "slamdb vocabulary recompute session_a.osa known.osa --vocabulary ORBvoc.txt -q",
+    "cp known.osa flipped.osa && printf x | dd of=flipped.osa bs=1 seek=900000 conv=notrunc status=none",
     "slamdb landmarks from-points session_a.osa landmarks.mrpt -q || [ $? = 3 ]",
     "slamdb renumber session_a.osa dense.osa --id-map ids.csv -q",
     "slamdb convert session_a.osa keyframes.csv --to csv-keyframes -q || [ $? = 3 ]",
@@ -81,7 +84,7 @@ std::vector<HelpExample> Examples() {
 
 // What an example would write stands in the folder already where another one reads it: it makes room.
 bool MakeRoom(const std::string& folder, const std::string& said) {
-  static const std::regex file("error: (.*): is there already"),
+  static const std::regex file("error: (.*): (?:is there|exists) already"),
       row("error: (.*): holds an atlas named '(.*)' already");
   std::smatch match;
   if (std::regex_search(said, match, row))

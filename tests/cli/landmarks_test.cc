@@ -140,8 +140,7 @@ TEST(Landmarks, GoBackOntoTheAtlasTheyCameFrom) {
   EXPECT_EQ(same.out, "moved 3,162 points to their landmarks, of which 3,162 were there already\nwrote " +
                           (folder / "same.osa") + "\n");
   EXPECT_EQ(ReadWholeFile(folder / "same.osa"), ReadWholeFile(kSession));
-  ASSERT_EQ(RunSlamdb({"transform", folder / "lab.mrpt", folder / "moved.mrpt", "--by", "1 2 3 0 0 0 1"}).exit_code,
-            0);
+  ASSERT_EQ(RunSlamdb({"transform", folder / "lab.mrpt", folder / "moved.mrpt", "--by", "1 2 3 0 0 0 1"}).exit_code, 0);
   const ProcessResult moved = RunSlamdb(
       {"landmarks", "to-points", folder / "moved.mrpt", "--into", kSession, (folder / "a.db") + "#moved", "--json"});
   EXPECT_EQ(moved.exit_code, 0) << moved.err;

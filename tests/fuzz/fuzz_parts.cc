@@ -40,7 +40,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.threads = 1;
     return Cull(taken, options).removed;
   });
-  part([&](Atlas& taken) { return Shrink(taken, {.target_keyframes = 2, .min_points = 2, }).removed; });
+  part([&](Atlas& taken) {
+    return Shrink(taken,
+                  {
+                      .target_keyframes = 2,
+                      .min_points = 2,
+                  })
+        .removed;
+  });
   part([&](Atlas& taken) {
     return Shrink(taken, {.target_bytes = 6000, .for_localization = true, .threads = 1}).removed;
   });

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The times of keyframes: that they are seconds, and of one clock.
-#include "slamdb/base/detail/time_units.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/time_units.h"
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 

@@ -135,9 +135,11 @@ const Format& DetectFormat(const Probe& probe) {
   throw Error(ErrorKind::kDamaged, probe.path, "", detail::DescribeUnknown(probe));
 }
 
-// A format that was asked for is not what the file has where the file is known to be something else.
+// A format that was asked for is not what the file has where the file is known to be something else; what reads it may
+// go by several names, as of text and binary archives.
 void RefuseOther(const Format& format, const Probe& probe) {
-  if (format.sniff != nullptr && format.sniff(probe)) return;
+  for (const Format& known : Formats())
+    if (known.read == format.read && known.sniff != nullptr && known.sniff(probe)) return;
   if (const auto foreign = detail::RecognizeOther(probe)) RefuseForeign(*foreign, probe.path);
 }
 

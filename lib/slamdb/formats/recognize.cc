@@ -55,7 +55,7 @@ ForeignFile DescribeGzip(const Probe& probe) {
 std::optional<ForeignFile> RecognizeOther(const Probe& probe) {
   if (probe.is_directory) return DescribeDirectory(probe.path);
   auto recognized = Recognize(probe);
-  if (!recognized) return std::nullopt;
+  if (!recognized || recognized->id == "archive") return std::nullopt;  // its reader knows best what is wrong with it
   if (recognized->id == "gzip") return DescribeGzip(probe);
   if (recognized->id == "zeros") recognized->next = " SalvageAtlas looks for what stands behind them";
   return ForeignFile{recognized->kind, SentenceOf(*recognized, kWanted)};

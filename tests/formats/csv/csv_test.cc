@@ -41,8 +41,8 @@ TEST(Csv, LeavesBadKeyFramesOut) {
   Notices notices;
   const std::string text = Write(detail::kCsvKeyFramesFormat, atlas, notices);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
-  ASSERT_EQ(notices.items().size(), 1U);
-  EXPECT_TRUE(notices.written().ends_with(", 1 bad one left out"));
+  EXPECT_TRUE(notices.items().empty());
+  EXPECT_TRUE(notices.written().ends_with(", 1 bad one left out")) << notices.written();
 }
 
 TEST(Csv, WritesObservations) {

@@ -108,7 +108,7 @@ TEST_F(StoreIdentity, FormatUsesTheOnlyAtlasOrAsksWhich) {
   EXPECT_EQ(FirstDifference(detail::kStoreFormat.read(unnamed, {}, notices), OddAtlas()), "");
   EXPECT_EQ(Store::Open(path_).OnlyName(), "atlas");
   EXPECT_THAT(ErrorOf([&] { detail::kStoreFormat.write(Atlas(), unnamed, {}, notices); }),
-              HasSubstr("WriteOptions::overwrite replaces it"));
+              HasSubstr("holds atlases already; name the new one"));
   WriteOptions overwrite;
   overwrite.overwrite = true;
   EXPECT_TRUE(notices.items().empty());

@@ -110,12 +110,16 @@ void LimitWhatFilesCanDo(sqlite3* handle) {
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_LOAD_EXTENSION, 0, nullptr);
   constexpr std::pair<int, int> kLimits[] = {
-      {SQLITE_LIMIT_SQL_LENGTH, 1'000'000}, {SQLITE_LIMIT_COLUMN, 200},
-      {SQLITE_LIMIT_EXPR_DEPTH, 100},       {SQLITE_LIMIT_COMPOUND_SELECT, 20},
-      {SQLITE_LIMIT_VDBE_OP, 100'000},      {SQLITE_LIMIT_FUNCTION_ARG, 16},
+      {SQLITE_LIMIT_SQL_LENGTH, 1'000'000},
+      {SQLITE_LIMIT_COLUMN, 200},
+      {SQLITE_LIMIT_EXPR_DEPTH, 100},
+      {SQLITE_LIMIT_COMPOUND_SELECT, 20},
+      {SQLITE_LIMIT_VDBE_OP, 100'000},
+      {SQLITE_LIMIT_FUNCTION_ARG, 16},
       {SQLITE_LIMIT_ATTACHED, 1},  // VACUUM attaches what it builds
       {SQLITE_LIMIT_LIKE_PATTERN_LENGTH, 100},
-      {SQLITE_LIMIT_TRIGGER_DEPTH, 1},      {SQLITE_LIMIT_WORKER_THREADS, 0},
+      {SQLITE_LIMIT_TRIGGER_DEPTH, 1},
+      {SQLITE_LIMIT_WORKER_THREADS, 0},
   };
   for (const auto& [limit, value] : kLimits) sqlite3_limit(handle, limit, value);
 }
@@ -161,8 +165,8 @@ Database::Database(const std::string& path, Access access, double lock_timeout, 
 
 void Database::OpenHandle(int flags, const char* vfs) {
   sqlite3* handle = nullptr;
-  const int code = sqlite3_open_v2(FileNameOf(path_).c_str(), &handle,
-                                   flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, vfs);
+  const int code =
+      sqlite3_open_v2(FileNameOf(path_).c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, vfs);
   handle_.reset(handle);
   if (code != SQLITE_OK) throw FailureOf(handle, code, path_, "", "cannot open: ");
   LimitWhatFilesCanDo(handle);
