@@ -87,7 +87,7 @@ void Console::Report(const Notices& notices, const std::string& prefix) {
   for (const Notice& notice : notices.items()) {
     const bool loss = notice.kind == Notice::Kind::kLoss;
     const char* severity = loss ? "loss" : notice.kind == Notice::Kind::kWarning ? "warning" : "note";
-    Diagnose(severity, prefix + notice.text, loss || !options_.quiet);
+    Diagnose(severity, prefix + notice.text, !options_.quiet);
   }
 }
 

@@ -14,7 +14,7 @@ namespace slamdb::cli {
 
 // What every verb takes: see AddConsoleOptions in options.h.
 struct ConsoleOptions {
-  bool quiet = false;    // no notes and warnings
+  bool quiet = false;    // no notes, warnings and losses
   bool verbose = false;  // findings of notes, timing and memory
   int threads = 0;       // 0: every core
   int progress = 0;      // 1 asked for, -1 forbidden, 0 on a terminal
@@ -46,7 +46,7 @@ class Console {
   void Warn(std::string_view text) { Diagnose("warning", text, !options_.quiet); }
   void Fail(std::string_view text) { Diagnose("error", text, true); }
 
-  // All of them, each behind `prefix`; losses are shown even when quiet.
+  // All of them, each behind `prefix`. When quiet, of a loss the exit status alone tells.
   void Report(const Notices& notices, const std::string& prefix = {});
 
   // Says where the output went, and what of the atlas when that is an export; `details` is for what holds an atlas:

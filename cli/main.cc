@@ -2,6 +2,9 @@
 //
 // The slamdb command: binds every verb of command.cc, parses, runs the one that was named, and turns the outcome into
 // an exit code. The only place that does.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <iostream>
 #include <map>
@@ -126,10 +129,18 @@ int Main(int argc, char** argv) {
   return RunVerb(program);
 }
 
+// Standard streams that were closed (`>&-`) get a descriptor of which reading and writing fails, so that no file that
+// is opened later is taken for one of them.
+void FillStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 }  // namespace
 }  // namespace slamdb::cli
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_DFL);  // `slamdb dump | head` ends quietly, whatever the parent process ignores
+  slamdb::cli::FillStandardStreams();
   return slamdb::cli::Main(argc, argv);
 }

@@ -177,5 +177,17 @@ TEST(Output, ProgressOnlyWhenAskedFor) {
 
 TEST(Output, VerboseTellsTimeAndMemory) { EXPECT_THAT(RunSlamdb({"info", "-v", kTiny}).err, HasSubstr("memory")); }
 
+// A file that is opened later must not be taken for a standard stream.
+TEST(Errors, OfClosedStandardStreams) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "a.osa", ReadWholeFile(std::string(SLAMDB_FIXTURES) + "/tiny/tiny.osa"));
+  const auto run = [&](const std::string& command) {
+    return RunProgram({"sh", "-c", "cd '" + folder.path().string() + "' && '" SLAMDB_COMMAND "' " + command}).exit_code;
+  };
+  EXPECT_EQ(run("info a.osa >&-"), 1) << "nothing could be printed";
+  EXPECT_EQ(run("convert -q a.osa b.osa >&- 2>&- <&-"), 0);
+  EXPECT_EQ(ReadWholeFile(folder / "b.osa"), ReadWholeFile(folder / "a.osa"));
+}
+
 }  // namespace
 }  // namespace slamdb::testing

@@ -96,7 +96,7 @@ void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& op
   const bool inertial = IsInertial(trajectories.maps);
   std::vector<detail::MapLines> maps;
   for (const auto& [map, poses] : trajectories.maps) {
-    detail::MapLines& lines = maps.emplace_back(map->id);
+    detail::MapLines& lines = maps.emplace_back(detail::MapLines{map->id, {}});
     for (const detail::TimedPose& pose : poses) AppendLine(lines.lines, pose, inertial);
   }
   detail::WarnOfSeveralFrames(maps.size(), kToldApart, notices);
@@ -136,7 +136,7 @@ void detail::WriteEurocText(const TrajectoryText& trajectory, const Target& targ
   std::vector<MapLines> maps;
   std::size_t dropped = 0;
   for (const MapText& map : trajectory) {
-    MapLines& lines = maps.emplace_back(map.id);
+    MapLines& lines = maps.emplace_back(MapLines{map.id, {}});
     for (const PoseText& pose : map.poses) {
       if (!FitsNanoseconds(pose.timestamp)) {
         ++dropped;

@@ -78,7 +78,7 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
   const detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<Lines> maps;
   for (const auto& [map, poses] : trajectories.maps) {
-    Lines& lines = maps.emplace_back(map->id, poses.size());
+    Lines& lines = maps.emplace_back(Lines{map->id, poses.size(), {}, {}});
     for (const detail::TimedPose& pose : poses) {
       detail::PoseText text;
       detail::SetText(text, pose.world_from_it.translation, pose.world_from_it.rotation);
@@ -108,7 +108,7 @@ void detail::WriteKittiText(const TrajectoryText& trajectory, const Target& targ
   std::vector<Lines> maps;
   std::size_t poses = 0;
   for (const MapText& map : trajectory) {
-    Lines& lines = maps.emplace_back(map.id, map.poses.size());
+    Lines& lines = maps.emplace_back(Lines{map.id, map.poses.size(), {}, {}});
     poses += map.poses.size();
     for (const PoseText& pose : map.poses) {
       AppendLine<double>(lines.poses, pose.quaternion.toRotationMatrix(), pose.position);

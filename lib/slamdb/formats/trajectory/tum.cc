@@ -24,7 +24,7 @@ void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& opti
   const detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   std::vector<detail::MapLines> maps;
   for (const auto& [map, poses] : trajectories.maps) {
-    detail::MapLines& lines = maps.emplace_back(map->id);
+    detail::MapLines& lines = maps.emplace_back(detail::MapLines{map->id, {}});
     for (const detail::TimedPose& pose : poses) {
       detail::PoseText text;
       detail::AppendSeconds(text.seconds, pose.timestamp);
@@ -60,7 +60,7 @@ void detail::WriteTumText(const TrajectoryText& trajectory, const Target& target
                           Notices& notices) {
   std::vector<MapLines> maps;
   for (const MapText& map : trajectory) {
-    MapLines& lines = maps.emplace_back(map.id);
+    MapLines& lines = maps.emplace_back(MapLines{map.id, {}});
     for (const PoseText& pose : map.poses) AppendLine(lines.lines, pose);
   }
   WarnOfSeveralFrames(maps.size(), kToldApart, notices);
