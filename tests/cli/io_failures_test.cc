@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <map>
 #include <memory>
 
@@ -70,6 +71,8 @@ struct Run {
   std::string failed;  // the call
 };
 
+int runs = 0;  // of the command, for docs/reliability.md
+
 // Runs the command with a disk of its own kind; `at` 0: a sound one.
 Run RunOn(const std::vector<std::string>& line, long at, const std::string& how, const std::string& log) {
   std::vector<std::string> words = {"env",
@@ -79,6 +82,7 @@ Run RunOn(const std::vector<std::string>& line, long at, const std::string& how,
                                     "SLAMDB_IO_LOG=" + log,
                                     SLAMDB_COMMAND};
   words.insert(words.end(), line.begin(), line.end());
+  ++runs;
   Run run{.exit_code = RunProgram(words).exit_code, .calls = 0, .failed = "kill"};
   std::ifstream(log) >> run.calls >> run.failed;
   return run;
@@ -174,17 +178,19 @@ void TryEverywhere(const std::vector<std::string>& line, bool overwrites, int& w
 }
 
 TEST(EveryCallOfEveryVerb, FailsOrIsTheLast) {
-  int writing = 0;
+  int writing = runs = 0;
   for (const Verb& verb : AllVerbs()) TryEverywhere(CommandLine(verb), verb.overwrites, writing);
   EXPECT_GT(writing, 15);
+  std::cout << writing << " verbs, " << runs << " runs\n";
 }
 
 TEST(EveryCallOfASave, FailsOrIsTheLast) {
-  int writing = 0;
+  int writing = runs = 0;
   TryEverywhere({"repair", "a.osa", "m.db#a"}, true, writing);
   TryEverywhere({"convert", "a.osa", "m.db#c"}, false, writing);
   TryEverywhere({"repair", "a.osa", "m.db#c", "--journal", "fix.json"}, true, writing);
   EXPECT_EQ(writing, 3);
+  std::cout << runs << " runs\n";
 }
 
 }  // namespace
