@@ -36,7 +36,15 @@ struct NamedFile {
   }
 };
 
+// A file `maps.db#lab` would stand in front of the atlas `lab` of the store `maps.db`.
+void RefuseNameOfAnAtlas(const std::string& value) {
+  const std::size_t hash = value.rfind('#');
+  if (hash != std::string::npos && hash > 0 && HoldsNamedAtlases(value.substr(0, hash)))
+    throw Error(ErrorKind::kUsage, value, "", "names an atlas of a store, where a file is to be written; name another");
+}
+
 NamedFile OutputOf(const std::string& value, Writes what) {
+  if (what == Writes::kFile) RefuseNameOfAnAtlas(value);
   if (what == Writes::kFile && value != "-") return {value, std::nullopt};
   return NamedFile::Of(value, kStandardOutput);
 }

@@ -141,7 +141,7 @@ Run BindToPoints(CLI::App& verb) {
       verb.add_option("--into", options->into,
                       "Lay the landmarks onto this atlas, of whose points they were made: by id, the output is "
                       "that atlas with its points moved")
-          ->type_name("ATLAS");
+          ->type_name("FILE");
   verb.add_flag("--add", options->add, "With --into: make points of landmarks that the atlas does not have")
       ->needs(into);
   return [options](Console& console) { return RunToPoints(*options, console); };

@@ -28,6 +28,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 namespace fs = std::filesystem;
 
 void WriteInto(const std::string& path, const std::string& text, AtomicFileOptions options = {}) {
@@ -170,21 +171,30 @@ TEST_F(AtomicFiles, KeepOwnerGroupAndMode) {
 
 // ---- what a killed program left
 
+// Of a file that is written to in a folder of its own.
+std::string TemporaryNameFor(const std::string& name) {
+  const TemporaryFolder folder;
+  const AtomicFile file(folder / name);
+  return folder.Names().front();
+}
+
 TEST_F(AtomicFiles, RemoveDeadTemporariesAndNothingElse) {
   const TemporaryFolder& folder = folder_;
-  folder.Make(".map.osa.slamdb-aB3dE9", "dead");
-  folder.Make(".map.osa.slamdb-aB3dE", "a letter too few");
-  folder.Make("map.osa.slamdb-aB3dE9", "not hidden");
-  folder.Make(".notes", "mine");
-  fs::create_directory(Path(".folder.slamdb-aB3dE9"));
-  fs::create_symlink(Path(".notes"), Path(".link.slamdb-aB3dE9"));
-  fs::create_hard_link(Path(".notes"), Path(".twice.slamdb-aB3dE9"));
-  const int alive = ::open(folder.Make(".alive.slamdb-aB3dE9", "").c_str(), O_WRONLY);
+  const std::string dead = TemporaryNameFor("map.osa"), alive_name = TemporaryNameFor("alive"),
+                    is_folder = TemporaryNameFor("folder"), link = TemporaryNameFor("link"),
+                    twice = TemporaryNameFor("twice"), other = ".lab.slamdb-backup",
+                    forged = "." + dead.substr(2);  // whose hash is not that of its name
+  folder.Make(dead, "dead");
+  folder.Make(dead.substr(1), "not hidden");
+  for (const std::string& mine : {std::string(".notes"), other, forged}) folder.Make(mine, "mine");
+  fs::create_directory(Path(is_folder));
+  fs::create_symlink(Path(".notes"), Path(link));
+  fs::create_hard_link(Path(".notes"), Path(twice));
+  const int alive = ::open(folder.Make(alive_name, "").c_str(), O_WRONLY);
   ASSERT_EQ(::flock(alive, LOCK_EX), 0);
   WriteInto(Path("new"), "x");
   EXPECT_THAT(folder.Names(),
-              ElementsAre(".alive.slamdb-aB3dE9", ".folder.slamdb-aB3dE9", ".link.slamdb-aB3dE9",
-                          ".map.osa.slamdb-aB3dE", ".notes", ".twice.slamdb-aB3dE9", "map.osa.slamdb-aB3dE9", "new"));
+              UnorderedElementsAre(alive_name, is_folder, link, ".notes", other, forged, twice, dead.substr(1), "new"));
   ::close(alive);
 }
 

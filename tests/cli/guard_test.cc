@@ -10,8 +10,10 @@
 #include <csignal>
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <thread>
 
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "tests/cli/verbs.h"
@@ -164,6 +166,63 @@ TEST_F(Guard, AStoreIsNeverReplacedByAFile) {
     EXPECT_THAT(NamesInStore(), ElementsAre("a", "b"));
     EXPECT_FALSE(fs::exists("out.osa"));
   }
+}
+
+// SQLite cannot read a store without what lies beside it, and takes what lies there for its own.
+TEST_F(Guard, WhatLiesBesideAStoreIsAPartOfIt) {
+  const std::vector<std::vector<std::string>> lines = {{"check", "a.osa", "-o", "m.db-wal", "-O"},
+                                                       {"dump", "m.db#a", "-o", "m.db-journal"},
+                                                       {"convert", "m.db#a", "m.db-shm", "--to", "orbslam3"},
+                                                       {"convert", "a.osa", "m.db-wal#x", "--to", "store"},
+                                                       {"backup", "old.db", "m.db-wal"},
+                                                       {"repair", "a.osa", "new.db#x", "--journal", "new.db-wal"},
+                                                       {"repair", "a.osa", "new.db#x", "--journal", "new.db-journal"}};
+  WriteWholeFile("m.db-wal", "");
+  for (const std::vector<std::string>& line : lines) {
+    SCOPED_TRACE(line[0] + " " + line.back());
+    EXPECT_NE(RunSlamdb(line).exit_code, 0);
+    EXPECT_FALSE(fs::exists("m.db-journal") || fs::exists("m.db-shm") || fs::exists("new.db"));
+    EXPECT_THAT(NamesInStore(), ElementsAre("a", "b"));
+  }
+}
+
+TEST_F(Guard, AFileIsNotNamedLikeAnAtlasOfAStore) {
+  for (const std::vector<std::string>& line :
+       std::vector<std::vector<std::string>>{{"check", "a.osa", "-o", "m.db#a"},
+                                             {"repair", "a.osa", "out.osa", "--journal", "m.db#x"},
+                                             {"backup", "old.db", "m.db#a"}}) {
+    const ProcessResult result = RunSlamdb(line);
+    EXPECT_EQ(result.exit_code, 1) << line[0];
+    EXPECT_THAT(result.err, HasSubstr("names an atlas of a store"));
+  }
+}
+
+// Somebody saves what a power cut left before the next run takes it away.
+TEST_F(Guard, ATemporaryFileThatIsAnInputStays) {
+  std::string left;
+  {
+    const AtomicFile file("a.osa", {.overwrite = true});
+    for (const auto& entry : fs::directory_iterator("."))
+      if (entry.path().filename().string().starts_with(".a.osa.slamdb-")) left = entry.path().filename().string();
+  }
+  fs::copy_file("b.osa", left);
+  EXPECT_EQ(RunSlamdb({"recover", left, "saved.osa"}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(left));
+  EXPECT_EQ(RunSlamdb({"convert", "a.osa", "other.osa"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(left));
+}
+
+// What names a file has FILE as the name of its type; an option with another one was thought of here.
+TEST(GuardedOptions, AreAllThatNameFiles) {
+  static const std::set<std::string> kNoFiles = {
+      "",           "AXES",         "BEGIN:END", "BITS",   "DEGREES",   "DISTANCE",      "FACTOR",
+      "FIRST:LAST", "FIRST:SECOND", "FOLDER",    "FORMAT", "FRACTION",  "FROM=TO,...",   "ID",
+      "ID,...",     "INPUT",        "KEY",       "KIND",   "KIND,...",  "LAT,LON[,ALT]", "MB",
+      "MD5",        "METHOD",       "N",         "NAME",   "ORDER",     "PIXELS",        "PURPOSE",
+      "RULE",       "SECONDS",      "SHARE",     "SIZE",   "TRANSFORM", "UNIT",          "WHAT",
+      "X,Y,Z:X,Y,Z"};
+  for (const auto& [verb, type] : TypesOfOptions())
+    EXPECT_TRUE(type.find("FILE") != std::string::npos || kNoFiles.contains(type)) << verb << ": " << type;
 }
 
 TEST_F(Guard, StandardOutputIsNoInputEither) {

@@ -4,6 +4,7 @@
 #include <CLI/App.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <map>
 
 #include "cli/command.h"
@@ -78,6 +79,24 @@ std::vector<Verb> AllVerbs() {
     Collect(*app, {}, verbs);
   }
   return verbs;
+}
+
+std::vector<std::pair<std::string, std::string>> TypesOfOptions() {
+  CLI::App program;
+  std::vector<std::pair<std::string, std::string>> types;
+  const std::function<void(CLI::App&, const std::string&)> collect = [&](CLI::App& app, const std::string& before) {
+    const std::string name = before + app.get_name() + " ";
+    for (CLI::Option* option : app.get_options()) {
+      if (option->get_items_expected_max() > 0) types.emplace_back(name + option->get_name(), option->get_type_name());
+    }
+    for (CLI::App* inner : app.get_subcommands([](CLI::App*) { return true; })) collect(*inner, name);
+  };
+  for (const cli::Command* command : cli::Commands()) {
+    CLI::App* app = program.add_subcommand(std::string(command->name));
+    const cli::Run run = command->add(*app);
+    collect(*app, "");
+  }
+  return types;
 }
 
 std::string ValueOf(const Verb& verb, const FileOption& option) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/guard.h"
@@ -26,6 +27,9 @@ struct Verb {
 };
 
 std::vector<Verb> AllVerbs();
+
+// Of every option and positional of every verb: `check --ignore` and the name of its type, `RULE`.
+std::vector<std::pair<std::string, std::string>> TypesOfOptions();
 
 // A command line of the verb that works in a folder made by FillFolder: all positionals, required options, and the
 // options that write; what else it needs stands in a table in verbs.cc, where a new verb may need a line.

@@ -45,21 +45,10 @@ std::optional<struct stat> StatusOf(const std::string& path) {
   return status;
 }
 
-bool IsDatabase(const std::string& path) {
-  constexpr std::string_view kMagic("SQLite format 3\0", 16);
-  std::array<char, kMagic.size()> head{};
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.value >= 0 && ::pread(file.value, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size()) &&
-      std::string_view(head.data(), head.size()) == kMagic)
-    return true;
-  const auto log = StatusOf(path + "-wal");  // of a store in its first save, which is empty itself
-  return log && log->st_size > 0;
-}
-
 void RefuseReplacing(const std::string& path, const std::string& target, const AtomicFileOptions& options) {
   if (!options.overwrite)
     throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; WriteOptions::overwrite replaces it");
-  if (IsDatabase(target))
+  if (detail::IsDatabase(target))
     throw Error(
         ErrorKind::kAlreadyExists, path, "",
         "is an SQLite database, a store of atlases perhaps, which no single file replaces; name another output, "

@@ -26,9 +26,9 @@ struct AtomicFileOptions {
 };
 
 // A file that appears whole or not at all: the one way by which everything but stores is written.
-// Bytes go to a temporary file beside the target (`.NAME.slamdb-XXXXXX`), which Commit() syncs and renames over it.
-// Without Commit() (an exception, a return) the temporary file is removed and the target is as it was.
-// What a killed program left behind is removed by the next one that writes into that folder.
+// Bytes go to a temporary file beside the target (`.NAME.slamdb-` and 32 hex digits), which Commit() syncs and renames
+// over it. Without Commit() (an exception, a return) the temporary file is removed and the target is as it was. What a
+// killed program left behind is removed by the next one that writes into that folder.
 //
 // Symbolic links are followed, also one that leads to nothing yet. The mode of a file that is replaced stays, and its
 // owner and group where the system permits; where the group cannot stay, it is given no more than others have.

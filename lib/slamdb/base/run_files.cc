@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/detail/run_files.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/links.h"
 #include "slamdb/base/error.h"
 
@@ -36,6 +42,28 @@ Run& TheRun() {
   return run;
 }
 
+constexpr std::array<std::string_view, 3> kBesideStores = {"-wal", "-shm", "-journal"};
+
+// The database that a file of this name belongs to; empty: to none.
+std::string DatabaseOf(const std::string& path) {
+  const std::string followed = FollowLinks(path).string();
+  for (const std::string_view suffix : kBesideStores) {
+    if (!followed.ends_with(suffix)) continue;
+    const std::string database = followed.substr(0, followed.size() - suffix.size());
+    struct stat status {};
+    if (::stat(database.c_str(), &status) == 0 && S_ISREG(status.st_mode) && IsDatabase(database)) return database;
+  }
+  return {};
+}
+
+void RefuseBesideDatabase(const std::string& path) {
+  const std::string database = DatabaseOf(path);
+  if (!database.empty())
+    throw Error(
+        ErrorKind::kUsage, path, "",
+        Concat("belongs to the SQLite database ", database, ", which cannot be read without it; name another output"));
+}
+
 // Under which a file is entered: two for one that is there. None for what is no regular file.
 std::vector<Key> KeysOf(const std::string& path) {
   std::vector<Key> keys;
@@ -47,6 +75,16 @@ std::vector<Key> KeysOf(const std::string& path) {
   const std::filesystem::path followed = FollowLinks(path);
   if (::stat(FolderOf(followed).c_str(), &status) == 0)
     keys.emplace_back(status.st_dev, status.st_ino, followed.filename());
+  return keys;
+}
+
+// And those of what lies beside a store.
+std::vector<Key> KeysOf(const std::string& path, const AtlasName& atlas) {
+  std::vector<Key> keys = KeysOf(path);
+  if (!atlas || keys.empty()) return keys;
+  const Key name = keys.back();
+  for (const std::string_view suffix : kBesideStores)
+    keys.emplace_back(std::get<0>(name), std::get<1>(name), Concat(std::get<2>(name), suffix));
   return keys;
 }
 
@@ -81,6 +119,17 @@ void Enter(Run& run, std::vector<Key> keys, const Use& use) {
 
 }  // namespace
 
+bool IsDatabase(const std::string& path) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  std::array<char, kMagic.size()> head{};
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  if (file.value >= 0 && ::pread(file.value, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size()) &&
+      std::string_view(head.data(), head.size()) == kMagic)
+    return true;
+  struct stat log {};
+  return ::stat((path + "-wal").c_str(), &log) == 0 && log.st_size > 0;
+}
+
 void KeepInputs() {
   const std::lock_guard lock(TheRun().mutex);
   TheRun().keeps_inputs = true;
@@ -88,27 +137,35 @@ void KeepInputs() {
 
 bool IsSameFile(const std::string& path, const AtlasName& atlas, const std::string& other,
                 const AtlasName& other_atlas) {
-  const std::vector<Key> keys = KeysOf(path), others = KeysOf(other);
+  const std::vector<Key> keys = KeysOf(path, atlas), others = KeysOf(other, other_atlas);
   return Collide(atlas, other_atlas) && std::ranges::find_first_of(keys, others) != keys.end();
 }
 
 void EnterInput(const std::string& path, const AtlasName& atlas) {
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
-  if (run.keeps_inputs) Enter(run, KeysOf(path), {.said = Said(path, atlas), .atlas = atlas});
+  if (run.keeps_inputs) Enter(run, KeysOf(path, atlas), {.said = Said(path, atlas), .atlas = atlas});
 }
 
 void RefuseInput(const std::string& path, const AtlasName& atlas) {
+  RefuseBesideDatabase(path);
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
-  if (run.keeps_inputs) Refuse(run, KeysOf(path), path, atlas, /*outputs_too=*/false);
+  if (run.keeps_inputs) Refuse(run, KeysOf(path, atlas), path, atlas, /*outputs_too=*/false);
+}
+
+bool IsOfThisRun(const std::string& path) {
+  Run& run = TheRun();
+  const std::lock_guard lock(run.mutex);
+  return std::ranges::any_of(KeysOf(path), [&](const Key& key) { return run.uses.contains(key); });
 }
 
 void EnterOutput(const std::string& path, const AtlasName& atlas) {
+  RefuseBesideDatabase(path);
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
   if (!run.keeps_inputs) return;
-  std::vector<Key> keys = KeysOf(path);
+  std::vector<Key> keys = KeysOf(path, atlas);
   Refuse(run, keys, path, atlas, /*outputs_too=*/true);
   Enter(run, std::move(keys), {.said = Said(path, atlas), .atlas = atlas, .output = true});
 }

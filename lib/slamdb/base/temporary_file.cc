@@ -20,40 +20,44 @@
 #include <mutex>
 #include <random>
 #include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/file_calls.h"
+#include "slamdb/base/detail/hash.h"
 #include "slamdb/base/detail/links.h"
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {
 namespace {
 
 constexpr std::string_view kMark = ".slamdb-";
-constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
-constexpr std::size_t kRandomLetters = 6;
+constexpr std::size_t kHexDigits = 16;  // of a random number, and of the hash of the name up to there
 constexpr std::time_t kDay = 24 * 60 * 60;
 
 // ---- names
 
+std::string HashOfName(std::string_view beginning) { return Hex(HashBytes(std::as_bytes(std::span(beginning)))); }
+
 std::string NameFor(const std::string& target) {
   const std::filesystem::path path(target);
-  const std::string name = path.filename().string().substr(0, NAME_MAX - 1 - kMark.size() - kRandomLetters);
-  static thread_local std::mt19937 random{std::random_device{}()};
-  std::uniform_int_distribution<std::size_t> letter(0, kLetters.size() - 1);
-  std::string made = "." + name;
-  made += kMark;
-  for (std::size_t i = 0; i < kRandomLetters; ++i) made += kLetters[letter(random)];
+  const std::string name = path.filename().string().substr(0, NAME_MAX - 1 - kMark.size() - 2 * kHexDigits);
+  static thread_local std::mt19937_64 random{std::random_device{}()};
+  std::string made = Concat(".", name, kMark, Hex(random()));
+  made += HashOfName(made);
   return (path.parent_path() / made).string();
 }
 
+// No name that somebody else thought of ends with the hash of its beginning.
 bool IsTemporaryName(std::string_view name) {
-  const std::size_t tail = kMark.size() + kRandomLetters;
-  return name.size() > tail && name.front() == '.' && name.substr(name.size() - tail, kMark.size()) == kMark &&
-         name.find_first_not_of(kLetters, name.size() - kRandomLetters) == name.npos;
+  if (name.size() <= kMark.size() + 2 * kHexDigits || name.front() != '.') return false;
+  const std::string_view beginning = name.substr(0, name.size() - kHexDigits);
+  return beginning.substr(beginning.size() - kHexDigits - kMark.size(), kMark.size()) == kMark &&
+         name.substr(beginning.size()) == HashOfName(beginning);
 }
 
 // ---- what a signal handler removes: places for names, written only by whoever has taken them
@@ -183,7 +187,8 @@ void RemoveDeadTemporaryFiles(const std::string& target) {
   std::error_code unreadable;
   for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
        entry.increment(unreadable))
-    if (IsTemporaryName(entry->path().filename().native())) RemoveIfDead(entry->path().native());
+    if (IsTemporaryName(entry->path().filename().native()) && !IsOfThisRun(entry->path().native()))
+      RemoveIfDead(entry->path().native());
 }
 
 void RemoveTemporaryFiles() noexcept {

@@ -16,8 +16,13 @@ using AtlasName = std::optional<std::string>;
 // two outputs may be one file. Everything that reads a file by its path enters it here, and everything that writes one
 // asks here, so that no verb needs to.
 //
+// What SQLite keeps beside a store (`-wal`, `-shm`, `-journal`) is a part of it, and never an output.
+//
 // One list for the process. Nothing is entered or refused before KeepInputs(): a program may well save over what it
 // loaded. Devices, pipes and terminals are no files here. Thread-safe.
+
+// Whether the file is an SQLite database, also one in its first save, which lies in its log alone.
+bool IsDatabase(const std::string& path);
 
 // From now on.
 SLAMDB_EXPORT void KeepInputs();
@@ -34,6 +39,9 @@ SLAMDB_EXPORT void RefuseInput(const std::string& path, const AtlasName& atlas =
 
 // A file is written from now on. Throws Error (kUsage) as RefuseInput does, and when another output is the same file.
 void EnterOutput(const std::string& path, const AtlasName& atlas = std::nullopt);
+
+// Whether the file is one that this run reads or writes.
+bool IsOfThisRun(const std::string& path);
 
 // An output is in place, and may have become another file than the one that was there.
 void EnterPlaced(const std::string& path);

@@ -9,12 +9,15 @@
 
 namespace slamdb::detail {
 
-// A file beside the place where it belongs once it is whole: `.NAME.slamdb-XXXXXX`, gone when this object goes.
+// A file beside the place where it belongs once it is whole: `.NAME.slamdb-` and 32 hex digits, of which the last half
+// is the hash of what stands before it, so that no file of somebody else is taken for one. It is gone when this object
+// goes.
 //
 // What kills a program leaves such a file behind. So it is locked (flock) while its writer lives, and
 // RemoveDeadTemporaryFiles() removes those in a folder that nobody holds any more: regular files of this user, of such
-// a name, with one link, whose lock is free. Locks of another machine cannot be seen on every network file system; on
-// any file system that is not known to be local, a dead one goes only when it was not written for a day.
+// a name, with one link, whose lock is free, and which this run does not read. Locks of another machine cannot be seen
+// on every network file system; on any file system that is not known to be local, a dead one goes only when it was not
+// written for a day.
 class TemporaryFile {
  public:
   // Beside `target`, which need not exist; `mode` as in open(), which the process' mask narrows. Errors name `path`.
