@@ -77,8 +77,7 @@ std::string NamedOutput(const std::string& input, const std::string& output, con
   try {
     if (!FormatOfOutput(target, to).named) return output;
     const std::string name = NameOfAtlas(input);
-    if (name.empty() || name.find('#') != std::string::npos) return output;
-    return output + "#" + name;
+    return IsNameOfAtlas(name) ? output + "#" + name : output;
   } catch (const Error&) {
     return output;  // what is wrong with it is said where it is read and written
   }
@@ -163,7 +162,7 @@ Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices, 
   read.needs = options.needs;
   Atlas atlas = ReadAtlas(options.input, read, &notices);
   options.inputs->Add(atlas);
-  if (errors == InputErrors::kTell) TellErrors(options.input, atlas, console, notices);
+  if (errors == InputErrors::kTell && !console.quiet()) TellErrors(options.input, atlas, console, notices);
   return atlas;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/options.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -185,9 +186,24 @@ bool IsStandardOutput(const std::string& path) {
          named.st_dev == standard.st_dev && named.st_ino == standard.st_ino && !S_ISCHR(named.st_mode);
 }
 
+namespace {
+
+// `-`, `/dev/stdout` or `/dev/tty`, which IsStandardOutput tells apart.
+bool IsTerminal(const std::string& path) {
+  if (path == "-") return ::isatty(STDOUT_FILENO) != 0;
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || !S_ISCHR(status.st_mode)) return false;
+  const int opened = ::open(path.c_str(), O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  const bool is_terminal = opened >= 0 && ::isatty(opened) != 0;
+  if (opened >= 0) ::close(opened);
+  return is_terminal;
+}
+
+}  // namespace
+
 void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool ascii) {
   const bool binary = format.kind == FileKind::kBinary || (format.kind == FileKind::kBinaryOrText && !ascii);
-  if (!binary || !IsStandardOutput(output.path) || ::isatty(STDOUT_FILENO) == 0) return;
+  if (!binary || !IsTerminal(output.path)) return;
   throw Error(ErrorKind::kUsage, std::string(format.title) +
                                      " is binary and would garble the terminal; name a file, or redirect the output");
 }

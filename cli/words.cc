@@ -25,7 +25,7 @@ constexpr std::array kWords = {
     Word{"FitOptions::max_time_difference", "--max-dt"},
     Word{"give FitOptions::time_offset, or let it be estimated (estimate_time_offset)",
          "give --time-offset, or --estimate-time-offset"},
-    Word{"the time unit of the read options", "--time-unit"},
+    Word{"the time unit of the read options", "--time-unit of `slamdb convert` and `slamdb transform`"},
     Word{"migrate it first", "run `slamdb migrate`"},
     Word{"RecoverOptions::rig", "--cameras"},
     Word{"JoinOptions::force", "--force"},

@@ -110,22 +110,18 @@ ExitCode Finish(const std::string& wrote, const Location& output, const Format& 
 
 // A trajectory becomes a trajectory without an atlas between, in whose single precision digits would be lost. The body
 // is known to atlases alone.
-bool IsOfTrajectories(const Location& input, const Format& output, const ConvertOptions& options) {
+bool IsOfTrajectories(const HeldSource& input, const Format& output, const ConvertOptions& options) {
   if (!IsTrajectory(output) || options.body) return false;
   if (!options.from.empty()) return IsTrajectory(FormatById(options.from));
   const Format* format = FindFormatOfInput(input);
   return format != nullptr && IsTrajectory(*format);
 }
 
-ExitCode ConvertPoses(const Location& input, const Location& output, const Format& format, const ReadOptions& read,
+ExitCode ConvertPoses(const HeldSource& input, const Location& output, const Format& format, const ReadOptions& read,
                       const WriteOptions& write, Console& console) {
   Notices notices;
-  const TrajectorySize size = ConvertTrajectory(input, output, read, write, &notices);
-  std::error_code ignored;
-  const std::uint64_t bytes = std::filesystem::file_size(output.path, ignored);
-  return Finish("from " + Counted(size.maps, "map") + ", " + Counted(size.poses, "pose") +
-                    (ignored ? "" : "; " + HumanBytes(bytes)),
-                output, format, console, notices);
+  ConvertTrajectory(input, output, read, write, &notices);
+  return Finish({}, output, format, console, notices);
 }
 
 ExitCode RunConvert(const ConvertOptions& options, Console& console) {
@@ -136,10 +132,11 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.selection = ParseSelection(options.selection);
   read.of<TrajectoryReadOptions>() = {TimeUnitByName(options.time_unit), options.times};
-  if (IsOfTrajectories(input, format, options))
-    return ConvertPoses(input, output, format, read, WriteOptionsOf(options, read.selection, console), console);
+  const HeldSource held = HoldInput(input, read);
+  if (IsOfTrajectories(held, format, options))
+    return ConvertPoses(held, output, format, read, WriteOptionsOf(options, read.selection, console), console);
   Notices notices;
-  Atlas atlas = ReadAtlas(input, read, &notices);
+  Atlas atlas = ReadAtlas(held, read, &notices);
   Inputs inputs;
   inputs.Add(atlas);
   const bool sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);

@@ -39,13 +39,14 @@ std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Co
   read.features = FeatureColumns::kNone;
   read.of<TrajectoryReadOptions>() = {TimeUnitByName(options.time_unit), options.times};
   // Not by way of an atlas, whose single precision has no room for coordinates as UTM's.
-  if (const Format* format = FindFormatOfInput(Location(options.onto)); format != nullptr && IsTrajectory(*format)) {
+  const HeldSource held = HoldInput(options.onto, read);
+  if (const Format* format = FindFormatOfInput(held); format != nullptr && IsTrajectory(*format)) {
     std::vector<TimedPosition> positions;
-    for (const TrajectoryPose& pose : ReadTrajectory(Location(options.onto), read, &notices))
+    for (const TrajectoryPose& pose : ReadTrajectory(held, read, &notices))
       positions.push_back({pose.timestamp, pose.position});
     return positions;
   }
-  const Atlas reference = ReadAtlas(options.onto, read, &notices);
+  const Atlas reference = ReadAtlas(held, read, &notices);
   return NamingFile(options.onto, [&] { return TrajectoryOf(reference, options.body); });
 }
 

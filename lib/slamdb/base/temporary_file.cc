@@ -64,19 +64,17 @@ bool IsTemporaryName(std::string_view name) {
 
 struct Slot {
   std::atomic<bool> taken = false, filled = false;
-  std::array<char, PATH_MAX> path;
+  std::array<char, PATH_MAX> path{};
 };
 
-std::array<Slot, 64>& Slots() {
-  static std::array<Slot, 64> slots;
-  return slots;
-}
+// There before main(): a handler cannot wait for what another thread is about to construct.
+constinit std::array<Slot, 64> slots;
 
 // -1: no place is left, or the path is too long. Then only the next run removes what a signal leaves.
 int TakeSlot(const std::string& path) {
   if (path.size() >= PATH_MAX) return -1;
-  for (std::size_t i = 0; i < Slots().size(); ++i) {
-    Slot& slot = Slots()[i];
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    Slot& slot = slots[i];
     if (slot.taken.exchange(true)) continue;
     std::memcpy(slot.path.data(), path.c_str(), path.size() + 1);
     slot.filled = true;
@@ -87,7 +85,7 @@ int TakeSlot(const std::string& path) {
 
 void GiveBackSlot(int index) {
   if (index < 0) return;
-  Slot& slot = Slots()[static_cast<std::size_t>(index)];
+  Slot& slot = slots[static_cast<std::size_t>(index)];
   slot.filled = false;
   slot.taken = false;
 }
@@ -125,7 +123,9 @@ void RemoveIfDead(const std::string& path) {
   const Descriptor file(OpenToLock(path));
   struct stat status {};
   if (file.value < 0 || ::fstat(file.value, &status) != 0) return;
-  if (!S_ISREG(status.st_mode) || status.st_nlink != 1 || status.st_uid != ::geteuid()) return;
+  // The superuser's belong to the owner of what they were to replace.
+  const bool is_ours = status.st_uid == ::geteuid() || ::geteuid() == 0;
+  if (!S_ISREG(status.st_mode) || status.st_nlink != 1 || !is_ours) return;
   if (!IsLocal(file.value) && std::time(nullptr) - status.st_mtime < kDay) return;
   if (Lock(file.value, LOCK_EX | LOCK_NB) && IsStillAt(path, status)) ::unlink(path.c_str());
 }
@@ -192,7 +192,7 @@ void RemoveDeadTemporaryFiles(const std::string& target) {
 }
 
 void RemoveTemporaryFiles() noexcept {
-  for (const Slot& slot : Slots())
+  for (const Slot& slot : slots)
     if (slot.filled) ::unlink(slot.path.data());
 }
 

@@ -40,6 +40,10 @@ namespace slamdb {
 // The same of a source that was looked at before.
 [[nodiscard]] SLAMDB_EXPORT Atlas ReadAtlas(const HeldSource& held, const ReadOptions& options = {},
                                             Notices* notices = nullptr);
+// An input held for that: a stream is read, and refused by its beginning when it is of no kind that is read.
+//
+// Throws Error as above.
+[[nodiscard]] SLAMDB_EXPORT HeldSource HoldInput(const Location& location, const ReadOptions& options = {});
 // The same of bytes in memory, which are not copied.
 //
 // Throws Error as above, and kNotPossible for a store, which is a file.

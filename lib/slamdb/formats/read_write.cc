@@ -85,6 +85,10 @@ Atlas ReadAtlas(const Location& location, const ReadOptions& options, Notices* n
   return Read({location.path, location.name}, options, notices);
 }
 
+HeldSource HoldInput(const Location& location, const ReadOptions& options) {
+  return detail::Hold({location.path, location.name}, options);
+}
+
 Atlas ReadAtlas(const HeldSource& held, const ReadOptions& options, Notices* notices) {
   return Read(held.source(), options, notices);
 }

@@ -35,10 +35,25 @@ const TextFormat& Require(const Format& format, const std::string& path) {
   return *text;
 }
 
-detail::TrajectoryText Read(const Location& location, const ReadOptions& options, Notices& notices) {
-  const Source source(location.path, location.name);
+detail::TrajectoryText Read(const HeldSource& held, const ReadOptions& options, Notices& notices) {
+  const Source& source = held.source();
   const Format& format = detail::FormatToRead(source, options);
-  return detail::ReadTrajectoryText(source, Require(format, location.path).layout, options, notices);
+  return detail::ReadTrajectoryText(source, Require(format, source.path).layout, options, notices);
+}
+
+std::size_t CountPoses(const detail::TrajectoryText& maps) {
+  std::size_t poses = 0;
+  for (const detail::MapText& map : maps) poses += map.poses.size();
+  return poses;
+}
+
+// An empty selection is no success.
+void SelectSome(detail::TrajectoryText& maps, const Selection& selection, const std::string& path) {
+  if (selection.map && std::ranges::find(maps, *selection.map, &detail::MapText::id) == maps.end())
+    throw Error(ErrorKind::kNotFound, path, "", detail::Concat("has no map ", selection.map->value()));
+  const std::size_t before = CountPoses(maps);
+  detail::Select(maps, selection);
+  if (before > 0 && maps.empty()) throw Error(ErrorKind::kNotFound, path, "", "has no poses in the range");
 }
 
 }  // namespace
@@ -46,11 +61,15 @@ detail::TrajectoryText Read(const Location& location, const ReadOptions& options
 bool IsTrajectory(const Format& format) { return TextFormatOf(format) != nullptr; }
 
 std::vector<TrajectoryPose> ReadTrajectory(const Location& location, const ReadOptions& options, Notices* notices) {
+  return ReadTrajectory(HoldInput(location, options), options, notices);
+}
+
+std::vector<TrajectoryPose> ReadTrajectory(const HeldSource& held, const ReadOptions& options, Notices* notices) {
   Notices unheard;
-  detail::TrajectoryText maps = Read(location, options, notices == nullptr ? unheard : *notices);
+  detail::TrajectoryText maps = Read(held, options, notices == nullptr ? unheard : *notices);
   std::erase_if(maps, [](const detail::MapText& map) { return map.poses.empty(); });
   if (maps.size() != 1)
-    throw Error(ErrorKind::kNotPossible, location.path, "",
+    throw Error(ErrorKind::kNotPossible, held.source().path, "",
                 detail::Concat("must hold one trajectory, not ", maps.size()));
   std::vector<TrajectoryPose> poses;
   for (const detail::PoseText& pose : maps[0].poses)
@@ -58,18 +77,20 @@ std::vector<TrajectoryPose> ReadTrajectory(const Location& location, const ReadO
   return poses;
 }
 
-TrajectorySize ConvertTrajectory(const Location& input, const Location& output, const ReadOptions& read,
-                                 const WriteOptions& write, Notices* notices) {
+std::size_t ConvertTrajectory(const Location& input, const Location& output, const ReadOptions& read,
+                              const WriteOptions& write, Notices* notices) {
+  return ConvertTrajectory(HoldInput(input, read), output, read, write, notices);
+}
+
+std::size_t ConvertTrajectory(const HeldSource& held, const Location& output, const ReadOptions& read,
+                              const WriteOptions& write, Notices* notices) {
   Notices unheard;
   Notices& heard = notices == nullptr ? unheard : *notices;
   const Target target(output.path, output.name);
   const TextFormat& format = Require(detail::FormatToWrite(target, write), output.path);
-  detail::TrajectoryText maps = Read(input, read, heard);
-  detail::Select(maps, read.selection);
-  format.write(maps, target, write, heard);
-  TrajectorySize size{.maps = maps.size()};
-  for (const detail::MapText& map : maps) size.poses += map.poses.size();
-  return size;
+  detail::TrajectoryText maps = Read(held, read, heard);
+  SelectSome(maps, read.selection, held.source().path);
+  return format.write(maps, target, write, heard);
 }
 
 }  // namespace slamdb

@@ -21,22 +21,25 @@ struct TrajectoryPose {
 // Whether files of the format are trajectories and nothing else: tum, euroc, kitti.
 [[nodiscard]] SLAMDB_EXPORT bool IsTrajectory(const Format& format);
 
-// The poses of a trajectory file, in the order of the file.
+// The poses of a trajectory, in the order of the file. The second takes an input that was looked at before.
 //
 // Throws Error as ReadAtlas, and kNotPossible when the file holds several trajectories.
 [[nodiscard]] SLAMDB_EXPORT std::vector<TrajectoryPose> ReadTrajectory(const Location& location,
                                                                        const ReadOptions& options = {},
                                                                        Notices* notices = nullptr);
+[[nodiscard]] SLAMDB_EXPORT std::vector<TrajectoryPose> ReadTrajectory(const HeldSource& held,
+                                                                       const ReadOptions& options = {},
+                                                                       Notices* notices = nullptr);
 
-// Writes a trajectory file as another one, with every digit that it has; of a selection what ReadOptions say.
-// Returns how many maps and poses were written.
+// Writes a trajectory as another one, with every digit that it has; of a selection what ReadOptions say.
+// Returns how many poses were written.
 //
-// Throws Error as ReadAtlas and WriteAtlas do.
-struct TrajectorySize {
-  std::size_t maps = 0, poses = 0;
-};
-SLAMDB_EXPORT TrajectorySize ConvertTrajectory(const Location& input, const Location& output,
-                                               const ReadOptions& read = {}, const WriteOptions& write = {},
-                                               Notices* notices = nullptr);
+// Throws Error as ReadAtlas and WriteAtlas do, and kNotFound, before anything is written, when nothing of what is there
+// is selected.
+SLAMDB_EXPORT std::size_t ConvertTrajectory(const Location& input, const Location& output, const ReadOptions& read = {},
+                                            const WriteOptions& write = {}, Notices* notices = nullptr);
+SLAMDB_EXPORT std::size_t ConvertTrajectory(const HeldSource& held, const Location& output,
+                                            const ReadOptions& read = {}, const WriteOptions& write = {},
+                                            Notices* notices = nullptr);
 
 }  // namespace slamdb

@@ -249,7 +249,7 @@ TEST(ConvertTrajectory, KeepsEveryDigit) {
       "0.7071067811865476\n";
   const std::string path = folder.Make("a.tum", rows);
   Notices notices;
-  EXPECT_EQ(ConvertTrajectory(path, folder.Path("b.tum"), {}, {}, &notices).poses, 2U);
+  EXPECT_EQ(ConvertTrajectory(path, folder.Path("b.tum"), {}, {}, &notices), 2U);
   EXPECT_EQ(ReadFile(folder.Path("b.tum")), "# timestamp tx ty tz qx qy qz qw\n" + rows);
   EXPECT_TRUE(notices.items().empty());
   ConvertTrajectory(path, folder.Path("c.euroc.csv"));

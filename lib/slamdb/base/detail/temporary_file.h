@@ -14,10 +14,10 @@ namespace slamdb::detail {
 // goes.
 //
 // What kills a program leaves such a file behind. So it is locked (flock) while its writer lives, and
-// RemoveDeadTemporaryFiles() removes those in a folder that nobody holds any more: regular files of this user, of such
-// a name, with one link, whose lock is free, and which this run does not read. Locks of another machine cannot be seen
-// on every network file system; on any file system that is not known to be local, a dead one goes only when it was not
-// written for a day.
+// RemoveDeadTemporaryFiles() removes those in a folder that nobody holds any more: regular files of this user (of any,
+// for the superuser), of such a name, with one link, whose lock is free, and which this run does not read. Locks of
+// another machine cannot be seen on every network file system; on any file system that is not known to be local, a dead
+// one goes only when it was not written for a day.
 class TemporaryFile {
  public:
   // Beside `target`, which need not exist; `mode` as in open(), which the process' mask narrows. Errors name `path`.

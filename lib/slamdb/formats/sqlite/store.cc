@@ -31,8 +31,8 @@ constexpr const char* kNewFile = "PRAGMA page_size=8192";
 
 // So that every name can be given as store.db#NAME, and be shown.
 void CheckName(const Database& database, const std::string& name) {
+  if (IsNameOfAtlas(name)) return;
   std::string_view problem = detail::ProblemOfName(name);
-  if (problem.empty() && name.find_first_of("#/") == std::string::npos) return;
   if (problem.empty()) problem = "holds `#` or `/`";
   throw Error(
       ErrorKind::kUsage, database.path(), "",
@@ -137,12 +137,15 @@ struct Store::State {
     }
   }
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options);
-  // Whether every row holds what its hash says.
-  bool IsWhole(std::int64_t row) {
+  // Whether every row holds what its hash says. What another program saves meanwhile does.
+  bool IsWhole(const std::string& name, int threads) {
     try {
-      ReadOptions one_connection;
-      one_connection.threads = 1;
-      LoadAtlas(database, row, one_connection);
+      Transaction transaction(database, Transaction::Kind::kBegin);
+      ReadOptions how;
+      how.threads = threads;
+      LoadAtlas(database, RowOf(name), how);
+      return true;
+    } catch (const SnapshotChanged&) {
       return true;
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kDamaged) throw;
@@ -200,6 +203,10 @@ Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
   return Store(std::move(state));
 }
 
+bool IsNameOfAtlas(std::string_view name) {
+  return detail::ProblemOfName(name).empty() && name.find_first_of("#/") == std::string_view::npos;
+}
+
 const std::string& Store::path() const { return state_->database.path(); }
 
 std::vector<std::string> Store::Names() { return state_->Names(); }
@@ -233,11 +240,14 @@ SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const
   detail::EnterOutput(database.path(), name);
   const AtlasHashes hashes = detail::HashesOf(atlas, save_options.threads);
   SaveReport report;
+  // Before the lock, for which others wait, and with every core.
+  const bool was_edited =
+      save_options.verify && save_options.overwrite && Has(name) && !IsWhole(name, save_options.threads);
   WriteTransaction transaction(database);
   if (!save_options.overwrite && Has(name))
     throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
-  const bool edited = save_options.verify && Has(name) && !IsWhole(RowOf(name));
+  const bool edited = was_edited && Has(name);
   if (edited) {
     ChangeCounter uncounted;
     DeleteAtlas(database, RowOf(name), uncounted);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slamdb/export.h"
@@ -72,6 +73,9 @@ struct StoreOptions {
   double lock_timeout = 5;  // seconds to wait for another program that writes; infinity: for ever
   Progress progress;        // called while it waits; may be empty
 };
+
+// Whether an atlas may have the name in a store: 1 to 255 bytes of UTF-8 without `#`, `/` and control characters.
+[[nodiscard]] SLAMDB_EXPORT bool IsNameOfAtlas(std::string_view name);
 
 // Many atlases in one SQLite file, each under a name.
 // The schema is in schema/*.sql and explained in schema/store.md.

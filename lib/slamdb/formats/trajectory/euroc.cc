@@ -6,7 +6,9 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/detail/times.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/pose_text.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
@@ -65,11 +67,11 @@ std::string NanosecondsText(const detail::PoseText& pose) {
   return std::to_string(whole + (up ? text.starts_with('-') ? -1 : 1 : 0));
 }
 
-void WarnOfUnreachable(std::size_t dropped, Notices& notices) {
+void WarnOfUnreachable(std::size_t dropped, std::string_view noun, Notices& notices) {
   if (dropped > 0)
     notices.Warn(
         "left out because their time does not fit into 64 bits of nanoseconds (was it recorded in seconds?): " +
-        detail::Counted(dropped, "keyframe"));
+        detail::Counted(dropped, noun));
 }
 
 void DropUnreachableTimes(std::vector<detail::MapTrajectory>& trajectories, Notices& notices) {
@@ -78,7 +80,7 @@ void DropUnreachableTimes(std::vector<detail::MapTrajectory>& trajectories, Noti
     dropped +=
         std::erase_if(trajectory.poses, [](const detail::TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
   std::erase_if(trajectories, [](const detail::MapTrajectory& trajectory) { return trajectory.poses.empty(); });
-  WarnOfUnreachable(dropped, notices);
+  WarnOfUnreachable(dropped, "keyframe", notices);
 }
 
 bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
@@ -131,10 +133,10 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".euroc.csv"};
 
 }  // namespace
 
-void detail::WriteEurocText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
-                            Notices& notices) {
+std::size_t detail::WriteEurocText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
+                                   Notices& notices) {
   std::vector<MapLines> maps;
-  std::size_t dropped = 0;
+  std::size_t dropped = 0, poses = 0;
   for (const MapText& map : trajectory) {
     MapLines& lines = maps.emplace_back(MapLines{map.id, {}});
     for (const PoseText& pose : map.poses) {
@@ -145,11 +147,17 @@ void detail::WriteEurocText(const TrajectoryText& trajectory, const Target& targ
       lines.lines += NanosecondsText(pose);
       AppendPose(lines.lines, pose);
       lines.lines += '\n';
+      ++poses;
     }
   }
-  WarnOfUnreachable(dropped, notices);
+  if (poses == 0 && dropped > 0)
+    throw Error(ErrorKind::kNotPossible, target.path, "",
+                "would hold no poses: no time fits into 64 bits of nanoseconds; nothing was written");
+  WarnOfUnreachable(dropped, "pose", notices);
   WarnOfSeveralFrames(maps.size(), kToldApart, notices);
   WriteMapLines(target, options, std::string(kPoseHeader) + "\n", maps);
+  notices.Tell(CountWritten(poses, "pose", 0));
+  return poses;
 }
 
 const Format detail::kEurocFormat = {.id = "euroc",

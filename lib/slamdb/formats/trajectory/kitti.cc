@@ -103,8 +103,8 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".kitti"};
 
 }  // namespace
 
-void detail::WriteKittiText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
-                            Notices& notices) {
+std::size_t detail::WriteKittiText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
+                                   Notices& notices) {
   std::vector<Lines> maps;
   std::size_t poses = 0;
   for (const MapText& map : trajectory) {
@@ -116,6 +116,7 @@ void detail::WriteKittiText(const TrajectoryText& trajectory, const Target& targ
     }
   }
   WriteLines(maps, Counted(poses, "pose"), target, options, notices);
+  return poses;
 }
 
 const Format detail::kKittiFormat = {.id = "kitti",

@@ -277,6 +277,8 @@ const TableKind& PoseTable(PoseLayout layout) {
 TrajectoryText ReadTrajectoryText(const Source& source, PoseLayout layout, const ReadOptions& options,
                                   Notices& notices) {
   if (layout == PoseLayout::kKitti) return ReadMatrices(source, options, notices);
+  if (!options.of<TrajectoryReadOptions>().times.empty())
+    throw Error(ErrorKind::kUsage, source.path, "", "has times of its own; a file of times belongs to KITTI's poses");
   return ParseFile(source, "a trajectory",
                    [&](std::string_view text) { return ParsePoses(text, layout, options, notices); });
 }

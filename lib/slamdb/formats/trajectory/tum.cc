@@ -3,6 +3,7 @@
 
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/pose_table.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
@@ -56,15 +57,19 @@ constexpr std::array<std::string_view, 2> kSuffixes = {".tum", ".txt"};
 
 }  // namespace
 
-void detail::WriteTumText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
-                          Notices& notices) {
+std::size_t detail::WriteTumText(const TrajectoryText& trajectory, const Target& target, const WriteOptions& options,
+                                 Notices& notices) {
   std::vector<MapLines> maps;
+  std::size_t poses = 0;
   for (const MapText& map : trajectory) {
     MapLines& lines = maps.emplace_back(MapLines{map.id, {}});
     for (const PoseText& pose : map.poses) AppendLine(lines.lines, pose);
+    poses += map.poses.size();
   }
   WarnOfSeveralFrames(maps.size(), kToldApart, notices);
   WriteMapLines(target, options, kHeader, maps);
+  notices.Tell(CountWritten(poses, "pose", 0));
+  return poses;
 }
 
 const Format detail::kTumFormat = {.id = "tum",

@@ -41,7 +41,6 @@ class KeptViews {
 
   bool Keeps(std::uint32_t keyframe) const { return kept_[keyframe] != 0; }
   bool Stays(std::uint32_t point) const { return weights_[point] >= sights_.Need(point); }
-  bool IsCovered(std::uint32_t place) const { return views_[place] >= min_points_; }
   std::uint32_t Weight(std::uint32_t point) const { return weights_[point]; }
   std::size_t keyframes() const { return keyframes_; }
   std::uint64_t bytes() const { return bytes_; }

@@ -46,11 +46,14 @@ Atlas ReadPoses(const Source& source, PoseLayout layout, const ReadOptions& opti
 // The maps to write by time, and what is selected of them.
 void Select(TrajectoryText& maps, const Selection& selection);
 
-// How formats write a trajectory that was read as text.
-using WriteText = void (*)(const TrajectoryText&, const Target&, const WriteOptions&, Notices&);
-void WriteTumText(const TrajectoryText& maps, const Target& target, const WriteOptions& options, Notices& notices);
-void WriteEurocText(const TrajectoryText& maps, const Target& target, const WriteOptions& options, Notices& notices);
-void WriteKittiText(const TrajectoryText& maps, const Target& target, const WriteOptions& options, Notices& notices);
+// How formats write a trajectory that was read as text. They return how many poses they wrote, and tell it.
+using WriteText = std::size_t (*)(const TrajectoryText&, const Target&, const WriteOptions&, Notices&);
+std::size_t WriteTumText(const TrajectoryText& maps, const Target& target, const WriteOptions& options,
+                         Notices& notices);
+std::size_t WriteEurocText(const TrajectoryText& maps, const Target& target, const WriteOptions& options,
+                           Notices& notices);
+std::size_t WriteKittiText(const TrajectoryText& maps, const Target& target, const WriteOptions& options,
+                           Notices& notices);
 
 // Fills position and rotation as text.
 void SetText(PoseText& pose, const Eigen::Vector3f& position,
