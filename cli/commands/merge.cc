@@ -94,7 +94,8 @@ std::vector<std::string> DistinctNames(std::vector<std::string> names) {
 // Maps of landmarks are fused unless told otherwise, as MRPT's fuseWith does.
 bool HoldLandmarksAlone(const std::vector<Atlas>& atlases) {
   return std::ranges::all_of(atlases, [](const Atlas& atlas) {
-    return std::ranges::all_of(atlas.maps, [](const Map& map) { return map.keyframes.empty(); });
+    const Substance substance = SubstanceOf(atlas, /*with_bad=*/true);
+    return substance.landmarks && !substance.keyframes;
   });
 }
 

@@ -130,7 +130,8 @@ const Command kRecover = {
         R"(Reads every keyframe and point that is whole in an ORB-SLAM3 file that was cut short or damaged, binary or text, or in a
 damaged store; finds again what the keyframes tell of what is lost: cameras, the next ids, and points that two of them saw,
 or one with a depth, which are triangulated anew and counted apart; drops bags of words that are in doubt, or computes them
-anew with --vocabulary; drops or repairs what refers to the rest; and writes an atlas that 'slamdb check' finds sound. The
+anew with --vocabulary; drops or repairs what refers to the rest; and writes an atlas that 'slamdb check' finds sound,
+unless no point could be had. The
 input is never changed. Landmarks of a store are saved too, and those of an MRPT file in front of a cut.
 
 In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its

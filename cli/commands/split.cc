@@ -71,6 +71,7 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
   }
 }
 
+// Of one part: the pattern may have {} in the name of a folder.
 void MakeFolder(const EditOptions& edit) {
   const std::filesystem::path folder = std::filesystem::path(edit.output).parent_path();
   std::error_code error;
@@ -91,7 +92,6 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
   const AtlasIndex index(atlas);
   const std::vector<Part> parts = NamingFile(options.edit.input, [&] { return SplitAtlas(index, options.split); });
   RefuseBadOutputs(options, parts);
-  MakeFolder(options.edit);
   Table table({Table::Align::kLeft, Table::Align::kRight, Table::Align::kRight});
   table.Add({"part", "keyframes", "points"});
   std::vector<TakenPart> taken;
@@ -104,6 +104,7 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
     EditOptions edit = options.edit;
     edit.output = OutputOf(options.edit.output, part.name);
     edit.inputs = std::make_shared<Inputs>();  // a part may be as empty as its map
+    MakeFolder(edit);
     WriteResult(own, edit, "split " + options.edit.input, console, notices);
     taken.push_back({.name = part.name, .output = FilesOf(edit).output, .counts = removed.after});
     table.Add({options.edit.dry_run ? part.name : edit.output, Grouped(removed.after.keyframes),

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {
@@ -124,6 +125,16 @@ TEST_F(Edit, NothingLeftIsNoSuccess) {
   const ProcessResult moved = RunSlamdb({"renumber", all_bad, output_, "--start", "5"});
   EXPECT_EQ(moved.exit_code, 0);
   EXPECT_THAT(moved.err, HasSubstr("holds no keyframes, and neither does the input"));
+}
+
+TEST_F(Edit, AFileWhoseNameNoAtlasMayHaveNamesNone) {
+  for (const char* name : {"caf\xe9.osa", "a\x01z.osa"}) {
+    const TemporaryFolder folder;
+    std::filesystem::copy_file(SLAMDB_FIXTURES "/tiny/tiny.osa", folder / name);
+    const ProcessResult result = RunSlamdb({"convert", folder / name, folder / "new.db"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(Store::Open(folder / "new.db").Names(), std::vector<std::string>{"atlas"});
+  }
 }
 
 TEST_F(Edit, AStoreTakesTheNamesOfItsInputs) {

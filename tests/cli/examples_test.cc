@@ -39,8 +39,8 @@ constexpr std::array kWorld = {
     "slamdb convert session_a.osa lab.db#monday -q; slamdb convert session_b.osa lab.db#tuesday -q",
     "cp lab.db lab-backup.db && cp lab.db damaged.db && printf damage | dd of=damaged.db bs=1 "
     "seek=200000 conv=notrunc status=none",
-    "slamdb convert mono.osa ground_truth.txt --to tum -q || [ $? = 3 ]",
-    "slamdb convert lab.osa lab.txt --to tum -q || [ $? = 3 ]",
+    "slamdb convert mono.osa ground_truth.txt --to tum -q",
+    "slamdb convert lab.osa lab.txt --to tum -q",
     "(echo time,latitude,longitude,altitude; awk '{printf \"%s,%.9f,%.9f,%.3f\\n\", $1, 47 + $4 / 111195, 8 + $2 / "
     "75000, 400 - $3}' lab.txt) >gps.csv",
     "echo 1 0 0 0 0 0 1 >b_in_a.txt",
@@ -50,7 +50,7 @@ constexpr std::array kWorld = {
     "cp known.osa flipped.osa && printf x | dd of=flipped.osa bs=1 seek=900000 conv=notrunc status=none",
     "slamdb landmarks from-points session_a.osa landmarks.mrpt -q || [ $? = 3 ]",
     "slamdb renumber session_a.osa dense.osa --id-map ids.csv -q",
-    "slamdb convert session_a.osa keyframes.csv --to csv-keyframes -q || [ $? = 3 ]",
+    "slamdb convert session_a.osa keyframes.csv --to csv-keyframes -q",
     "mkdir -p parts build .zfunc .config/fish/completions disk && cp lab.db disk",
 };
 

@@ -109,6 +109,7 @@ TEST_F(Guard, NoOutputOfAnyVerbIsAnInput) {
 }
 
 TEST_F(Guard, NoTwoOutputsOfAnyVerbAreOneFile) {
+  int pairs = 0;
   for (const Verb& verb : AllVerbs())
     for (const FileOption& one : verb.files)
       for (const FileOption& other : verb.files) {
@@ -118,7 +119,9 @@ TEST_F(Guard, NoTwoOutputsOfAnyVerbAreOneFile) {
         EXPECT_EQ(result.exit_code, 1);
         EXPECT_THAT(result.err, HasSubstr("is an output of this run already"));
         EXPECT_FALSE(fs::exists(ValueOf(verb, one)));
+        ++pairs;
       }
+  EXPECT_GE(pairs, 3);  // merge, renumber, repair
 }
 
 TEST_F(Guard, NamesAreNotEmpty) {
@@ -245,7 +248,7 @@ TEST_F(Guard, WhatIsNoRegularFileIsWrittenIntoAndStays) {
   reader.join();
   EXPECT_EQ(got, ReadWholeFile("a.osa"));
   EXPECT_TRUE(fs::is_fifo("pipe"));
-  EXPECT_THAT(RunSlamdb({"convert", "a.osa", "/dev/null", "--to", "kitti"}).exit_code, AnyOf(0, 3));
+  EXPECT_EQ(RunSlamdb({"convert", "a.osa", "/dev/null", "--to", "kitti"}).exit_code, 0);
   EXPECT_FALSE(fs::exists("/dev/null.times"));
   const ProcessResult out = RunSlamdb({"convert", "a.osa", "/dev/stdout", "--to", "orbslam3"});
   EXPECT_EQ(out.out, ReadWholeFile("a.osa"));

@@ -152,6 +152,10 @@ TEST(Landmarks, GoBackOntoTheAtlasTheyCameFrom) {
   EXPECT_THAT(RunSlamdb({"diff", kSession, (folder / "a.db") + "#moved"}).out, HasSubstr("changed: position 3,162"));
 }
 
+TEST(Landmarks, AreLaidOntoAnAtlasThatHasAName) {
+  EXPECT_EQ(RunSlamdb({"landmarks", "to-points", "a.mrpt", "out.osa", "--into", ""}).exit_code, 2);
+}
+
 TEST(Landmarks, ThatTheAtlasDoesNotHaveAreNamed) {
   const TemporaryFolder folder;
   const ProcessResult laid = RunSlamdb({"landmarks", "to-points", kMrpt, "--into", kSession, folder / "a.osa"});

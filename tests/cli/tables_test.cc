@@ -164,6 +164,39 @@ TEST_F(Tables, AReferenceFarFromTheOriginTurnsNothing) {
   EXPECT_THAT(result.err, HasSubstr("loss: map 0: coordinates reach"));
 }
 
+// A stream keeps its digits, too: by way of an atlas it would turn the map.
+TEST_F(Tables, AReferenceFarFromTheOriginMayBeAStream) {
+  const Eigen::Vector3d utm(465012.25, 5247013.5, 408);
+  const std::string text = Rows([&](const TrajectoryPose& pose) {
+    return Digits(pose.timestamp, 3) + " " + Place(pose, " ", utm) + " " + Turn(pose, " ");
+  });
+  WriteWholeFile(In("utm.tum"), text);
+  ExpectOnto(RunProgram({"bash", "-c", std::string(SLAMDB_COMMAND) + " transform " + In("a.osa") + " " + In("o.osa") +
+                                           " -O --json --onto <(cat " + In("utm.tum") + ")"}),
+             utm, 3);
+  ASSERT_EQ(RunSlamdb({"convert", In("utm.tum"), In("file.tum"), "-O"}).exit_code, 0);
+  for (const std::vector<std::string>& from : std::vector<std::vector<std::string>>{{}, {"--from", "tum"}}) {
+    std::vector<std::string> line = {"convert", "-", In("stream.tum"), "-O"};
+    line.insert(line.end(), from.begin(), from.end());
+    const ProcessResult result = RunSlamdb(line, text);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(ReadWholeFile(In("stream.tum")), ReadWholeFile(In("file.tum")));
+  }
+}
+
+TEST_F(Tables, NothingSelectedIsNoSuccess) {
+  WriteWholeFile(In("old.tum"), "old");
+  for (const std::vector<std::string>& none :
+       std::vector<std::vector<std::string>>{{"--time", "1:2"}, {"--map", "7"}, {"--keyframes", "900:"}}) {
+    std::vector<std::string> line = {"convert", In("a.tum"), In("old.tum"), "-O"};
+    line.insert(line.end(), none.begin(), none.end());
+    EXPECT_EQ(RunSlamdb(line).exit_code, 1) << none[0];
+    EXPECT_EQ(ReadWholeFile(In("old.tum")), "old");
+  }
+  WriteWholeFile(In("far.tum"), "1e11 0 0 0 0 0 0 1\n5 0 0 0 0 0 0 1\n");
+  EXPECT_THAT(RunSlamdb({"convert", In("far.tum"), In("far.euroc.csv"), "--time-unit", "s"}).out, HasSubstr(": 1 pose"));
+}
+
 TEST_F(Tables, PointsAreNoPoses) {
   const ProcessResult result = Onto("# 3D point list\n1 0.1 0.2 0.3 255 255 255 0.5\n2 0.4 0.5 0.6 10 20 30 0.7\n");
   EXPECT_EQ(result.exit_code, 1);

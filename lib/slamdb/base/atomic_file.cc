@@ -16,6 +16,7 @@
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/links.h"
+#include "slamdb/base/detail/rights.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/detail/text.h"
@@ -26,8 +27,6 @@ namespace {
 
 using detail::CallsOfFiles;
 using detail::Descriptor;
-
-constexpr mode_t kModeBits = 07777;
 
 void WriteAll(const std::string& path, int descriptor, Bytes bytes) {
   while (!bytes.empty()) {
@@ -53,17 +52,6 @@ void RefuseReplacing(const std::string& path, const std::string& target, const A
         ErrorKind::kAlreadyExists, path, "",
         "is an SQLite database, a store of atlases perhaps, which no single file replaces; name another output, "
         "or remove it first");
-}
-
-// Mode, owner and group of the file that is replaced. Others than its owner never see more than they did.
-void TakeOver(const struct stat& old, int descriptor) {
-  mode_t mode = old.st_mode & kModeBits;
-  struct stat made {};
-  if (::fstat(descriptor, &made) != 0) return;
-  const bool same_group = made.st_gid == old.st_gid || ::fchown(descriptor, static_cast<uid_t>(-1), old.st_gid) == 0;
-  if (!same_group) mode = (mode & ~(S_IRWXG | S_ISGID)) | ((mode & S_IRWXO) << 3);
-  if (made.st_uid != old.st_uid && ::fchown(descriptor, old.st_uid, static_cast<gid_t>(-1)) != 0) mode &= ~S_ISUID;
-  ::fchmod(descriptor, mode);
 }
 
 // The number of `/proc/self/fd/N`.
@@ -115,7 +103,7 @@ void AtomicFile::Open() {
   if (old) RefuseReplacing(path_, target_, options_);
   temporary_ = std::make_unique<detail::TemporaryFile>(target_, old ? S_IRUSR | S_IWUSR : 0666, path_);
   descriptor_ = temporary_->descriptor();
-  if (old) TakeOver(*old, descriptor_);
+  if (old) detail::TakeRights(*old, descriptor_);  // as far as it goes
 }
 
 // An open file of this process is shared with whoever else writes to it; opening its path would begin at its beginning.

@@ -22,6 +22,7 @@
 #include <set>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
@@ -178,12 +179,12 @@ void TemporaryFile::Keep() {
 
 void RemoveDeadTemporaryFiles(const std::string& target) {
   static std::mutex mutex;
-  static std::set<std::pair<dev_t, ino_t>> done;
+  static std::set<std::tuple<dev_t, ino_t, std::string>> done;  // by path, too: the system gives numbers again
   const std::filesystem::path folder = FolderOf(target);
   struct stat status {};
   if (::stat(folder.c_str(), &status) != 0) return;
   const std::lock_guard lock(mutex);
-  if (!done.emplace(status.st_dev, status.st_ino).second) return;
+  if (!done.emplace(status.st_dev, status.st_ino, folder.string()).second) return;
   std::error_code unreadable;
   for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
        entry.increment(unreadable))

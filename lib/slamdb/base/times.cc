@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 
 namespace slamdb {
 namespace {
@@ -287,9 +288,7 @@ double TimeReader::MedianStep() const {
   if (values_.size() < 3) return 0;
   std::vector<double> steps;
   for (std::size_t i = 1; i < values_.size(); ++i) steps.push_back(std::abs(values_[i] - values_[i - 1]));
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::ranges::nth_element(steps, middle);
-  return *middle;
+  return MedianOf(std::move(steps));
 }
 
 // Whether all times lie in this century when they count that unit, and the steps between them are within bounds.

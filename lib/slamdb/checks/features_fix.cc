@@ -38,11 +38,6 @@ bool DropWords(Features& features) {
   return true;
 }
 
-std::optional<std::uint64_t> WordsEnd(const Atlas& atlas) {
-  const std::optional<std::uint64_t> known = KnownWords(atlas.vocabulary);
-  return known ? known : WordsFarAbove(atlas);
-}
-
 // Whether the nodes' entries are all there.
 bool IsWhole(const FeatureVector& vector) {
   return vector.nodes.size() == vector.sizes.size() &&

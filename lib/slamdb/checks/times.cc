@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/time_units.h"
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
@@ -24,13 +25,6 @@ std::vector<const KeyFrame*> InOrderOfRuns(const Map& map) {
     return std::pair(a->origin_map, a->id) < std::pair(b->origin_map, b->id);
   });
   return order;
-}
-
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // What a fork wrote as 32 bits of seconds and 32 bits of nanoseconds, and was read as one double.

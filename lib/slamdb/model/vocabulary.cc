@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "slamdb/base/detail/median.h"
+
 namespace slamdb {
 namespace {
 
@@ -44,9 +46,13 @@ std::optional<std::uint64_t> WordsFarAbove(const Atlas& atlas, double margin) {
       if (!words.empty()) largest.push_back(*std::ranges::max_element(words));
     }
   if (largest.size() < kFewestBags) return std::nullopt;
-  const auto middle = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 2);
-  std::ranges::nth_element(largest, middle);
-  return std::max(kSmallVocabulary, static_cast<std::uint64_t>(static_cast<double>(*middle) * margin) + 1);
+  const double median = detail::MedianOf(std::move(largest));
+  return std::max(kSmallVocabulary, static_cast<std::uint64_t>(median * margin) + 1);
+}
+
+std::optional<std::uint64_t> WordsEnd(const Atlas& atlas) {
+  const std::optional<std::uint64_t> known = KnownWords(atlas.vocabulary);
+  return known ? known : WordsFarAbove(atlas);
 }
 
 }  // namespace slamdb

@@ -32,4 +32,7 @@ struct KnownVocabulary {
 // Cost: linear in the keyframes.
 [[nodiscard]] SLAMDB_EXPORT std::optional<std::uint64_t> WordsFarAbove(const Atlas& atlas, double margin = 2);
 
+// Where the vocabulary of an atlas ends: as its checksum tells, or else where words are far above.
+[[nodiscard]] SLAMDB_EXPORT std::optional<std::uint64_t> WordsEnd(const Atlas& atlas);
+
 }  // namespace slamdb

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/time_offset.h"
 #include "slamdb/model/derive.h"
@@ -75,9 +76,7 @@ std::optional<double> NearestTimes(const std::vector<TimedPosition>& keyframes,
     if (after != samples.begin()) distance = std::min(distance, time - (after - 1)->timestamp);
     distances.push_back(distance);
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::ranges::nth_element(distances, middle);
-  return *middle;
+  return detail::MedianOf(std::move(distances));
 }
 
 // Names both time spans, and the offset that would lay one over the other.

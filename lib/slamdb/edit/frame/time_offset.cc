@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {
@@ -20,9 +21,8 @@ double MedianStep(const Positions& positions) {
   for (std::size_t i = 1; i < positions.size(); ++i)
     steps.push_back(positions[i].timestamp - positions[i - 1].timestamp);
   if (steps.empty()) return 1;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::ranges::nth_element(steps, middle);
-  return *middle > 0 ? *middle : 1;
+  const double median = MedianOf(std::move(steps));
+  return median > 0 ? median : 1;
 }
 
 double DurationOf(const Positions& positions) { return positions.back().timestamp - positions.front().timestamp; }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/model/detail/json.h"
@@ -45,11 +46,6 @@ MovedMap LaidOnto(const Map& map, const std::vector<TimedPosition>& reference, c
 // The first fix, unless it is far from where most are.
 Geodetic FirstAmongOthers(std::vector<GpsFix> fixes) {
   constexpr double kTimesFarther = 20, kNearby = 1000;  // metres
-  const auto middle_of = [](std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
-  };
   std::erase_if(fixes, [](const GpsFix& fix) { return !fix.has_place(); });
   std::vector<Eigen::Vector3d> places;
   for (const GpsFix& fix : fixes) places.push_back(EcefFromGeodetic(fix.place));
@@ -57,11 +53,11 @@ Geodetic FirstAmongOthers(std::vector<GpsFix> fixes) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const Eigen::Vector3d& place : places) values.push_back(place[axis]);
-    middle[axis] = middle_of(std::move(values));
+    middle[axis] = detail::MedianOf(std::move(values));
   }
   std::vector<double> distances;
   for (const Eigen::Vector3d& place : places) distances.push_back((place - middle).norm());
-  const double limit = std::max(kNearby, kTimesFarther * middle_of(distances));
+  const double limit = std::max(kNearby, kTimesFarther * detail::MedianOf(distances));
   const auto first = std::ranges::find_if(distances, [limit](double distance) { return distance <= limit; });
   return fixes[static_cast<std::size_t>(first - distances.begin())].place;
 }

@@ -111,9 +111,8 @@ void HoldAgainst(Atlas& atlas, const MendWordsOptions& options, MendWordsReport&
 // ---- Without one
 
 // A word is beyond the vocabulary from here on.
-std::optional<std::uint64_t> WordsEnd(const Atlas& atlas, bool damaged) {
-  if (const auto known = KnownWords(atlas.vocabulary)) return known;
-  if (!damaged) return WordsFarAbove(atlas);
+std::optional<std::uint64_t> EndOf(const Atlas& atlas, bool damaged) {
+  if (!damaged || KnownWords(atlas.vocabulary)) return WordsEnd(atlas);
   // The largest words of bags lie close together, the closer the more words the bags have.
   std::uint64_t bags = 0, words = 0;
   for (const Map& map : atlas.maps)
@@ -135,7 +134,7 @@ void DropDoubtful(Atlas& atlas, const MendWordsOptions& options, MendWordsReport
     adding_up += AddsUpToOne(keyframe->features.bag_of_words);
   }
   const bool must_add_up = options.damaged && 2 * adding_up > with_words;  // other scorings norm otherwise
-  const std::optional<std::uint64_t> end = WordsEnd(atlas, options.damaged);
+  const std::optional<std::uint64_t> end = EndOf(atlas, options.damaged);
   for (KeyFrame* keyframe : keyframes) {
     Features& features = keyframe->features;
     const Column<std::uint32_t>& words = features.bag_of_words.words;

@@ -2,13 +2,13 @@
 #include "slamdb/formats/sqlite/detail/backup.h"
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <filesystem>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/links.h"
+#include "slamdb/base/detail/rights.h"
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
@@ -84,12 +84,8 @@ Error ExistsError(const std::string& target) {
 void TakeRightsOf(const std::string& original, int descriptor, const std::string& target) {
   struct stat status {};
   if (::stat(original.c_str(), &status) != 0) throw SystemError(original, "cannot read its permissions");
-  mode_t mode = status.st_mode & 07777;
-  const bool same_group = ::fchown(descriptor, static_cast<uid_t>(-1), status.st_gid) == 0;
-  if (!same_group) mode &= ~static_cast<mode_t>(070) | (mode & 07) << 3;  // another group has the rights of others
-  if (::geteuid() == 0 && ::fchown(descriptor, status.st_uid, static_cast<gid_t>(-1)) != 0)
-    throw SystemError(target, "cannot be given to the owner of the original");
-  if (::fchmod(descriptor, mode) != 0) throw SystemError(target, "cannot be given the permissions of the original");
+  if (!detail::TakeRights(status, descriptor))
+    throw SystemError(target, "cannot be given the permissions of the original");
 }
 
 void CopyToNew(Database& source, const std::string& path) {
