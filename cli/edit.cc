@@ -144,12 +144,22 @@ void SideFile::Commit() {
 
 namespace {
 
+// A trajectory breaks rules of what it does not hold, and has no repair.
+bool HoldsAtlas(const Atlas& atlas) {
+  return std::ranges::any_of(atlas.maps, [](const Map& map) {
+    return !map.points.empty() || !map.landmarks.empty() ||
+           std::ranges::any_of(map.keyframes,
+                               [](const KeyFrame& keyframe) { return !keyframe.features.keypoints.empty(); });
+  });
+}
+
 void TellErrors(const std::string& input, const Atlas& atlas, const Console& console, Notices& notices) {
+  if (!HoldsAtlas(atlas)) return;
   const CheckReport check = CheckAtlas(atlas, {.max_findings = 1, .threads = console.threads()});
   for (const RuleResult& result : check.results) {
     if (result.severity != Severity::kError) continue;
     notices.Warn(input + " has " + Counted(check.Count(Severity::kError), "error") + ", the first of " + result.id +
-                 "; `slamdb repair` it first, or the result has them too");
+                 "; `slamdb repair` it first, or the result may have them too");
     return;
   }
 }

@@ -9,11 +9,13 @@
 
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
+#include "cli/edit.h"
 #include "cli/help/help.h"
 #include "cli/options.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
+#include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/version.h"
@@ -33,22 +35,18 @@ struct CheckVerbOptions {
   std::vector<double> limits;  // one for each gate; NaN: not asked for
 };
 
-std::optional<std::uint64_t> WordsOf(const std::string& vocabulary) {
-  if (vocabulary.empty()) return std::nullopt;
-  const VocabularyFile file = ReadVocabularyFile(vocabulary);
-  if (file.shape) return file.shape->words;
-  throw Error(ErrorKind::kUnsupported, vocabulary, "",
-              "is no DBoW2 text vocabulary, so that its words cannot be counted");
-}
-
 CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {
   CheckOptions check = options.check;
   check.threads = console.threads();
-  check.vocabulary_words = WordsOf(options.vocabulary);
   check.max_findings = options.max_findings.value_or(kKeptFindings);
   for (std::size_t i = 0; i < options.limits.size(); ++i)
     if (!std::isnan(options.limits[i])) check.gates.push_back({std::string(ReadGates()[i].id), options.limits[i]});
   return check;
+}
+
+void RefuseOtherVocabulary(const std::string& input, const Atlas& atlas, const LoadedVocabulary& given, int threads) {
+  NamingFile(input,
+             [&] { RequireVocabulary(atlas, {.tree = &given.tree, .identity = given.identity, .threads = threads}); });
 }
 
 std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptions& options, const std::string& format,
@@ -89,14 +87,18 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   }
   if (options.inputs.paths.empty()) throw CLI::RequiredError("FILE");
   if (format == "markdown") RefuseUsage("--format markdown is for --list");
-  const CheckOptions check = CheckOptionsOf(options, console);
+  CheckOptions check = CheckOptionsOf(options, console);
+  const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
+  if (vocabulary) check.vocabulary_words = vocabulary->tree.word_count;
   const auto outcomes = ForEachInput<CheckReport>(
       options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
         CheckOptions mine = check;
         mine.threads = read.threads;
         ReadOptions whole = read;
         whole.needs = Content::kObservations | Content::kLandmarks;
-        return CheckAtlas(ReadAtlas(path, whole, &notices), mine);
+        const Atlas atlas = ReadAtlas(path, whole, &notices);
+        if (vocabulary) RefuseOtherVocabulary(path, atlas, *vocabulary, read.threads);
+        return CheckAtlas(atlas, mine);
       });
   std::vector<CheckedFile> files;
   for (const auto& outcome : outcomes)
@@ -157,7 +159,8 @@ Run AddCheck(CLI::App& verb) {
                   "Findings to show of each rule; all are counted. By default 5 as text, 100 otherwise")
       ->type_name("N");
   verb.add_option("--vocabulary", options->vocabulary,
-                  "The vocabulary file that the atlas was made with: its words are checked against it")
+                  "The vocabulary file that the atlas was made with: its words are checked against it; an atlas of "
+                  "another vocabulary is refused")
       ->type_name("FILE");
   verb.add_flag("--list", options->list, "List the rules with their severity, and check nothing");
   BindRuleOptions(verb, options->check);

@@ -83,15 +83,12 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
   WriteResult(salvage.atlas, options.edit, provenance, console, notices);
   const ExitCode code =
       FinishEdit(InCommandWords(TextOf(report)), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
+  if (report.recovery.pointless()) return ExitCode::kLossy;  // little, and told as what is lost
   for (const Unrepaired& rule : report.recovery.left)
     if (rule.severity == Severity::kError)
       console.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
                    rule.reason);
-  // Keyframes without points are little, and told as what is lost; they are no fault of what is there.
-  const bool failed = std::ranges::any_of(report.recovery.left, [](const Unrepaired& rule) {
-    return rule.severity == Severity::kError && rule.rule != "atlas-not-empty";
-  });
-  if (failed) return ExitCode::kFailed;
+  if (!report.recovery.sound()) return ExitCode::kFailed;
   return report.untouched ? code : ExitCode::kLossy;
 }
 
@@ -113,7 +110,8 @@ Run AddRecover(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb recover cut.osa rescued.osa", "Keeps what is whole of a file that was cut short."},
     {"slamdb recover fisheye_cut.osa rescued.osa --cameras yesterday.osa",
-     "Cameras are the last thing in a file; a fisheye lens is known from an older atlas alone."},
+     "Cameras are the last thing in a file; a fisheye lens is known from an older atlas alone, and no point is "
+     "triangulated without."},
     {"slamdb recover flipped.osa rescued.osa --vocabulary ORBvoc.txt",
      "Bags of words are held against the vocabulary, and computed anew where they are damaged."},
     {"slamdb recover damaged.db#lab lab.osa", "Also of a store with damaged pages."},
@@ -130,16 +128,19 @@ const Command kRecover = {
         R"(Reads every keyframe and point that is whole in an ORB-SLAM3 file that was cut short or damaged, binary or text, or in a
 damaged store; finds again what the keyframes tell of what is lost: cameras, the next ids, and points that two of them saw,
 or one with a depth, which are triangulated anew and counted apart; drops bags of words that are in doubt, or computes them
-anew with --vocabulary; drops or repairs what refers to the rest; and writes an atlas that 'slamdb check' finds sound,
-unless no point could be had. The
-input is never changed. Landmarks of a store are saved too, and those of an MRPT file in front of a cut.
+anew with --vocabulary; drops or repairs what refers to the rest; and writes an atlas that 'slamdb check' finds sound, or
+says that it is not: keyframes of which no point is left are saved too. The input is never changed. Landmarks of a store
+are saved, and those of an MRPT file in front of a cut.
 
 In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its
 middle still has the keyframes in front of the cut, and the points only of maps before. Where the beginning is lost, reading
 starts at the first keyframe that is whole.)",
     .done = "The file is whole and sound: the output is its copy.",
-    .failed = "Nothing could be read, the output not be written, or an error is left that has no safe repair.",
-    .lossy = "Done, and something is lost; the report says what.",
+    .failed =
+        "Nothing could be read, the output not be written, or an error is left that has no safe repair, other than "
+        "that no keyframe sees a point.",
+    .lossy =
+        "Done, and something is lost; the report says what, and whether the output holds no point and is not sound.",
     .examples = kExamples,
     .add = AddRecover,
 };

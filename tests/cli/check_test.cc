@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "slamdb/formats/formats.h"
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -164,6 +165,32 @@ TEST_F(Check, SarifHasPathsThatACodeHostKnows) {
   }
   std::filesystem::current_path(before);
   EXPECT_EQ(uris, "maps%20of.db\nmaps%20of.db\nmaps%20of.db\n");
+}
+
+TEST_F(Check, AnAtlasOfAnotherVocabularyIsRefused) {
+  const std::string given = SLAMDB_FIXTURES "/vocabulary/small.txt";
+  const ProcessResult result =
+      RunSlamdb({"check", SLAMDB_FIXTURES "/session_small_a/session_small_a.osa", "--vocabulary", given});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.out + result.err, HasSubstr("its words are of another vocabulary, 'labvoc.txt'"));
+  EXPECT_THAT(result.out + result.err, Not(HasSubstr("word-range")));
+  ASSERT_EQ(RunSlamdb({"synthesize", In("same.osa"), "--vocabulary", given}).exit_code, 0);
+  Atlas atlas = ReadAtlas(In("same.osa"));
+  atlas.vocabulary.checksum = std::string(32, '0');  // the same words, of a file with other line ends
+  WriteAtlas(atlas, In("resaved.osa"));
+  EXPECT_EQ(RunSlamdb({"check", In("resaved.osa"), "--vocabulary", given}).exit_code, 0);
+}
+
+TEST_F(Check, SaysWhatIsGivenForAVocabulary) {
+  WriteWholeFile(In("pointer.txt"), "version https://git-lfs.github.com/spec/v1\noid sha256:" + std::string(64, 'a') +
+                                        "\nsize 145250924\n");
+  WriteWholeFile(In("page.txt"), "<!DOCTYPE html>\n<html><body>404</body></html>\n");
+  for (const auto& [file, says] : {std::pair(In("pointer.txt"), "Git LFS"), std::pair(In("page.txt"), "page"),
+                                   std::pair(Sound(), "this is an atlas of ORB-SLAM3")}) {
+    const ProcessResult result = RunSlamdb({"check", Sound(), "--vocabulary", file});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr(says));
+  }
 }
 
 TEST_F(Check, VocabularyThatIsNoneIsRefused) {

@@ -43,6 +43,22 @@ std::string AsUtf8(const std::string& bytes) {
   return text;
 }
 
+// Bytes taken for UTF-8, with U+FFFD for those that are none, as decoders that replace errors leave them.
+std::string Decoded(const std::string& bytes) {
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(bytes[i]);
+    const bool pair = byte >= 0xc2 && byte < 0xe0 && i + 1 < bytes.size() &&
+                      (static_cast<unsigned char>(bytes[i + 1]) & 0xc0) == 0x80;
+    if (byte < 0x80 || pair)
+      text += bytes.substr(i, pair ? 2 : 1);
+    else
+      text += "\xef\xbf\xbd";
+    i += pair;
+  }
+  return text;
+}
+
 // A FIFO with a program that writes a file into it.
 class Fifo {
  public:
@@ -157,6 +173,22 @@ TEST(Inputs, TrajectoriesAreNoAtlases) {
   EXPECT_EQ(RunSlamdb({"info", folder / "poses.tum"}).exit_code, 0);
 }
 
+// They have no repair, so nobody is told to repair them.
+TEST(Inputs, TrajectoriesAreNotToldToBeRepaired) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "poses.tum"}).exit_code, 0);
+  const std::string poses = folder / "poses.tum";
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"transform", poses, folder / "out.tum", "-O", "--by", "1 0 0 0 0 0 1"},
+                                             {"extract", poses, folder / "out.tum", "-O", "--every", "2"},
+                                             {"renumber", poses, folder / "out.tum", "-O"},
+                                             {"merge", poses, poses, "-o", folder / "out.tum", "-O"}}) {
+    const ProcessResult result = RunSlamdb(words);
+    EXPECT_EQ(result.exit_code, 0) << words[0] << result.err;
+    EXPECT_THAT(result.err, Not(HasSubstr("slamdb repair"))) << words[0];
+  }
+}
+
 TEST(Inputs, WhatIsNoVocabularyIsNotStamped) {
   const TemporaryFolder folder;
   WriteWholeFile(folder / "pointer.txt", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12\n");
@@ -207,9 +239,54 @@ TEST(TextMode, IsUndoneExactly) {
   }
 }
 
+TEST(TextMode, IsUndoneExactlyThoughItHappenedTwice) {
+  const TemporaryFolder folder;
+  const std::string atlas = ReadWholeFile(kSmall);
+  for (const std::string& text : {AsUtf8(WithCarriageReturns(atlas)), WithCarriageReturns(AsUtf8(atlas)),
+                                  AsUtf8(AsUtf8(atlas)), WithCarriageReturns(WithCarriageReturns(atlas))}) {
+    WriteWholeFile(folder / "text.osa", text);
+    EXPECT_THAT(RunSlamdb({"info", folder / "text.osa"}).err, HasSubstr("; `slamdb recover` undoes it"));
+    const ProcessResult result = RunSlamdb({"recover", folder / "text.osa", folder / "out.osa", "-O"});
+    EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+    EXPECT_THAT(result.out, HasSubstr("; then every "));
+    EXPECT_TRUE(ReadWholeFile(folder / "out.osa") == atlas);
+  }
+}
+
+// As .NET and browsers read bytes, and what they have no character for stays.
+TEST(TextMode, IsUndoneOfWindows1252) {
+  const TemporaryFolder folder;
+  const std::string atlas = ReadWholeFile(kSmall);
+  std::string text = AsUtf8(atlas);
+  for (const auto& [latin1, windows] : {std::pair("\xc2\x80", "\xe2\x82\xac"), std::pair("\xc2\x9f", "\xc5\xb8")})
+    text = Replaced(text, latin1, windows);
+  WriteWholeFile(folder / "text.osa", text);
+  EXPECT_EQ(RunSlamdb({"recover", folder / "text.osa", folder / "out.osa"}).exit_code, 0);
+  EXPECT_TRUE(ReadWholeFile(folder / "out.osa") == atlas);
+}
+
+// The descriptors of a real atlas hold sequences that are UTF-8 by chance, which decoders leave as they are.
+TEST(TextMode, IsNamedWhereBytesBecameReplacements) {
+  const TemporaryFolder folder;
+  const std::string replaced = Decoded(ReadWholeFile(kSmall));
+  for (const std::string& text : {replaced, replaced.substr(0, replaced.size() / 2 + 1), AsUtf8(replaced)}) {
+    WriteWholeFile(folder / "text.osa", text);
+    const std::string error = RunSlamdb({"info", folder / "text.osa"}).err;
+    EXPECT_THAT(error, HasSubstr("replaced by U+FFFD"));
+    EXPECT_THAT(error, Not(HasSubstr("undoes it")));
+    const ProcessResult result = RunSlamdb({"recover", folder / "text.osa", folder / "out.osa", "-O"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("replaced by U+FFFD"));
+  }
+}
+
 TEST(TextMode, IsNamedWhereItCannotBeUndone) {
   const TemporaryFolder folder;
   const std::string atlas = ReadWholeFile(kSmall);
+  WriteWholeFile(folder / "text.osa", AsUtf8(Replaced(atlas, "\r", "")));
+  EXPECT_THAT(
+      RunSlamdb({"info", folder / "text.osa"}).err,
+      AllOf(HasSubstr("encoded in UTF-8"), HasSubstr("carriage returns are missing"), Not(HasSubstr("undoes it"))));
   WriteWholeFile(folder / "text.osa", Replaced(atlas, "\r", ""));
   EXPECT_THAT(RunSlamdb({"info", folder / "text.osa"}).err, HasSubstr("carriage returns are missing"));
   WriteWholeFile(folder / "text.osa", Replaced(atlas, "\n", "\r"));

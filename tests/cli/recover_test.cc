@@ -48,6 +48,24 @@ TEST_F(RecoverVerb, SaysWhatIsLost) {
   EXPECT_THAT(result.out, HasSubstr("the file is truncated"));
 }
 
+// Poses and features are worth saving, but nobody calls them sound.
+TEST_F(RecoverVerb, SavesKeyFramesOfWhichNoPointIsLeft) {
+  const std::vector<std::string> recover = {"recover", Cut(50), In("saved.osa"), "-O", "--no-triangulate"};
+  const ProcessResult text = RunSlamdb(recover);
+  EXPECT_EQ(text.exit_code, 3);
+  EXPECT_THAT(text.out, HasSubstr("no keyframe sees a point any more, which `slamdb check` finds not sound"));
+  std::vector<std::string> with_json = recover;
+  with_json.emplace_back("--json");
+  const ProcessResult result = RunSlamdb(with_json);
+  EXPECT_EQ(result.exit_code, 3);
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "recover.schema.json"), "");
+  EXPECT_EQ(report.at("sound"), false);
+  EXPECT_EQ(report.at("left").at(0).at("rule"), "atlas-not-empty");
+  EXPECT_GT(report.at("keyframes").at("recovered"), 0);
+  EXPECT_EQ(RunSlamdb({"check", In("saved.osa")}).exit_code, 1);
+}
+
 TEST_F(RecoverVerb, CopiesAWholeFile) {
   const ProcessResult result = RunSlamdb({"recover", kSmall, In("copy.osa")});
   EXPECT_EQ(result.exit_code, 0);

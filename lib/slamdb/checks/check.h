@@ -102,7 +102,7 @@ struct CheckReport {
 // Holds every rule that is not ignored against the atlas, several at a time. The atlas may hold anything.
 //
 // Throws Error (kUsage), before the work, when the options name an unknown rule or gate.
-// Cost: linear; the report is the same for any number of threads. Thread-safe.
+// Cost: linear but for pairs of keyframes that share points; the report is the same for any threads. Thread-safe.
 [[nodiscard]] SLAMDB_EXPORT CheckReport CheckAtlas(const Atlas& atlas, const CheckOptions& options = {});
 
 }  // namespace slamdb

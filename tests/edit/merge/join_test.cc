@@ -112,6 +112,17 @@ TEST_P(JoinWorld, FusesEveryPointWithItsTwin) {
               Contains(IdPair{before.points[0].id.value(), before.points[0].id.value()}));
 }
 
+// Nothing tells what sensor made landmarks, so nothing is said of it.
+TEST(Join, LandmarksAloneAreOfNoSensor) {
+  Atlas landmarks;
+  landmarks.maps.resize(1);
+  landmarks.maps[0].id = MapId(0);
+  landmarks.next_ids.map = 1;
+  landmarks.maps[0].landmarks.resize(2);
+  const JoinOptions join{.first_from_second = Similarity3d()};
+  EXPECT_THAT(MergeAtlases({landmarks, landmarks}, {.join = join}).report.join->warnings, IsEmpty());
+}
+
 TEST(Join, LandmarksFollowTheirPoints) {
   const World& world = kWorlds[0];
   Atlas first = MakeWorld(world, 1), second = first;

@@ -245,6 +245,35 @@ TEST(TakePart, TakesSessionsThroughSeveralMaps) {
   }
 }
 
+// Parts that interleave in time: preintegrations are joined over keyframes that are in no part of their own.
+TEST(TakePart, CopiesWhatKeepingTheSubsetNeeds) {
+  for (const bool inertial : {false, true}) {
+    Atlas atlas = SynthesizeAtlas({.inertial = inertial, .maps = 2, .keyframes = 30, .points = 300, .features = 120});
+    for (KeyFrame& keyframe : atlas.maps[1].keyframes)
+      keyframe.origin_map = static_cast<std::uint32_t>(keyframe.id.value() % 7 / 3);
+    const AtlasIndex index(atlas);
+    for (const Part& part : SplitAtlas(index, {.by = SplitBy::kSession}))
+      for (const Border border : {Border::kStrict, Border::kCompletePoints, Border::kSmart}) {
+        Subset subset = Subset::Nothing(atlas);
+        for (const Part::OfMap& of : part.maps)
+          for (const std::uint32_t row : of.keyframes) subset.maps[of.map].keyframes[row] = 1;
+        for (const Part::OfMap& of : part.maps)
+          for (std::size_t row = 0; row < atlas.maps[of.map].points.size(); ++row)
+            for (const Observation& observation : atlas.maps[of.map].points[row].observations)
+              if (subset.maps[of.map].keyframes[index.KeyFrameRow(of.map, observation.keyframe)])
+                subset.maps[of.map].points[row] = 1;
+        SettleBorder(index, border, subset);
+        Atlas whole = atlas;
+        SubsetReport taken, kept = KeepSubset(whole, subset);
+        const Atlas own = TakePart(index, part, border, taken);
+        EXPECT_THAT(own, EqualsAtlas(whole)) << part.name;
+        EXPECT_EQ(taken.keyframes, kept.keyframes);
+        EXPECT_EQ(taken.points, kept.points);
+        EXPECT_EQ(taken.joined, kept.joined);
+      }
+  }
+}
+
 TEST(TakePart, RefusesPartsOfAnotherAtlas) {
   const Atlas atlas = Rows(), other;
   const std::vector<Part> parts = SplitAtlas(AtlasIndex(atlas), {.by = SplitBy::kMap});

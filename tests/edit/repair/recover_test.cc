@@ -236,10 +236,37 @@ TEST_F(Recover, TakesCamerasFromAnotherAtlas) {
   Salvage salvage = SalvageBytes(cut);
   ASSERT_THAT(salvage.atlas.cameras, IsEmpty());
   Atlas alone = salvage.atlas;
-  EXPECT_EQ(RecoverAtlas(alone).guessed_lenses.size(), 2u);
+  const RecoverReport guessed = RecoverAtlas(alone);
+  EXPECT_EQ(guessed.guessed_lenses.size(), 2u);
+  EXPECT_EQ(guessed.rebuilt_cameras, std::vector{whole.cameras[0].id});
+  EXPECT_EQ(guessed.guessed_cameras, std::vector{whole.cameras[1].id}) << "of which keyframes keep nothing";
   const RecoverReport report = RecoverAtlas(salvage.atlas, {.rig = &whole});
   EXPECT_EQ(report.taken_cameras.size(), 2u);
   EXPECT_EQ(salvage.atlas.cameras[1].parameters, whole.cameras[1].parameters);
+}
+
+// The keyframes of a monocular camera do not tell whether it is a fisheye one, unless its distortion was removed.
+TEST_F(Recover, SaysWhichModelsAreGuessed) {
+  Atlas atlas = SoundAtlas(Base::kMonocular);
+  atlas.cameras.clear();
+  Atlas distorted = atlas;
+  distorted.maps[0].keyframes[0].features.undistorted[0].x += 1;
+  EXPECT_EQ(RecoverAtlas(atlas).guessed_models.size(), 1u);
+  EXPECT_THAT(RecoverAtlas(distorted).guessed_models, IsEmpty());
+  Atlas depth = SoundAtlas(Base::kRgbd);
+  depth.cameras.clear();
+  EXPECT_THAT(RecoverAtlas(depth).guessed_models, IsEmpty());
+}
+
+TEST_F(Recover, KeyFramesWithoutPointsAreNotSound) {
+  Atlas atlas = SoundAtlas(Base::kMonocular);
+  const std::uint64_t keyframes = KeyFramesOf(atlas);
+  atlas.maps[0].points.clear();
+  const RecoverReport report = RecoverAtlas(atlas, {.triangulate = false});
+  EXPECT_FALSE(report.sound());
+  EXPECT_TRUE(report.pointless());
+  EXPECT_FALSE(CheckAtlas(atlas).ok());
+  EXPECT_EQ(KeyFramesOf(atlas), keyframes);
 }
 
 TEST_F(Recover, DropsWhatBreaksARuleWithoutRepair) {

@@ -90,6 +90,17 @@ TEST(TriangulatedPoint, LeavesOutAViewThatDoesNotAgree) {
   EXPECT_FALSE(features.map_points[row]);
 }
 
+// Rays of a lens whose parameters are lost would put every point at a wrong place.
+TEST(TriangulatedPoint, NeedsALensThatIsKnown) {
+  const Atlas& whole = SoundAtlas(Base::kFisheyeStereo);
+  Atlas atlas = whole;
+  for (Map& map : atlas.maps) map.points.clear();
+  atlas.cameras.clear();
+  Atlas with_rig = atlas;
+  EXPECT_THAT(RecoverAtlas(atlas).triangulated_points, IsEmpty());
+  EXPECT_FALSE(RecoverAtlas(with_rig, {.rig = &whole}).triangulated_points.empty());
+}
+
 // Bytes of some points are gone: they come back and are told apart, unless they are not wanted.
 TEST(TriangulatedPoint, IsToldInTheReport) {
   std::string file = ReadWhole(RealAtlas("session_small_a"));

@@ -83,7 +83,8 @@ Similarity3d Solve(const Map& first, const Map& second, const JoinOptions& optio
     throw Error(ErrorKind::kUsage, "joining needs a transform, or anchors to solve it from");
   }
   UmeyamaOptions umeyama;
-  umeyama.with_scale = options.with_scale.value_or(!detail::IsMetric(first) || !detail::IsMetric(second));
+  umeyama.with_scale =
+      options.with_scale.value_or(detail::HasArbitraryScale(first) || detail::HasArbitraryScale(second));
   umeyama.outlier_distance = options.outlier_distance.value_or(umeyama.outlier_distance);
   UmeyamaResult solved = SolveUmeyama(pairs.second, pairs.first, umeyama);
   if (auto poor = PoorFitWarning(solved.rms, solved.spread)) report.warnings.push_back(*std::move(poor));

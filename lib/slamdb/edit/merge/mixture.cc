@@ -12,6 +12,9 @@ namespace {
 
 constexpr const char* kOneSensor = "; ORB-SLAM3 takes all maps of an atlas for those of the sensor that it runs with";
 
+// Landmarks alone tell nothing of what made them.
+bool HasSensor(const Map& map) { return !map.keyframes.empty(); }
+
 bool HasStereo(const Map& map) {
   return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) {
     return keyframe.right_camera || keyframe.intrinsics.baseline_fx > 0;
@@ -93,9 +96,12 @@ void WarnOfCameras(const NamedMap& a, const NamedMap& b, std::vector<Mixture>& m
 
 bool IsMetric(const Map& map) { return map.imu_initialized || HasStereo(map); }
 
+bool HasArbitraryScale(const Map& map) { return HasSensor(map) && !IsMetric(map); }
+
 std::vector<Mixture> MixturesOf(const NamedMap& first, const NamedMap& second, Together together) {
   const bool joined = together == Together::kJoined;
   std::vector<Mixture> mixtures;
+  if (!HasSensor(*first.map) || !HasSensor(*second.map)) return mixtures;
   WarnOfInertia(first, second, joined, mixtures);
   WarnOfStereo(first, second, joined, mixtures);
   const NamedMap *metric = nullptr, *arbitrary = nullptr;
@@ -108,6 +114,7 @@ std::vector<Mixture> MixturesOf(const NamedMap& first, const NamedMap& second, T
 
 std::string ScaleProblem(const NamedMap& first, const NamedMap& second, double scale) {
   const NamedMap *metric = nullptr, *arbitrary = nullptr;
+  if (!HasSensor(*first.map) || !HasSensor(*second.map)) return {};
   if (scale != 1 || !DiffersIn(first, second, IsMetric, metric, arbitrary)) return {};
   return Concat("the scale of ", arbitrary->name,
                 ", which is monocular without initialised IMU, is arbitrary, that of ", metric->name,
@@ -115,7 +122,7 @@ std::string ScaleProblem(const NamedMap& first, const NamedMap& second, double s
 }
 
 std::string ScaleWarning(const NamedMap& first, const NamedMap& second, double scale) {
-  if (IsMetric(*first.map)) return {};
+  if (!HasSensor(*second.map) || !HasArbitraryScale(*first.map)) return {};
   if (scale == 1 && !IsMetric(*second.map))
     return Concat("the scales of ", first.name, " and ", second.name,
                   ", monocular without initialised IMU, are arbitrary: "

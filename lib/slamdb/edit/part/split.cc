@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/part/select.h"
+#include "slamdb/model/detail/irregular_entries.h"
 
 namespace slamdb {
 namespace {
@@ -21,7 +23,7 @@ void AddSessions(const AtlasIndex& index, std::vector<Part>& parts) {
   for (std::uint32_t map = 0; map < atlas.maps.size(); ++map) {
     for (std::uint32_t row = 0; row < atlas.maps[map].keyframes.size(); ++row) {
       std::vector<Part::OfMap>& session = sessions[atlas.maps[map].keyframes[row].origin_map];
-      if (session.empty() || session.back().map != map) session.push_back({map, {}});
+      if (session.empty() || session.back().map != map) session.push_back({map, {}, {}});
       session.back().keyframes.push_back(row);
     }
   }
@@ -35,7 +37,7 @@ void AddMaps(const AtlasIndex& index, std::vector<Part>& parts) {
     if (map.keyframes.empty() && map.landmarks.empty()) continue;
     std::vector<std::uint32_t> keyframes(map.keyframes.size());
     std::iota(keyframes.begin(), keyframes.end(), 0U);
-    parts.push_back({Concat("map-", map.id.value()), {{row, std::move(keyframes)}}, {}});
+    parts.push_back({Concat("map-", map.id.value()), {{row, std::move(keyframes), {}}}, {}});
   }
 }
 
@@ -44,9 +46,26 @@ void AddComponents(const AtlasIndex& index, std::vector<Part>& parts) {
     std::size_t number = 0;
     for (Component& component : FindComponents(index, row))
       parts.push_back({Concat("map-", index.atlas().maps[row].id.value(), "-component-", ++number),
-                       {{row, std::move(component.keyframes)}},
+                       {{row, std::move(component.keyframes), {}}},
                        {}});
   }
+}
+
+// The points of each part, by one pass over all observations.
+void AddPoints(const AtlasIndex& index, std::vector<Part>& parts) {
+  const Atlas& atlas = index.atlas();
+  std::vector<std::vector<Part::OfMap*>> takers;  // of the keyframes of each map; null: none
+  for (const Map& map : atlas.maps) takers.emplace_back(map.keyframes.size(), nullptr);
+  for (Part& part : parts)
+    for (Part::OfMap& of : part.maps)
+      for (const std::uint32_t row : of.keyframes) takers[of.map][row] = &of;
+  for (std::uint32_t map = 0; map < atlas.maps.size(); ++map)
+    for (std::uint32_t row = 0; row < atlas.maps[map].points.size(); ++row)
+      for (const Observation& observation : atlas.maps[map].points[row].observations) {
+        const std::uint32_t observer = index.KeyFrameRow(map, observation.keyframe);
+        Part::OfMap* taker = observer == kNoRow ? nullptr : takers[map][observer];
+        if (taker != nullptr && (taker->points.empty() || taker->points.back() != row)) taker->points.push_back(row);
+      }
 }
 
 bool IsSmall(const Atlas& atlas, const Part& part, std::size_t min_keyframes) {
@@ -60,9 +79,12 @@ bool IsSmall(const Atlas& atlas, const Part& part, std::size_t min_keyframes) {
 }
 
 void RequireOfAtlas(const Atlas& atlas, const Part& part) {
+  const auto exceed = [](const std::vector<std::uint32_t>& rows, std::size_t size) {
+    return !rows.empty() && std::ranges::max(rows) >= size;
+  };
   for (const Part::OfMap& of : part.maps)
-    if (of.map >= atlas.maps.size() ||
-        (!of.keyframes.empty() && std::ranges::max(of.keyframes) >= atlas.maps[of.map].keyframes.size()))
+    if (of.map >= atlas.maps.size() || exceed(of.keyframes, atlas.maps[of.map].keyframes.size()) ||
+        exceed(of.points, atlas.maps[of.map].points.size()))
       throw Error(ErrorKind::kUsage, Concat("the part ", part.name, " is not of this atlas"));
 }
 
@@ -73,13 +95,82 @@ Subset::MapRows RowsOf(const AtlasIndex& index, const Part::OfMap& of, Border bo
                        .points = std::vector<std::uint8_t>(map.points.size(), 0),
                        .landmarks = std::vector<std::uint8_t>(map.landmarks.size(), 1)};
   for (const std::uint32_t row : of.keyframes) rows.keyframes[row] = 1;
-  for (std::size_t i = 0; i < map.points.size(); ++i)
-    rows.points[i] = std::ranges::any_of(map.points[i].observations, [&](const Observation& observation) {
-      const std::uint32_t observer = index.KeyFrameRow(of.map, observation.keyframe);
-      return observer != kNoRow && rows.keyframes[observer] != 0;
-    });
+  for (const std::uint32_t row : of.points) rows.points[row] = 1;
   SettleBorder(index, of.map, border, rows, threads);
   return rows;
+}
+
+bool HasAll(const std::vector<std::uint8_t>& rows) { return std::ranges::find(rows, 0) == rows.end(); }
+
+// The rows to copy of those to keep: also the keyframes in time between two that are kept, whose preintegrations
+// KeepSubset joins.
+std::vector<std::uint8_t> WithBridges(const AtlasIndex& index, std::uint32_t map_row,
+                                      const std::vector<std::uint8_t>& kept) {
+  const Map& map = index.atlas().maps[map_row];
+  std::vector<std::uint8_t> rows = kept;
+  std::vector<std::uint32_t> between;
+  for (std::uint32_t row = 0; row < kept.size(); ++row) {
+    if (!kept[row]) continue;
+    between.clear();
+    std::uint32_t later = row, earlier = index.KeyFrameRow(map_row, map.keyframes[row].previous);
+    while (earlier != kNoRow && !kept[earlier] && map.keyframes[earlier].next == map.keyframes[later].id &&
+           between.size() < kept.size()) {
+      between.push_back(earlier);
+      later = std::exchange(earlier, index.KeyFrameRow(map_row, map.keyframes[earlier].previous));
+    }
+    if (earlier != kNoRow && kept[earlier])
+      for (const std::uint32_t bridge : between) rows[bridge] = 1;
+  }
+  return rows;
+}
+
+template <class Entity>
+Column<Entity> Copied(const Column<Entity>& list, const std::vector<std::uint8_t>& rows) {
+  Column<Entity> copy;
+  copy.reserve(static_cast<std::size_t>(std::ranges::count(rows, 1)));
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    if (rows[row]) copy.push_back(list[row]);
+  return copy;
+}
+
+// A copy of a map with no more of its lists than is needed to keep `rows`, which become rows of the copy.
+Map CopyFor(const AtlasIndex& index, std::uint32_t map_row, Subset::MapRows& rows) {
+  const Map& map = index.atlas().maps[map_row];
+  const std::vector<std::uint8_t> copied = WithBridges(index, map_row, rows.keyframes);
+  Map copy{.id = map.id,
+           .initial_keyframe = map.initial_keyframe,
+           .max_keyframe_id = map.max_keyframe_id,
+           .big_change_index = map.big_change_index,
+           .keyframes = Copied(map.keyframes, copied),
+           .points = Copied(map.points, rows.points),
+           .repeated_keyframes = {},
+           .repeated_points = {},
+           .landmarks = map.landmarks,
+           .origins = map.origins,
+           .first_keyframe = map.first_keyframe,
+           .lowest_keyframe = map.lowest_keyframe,
+           .imu_initialized = map.imu_initialized,
+           .inertial = map.inertial,
+           .imu_ba1 = map.imu_ba1,
+           .imu_ba2 = map.imu_ba2};
+  std::size_t row = 0;
+  std::erase_if(rows.keyframes, [&](std::uint8_t) { return copied[row++] == 0; });
+  rows.points.assign(copy.points.size(), 1);
+  return copy;
+}
+
+bool Uses(const Map& map, CameraId camera) {
+  return std::ranges::any_of(map.keyframes, [&](const KeyFrame& keyframe) {
+    return keyframe.camera == camera || keyframe.right_camera == camera;
+  });
+}
+
+// Cameras that the part's maps used and the part does not.
+std::size_t DropUnusedCameras(const Atlas& atlas, const Part& part, Atlas& own) {
+  return std::erase_if(own.cameras, [&](const Camera& camera) {
+    return std::ranges::none_of(own.maps, [&](const Map& map) { return Uses(map, camera.id); }) &&
+           std::ranges::any_of(part.maps, [&](const Part::OfMap& of) { return Uses(atlas.maps[of.map], camera.id); });
+  });
 }
 
 std::string_view NameOf(SplitBy by) {
@@ -97,6 +188,7 @@ std::vector<Part> SplitAtlas(const AtlasIndex& index, const SplitOptions& option
   if (parts.empty())
     throw Error(ErrorKind::kNotPossible, Concat("has no ", NameOf(options.by), " with ", options.min_keyframes,
                                                 options.min_keyframes == 1 ? " keyframe" : " keyframes"));
+  AddPoints(index, parts);
   const EntityCounts counts = CountEntities(index.atlas());
   for (Part& part : parts) part.of_atlas = counts;
   return parts;
@@ -111,11 +203,17 @@ Atlas TakePart(const AtlasIndex& index, const Part& part, Border border, SubsetR
   own.next_ids = atlas.next_ids;
   own.encoding = atlas.encoding;
   Subset subset;
+  bool whole = part.maps.size() == atlas.maps.size();
   for (const Part::OfMap& of : part.maps) {
-    own.maps.push_back(atlas.maps[of.map]);
-    subset.maps.push_back(RowsOf(index, of, border, threads));
+    Subset::MapRows rows = RowsOf(index, of, border, threads);
+    const bool whole_map = HasAll(rows.keyframes) && HasAll(rows.points);
+    own.maps.push_back(whole_map ? atlas.maps[of.map] : CopyFor(index, of.map, rows));
+    subset.maps.push_back(std::move(rows));
+    whole = whole && whole_map;
   }
   report = KeepSubset(own, subset, threads);
+  if (!whole) detail::DropIrregularEntries(own);
+  report.cameras += DropUnusedCameras(atlas, part, own);
   const EntityCounts copied = report.before;
   report.before = part.of_atlas;
   report.maps += report.before.maps - copied.maps;

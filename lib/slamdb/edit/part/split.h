@@ -28,6 +28,7 @@ struct Part {
   struct OfMap {
     std::uint32_t map = 0;                 // row of Atlas::maps
     std::vector<std::uint32_t> keyframes;  // rows, ascending
+    std::vector<std::uint32_t> points;     // rows of those that these keyframes observe, ascending
   };
   std::string name;
   std::vector<OfMap> maps;  // those that it has something of, ascending
@@ -45,7 +46,8 @@ struct Part {
 // landmarks of their maps; closed as KeepSubset does it.
 //
 // Throws Error (kUsage) when the part is not of this atlas.
-// Cost: linear in the maps that the part is of. `threads` 0: every core.
+// Cost: copies what the part holds alone, and the keyframes between its own in time; one pass over flags of the rows of
+// its maps. `threads` 0: every core.
 [[nodiscard]] SLAMDB_EXPORT Atlas TakePart(const AtlasIndex& index, const Part& part, Border border,
                                            SubsetReport& report, int threads = 0);
 

@@ -145,7 +145,8 @@ class MapClosing {
   // The kept keyframe before `row` in time, and the preintegrations of the removed ones between, oldest first.
   std::uint32_t KeptBefore(std::uint32_t row, std::vector<const ImuPreintegration*>& between) const {
     std::uint32_t later = row, earlier = keyframe_rows_.Find(map_.keyframes[row].previous.value());
-    while (earlier != kNoRow && map_.keyframes[earlier].next == map_.keyframes[later].id) {
+    while (earlier != kNoRow && map_.keyframes[earlier].next == map_.keyframes[later].id &&
+           between.size() < map_.keyframes.size()) {  // a chain of keyframes with one id may lead in a circle
       if (kept_keyframes_[earlier]) {
         std::ranges::reverse(between);
         return earlier;

@@ -129,7 +129,8 @@ const Camera* FindCamera(const Atlas& atlas, CameraId id) {
   return found == atlas.cameras.end() ? nullptr : &*found;
 }
 
-// A keyframe holds the four parameters of a pinhole camera, and of a fisheye camera all but those of its lens.
+// A keyframe holds the four parameters of a pinhole camera, and of a fisheye camera all but those of its lens: its left
+// one, with which it is built.
 Camera CameraOf(const KeyFrame& keyframe, CameraId id) {
   const bool fisheye = keyframe.features.is_fisheye_stereo();
   const Intrinsics& k = keyframe.intrinsics;
@@ -141,8 +142,18 @@ Camera CameraOf(const KeyFrame& keyframe, CameraId id) {
   return camera;
 }
 
-void RebuildCamera(const KeyFrame& keyframe, CameraId id, const RecoverOptions& options, Atlas& atlas,
+// Whether a fisheye camera would have left the same keyframe: one image, of which no lens distortion was removed.
+bool MayBeFisheye(const KeyFrame& keyframe) {
+  const Features& features = keyframe.features;
+  return !features.is_fisheye_stereo() && !(keyframe.intrinsics.baseline_fx > 0) &&
+         features.keypoints == features.undistorted;
+}
+
+enum class Side { kLeft, kRight };
+
+void RebuildCamera(const KeyFrame& keyframe, Side side, const RecoverOptions& options, Atlas& atlas,
                    RecoverReport& report) {
+  const CameraId id = side == Side::kLeft ? keyframe.camera : keyframe.right_camera;
   if (!id || id.value() > std::numeric_limits<std::uint32_t>::max() || FindCamera(atlas, id) != nullptr) return;
   if (const Camera* known = options.rig == nullptr ? nullptr : FindCamera(*options.rig, id); known != nullptr) {
     atlas.cameras.push_back(*known);
@@ -151,7 +162,8 @@ void RebuildCamera(const KeyFrame& keyframe, CameraId id, const RecoverOptions& 
   }
   Camera camera = CameraOf(keyframe, id);
   if (!IsUsable(camera)) return;
-  report.rebuilt_cameras.push_back(id);
+  (side == Side::kLeft ? report.rebuilt_cameras : report.guessed_cameras).push_back(id);
+  if (MayBeFisheye(keyframe)) report.guessed_models.push_back(id);
   if (camera.model == CameraModel::kKannalaBrandt8) report.guessed_lenses.push_back(id);
   atlas.cameras.push_back(std::move(camera));
 }
@@ -159,11 +171,11 @@ void RebuildCamera(const KeyFrame& keyframe, CameraId id, const RecoverOptions& 
 void RebuildCameras(const RecoverOptions& options, Atlas& atlas, RecoverReport& report) {
   std::erase_if(atlas.cameras, [](const Camera& camera) { return !IsUsable(camera); });
   if (!atlas.cameras.empty()) return;  // the repairs decide what a keyframe without its camera means
-  for (const Map& map : atlas.maps)
-    for (const KeyFrame& keyframe : map.keyframes) {
-      RebuildCamera(keyframe, keyframe.camera, options, atlas, report);
-      if (keyframe.features.is_fisheye_stereo()) RebuildCamera(keyframe, keyframe.right_camera, options, atlas, report);
-    }
+  for (const Side side : {Side::kLeft, Side::kRight})
+    for (const Map& map : atlas.maps)
+      for (const KeyFrame& keyframe : map.keyframes)
+        if (side == Side::kLeft || keyframe.features.is_fisheye_stereo())
+          RebuildCamera(keyframe, side, options, atlas, report);
   std::ranges::sort(atlas.cameras, {}, &Camera::id);
 }
 
@@ -231,6 +243,13 @@ bool RecoverReport::sound() const {
   return std::ranges::none_of(left, [](const Unrepaired& rule) { return rule.severity == Severity::kError; });
 }
 
+bool RecoverReport::pointless() const {
+  const auto is_other = [](const Unrepaired& rule) {
+    return rule.severity == Severity::kError && rule.rule != "atlas-not-empty";
+  };
+  return !sound() && std::ranges::none_of(left, is_other);
+}
+
 RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
   RecoverReport report;
   detail::Steps steps(options.progress, "recovering", 3);
@@ -246,11 +265,12 @@ RecoverReport RecoverAtlas(Atlas& atlas, const RecoverOptions& options) {
                                    .threads = options.threads});
   RebuildMaps(atlas, report);
   RebuildCameras(options, atlas, report);
-  if (options.triangulate) report.triangulated_points = detail::TriangulateLostPoints(atlas, options.threads);
+  if (options.triangulate)
+    report.triangulated_points = detail::TriangulateLostPoints(atlas, report.guessed_lenses, options.threads);
   RaiseCounters(atlas, report);
   steps.Next();
   Repair(options, atlas, report);
-  for (int round = 0; round < kMostRounds && !report.sound(); ++round) {
+  for (int round = 0; round < kMostRounds && !report.sound() && !report.pointless(); ++round) {
     Subset subset = Subset::Everything(atlas);
     if (LeaveOutErrors(atlas, options, subset, report) == 0) break;
     KeepSubset(atlas, subset);

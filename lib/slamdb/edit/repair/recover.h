@@ -33,7 +33,9 @@ struct RecoverReport {
   std::uint64_t dropped_points = 0;
   std::uint64_t dropped_landmarks = 0;
   std::vector<CameraId> rebuilt_cameras;  // of which keyframes tell the focal lengths and the centre
-  std::vector<CameraId> guessed_lenses;   // of those, fisheye cameras whose lens parameters nothing tells: set to 0
+  std::vector<CameraId> guessed_cameras;  // of which they do not: right cameras, taken for alike to the left ones
+  std::vector<CameraId> guessed_models;   // of the rebuilt, those taken for pinhole cameras that may be fisheye ones
+  std::vector<CameraId> guessed_lenses;   // fisheye cameras whose lens parameters nothing tells: set to 0
   std::vector<CameraId> taken_cameras;    // from the rig
   std::vector<MapId> rebuilt_maps;        // whose members behind the lists were lost: origins, inertial stage and such
   bool taken_vocabulary = false;          // from the rig
@@ -43,14 +45,16 @@ struct RecoverReport {
   std::vector<AppliedFix> repairs;              // of what depended on what is lost
   std::vector<Unrepaired> left;                 // as in RepairReport
 
-  SLAMDB_EXPORT bool sound() const;  // no error is left, as a check of the result found
+  SLAMDB_EXPORT bool sound() const;      // no error is left, as a check of the result found
+  SLAMDB_EXPORT bool pointless() const;  // the only error left is that no keyframe sees a point: poses and features are
 };
 
 // Makes of an atlas of which parts are lost one that is sound.
 // Cameras, counters and members of maps that are lost are found again from the keyframes, points are triangulated from
-// what keyframes saw of them, references to what is lost
+// what keyframes saw of them, unless the lens is unknown, references to what is lost
 // are dropped by the repairs of the rules, and keyframes and points that break a rule without repair go. A sound atlas
-// stays as it is but for what RepairAtlas changes.
+// stays as it is but for what RepairAtlas changes. Keyframes of which no point is left stay, as the start of points to
+// be triangulated; that they see none is an error without a repair.
 //
 // Throws Error (kNotPossible) when the words are of another vocabulary than the one that is given, std::bad_alloc, and
 // what the listener to its progress throws.

@@ -68,8 +68,14 @@ void TellRebuilt(SalvageReport& report) {
   const RecoverReport& recovery = report.recovery;
   tell(recovery.rebuilt_maps, ": origins, initial keyframe and inertial stage lost, and set anew");
   tell(recovery.rebuilt_cameras, " lost, and rebuilt from what keyframes keep of it");
+  tell(recovery.guessed_cameras,
+       " lost, which keyframes keep nothing of: its focal lengths and centre are guessed, those of the left camera");
+  tell(recovery.guessed_models,
+       ": its model is guessed, a pinhole camera; of a fisheye camera keyframes would keep the same, and points "
+       "triangulated with it would be wrong; RecoverOptions::rig takes it from a file");
   tell(recovery.guessed_lenses,
-       ": its lens parameters are unknown and set to 0; RecoverOptions::rig takes them from a file");
+       ": its lens parameters are unknown and set to 0, and no point is triangulated with them; RecoverOptions::rig "
+       "takes them from a file");
   tell(recovery.taken_cameras, " lost, and taken from RecoverOptions::rig");
   if (recovery.rebuilt_counters) report.losses.emplace_back("the next ids lost, and set above all ids that are known");
 }
@@ -115,6 +121,9 @@ SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
   TellBeginning(salvage, report);
   TellRebuilt(report);
   TellWords(report);
+  if (report.recovery.pointless())
+    report.losses.emplace_back(
+        "no keyframe sees a point any more, which `CheckAtlas` finds not sound: poses and features are saved");
   return report;
 }
 

@@ -51,11 +51,22 @@ struct Guess {
   double error = 0;  // sum over them
 };
 
-std::optional<View> ViewOf(const AtlasIndex& index, const KeyFrame& keyframe, const Slot& slot) {
+// What all points are triangulated with.
+struct Cameras {
+  const AtlasIndex& index;
+  const std::vector<CameraId>& unknown_lenses;
+
+  // Null: nothing tells its rays.
+  const Camera* Find(CameraId id) const {
+    return std::ranges::find(unknown_lenses, id) == unknown_lenses.end() ? index.FindCamera(id) : nullptr;
+  }
+};
+
+std::optional<View> ViewOf(const Cameras& cameras, const KeyFrame& keyframe, const Slot& slot) {
   const Features& features = keyframe.features;
   const Keypoint* keypoint = ObservedKeypoint(features, slot.feature);
   const bool right = features.is_fisheye_stereo() && slot.feature >= features.left_count;
-  const Camera* camera = index.FindCamera(right ? keyframe.right_camera : keyframe.camera);
+  const Camera* camera = cameras.Find(right ? keyframe.right_camera : keyframe.camera);
   if (keypoint == nullptr || camera == nullptr) return std::nullopt;
   const auto octave = static_cast<std::size_t>(std::max(keypoint->octave, 0));
   if (octave >= keyframe.pyramid.sigma2.size()) return std::nullopt;
@@ -205,11 +216,11 @@ LostPoints FindLostPoints(const AtlasIndex& index, const Map& map) {
   return lost;
 }
 
-std::optional<MapPoint> Triangulate(const AtlasIndex& index, const Map& map, const IdTable& keyframes, MapPointId id,
+std::optional<MapPoint> Triangulate(const Cameras& cameras, const Map& map, const IdTable& keyframes, MapPointId id,
                                     const std::vector<Slot>& slots) {
   std::vector<View> views;
   for (const Slot& slot : slots)
-    if (const auto view = ViewOf(index, map.keyframes[slot.keyframe], slot)) views.push_back(*view);
+    if (const auto view = ViewOf(cameras, map.keyframes[slot.keyframe], slot)) views.push_back(*view);
   const std::optional<Guess> guess = Locate(views);
   if (!guess) return std::nullopt;
   return Describe(map, keyframes, id, guess->position.cast<float>(), ObservationsOf(map, views, guess->inliers));
@@ -230,8 +241,9 @@ void EmptyOtherSlots(const MapPoint& point, const std::vector<Slot>& slots, Map&
 
 }  // namespace
 
-std::vector<MapPointId> TriangulateLostPoints(Atlas& atlas, int threads) {
+std::vector<MapPointId> TriangulateLostPoints(Atlas& atlas, const std::vector<CameraId>& unknown_lenses, int threads) {
   const AtlasIndex index(atlas);
+  const Cameras cameras{index, unknown_lenses};
   std::vector<std::vector<std::optional<MapPoint>>> made(atlas.maps.size());
   std::vector<LostPoints> lost;
   for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
@@ -242,7 +254,7 @@ std::vector<MapPointId> TriangulateLostPoints(Atlas& atlas, int threads) {
     made[row].resize(list.size());
     ParallelFor(list.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        made[row][i] = Triangulate(index, map, keyframes, list[i].first, list[i].second);
+        made[row][i] = Triangulate(cameras, map, keyframes, list[i].first, list[i].second);
     });
   }
   std::vector<MapPointId> ids;  // the index is of no use from here on

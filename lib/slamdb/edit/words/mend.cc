@@ -18,10 +18,11 @@ namespace {
 constexpr std::size_t kGrain = 4;        // keyframes
 constexpr double kNormTolerance = 1e-6;  // of the sum of weights
 
-std::vector<KeyFrame*> AllKeyFrames(Atlas& atlas) {
-  std::vector<KeyFrame*> keyframes;
-  for (Map& map : atlas.maps)
-    for (KeyFrame& keyframe : map.keyframes) keyframes.push_back(&keyframe);
+template <class SomeAtlas>
+auto AllKeyFrames(SomeAtlas& atlas) {
+  std::vector<decltype(&atlas.maps[0].keyframes[0])> keyframes;
+  for (auto& map : atlas.maps)
+    for (auto& keyframe : map.keyframes) keyframes.push_back(&keyframe);
   return keyframes;
 }
 
@@ -73,14 +74,21 @@ std::string NamesAnother(const Vocabulary& atlas, const Vocabulary& given) {
                         given.name, "' (", given.checksum, "); `RecomputeWords` computes all anew");
 }
 
-// Whether the atlas is of the vocabulary: it says so, or most of its words do.
-bool IsOfVocabulary(const Atlas& atlas, const MendWordsOptions& options, std::size_t with_words, std::size_t fitting) {
-  return atlas.vocabulary.checksum == options.identity.checksum || atlas.vocabulary.checksum.empty() ||
-         IsDamagedCopy(atlas.vocabulary.checksum, options.identity.checksum) || 2 * fitting > with_words;
+// Whether the atlas says that it is of the vocabulary, or says nothing.
+bool NamesVocabulary(const Atlas& atlas, const Vocabulary& given) {
+  return atlas.vocabulary.checksum == given.checksum || atlas.vocabulary.checksum.empty() ||
+         IsDamagedCopy(atlas.vocabulary.checksum, given.checksum);
 }
 
-void HoldAgainst(Atlas& atlas, const MendWordsOptions& options, MendWordsReport& report) {
-  const std::vector<KeyFrame*> keyframes = AllKeyFrames(atlas);
+// What the vocabulary gives for each keyframe's descriptors, where the keyframe's words are others.
+struct Held {
+  std::vector<Words> computed;
+  std::vector<std::uint8_t> fits;
+};
+
+// Throws when the atlas neither names the vocabulary nor has mostly words of it.
+Held Hold(const Atlas& atlas, const MendWordsOptions& options) {
+  const auto keyframes = AllKeyFrames(atlas);
   std::vector<Words> computed(keyframes.size());
   std::vector<std::uint8_t> fits(keyframes.size());
   detail::ParallelFor(keyframes.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
@@ -97,8 +105,14 @@ void HoldAgainst(Atlas& atlas, const MendWordsOptions& options, MendWordsReport&
     with_words += has_words;
     fitting += has_words && fits[i];
   }
-  if (!IsOfVocabulary(atlas, options, with_words, fitting))
+  if (!NamesVocabulary(atlas, options.identity) && 2 * fitting <= with_words)
     throw Error(ErrorKind::kNotPossible, NamesAnother(atlas.vocabulary, options.identity));
+  return {std::move(computed), std::move(fits)};
+}
+
+void HoldAgainst(Atlas& atlas, const MendWordsOptions& options, MendWordsReport& report) {
+  auto [computed, fits] = Hold(atlas, options);
+  const auto keyframes = AllKeyFrames(atlas);
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     if (fits[i]) continue;
     keyframes[i]->features.bag_of_words = std::move(computed[i].bag_of_words);
@@ -126,7 +140,7 @@ std::optional<std::uint64_t> EndOf(const Atlas& atlas, bool damaged) {
 }
 
 void DropDoubtful(Atlas& atlas, const MendWordsOptions& options, MendWordsReport& report) {
-  const std::vector<KeyFrame*> keyframes = AllKeyFrames(atlas);
+  const auto keyframes = AllKeyFrames(atlas);
   std::size_t with_words = 0, adding_up = 0;
   for (const KeyFrame* keyframe : keyframes) {
     if (HasNoWords(keyframe->features)) continue;
@@ -186,6 +200,10 @@ MendWordsReport MendWords(Atlas& atlas, const MendWordsOptions& options) {
   if (options.tree == nullptr) DropDoubtful(atlas, options, report);
   steps.Next();
   return report;
+}
+
+void RequireVocabulary(const Atlas& atlas, const MendWordsOptions& options) {
+  if (!NamesVocabulary(atlas, options.identity)) Hold(atlas, options);
 }
 
 std::vector<std::string> SentencesOf(const MendWordsReport& report) {

@@ -42,6 +42,11 @@ struct MendWordsReport {
 // another one. Cost: linear, in place; the result is the same for any number of threads.
 SLAMDB_EXPORT MendWordsReport MendWords(Atlas& atlas, const MendWordsOptions& options = {});
 
+// Refuses a vocabulary that MendWords refuses. Where the atlas names no vocabulary or this one, nothing is computed.
+//
+// Throws Error (kNotPossible). `damaged` of the options is ignored. Cost: linear.
+SLAMDB_EXPORT void RequireVocabulary(const Atlas& atlas, const MendWordsOptions& options);
+
 // What became of the words, one sentence each.
 [[nodiscard]] SLAMDB_EXPORT std::vector<std::string> SentencesOf(const MendWordsReport& report);
 

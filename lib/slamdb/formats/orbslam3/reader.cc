@@ -293,11 +293,12 @@ Atlas ReadEither(const Source& source, const ReadOptions& options, Notices& noti
 void NameTransfer(const Source& source, const Error& error) {
   const WholeFile file(source);
   if (SniffArchive(file.text()) != false) return;
-  const std::optional<Transfer> transfer = FindTransfer(file.text());
-  if (!transfer) return;
+  const Transfers transfers = FindTransfers(file.text());
+  std::string cause = transfers.undone;
+  if (!transfers.left.empty()) cause += (cause.empty() ? "" : "; then ") + transfers.left;
+  if (cause.empty()) return;
   throw Error(error.kind(), error.path(), error.place(),
-              detail::Concat(error.problem(), "; ", SentenceOf(*transfer),
-                             CanUndo(*transfer) ? "; SalvageAtlas undoes it" : ""));
+              detail::Concat(error.problem(), "; ", cause, transfers.left.empty() ? "; SalvageAtlas undoes it" : ""));
 }
 
 }  // namespace

@@ -818,17 +818,19 @@ Salvage SalvageBytesOf(const Source& source) {
 }  // namespace
 
 Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
-  std::optional<orbslam3::Transfer> transfer;
-  std::string before;
+  orbslam3::Transfers transfers;
   {
     const WholeFile file(source);
-    if (orbslam3::SniffArchive(file.text()) == false) transfer = orbslam3::FindTransfer(file.text());
-    if (transfer && orbslam3::CanUndo(*transfer)) before = orbslam3::Undo(*transfer, file.text());
+    if (orbslam3::SniffArchive(file.text()) == false) transfers = orbslam3::FindTransfers(file.text());
   }
-  if (before.empty()) return SalvageBytesOf(source);
-  Salvage salvage = SalvageBytesOf({std::as_bytes(std::span(before)), source.path});
-  salvage.undone = orbslam3::SentenceOf(*transfer);
-  return salvage;
+  const auto salvage = [&] {
+    if (transfers.undone.empty()) return SalvageBytesOf(source);
+    return SalvageBytesOf({std::as_bytes(std::span(transfers.bytes)), source.path});
+  };
+  Salvage result = salvage();
+  result.undone = transfers.undone;
+  if (!transfers.left.empty() && !result.damage.empty()) result.damage.insert(result.damage.begin(), transfers.left);
+  return result;
 }
 
 }  // namespace slamdb::detail

@@ -19,6 +19,9 @@ struct NamedMap {
 // Whether lengths in the map are metres: it has stereo or depth, or an initialised IMU.
 bool IsMetric(const Map& map);
 
+// Whether it has keyframes, and is not metric: monocular without an initialised IMU.
+bool HasArbitraryScale(const Map& map);
+
 // What becomes of the two: maps of one atlas, or one map.
 enum class Together { kSideBySide, kJoined };
 

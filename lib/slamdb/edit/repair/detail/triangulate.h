@@ -11,7 +11,8 @@ namespace slamdb::detail {
 // different keyframes or of a fisheye stereo pair, or from a view with a depth. A view that the point does not project
 // to, by the limit that ORB-SLAM3 has for outliers, is left out and its slot emptied. Normal, distances, descriptor and
 // count are what ORB-SLAM3 computes of the observations. The points stand behind those of their map, by id.
+// Views by cameras of unknown lenses tell nothing.
 // Returns their ids. Cost: linear in the slots; the result is the same for any number of threads.
-std::vector<MapPointId> TriangulateLostPoints(Atlas& atlas, int threads);
+std::vector<MapPointId> TriangulateLostPoints(Atlas& atlas, const std::vector<CameraId>& unknown_lenses, int threads);
 
 }  // namespace slamdb::detail
