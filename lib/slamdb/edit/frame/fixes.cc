@@ -26,7 +26,6 @@ enum FixColumn : std::size_t {
   kLatitude,
   kLongitude,
   kAltitude,
-  kNanoseconds,
   kDate,
   kNorthSouth,
   kEastWest,
@@ -42,7 +41,6 @@ const detail::TableKind& FixTable() {
                   {{".longitude", ".lon", "lng", "long"}},
                   {{".altitude", ".alt", "ele", "elevation", "height", "altitude_msl", "alt_msl", "altitude_hae",
                     "alt_hae", "msl", "hmsl"}},
-                  detail::NanosecondsColumn(),
                   {{"date", "day"}, Column::kOptional},
                   {{"n/s", "n.s", "ns", "lat_dir", "latitude_direction", "lat_hemisphere", "north_south"},
                    Column::kOptional},
@@ -241,8 +239,7 @@ std::vector<GpsFix> ParseFixes(std::string_view text, const FixReadOptions& opti
   if (detail::IsNmea(text)) return detail::ParseNmea(text, heard);
   Table table(text, FixTable());
   FixReader reader(table);
-  detail::TimeReader times(table,
-                           {.asked = options.time_unit, .time = kTime, .nanoseconds = kNanoseconds, .date = kDate});
+  detail::TimeReader times(table, {.asked = options.time_unit, .time = kTime, .date = kDate});
   LeftOutFixes left_out;
   while (table.Next())
     if (reader.Add(left_out)) times.Add();
