@@ -308,21 +308,20 @@ bool TakePositions(std::span<const Cell> row, const TableKind& kind, TableLayout
   return false;
 }
 
-// Which columns a line lacks that names some of a group, so that it is not searched for by eye.
-std::string Missing(const std::vector<Cell>& row, const TableKind& kind) {
-  if (std::ranges::any_of(row, [](const Cell& cell) { return IsNumber(cell.text); })) return {};
+// Notes which columns a line lacks that names some of a group, so that they are not searched for by eye.
+void NoteMissing(const std::vector<Cell>& row, const TableKind& kind, TableLayout& layout) {
+  if (std::ranges::any_of(row, [](const Cell& cell) { return IsNumber(cell.text); })) return;
   std::vector<ColumnName> names;
   for (const Cell& cell : row) names.emplace_back(cell.text);
-  std::size_t found = 0;
   std::string missing;
   for (const Column& column : kind.columns) {
     if (column.group != 0 || column.names.empty()) continue;
     if (!Matches(names, column, kind.name_beginnings).empty())
-      ++found;
+      ++layout.named;
     else
       missing += Concat(missing.empty() ? "" : ", ", column.title());
   }
-  return found > 0 && !missing.empty() ? Concat(", in which no column is named ", missing) : std::string();
+  if (layout.named > 0) layout.missing = std::move(missing);
 }
 
 }  // namespace
@@ -386,8 +385,10 @@ TableLayout FindLayout(std::string_view text, const TableKind& kind) {
     return layout;
   }
   const std::vector<Cell> row = CellsOf(layout.first, layout.separator = SeparatorOf(layout.first));
-  if (!FindNamesInComments(kind, layout) && !TakePositions(row, kind, layout))
-    layout.problem = "expected " + kind.expected + ", found " + Excerpt(layout.first) + Missing(row, kind);
+  if (FindNamesInComments(kind, layout) || TakePositions(row, kind, layout)) return layout;
+  NoteMissing(row, kind, layout);
+  layout.problem = "expected " + kind.expected + ", found " + Excerpt(layout.first);
+  if (!layout.missing.empty()) layout.problem += ", in which no column is named " + layout.missing;
   return layout;
 }
 

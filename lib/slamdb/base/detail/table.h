@@ -69,6 +69,8 @@ struct TableLayout {
   std::size_t line = 1;                            // where rows, or those comments, begin
   std::string_view rows;                           // the text from there
   std::string problem;                             // why it is no such table; empty: it is one
+  std::string missing;                             // columns that the first line lacks, which names others of a group
+  std::size_t named = 0;                           // how many it names
 };
 // Never throws. The text has no byte order mark.
 TableLayout FindLayout(std::string_view text, const TableKind& kind);
