@@ -197,6 +197,7 @@ TEST(Fixes, AltitudesBeyondAirlinersNeedAUnit) {
   EXPECT_THAT(Failure("time,lat,lon,alt\n1,47,8,400000\n2,47,8,401000\n"),
               HasSubstr("line 2: the altitudes may be metres, the first 400000 m, or millimetres, the first 400 m"));
   EXPECT_THAT(Failure("1,47,8,400000\n2,47,8,401000\n"), HasSubstr("line 1: the altitudes may be"));
+  EXPECT_THAT(Failure("400,8.5,1700000000,47\n401,8.5,1700000001,47\n"), HasSubstr("longitude 1700000000 is outside"));
   EXPECT_EQ(ParseFixes("time,lat,lon,alt [m]\n1,47,8,30000\n").at(0).place.altitude, 30000);
   EXPECT_EQ(ParseFixes("time,lat,lon,alt\n1,47,8,11000\n2,47,8,13000\n").at(1).place.altitude, 13000);
 }
@@ -260,6 +261,8 @@ TEST(Nmea, DamagedSentencesAreLeftOutCountedAndNamed) {
   EXPECT_THAT(Notes(first + bad + last),
               HasSubstr("1 line, the first in line 3: does not match the checksum of its sentence GPGGA"));
   EXPECT_THAT(Failure(first + bad + bad + bad), HasSubstr("line 3: does not match the checksum"));
+  EXPECT_THAT(Failure(Sentence("GPRMC,221320.25,A,4730.0000,N,00815.0000,E,0.0,0.0,141123,,") + bad),
+              HasSubstr("line 2: does not match the checksum"));
   const std::string behind = "12:00:01 " + first + "12:00:02 " + last;
   ExpectFixes(ParseFixes(behind), behind);
 }

@@ -165,7 +165,6 @@ class FixReader {
   // Brings angles to degrees, and takes away what is no place. Returns how many fixes there are.
   std::size_t Finish(const std::vector<std::string>& seconds, LeftOutFixes& left_out, Notices& notices) {
     SettleAngles(notices);
-    SettleAltitudes(notices);
     std::size_t places = 0;
     for (std::size_t i = 0; i < fixes_.size(); ++i) {
       GpsFix& fix = fixes_[i];
@@ -178,6 +177,7 @@ class FixReader {
       left_out.Add("outside", Outside(fix.place), lines_[i]);
       fix.place = GpsFix::kNowhere;
     }
+    SettleAltitudes(notices);
     return places;
   }
 
@@ -189,7 +189,9 @@ class FixReader {
     for (const auto& [column, most] : kNoFixNumbers) {
       const std::string_view cell = table_.Raw(column);
       const auto number = detail::ParseNumber<double>(cell);
-      if (number ? *number <= most : SaysNoFix(cell)) return Concat(FixTable().columns[column].title(), ' ', cell);
+      if (!(number ? *number <= most : SaysNoFix(cell))) continue;
+      const detail::ColumnName* name = table_.NameOf(column);
+      return Concat(name == nullptr ? FixTable().columns[column].title() : name->text, ' ', cell);
     }
     for (const std::size_t column : {kLatitude, kLongitude, kAltitude})
       if (table_.Raw(column).empty()) return Concat("no ", FixTable().columns[column].title());

@@ -209,7 +209,8 @@ std::vector<GpsFix> ParseNmea(std::string_view text, Notices& notices) {
   FixCollector collector(*known);
   for (const Sentence& sentence : sentences) read(sentence, [&](const Sentence& one) { collector.Add(one); });
   std::vector<GpsFix> fixes = collector.Take(notices);
-  if (fixes.size() < damaged.count - damaged_before) throw *damaged.first;
+  const bool mostly_damaged = fixes.size() < damaged.count - damaged_before;
+  if (damaged.first && (fixes.empty() || mostly_damaged)) throw *damaged.first;
   if (fixes.empty())
     throw Error(ErrorKind::kNotPossible, "is of NMEA sentences without GGA, which alone tell the altitude");
   damaged.Tell(notices);
