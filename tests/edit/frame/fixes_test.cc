@@ -197,7 +197,7 @@ TEST(Fixes, AltitudesBeyondAirlinersNeedAUnit) {
   EXPECT_THAT(Failure("time,lat,lon,alt\n1,47,8,400000\n2,47,8,401000\n"),
               HasSubstr("line 2: the altitudes may be metres, the first 400000 m, or millimetres, the first 400 m"));
   EXPECT_THAT(Failure("1,47,8,400000\n2,47,8,401000\n"), HasSubstr("line 1: the altitudes may be"));
-  EXPECT_THAT(Failure("400,8.5,1700000000,47\n401,8.5,1700000001,47\n"), HasSubstr("longitude 1700000000 is outside"));
+  EXPECT_THAT(Failure("400,8.5,1700000000,47\n401,8.5,1700000001,47\n"), HasSubstr("longitude 1.7e+09 is outside"));
   EXPECT_EQ(ParseFixes("time,lat,lon,alt [m]\n1,47,8,30000\n").at(0).place.altitude, 30000);
   EXPECT_EQ(ParseFixes("time,lat,lon,alt\n1,47,8,11000\n2,47,8,13000\n").at(1).place.altitude, 13000);
 }
