@@ -26,6 +26,7 @@ constexpr std::array kWords = {
     Word{"give FitOptions::time_offset, or let it be estimated (estimate_time_offset)",
          "give --time-offset, or --estimate-time-offset"},
     Word{"the time unit of the read options", "--time-unit of `slamdb convert` and `slamdb transform`"},
+    Word{"TrajectoryReadOptions::times", "--times"},
     Word{"migrate it first", "run `slamdb migrate`"},
     Word{"RecoverOptions::rig", "--cameras"},
     Word{"JoinOptions::force", "--force"},

@@ -6,6 +6,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/guard.h"
+#include "cli/idle_times.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/words.h"
@@ -124,9 +125,21 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   return Finish({}, output, format, console, notices);
 }
 
+// Options that would be without effect.
+void RefuseIdleOptions(const Location& input, const Format& output, const ConvertOptions& options) {
+  const std::string is = " only; the output is " + std::string(output.title);
+  if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
+  if ((options.boost_version || options.long_bytes) && !output.id.starts_with("orbslam3"))
+    RefuseUsage("--boost-version and --long-bytes are for archives of ORB-SLAM3" + is);
+  if (options.time_unit.empty() && options.times.empty()) return;
+  const Format* format = options.from.empty() ? FindFormatOfInput(input) : &FormatById(options.from);
+  if (format != nullptr) RefuseIdleTimes(*format, options.time_unit, options.times);
+}
+
 ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
   const Format& format = FormatOfOutput(output, FormatAsked(options));
+  RefuseIdleOptions(input, format, options);
   RefuseBinaryOnTerminal(output, format, options.ascii);
 
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);

@@ -233,7 +233,7 @@ a time. Maps of MRPT landmarks need no transform when they are in one frame, and
 are fused where they are alike.
 
 The inputs must have the same vocabulary, as ORB-SLAM3 can load only one, and a map of arbitrary scale is not joined with a
-metric one by a transform without scale; --force insists. What else does not go together (IMU and its state, stereo and
+metric one by a transform of scale 1; --force insists. What else does not go together (IMU and its state, stereo and
 monocular, cameras) is a warning, whichever input comes first.)",
     .failed = "An input could not be read, the merge was refused, or the output not be written.",
     .lossy = kOutputLossy,

@@ -2,9 +2,11 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/idle_times.h"
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
 #include "slamdb/base/detail/concat.h"
@@ -34,13 +36,27 @@ const std::map<std::string, UpMethod> kUpMethods = {{"auto", UpMethod::kAuto},
                                                     {"cameras", UpMethod::kCameras},
                                                     {"path", UpMethod::kPath}};
 
+// Options that would be without effect.
+void RefuseIdleOptions(const TransformVerbOptions& options) {
+  if (!options.onto.empty() || !options.georeference.empty()) return;
+  const std::pair<const char*, bool> given[] = {
+      {"--max-dt", options.max_dt.has_value()},           {"--robust", options.robust.has_value()},
+      {"--time-offset", options.time_offset.has_value()}, {"--estimate-time-offset", options.estimate_time_offset},
+      {"--time-unit", !options.time_unit.empty()},        {"--with-scale", options.with_scale},
+      {"--without-scale", options.without_scale},         {"--body", options.body}};
+  for (const auto& [option, is_given] : given)
+    if (is_given) RefuseUsage(std::string(option) + " is for --onto and --georeference only");
+}
+
 std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console);
   read.features = FeatureColumns::kNone;
   read.of<TrajectoryReadOptions>() = {TimeUnitByName(options.time_unit), options.times};
   // Not by way of an atlas, whose single precision has no room for coordinates as UTM's.
   const HeldSource held = HoldInput(options.onto, read);
-  if (const Format* format = FindFormatOfInput(held); format != nullptr && IsTrajectory(*format)) {
+  const Format* format = FindFormatOfInput(held);
+  if (format != nullptr) RefuseIdleTimes(*format, options.time_unit, options.times);
+  if (format != nullptr && IsTrajectory(*format)) {
     std::vector<TimedPosition> positions;
     for (const TrajectoryPose& pose : ReadTrajectory(held, read, &notices))
       positions.push_back({pose.timestamp, pose.position});
@@ -119,6 +135,7 @@ std::string GeoreferencePath(const TransformVerbOptions& options, Notices& notic
 }
 
 ExitCode RunTransform(const TransformVerbOptions& options, Console& console) {
+  RefuseIdleOptions(options);
   RefuseBadOutput(options.edit);
   Notices notices;
   TransformOptions transform{

@@ -12,11 +12,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TableKind Kind() {
-  return {.columns = {TimeColumn(), NanosecondsColumn(), {{"date"}, Column::kOptional}}, .expected = "a time"};
-}
+TableKind Kind() { return {.columns = {TimeColumn(), {{"date"}, Column::kOptional}}, .expected = "a time"}; }
 
-TimeRules Rules(std::optional<TimeUnit> asked = {}) { return {.asked = asked, .time = 0, .nanoseconds = 1, .date = 2}; }
+TimeRules Rules(std::optional<TimeUnit> asked = {}) { return {.asked = asked, .time = 0, .date = 1}; }
 
 std::vector<std::string> Seconds(std::string_view text, Notices& notices, const TimeRules& rules = Rules()) {
   Table table(text, Kind());
@@ -109,11 +107,50 @@ TEST(Times, WhatCannotBeToldIsAnErrorWithBothReadings) {
 
 TEST(Times, SecondsAndNanosecondsInTwoColumns) {
   EXPECT_THAT(Seconds("header.stamp.sec,header.stamp.nanosec\n1700000000,250000000\n1700000001,5\n"),
-              ElementsAre("1700000000.250000000", "1700000001.000000005"));
+              ElementsAre("1700000000.25", "1700000001.000000005"));
+  for (const char* names :
+       {"sec,nsec", "secs,nsecs", "seconds,nanoseconds", "stamp_sec,stamp_nanosec", "timestamp,nsec",
+        "timestamp,nanoseconds", "timestamp_sec,timestamp_nsec", "time_s,time_ns", "time [s],time [ns]", "t,t_nanos",
+        "/pose/header/stamp/sec,/pose/header/stamp/nanosec", "__time,nsec"})
+    EXPECT_THAT(Seconds(std::string(names) + "\n1700000000,250000000\n1700000000.0,5\n1700000000,7e8\n"),
+                ElementsAre("1700000000.25", "1700000000.000000005", "1700000000.7"))
+        << names;
+  for (const char* names : {"sec,usec", "time_s,time_us", "timestamp,microseconds", "utc,usec"})
+    EXPECT_THAT(Seconds(std::string(names) + "\n1700000000,250000\n"), ElementsAre("1700000000.25")) << names;
+  EXPECT_THAT(Seconds("sec,ms\n0,0\n0,500\n1,0\n"), ElementsAre("0", "0.5", "1"));
+  EXPECT_THAT(Seconds("time,nsec\n2023-11-14T22:13:20Z,5000000\n"), ElementsAre("1700000000.005"));
+  EXPECT_THAT(Seconds("timestamp,exposure_ns\n1700000000,7\n"), ElementsAre("1700000000"));
   EXPECT_THAT(Seconds("Time,header.stamp.secs,header.stamp.nsecs\n9,1700000000,1\n"),
               ElementsAre("1700000000.000000001"));
   EXPECT_THAT(Failure("header.stamp.sec,header.stamp.nanosec\n1700000000,1000000000\n"), HasSubstr("line 2"));
   EXPECT_THAT(Failure("header.stamp.sec,header.stamp.nanosec\n1700000000.5,1\n"), HasSubstr("whole seconds"));
+  const std::string error = Failure("sec,usec\n1700000000,5\n1700000001,1000000\n");
+  EXPECT_THAT(error, HasSubstr("line 3: the columns sec and usec are neither"));
+  EXPECT_THAT(error, HasSubstr("found 1700000001 and 1000000"));
+  EXPECT_THAT(Failure("timestamp,nsec\n1700000000.25,250000000\n"), HasSubstr("timestamp and nsec"));
+  EXPECT_THAT(Failure("timestamp,nsec\n1700000000,\n"), HasSubstr("timestamp and nsec"));
+  EXPECT_THAT(Failure("sec,nsec\n1700000000,-1\n"), HasSubstr("sec and nsec"));
+}
+
+TEST(Times, TheSameTimeInAFinerUnitIsTaken) {
+  Notices notices;
+  EXPECT_THAT(Seconds("time_s,time_ns\n1700000000,1700000000250000000\n1700000000,1700000000500000000\n", notices),
+              ElementsAre("1700000000.25", "1700000000.5"));
+  EXPECT_THAT(notices.items().at(0).text, HasSubstr("those of the column time_ns"));
+}
+
+TEST(Times, EqualTimesInMostRowsAreNamed) {
+  Notices notices;
+  EXPECT_THAT(Seconds("time,frac\n1700000000,1\n1700000000,2\n1700000000,3\n1700000001,0\n", notices),
+              ElementsAre("1700000000", "1700000000", "1700000000", "1700000001"));
+  EXPECT_THAT(notices.items().at(0).text, HasSubstr("most rows have the time of the row before: 2 of 4"));
+}
+
+// What the name says is beyond this century, and another unit is within.
+TEST(Times, UnitsOfNamesAreHeldAgainstTheMagnitude) {
+  const std::string error = Failure("timestamp_us\n1700000000000000000\n1700000000250000000\n1700000000500000000\n");
+  EXPECT_THAT(error, HasSubstr("may be microseconds or nanoseconds (the name of their column says us)"));
+  EXPECT_THAT(Failure("time [s]\n1700000000000\n"), HasSubstr("says s"));
 }
 
 TEST(Times, StampsWinOverReceipts) {

@@ -315,5 +315,35 @@ TEST_F(Tables, ATransformFileAsPeopleWriteIt) {
   }
 }
 
+TEST_F(Tables, WhatIsNoReferenceIsNamed) {
+  WriteWholeFile(In("lacking.csv"), "time,x,y,z,qx,qy,qz\n1,2,3,4,0,0,0\n");
+  EXPECT_THAT(RunSlamdb({"transform", In("a.osa"), In("o.osa"), "-O", "--onto", In("lacking.csv")}).err,
+              HasSubstr("neither an atlas nor a trajectory: no column is named qw"));
+  EXPECT_THAT(OntoEarth("<?xml version=\"1.0\"?>\n<gpx version=\"1.1\"><trk/></gpx>\n").err,
+              AllOf(HasSubstr("GPX track"), HasSubstr("gpsbabel")));
+  EXPECT_THAT(OntoEarth("<kml><Placemark/></kml>\n").err, AllOf(HasSubstr("KML track"), HasSubstr("gpsbabel")));
+  WriteWholeFile(In("no_times.kitti"), "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 1\n");
+  const ProcessResult result = RunSlamdb({"transform", In("a.osa"), In("o.osa"), "-O", "--onto", In("no_times.kitti")});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("times are frame numbers, 0, 1, 2"), HasSubstr("give --times")));
+}
+
+TEST_F(Tables, OptionsWithoutEffectAreRefused) {
+  const auto expect = [](const std::vector<std::string>& arguments, const char* message) {
+    const ProcessResult result = RunSlamdb(arguments);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  const std::string a = In("a.osa"), o = In("idle.osa");
+  expect({"transform", a, o, "--scale", "2", "--body"}, "--body is for --onto and --georeference only");
+  expect({"transform", a, o, "--by", "1 2 3 0 0 0 1", "--time-unit", "ns"}, "--time-unit is for --onto");
+  expect({"transform", a, o, "--onto", In("a.tum"), "--times", "t.txt"}, "--times is for KITTI trajectories only");
+  expect({"transform", a, o, "--onto", a, "--time-unit", "ns"}, "--time-unit is for trajectories only");
+  expect({"convert", a, o, "--body"}, "--body is for trajectories only");
+  expect({"convert", a, In("idle.tum"), "--boost-version", "12"}, "--boost-version and --long-bytes are for archives");
+  expect({"convert", a, In("idle.tum"), "--time-unit", "ns"}, "--time-unit is for trajectories only");
+  expect({"convert", In("a.tum"), In("idle.kitti"), "--times", "t.txt"}, "--times is for KITTI trajectories only");
+}
+
 }  // namespace
 }  // namespace slamdb::testing

@@ -38,10 +38,10 @@ class Transform : public ::testing::Test {
 std::unique_ptr<TemporaryFolder> Transform::folder_;
 
 TEST_F(Transform, ThereAndBackDiffersOnlyByFloatNoise) {
-  EXPECT_EQ(Run({"--by", "1 2 3 0 0 1 1 2"}, "there.osa").exit_code, 0);
+  EXPECT_EQ(Run({"--by", "1 2 3 0 0 0.7071068 0.7071068 2"}, "there.osa").exit_code, 0);
   // The inverse: half the size, a quarter turn back.
   const ProcessResult back =
-      RunSlamdb({"transform", In("there.osa"), In("back.osa"), "--by", "-1 0.5 -1.5 0 0 -1 1 0.5"});
+      RunSlamdb({"transform", In("there.osa"), In("back.osa"), "--by", "-1 0.5 -1.5 0 0 -0.7071068 0.7071068 0.5"});
   EXPECT_EQ(back.exit_code, 0) << back.err;
   EXPECT_EQ(RunSlamdb({"diff", In("a.osa"), In("there.osa"), "--tolerance", "1e-4"}).exit_code, 1);
   const ProcessResult diff = RunSlamdb({"diff", In("a.osa"), In("back.osa"), "--tolerance", "1e-4"});

@@ -250,6 +250,13 @@ bool IsWebPage(const Probe& probe) {
   return text.starts_with("<!--") && (Has(text, "<html") || Has(text, "<!DOCTYPE html"));
 }
 
+bool IsXmlOf(const Probe& probe, std::string_view element) {
+  const std::string_view text = Stripped(probe.head);
+  return text.starts_with(element) || (text.starts_with("<?xml") && Has(text, element));
+}
+bool IsGpx(const Probe& probe) { return IsXmlOf(probe, "<gpx"); }
+bool IsKml(const Probe& probe) { return IsXmlOf(probe, "<kml"); }
+
 bool IsColmapCamerasText(const Probe& probe) {
   if (probe.head.starts_with("# Camera list with one line of data per camera")) return true;
   constexpr std::array kModels = {"SIMPLE_PINHOLE"sv, "PINHOLE"sv, "SIMPLE_RADIAL"sv,
@@ -384,6 +391,8 @@ struct Known {
 };
 
 constexpr std::string_view kUnpack = "unpack it and give the file in it";
+constexpr std::string_view kConvertTrack =
+    "make a table of time, latitude, longitude and altitude of it (gpsbabel -o unicsv)";
 constexpr std::string_view kSavedInstead = "was it saved in place of the file that was to be downloaded?";
 
 bool IsCameraSettings(const Probe& probe) { return probe.head.starts_with("%YAML"); }
@@ -467,6 +476,8 @@ constexpr Known kKnown[] = {
     {"http", 0, "HTTP/"sv, "the answer of a web server, with its header", kSavedInstead},
     {"sarif", 0, "", "a SARIF report", "give the file that it tells of", IsSarif},
     {"error-reply", 0, "", "the error message of a server", kSavedInstead, IsErrorReply},
+    {"gpx", 0, "", "a GPX track", kConvertTrack, IsGpx},
+    {"kml", 0, "", "a KML track", kConvertTrack, IsKml},
     {"junit", 0, "<?xml"sv, "an XML file", "ORB-SLAM3 saves binary or text archives"},
     {"orbslam2", 0, "",
      "a map of a fork of ORB-SLAM2 (a Boost archive without a header, map.bin), which slamdb does not read",

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/time_unit.h"
 
 namespace slamdb::detail {
 namespace {
@@ -146,14 +147,10 @@ std::string Lower(std::string_view text) {
 
 bool IsUnit(std::string_view word) {
   static constexpr std::string_view kUnits[] = {
-      "s",    "sec",          "secs",         "second",      "seconds", "ms",   "msec",   "msecs",   "millis",
-      "us",   "usec",         "usecs",        "micros",      "ns",      "nsec", "nsecs",  "nanos",   "millisecond",
-      "min",  "milliseconds", "microseconds", "nanoseconds", "minutes", "h",    "hours",  "days",    "microsecond",
-      "m",    "metre",        "metres",       "meter",       "meters",  "cm",   "mm",     "km",      "nanosecond",
-      "ft",   "foot",         "feet",         "yd",          "yards",   "inch", "inches", "mi",      "miles",
-      "deg",  "degs",         "degree",       "degrees",     "rad",     "rads", "radian", "radians", "e7",
-      "dege7"};
-  return std::ranges::find(kUnits, word) != std::end(kUnits);
+      "min", "minutes", "h",      "hours",   "days", "m",    "metre",  "metres",  "meter",  "meters", "cm",
+      "mm",  "km",      "ft",     "foot",    "feet", "yd",   "yards",  "inch",    "inches", "mi",     "miles",
+      "deg", "degs",    "degree", "degrees", "rad",  "rads", "radian", "radians", "e7",     "dege7"};
+  return TimeUnitByName(word) || std::ranges::find(kUnits, word) != std::end(kUnits);
 }
 
 // `us` for `\u00b5s` and `\u03bcs`, the two letters that people write.
@@ -217,6 +214,12 @@ std::vector<std::size_t> Matches(const std::vector<ColumnName>& names, const Col
   return {};
 }
 
+// Of `time_s` and `time_ns` the first.
+void PreferSeconds(const std::vector<ColumnName>& names, std::vector<std::size_t>& matches) {
+  const auto in_seconds = [&](std::size_t i) { return TimeUnitByName(names[i].unit) == TimeUnit::kSeconds; };
+  if (std::ranges::count_if(matches, in_seconds) == 1) matches = {*std::ranges::find_if(matches, in_seconds)};
+}
+
 using Places = std::vector<std::optional<std::size_t>>;
 
 // Leaves out the columns of groups that are not whole; false when no group is.
@@ -249,7 +252,8 @@ bool TakeNames(std::string_view line, const TableKind& kind, TableLayout& layout
   Places places(kind.columns.size());
   std::string problem;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const std::vector<std::size_t> matches = Matches(names, kind.columns[i], kind.name_beginnings);
+    std::vector<std::size_t> matches = Matches(names, kind.columns[i], kind.name_beginnings);
+    if (kind.columns[i].seconds) PreferSeconds(names, matches);
     if (matches.size() > 1)
       problem =
           Concat("columns ", matches[0] + 1, " and ", matches[1] + 1, " are both named ", kind.columns[i].title());
@@ -304,21 +308,20 @@ bool TakePositions(std::span<const Cell> row, const TableKind& kind, TableLayout
   return false;
 }
 
-// Which columns a line lacks that names some of a group, so that it is not searched for by eye.
-std::string Missing(const std::vector<Cell>& row, const TableKind& kind) {
-  if (std::ranges::any_of(row, [](const Cell& cell) { return IsNumber(cell.text); })) return {};
+// Notes which columns a line lacks that names some of a group, so that they are not searched for by eye.
+void NoteMissing(const std::vector<Cell>& row, const TableKind& kind, TableLayout& layout) {
+  if (std::ranges::any_of(row, [](const Cell& cell) { return IsNumber(cell.text); })) return;
   std::vector<ColumnName> names;
   for (const Cell& cell : row) names.emplace_back(cell.text);
-  std::size_t found = 0;
   std::string missing;
   for (const Column& column : kind.columns) {
     if (column.group != 0 || column.names.empty()) continue;
     if (!Matches(names, column, kind.name_beginnings).empty())
-      ++found;
+      ++layout.named;
     else
       missing += Concat(missing.empty() ? "" : ", ", column.title());
   }
-  return found > 0 && !missing.empty() ? Concat(", in which no column is named ", missing) : std::string();
+  if (layout.named > 0) layout.missing = std::move(missing);
 }
 
 }  // namespace
@@ -382,8 +385,10 @@ TableLayout FindLayout(std::string_view text, const TableKind& kind) {
     return layout;
   }
   const std::vector<Cell> row = CellsOf(layout.first, layout.separator = SeparatorOf(layout.first));
-  if (!FindNamesInComments(kind, layout) && !TakePositions(row, kind, layout))
-    layout.problem = "expected " + kind.expected + ", found " + Excerpt(layout.first) + Missing(row, kind);
+  if (FindNamesInComments(kind, layout) || TakePositions(row, kind, layout)) return layout;
+  NoteMissing(row, kind, layout);
+  layout.problem = "expected " + kind.expected + ", found " + Excerpt(layout.first);
+  if (!layout.missing.empty()) layout.problem += ", in which no column is named " + layout.missing;
   return layout;
 }
 
@@ -468,7 +473,12 @@ std::string_view Table::Raw(std::size_t column) const {
 }
 
 std::string Table::Digits(std::size_t column) const {
-  const std::string_view cell = Raw(column);
+  const auto place = layout_.places[column];
+  return place ? DigitsAt(*place) : std::string();
+}
+
+std::string Table::DigitsAt(std::size_t place) const {
+  const std::string_view cell = place < cells_.size() ? cells_[place].text : std::string_view();
   std::string digits = IsDecimalComma(cell) ? WithPoint(cell) : std::string(cell);
   if (digits.starts_with('+') && !digits.starts_with("+-")) digits.erase(0, 1);
   return digits;

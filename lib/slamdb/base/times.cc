@@ -28,17 +28,25 @@ std::optional<TimeUnit> TimeUnitByName(std::string_view name) {
                                                                          {"second", TimeUnit::kSeconds},
                                                                          {"msec", TimeUnit::kMilliseconds},
                                                                          {"msecs", TimeUnit::kMilliseconds},
+                                                                         {"milli", TimeUnit::kMilliseconds},
                                                                          {"millis", TimeUnit::kMilliseconds},
+                                                                         {"millisec", TimeUnit::kMilliseconds},
+                                                                         {"millisecs", TimeUnit::kMilliseconds},
+                                                                         {"millisecond", TimeUnit::kMilliseconds},
                                                                          {"usec", TimeUnit::kMicroseconds},
                                                                          {"usecs", TimeUnit::kMicroseconds},
+                                                                         {"micro", TimeUnit::kMicroseconds},
                                                                          {"micros", TimeUnit::kMicroseconds},
+                                                                         {"microsec", TimeUnit::kMicroseconds},
+                                                                         {"microsecs", TimeUnit::kMicroseconds},
+                                                                         {"microsecond", TimeUnit::kMicroseconds},
                                                                          {"nsec", TimeUnit::kNanoseconds},
                                                                          {"nsecs", TimeUnit::kNanoseconds},
+                                                                         {"nano", TimeUnit::kNanoseconds},
                                                                          {"nanos", TimeUnit::kNanoseconds},
                                                                          {"nanosec", TimeUnit::kNanoseconds},
-                                                                         {"millisecond", TimeUnit::kMilliseconds},
-                                                                         {"nanosecond", TimeUnit::kNanoseconds},
-                                                                         {"microsecond", TimeUnit::kMicroseconds}};
+                                                                         {"nanosecs", TimeUnit::kNanoseconds},
+                                                                         {"nanosecond", TimeUnit::kNanoseconds}};
   for (const TimeUnit unit : kUnits)
     if (name == NameOf(unit) || name == kLong[static_cast<std::size_t>(unit)]) return unit;
   for (const auto& [spelling, unit] : kSpellings)
@@ -146,6 +154,44 @@ std::optional<DateTime> ParseDateTime(std::string_view text, std::string_view da
 
 bool IsTimeOfDay(std::string_view text) { return TakeTimeOfDay(text).has_value(); }
 
+// A column's name without the unit that it ends with, and that: `stamp` and ns of `stamp_nanosec` or `/stamp/nanosec`,
+// nothing and ns of `nsec`.
+struct NameApart {
+  std::string stem;
+  std::optional<TimeUnit> unit;
+};
+
+NameApart Apart(const ColumnName& name) {
+  if (name.name != name.text) return {Comparable(name.name), TimeUnitByName(name.unit)};
+  const std::string text = Comparable(name.text);
+  const std::size_t mark = text.find_last_of("._");
+  const auto unit = TimeUnitByName(std::string_view(text).substr(mark == text.npos ? 0 : mark + 1));
+  return unit ? NameApart{text.substr(0, mark == text.npos ? 0 : mark), unit} : NameApart{text, unit};
+}
+
+bool IsTimeName(std::string_view stem) {
+  const Column column = TimeColumn();
+  return std::ranges::find(column.names, stem) != column.names.end();
+}
+
+// The unit of a column when its name makes it times that belong to another column's, in a finer unit.
+// `ns` alone is north or south.
+std::optional<TimeUnit> FinerUnit(const ColumnName& name, const ColumnName& time) {
+  const NameApart finer = Apart(name), coarse = Apart(time);
+  if (!finer.unit || *finer.unit <= coarse.unit.value_or(TimeUnit::kSeconds)) return std::nullopt;
+  const bool related = finer.stem == coarse.stem || (finer.stem.empty() && name.text != "ns") ||
+                       (coarse.stem.empty() && (finer.stem.empty() || IsTimeName(finer.stem)));
+  return related ? finer.unit : std::nullopt;
+}
+
+// The digits of a whole number, `5` of `5.0`; nothing of others.
+std::optional<std::string> WholeNumber(std::string_view number) {
+  const auto digits = ShiftedDecimal(number, 0);
+  const std::size_t point = digits ? std::min(digits->find('.'), digits->size()) : 0;
+  if (!digits || digits->find_first_not_of("0.", point) != digits->npos) return std::nullopt;
+  return digits->substr(0, point);
+}
+
 std::string Shown(double seconds) { return IsEpoch(seconds) ? Fixed(seconds, 3) : Digits(seconds, 10); }
 
 }  // namespace
@@ -192,6 +238,7 @@ Column TimeColumn(int group) {
            ".stamp.sec",
            ".stamp.secs",
            "timestamp",
+           "__time",
            "time",
            "t",
            "stamp",
@@ -210,30 +257,22 @@ Column TimeColumn(int group) {
            "nanoseconds",
            "rosbagtimestamp"},
           group,
-          "timestamp"};
+          "timestamp",
+          true};
 }
 
-Column NanosecondsColumn() {
-  return {
-      {".header.stamp.nanosec", ".header.stamp.nsecs", ".header.stamp.nsec", "header_stamp_nanosec",
-       "header_stamp_nsecs", "header_stamp_nsec", ".stamp.nanosec", ".stamp.nsecs", ".stamp.nsec", "nanosec", "nsecs"},
-      Column::kOptional};
+TimeReader::TimeReader(const Table& table, TimeRules rules) : table_(table), rules_(std::move(rules)) {
+  const ColumnName* time = table.NameOf(rules_.time);
+  if (time == nullptr) return;
+  for (std::size_t i = 0; i < table.names().size(); ++i)
+    if (const ColumnName& name = table.names()[i]; &name != time)
+      if (const auto unit = FinerUnit(name, *time)) finer_.push_back({i, name.text, *unit});
 }
-
-TimeReader::TimeReader(const Table& table, TimeRules rules) : table_(table), rules_(std::move(rules)) {}
 
 void TimeReader::Add() {
-  if (cells_.empty()) first_line_ = table_.line();
   std::string cell = table_.Digits(rules_.time);
   const auto number = ParseNumber<double>(cell);
   if (number && std::isfinite(*number)) {
-    if (rules_.nanoseconds && table_.Has(*rules_.nanoseconds)) {
-      const auto behind = table_.Get<std::uint32_t>(*rules_.nanoseconds, "nanoseconds below 1000000000");
-      const auto whole = table_.Get<std::int64_t>(rules_.time, "whole seconds, since nanoseconds stand beside them");
-      if (behind >= 1'000'000'000) throw table_.CellError(*rules_.nanoseconds, "nanoseconds below 1000000000");
-      std::string fraction = std::to_string(behind);
-      cell = Concat(whole, '.', std::string(9 - fraction.size(), '0') + fraction);
-    }
     if (!ShiftedDecimal(cell, 0)) throw table_.CellError(rules_.time, "a time");
     has_point_ |= cell.find('.') != cell.npos;
   } else {
@@ -249,6 +288,8 @@ void TimeReader::Add() {
   }
   values_.push_back(ParseNumber<double>(cell).value_or(0));
   cells_.push_back(std::move(cell));
+  lines_.push_back(table_.line());
+  for (FinerTimes& finer : finer_) finer.cells.push_back(table_.DigitsAt(finer.place));
   if (dates_ > 0 && dates_ != cells_.size())
     throw table_.CellError(rules_.time, dates_ < cells_.size() && number ? "date and time, as in the rows above"
                                                                          : "a number, as in the rows above");
@@ -257,14 +298,80 @@ void TimeReader::Add() {
 std::vector<std::string> TimeReader::Seconds(Notices& notices) const {
   if (cells_.empty()) return {};
   if (dates_ > 0 && without_zone_) notices.Note("dates and times state no time zone and are taken as UTC");
+  TellWhichColumn(notices);
+  for (const FinerTimes& finer : finer_)
+    if (auto seconds = WithFraction(finer)) return WithRepeatsTold(*std::move(seconds), notices);
   const TimeUnit unit = dates_ > 0 ? TimeUnit::kSeconds : Unit(notices);
+  for (const FinerTimes& finer : finer_) {
+    if (dates_ > 0 || finer.unit <= unit || (rules_.asked && !NameSaysSeconds())) continue;
+    auto seconds = InFinerUnit(finer, unit);
+    if (!seconds) throw NotOneTime(finer);
+    notices.Note(Concat("times are those of the column ", finer.name, ", which has more digits than ",
+                        table_.NameOf(rules_.time)->text));
+    return WithRepeatsTold(*std::move(seconds), notices);
+  }
   std::vector<std::string> seconds;
   seconds.reserve(cells_.size());
   for (const std::string& cell : cells_) seconds.push_back(ShiftedDecimal(cell, PowerOf(unit)).value_or(cell));
+  return WithRepeatsTold(std::move(seconds), notices);
+}
+
+bool TimeReader::NameSaysSeconds() const { return Apart(*table_.NameOf(rules_.time)).unit == TimeUnit::kSeconds; }
+
+// The times when they are whole seconds and those of the other column are below one. Nothing: they are something else.
+std::optional<std::vector<std::string>> TimeReader::WithFraction(const FinerTimes& finer) const {
+  if (rules_.asked && rules_.asked != TimeUnit::kSeconds && !NameSaysSeconds()) return std::nullopt;
+  const auto named = Apart(*table_.NameOf(rules_.time)).unit;
+  if (named && named != TimeUnit::kSeconds) return std::nullopt;
+  std::vector<std::string> seconds;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const auto behind = ShiftedDecimal(finer.cells[i], PowerOf(finer.unit));
+    const auto whole = WholeNumber(cells_[i]);
+    if (!behind || !whole || values_[i] < 0 || values_[i] >= kEpochEnd || ParseNumber<double>(*behind) >= 1 ||
+        behind->starts_with('-'))
+      return std::nullopt;
+    seconds.push_back(*whole + behind->substr(std::min(behind->find('.'), behind->size())));
+  }
   return seconds;
 }
 
-TimeUnit TimeReader::Unit(Notices& notices) const {
+// The times of the other column when they tell the same as these, which have fewer digits.
+std::optional<std::vector<std::string>> TimeReader::InFinerUnit(const FinerTimes& finer, TimeUnit unit) const {
+  std::vector<std::string> seconds;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    auto time = ShiftedDecimal(finer.cells[i], PowerOf(finer.unit));
+    if (!time || std::abs(ParseNumber<double>(*time).value_or(0) - values_[i] * SecondsIn(unit)) >= SecondsIn(unit))
+      return std::nullopt;
+    seconds.push_back(*std::move(time));
+  }
+  return seconds;
+}
+
+Error TimeReader::NotOneTime(const FinerTimes& finer) const {
+  std::size_t row = 0;
+  const auto is_pair = [&](std::size_t i) {
+    const auto behind = ShiftedDecimal(finer.cells[i], PowerOf(finer.unit));
+    return WholeNumber(cells_[i]) && behind && !behind->starts_with('-') && ParseNumber<double>(*behind) < 1;
+  };
+  while (row + 1 < cells_.size() && is_pair(row)) ++row;
+  return Error(ErrorKind::kDamaged, "", Concat("line ", lines_[row]),
+               Concat("the columns ", table_.NameOf(rules_.time)->text, " and ", finer.name,
+                      " are neither whole seconds and the ", LongNameOf(finer.unit),
+                      " behind them (below one second) nor the same time twice: found ", cells_[row], " and ",
+                      finer.cells[row]));
+}
+
+// Whoever drops the fraction of a second gets many poses at one time.
+std::vector<std::string> TimeReader::WithRepeatsTold(std::vector<std::string> seconds, Notices& notices) const {
+  std::size_t equal = 0;
+  for (std::size_t i = 1; i < seconds.size(); ++i) equal += seconds[i] == seconds[i - 1];
+  if (equal > 1 && equal * 2 >= seconds.size())
+    notices.Warn(Concat("most rows have the time of the row before: ", equal, " of ", seconds.size(),
+                        "; is the fraction of a second in another column, or lost?"));
+  return seconds;
+}
+
+void TimeReader::TellWhichColumn(Notices& notices) const {
   const ColumnName* name = table_.NameOf(rules_.time);
   if (name != nullptr && Comparable(name->text).find("stamp") != std::string::npos) {
     const auto receipt = std::ranges::find(table_.names(), "time", &ColumnName::text);
@@ -273,7 +380,10 @@ TimeUnit TimeReader::Unit(Notices& notices) const {
                    ", not of the column time, which tells when they "
                    "were received");
   }
-  if (rules_.nanoseconds && table_.Has(*rules_.nanoseconds)) return TimeUnit::kSeconds;
+}
+
+TimeUnit TimeReader::Unit(Notices& notices) const {
+  const ColumnName* name = table_.NameOf(rules_.time);
   if (rules_.asked) return *rules_.asked;
   if (name == nullptr || name->unit.empty()) return UnitByValues(notices);
   const auto stated = TimeUnitByName(name->unit);
@@ -305,7 +415,7 @@ std::string TimeReader::Reading(TimeUnit unit) const {
 }
 
 Error TimeReader::Ambiguous(TimeUnit one, TimeUnit other, const std::string& why) const {
-  return Error(ErrorKind::kNotPossible, "", Concat("line ", first_line_),
+  return Error(ErrorKind::kNotPossible, "", Concat("line ", lines_.front()),
                Concat("the times may be ", LongNameOf(one), " or ", LongNameOf(other), why, ": ", Reading(one), ", ",
                       Reading(other), "; the time unit of the read options settles it"));
 }
@@ -313,7 +423,8 @@ Error TimeReader::Ambiguous(TimeUnit one, TimeUnit other, const std::string& why
 // A table of seconds under a heading of nanoseconds, or the other way round.
 void TimeReader::RequirePlausible(TimeUnit stated) const {
   const double step = MedianStep() * SecondsIn(stated);
-  if (step == 0 || (step > kTooShortStep && step < kTooLongStep)) return;
+  const bool future = std::ranges::max(values_) * SecondsIn(stated) >= kEpochEnd;
+  if (!future && (step == 0 || (step > kTooShortStep && step < kTooLongStep))) return;
   for (const TimeUnit unit : kUnits)
     if (unit != stated && Fits(unit, kTooShortStep, kTooLongStep))
       throw Ambiguous(stated, unit, Concat(" (the name of their column says ", NameOf(stated), ")"));

@@ -8,7 +8,10 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/recognize.h"
+#include "slamdb/base/detail/table.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/trajectory/detail/pose_table.h"
 
 namespace slamdb::detail {
 namespace {
@@ -66,8 +69,12 @@ std::string DescribeUnknown(const Probe& probe) {
     const auto byte = static_cast<unsigned char>(c);
     return byte >= 0x20 ? byte != 0x7f : byte == '\n' || byte == '\r' || byte == '\t' || byte == '\f';
   });
-  if (text) return "not an atlas: this looks like a text file, of no kind that slamdb reads";
-  return "not an atlas: neither its first bytes nor its suffix are of a kind that slamdb reads";
+  if (!text) return "not an atlas: neither its first bytes nor its suffix are of a kind that slamdb reads";
+  const TableLayout layout = FindLayout(WithoutMark(probe.head), PoseTable(PoseLayout::kTum));
+  constexpr std::size_t kEnough = 4;  // of time, position and orientation
+  if (!layout.missing.empty() && layout.named >= kEnough)
+    return "neither an atlas nor a trajectory: no column is named " + layout.missing;
+  return "not an atlas: this looks like a text file, of no kind that slamdb reads";
 }
 
 }  // namespace slamdb::detail

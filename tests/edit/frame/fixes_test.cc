@@ -5,14 +5,18 @@
 #include <algorithm>
 #include <random>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/georeference.h"
 
 namespace slamdb {
 namespace {
 
+using detail::Concat;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 struct Table {
   const char* name;
@@ -152,6 +156,52 @@ TEST(Fixes, RowsWithoutAFixAreCountedAndNamed) {
   EXPECT_THAT(Failure("time,lat,lon,alt\n1,4730.5,815.2,400\n"), HasSubstr("ddmm.mmmm"));
 }
 
+// What receivers and loggers call it when there is no fix.
+TEST(Fixes, NoFixIsToldInManyWays) {
+  const std::pair<const char*, const char*> columns[] = {
+      {"fix", "0"},         {"gps_fix_type", "1"}, {"fix_type", "0"}, {"mode", "1"},       {"mode", "0"},
+      {"valid", "False"},   {"valid", "0"},        {"num_sats", "0"}, {"status", "V"},     {"status", "-1"},
+      {"gps_qual", "0"},    {"has_fix", "false"},  {"fix", "none"},   {"satellites", "0"}, {"fix", "No Fix"},
+      {"fix_quality", "0"}, {"Valid", "N"}};
+  for (const auto& [name, value] : columns) {
+    const std::string text = Concat("time,lat,lon,alt,", name, "\n1,47,8,400,4\n2,12,33,9,", value, "\n3,47,8,400,A\n");
+    EXPECT_THAT(Notes(text),
+                AllOf(HasSubstr("no fix: 1 row of 3"), HasSubstr(Concat(' ', value, " (1 row, first in line 3)"))))
+        << text;
+  }
+}
+
+TEST(Fixes, HeightsAboveTheEllipsoidWin) {
+  for (const char* name :
+       {"altitude_ellipsoid_m", "alt_ellipsoid", "ellipsoidal_height", "height_above_ellipsoid", "alt_hae"})
+    for (const char* other : {"altitude_msl_m", "alt", "altitude", "hMSL"}) {
+      const std::string text = Concat("time,lat,lon,", other, ',', name, "\n1,47,8,350,400\n");
+      EXPECT_EQ(ParseFixes(text).at(0).place.altitude, 400) << text;
+      EXPECT_THAT(Notes(text), HasSubstr(Concat("those of the column ", name, ", not of "))) << text;
+    }
+  EXPECT_THAT(Notes("time,lat,lon,height\n1,47,8,400\n"), IsEmpty());
+}
+
+TEST(Fixes, AltitudesBesideWholeDegreesAreMillimetres) {
+  const std::string text = "time,lat,lon,alt\n1,470000000,80000000,400000\n2,470000000,80000000,400500\n";
+  EXPECT_EQ(ParseFixes(text).at(1).place.altitude, 400.5);
+  EXPECT_THAT(Notes(text), HasSubstr("altitudes are taken as millimetres"));
+  EXPECT_EQ(ParseFixes("time,lat_e7,lon_e7,alt\n1,470000000,80000000,400000\n").at(0).place.altitude, 400);
+  EXPECT_EQ(ParseFixes("time,lat,lon,alt\n1,470000000,80000000,400.5\n").at(0).place.altitude, 400.5);
+  EXPECT_EQ(ParseFixes("time,lat,lon,alt [m]\n1,470000000,80000000,400\n").at(0).place.altitude, 400);
+  EXPECT_THAT(Failure("time,lat,lon,alt\n1,470000000,80000000,400\n"),
+              HasSubstr("may be metres, the first 400 m, or millimetres, the first 0.4 m"));
+}
+
+TEST(Fixes, AltitudesBeyondAirlinersNeedAUnit) {
+  EXPECT_THAT(Failure("time,lat,lon,alt\n1,47,8,400000\n2,47,8,401000\n"),
+              HasSubstr("line 2: the altitudes may be metres, the first 400000 m, or millimetres, the first 400 m"));
+  EXPECT_THAT(Failure("1,47,8,400000\n2,47,8,401000\n"), HasSubstr("line 1: the altitudes may be"));
+  EXPECT_THAT(Failure("400,8.5,1700000000,47\n401,8.5,1700000001,47\n"), HasSubstr("longitude 1.7e+09 is outside"));
+  EXPECT_EQ(ParseFixes("time,lat,lon,alt [m]\n1,47,8,30000\n").at(0).place.altitude, 30000);
+  EXPECT_EQ(ParseFixes("time,lat,lon,alt\n1,47,8,11000\n2,47,8,13000\n").at(1).place.altitude, 13000);
+}
+
 TEST(Fixes, UnitsAreNeverAssumed) {
   EXPECT_THAT(Failure("time,lat,lon,altitude [furlong]\n1,47,8,400\n"), HasSubstr("found the unit 'furlong'"));
   EXPECT_THAT(Failure("time,lat [gon],lon [gon],alt\n1,47,8,400\n"), HasSubstr("found the unit 'gon'"));
@@ -159,7 +209,7 @@ TEST(Fixes, UnitsAreNeverAssumed) {
   const auto radians = ParseFixes("time,lat [rad],lon_rad,alt\n1,0.82030474843733492,0.13962634015954636,400\n");
   EXPECT_NEAR(radians.at(0).place.latitude, 47, 1e-12);
   EXPECT_NEAR(radians.at(0).place.longitude, 8, 1e-12);
-  EXPECT_THAT(Notes("time,lat,lon,alt\n1,470000000,80000000,400\n"), HasSubstr("1e-7 degrees"));
+  EXPECT_THAT(Notes("time,lat,lon,alt\n1,470000000,80000000,400000\n"), HasSubstr("1e-7 degrees"));
   EXPECT_THAT(Notes("time,lat,lon,alt_msl\n1,47,8,400\n"), HasSubstr("above the ellipsoid"));
 }
 
@@ -189,9 +239,49 @@ TEST(Nmea, TakesTheDayFromRmc) {
                            Sentence("GPGGA,221321.25,4715.0000,S,00830.0000,W,2,08,0.9,252.0,M,48.0,M,,");
   ExpectFixes(ParseFixes(text), text);
   EXPECT_THAT(Failure(first), HasSubstr("tell the time of a day, but not which"));
-  EXPECT_THAT(Failure("$GPGGA,221320.25,4730.0000,N*00\n"), HasSubstr("line 1: the checksum"));
+  EXPECT_THAT(Failure("$GPGGA,221320.25,4730.0000,N*00\n"), HasSubstr("line 1: does not match the checksum"));
   EXPECT_THAT(Failure(Sentence("GPRMC,221320.25,A,4730.0000,N,00815.0000,E,0.0,0.0,141123,,")),
               HasSubstr("without GGA"));
+}
+
+// Logs of serial lines begin and end in the middle of a sentence, and lose letters.
+TEST(Nmea, DamagedSentencesAreLeftOutCountedAndNamed) {
+  const std::string first = Sentence("GPRMC,221320.25,A,4730.0000,N,00815.0000,E,0.0,0.0,141123,,") +
+                            Sentence("GPGGA,221320.25,4730.0000,N,00815.0000,E,1,08,0.9,352.0,M,48.0,M,,");
+  const std::string last = Sentence("GPGGA,221321.25,4715.0000,S,00830.0000,W,2,08,0.9,252.0,M,48.0,M,,");
+  const std::string bad = "$GPGGA,221321.00,4755.0000,S,00830.0000,W,2,08,0.9,252.0,M,48.0,M,,*00\r\n";
+  for (const std::string& text :
+       {first + bad + last, first + last + "$GPGGA,221322.25,4715.0000,S,0083", first + last + "$GPGGA,2213",
+        "30.0000,N,00815.0000,E*5A\r\n" + first + last, "\x80\xfegarbage\r\n\r\n" + first + last,
+        "u-blox log\r\n$PUBX,00,0*00\r\n" + first + last,
+        first + Sentence("GPGGA,221320.75,47x0.0000,N,00815.0000,E,1,08,0.9,352.0,M,48.0,M,,") + last}) {
+    ExpectFixes(ParseFixes(text), text);
+    EXPECT_THAT(Notes(text), HasSubstr("are damaged or no sentences of NMEA")) << text;
+  }
+  EXPECT_THAT(Notes(first + bad + last),
+              HasSubstr("1 line, the first in line 3: does not match the checksum of its sentence GPGGA"));
+  EXPECT_THAT(Failure(first + bad + bad + bad), HasSubstr("line 3: does not match the checksum"));
+  EXPECT_THAT(Failure(Sentence("GPRMC,221320.25,A,4730.0000,N,00815.0000,E,0.0,0.0,141123,,") + bad),
+              HasSubstr("line 2: does not match the checksum"));
+  const std::string behind = "12:00:01 " + first + "12:00:02 " + last;
+  ExpectFixes(ParseFixes(behind), behind);
+}
+
+TEST(Rtklib, PositionsAreReadInUtc) {
+  const std::string rows =
+      "2023/11/14 22:13:38.250   47.500000000    8.250000000   400.0000   1   8   0.0100\n"
+      "2023/11/14 22:13:39.250  -47.250000000   -8.500000000   300.0000   2   8   0.0100\n";
+  const std::string top = "% program   : RTKPOST\n% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float)\n";
+  const std::string names = "                latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)\n";
+  ExpectFixes(ParseFixes(top + "%  GPST  " + names + rows), rows);
+  EXPECT_THAT(Notes(top + "%  GPST  " + names + rows),
+              AllOf(HasSubstr("18 s are taken away"), Not(HasSubstr("UTC and"))));
+  EXPECT_EQ(ParseFixes(top + "%  UTC  " + names + rows).at(0).timestamp, 1700000018.25);
+  EXPECT_THAT(Failure(top + "%  GPST  " + names + "2288 252818.000   47.5    8.25   400   1   8 0.01\n"),
+              HasSubstr("by week and second"));
+  EXPECT_THAT(
+      Failure(top + "%  GPST   x-ecef(m)      y-ecef(m)      z-ecef(m)   Q  ns\n2023/11/14 22:13:38.250 1 2 3 1 8\n"),
+      HasSubstr("no degrees"));
 }
 
 TEST(Nmea, GoesOnOverMidnight) {

@@ -34,11 +34,48 @@ void ExpectTakes(const Similarity3d& transform, const Eigen::Vector3d& from, con
 
 TEST(ParseSimilarity, SevenEightTwelveAndSixteenNumbers) {
   // A quarter turn about z.
-  ExpectTakes(ParseSimilarity("1 2 3 0 0 1 1"), {1, 0, 0}, {1, 3, 3});
-  ExpectTakes(ParseSimilarity("# t q s\n1, 2, 3;\t0 0 1 1\n2 # twice\n"), {1, 0, 0}, {1, 4, 3});
+  ExpectTakes(ParseSimilarity("1 2 3 0 0 0.7071068 0.7071068"), {1, 0, 0}, {1, 3, 3});
+  ExpectTakes(ParseSimilarity("# t q s\n1, 2, 3;\t0 0 0.7071068 0.7071068\n2 # twice\n"), {1, 0, 0}, {1, 4, 3});
   ExpectTakes(ParseSimilarity("0 -1 0 1\n1 0 0 2\n0 0 1 3\n"), {1, 0, 0}, {1, 3, 3});
-  ExpectTakes(ParseSimilarity("\xef\xbb\xbf% by hand\r\n+1 +2 +3\r\n0 0 +1 +1 2"), {1, 0, 0}, {1, 4, 3});
+  ExpectTakes(ParseSimilarity("\xef\xbb\xbf% by hand\r\n+1 +2 +3\r\n0 0 +0.7071068 +0.7071068 2"), {1, 0, 0},
+              {1, 4, 3});
   ExpectTakes(ParseSimilarity("0 -2 0 1  2 0 0 2  0 0 2 3  0 0 0 1"), {1, 0, 0}, {1, 4, 3});
+}
+
+// The dialects of tables: commas are decimal commas where something else separates.
+TEST(ParseSimilarity, InTheDialectsOfTables) {
+  for (const char* text :
+       {"1,5;2;3;0;0;0;1", "1,5;2,0;3,0;0,0;0,0;0,0;1,0;1,0\n", "1,5 2 3 0 0 0 1", "\"1,5\",\"2\",\"3\",0,0,0,1",
+        "sep=;\n1,5;2;3;0;0;0;1", "1.5,2,3,0,0,0,1", "1.5 2 3,0 0 0 1", "1.5 , 2 , 3 , 0 , 0 , 0 , 1",
+        "1.5\t2\t3\t0\t0\t0\t1", "1,0 0 0 1,5\n0 1,0 0 2\n0 0 1 3\n", "1,0,0,1.5;0,1,0,2;0,0,1,3",
+        "tx,ty,tz,qx,qy,qz,qw\n1.5,2,3,0,0,0,1\n", "qw;qx;qy;qz;tx;ty;tz;scale\n1;0;0;0;1,5;2;3;1\n",
+        "# tx ty tz qx qy qz qw\n1.5 2 3 0 0 0 1\n", "x [cm],y [cm],z [cm],qx,qy,qz,qw\n150,200,300,0,0,0,1\n",
+        "timestamp,tx,ty,tz,qx,qy,qz,qw\n9,1.5,2,3,0,0,0,1\n"}) {
+    SCOPED_TRACE(text);
+    ExpectTakes(ParseSimilarity(text), {0, 0, 0}, {1.5, 2, 3});
+    ExpectTakes(ParseSimilarity(text), {1, 0, 0}, {2.5, 2, 3});
+  }
+  EXPECT_THAT(TransformMessage("0,5;2.5;1;0;0;0;1"), HasSubstr("one decimal mark"));
+  EXPECT_THAT(TransformMessage("tx,ty,tz,qx,qy,qz,qw\n1,2,3,0,0,0,1\n1,2,3,0,0,0,1\n"),
+              HasSubstr("line 3: expected one row"));
+  EXPECT_THAT(TransformMessage("tx,ty,tz,qx,qy,qz,qw\n1,2,3,0,0,0,x\n"), HasSubstr("found 'x' in column qw"));
+  EXPECT_THAT(TransformMessage("tx,ty,tz,qx,qy,qz,qw\n"), HasSubstr("no row"));
+}
+
+TEST(ParseSimilarity, ALineOfATrajectoryIsNone) {
+  for (const char* line : {"1403636580.25 4.6 -1.7 0.8 0.53 -0.15 -0.82 -0.06", "0 1 2 3 0 0 0 1",
+                           "0.25 1 2 0 0 0 0.6 0.8", "1700000000 5 6 1 0 0 0 1"})
+    EXPECT_THAT(TransformMessage(line), HasSubstr("a line of a TUM trajectory")) << line;
+  EXPECT_THAT(TransformMessage("1403636580.25 4.6 -1.7 0.8 0.53 -0.15 -0.82 -0.06"),
+              HasSubstr("a time: 1403636580.25; give the 7 behind it"));
+  ExpectTakes(ParseSimilarity("1 2 3 1 0 0 0 1"), {0, 1, 0}, {1, 1, 3});
+}
+
+TEST(ParseSimilarity, QuaternionsAreOfUnitLength) {
+  EXPECT_THAT(TransformMessage("1 2 3 255 255 255 0.5"),
+              HasSubstr("qx qy qz qw = 255 255 255 0.5, is of length 441.6"));
+  EXPECT_THAT(TransformMessage("1 2 3 0 0 1 1"), HasSubstr("of length 1.41"));
+  ExpectTakes(ParseSimilarity("1 2 3 0 0 0 1.05"), {0, 0, 0}, {1, 2, 3});
 }
 
 TEST(ParseSimilarity, TextComesBackExactly) {

@@ -35,6 +35,7 @@ struct Column {
   std::vector<std::string_view> names;
   int group = 0;                 // a table must have all columns of one group
   std::string_view called = {};  // in errors; empty: the first name
+  bool seconds = false;          // of several that differ in their unit, the one in seconds is it
   std::string_view title() const;
 };
 
@@ -68,6 +69,8 @@ struct TableLayout {
   std::size_t line = 1;                            // where rows, or those comments, begin
   std::string_view rows;                           // the text from there
   std::string problem;                             // why it is no such table; empty: it is one
+  std::string missing;                             // columns that the first line lacks, which names others of a group
+  std::size_t named = 0;                           // how many it names
 };
 // Never throws. The text has no byte order mark.
 TableLayout FindLayout(std::string_view text, const TableKind& kind);
@@ -122,6 +125,8 @@ class Table {
   }
   // A cell as a number is written everywhere: decimal commas are points, and no plus sign stands in front.
   std::string Digits(std::size_t column) const;
+  // The same of a cell by its place in the row, for columns that are not of the kind.
+  std::string DigitsAt(std::size_t place) const;
   // Whether a row so far had decimal commas.
   bool has_decimal_commas() const { return decimal_commas_; }
 

@@ -17,18 +17,25 @@
 // The times of tables, whatever they count. schema/tables.md says how the unit is told.
 namespace slamdb::detail {
 
-// Columns of times as all tables have them. `names` of the time, the better first, and of what is behind whole seconds.
+// The column of times as all tables have it.
 Column TimeColumn(int group = 0);
-Column NanosecondsColumn();
 
 // What a table tells of its times.
 struct TimeRules {
-  std::optional<TimeUnit> asked;             // by the user
-  TimeUnit usual = TimeUnit::kSeconds;       // of such tables
-  bool firm = false;                         // the usual one is taken where others are as plausible
-  std::size_t time = 0;                      // the column
-  std::optional<std::size_t> nanoseconds{};  // the column of the nanoseconds behind whole seconds
-  std::optional<std::size_t> date{};         // the column of the day, where the time is that of a day
+  std::optional<TimeUnit> asked;        // by the user
+  TimeUnit usual = TimeUnit::kSeconds;  // of such tables
+  bool firm = false;                    // the usual one is taken where others are as plausible
+  std::size_t time = 0;                 // the column
+  std::optional<std::size_t> date{};    // the column of the day, where the time is that of a day
+};
+
+// A column beside that of the times whose name makes it the same times in a finer unit, or what is behind whole
+// seconds: `nsec` beside `sec`, `stamp_nanosec` beside `stamp_sec`.
+struct FinerTimes {
+  std::size_t place = 0;  // in a row
+  std::string name;
+  TimeUnit unit = TimeUnit::kNanoseconds;
+  std::vector<std::string> cells{};
 };
 
 // Collects the times of a table row by row, and makes seconds of them at the end, when all of them tell the unit.
@@ -45,6 +52,12 @@ class TimeReader {
   std::vector<std::string> Seconds(Notices& notices) const;
 
  private:
+  std::optional<std::vector<std::string>> WithFraction(const FinerTimes& finer) const;
+  std::optional<std::vector<std::string>> InFinerUnit(const FinerTimes& finer, TimeUnit unit) const;
+  Error NotOneTime(const FinerTimes& finer) const;
+  bool NameSaysSeconds() const;
+  std::vector<std::string> WithRepeatsTold(std::vector<std::string> seconds, Notices& notices) const;
+  void TellWhichColumn(Notices& notices) const;
   TimeUnit Unit(Notices& notices) const;
   TimeUnit UnitByValues(Notices& notices) const;
   void RequirePlausible(TimeUnit stated) const;
@@ -57,7 +70,8 @@ class TimeReader {
   const TimeRules rules_;
   std::vector<std::string> cells_;  // numbers, or seconds where the table has dates
   std::vector<double> values_;
-  std::size_t first_line_ = 0;
+  std::vector<FinerTimes> finer_;
+  std::vector<std::size_t> lines_;
   std::size_t dates_ = 0;
   bool without_zone_ = false, has_point_ = false;
 };

@@ -79,6 +79,12 @@ std::optional<double> NearestTimes(const std::vector<TimedPosition>& keyframes,
   return detail::MedianOf(std::move(distances));
 }
 
+bool AreFrameNumbers(const std::vector<TimedPosition>& samples) {
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (samples[i].timestamp != static_cast<double>(i)) return false;
+  return samples.size() > 1;
+}
+
 // Names both time spans, and the offset that would lay one over the other.
 Error TooFewPairs(const Map& map, std::size_t pairs, const std::vector<TimedPosition>& keyframes,
                   const std::vector<TimedPosition>& samples, const TrajectoryAlignmentOptions& options) {
@@ -91,7 +97,11 @@ Error TooFewPairs(const Map& map, std::size_t pairs, const std::vector<TimedPosi
   const bool apart = !keyframes.empty() && !samples.empty() &&
                      (keyframes.back().timestamp + options.time_offset < samples.front().timestamp ||
                       samples.back().timestamp < keyframes.front().timestamp + options.time_offset);
-  if (apart)
+  if (AreFrameNumbers(samples))
+    problem +=
+        "; the reference's times are frame numbers, 0, 1, 2, ..., as a KITTI trajectory without times has them: give "
+        "TrajectoryReadOptions::times";
+  else if (apart)
     problem += detail::Concat(
         "; if the reference's clock is ahead by ",
         detail::Fixed(samples.front().timestamp - keyframes.front().timestamp, 3),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "slamdb/base/detail/concat.h"
@@ -26,13 +27,15 @@ enum FixColumn : std::size_t {
   kLatitude,
   kLongitude,
   kAltitude,
-  kNanoseconds,
   kDate,
   kNorthSouth,
   kEastWest,
   kStatus,
   kQuality,
-  kFixType
+  kFixType,
+  kMode,
+  kFix,
+  kSatellites
 };
 
 const detail::TableKind& FixTable() {
@@ -40,17 +43,52 @@ const detail::TableKind& FixTable() {
       .columns = {detail::TimeColumn(),
                   {{".latitude", ".lat"}},
                   {{".longitude", ".lon", "lng", "long"}},
-                  {{".altitude", ".alt", "ele", "elevation", "height", "altitude_msl", "alt_msl", "altitude_hae",
-                    "alt_hae", "msl", "hmsl"}},
-                  detail::NanosecondsColumn(),
+                  {{"altitude_ellipsoid",
+                    "altitude_ellipsoidal",
+                    "alt_ellipsoid",
+                    "alt_ellipsoidal",
+                    "ellipsoidal_height",
+                    "ellipsoid_height",
+                    "ellipsoidal_altitude",
+                    "height_ellipsoid",
+                    "height_ellipsoidal",
+                    "height_above_ellipsoid",
+                    "altitude_above_ellipsoid",
+                    "altitude_hae",
+                    "alt_hae",
+                    "height_hae",
+                    "hae",
+                    "altitude_wgs84",
+                    "alt_wgs84",
+                    ".altitude",
+                    ".alt",
+                    "ele",
+                    "elevation",
+                    "height",
+                    "altitude_msl",
+                    "altitude_amsl",
+                    "alt_msl",
+                    "alt_amsl",
+                    "height_msl",
+                    "msl",
+                    "hmsl"},
+                   0,
+                   "altitude"},
                   {{"date", "day"}, Column::kOptional},
                   {{"n/s", "n.s", "ns", "lat_dir", "latitude_direction", "lat_hemisphere", "north_south"},
                    Column::kOptional},
                   {{"e/w", "e.w", "ew", "lon_dir", "longitude_direction", "lon_hemisphere", "east_west"},
                    Column::kOptional},
                   {{".status.status", "status"}, Column::kOptional},
-                  {{"quality", "fix_quality", "gps_quality"}, Column::kOptional},
-                  {{"fix_type", "fixtype"}, Column::kOptional}},
+                  {{"quality", "fix_quality", "gps_quality", "gps_qual", "q"}, Column::kOptional},
+                  {{".fix_type", "gps_fix_type", "fixtype", "gnss_fix_type"}, Column::kOptional},
+                  {{".mode", "fix_mode", "gps_mode"}, Column::kOptional},
+                  {{"fix", "gps_fix", "gnss_fix", "has_fix", "valid", "is_valid", "fix_valid", "gps_valid", "fix_ok",
+                    "gnss_fix_ok"},
+                   Column::kOptional},
+                  {{"num_sats", "num_sat", "num_sv", "numsv", "nsat", "nsats", "n_sats", "num_satellites", "satellites",
+                    "satellites_used", "satellites_visible", "sats", "sats_used"},
+                   Column::kOptional}},
       .expected = "time, latitude, longitude and altitude in seconds, degrees and metres",
       .more_cells = true,
       .name_beginnings = true};
@@ -71,6 +109,27 @@ double DegreesIn(const Table& table, std::size_t column) {
               Concat("expected angles in deg, rad or e7 (1e-7 degrees), found the unit '", name->unit, "'"));
 }
 
+// A number that a column about the receiver has at most where there is no fix.
+struct NoFixNumber {
+  FixColumn column;
+  double most;
+};
+constexpr NoFixNumber kNoFixNumbers[] = {{kStatus, -1},  // of NavSatFix
+                                         {kQuality, 0},  // of GGA
+                                         {kFixType, 1},  // of u-blox and PX4: 1 is dead reckoning, or none
+                                         {kMode, 1},     // of gpsd: 0 is unknown, 1 none
+                                         {kFix, 0},     {kSatellites, 0}};
+
+bool SaysNoFix(std::string_view cell) {
+  static constexpr std::string_view kWords[] = {"v",      "void",   "false", "f",      "n",       "no",       "none",
+                                                "no fix", "no_fix", "nofix", "no-fix", "invalid", "not valid"};
+  return std::ranges::any_of(kWords, [cell](std::string_view word) {
+    return std::ranges::equal(cell, word, {}, [](char letter) {
+      return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+    });
+  });
+}
+
 // Reads the rows of a table, of which all together tell what angles count.
 class FixReader {
  public:
@@ -78,7 +137,8 @@ class FixReader {
       : table_(table),
         latitude_unit_(DegreesIn(table, kLatitude)),
         longitude_unit_(DegreesIn(table, kLongitude)),
-        altitude_unit_(detail::MetresIn(table, kAltitude)) {}
+        altitude_unit_(detail::MetresIn(table, kAltitude)),
+        in_e7_(latitude_unit_ == 1e-7) {}
 
   // False when the row has neither a fix nor a time that the receiver had none at.
   bool Add(LeftOutFixes& left_out) {
@@ -117,6 +177,7 @@ class FixReader {
       left_out.Add("outside", Outside(fix.place), lines_[i]);
       fix.place = GpsFix::kNowhere;
     }
+    SettleAltitudes(notices);
     return places;
   }
 
@@ -125,10 +186,13 @@ class FixReader {
  private:
   // Why the row has no fix; empty: it has one.
   std::string NoFix() const {
-    const auto number = [&](std::size_t column) { return detail::ParseNumber<double>(table_.Raw(column)); };
-    if (const auto status = number(kStatus); status && *status < 0) return Concat("status ", *status);
-    if (const auto quality = number(kQuality); quality && *quality == 0) return "quality 0";
-    if (const auto type = number(kFixType); type && *type <= 1) return Concat("fix type ", *type);
+    for (const auto& [column, most] : kNoFixNumbers) {
+      const std::string_view cell = table_.Raw(column);
+      const auto number = detail::ParseNumber<double>(cell);
+      if (!(number ? *number <= most : SaysNoFix(cell))) continue;
+      const detail::ColumnName* name = table_.NameOf(column);
+      return Concat(name == nullptr ? FixTable().columns[column].title() : name->text, ' ', cell);
+    }
     for (const std::size_t column : {kLatitude, kLongitude, kAltitude})
       if (table_.Raw(column).empty()) return Concat("no ", FixTable().columns[column].title());
     return {};
@@ -168,6 +232,7 @@ class FixReader {
     if (whole && std::max(latitude, longitude) > 1e6 && latitude <= 9e8 && longitude <= 36e8) {
       notices.Note("latitudes and longitudes are taken as 1e-7 degrees: they are whole numbers of that size");
       for (GpsFix& fix : fixes_) fix.place.latitude *= 1e-7, fix.place.longitude *= 1e-7;
+      in_e7_ = true;
       return;
     }
     const auto first = std::ranges::find_if(fixes_, &GpsFix::has_place);
@@ -177,6 +242,36 @@ class FixReader {
                   Concat("latitude ", first->place.latitude, " and longitude ", first->place.longitude,
                          " may be radians, or degrees at sea off Africa; name the columns latitude [rad] and longitude "
                          "[rad], or [deg]"));
+  }
+
+  // Altitudes whose name states no unit are metres, where they can be nothing else: receivers that count 1e-7 degrees
+  // count millimetres.
+  void SettleAltitudes(Notices& notices) {
+    const detail::ColumnName* name = table_.NameOf(kAltitude);
+    if (name != nullptr && !name->unit.empty()) return;
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    bool whole = true;
+    std::size_t first = fixes_.size();
+    for (std::size_t i = 0; i < fixes_.size(); ++i) {
+      if (!fixes_[i].has_place()) continue;
+      const double altitude = fixes_[i].place.altitude;
+      first = std::min(first, i);
+      least = std::min(least, std::abs(altitude));
+      most = std::max(most, std::abs(altitude));
+      whole &= std::round(altitude) == altitude;
+    }
+    if (first == fixes_.size()) return;
+    constexpr double kHighest = 12e3, kLikelyMillimetres = 10e3;  // metres above airliners, and 10 m in millimetres
+    if (in_e7_ && whole && least > kLikelyMillimetres) {
+      notices.Note("altitudes are taken as millimetres: they are whole numbers above 10,000 beside 1e-7 degrees");
+      for (GpsFix& fix : fixes_) fix.place.altitude *= 1e-3;
+    } else if (least > kHighest || (in_e7_ && whole && most > 0)) {
+      const double altitude = fixes_[first].place.altitude;
+      throw Error(ErrorKind::kNotPossible, "", Concat("line ", lines_[first]),
+                  Concat("the altitudes may be metres, the first ", detail::Digits(altitude, 10),
+                         " m, or millimetres, the first ", detail::Digits(altitude * 1e-3, 10),
+                         " m; name the column altitude [m], or [mm], or what it is"));
+    }
   }
 
   static std::string Outside(const Geodetic& place) {
@@ -189,9 +284,29 @@ class FixReader {
 
   const Table& table_;
   const double latitude_unit_, longitude_unit_, altitude_unit_;
+  bool in_e7_;  // angles are whole numbers of 1e-7 degrees
   std::vector<GpsFix> fixes_;
   std::vector<std::size_t> lines_;
 };
+
+// Of heights above the ellipsoid and the sea, those above the ellipsoid are taken: places are those of WGS84.
+void TellWhichHeights(const Table& table, Notices& notices) {
+  const detail::ColumnName* taken = table.NameOf(kAltitude);
+  if (taken == nullptr) return;
+  if (taken->text.find("msl") != std::string::npos)
+    notices.Note("altitudes above the sea are taken for altitudes above the ellipsoid");
+  const auto is_height = [&](const detail::ColumnName& name) {
+    const auto& names = FixTable().columns[kAltitude].names;
+    return &name != taken && std::ranges::any_of(names, [&](std::string_view wanted) {
+      if (wanted.starts_with('.')) wanted.remove_prefix(1);
+      return detail::Comparable(name.name) == wanted;
+    });
+  };
+  std::string others;
+  for (const detail::ColumnName& name : table.names())
+    if (is_height(name)) others += Concat(others.empty() ? "" : ", ", name.text);
+  if (!others.empty()) notices.Note(Concat("altitudes are those of the column ", taken->text, ", not of ", others));
+}
 
 }  // namespace
 
@@ -239,18 +354,16 @@ std::vector<GpsFix> ParseFixes(std::string_view text, const FixReadOptions& opti
   Notices unheard;
   Notices& heard = notices == nullptr ? unheard : *notices;
   if (detail::IsNmea(text)) return detail::ParseNmea(text, heard);
+  if (detail::IsRtklib(text)) return detail::ParseRtklib(text, options, heard);
   Table table(text, FixTable());
   FixReader reader(table);
-  detail::TimeReader times(table,
-                           {.asked = options.time_unit, .time = kTime, .nanoseconds = kNanoseconds, .date = kDate});
+  detail::TimeReader times(table, {.asked = options.time_unit, .time = kTime, .date = kDate});
   LeftOutFixes left_out;
   while (table.Next())
     if (reader.Add(left_out)) times.Add();
   left_out.Tell(reader.Finish(times.Seconds(heard), left_out, heard), heard);
   if (table.has_decimal_commas()) heard.Note("commas in numbers are taken as decimal commas");
-  const detail::ColumnName* altitude = table.NameOf(kAltitude);
-  if (altitude != nullptr && altitude->text.find("msl") != std::string::npos)
-    heard.Note("altitudes above the sea are taken for altitudes above the ellipsoid");
+  TellWhichHeights(table, heard);
   return reader.Take();
 }
 

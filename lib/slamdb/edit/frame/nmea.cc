@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/fixes.h"
 
@@ -27,28 +29,57 @@ struct Sentence {
   }
 };
 
-void RequireChecksum(const Sentence& sentence, std::string_view recorded) {
+// Whether the text is as `recorded` behind its star.
+bool HasChecksum(std::string_view text, std::string_view recorded) {
   unsigned sum = 0;
-  for (const char letter : sentence.text) sum ^= static_cast<unsigned char>(letter);
+  for (const char letter : text) sum ^= static_cast<unsigned char>(letter);
   unsigned stated = 0;
   const auto [end, error] = std::from_chars(recorded.data(), recorded.data() + recorded.size(), stated, 16);
-  if (error == std::errc() && end == recorded.data() + recorded.size() && stated == sum) return;
-  throw Error(ErrorKind::kDamaged, "", Concat("line ", sentence.line),
-              Concat("the checksum of the sentence ", sentence.cells[0], " does not match: it is damaged"));
+  return error == std::errc() && end == recorded.data() + recorded.size() && stated == sum;
 }
 
-// The sentences of a text; what is none is passed over where `$` does not begin it.
-std::vector<Sentence> SentencesIn(std::string_view text) {
+// What is no sentence that can be read, and why the first is not.
+struct DamagedLines {
+  std::size_t count = 0;
+  std::optional<Error> first;
+
+  void Add(const Error& error) {
+    if (count++ == 0) first = error;
+  }
+  void Tell(Notices& notices) const {
+    if (count > 0)
+      notices.Warn(Concat("left out because they are damaged or no sentences of NMEA: ", Counted(count, "line"),
+                          ", the first in ", first->place(), ": ", first->problem()));
+  }
+};
+
+// The sentences of a text, which may stand behind something else in a line. Where any has a checksum, all need one.
+// Throws Error with the first damaged line when most are.
+std::vector<Sentence> SentencesIn(std::string_view text, DamagedLines& damaged) {
+  const bool checked = text.find('*') != text.npos;
   std::vector<Sentence> sentences;
   for (std::size_t number = 1; !text.empty(); ++number) {
     std::string_view line = Trimmed(TakeLine(text));
-    if (!line.starts_with('$')) continue;
-    line.remove_prefix(1);
+    if (line.empty() || IsCommentMark(line[0])) continue;
+    const auto add_damaged = [&](const std::string& problem) {
+      damaged.Add(Error(ErrorKind::kDamaged, "", Concat("line ", number), problem));
+    };
+    const std::size_t begin = line.rfind('$');
+    if (begin == line.npos) {
+      add_damaged("holds no sentence");
+      continue;
+    }
+    line.remove_prefix(begin + 1);
     const std::size_t star = line.find('*');
     Sentence sentence{number, line.substr(0, star), Split(line.substr(0, star), ',')};
-    if (star != line.npos) RequireChecksum(sentence, line.substr(star + 1));
-    sentences.push_back(std::move(sentence));
+    if (star == line.npos && checked)
+      add_damaged("is cut: it has no checksum");
+    else if (star != line.npos && !HasChecksum(sentence.text, line.substr(star + 1)))
+      add_damaged(Concat("does not match the checksum of its sentence ", Visible(sentence.cells[0].substr(0, 10))));
+    else
+      sentences.push_back(std::move(sentence));
   }
+  if (damaged.count > sentences.size()) throw *damaged.first;
   return sentences;
 }
 
@@ -107,41 +138,82 @@ double AltitudeOf(const Sentence& sentence) {
   return *above_sea + ParseNumber<double>(sentence.At(11)).value_or(0);  // geoid above the ellipsoid
 }
 
+// `$GPGGA,...`, talker and kind, at the beginning of a line or behind something else.
+bool HasSentence(std::string_view line) {
+  const std::size_t begin = line.rfind('$');
+  if (begin == line.npos) return false;
+  line.remove_prefix(begin + 1);
+  return line.size() > 6 && line[5] == ',' &&
+         std::ranges::all_of(line.substr(0, 5), [](char letter) { return letter >= 'A' && letter <= 'Z'; });
+}
+
+// Collects the fixes of sentences in their order.
+class FixCollector {
+ public:
+  explicit FixCollector(double known) : known_(known) {}
+
+  void Add(const Sentence& sentence) {
+    if (const auto time = TimeWithDay(sentence)) known_ = *time;
+    if (!sentence.Is("GGA")) return;
+    if (sentence.At(6).empty() || sentence.At(6) == "0" || sentence.At(2).empty()) {
+      left_out_.Add("quality 0", sentence.line);
+      if (!sentence.At(1).empty()) fixes_.push_back({Nearest(TimeOfDay(sentence), known_), GpsFix::kNowhere});
+      return;
+    }
+    fixes_.push_back({Nearest(TimeOfDay(sentence), known_),
+                      {Coordinate(sentence, 2, "latitude", "NS"), Coordinate(sentence, 4, "longitude", "EW"),
+                       AltitudeOf(sentence)}});
+  }
+
+  std::vector<GpsFix> Take(Notices& notices) {
+    left_out_.Tell(static_cast<std::size_t>(std::ranges::count_if(fixes_, &GpsFix::has_place)), notices);
+    return std::move(fixes_);
+  }
+
+ private:
+  double known_;
+  std::vector<GpsFix> fixes_;
+  LeftOutFixes left_out_;
+};
+
 }  // namespace
 
 bool IsNmea(std::string_view text) {
   if (IsUtf16(text)) return false;
   text = WithoutMark(text);
-  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
-  return text.size() > 7 && text[0] == '$' && text[6] == ',';
+  constexpr int kLines = 50;  // a log may begin in the middle of a sentence
+  for (int i = 0; i < kLines && !text.empty(); ++i)
+    if (HasSentence(TakeLine(text))) return true;
+  return false;
 }
 
 std::vector<GpsFix> ParseNmea(std::string_view text, Notices& notices) {
-  const std::vector<Sentence> sentences = SentencesIn(WithoutMark(text));
+  DamagedLines damaged;
+  const std::vector<Sentence> sentences = SentencesIn(WithoutMark(text), damaged);
+  const auto read = [&](const Sentence& sentence, const auto& use) {
+    try {
+      use(sentence);
+    } catch (const Error& error) {
+      damaged.Add(error);
+    }
+  };
   std::optional<double> known;
   for (const Sentence& sentence : sentences)
-    if (const auto time = TimeWithDay(sentence); time && !known) known = time;
+    if (!known) read(sentence, [&](const Sentence& dated) { known = TimeWithDay(dated); });
+  if (!known && damaged.first) throw *damaged.first;
   if (!known)
     throw Error(
         ErrorKind::kNotPossible,
         "is of NMEA sentences that tell the time of a day, but not which: no RMC or ZDA with a date is among them");
-  std::vector<GpsFix> fixes;
-  LeftOutFixes left_out;
-  for (const Sentence& sentence : sentences) {
-    if (const auto time = TimeWithDay(sentence)) known = time;
-    if (!sentence.Is("GGA")) continue;
-    if (sentence.At(6).empty() || sentence.At(6) == "0" || sentence.At(2).empty()) {
-      left_out.Add("quality 0", sentence.line);
-      if (!sentence.At(1).empty()) fixes.push_back({Nearest(TimeOfDay(sentence), *known), GpsFix::kNowhere});
-      continue;
-    }
-    fixes.push_back({Nearest(TimeOfDay(sentence), *known),
-                     {Coordinate(sentence, 2, "latitude", "NS"), Coordinate(sentence, 4, "longitude", "EW"),
-                      AltitudeOf(sentence)}});
-  }
-  left_out.Tell(static_cast<std::size_t>(std::ranges::count_if(fixes, &GpsFix::has_place)), notices);
+  const std::size_t damaged_before = damaged.count;
+  FixCollector collector(*known);
+  for (const Sentence& sentence : sentences) read(sentence, [&](const Sentence& one) { collector.Add(one); });
+  std::vector<GpsFix> fixes = collector.Take(notices);
+  const bool mostly_damaged = fixes.size() < damaged.count - damaged_before;
+  if (damaged.first && (fixes.empty() || mostly_damaged)) throw *damaged.first;
   if (fixes.empty())
     throw Error(ErrorKind::kNotPossible, "is of NMEA sentences without GGA, which alone tell the altitude");
+  damaged.Tell(notices);
   return fixes;
 }
 

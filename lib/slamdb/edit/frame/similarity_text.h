@@ -10,10 +10,13 @@
 namespace slamdb {
 
 // A transform as text. Numbers are separated by blanks, commas, semicolons or line feeds; `#` or `%` begins a comment.
-//   7 or 8    tx ty tz qx qy qz qw [scale]; the quaternion is normalised
+// Commas are those of decimals where something else separates: `1,5;2;3;0;0;0;1`.
+//   7 or 8    tx ty tz qx qy qz qw [scale]; the quaternion is within a tenth of length 1, and normalised. In any order
+//             under a line of names, as tables of poses have them
 //   12 or 16  the rows of a 3x4 or 4x4 matrix [s R | t], whose last row is 0 0 0 1
 //
-// Throws Error (kUsage) when the text is neither, or the transform singular, mirrored, sheared or not finite.
+// Throws Error (kUsage) when the text is neither, or the transform singular, mirrored, sheared or not finite, or the 8
+// numbers are a pose with its time; (kDamaged) with the line when a row under names is none.
 [[nodiscard]] SLAMDB_EXPORT Similarity3d ParseSimilarity(std::string_view text);
 
 // The same of the numbers themselves, or of a file that holds them.

@@ -175,7 +175,9 @@ std::optional<std::string> CoarseningLoss(const Map& map, const Similarity3d& ta
   const double step = largest * kEpsilon;
   if (step <= kCoarseStep || LargestCoordinate(map, {}) * kEpsilon >= step) return std::nullopt;
   return detail::Concat("coordinates reach ", detail::Fixed(largest, 0), ", where single precision has steps of ",
-                        detail::Digits(step, 1), ": positions are rounded to these; choose an origin nearby");
+                        detail::Digits(step, 1),
+                        ": positions are rounded to these; take an offset away from the reference, or choose an origin "
+                        "nearby for fixes");
 }
 
 }  // namespace slamdb

@@ -104,8 +104,8 @@ void Compare(const Map& first, const Map& second, const JoinOptions& options, Jo
   const std::string problem = detail::ScaleProblem(a, b, scale), warning = detail::ScaleWarning(a, b, scale);
   if (!problem.empty() && !options.force)
     throw Error(ErrorKind::kNotPossible, problem +
-                                             "; give the scale, or solve it from anchors; JoinOptions::force joins "
-                                             "all the same");
+                                             "; give another scale, or solve it from anchors; where both are of "
+                                             "one scale all the same, JoinOptions::force joins");
   for (const std::string& sentence : {problem, warning})
     if (!sentence.empty()) report.warnings.push_back(sentence);
   for (detail::Mixture& mixture : detail::MixturesOf(a, b, detail::Together::kJoined))

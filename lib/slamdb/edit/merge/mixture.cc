@@ -118,7 +118,7 @@ std::string ScaleProblem(const NamedMap& first, const NamedMap& second, double s
   if (scale != 1 || !DiffersIn(first, second, IsMetric, metric, arbitrary)) return {};
   return Concat("the scale of ", arbitrary->name,
                 ", which is monocular without initialised IMU, is arbitrary, that of ", metric->name,
-                " is metric: a transform without scale leaves both in one map");
+                " is metric: a transform of scale 1 leaves both in one map");
 }
 
 std::string ScaleWarning(const NamedMap& first, const NamedMap& second, double scale) {
@@ -126,7 +126,7 @@ std::string ScaleWarning(const NamedMap& first, const NamedMap& second, double s
   if (scale == 1 && !IsMetric(*second.map))
     return Concat("the scales of ", first.name, " and ", second.name,
                   ", monocular without initialised IMU, are arbitrary: "
-                  "a transform without scale is right only where both are the same");
+                  "a transform of scale 1 is right only where both are the same");
   if (scale != 1 && IsMetric(*second.map))
     return Concat("the metric scale of ", second.name, " is lost: the joined map has that of ", first.name,
                   ", which is monocular without initialised IMU, and arbitrary");

@@ -9,6 +9,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/lengths.h"
 #include "slamdb/base/detail/parse_file.h"
+#include "slamdb/base/detail/pose_columns.h"
 #include "slamdb/base/detail/times.h"
 #include "slamdb/formats/trajectory/options.h"
 
@@ -23,30 +24,12 @@ std::optional<MapId> MapOfComment(std::string_view line) {
   return id ? std::optional(MapId(*id)) : std::nullopt;
 }
 
-Column Position(std::string_view tx, std::string_view x, std::string_view position, std::string_view translation,
-                std::string_view euroc, std::string_view px, std::string_view p_x, std::string_view pos_x) {
-  return {{tx, position, translation, euroc, p_x, px, pos_x, x}};
-}
-
-Column Rotation(std::string_view qx, std::string_view orientation, std::string_view rotation, std::string_view euroc,
-                std::string_view q_x, std::string_view quat, std::string_view quaternion) {
-  return {{qx, orientation, rotation, euroc, q_x, quat, quaternion}};
-}
-
 TableKind MakePoseTable(PoseLayout layout) {
   TableKind kind;
-  kind.columns = {
-      TimeColumn(),
-      Position("tx", "x", ".position.x", ".translation.x", "p_rs_r_x", "px", "p_x", "pos_x"),
-      Position("ty", "y", ".position.y", ".translation.y", "p_rs_r_y", "py", "p_y", "pos_y"),
-      Position("tz", "z", ".position.z", ".translation.z", "p_rs_r_z", "pz", "p_z", "pos_z"),
-      Rotation("qx", ".orientation.x", ".rotation.x", "q_rs_x", "q_x", "quat_x", "quaternion_x"),
-      Rotation("qy", ".orientation.y", ".rotation.y", "q_rs_y", "q_y", "quat_y", "quaternion_y"),
-      Rotation("qz", ".orientation.z", ".rotation.z", "q_rs_z", "q_z", "quat_z", "quaternion_z"),
-      Rotation("qw", ".orientation.w", ".rotation.w", "q_rs_w", "q_w", "quat_w", "quaternion_w"),
-      NanosecondsColumn(),
-      {{"is_lost", "lost"}, Column::kOptional},
-  };
+  kind.columns = {TimeColumn()};
+  for (std::size_t i = 0; i < 3; ++i) kind.columns.push_back(PositionColumn(i));
+  for (std::size_t i = 0; i < 4; ++i) kind.columns.push_back(QuaternionColumn(i));
+  kind.columns.push_back({{"is_lost", "lost"}, Column::kOptional});
   kind.expected = "8 numbers: timestamp tx ty tz qx qy qz qw";
   if (layout == PoseLayout::kEuroc) {
     std::rotate(kind.columns.begin() + 4, kind.columns.begin() + 7, kind.columns.begin() + 8);
@@ -129,8 +112,7 @@ class PoseReader {
 };
 
 TimeRules RulesFor(const Table& table, const PoseColumns& columns, PoseLayout layout, const ReadOptions& options) {
-  TimeRules rules{
-      .asked = options.of<TrajectoryReadOptions>().time_unit, .time = columns.time, .nanoseconds = columns.nanoseconds};
+  TimeRules rules{.asked = options.of<TrajectoryReadOptions>().time_unit, .time = columns.time};
   const ColumnName* x = table.NameOf(columns.position);
   const bool euroc = layout == PoseLayout::kEuroc && (x == nullptr || x->name == "p_rs_r_x");
   if (euroc) rules.usual = TimeUnit::kNanoseconds;

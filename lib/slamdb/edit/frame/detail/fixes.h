@@ -33,7 +33,12 @@ std::optional<double> DegreesOfMinutes(std::string_view number, char hemisphere)
 // Whether a text is of sentences of NMEA 0183, one a line.
 bool IsNmea(std::string_view text);
 
-// Throws Error when no sentence tells the day, or none has an altitude.
+// Damaged sentences are left out, and told. Throws Error when most are, no sentence tells the day, or none has an
+// altitude.
 std::vector<GpsFix> ParseNmea(std::string_view text, Notices& notices);
+
+// Whether a text is of positions that RTKLIB wrote, which are a table but for the name of their times.
+bool IsRtklib(std::string_view text);
+std::vector<GpsFix> ParseRtklib(std::string_view text, const FixReadOptions& options, Notices& notices);
 
 }  // namespace slamdb::detail

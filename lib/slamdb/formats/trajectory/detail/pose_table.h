@@ -8,7 +8,7 @@ namespace slamdb::detail {
 
 // The columns of trajectories, in the order that they have without names.
 struct PoseColumns {
-  std::size_t time = 0, position = 1, qx = 4, qy = 5, qz = 6, qw = 7, nanoseconds = 8, is_lost = 9;
+  std::size_t time = 0, position = 1, qx = 4, qy = 5, qz = 6, qw = 7, is_lost = 8;
 };
 PoseColumns ColumnsOf(PoseLayout layout);
 const TableKind& PoseTable(PoseLayout layout);
