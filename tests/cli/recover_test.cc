@@ -24,6 +24,11 @@ class RecoverVerb : public ::testing::Test {
     return In("cut.osa");
   }
 
+  // False: there is no sqlite3 to do it.
+  static bool EditInSql(const std::string& store, const std::string& sql) {
+    return RunProgram({"sqlite3", store, sql}).exit_code != 127;
+  }
+
   TemporaryFolder folder_;
 };
 
@@ -111,6 +116,45 @@ TEST_F(RecoverVerb, ReadsWhatADamagedStoreStillHolds) {
   const json report = json::parse(result.out);
   EXPECT_GT(report.at("keyframes").at("recovered"), 8);
   EXPECT_EQ(RunSlamdb({"check", In("saved.osa")}).exit_code, 0);
+}
+
+// What a store holds for which no single row has a hash.
+TEST_F(RecoverVerb, SaysWhenCamerasOfAStoreWereEdited) {
+  ASSERT_EQ(RunSlamdb({"convert", kSmall, In("lab.db#a")}).exit_code, 0);
+  if (!EditInSql(In("lab.db"), "UPDATE camera SET parameters = '[500,500,320,240]'")) GTEST_SKIP() << "no sqlite3";
+  const ProcessResult found = RunSlamdb({"recover", In("lab.db#a"), In("saved.osa")});
+  EXPECT_EQ(found.exit_code, 3) << found.out;
+  EXPECT_THAT(found.out, HasSubstr("table camera"));
+  const ProcessResult accepted = RunSlamdb({"recover", In("lab.db#a"), In("accepted.osa"), "--accept-edits"});
+  EXPECT_EQ(accepted.exit_code, 0) << accepted.out;
+  EXPECT_THAT(accepted.out,
+              HasSubstr("accepted as they are, edited outside slamdb\n  the row of table atlas, or some"));
+  EXPECT_THAT(RunSlamdb({"check", In("lab.db#a")}).err, HasSubstr("--accept-edits"));
+}
+
+TEST_F(RecoverVerb, CountsLostLinksOfAStoreAnew) {
+  ASSERT_EQ(RunSlamdb({"convert", kSmall, In("lab.db#a")}).exit_code, 0);
+  if (!EditInSql(In("lab.db"), "DELETE FROM keyframe_link WHERE kind = 'covisible'")) GTEST_SKIP() << "no sqlite3";
+  const ProcessResult result = RunSlamdb({"recover", In("lab.db#a"), In("saved.osa"), "--json"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report.at("keyframes").at("recovered"), report.at("keyframes").at("listed"));
+  const ProcessResult check = RunSlamdb({"check", In("saved.osa"), "--json"});
+  EXPECT_EQ(check.exit_code, 0);
+  EXPECT_THAT(check.out, ::testing::Not(HasSubstr("connection-weight")));
+  EXPECT_THAT(RunSlamdb({"recover", In("lab.db#a"), In("again.osa")}).out,
+              HasSubstr("the links of 14 keyframes lost: covisibility counted anew from shared points"));
+}
+
+// Who deletes a point wants it gone.
+TEST_F(RecoverVerb, MakesNothingAnewWhereEditsAreAccepted) {
+  ASSERT_EQ(RunSlamdb({"convert", kSmall, In("lab.db#a")}).exit_code, 0);
+  if (!EditInSql(In("lab.db"), "DELETE FROM map_point WHERE row = (SELECT max(row) - 5 FROM map_point)"))
+    GTEST_SKIP() << "no sqlite3";
+  EXPECT_THAT(RunSlamdb({"recover", In("lab.db#a"), In("anew.osa")}).out, HasSubstr("triangulated anew"));
+  const ProcessResult accepted = RunSlamdb({"recover", In("lab.db#a"), In("saved.osa"), "--accept-edits"});
+  EXPECT_THAT(accepted.out, HasSubstr("1 point deleted"));
+  EXPECT_THAT(accepted.out, ::testing::Not(HasSubstr("triangulated")));
 }
 
 }  // namespace

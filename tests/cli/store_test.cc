@@ -174,6 +174,39 @@ TEST(StoreErrors, FileThatIsNoStore) {
   }
 }
 
+// As every other verb says it.
+TEST(StoreErrors, FilesThatAreKnownAreNamed) {
+  const TemporaryFolder folder;
+  const std::string pointer = folder / "lfs.db", page = folder / "page.db", packed = folder / "packed.db";
+  WriteWholeFile(pointer,
+                 "version https://git-lfs.github.com/spec/v1\noid sha256:" + std::string(64, '0') + "\nsize 1000\n");
+  WriteWholeFile(page, "<!DOCTYPE html>\n<html><body>Sign in</body></html>\n");
+  WriteWholeFile(packed, std::string("PK\x03\x04\x14\0\0\0", 8) + std::string(600, 'x'));
+  const std::pair<std::string, const char*> files[] = {
+      {pointer, "Git LFS"}, {page, "web page"}, {packed, "zip"}, {kTiny, "an atlas of ORB-SLAM3"}};
+  for (const auto& [file, what] : files)
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"list", file},
+                                                    {"log", file},
+                                                    {"stats", file},
+                                                    {"vacuum", file},
+                                                    {"migrate", file},
+                                                    {"remove", file + "#a"},
+                                                    {"backup", file, folder / "copy.db"}}) {
+      SCOPED_TRACE(command[0] + " " + file);
+      const ProcessResult result = RunSlamdb(command);
+      EXPECT_EQ(result.exit_code, 1);
+      EXPECT_THAT(result.err, AllOf(HasSubstr("not a store: this is"), HasSubstr(what)));
+    }
+}
+
+TEST_F(StoreVerbs, NamesThatNoneCanHaveSayWhy) {
+  for (const std::string name : {"a/b", "a#b"}) {
+    const ProcessResult refused = RunSlamdb({"convert", kTiny, At(name)});
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.err, HasSubstr("the name of an atlas holds no `#` and no `/`"));
+  }
+}
+
 TEST(StoreErrors, BadWaitIsAUsageError) { EXPECT_EQ(RunSlamdb({"list", "x.db", "--wait", "-3"}).exit_code, 2); }
 
 }  // namespace

@@ -156,12 +156,23 @@ const Format* FindReadable(const Source& source) {
   return format != nullptr && CanRead(*format) ? format : nullptr;
 }
 
+// `maps.db#a/b` and `maps.db#a#b` look like the name of an atlas that none can have.
+void RefuseImpossibleName(const std::string& path) {
+  const std::size_t hash = path.find('#');
+  if (hash == std::string::npos) return;
+  const Format* format = FormatBySuffix(path.substr(0, hash), CanWrite);
+  if (format == nullptr || !format->named) return;
+  throw Error(ErrorKind::kUsage, path, "",
+              Concat("names no atlas of ", path.substr(0, hash), ": the name of an atlas holds no `#` and no `/`"));
+}
+
 const Format& FormatOfSuffix(const Target& target) {
   if (!target.is_file())
     throw Error(ErrorKind::kUsage, target.path, "",
                 Concat(target.sink ? "" : "standard output ",
                        "has no suffix to tell the format by; WriteOptions::format names it (", Ids(CanWrite), ")"));
   if (const Format* format = FormatBySuffix(target.path, CanWrite)) return *format;
+  RefuseImpossibleName(target.path);
   throw Error(ErrorKind::kUsage, target.path, "",
               Concat(target.name.empty() ? "" : "`#" + target.name + "` names an atlas of a store of this name, but ",
                      "its suffix tells no format; use one of ", SuffixesToWrite(),

@@ -17,6 +17,7 @@ struct SalvagedList {
 struct SalvagedMap {
   MapId id;
   SalvagedList keyframes, points, landmarks;
+  std::vector<KeyFrameId> lost_links;  // of a store: who has lost connections, children, loop and merge edges
   bool lost_head = false;  // of an ORB-SLAM3 file: its id and its initial keyframe are taken from its keyframes
 };
 
@@ -26,8 +27,8 @@ struct SalvagedMap {
 struct Salvage {
   Atlas atlas;
   std::vector<std::string> damage;  // where reading failed, and how, the first of it; empty: the file is whole
-  // Of a store: what differs from its hash, and was taken as it stands there, since StoreReadOptions::accept_edits said
-  // so.
+  // Of a store: what differs from its hash or was deleted, and was taken as it stands there, since
+  // StoreReadOptions::accept_edits said so.
   std::vector<std::string> accepted;
   std::vector<SalvagedMap> maps;  // by row of Atlas::maps
   std::uint64_t maps_listed = 0;

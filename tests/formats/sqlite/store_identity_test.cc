@@ -44,9 +44,14 @@ TEST_F(StoreIdentity, SomethingElseThanSqlite) {
       << "22 serialization::archive 12 and so on, long enough to be a page of a database or more than that, "
          "to be certain that it is not taken for an empty file, which SQLite would accept";
   const std::string before = FileBytes(path_);
-  EXPECT_THAT(OpenError(), HasSubstr("not a SQLite database"));
-  EXPECT_THAT(WriteError(), HasSubstr("not a SQLite database"));
+  EXPECT_THAT(OpenError(), HasSubstr("not a store: this is an atlas of ORB-SLAM3"));
+  EXPECT_THAT(WriteError(), HasSubstr("not a store: this is an atlas of ORB-SLAM3"));
   EXPECT_EQ(FileBytes(path_), before);
+}
+
+TEST_F(StoreIdentity, WhatNobodyKnowsIsNoDatabase) {
+  std::ofstream(path_) << std::string(5000, 'x');
+  EXPECT_THAT(OpenError(), HasSubstr("not a SQLite database"));
 }
 
 TEST_F(StoreIdentity, EmptyFileIsNoStoreButMayBecomeOne) {

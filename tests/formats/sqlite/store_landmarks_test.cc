@@ -83,7 +83,7 @@ TEST_F(StoreLandmarks, AreSalvagedAroundDamage) {
   Sql(path_, "UPDATE landmark SET seen_count = 7 WHERE id = 9");
   Sql(path_, "DELETE FROM landmark WHERE id = 30");
   const Salvage salvage = detail::SalvageStore(path_, "a", {});
-  EXPECT_THAT(salvage.damage, SizeIs(2));
+  EXPECT_THAT(salvage.damage, SizeIs(3));
   EXPECT_EQ(salvage.maps[1].landmarks.listed, 50U);
   EXPECT_EQ(salvage.maps[1].landmarks.read, 48U);
   std::erase_if(atlas_.maps[1].landmarks,

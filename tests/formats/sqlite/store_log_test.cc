@@ -98,6 +98,16 @@ TEST_F(StoreLog, IsReadInAFolderThatCannotBeWritten) {
   EXPECT_THAT(folder_.Names(), ElementsAre("s.db", "s.db-wal"));
 }
 
+// SQLite would make an index of the log, and leave it.
+TEST_F(StoreLog, ReadingLeavesNoIndexOfALogThatHadNone) {
+  std::filesystem::remove(path_ + "-shm");
+  const std::string log = FileBytes(path_ + "-wal");
+  ExpectWhole(path_);
+  EXPECT_EQ(Store::Open(path_).Names(), std::vector<std::string>{"lab"});
+  EXPECT_THAT(folder_.Names(), ElementsAre("s.db", "s.db-wal"));
+  EXPECT_TRUE(FileBytes(path_ + "-wal") == log);
+}
+
 // SQLite would lay an index beside the store with the rights of the store, which then keeps writers out.
 TEST_F(StoreLog, ReadingLeavesNothingBesideAFileThatCannotBeWritten) {
   Store::OpenForWriting(path_, {.sync = false}).Remove("lab");

@@ -93,7 +93,7 @@ TEST_F(StoreSalvage, LeavesOutTheRowThatDiffers) {
   Sql(path_, "UPDATE map_point SET x = x + 1 WHERE row = 4294967299");
   Sql(path_, "DELETE FROM keyframe_features WHERE keyframe = 4294967298");
   const Salvage salvage = Salvaged();
-  EXPECT_THAT(salvage.damage, SizeIs(2));
+  EXPECT_THAT(salvage.damage, SizeIs(3));  // and that the atlas' own row cannot be held against its hash
   EXPECT_THAT(salvage.damage[0], HasSubstr("table keyframe_features, row 4294967298"));
   EXPECT_EQ(salvage.maps[0].points.read + 1, atlas_.maps[0].points.size());
   EXPECT_EQ(salvage.maps[0].keyframes.read + 1, atlas_.maps[0].keyframes.size());
@@ -180,6 +180,48 @@ TEST_F(StoreSalvage, ReadsATableWhoseSchemaIsLeft) {
       EXPECT_EQ(salvage.atlas.maps[i].points.size(), atlas_.maps[i].points.size());
     }
   }
+}
+
+// Rows without a hash of their own are held against that of the atlas.
+TEST_F(StoreSalvage, MissesChangesOfRowsWithoutAHash) {
+  const std::string good = FileBytes(path_);
+  for (const char* change : {"UPDATE camera SET parameters = '[500,500,320,240]'", "UPDATE camera SET precision = 7",
+                             "DELETE FROM camera", "UPDATE atlas SET vocabulary_name = 'foo', next_map = 77",
+                             "INSERT INTO repeated_entry VALUES (1, 'cameras', 0, 0, 1, 0, 0)"}) {
+    SCOPED_TRACE(change);
+    std::ofstream(path_, std::ios::binary) << good;
+    Sql(path_, change);
+    const Salvage salvage = Salvaged();
+    ASSERT_THAT(salvage.damage, SizeIs(1));
+    EXPECT_THAT(salvage.damage[0], HasSubstr("table atlas, row 1: this row (vocabulary, next ids, encoding), or one of "
+                                             "table camera or repeated_entry, was changed"));
+    EXPECT_THAT(ErrorOf([&] { LoadFrom(path_); }),
+                HasSubstr("edited outside slamdb, or damaged: the row of table atlas, or some of table camera or "
+                          "repeated_entry, which have one hash"));
+    Sql(path_, "DELETE FROM map_point WHERE row = (SELECT max(row) FROM map_point)");
+    EXPECT_THAT(Salvaged().damage, Contains(HasSubstr("are as they were saved cannot be told")));
+  }
+}
+
+// Links can be counted anew, so that only they are lost.
+TEST_F(StoreSalvage, DamagedLinksCostTheLinksAlone) {
+  Sql(path_, "DELETE FROM keyframe_link WHERE kind = 'covisible' AND keyframe < 4294967300");
+  const Salvage salvage = Salvaged();
+  ASSERT_EQ(salvage.atlas.maps.size(), atlas_.maps.size());
+  ASSERT_EQ(salvage.atlas.maps[0].keyframes.size(), atlas_.maps[0].keyframes.size());
+  const std::vector<KeyFrameId>& lost = salvage.maps[0].lost_links;
+  EXPECT_FALSE(lost.empty());
+  EXPECT_LT(lost.size(), atlas_.maps[0].keyframes.size());
+  EXPECT_THAT(salvage.damage, SizeIs(lost.size()));
+  EXPECT_THAT(salvage.damage[0], HasSubstr("table keyframe_link, row "));
+  for (KeyFrame& keyframe : atlas_.maps[0].keyframes) {
+    if (std::ranges::find(lost, keyframe.id) == lost.end()) continue;
+    keyframe.connections.clear();
+    keyframe.children.clear();
+    keyframe.loop_edges.clear();
+    keyframe.merge_edges.clear();
+  }
+  EXPECT_EQ(FirstDifference(salvage.atlas, atlas_), "");
 }
 
 TEST_F(StoreSalvage, NeedsTheAtlas) {

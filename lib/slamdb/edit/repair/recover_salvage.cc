@@ -4,7 +4,9 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/merge/detail/covisibility.h"
 #include "slamdb/edit/repair/recover.h"
+#include "slamdb/model/index.h"
 
 namespace slamdb {
 namespace {
@@ -28,6 +30,19 @@ void CountLists(const Salvage& salvage, SalvageReport& report) {
   report.points.read -= report.recovery.triangulated_points.size();
 }
 
+// Children the repairs find again by their parents.
+void CountLinksAnew(Salvage& salvage) {
+  for (std::size_t i = 0; i < salvage.maps.size(); ++i) {
+    if (salvage.maps[i].lost_links.empty()) continue;
+    Map& map = salvage.atlas.maps[i];
+    const IdTable keyframes = KeyFrameTable(map);
+    std::vector<std::uint32_t> rows;
+    for (const KeyFrameId id : salvage.maps[i].lost_links)
+      if (const std::uint32_t row = keyframes.Find(id.value()); row != kNoRow) rows.push_back(row);
+    detail::UpdateCovisibility(map, rows);
+  }
+}
+
 void TellLists(const Salvage& salvage, SalvageReport& report) {
   const auto lose = [&](const SalvagedList& list, std::string_view one) {
     if (list.read < list.listed) report.losses.push_back(Counted(list.listed - list.read, one) + " lost");
@@ -39,6 +54,12 @@ void TellLists(const Salvage& salvage, SalvageReport& report) {
   for (const SalvagedMap& map : salvage.maps)
     if (map.points.listed == 0 && map.keyframes.read < map.keyframes.listed)
       report.losses.push_back(Concat(map.id, ": all points lost, whose number stands behind the keyframes"));
+  std::size_t without_links = 0;
+  for (const SalvagedMap& map : salvage.maps) without_links += map.lost_links.size();
+  if (without_links > 0)
+    report.losses.push_back(Concat("the links of ", Counted(without_links, "keyframe"),
+                                   " lost: covisibility counted anew from shared points, children found by their "
+                                   "parents; their loop and merge edges are known from the other side alone"));
   if (const std::size_t made = report.recovery.triangulated_points.size(); made > 0)
     report.losses.push_back(Counted(made, "point") +
                             " of those lost triangulated anew from what keyframes saw of them");
@@ -111,7 +132,8 @@ SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
   report.undone = salvage.undone;
   report.untouched = report.whole() && IsSound(salvage.atlas, options);
   RecoverOptions recover = options;
-  recover.triangulate = options.triangulate && !report.whole();
+  recover.triangulate = options.triangulate && !report.whole() && report.accepted.empty();
+  CountLinksAnew(salvage);
   if (!report.untouched) report.recovery = RecoverAtlas(salvage.atlas, recover);
   if (salvage.atlas.maps.empty() && !report.untouched)
     throw Error(ErrorKind::kDamaged, Concat("holds no keyframe and no landmark that could be read whole",

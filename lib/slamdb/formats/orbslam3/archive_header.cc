@@ -60,6 +60,9 @@ ArchiveHeader ReadText(const detail::FileStream& file, std::string_view text) {
     throw Error(ErrorKind::kDamaged, file.path(), "archive header",
                 "the library version is missing: the file is truncated or damaged");
   header.bytes = static_cast<std::size_t>(end - text.data());
+  if (text.substr(0, header.bytes) != WriteArchiveHeader(header.encoding))
+    throw Error(ErrorKind::kDamaged, file.path(), "archive header",
+                "a library version with a zero in front: the file is damaged");
   return header;
 }
 

@@ -22,6 +22,12 @@ void Cursor::Fail(const std::string& problem, ErrorKind kind) const {
   throw Error(kind, stream_->path(), place.ToString(offset()), problem);
 }
 
+void Cursor::Refuse(const std::string& problem) const {
+  constexpr std::size_t kMostNotes = 100;
+  if (!tolerates_) Fail(problem);
+  if (notes_ != nullptr && notes_->size() < kMostNotes) notes_->push_back(place.ToString(offset()) + ": " + problem);
+}
+
 // How much of the list that the cursor is in was read before it.
 std::string Cursor::WholeSoFar() const {
   if (place.entity == nullptr) return {};
@@ -58,8 +64,10 @@ std::string BinaryInput::TakeString() {
 std::string TextInput::TakeString() {
   const std::uint64_t size = Take<std::uint64_t>();
   if (remaining() == 0 || size > remaining() - 1) FailCount(size);
-  Need(size + 1);
+  Need(std::min<std::uint64_t>(size + 2, remaining()));
   std::string text(next_ + 1, size);
+  if (!IsSpace(*next_) || (size + 1 < remaining() && !IsSpace(next_[size + 1])))
+    Fail("a string of " + std::to_string(size) + " characters does not end where its length says: the file is damaged");
   next_ += 1 + size;
   return text;
 }
@@ -72,21 +80,24 @@ bool TextInput::AtEnd() {
 void TextInput::FailToken() const {
   const char* const end = std::find_if(next_, end_, IsSpace);
   if (end == end_) FailTruncated();
-  Fail("expected a number, found '" + std::string(next_, std::min(end, next_ + 24)) +
-       "': the file is damaged, or not written by ORB-SLAM3 v1.0");
+  const bool is_number = std::all_of(next_, end, [](char c) { return c == '-' || (c >= '0' && c <= '9'); });
+  Fail(std::string(is_number ? "found the number '" : "expected a number, found '") +
+       std::string(next_, std::min(end, next_ + 24)) + (is_number ? "', which cannot stand here" : "'") +
+       ": the file is damaged, or not written by ORB-SLAM3 v1.0");
 }
 
 // Counts the ends of tokens in blocks that the compiler turns into vector code, and walks where a block holds the last
-// token or what can be looked at ends.
+// token or what can be looked at ends. Which spaces stand there is looked at by who decodes the tokens.
 void TextInput::SkipTokens(std::size_t count) {
   constexpr std::ptrdiff_t kBlock = 64;
+  const auto is_space = [](char c) { return static_cast<unsigned char>(c) <= ' '; };
   while (count > 0) {
     SkipSpace();
     std::size_t walk = 1;
     while (end_ - next_ > kBlock) {
       std::uint8_t ends = 0;
       for (std::ptrdiff_t i = 0; i < kBlock; ++i)
-        ends = static_cast<std::uint8_t>(ends + (!IsSpace(next_[i]) && IsSpace(next_[i + 1])));
+        ends = static_cast<std::uint8_t>(ends + (!is_space(next_[i]) && is_space(next_[i + 1])));
       if (ends >= count) {
         walk = count;
         break;
@@ -96,7 +107,7 @@ void TextInput::SkipTokens(std::size_t count) {
     }
     for (; walk > 0; --walk, --count) {
       SkipSpace();
-      while (next_ != end_ && !IsSpace(*next_)) ++next_;
+      while (next_ != end_ && !is_space(*next_)) ++next_;
       if (next_ == end_) FailTruncated();
     }
   }
@@ -111,10 +122,10 @@ T TextInput::TakeFloat(const char* token) {
     long double wide = 0;                         // strtod would follow the locale
     std::from_chars(token, parsed, wide);
     value = static_cast<T>(wide);
-    Finish(parsed, true);
+    Finish(parsed, !HasZeroInFront(token, parsed));
     return value;
   }
-  Finish(parsed, error == std::errc());
+  Finish(parsed, error == std::errc() && !HasZeroInFront(token, parsed));
   return value;
 }
 

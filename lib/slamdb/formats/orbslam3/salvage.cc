@@ -145,6 +145,7 @@ class Salvager {
         most_objects_(static_cast<std::uint32_t>(file.size() / kLeastObjectBytes)),
         at_(Input(&file, header.encoding), ClassTable(header.encoding), FeatureColumns::kAll) {
     salvage_.atlas.encoding = header.encoding;
+    at_.input.Tolerate(&salvage_.damage);
     at_.input.Seek(header.bytes);
   }
 
@@ -177,6 +178,12 @@ class Salvager {
 
   void Note(const Error& error) {
     salvage_.damage.push_back((error.place().empty() ? "" : error.place() + ": ") + error.problem());
+  }
+  // The cursor, for a look that notes nothing.
+  Input Silent() const {
+    Input input = at_.input;
+    input.Tolerate(nullptr);
+    return input;
   }
   bool AtEndOfFile() const { return at_.input.remaining() < kTruncationBytes; }
 
@@ -342,6 +349,7 @@ class Salvager {
     if (!BeginList<Entity>(lost_head, read, position)) return false;
     while (position < read.listed) {
       const ClassTable classes = at_.classes;
+      const std::size_t noted = salvage_.damage.size();
       at_.input.place = {.map = at_.input.place.map, .entity = Kind::kName, .ordinal = position, .of = read.listed};
       begin = at_.input.offset();
       try {
@@ -364,6 +372,7 @@ class Salvager {
         doubtful = true;
         ++position;
       } catch (const Error& error) {
+        salvage_.damage.resize(noted);  // what was tolerated of an object that is none, or lost
         if (lost_head && EndsAt<Entity>(begin, classes)) {
           read.listed = position;
           break;
@@ -506,13 +515,13 @@ class Salvager {
   bool IsWhole(const Sighting& found, const ClassTable& classes, std::uint32_t behind) const {
     using Kind = ListKind<Entity>;
     try {
-      Skipper<Input> skipper(at_.input, classes);
+      Skipper<Input> skipper(Silent(), classes);
       skipper.input.Seek(found.offset);
       Entity entity;
       PassPointer(skipper, Kind::kEntity);
       Kind::Layout(skipper, entity);
       if (found.object + 1 == behind || NextStands(skipper, Kind::kEntity, found.object + 1)) return true;
-      Decoder<Input> decoder(at_.input, classes, FeatureColumns::kAll);
+      Decoder<Input> decoder(Silent(), classes, FeatureColumns::kAll);
       decoder.input.Seek(found.offset);
       PassPointer(decoder, Kind::kEntity);
       Kind::Layout(decoder, entity);
@@ -527,7 +536,7 @@ class Salvager {
   static std::uint32_t PassPointer(Archive& archive, WireClass wire_class) {
     if (archive.input.template Take<std::int16_t>() != archive.classes.Register(wire_class))
       archive.input.Fail("another class");
-    archive.ClassInfo(wire_class);
+    archive.TakeClassInfo(wire_class, /*tracking=*/1);
     return archive.input.template Take<std::uint32_t>();
   }
   static bool NextStands(Skipper<Input>& skipper, WireClass wire_class, std::uint32_t object) {
@@ -560,7 +569,7 @@ class Salvager {
   bool IsHeadOfMap(const Sighting& found, const ClassTable& classes) const {
     constexpr std::uint64_t kLargestId = std::numeric_limits<std::int32_t>::max();
     try {
-      Decoder<Input> decoder(at_.input, classes, FeatureColumns::kNone);
+      Decoder<Input> decoder(Silent(), classes, FeatureColumns::kNone);
       decoder.input.Seek(found.offset);
       PassPointer(decoder, WireClass::kMap);
       Map map;
@@ -620,7 +629,7 @@ class Salvager {
   template <class Pass>
   std::optional<Error> WhyNot(const Pass& pass) const {
     try {
-      Skipper<Input> skipper(at_.input, at_.classes);
+      Skipper<Input> skipper(Silent(), at_.classes);
       pass(skipper);
       return std::nullopt;
     } catch (const Error& error) {
@@ -653,7 +662,7 @@ class Salvager {
   // Whether a count stands there that the rest of the file can hold, up to the first object.
   bool IsHeadOfList(WireClass list_class, std::size_t begin, std::size_t first, const ClassTable& classes) const {
     try {
-      Skipper<Input> skipper(at_.input, classes);
+      Skipper<Input> skipper(Silent(), classes);
       skipper.input.Seek(begin);
       const std::uint64_t count = skipper.ClassCount(list_class, Input::kText ? 2 : kLeastListedBytes, 4);
       return count > 0 && skipper.input.offset() + (Input::kText ? 1 : 0) >= first;
@@ -733,7 +742,7 @@ class Salvager {
 
   bool IsCamera(const Sighting& found, WireClass wire_class, const ClassTable& classes) const {
     try {
-      Decoder<Input> decoder(at_.input, classes, FeatureColumns::kNone);
+      Decoder<Input> decoder(Silent(), classes, FeatureColumns::kNone);
       decoder.input.Seek(found.offset);
       PassPointer(decoder, wire_class);
       Camera camera = CameraOf(wire_class);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "slamdb/base/detail/errno_kind.h"
+#include "slamdb/base/detail/recognize.h"
 #include "slamdb/formats/sqlite/detail/image.h"
 
 namespace slamdb::sqlite {
@@ -102,6 +103,15 @@ std::string BesideTheFile(const std::string& log_path, const char* suffix) {
   return log_path.substr(0, log_path.size() - 4) + suffix;
 }
 
+// Whether a log lies there without its index, as a copy or a program that was killed leaves it. Looked at twice, since
+// who closes a store removes the index first, and then the log.
+bool LacksIndex(const std::string& log) {
+  const auto lacks = [&] { return HasContent(log) && !Exists(BesideTheFile(log, "-shm")); };
+  if (!lacks()) return false;
+  std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return lacks();
+}
+
 // What no store of ours needs, and what a hostile one could use to take time or memory.
 void LimitWhatFilesCanDo(sqlite3* handle) {
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
@@ -124,9 +134,20 @@ void LimitWhatFilesCanDo(sqlite3* handle) {
   for (const auto& [limit, value] : kLimits) sqlite3_limit(handle, limit, value);
 }
 
+// What a file is that SQLite does not take for its own; nullopt when nothing is known, or that it was a store.
+std::optional<detail::Recognized> RecognizeOther(const std::string& path) {
+  auto recognized = detail::Recognize(Probe::Of(path));
+  if (recognized && recognized->id == "store") recognized.reset();
+  if (recognized && recognized->id == "archive") recognized->next = "save it into a store first";
+  return recognized;
+}
+
 }  // namespace
 
 Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::string& place, std::string_view what) {
+  if ((code & 0xff) == SQLITE_NOTADB)
+    if (const auto other = RecognizeOther(path))
+      return Error(other->kind, path, "", detail::SentenceOf(*other, "a store"));
   const int system_error = handle == nullptr ? 0 : sqlite3_system_errno(handle);
   return Error(KindOf(code, system_error), path, place, std::string(what) + Explain(code, sqlite3_errmsg(handle)));
 }
@@ -182,11 +203,13 @@ int Database::BeginReading() {
 
 // Opens for reading and writing where permitted, because only such a connection removes the (empty) log and index files
 // that SQLite lays beside a store while it is open; query_only keeps it from writing. A log that a killed writer left
-// is read and left alone. A store that cannot be written, or beside which nothing can be laid, is read as an image,
-// unless a writer has laid those files already, whose locks then count.
+// is read and left alone; where its index is not there, it is read as an image, since SQLite would leave a new one. So
+// is a store that cannot be written, or beside which nothing can be laid, unless a writer has laid those files already,
+// whose locks then count.
 void Database::OpenToRead() {
-  OpenHandle(SQLITE_OPEN_READWRITE);
   const std::string log = LogPathOf(path_);
+  if (LacksIndex(log)) return OpenImage(Access::kRead);
+  OpenHandle(SQLITE_OPEN_READWRITE);
   if (HasContent(log)) sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   const bool files_lie_beside = Exists(log) && Exists(BesideTheFile(log, "-shm"));
   const bool journal_lies_beside = HasContent(BesideTheFile(log, "-journal"));

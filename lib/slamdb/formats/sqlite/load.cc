@@ -48,22 +48,6 @@ std::vector<float> ParseParameters(Database& database, std::string_view json) {
   return parameters;
 }
 
-std::vector<RepeatedEntry> LoadRepeated(Database& database, std::int64_t atlas, const char* list, std::int64_t map) {
-  Statement statement(
-      database,
-      "SELECT position, owner_map, entry FROM repeated_entry WHERE atlas = ?1 AND list = ?2 AND map = ?3 "
-      "ORDER BY sequence",
-      "table repeated_entry");
-  statement.Bind(1, atlas).BindText(2, list).Bind(3, map);
-  std::vector<RepeatedEntry> entries;
-  while (statement.Step()) {
-    const auto owner = statement.IsNull(1) ? RepeatedEntry::kNull : static_cast<std::uint32_t>(statement.Integer(1));
-    entries.push_back(
-        {static_cast<std::uint64_t>(statement.Integer(0)), owner, static_cast<std::uint64_t>(statement.Integer(2))});
-  }
-  return entries;
-}
-
 void LoadOrigins(Database& database, std::int64_t row, Map& map) {
   Statement statement(database, "SELECT keyframe FROM map_origin WHERE map = ?1 ORDER BY position", "table map_origin");
   statement.Bind(1, row);
@@ -114,7 +98,7 @@ void LoadSlice(Database& database, const Slice& slice, const MapRows& rows, bool
     LoadPoints(database, Part(rows.points, slice), Part(map.points, slice), Part(hashes.points, slice),
                Part(hashes.observations, slice));
   } else {
-    LoadKeyframes(database, Part(rows.keyframes, slice), with_features, Part(map.keyframes, slice),
+    LoadKeyframes(database, Part(rows.keyframes, slice), {.features = with_features}, Part(map.keyframes, slice),
                   Part(hashes.keyframes, slice), Part(hashes.links, slice), Part(hashes.features, slice));
   }
 }
@@ -200,6 +184,22 @@ void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
       camera.parameters.assign(values.begin() + 1, values.end());
     }
   }
+}
+
+std::vector<RepeatedEntry> LoadRepeated(Database& database, std::int64_t atlas, const char* list, std::int64_t map) {
+  Statement statement(
+      database,
+      "SELECT position, owner_map, entry FROM repeated_entry WHERE atlas = ?1 AND list = ?2 AND map = ?3 "
+      "ORDER BY sequence",
+      "table repeated_entry");
+  statement.Bind(1, atlas).BindText(2, list).Bind(3, map);
+  std::vector<RepeatedEntry> entries;
+  while (statement.Step()) {
+    const auto owner = statement.IsNull(1) ? RepeatedEntry::kNull : static_cast<std::uint32_t>(statement.Integer(1));
+    entries.push_back(
+        {static_cast<std::uint64_t>(statement.Integer(0)), owner, static_cast<std::uint64_t>(statement.Integer(2))});
+  }
+  return entries;
 }
 
 std::vector<std::int64_t> RowsOfMaps(Database& database, std::int64_t atlas) {

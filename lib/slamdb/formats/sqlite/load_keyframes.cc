@@ -131,15 +131,15 @@ void ReadFeatures(Database& database, std::span<const std::int64_t> rows, std::s
 
 }  // namespace
 
-void LoadKeyframes(Database& database, std::span<const std::int64_t> rows, bool with_features,
+void LoadKeyframes(Database& database, std::span<const std::int64_t> rows, KeyframeParts parts,
                    std::span<KeyFrame> keyframes, std::span<std::int64_t> hashes, std::span<std::int64_t> links_hashes,
                    std::span<std::int64_t> features_hashes) {
   ForEachRun(rows, [&](std::size_t first, std::size_t count) {
     const auto run = rows.subspan(first, count);
     const auto frames = keyframes.subspan(first, count);
     ReadRows(database, run, frames, hashes.subspan(first, count), links_hashes.subspan(first, count));
-    ReadLinks(database, run, frames, links_hashes.subspan(first, count));
-    if (with_features) ReadFeatures(database, run, frames, features_hashes.subspan(first, count));
+    if (parts.links) ReadLinks(database, run, frames, links_hashes.subspan(first, count));
+    if (parts.features) ReadFeatures(database, run, frames, features_hashes.subspan(first, count));
   });
 }
 

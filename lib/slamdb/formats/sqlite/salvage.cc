@@ -22,6 +22,19 @@ namespace {
 constexpr std::size_t kKeyframesPerRead = 16, kPointsPerRead = 1024, kLandmarksPerRead = 256;
 constexpr std::size_t kMostNotes = 100;  // a lost page of points is hundreds of rows
 
+// `map_point 17`, `the links of keyframe 3`.
+std::string ToString(const EditedRow& row) {
+  constexpr std::pair<std::string_view, std::string_view> kParts[] = {
+      {"keyframe_link", "the links of keyframe"},
+      {"keyframe_features", "the features of keyframe"},
+      {"observation", "the observations of map_point"},
+  };
+  std::string_view what = row.table;
+  for (const auto& [table, part] : kParts)
+    if (row.table == table) what = part;
+  return detail::Concat(what, " ", row.id);
+}
+
 class StoreSalvager {
  public:
   StoreSalvager(Database& database, std::int64_t atlas) : database_(database), atlas_(atlas) {}
@@ -30,6 +43,10 @@ class StoreSalvager {
     Atlas& atlas = salvage_.atlas;
     Try([&] { LoadHeader(database_, atlas_, atlas); });
     Try([&] { LoadCameras(database_, atlas_, atlas); });
+    Try([&] {
+      atlas.repeated_maps = LoadRepeated(database_, atlas_, "maps", 0);
+      atlas.repeated_cameras = LoadRepeated(database_, atlas_, "cameras", 0);
+    });
     std::vector<std::int64_t> maps;
     Try([&] { maps = RowsOfMaps(database_, atlas_); });
     salvage_.maps_listed = maps.size();
@@ -39,7 +56,10 @@ class StoreSalvager {
       else
         ReadMap(row);
     }
-    CompareCounts();
+    const bool all_there = CompareCounts();
+    CompareHash(maps, all_there);
+    if (database_.edits() != nullptr)
+      for (const EditedRow& edit : *database_.edits()) salvage_.accepted.push_back(ToString(edit));
     return std::move(salvage_);
   }
 
@@ -64,19 +84,39 @@ class StoreSalvager {
     SalvagedMap read;
     if (!Try([&] { map = LoadMapHeader(database_, atlas_, row); })) map.id = MapId(salvage_.atlas.maps.size());
     read.id = map.id;
-    ReadList(row, "keyframe", kKeyframesPerRead, map.keyframes, read.keyframes, [&](auto rows, auto entities) {
-      std::vector<std::int64_t> hashes(rows.size()), links(rows.size()), features(rows.size());
-      LoadKeyframes(database_, rows, true, entities, hashes, links, features);
-    });
-    ReadList(row, "map_point", kPointsPerRead, map.points, read.points, [&](auto rows, auto entities) {
-      std::vector<std::int64_t> hashes(rows.size()), observations(rows.size());
-      LoadPoints(database_, rows, entities, hashes, observations);
-    });
+    const auto cannot = [](std::int64_t, auto&) { return false; };
+    ReadList(
+        row, "keyframe", kKeyframesPerRead, map.keyframes, read.keyframes,
+        [&](auto rows, auto entities) { LoadKeyframeRows(rows, {}, entities); },
+        [&](std::int64_t keyframe, KeyFrame& entity) { return LoadWithoutLinks(keyframe, entity, read); });
+    ReadList(
+        row, "map_point", kPointsPerRead, map.points, read.points,
+        [&](auto rows, auto entities) {
+          std::vector<std::int64_t> hashes(rows.size()), observations(rows.size());
+          LoadPoints(database_, rows, entities, hashes, observations);
+        },
+        cannot);
     if (VersionOf(database_) >= kFirstVersionWithLandmarks)
-      ReadList(row, "landmark", kLandmarksPerRead, map.landmarks, read.landmarks,
-               [&](auto rows, auto entities) { LoadLandmarkRows(database_, rows, entities); });
+      ReadList(
+          row, "landmark", kLandmarksPerRead, map.landmarks, read.landmarks,
+          [&](auto rows, auto entities) { LoadLandmarkRows(database_, rows, entities); }, cannot);
     salvage_.atlas.maps.push_back(std::move(map));
-    salvage_.maps.push_back(read);
+    salvage_.maps.push_back(std::move(read));
+  }
+
+  void LoadKeyframeRows(std::span<const std::int64_t> rows, KeyframeParts parts, std::span<KeyFrame> keyframes) {
+    std::vector<std::int64_t> hashes(rows.size()), links(rows.size()), features(rows.size());
+    LoadKeyframes(database_, rows, parts, keyframes, hashes, links, features);
+  }
+  // Damaged links cost the links, which can be counted anew, and not the keyframe. Returns whether the rest is whole.
+  bool LoadWithoutLinks(std::int64_t row, KeyFrame& keyframe, SalvagedMap& read) {
+    try {
+      LoadKeyframeRows(std::span(&row, 1), {.links = false}, std::span(&keyframe, 1));
+    } catch (const Error&) {  // the first one says what is damaged
+      return false;
+    }
+    read.lost_links.push_back(keyframe.id);
+    return true;
   }
 
   // The rows that a list has. Where its pages are not all readable, every number that may be one of its rows: up to the
@@ -108,57 +148,120 @@ class StoreSalvager {
     return rows;
   }
 
-  // Last rows that somebody deleted are missed by nothing but the numbers that the store records.
-  void CompareCounts() {
-    const auto compare = [&](const std::string& table, std::uint64_t listed) {
+  // What was changed in a way that no single row tells: taken as it is where edits are accepted.
+  void NoteChange(Error error, std::string accepted) {
+    if (database_.edits() == nullptr)
+      Note(error);
+    else
+      salvage_.accepted.push_back(std::move(accepted));
+  }
+
+  // Rows that somebody deleted are missed by nothing but the numbers that the store records. Returns whether none are.
+  bool CompareCounts() {
+    bool all_there = true;
+    const auto compare = [&](const std::string& entity, std::uint64_t listed) {
       std::int64_t recorded = 0;
       Try([&] {
-        recorded = database_.Integer("SELECT " + table + " FROM atlas WHERE row = " + std::to_string(atlas_));
+        recorded = database_.Integer(detail::Concat("SELECT ", entity, "s FROM atlas WHERE row = ", atlas_));
       });
       if (recorded <= 0 || static_cast<std::uint64_t>(recorded) <= listed) return;
-      Note(Error(ErrorKind::kDamaged, "the store records " + std::to_string(recorded) + " " + table + " and lists " +
-                                          std::to_string(listed) + ": rows were deleted"));
+      all_there = false;
+      NoteChange(Error(ErrorKind::kDamaged, detail::Concat("the store records ", recorded, " ", entity, "s and lists ",
+                                                           listed, ": rows were deleted")),
+                 detail::Counted(static_cast<std::uint64_t>(recorded) - listed, entity) + " deleted");
     };
     std::uint64_t keyframes = 0, points = 0;
     for (const SalvagedMap& map : salvage_.maps) {
       keyframes += map.keyframes.listed;
       points += map.points.listed;
     }
-    compare("maps", salvage_.maps_listed);
-    compare("keyframes", keyframes);
-    compare("points", points);
+    compare("map", salvage_.maps_listed);
+    compare("keyframe", keyframes);
+    compare("point", points);
+    return all_there;
   }
 
-  template <class List, class Load>
+  // The atlas' own row, its cameras and its repeated entries have no hash but that of the atlas, which is of all hashes
+  // that rows record, too.
+  void CompareHash(const std::vector<std::int64_t>& maps, bool all_there) {
+    if (IsOfHash(maps)) return;
+    if (!salvage_.damage.empty() || !all_there) {
+      constexpr const char* kUnknown =
+          "whether the rows of table atlas, camera and repeated_entry are as they were saved cannot be told, since "
+          "other "
+          "rows are lost, with which they have one hash";
+      return NoteChange(Error(ErrorKind::kDamaged, kUnknown), kUnknown);
+    }
+    NoteChange(Error(ErrorKind::kDamaged, database_.path(), PlaceOf("atlas", atlas_),
+                     "this row (vocabulary, next ids, encoding), or one of table camera or repeated_entry, was changed "
+                     "outside slamdb, or is damaged; which of them cannot be told, since they have one hash"),
+               "the row of table atlas, or some of table camera or repeated_entry, which have one hash");
+  }
+  bool IsOfHash(const std::vector<std::int64_t>& maps) {
+    try {
+      return RecordedHashes(maps).Combined() ==
+             database_.Integer("SELECT hash FROM atlas WHERE row = " + std::to_string(atlas_));
+    } catch (const Error&) {
+      return false;
+    }
+  }
+  AtlasHashes RecordedHashes(const std::vector<std::int64_t>& maps) {
+    AtlasHashes hashes;
+    hashes.header = detail::HashOfAtlasHeader(salvage_.atlas, salvage_.atlas.encoding);
+    for (const Camera& camera : salvage_.atlas.cameras) hashes.cameras.push_back(detail::HashOf(camera));
+    for (const std::int64_t map : maps) {
+      AtlasHashes::OfMap& of = hashes.maps.emplace_back();
+      of.header = database_.Integer("SELECT hash FROM map WHERE row = " + std::to_string(map));
+      TakeHashes(map, "keyframe", "hash, links_hash", {&of.keyframes, &of.links});
+      TakeHashes(map, "map_point", "hash, observations_hash", {&of.points, &of.observations});
+      TakeHashes(map, "keyframe_features", "hash", {&of.features}, "keyframe");
+      if (VersionOf(database_) >= kFirstVersionWithLandmarks) TakeHashes(map, "landmark", "hash", {&of.landmarks});
+    }
+    return hashes;
+  }
+  void TakeHashes(std::int64_t map, const std::string& table, std::string_view columns,
+                  std::initializer_list<std::vector<std::int64_t>*> lists, std::string_view key = "row") {
+    Statement statement(database_,
+                        detail::Concat("SELECT ", columns, " FROM ", table, " WHERE ", key, " BETWEEN ",
+                                       FirstRowOfMap(map), " AND ", LastRowOfMap(map), " ORDER BY ", key),
+                        "table " + table);
+    while (statement.Step()) {
+      int column = 0;
+      for (std::vector<std::int64_t>* list : lists) list->push_back(statement.Integer(column++));
+    }
+  }
+
+  // `rescue` reads of a row that is damaged what can stand without the rest; false: nothing.
+  template <class List, class Load, class Rescue>
   void ReadList(std::int64_t map, const std::string& table, std::size_t grain, List& list, SalvagedList& read,
-                const Load& load) {
+                const Load& load, const Rescue& rescue) {
     const std::optional<std::vector<std::int64_t>> rows = RowsOf(map, table);
     if (rows) {
       for (std::size_t first = 0; first < rows->size(); first += grain)
-        ReadRows(std::span(*rows).subspan(first, std::min(grain, rows->size() - first)), list, load);
+        ReadRows(std::span(*rows).subspan(first, std::min(grain, rows->size() - first)), list, load, rescue);
       read.listed = rows->size();
     } else {
-      ReadUnknownRows(map, grain, list, load);
+      ReadUnknownRows(map, grain, list, load, rescue);
       read.listed = list.size() + 1;  // at least the last one is lost
     }
     read.read = list.size();
   }
 
   // Rows whose number is not known are read until a run of them gives nothing.
-  template <class List, class Load>
-  void ReadUnknownRows(std::int64_t map, std::size_t grain, List& list, const Load& load) {
+  template <class List, class Load, class Rescue>
+  void ReadUnknownRows(std::int64_t map, std::size_t grain, List& list, const Load& load, const Rescue& rescue) {
     std::vector<std::int64_t> rows(grain);
     std::iota(rows.begin(), rows.end(), FirstRowOfMap(map));
     for (std::size_t before = 0;; before = list.size()) {
-      ReadRows(std::span<const std::int64_t>(rows), list, load);
+      ReadRows(std::span<const std::int64_t>(rows), list, load, rescue);
       if (list.size() == before) return;
       for (std::int64_t& row : rows) row += static_cast<std::int64_t>(grain);
     }
   }
 
   // Reads rows at once; where that fails, their halves.
-  template <class List, class Load>
-  void ReadRows(std::span<const std::int64_t> rows, List& list, const Load& load) {
+  template <class List, class Load, class Rescue>
+  void ReadRows(std::span<const std::int64_t> rows, List& list, const Load& load, const Rescue& rescue) {
     std::vector<typename List::value_type> entities(rows.size());
     std::vector<EditedRow>* edits = database_.edits();
     const std::size_t noted = edits == nullptr ? 0 : edits->size();
@@ -167,9 +270,13 @@ class StoreSalvager {
       std::ranges::move(entities, std::back_inserter(list));
     } catch (const Error& error) {
       if (edits != nullptr) edits->resize(noted);
-      if (rows.size() == 1) return Note(error);
-      ReadRows(rows.first(rows.size() / 2), list, load);
-      ReadRows(rows.subspan(rows.size() / 2), list, load);
+      if (rows.size() == 1) {
+        Note(error);
+        if (entities.front() = {}; rescue(rows.front(), entities.front())) list.push_back(std::move(entities.front()));
+        return;
+      }
+      ReadRows(rows.first(rows.size() / 2), list, load, rescue);
+      ReadRows(rows.subspan(rows.size() / 2), list, load, rescue);
     }
   }
 
@@ -193,18 +300,6 @@ std::string OnlyName(Database& database) {
 
 Salvage SalvageRows(Database& database, std::int64_t atlas) { return StoreSalvager(database, atlas).Run(); }
 
-std::string ToString(const EditedRow& row) {
-  constexpr std::pair<std::string_view, std::string_view> kParts[] = {
-      {"keyframe_link", "the links of keyframe"},
-      {"keyframe_features", "the features of keyframe"},
-      {"observation", "the observations of map_point"},
-  };
-  std::string_view what = row.table;
-  for (const auto& [table, part] : kParts)
-    if (row.table == table) what = part;
-  return detail::Concat(what, " ", row.id);
-}
-
 }  // namespace slamdb::sqlite
 
 namespace slamdb::detail {
@@ -221,7 +316,6 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   std::vector<sqlite::EditedRow> edits;
   if (options.of<StoreReadOptions>().accept_edits) database.AcceptEdits(&edits);
   Salvage salvage = sqlite::SalvageRows(database, statement.Integer(0));
-  for (const sqlite::EditedRow& edit : edits) salvage.accepted.push_back(ToString(edit));
   if (image.changed()) throw Error(ErrorKind::kLocked, path, "", "is being changed while it is read: try again");
   if (image.lacks_pages())
     salvage.damage.insert(salvage.damage.begin(),

@@ -34,10 +34,10 @@ void CheckName(const Database& database, const std::string& name) {
   if (IsNameOfAtlas(name)) return;
   std::string_view problem = detail::ProblemOfName(name);
   if (problem.empty()) problem = "holds `#` or `/`";
-  throw Error(
-      ErrorKind::kUsage, database.path(), "",
-      detail::Concat("the name of an atlas is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters: '", name,
-                     "' ", problem));
+  throw Error(ErrorKind::kUsage, database.path(), "",
+              detail::Concat("the name of an atlas is 1 to 255 bytes of UTF-8 without `#`, `/`, control characters and "
+                             "others that cannot be seen: '",
+                             name, "' ", problem));
 }
 
 void CheckNotStandardStream(const std::string& path) {
@@ -165,12 +165,14 @@ Error NamingEdits(Database& database, std::int64_t atlas, const Error& found) {
   database.AcceptEdits(&edits);
   const Salvage salvage = SalvageRows(database, atlas);
   database.AcceptEdits(nullptr);
-  if (edits.empty() || !salvage.damage.empty()) return found;
-  std::string names = ToString(edits[0]);
-  for (std::size_t i = 1; i < std::min(edits.size(), kNamed); ++i)
-    names += (i + 1 == edits.size() ? " and " : ", ") + ToString(edits[i]);
-  if (edits.size() > kNamed) names += detail::Concat(" and ", edits.size() - kNamed, " more");
-  return Error(ErrorKind::kDamaged, database.path(), PlaceOf(edits[0].table.c_str(), edits[0].row),
+  const std::vector<std::string>& accepted = salvage.accepted;
+  if (accepted.empty() || !salvage.damage.empty()) return found;
+  std::string names = accepted[0];
+  for (std::size_t i = 1; i < std::min(accepted.size(), kNamed); ++i)
+    names += (i + 1 == accepted.size() ? " and " : ", ") + accepted[i];
+  if (accepted.size() > kNamed) names += detail::Concat(" and ", accepted.size() - kNamed, " more");
+  const std::string place = edits.empty() ? found.place() : PlaceOf(edits[0].table.c_str(), edits[0].row);
+  return Error(ErrorKind::kDamaged, database.path(), place,
                "differs from its hash: edited outside slamdb, or damaged: " + names +
                    "; StoreReadOptions::accept_edits takes them as they are");
 }

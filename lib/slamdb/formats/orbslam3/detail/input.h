@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "slamdb/base/detail/file_stream.h"
 #include "slamdb/base/error.h"
@@ -57,6 +58,14 @@ class Cursor {
   // A count that the bytes left cannot hold.
   [[noreturn]] void FailCount(std::uint64_t count) const;
 
+  // What is not kept has another than its only sound value: an error, or a note where that is tolerated.
+  void Refuse(const std::string& problem) const;
+  // For damaged files, of which more is lost by such an error than by such a value. `notes` may be null.
+  void Tolerate(std::vector<std::string>* notes) {
+    tolerates_ = true;
+    notes_ = notes;
+  }
+
   Place place;
 
  protected:
@@ -73,6 +82,8 @@ class Cursor {
   const char* next_;
   const char* end_;  // of what can be looked at
   bool reads_on_ = true;
+  bool tolerates_ = false;
+  std::vector<std::string>* notes_ = nullptr;
 };
 
 class BinaryInput : public Cursor {
@@ -156,9 +167,7 @@ class TextInput : public Cursor {
   template <class T>
   T Take() {
     const char* const token = SkipSpace();
-    if constexpr (std::is_same_v<T, std::uint8_t> || std::is_same_v<T, std::int16_t>) {
-      return static_cast<T>(TakeInteger<int>(token));
-    } else if constexpr (std::is_integral_v<T>) {
+    if constexpr (std::is_integral_v<T>) {
       return TakeInteger<T>(token);
     } else {
       return TakeFloat<T>(token);
@@ -174,12 +183,10 @@ class TextInput : public Cursor {
   }
 
   std::uint64_t TakeUnsignedLong() {
-    const auto value = Take<std::uint64_t>();
-    return encoding_->long_bytes == 8 || value > std::numeric_limits<std::uint32_t>::max()
-               ? value
-               : BinaryInput::Widen(static_cast<std::uint32_t>(value));
+    if (encoding_->long_bytes == 8) return Take<std::uint64_t>();
+    return BinaryInput::Widen(Take<std::uint32_t>());
   }
-  std::int64_t TakeLong() { return Take<std::int64_t>(); }
+  std::int64_t TakeLong() { return encoding_->long_bytes == 8 ? Take<std::int64_t>() : Take<std::int32_t>(); }
   void TakeUnsignedLongs(std::uint64_t* values, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) values[i] = TakeUnsignedLong();
   }
@@ -197,14 +204,14 @@ class TextInput : public Cursor {
 
  private:
   static constexpr std::ptrdiff_t kLongestToken = 64;
-  static bool IsSpace(char c) { return static_cast<unsigned char>(c) <= ' '; }
-  // Moves to the next token and returns its begin; fails at the end of the file.
+  static bool IsSpace(char c) { return c == ' ' || c == '\n' || c == '\r'; }
+  // Moves to the next token and returns its begin; fails at the end of the file. One space or end of a line stands in
+  // front of it: where there are more, one of them was a digit, a point or a minus.
   const char* SkipSpace() {
-    while (true) {
-      while (next_ != end_ && IsSpace(*next_)) ++next_;
-      if (!reads_on_ || end_ - next_ >= kLongestToken || next_ + remaining() == end_) break;
+    if (end_ - next_ < kLongestToken && reads_on_ && next_ + remaining() != end_)
       ReadOn(std::min<std::size_t>(remaining(), kLongestToken));
-    }
+    if (next_ != end_ && *next_ == '\r') ++next_;  // a line may end as on Windows
+    if (next_ != end_ && (*next_ == ' ' || *next_ == '\n')) ++next_;
     if (next_ == end_) FailTruncated();
     return next_;
   }
@@ -217,11 +224,17 @@ class TextInput : public Cursor {
   }
   [[noreturn]] void FailToken() const;
 
+  // Nobody writes a number with a zero in front of other digits: a digit was changed.
+  static bool HasZeroInFront(const char* token, const char* parsed) {
+    if (*token == '-') ++token;
+    return *token == '0' && parsed - token > 1 && token[1] >= '0' && token[1] <= '9';
+  }
   template <class T>
   T TakeInteger(const char* token) {
     T value{};
     const auto [parsed, error] = std::from_chars(token, end_, value);
-    Finish(parsed, error == std::errc());
+    const bool minus_zero = value == 0 && *token == '-';
+    Finish(parsed, error == std::errc() && !minus_zero && !HasZeroInFront(token, parsed));
     return value;
   }
   template <class T>

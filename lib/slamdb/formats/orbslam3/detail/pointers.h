@@ -63,7 +63,7 @@ Pointer TakePointer(Archive& archive, const ObjectTable& objects, std::initializ
     archive.input.Fail("class id " + std::to_string(class_id) + ", expected " +
                        std::to_string(archive.classes.Register(*expected.begin())) +
                        ": the file is damaged, or written by a fork with other members");
-  archive.ClassInfo(found);
+  archive.TakeClassInfo(found, /*tracking=*/1);
   const auto object = archive.input.template Take<std::uint32_t>();
   if (object > objects.next())
     archive.input.Fail("object id " + std::to_string(object) + ", expected at most " + std::to_string(objects.next()) +

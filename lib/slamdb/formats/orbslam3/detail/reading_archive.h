@@ -7,7 +7,8 @@
 namespace slamdb::orbslam3 {
 
 // What the two archives (see layout.h) that read share, Decoder and Skipper: class info, counts and list headers. Every
-// count is checked against the bytes left, before any allocation.
+// count is checked against the bytes left, before any allocation. What stands in the file and is not kept, since it has
+// one sound value only, must have that value: so every byte of a file is either kept or known.
 template <class Input>
 class ReadingArchive {
  public:
@@ -16,28 +17,25 @@ class ReadingArchive {
   Input input;
   ClassTable classes;
 
-  void ClassInfo(WireClass wire_class) {
-    if (!classes.FirstUse(wire_class)) return;
-    input.template Take<std::uint8_t>();  // tracking: a property of the writer's types, which we know
-    const auto version = input.template Take<std::uint32_t>();
-    if (version != 0)
-      input.Fail("class version " + std::to_string(version) +
-                     ", expected 0: written by a fork, or by an ORB-SLAM3 later than v1.0",
-                 ErrorKind::kUnsupported);
+  void ClassInfo(WireClass wire_class) { TakeClassInfo(wire_class, 0); }
+  // Tracked classes are those that are stored through pointers.
+  void TakeClassInfo(WireClass wire_class, std::uint8_t tracking) {
+    if (classes.FirstUse(wire_class)) [[unlikely]]
+      TakeFirstInfo(tracking);
   }
   // The size of a container that Boost writes as a class: a map, or a vector of classes or pointers. An element takes
   // at least `bytes` bytes (`tokens` tokens in a text archive).
   std::uint64_t ClassCount(WireClass wire_class, std::size_t bytes, std::size_t tokens) {
     ClassInfo(wire_class);
     const std::uint64_t count = input.CheckCount(input.TakeSize(), bytes, tokens);
-    input.template Take<std::uint32_t>();  // item version
+    TakeKnown(std::uint32_t{0}, "an item version");
     return count;
   }
   // The size of a vector of numbers.
   std::uint64_t VectorCount(WireClass wire_class, std::size_t bytes) {
     classes.Register(wire_class);
     const std::uint64_t count = input.CheckCount(input.TakeSize(), bytes, 1);
-    if constexpr (Input::kText) input.template Take<std::uint32_t>();
+    if constexpr (Input::kText) TakeKnown(std::uint32_t{0}, "an item version");
     return count;
   }
   // The headers of a bag of words and of a map<unsigned long, int>, up to their first entry.
@@ -71,15 +69,16 @@ class ReadingArchive {
     const auto columns = input.template Take<std::int32_t>();
     const auto rows = input.template Take<std::int32_t>();
     const auto type = input.template Take<std::int32_t>();
-    const bool continuous = input.template Take<std::uint8_t>() != 0;
+    const auto continuous = input.template Take<std::uint8_t>();
+    if (continuous > 1) RefuseValue("a matrix flag", continuous, "0 or 1");
     if (rows == 0 && columns == 0 && type == 0) {
-      *form = continuous ? MatrixForm::kEmptyContinuous : MatrixForm::kEmpty;
+      *form = continuous != 0 ? MatrixForm::kEmptyContinuous : MatrixForm::kEmpty;
       return 0;
     }
     if (columns != 32 || type != 0 || rows < 0)
       input.Fail("a descriptor matrix of " + std::to_string(rows) + " x " + std::to_string(columns) + ", type " +
                  std::to_string(type) + ", expected N x 32, type 0: not ORB descriptors (a fork's file?), or damaged");
-    *form = continuous ? MatrixForm::kUsual : MatrixForm::kUsualNotContinuous;
+    *form = continuous != 0 ? MatrixForm::kUsual : MatrixForm::kUsualNotContinuous;
     return input.CheckCount(static_cast<std::uint64_t>(rows), sizeof(Descriptor), sizeof(Descriptor));
   }
   // A small matrix of any type: its header, returns the number of data bytes.
@@ -96,6 +95,26 @@ class ReadingArchive {
         kDepthBytes[static_cast<std::size_t>(matrix.type & 7)] * (static_cast<std::uint64_t>(matrix.type >> 3) + 1);
     const std::uint64_t cells = static_cast<std::uint64_t>(matrix.columns) * static_cast<std::uint64_t>(matrix.rows);
     return input.CheckCount(cells, element, element) * element;
+  }
+
+ private:
+  [[gnu::cold, gnu::noinline]] void TakeFirstInfo(std::uint8_t tracking) {
+    TakeKnown(tracking, "class tracking");
+    const auto version = input.template Take<std::uint32_t>();
+    if (version != 0)
+      input.Fail("class version " + std::to_string(version) +
+                     ", expected 0: written by a fork, or by an ORB-SLAM3 later than v1.0",
+                 ErrorKind::kUnsupported);
+  }
+  // Takes what the model does not keep.
+  template <class T>
+  void TakeKnown(T expected, const char* what) {
+    if (const T found = input.template Take<T>(); found != expected) [[unlikely]]
+      RefuseValue(what, found, expected == 0 ? "0" : "1");
+  }
+  [[gnu::cold, gnu::noinline]] void RefuseValue(const char* what, std::uint32_t found, const char* expected) const {
+    input.Refuse(std::string(what) + " of " + std::to_string(found) + ", expected " + expected +
+                 ": the file is damaged, or not written by ORB-SLAM3 v1.0");
   }
 };
 

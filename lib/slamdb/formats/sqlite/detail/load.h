@@ -75,8 +75,15 @@ Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row);
 std::vector<std::int64_t> KeyframeRows(Database& database, std::int64_t map, const Selection& selection);
 std::vector<std::int64_t> PointRows(Database& database, std::int64_t map, const Selection& selection);
 
+// Of the list `maps`, `cameras`, `keyframes` or `points`; `map` 0: of the atlas.
+std::vector<RepeatedEntry> LoadRepeated(Database& database, std::int64_t atlas, const char* list, std::int64_t map);
+
+// What of keyframes is read; the rest stays empty.
+struct KeyframeParts {
+  bool links = true, features = true;
+};
 // Reads the keyframes of `rows` into `keyframes`, which is as long, and their hashes.
-void LoadKeyframes(Database& database, std::span<const std::int64_t> rows, bool with_features,
+void LoadKeyframes(Database& database, std::span<const std::int64_t> rows, KeyframeParts parts,
                    std::span<KeyFrame> keyframes, std::span<std::int64_t> hashes, std::span<std::int64_t> links_hashes,
                    std::span<std::int64_t> features_hashes);
 void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::span<MapPoint> points,
