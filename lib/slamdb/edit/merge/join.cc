@@ -16,6 +16,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/detail/unit.h"
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/edit/landmarks/landmarks.h"
@@ -103,8 +104,9 @@ void Compare(const Map& first, const Map& second, const JoinOptions& options, Jo
   const std::string problem = detail::ScaleProblem(a, b, scale), warning = detail::ScaleWarning(a, b, scale);
   if (!problem.empty() && !options.force)
     throw Error(ErrorKind::kNotPossible, problem +
-                                             "; give the scale, or solve it from anchors; JoinOptions::force joins "
-                                             "all the same");
+                                             (scale == 1 ? "; give the scale, or solve it from anchors"
+                                                         : "; give a transform without scale, or solve one") +
+                                             "; JoinOptions::force joins all the same");
   for (const std::string& sentence : {problem, warning})
     if (!sentence.empty()) report.warnings.push_back(sentence);
   for (detail::Mixture& mixture : detail::MixturesOf(a, b, detail::Together::kJoined))
