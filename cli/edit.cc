@@ -18,12 +18,34 @@ namespace slamdb::cli {
 
 namespace {
 
+// What of it a file of the format can hold.
+Substance HeldBy(const Format& format, Substance substance) {
+  substance.keyframes &= HasAny(format.writes, Content::kPoses);
+  substance.points &= HasAny(format.writes, Content::kPoints | Content::kObservations);
+  substance.landmarks &= HasAny(format.writes, Content::kLandmarks);
+  return substance;
+}
+
+bool HasSomething(const Substance& substance) { return substance.keyframes || substance.points || substance.landmarks; }
+
 // What of an atlas a file of the format is there for, and there is none of.
 std::string_view LacksFor(const Format& format, const Substance& substance) {
-  if (!format.is_export && HasAny(format.writes, Content::kPoses)) return substance.Lacks();
-  if (HasAny(format.writes, Content::kPoses)) return substance.keyframes ? "" : "keyframes";
-  if (HasAny(format.writes, Content::kPoints | Content::kObservations)) return substance.points ? "" : "points";
-  return substance.landmarks ? "" : "landmarks";
+  const Substance held = HeldBy(format, substance);
+  if (!format.is_export && HasAny(format.writes, Content::kPoses)) return held.Lacks();
+  if (HasAny(format.writes, Content::kPoses)) return held.keyframes ? "" : "keyframes";
+  if (HasAny(format.writes, Content::kPoints | Content::kObservations)) return held.points ? "" : "points";
+  return held.landmarks ? "" : "landmarks";
+}
+
+// Why a file of the format, which has places for other things, would hold nothing of the atlas.
+std::string HoldsNothing(const Format& format, const Substance& atlas) {
+  std::string problem = "would hold nothing of the atlas, which has no " +
+                        std::string(LacksFor(format, {.maps = true})) + "; nothing was written";
+  if (HasAny(format.writes, Content::kLandmarks) && atlas.points)
+    problem += "; `slamdb landmarks from-points` makes landmarks of its points";
+  if (HasAny(format.writes, Content::kPoints) && atlas.landmarks)
+    problem += "; `slamdb landmarks to-points` makes points of its landmarks";
+  return problem;
 }
 
 // The file's name without the suffix of its format.
@@ -62,6 +84,8 @@ void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::str
   const bool lost = (LacksFor(format, inputs.good).empty()) ||
                     (LacksFor(format, inputs.all).empty() && !LacksFor(format, all).empty());
   const std::string what(lacks);
+  if (!lost && !dry_run && HasSomething(good) && !HasSomething(HeldBy(format, good)))
+    throw Error(ErrorKind::kNotPossible, output, "", HoldsNothing(format, good));
   if (!lost)
     notices.Warn("the output holds no " + what + ", and neither does the input as it was read");
   else if (dry_run)

@@ -32,7 +32,7 @@ struct Inputs {
 
 // The one guard against an empty result that passes for a success, for every verb that writes an atlas. Throws Error
 // when the output would hold nothing of what it is for (keyframes and points; of an export what that format is of)
-// though the inputs have some; warns when they have none either, and when nothing is written anyway.
+// though the inputs have some, or none of what the result has; warns when nothing was there, or nothing is written.
 void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::string& output, const Format& format,
                        bool dry_run, Notices& notices);
 

@@ -8,6 +8,7 @@
 #include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
@@ -18,11 +19,32 @@ struct FromPointsOptions {
   double sigma = 1;
 };
 
+// Of a format that holds nothing else, landmarks are what was asked for: the rest is left behind, and no loss.
+void KeepWhatWasAskedFor(const EditOptions& options, Atlas& atlas, Notices& notices) {
+  if (options.dry_run ||
+      HasAny(FormatOfOutput(options.output, options.target.to).writes, Content::kPoses | Content::kPoints))
+    return;
+  Atlas landmarks;
+  std::uint64_t count = 0;
+  for (Map& map : atlas.maps) {
+    count += map.landmarks.size();
+    landmarks.maps.emplace_back().id = map.id;
+    landmarks.maps.back().landmarks = std::move(map.landmarks);
+  }
+  notices.Tell(Counted(count, "landmark"));
+  atlas = std::move(landmarks);
+}
+
 ExitCode RunFromPoints(const FromPointsOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   const MakeLandmarksReport report = MakeLandmarks(
       atlas, {.pixel_sigma = options.sigma, .threads = console.threads(), .progress = console.MakeProgress()});
+  if (report.landmarks == 0)
+    throw Error(ErrorKind::kNotPossible, options.edit.input, "",
+                report.bad > 0 ? "all points are flagged bad, so there is none to make a landmark of"
+                               : "there are no points to make landmarks of");
+  KeepWhatWasAskedFor(options.edit, atlas, notices);
   WriteResult(atlas, options.edit, "landmarks from-points " + options.edit.input, console, notices);
   std::string text = "made " + Counted(report.landmarks, "landmark") + " of points\n";
   if (report.undetermined > 0)
@@ -42,10 +64,22 @@ struct ToPointsOptions {
   bool add = false;
 };
 
-void WarnOfTurned(std::uint64_t turned, Notices& notices) {
-  if (turned > 0)
-    notices.Warn("the normals of " + Counted(turned, "landmark") +
+template <class Report>
+void WarnOfTurned(const Report& report, Notices& notices) {
+  if (report.turned > 0)
+    notices.Warn("the normals of " + Counted(report.turned, "landmark") +
                  " point away from the cameras, as earlier versions of slamdb made them; they were turned round");
+  if (report.unturned > 0)
+    notices.Warn("the normals of " + Counted(report.unturned, "landmark") +
+                 " without a point that tells their direction were left as they are, since less than nine tenths of "
+                 "the others had to be turned round");
+}
+
+// Atlas files and stores may have none.
+void RequireLandmarks(const Atlas& atlas, const std::string& input) {
+  if (std::ranges::all_of(atlas.maps, [](const Map& map) { return map.landmarks.empty(); }))
+    throw Error(ErrorKind::kNotPossible, input, "",
+                "has no landmarks; `slamdb landmarks from-points` makes them of points");
 }
 
 void WarnOfAdded(std::uint64_t added, const EditOptions& options, Notices& notices) {
@@ -56,9 +90,10 @@ void WarnOfAdded(std::uint64_t added, const EditOptions& options, Notices& notic
 ExitCode MakeThem(const EditOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options, console, notices);
+  RequireLandmarks(atlas, options.input);
   const MakePointsReport report = MakePoints(atlas);
   WarnOfAdded(report.added, options, notices);
-  WarnOfTurned(report.turned, notices);
+  WarnOfTurned(report, notices);
   WriteResult(atlas, options, "landmarks to-points " + options.input, console, notices);
   std::string text = "moved " + Counted(report.moved, "point") + ", added " + Grouped(report.added) + "\n";
   if (report.plain > 0) text += "  " + Grouped(report.plain) + " of those added have no ORB descriptor\n";
@@ -104,13 +139,14 @@ ExitCode LayThem(const ToPointsOptions& options, Console& console) {
   const EditOptions& edit = options.edit;
   Notices notices;
   const Atlas landmarks = ReadInput(edit, console, notices);
+  RequireLandmarks(landmarks, edit.input);
   Atlas atlas = ReadAtlas(options.into, MakeReadOptions(console, {}, edit.wait), &notices);
   const LayLandmarksReport report = LayLandmarks(atlas, landmarks, {.add = options.add});
   WarnOfLeftOut(report.not_there, "since " + options.into + " has no point of the id", notices);
   WarnOfLeftOut(report.ambiguous, "since several maps have the id", notices);
   WarnOfLeftOut(report.infinite, "since they are at no finite place", notices);
   WarnOfAdded(report.added, edit, notices);
-  WarnOfTurned(report.turned, notices);
+  WarnOfTurned(report, notices);
   DropUnwritable(report, edit, atlas, notices);
   WriteResult(atlas, edit, "landmarks to-points " + edit.input + " --into " + options.into, console, notices);
   return FinishEdit(LayText(report),
@@ -157,8 +193,7 @@ Run AddLandmarks(CLI::App& verb) {
 }
 
 constexpr Example kExamples[] = {
-    {"slamdb landmarks from-points session_a.osa landmarks.mrpt",
-     "For a program with MRPT 2; exits 3, since landmarks are not all that the atlas has."},
+    {"slamdb landmarks from-points session_a.osa landmarks.mrpt", "For a program with MRPT 2."},
     {"slamdb landmarks from-points session_a.osa maps.db#a", "Keeps them in a store, beside the points."},
     {"slamdb landmarks to-points landmarks.mrpt points.ply", "To look at landmarks in a viewer of point clouds."},
     {"slamdb landmarks to-points landmarks.mrpt --into session_a.osa moved.osa",

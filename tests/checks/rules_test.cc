@@ -148,5 +148,25 @@ TEST(Catalogue, HasUniqueKebabCaseIdsAndTitles) {
   EXPECT_EQ(FindRule("no-such-rule"), nullptr);
 }
 
+// What is told and repaired of a time is its own unit: others of the map neither hide it nor are changed with it.
+TEST(TimestampSeconds, AreMendedOneByOne) {
+  const Atlas sound = SoundAtlas(Base::kMonocular);
+  const std::size_t count = sound.maps[0].keyframes.size();
+  const Rule& rule = *std::ranges::find(ReadRules(), "timestamp-seconds", &Rule::id);
+  for (const std::size_t wrong : {std::size_t{1}, count / 2, count - 1}) {
+    Atlas atlas = sound;
+    for (std::size_t row = 0; row < wrong; ++row) atlas.maps[0].keyframes[row].timestamp *= row % 2 == 0 ? 1e9 : 1e3;
+    const CheckReport report = CheckAtlas(atlas, {.vocabulary_words = kWords});
+    const auto found = std::ranges::find(report.results, "timestamp-seconds", &RuleResult::id);
+    ASSERT_NE(found, report.results.end());
+    EXPECT_EQ(found->count, wrong);
+    for (const Finding& finding : found->findings) EXPECT_TRUE(finding.place.keyframe) << finding.message;
+    EXPECT_EQ(rule.fix.apply(atlas), wrong);
+    for (std::size_t row = 0; row < count; ++row)
+      EXPECT_NEAR(atlas.maps[0].keyframes[row].timestamp, sound.maps[0].keyframes[row].timestamp,
+                  row < wrong ? 1e-5 : 0);
+  }
+}
+
 }  // namespace
 }  // namespace slamdb

@@ -93,7 +93,8 @@ TEST(Convert, AnExportIsDoneAndSaysInOneLineWhatItHolds) {
 
 TEST(Convert, LossOfWhatClaimsToHoldAnAtlasIsNamedAndExitsThree) {
   const TemporaryFolder folder;
-  const ProcessResult result = RunSlamdb({"convert", kTiny, folder / "a.mrpt"});
+  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kTiny, folder / "a.db"}).exit_code, 0);
+  const ProcessResult result = RunSlamdb({"convert", folder / "a.db", folder / "a.mrpt"});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.err, HasSubstr("slamdb: loss: mrpt cannot hold keyframe poses"));
 }

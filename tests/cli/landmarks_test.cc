@@ -34,6 +34,62 @@ TEST(Landmarks, AreMadeOfPoints) {
   EXPECT_EQ(back.out, "moved 3,162 points, added 0\n");
 }
 
+// They are what was asked for: what the atlas has beside them is no loss.
+TEST(Landmarks, OfPointsAloneAreAllThatAFileOfThemIsFor) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "lab.mrpt";
+  const ProcessResult made = RunSlamdb({"landmarks", "from-points", kSession, file});
+  EXPECT_EQ(made.exit_code, 0);
+  EXPECT_EQ(made.err, "");
+  EXPECT_EQ(made.out, "made 3,162 landmarks of points\nwrote " + file + ": 3,162 landmarks\n");
+  const ProcessResult less = RunSlamdb({"landmarks", "from-points", kSession, folder / "lab.mrpt3"});
+  EXPECT_EQ(less.exit_code, 3);
+  EXPECT_THAT(less.err, HasSubstr("mrpt3 cannot hold features of landmarks (3,162)"));
+  EXPECT_THAT(less.err, Not(HasSubstr("keyframe")));
+}
+
+// What the file could hold is judged, not what the atlas has.
+TEST(Landmarks, NoVerbWritesAFileThatHoldsNothingOfTheAtlas) {
+  const TemporaryFolder folder;
+  const std::string empty = folder / "e.mrpt", archive = folder / "e.osa";
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"convert", kSession, empty},
+           {"repair", kSession, empty},
+           {"shrink", kSession, empty, "--target-keyframes", "5"},
+           {"extract", kSession, empty, "--keyframe", "1,2,3"},
+           {"merge", kSession, kSession, "-o", empty, "--on-conflict", "keep-first"}}) {
+    const ProcessResult refused = RunSlamdb(words);
+    EXPECT_EQ(refused.exit_code, 1) << words[0];
+    EXPECT_THAT(refused.err, HasSubstr("which has no landmarks; nothing was written; `slamdb landmarks from-points`"));
+    EXPECT_FALSE(std::filesystem::exists(empty)) << words[0];
+  }
+  for (const std::string& output : {archive, folder / "e.ply", folder / "e.txt"}) {
+    const ProcessResult refused = RunSlamdb({"convert", kMrpt, output, "--to",
+                                             output == archive         ? "orbslam3"
+                                             : output.ends_with("ply") ? "ply"
+                                                                       : "tum"});
+    EXPECT_EQ(refused.exit_code, 1) << output;
+    EXPECT_THAT(refused.err, HasSubstr("would hold nothing of the atlas"));
+    EXPECT_FALSE(std::filesystem::exists(output));
+  }
+}
+
+TEST(Landmarks, ThatAreNotThereAreNoSuccess) {
+  const TemporaryFolder folder;
+  const std::string none = "has no landmarks; `slamdb landmarks from-points` makes them";
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{folder / "o.osa"}, {folder / "o.osa", "--into", kSession}, {"--dry-run"}}) {
+    std::vector<std::string> words = {"landmarks", "to-points", kSession};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProcessResult refused = RunSlamdb(words);
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.err, HasSubstr(none));
+  }
+  const ProcessResult pointless = RunSlamdb({"landmarks", "from-points", kMrpt, folder / "o.mrpt"});
+  EXPECT_EQ(pointless.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "o.mrpt"));
+}
+
 TEST(Landmarks, BecomePoints) {
   const TemporaryFolder folder;
   const ProcessResult made = RunSlamdb({"landmarks", "to-points", kMrpt, folder / "a.osa", "--json"});
@@ -133,7 +189,7 @@ TEST(Landmarks, AreShownAndListed) {
 // What another program did to landmarks, back on the atlas.
 TEST(Landmarks, GoBackOntoTheAtlasTheyCameFrom) {
   const TemporaryFolder folder;
-  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "lab.mrpt", "--quiet"}).exit_code, 3);
+  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "lab.mrpt", "--quiet"}).exit_code, 0);
   const ProcessResult same =
       RunSlamdb({"landmarks", "to-points", folder / "lab.mrpt", "--into", kSession, folder / "same.osa"});
   EXPECT_EQ(same.exit_code, 0) << same.err;
@@ -166,7 +222,7 @@ TEST(Landmarks, ThatTheAtlasDoesNotHaveAreNamed) {
 
 TEST(Landmarks, OfTwoMapsBecomeOne) {
   const TemporaryFolder folder;
-  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "lab.mrpt", "--quiet"}).exit_code, 3);
+  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "lab.mrpt", "--quiet"}).exit_code, 0);
   const auto join = [&](std::vector<std::string> more) {
     std::vector<std::string> words{
         "merge", folder / "lab.mrpt", folder / "lab.mrpt", "-o", folder / "c.mrpt", "--join", "--json", "-O"};
@@ -195,7 +251,7 @@ TEST(Landmarks, AreOfNoKeyFrame) {
 
 TEST(Landmarks, InFrontOfACutAreRecovered) {
   const TemporaryFolder folder;
-  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "a.mrpt.gz", "--quiet"}).exit_code, 3);
+  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", kSession, folder / "a.mrpt.gz", "--quiet"}).exit_code, 0);
   for (const std::string input : {"a.mrpt", "a.mrpt3", "a.mrpt.gz"}) {
     if (input != "a.mrpt.gz") RunSlamdb({"convert", folder / "a.mrpt.gz", folder / input});
     const std::string whole = ReadWholeFile(folder / input);

@@ -42,15 +42,30 @@ bool IsPacked(double timestamp) {
   return timestamp != 0 && std::isfinite(timestamp) && (size < 1e-12 || size > 1e20) && UnpackedSeconds(timestamp);
 }
 
-// The unit in which the times of a map lie in this century, when it is not seconds.
-std::optional<TimeUnit> OtherUnit(const Map& map) {
-  std::vector<double> times;
-  for (const KeyFrame& keyframe : map.keyframes)
-    if (std::isfinite(keyframe.timestamp)) times.push_back(keyframe.timestamp);
-  const double median = MedianOf(std::move(times));
+// The unit in which a time lies in this century, when it is not seconds.
+std::optional<TimeUnit> OtherUnit(double timestamp) {
   for (const TimeUnit unit : {TimeUnit::kMilliseconds, TimeUnit::kMicroseconds, TimeUnit::kNanoseconds})
-    if (IsEpoch(median * std::pow(10.0, PowerOf(unit)))) return unit;
+    if (IsEpoch(timestamp * std::pow(10.0, PowerOf(unit)))) return unit;
   return std::nullopt;
+}
+
+// What the time is in seconds, when it surely counts something else.
+std::optional<double> MeantSeconds(double timestamp) {
+  if (IsPacked(timestamp)) return UnpackedSeconds(timestamp);
+  if (const auto unit = OtherUnit(timestamp)) return timestamp / std::pow(10.0, -PowerOf(*unit));
+  return std::nullopt;
+}
+
+// The one that all of the map's finite times have; none when they differ.
+std::optional<TimeUnit> CommonOtherUnit(const Map& map) {
+  std::optional<TimeUnit> common;
+  for (const KeyFrame& keyframe : map.keyframes) {
+    if (!std::isfinite(keyframe.timestamp)) continue;
+    const auto unit = OtherUnit(keyframe.timestamp);
+    if (!unit || (common && *unit != *common)) return std::nullopt;
+    common = unit;
+  }
+  return common;
 }
 
 double MedianStep(const std::vector<const KeyFrame*>& order) {
@@ -60,25 +75,27 @@ double MedianStep(const std::vector<const KeyFrame*>& order) {
   return MedianOf(std::move(steps));
 }
 
-bool HasPacked(const Map& map) {
-  return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) { return IsPacked(keyframe.timestamp); });
-}
+bool CountsOther(const KeyFrame& keyframe) { return MeantSeconds(keyframe.timestamp).has_value(); }
 
 }  // namespace
 
 void CheckTimestampSeconds(const Subject& subject, Findings& findings) {
   for (const Map& map : subject.atlas.maps) {
-    if (HasPacked(map)) {
+    if (const auto unit = CommonOtherUnit(map)) {
+      const KeyFrame& first = *std::ranges::find_if(map.keyframes, CountsOther);
+      findings.Add(PlaceOf(map), "its timestamps count ", NameOf(*unit), ", not seconds: that of ", first.id, " is ",
+                   first.timestamp, ", which as ", NameOf(*unit), " is ", Fixed(*MeantSeconds(first.timestamp), 3),
+                   " s");
+    } else if (std::ranges::any_of(map.keyframes, CountsOther)) {
       for (const KeyFrame& keyframe : map.keyframes)
         if (IsPacked(keyframe.timestamp))
           findings.Add(PlaceOf(map, keyframe), "its timestamp is ", keyframe.timestamp,
                        ": seconds and nanoseconds that were read as one number, ",
-                       Fixed(*UnpackedSeconds(keyframe.timestamp), 3), " s");
-    } else if (const auto unit = OtherUnit(map)) {
-      const double first = map.keyframes.front().timestamp;
-      findings.Add(PlaceOf(map), "its timestamps count ", NameOf(*unit), ", not seconds: that of ",
-                   map.keyframes.front().id, " is ", first, ", which as ", NameOf(*unit), " is ",
-                   Fixed(first * std::pow(10.0, PowerOf(*unit)), 3), " s");
+                       Fixed(*MeantSeconds(keyframe.timestamp), 3), " s");
+        else if (const auto own = OtherUnit(keyframe.timestamp))
+          findings.Add(PlaceOf(map, keyframe), "its timestamp ", keyframe.timestamp, " counts ", NameOf(*own),
+                       ", and not what others of the map do: it is ", Fixed(*MeantSeconds(keyframe.timestamp), 3),
+                       " s");
     } else {
       constexpr double kTooLong = 1e4;  // seconds, from one keyframe to the next
       const double step = MedianStep(InOrderOfRuns(map));
@@ -89,18 +106,15 @@ void CheckTimestampSeconds(const Subject& subject, Findings& findings) {
   }
 }
 
+// Each by itself: what is right among what is wrong stays.
 std::size_t ReadTimestampsAsSeconds(Atlas& atlas) {
   std::size_t changed = 0;
-  for (Map& map : atlas.maps) {
-    const bool packed = HasPacked(map);
-    const auto unit = packed ? std::nullopt : OtherUnit(map);
-    for (KeyFrame& keyframe : map.keyframes) {
-      if (packed ? !IsPacked(keyframe.timestamp) : !unit || !std::isfinite(keyframe.timestamp)) continue;
-      keyframe.timestamp =
-          packed ? *UnpackedSeconds(keyframe.timestamp) : keyframe.timestamp / std::pow(10.0, -PowerOf(*unit));
-      ++changed;
-    }
-  }
+  for (Map& map : atlas.maps)
+    for (KeyFrame& keyframe : map.keyframes)
+      if (const auto seconds = MeantSeconds(keyframe.timestamp)) {
+        keyframe.timestamp = *seconds;
+        ++changed;
+      }
   return changed;
 }
 
@@ -120,7 +134,7 @@ void CheckTimestampOrder(const Subject& subject, Findings& findings) {
 void CheckTimestampGap(const Subject& subject, Findings& findings) {
   for (const Map& map : subject.atlas.maps) {
     const std::vector<const KeyFrame*> order = InOrderOfRuns(map);
-    if (HasPacked(map) || OtherUnit(map) || MedianStep(order) >= kHour) continue;
+    if (std::ranges::any_of(map.keyframes, CountsOther) || MedianStep(order) >= kHour) continue;
     for (std::size_t i = 1; i < order.size(); ++i) {
       const KeyFrame &before = *order[i - 1], &after = *order[i];
       const double gap = after.timestamp - before.timestamp;

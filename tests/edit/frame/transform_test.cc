@@ -261,6 +261,9 @@ TEST(TransformWarnings, TellOfTiltScaleAndCoarseFloats) {
   EXPECT_THAT(TransformWarnings(inertial, yaw), IsEmpty());
   EXPECT_THAT(TransformWarnings(inertial, tilt), ElementsAre(HasSubstr("gravity is tilted")));
   EXPECT_THAT(TransformWarnings(inertial, {.scale = 2}), ElementsAre(HasSubstr("scale changes by 2")));
+  const Map stereo = Small({"", Sensor::kStereo, false}).maps[0];
+  EXPECT_THAT(TransformWarnings(stereo, {.scale = 2}), ElementsAre(HasSubstr("the baseline changes along")));
+  EXPECT_THAT(TransformWarnings(plain, {.scale = 2}), IsEmpty());
   EXPECT_THAT(CoarseningLoss(plain, {.translation = {4e5, 5e6, 0}}).value_or(""), HasSubstr("single precision"));
   EXPECT_FALSE(CoarseningLoss(plain, tilt));
   Map tilted = inertial;

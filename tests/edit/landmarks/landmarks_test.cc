@@ -221,6 +221,46 @@ TEST(MakePoints, TurnsWhatEarlierVersionsMade) {
   EXPECT_THAT(atlas, EqualsAtlas(before));
 }
 
+// Two thirds of the normals are wrong: the others are right, and stay.
+TEST(MakePoints, TurnsOnlyWhatItsPointTells) {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 6, .points = 100});
+  const Atlas before = atlas;
+  MakeLandmarks(atlas);
+  std::vector<Landmark>& landmarks = atlas.maps[0].landmarks;
+  std::size_t turned = 0;
+  for (std::size_t row = 0; row < landmarks.size(); ++row)
+    if (row % 3 != 0) {
+      landmarks[row].normal = -landmarks[row].normal;
+      ++turned;
+    }
+  Landmark& alone = landmarks.emplace_back(landmarks[0]);  // no point tells
+  alone.id = LandmarkId(1'000'000);
+  const Eigen::Vector3d normal = alone.normal;
+  const MakePointsReport report = MakePoints(atlas);
+  EXPECT_EQ(report.turned, turned);
+  EXPECT_EQ(report.unturned, 1U);
+  EXPECT_EQ(atlas.maps[0].landmarks.back().normal, normal);
+  for (std::size_t row = 0; row < before.maps[0].points.size(); ++row)
+    EXPECT_EQ(atlas.maps[0].points[row].normal, before.maps[0].points[row].normal);
+}
+
+TEST(MakePoints, TurnsTheRestWithNineTenthsOfTheOthers) {
+  for (const std::size_t right : {5U, 20U}) {
+    Atlas atlas = SynthesizeAtlas({.keyframes = 6, .points = 100});
+    MakeLandmarks(atlas);
+    std::vector<Landmark>& landmarks = atlas.maps[0].landmarks;
+    ASSERT_GE(landmarks.size(), 60U);
+    for (std::size_t row = right; row < landmarks.size(); ++row) landmarks[row].normal = -landmarks[row].normal;
+    Landmark& alone = landmarks.emplace_back(landmarks.back());
+    alone.id = LandmarkId(1'000'000);
+    const std::size_t others = landmarks.size() - 1 - right;
+    const bool overwhelming = others >= 9 * right;
+    const MakePointsReport report = MakePoints(atlas);
+    EXPECT_EQ(report.turned, others + (overwhelming ? 1 : 0));
+    EXPECT_EQ(report.unturned, overwhelming ? 0U : 1U);
+  }
+}
+
 // Landmarks of an atlas alone, as a file of MRPT has them.
 Atlas LandmarksOf(Atlas atlas) {
   MakeLandmarks(atlas);
@@ -458,7 +498,9 @@ TEST(MakeLandmarks, TravelThroughRenumberingAndJoining) {
   MakeLandmarks(atlas, {});
   const std::size_t landmarks = atlas.maps[0].landmarks.size() + atlas.maps[1].landmarks.size();
   Renumber(atlas, {.kinds = {IdKind::kPoint}, .start = 5000});
-  JoinMaps(atlas, {.first = atlas.maps[0].id, .second = atlas.maps[1].id, .first_from_second = SomeTransform()});
+  JoinMaps(
+      atlas,
+      {.first = atlas.maps[0].id, .second = atlas.maps[1].id, .first_from_second = SomeTransform(), .force = true});
   ASSERT_THAT(atlas.maps, SizeIs(1));
   ASSERT_THAT(atlas.maps[0].landmarks, SizeIs(landmarks));
   const AtlasIndex index(atlas);

@@ -267,6 +267,36 @@ TEST(Join, RefusesAnArbitraryScaleWithAMetricOneInEveryOrder) {
   EXPECT_THAT(ErrorOf([&] { JoinWarnings(atlas, true, false); }), HasSubstr("is metric"));
 }
 
+TEST(Join, RefusesAScaleBetweenMetricMaps) {
+  for (const World& world : {kWorlds[2], kWorlds[4], kWorlds[6]}) {
+    SCOPED_TRACE(world.name);
+    const Atlas original = MakeWorld(world, 2);
+    JoinOptions join{.first = original.maps[0].id, .second = original.maps[1].id};
+    for (const double scale : {2.0, 0.5, 1.01}) {
+      Atlas atlas = original;
+      join.first_from_second = Similarity3d{.scale = scale};
+      join.force = false;
+      EXPECT_THAT(ErrorOf([&] { JoinMaps(atlas, join); }), HasSubstr("are metric both, and the transform has a scale"));
+      EXPECT_THAT(atlas, EqualsAtlas(original));
+      join.force = true;
+      EXPECT_THAT(JoinMaps(atlas, join).warnings, Contains(HasSubstr("are metric both")));
+    }
+    Atlas atlas = original;
+    join.first_from_second = Similarity3d{.scale = 1.0000001};
+    join.force = false;
+    EXPECT_NO_THROW(JoinMaps(atlas, join));
+  }
+}
+
+// Places of the second map are half as far apart: the solved scale is 2.
+TEST(Join, RefusesASolvedScaleBetweenMetricMaps) {
+  Atlas atlas = MakeWorld(kWorlds[4], 2);
+  JoinOptions join{.first = atlas.maps[0].id, .second = atlas.maps[1].id, .with_scale = true};
+  for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 1)})
+    join.places.push_back({.first = 2 * place, .second = place});
+  EXPECT_THAT(ErrorOf([&] { JoinMaps(atlas, join); }), HasSubstr("a scale of 2"));
+}
+
 TEST(Join, WarnsOfOtherCameras) {
   Atlas atlas = MakeWorld(kWorlds[4], 2);
   for (KeyFrame& keyframe : atlas.maps[1].keyframes) keyframe.intrinsics.fx *= 2;

@@ -239,7 +239,7 @@ std::uint64_t CoveredBy(const AtlasIndex& index, const std::vector<EntityRow>& k
   return MeasureCoverage(index, kept).covered;
 }
 
-// What consecutive keyframes cover at most, of up to 24 beginnings, and evenly spaced ones.
+// What consecutive and evenly spaced keyframes cover at most, of up to 24 beginnings each.
 std::uint64_t CoveredWithoutComputing(const AtlasIndex& index, const std::vector<EntityRow>& order, std::size_t count) {
   std::uint64_t most = 0;
   const std::size_t last = order.size() - count;
@@ -247,13 +247,35 @@ std::uint64_t CoveredWithoutComputing(const AtlasIndex& index, const std::vector
     const auto from = order.begin() + static_cast<std::ptrdiff_t>(begin);
     most = std::max(most, CoveredBy(index, {from, from + static_cast<std::ptrdiff_t>(count)}));
   }
-  std::vector<EntityRow> cut, stepped, spread;
-  for (std::size_t i = 0; i < count; ++i) {
-    cut.push_back(order[i * order.size() / count]);
-    stepped.push_back(order[i * (order.size() / count)]);
+  std::vector<EntityRow> spread;
+  for (std::size_t i = 0; i < count; ++i)
     spread.push_back(order[count == 1 ? 0 : i * (order.size() - 1) / (count - 1)]);
+  most = std::max(most, CoveredBy(index, spread));
+  const std::size_t step = order.size() / count;
+  for (std::size_t begin = 0; begin < step; begin += std::max<std::size_t>(step / 24, 1)) {
+    std::vector<EntityRow> cut, stepped;
+    for (std::size_t i = 0; i < count; ++i) {
+      cut.push_back(order[begin + i * order.size() / count]);
+      stepped.push_back(order[begin + i * step]);
+    }
+    most = std::max({most, CoveredBy(index, cut), CoveredBy(index, stepped)});
   }
-  return std::max({most, CoveredBy(index, cut), CoveredBy(index, stepped), CoveredBy(index, spread)});
+  return most;
+}
+
+// Of few keyframes no two cover more than the two that are kept, whichever they are.
+TEST(Shrink, KeepsTheBestTwoOfFew) {
+  const std::string path = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+  Notices notices;
+  const Atlas atlas = ReadOrbslam3(path, {}, notices);
+  const AtlasIndex index(atlas);
+  const std::vector<EntityRow> order = InOrder(atlas);
+  std::uint64_t most = 0;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) most = std::max(most, CoveredBy(index, {order[i], order[j]}));
+  Atlas small = atlas;
+  EXPECT_EQ(Shrink(small, {.target_keyframes = 2}).coverage.covered, most);
+  EXPECT_GE(most, 12U);
 }
 
 class RealAtlasBudget : public ::testing::TestWithParam<const char*> {};

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Points whose bytes are lost come back from the slots of keyframes, close to where they were.
+#include "slamdb/edit/repair/detail/triangulate.h"
+
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -20,10 +22,12 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-double Median(std::vector<double> values) {
+double Quantile(std::vector<double> values, double share) {
   std::ranges::sort(values);
-  return values.empty() ? 0 : values[values.size() / 2];
+  return values.empty() ? 0 : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
+
+double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
 
 // Takes all points away, and expects most of them back: at their places, with values of their kind.
 void ExpectPointsBack(const Atlas& whole, double share) {
@@ -48,6 +52,8 @@ void ExpectPointsBack(const Atlas& whole, double share) {
       bits.push_back(HammingDistance(point.descriptor, original.descriptor));
     }
   EXPECT_LT(Median(places), 0.01) << "of the distance that the point is seen from";
+  EXPECT_LT(Quantile(places, 0.95), 0.03);
+  EXPECT_LT(Quantile(places, 0.99), 0.05);
   EXPECT_LT(Median(normals), 0.05);
   EXPECT_LT(Median(ranges), 0.1);
   EXPECT_LT(Median(bits), 40);
@@ -99,6 +105,82 @@ TEST(TriangulatedPoint, NeedsALensThatIsKnown) {
   Atlas with_rig = atlas;
   EXPECT_THAT(RecoverAtlas(atlas).triangulated_points, IsEmpty());
   EXPECT_FALSE(RecoverAtlas(with_rig, {.rig = &whole}).triangulated_points.empty());
+}
+
+// A depth camera at one place twice, and a point that both images show; it is taken away.
+struct TwoLooks {
+  Atlas atlas = SoundAtlas(Base::kRgbd);
+  MapPoint lost;
+  KeyFrame *first, *second;
+  std::size_t first_row, second_row;
+
+  TwoLooks() {
+    Map& map = atlas.maps[0];
+    const auto seen =
+        std::ranges::find_if(map.points, [](const MapPoint& point) { return point.observations.size() == 2; });
+    lost = *seen;
+    map.points.erase(seen);
+    const auto find = [&](std::size_t row) {
+      return &*std::ranges::find(map.keyframes, lost.observations[row].keyframe, &KeyFrame::id);
+    };
+    first = find(0);
+    second = find(1);
+    first_row = static_cast<std::size_t>(lost.observations[0].left);
+    second_row = static_cast<std::size_t>(lost.observations[1].left);
+    second->camera_from_world = first->camera_from_world;
+    second->camera_from_world.translation.x() += 1e-3F;
+    Features &from = first->features, &to = second->features;
+    to.undistorted[second_row] = from.undistorted[first_row];
+    to.keypoints[second_row] = from.keypoints[first_row];
+    to.depth[second_row] = from.depth[first_row] * 1.001F;
+    to.undistorted[second_row].x += 0.01F;  // the rays meet far behind it
+    to.undistorted[second_row].y += 0.5F;
+  }
+};
+
+TEST(TriangulatedPoint, IsWhereItsDepthsPutItWithoutParallax) {
+  TwoLooks looks;
+  ASSERT_EQ(detail::TriangulateLostPoints(looks.atlas, 1), std::vector{looks.lost.id});
+  const MapPoint& made = looks.atlas.maps[0].points.back();
+  EXPECT_EQ(made.observations.size(), 2u);
+  const float z = (looks.first->camera_from_world * made.position).z();
+  EXPECT_NEAR(z, looks.first->features.depth[looks.first_row], 0.01F * z);
+}
+
+// The rays meet where the depths do not put it, or the depths contradict each other: nothing tells who is right.
+TEST(TriangulatedPoint, IsNotMadeWhereDepthsContradict) {
+  TwoLooks looks;
+  looks.second->features.depth[looks.second_row] *= 0.1F;
+  EXPECT_THAT(detail::TriangulateLostPoints(looks.atlas, 1), IsEmpty());
+}
+
+TEST(TriangulatedPoint, IsNotMadeWithoutParallaxAndDepth) {
+  TwoLooks looks;
+  for (Features* features : {&looks.first->features, &looks.second->features}) {
+    std::ranges::fill(features->depth, -1.0F);
+    std::ranges::fill(features->right_x, -1.0F);
+  }
+  EXPECT_THAT(detail::TriangulateLostPoints(looks.atlas, 1), IsEmpty());
+}
+
+// The depth of one of three views is wrong: two tell where the point is, and the third is no observer.
+TEST(TriangulatedPoint, IsWhereMostViewsPutIt) {
+  Atlas atlas = SoundAtlas(Base::kRgbd);
+  const auto seen =
+      std::ranges::find_if(atlas.maps[0].points, [](const MapPoint& point) { return point.observations.size() == 3; });
+  ASSERT_NE(seen, atlas.maps[0].points.end());
+  const MapPoint original = *seen;
+  atlas.maps[0].points.erase(seen);
+  const Observation& wrong = original.observations[0];
+  Features& features = std::ranges::find(atlas.maps[0].keyframes, wrong.keyframe, &KeyFrame::id)->features;
+  const auto row = static_cast<std::size_t>(wrong.left);
+  ASSERT_GT(features.depth[row], 0);
+  features.depth[row] *= 2;
+  ASSERT_EQ(detail::TriangulateLostPoints(atlas, 1), std::vector{original.id});
+  const MapPoint& made = atlas.maps[0].points.back();
+  EXPECT_EQ(made.observations.size(), 2u);
+  EXPECT_LT((made.position - original.position).norm(), 0.02F * original.max_distance);
+  EXPECT_FALSE(features.map_points[row]);
 }
 
 // Bytes of some points are gone: they come back and are told apart, unless they are not wanted.

@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/detail/unit.h"
 #include "slamdb/edit/frame/gravity.h"
 
 namespace slamdb {
@@ -164,6 +165,11 @@ std::vector<std::string> TransformWarnings(const Map& map, const Similarity3d& t
           detail::Concat("the scale changes by ", target_from_source.scale,
                          " in a map whose unit is the metre of its IMU: what the IMU measured stays as it is, which is "
                          "right only where this corrects an error of scale"));
+  } else if (target_from_source.scale != 1 && detail::HasStereo(map)) {
+    warnings.push_back(detail::Concat(
+        "the scale changes by ", target_from_source.scale,
+        " in a map whose unit is the baseline of its stereo or depth camera: the baseline changes along, "
+        "and a session that goes on with the map needs it so in its settings"));
   }
   return warnings;
 }

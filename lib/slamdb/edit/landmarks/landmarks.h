@@ -47,20 +47,22 @@ SLAMDB_EXPORT MakeLandmarksReport MakeLandmarks(Atlas& atlas, const MakeLandmark
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MakeLandmarksReport& report, const ReportFiles& files = {});
 
 struct MakePointsReport {
-  std::uint64_t moved = 0;    // points of the same id that got position and normal of their landmark
-  std::uint64_t added = 0;    // landmarks without one
-  std::uint64_t plain = 0;    // of those added: without an ORB descriptor of 32 bytes
-  std::uint64_t fused = 0;    // landmarks that had the id of another one of their map
-  std::uint64_t renamed = 0;  // landmarks that got another id, because another map has theirs
-  std::uint64_t turned = 0;   // landmarks whose normals were those of points, and are turned now
+  std::uint64_t moved = 0;     // points of the same id that got position and normal of their landmark
+  std::uint64_t added = 0;     // landmarks without one
+  std::uint64_t plain = 0;     // of those added: without an ORB descriptor of 32 bytes
+  std::uint64_t fused = 0;     // landmarks that had the id of another one of their map
+  std::uint64_t renamed = 0;   // landmarks that got another id, because another map has theirs
+  std::uint64_t turned = 0;    // landmarks whose normals were those of points, and are turned now
+  std::uint64_t unturned = 0;  // that no point tells of, left as they were though others were turned
 };
 
 // The way back: moves each map's points to their landmarks of the same id, and adds a point for every other landmark.
 // A landmark without normal leaves its point's; otherwise the point's gets the opposite direction, and keeps its
 // length. Added points have position, normal and descriptor, and no observations, which no landmark has. They can be
 // looked at and exported, but ORB-SLAM3 has no use for them. Landmarks without id, and those whose id another map has,
-// get new ones. Landmarks of one map that share an id are fused. Where most landmarks of a map have the normals of
-// their points, slamdb made them before it knew MRPT's direction: all of the map are turned first.
+// get new ones. Landmarks of one map that share an id are fused. A landmark with the normal of its point was made by
+// slamdb before it knew MRPT's direction, and is turned first; so are those of the map without a point, when nine
+// tenths or more of the others are.
 //
 // Throws nothing but std::bad_alloc.
 // Cost: linear, in place.
@@ -74,13 +76,14 @@ struct LayLandmarksOptions {
 };
 
 struct LayLandmarksReport {
-  std::uint64_t moved = 0;    // points that got position and normal of their landmark
-  std::uint64_t same = 0;     // of those: which had both already
-  std::uint64_t taken = 0;    // landmarks that the atlas has now, instead of older ones of their id or beside them
-  std::uint64_t counts = 0;   // of those: seen more or less often, or last at another time, than observations say
-  std::uint64_t without = 0;  // points of the atlas that no landmark names
-  std::uint64_t added = 0;    // points that were made of landmarks that were not there
-  std::uint64_t turned = 0;   // landmarks whose normals were those of points, and are turned now
+  std::uint64_t moved = 0;     // points that got position and normal of their landmark
+  std::uint64_t same = 0;      // of those: which had both already
+  std::uint64_t taken = 0;     // landmarks that the atlas has now, instead of older ones of their id or beside them
+  std::uint64_t counts = 0;    // of those: seen more or less often, or last at another time, than observations say
+  std::uint64_t without = 0;   // points of the atlas that no landmark names
+  std::uint64_t added = 0;     // points that were made of landmarks that were not there
+  std::uint64_t turned = 0;    // landmarks whose normals were those of points, and are turned now
+  std::uint64_t unturned = 0;  // that no point tells of, left as they were though others were turned
   std::vector<LandmarkId> not_there;  // left out: the atlas has no point or landmark of the id, or the id is none
   std::vector<LandmarkId> ambiguous;  // left out: the id is there in several maps, of either side
   std::vector<LandmarkId> infinite;   // left out: at no finite place

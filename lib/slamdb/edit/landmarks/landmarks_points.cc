@@ -145,11 +145,12 @@ MakePointsReport MakePoints(Atlas& atlas) {
     const IdTable rows = PointTable(map);
     std::vector<Landmark> landmarks;
     report.fused += TakeLandmarks(landmarks, map.landmarks);  // one of each id
-    detail::Facing facing;
-    for (const Landmark& landmark : landmarks)
-      if (const std::uint32_t row = rows.Find(landmark.id.value()); row != kNoRow)
-        facing.Add(landmark, map.points[row]);
-    if (facing.as_points()) report.turned += detail::TurnNormals(landmarks);
+    const detail::Turning turning = detail::TurnNormals(landmarks, [&](const Landmark& landmark) {
+      const std::uint32_t row = rows.Find(landmark.id.value());
+      return row == kNoRow ? nullptr : &map.points[row];
+    });
+    report.turned += turning.turned;
+    report.unturned += turning.unturned;
     for (Landmark& landmark : landmarks) {
       const std::uint32_t row = rows.Find(landmark.id.value());
       if (row != kNoRow) {

@@ -72,11 +72,12 @@ class Layer {
   }
 
   void LayMap(std::vector<Landmark> landmarks, const std::unordered_set<std::uint64_t>& repeated) {
-    detail::Facing facing;
-    for (const Landmark& landmark : landmarks)
-      if (const Spot* spot = Find(landmark); spot != nullptr && spot->point)
-        facing.Add(landmark, atlas_.maps[spot->map].points[*spot->point]);
-    if (facing.as_points()) report_.turned += detail::TurnNormals(landmarks);
+    const detail::Turning turning = detail::TurnNormals(landmarks, [&](const Landmark& landmark) {
+      const Spot* spot = Find(landmark);
+      return spot == nullptr || !spot->point ? nullptr : &atlas_.maps[spot->map].points[*spot->point];
+    });
+    report_.turned += turning.turned;
+    report_.unturned += turning.unturned;
     std::size_t home = 0;  // the map of the one before: new ones go there
     for (const Landmark& landmark : landmarks) {
       Spot* spot = Find(landmark);

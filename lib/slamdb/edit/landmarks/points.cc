@@ -7,6 +7,8 @@
 namespace slamdb::detail {
 namespace {
 
+constexpr std::uint64_t kOverwhelming = 9;  // to one
+
 template <class Vector>
 Eigen::Vector3d UnitOrZero(const Vector& vector) {
   const Eigen::Vector3d wide = vector.template cast<double>();
@@ -58,20 +60,30 @@ MapPoint PointOf(const Landmark& landmark, MapPointId id) {
   return point;
 }
 
-void Facing::Add(const Landmark& landmark, const MapPoint& point) {
-  const double along = landmark.normal.dot(point.normal.cast<double>());
-  away_ += along > 0;
-  towards_ += along < 0;
-}
-
-std::uint64_t TurnNormals(std::vector<Landmark>& landmarks) {
-  std::uint64_t turned = 0;
-  for (Landmark& landmark : landmarks)
-    if (!landmark.normal.isZero(0)) {
+Turning TurnNormals(std::vector<Landmark>& landmarks, const std::function<const MapPoint*(const Landmark&)>& point_of) {
+  Turning turning;
+  std::uint64_t right = 0;
+  std::vector<Landmark*> untold;
+  for (Landmark& landmark : landmarks) {
+    const MapPoint* point = point_of(landmark);
+    const double along = point == nullptr ? 0 : landmark.normal.dot(point->normal.cast<double>());
+    if (along > 0) {
       landmark.normal = -landmark.normal;
-      ++turned;
+      ++turning.turned;
+    } else if (along < 0) {
+      ++right;
+    } else if (!landmark.normal.isZero(0)) {
+      untold.push_back(&landmark);
     }
-  return turned;
+  }
+  if (turning.turned == 0) return turning;
+  if (turning.turned < kOverwhelming * right) {
+    turning.unturned = untold.size();
+    return turning;
+  }
+  for (Landmark* landmark : untold) landmark->normal = -landmark->normal;
+  turning.turned += untold.size();
+  return turning;
 }
 
 }  // namespace slamdb::detail

@@ -23,8 +23,9 @@ std::string ToJson(const MakeLandmarksReport& report, const ReportFiles& files) 
 
 std::string ToJson(const MakePointsReport& report, const ReportFiles& files) {
   detail::Json json = detail::ReportHead("landmarks", files);
-  json["to_points"] = {{"moved", report.moved}, {"added", report.added},     {"plain", report.plain},
-                       {"fused", report.fused}, {"renamed", report.renamed}, {"turned", report.turned}};
+  json["to_points"] = {{"moved", report.moved},      {"added", report.added},     {"plain", report.plain},
+                       {"fused", report.fused},      {"renamed", report.renamed}, {"turned", report.turned},
+                       {"unturned", report.unturned}};
   return detail::JsonText(json);
 }
 
@@ -38,6 +39,7 @@ std::string ToJson(const LayLandmarksReport& report, const ReportFiles& files, c
                   {"without", report.without},
                   {"added", report.added},
                   {"turned", report.turned},
+                  {"unturned", report.unturned},
                   {"not_there", IdsJson(report.not_there)},
                   {"ambiguous", IdsJson(report.ambiguous)},
                   {"infinite", IdsJson(report.infinite)}};

@@ -16,6 +16,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/detail/unit.h"
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/edit/landmarks/landmarks.h"
@@ -104,8 +105,9 @@ void Compare(const Map& first, const Map& second, const JoinOptions& options, Jo
   const std::string problem = detail::ScaleProblem(a, b, scale), warning = detail::ScaleWarning(a, b, scale);
   if (!problem.empty() && !options.force)
     throw Error(ErrorKind::kNotPossible, problem +
-                                             "; give another scale, or solve it from anchors; where both are of "
-                                             "one scale all the same, JoinOptions::force joins");
+                                             (scale == 1 ? "; give another scale, or solve it from anchors"
+                                                         : "; give a transform without scale, or solve one") +
+                                             "; where both are of one scale all the same, JoinOptions::force joins");
   for (const std::string& sentence : {problem, warning})
     if (!sentence.empty()) report.warnings.push_back(sentence);
   for (detail::Mixture& mixture : detail::MixturesOf(a, b, detail::Together::kJoined))

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/edit/frame/detail/unit.h"
 
 namespace slamdb::detail {
 namespace {
@@ -14,12 +15,6 @@ constexpr const char* kOneSensor = "; ORB-SLAM3 takes all maps of an atlas for t
 
 // Landmarks alone tell nothing of what made them.
 bool HasSensor(const Map& map) { return !map.keyframes.empty(); }
-
-bool HasStereo(const Map& map) {
-  return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) {
-    return keyframe.right_camera || keyframe.intrinsics.baseline_fx > 0;
-  });
-}
 
 // The one of which `has` is true first, when it is true of one alone.
 template <class Has>
@@ -64,6 +59,8 @@ void WarnOfStereo(const NamedMap& a, const NamedMap& b, bool joined, std::vector
                 joined ? ": ORB-SLAM3 takes all keyframes for those of the sensor that it runs with" : kOneSensor)});
 }
 
+bool IsClose(double x, double y) { return std::abs(x - y) <= 1e-3 * std::max(std::abs(x), std::abs(y)); }
+
 std::set<CameraId> CamerasOf(const Map& map) {
   std::set<CameraId> cameras;
   for (const KeyFrame& keyframe : map.keyframes)
@@ -76,7 +73,7 @@ std::set<CameraId> CamerasOf(const Map& map) {
 bool SameIntrinsics(const Map& a, const Map& b) {
   if (a.keyframes.empty() || b.keyframes.empty()) return true;
   const Intrinsics &first = a.keyframes.front().intrinsics, &second = b.keyframes.front().intrinsics;
-  const auto close = [](float x, float y) { return std::abs(x - y) <= 1e-3F * std::max(std::abs(x), std::abs(y)); };
+  const auto close = [](float x, float y) { return IsClose(static_cast<double>(x), static_cast<double>(y)); };
   return close(first.fx, second.fx) && close(first.fy, second.fy) && close(first.cx, second.cx) &&
          close(first.cy, second.cy) &&
          (first.baseline_fx <= 0 || second.baseline_fx <= 0 || close(first.baseline_fx, second.baseline_fx));
@@ -93,8 +90,6 @@ void WarnOfCameras(const NamedMap& a, const NamedMap& b, std::vector<Mixture>& m
 }
 
 }  // namespace
-
-bool IsMetric(const Map& map) { return map.imu_initialized || HasStereo(map); }
 
 bool HasArbitraryScale(const Map& map) { return HasSensor(map) && !IsMetric(map); }
 
@@ -115,6 +110,11 @@ std::vector<Mixture> MixturesOf(const NamedMap& first, const NamedMap& second, T
 std::string ScaleProblem(const NamedMap& first, const NamedMap& second, double scale) {
   const NamedMap *metric = nullptr, *arbitrary = nullptr;
   if (!HasSensor(*first.map) || !HasSensor(*second.map)) return {};
+  if (IsMetric(*first.map) && IsMetric(*second.map) && !IsClose(scale, 1))
+    return Concat(
+        "the scales of ", first.name, " and ", second.name, " are metric both, and the transform has a scale of ",
+        scale,
+        ": lengths of the second would be wrong in the joined map, and its baselines others than those of the first");
   if (scale != 1 || !DiffersIn(first, second, IsMetric, metric, arbitrary)) return {};
   return Concat("the scale of ", arbitrary->name,
                 ", which is monocular without initialised IMU, is arbitrary, that of ", metric->name,

@@ -18,6 +18,8 @@
 namespace slamdb::detail {
 namespace {
 
+constexpr std::size_t kMostWork = 10'000'000;  // points in view of keyframes that are tried; a second, or less
+
 class Chooser {
  public:
   Chooser(const Sights& sights, const KeyFrameBudget& budget)
@@ -27,6 +29,13 @@ class Chooser {
   // Good keyframes as they were made.
   const std::vector<std::uint32_t>& order() const { return order_; }
   KeptViews Nothing() const { return {sights_, budget_.min_points, budget_.bytes_around, budget_.keyframe_bytes}; }
+
+  // Of points by keyframes, all together.
+  std::size_t CountSights() const {
+    std::size_t count = 0;
+    for (const std::uint32_t keyframe : order_) count += sights_.PointsOf(keyframe).size();
+    return count;
+  }
 
   std::size_t RoomBeside(const KeptViews& kept) const {
     return budget_.keyframes.value_or(std::numeric_limits<std::size_t>::max()) - kept.keyframes();
@@ -281,6 +290,69 @@ void TryEvenly(const Chooser& chooser, std::size_t count, std::optional<KeptView
   }
 }
 
+// Keyframes at equal distances, by their places in the order: every steps/over-th from `begin` on.
+struct Spacing {
+  std::size_t begin, steps, over;
+  std::size_t operator()(std::size_t i) const { return begin + i * steps / over; }
+};
+
+// As many keyframes as the best has, evenly spaced over all, from every keyframe that they can begin with; as much work
+// as adding each keyframe a few times. In maps where that is no more work, at every smaller distance, too.
+void TrySpaced(const Chooser& chooser, std::size_t count, std::optional<KeptViews>& best) {
+  const std::vector<std::uint32_t>& order = chooser.order();
+  KeptViews kept = chooser.Nothing();
+  Quality highest = best->quality();
+  std::optional<Spacing> found;
+  const auto consider = [&](const Spacing& spacing) {
+    std::size_t added = 0;
+    while (added < count && chooser.TryAdd(order[spacing(added)], kept, KeptViews::Deaf())) ++added;
+    if (added == count && kept.quality() > highest) {
+      highest = kept.quality();
+      found = spacing;
+    }
+    while (added > 0) kept.Remove(order[spacing(--added)]);
+  };
+  const std::size_t all = order.size(), widest = all / count;
+  for (std::size_t begin = 0; begin < widest; ++begin) {
+    consider({begin, all, count});
+    consider({begin, widest, 1});
+  }
+  if (count > 1 && chooser.CountSights() * all <= 2 * kMostWork)
+    for (std::size_t step = 1; step * (count - 1) < all; ++step)
+      for (std::size_t begin = 0; begin + step * (count - 1) < all; ++begin) consider({begin, step, 1});
+  if (!found) return;
+  KeptViews again = chooser.Nothing();
+  for (std::size_t i = 0; i < count; ++i) again.Add(order[(*found)(i)], KeptViews::Deaf());
+  best.emplace(std::move(again));
+}
+
+// ---- local search
+
+// Exchanges keyframes one by one for those that make the choice best, as long as there are such, up to so much work.
+void Exchange(const Chooser& chooser, KeptViews& kept) {
+  std::size_t work = 0;
+  for (bool improves = true; improves && work < kMostWork;) {
+    improves = false;
+    for (const std::uint32_t out : chooser.order()) {
+      if (!kept.Keeps(out) || work >= kMostWork) continue;
+      Quality highest = kept.quality();
+      std::uint32_t best = out;
+      kept.Remove(out);
+      for (const std::uint32_t in : chooser.order()) {
+        if (in == out || kept.Keeps(in) || !chooser.TryAdd(in, kept, KeptViews::Deaf())) continue;
+        if (kept.quality() > highest) {
+          highest = kept.quality();
+          best = in;
+        }
+        kept.Remove(in);
+        work += chooser.sights().PointsOf(in).size();
+      }
+      kept.Add(best, KeptViews::Deaf());
+      improves |= best != out;
+    }
+  }
+}
+
 // How many places the whole atlas covers.
 std::uint64_t MostCovered(const Chooser& chooser, std::size_t min_points) {
   return static_cast<std::uint64_t>(std::ranges::count_if(chooser.order(), [&](std::uint32_t keyframe) {
@@ -300,6 +372,8 @@ Subset ChooseKeyFrames(const Sights& sights, const KeyFrameBudget& budget) {
     const std::size_t count = best->keyframes();
     TryConsecutive(chooser, best);
     TryEvenly(chooser, count, best);
+    TrySpaced(chooser, count, best);
+    Exchange(chooser, *best);
   }
   return best->ToSubset();
 }

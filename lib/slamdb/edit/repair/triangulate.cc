@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/repair/detail/triangulate.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/model/covariance.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
 
@@ -17,10 +19,12 @@ namespace slamdb::detail {
 namespace {
 
 constexpr std::uint64_t kLargestId = std::numeric_limits<std::int32_t>::max();
-constexpr std::size_t kGrain = 64;           // points
-constexpr std::size_t kMostPairs = 28;       // of views that are tried: all pairs of eight
-constexpr double kMostCosine = 0.9998;       // of two rays with a parallax, as ORB-SLAM3 wants it
-constexpr double kOutlierChiSquare = 5.991;  // of a reprojection, in units of the octave's variance
+constexpr std::size_t kGrain = 64;      // points
+constexpr std::size_t kMostTried = 8;   // views from which places are guessed; all views judge them
+constexpr int kSteps = 4;               // of a refinement
+constexpr int kRounds = 8;              // of refinements, each over the views that agreed with the one before
+constexpr double kMostCosine = 0.9998;  // of two rays with a parallax, as ORB-SLAM3 wants it
+constexpr double kOutlierOfTwo = 5.991, kOutlierOfThree = 7.815;  // chi-square of a pixel, and of one with a depth
 
 // A slot of a keyframe that holds the point.
 struct Slot {
@@ -34,21 +38,28 @@ struct View {
   const Camera* camera;
   Eigen::Matrix3d rotation;  // camera_from_world
   Eigen::Vector3d translation;
-  Eigen::Vector2f pixel;
-  Eigen::Vector3d ray;  // in the camera, scaled to z = 1
+  Eigen::Vector2d pixel;
+  Eigen::Vector3d ray;  // in the world, of unit length
   double sigma2;
-  std::optional<Eigen::Vector3d> by_depth;  // where it is, by the depth alone
+  double baseline_fx = 0;
+  std::optional<double> depth;
 
+  Eigen::Vector3d ToCamera(const Eigen::Vector3d& position) const { return rotation * position + translation; }
   bool is_right(const KeyFrame& keyframe) const {
     return keyframe.features.is_fisheye_stereo() && slot.feature >= keyframe.features.left_count;
   }
 };
 
-// A place for the point, and the views that it projects to.
+// A place for the point, and the views that agree with it.
 struct Guess {
   Eigen::Vector3d position;
   std::vector<std::size_t> inliers;
   double error = 0;  // sum over them
+
+  bool IsBetterThan(const std::optional<Guess>& other) const {
+    return !other || inliers.size() > other->inliers.size() ||
+           (inliers.size() == other->inliers.size() && error < other->error);
+  }
 };
 
 // What all points are triangulated with.
@@ -78,80 +89,142 @@ std::optional<View> ViewOf(const Cameras& cameras, const KeyFrame& keyframe, con
             .pixel = {keypoint->x, keypoint->y},
             .ray = Unproject(*camera, {keypoint->x, keypoint->y}).cast<double>(),
             .sigma2 = static_cast<double>(keyframe.pyramid.sigma2[octave]),
-            .by_depth = {}};
+            .depth = {}};
+  view.ray = view.rotation.transpose() * view.ray.normalized();
   if (!view.rotation.allFinite() || !view.translation.allFinite() || !view.ray.allFinite() || !(view.sigma2 > 0))
     return std::nullopt;
-  const auto in_camera =
-      features.is_fisheye_stereo() ? std::nullopt : UnprojectDepth(features, keyframe.intrinsics, slot.feature);
-  if (in_camera && in_camera->allFinite())
-    view.by_depth = view.rotation.transpose() * (in_camera->cast<double>() - view.translation);
+  const float baseline_fx = keyframe.intrinsics.baseline_fx;
+  if (features.is_fisheye_stereo() || !(baseline_fx > 0) || !std::isfinite(baseline_fx)) return view;
+  view.baseline_fx = static_cast<double>(baseline_fx);
+  const auto in_camera = UnprojectDepth(features, keyframe.intrinsics, slot.feature);
+  if (in_camera && std::isfinite(in_camera->z())) view.depth = static_cast<double>(in_camera->z());
   return view;
 }
 
-// The least squares of the views' projection equations.
-std::optional<Eigen::Vector3d> Intersect(const std::vector<View>& views, const std::vector<std::size_t>& rows) {
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  for (const std::size_t row : rows) {
-    Eigen::Matrix<double, 3, 4> pose;
-    pose << views[row].rotation, views[row].translation;
-    for (const int axis : {0, 1}) {
-      const Eigen::RowVector4d equation = views[row].ray[axis] * pose.row(2) - pose.row(axis);
-      normal += equation.transpose() * equation;
-    }
+bool HasParallax(const View& a, const View& b) { return a.ray.dot(b.ray) < kMostCosine; }
+
+// Of the rows' rays the two with the widest angle, or nearly: the farthest from the first, and the farthest from that.
+std::pair<std::size_t, std::size_t> WidestPair(const std::vector<View>& views, const std::vector<std::size_t>& rows) {
+  const auto farthest_from = [&](std::size_t from) {
+    return *std::ranges::min_element(rows, {}, [&](std::size_t row) { return views[from].ray.dot(views[row].ray); });
+  };
+  const std::size_t first = farthest_from(rows.front());
+  return {first, farthest_from(first)};
+}
+
+// Where the view's depth alone puts the point.
+std::optional<Eigen::Vector3d> AtDepth(const View& view) {
+  if (!view.depth) return std::nullopt;
+  const Eigen::Vector3d in_camera = view.rotation * view.ray;
+  return view.rotation.transpose() * (in_camera * (*view.depth / in_camera.z()) - view.translation);
+}
+
+// The place that is nearest to both rays.
+std::optional<Eigen::Vector3d> Intersect(const View& a, const View& b) {
+  if (!HasParallax(a, b)) return std::nullopt;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
+  for (const View* view : {&a, &b}) {
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - view->ray * view->ray.transpose();
+    normal += across;
+    right_side -= across * (view->rotation.transpose() * view->translation);
   }
-  const Eigen::Vector4d point = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(normal).eigenvectors().col(0);
-  if (!(std::abs(point.w()) > 1e-12)) return std::nullopt;
-  return Eigen::Vector3d(point.head<3>() / point.w());
+  return normal.ldlt().solve(right_side);
+}
+
+// How far the place is from what the view saw, in pixels: of the image, and, where it has a depth, of the column that
+// the right image of a stereo pair would have.
+std::optional<Eigen::Vector3d> ResidualOf(const View& view, const Eigen::Vector3d& in_camera) {
+  if (!in_camera.allFinite() || !(in_camera.z() > 0)) return std::nullopt;
+  const auto pixel = Project(*view.camera, in_camera.cast<float>());
+  if (!pixel) return std::nullopt;
+  Eigen::Vector3d residual = Eigen::Vector3d::Zero();
+  residual.head<2>() = pixel->cast<double>() - view.pixel;
+  if (view.depth) residual.z() = residual.x() - view.baseline_fx * (1 / in_camera.z() - 1 / *view.depth);
+  return residual;
 }
 
 Guess Judge(const std::vector<View>& views, const Eigen::Vector3d& position) {
   Guess guess{.position = position, .inliers = {}};
   for (std::size_t row = 0; row < views.size(); ++row) {
     const View& view = views[row];
-    const Eigen::Vector3d in_camera = view.rotation * position + view.translation;
-    if (!in_camera.allFinite() || !(in_camera.z() > 0)) continue;
-    const auto pixel = Project(*view.camera, in_camera.cast<float>());
-    if (!pixel) continue;
-    const double error = static_cast<double>((*pixel - view.pixel).squaredNorm()) / view.sigma2;
-    if (!(error <= kOutlierChiSquare)) continue;
+    const auto residual = ResidualOf(view, view.ToCamera(position));
+    if (!residual) continue;
+    const double error = residual->squaredNorm() / view.sigma2;
+    if (!(error <= (view.depth ? kOutlierOfThree : kOutlierOfTwo))) continue;
     guess.inliers.push_back(row);
     guess.error += error;
   }
   return guess;
 }
 
-bool HasParallax(const std::vector<View>& views, const std::vector<std::size_t>& rows) {
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      const View &a = views[rows[i]], &b = views[rows[j]];
-      const Eigen::Vector3d first = a.rotation.transpose() * a.ray, second = b.rotation.transpose() * b.ray;
-      if (first.dot(second) < kMostCosine * first.norm() * second.norm()) return true;
+// The least squares of the residuals of the views that agree, from the guess on.
+std::optional<Eigen::Vector3d> Refine(const std::vector<View>& views, const Guess& guess) {
+  Eigen::Vector3d position = guess.position;
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
+    for (const std::size_t row : guess.inliers) {
+      const View& view = views[row];
+      const Eigen::Vector3d in_camera = view.ToCamera(position);
+      const auto residual = ResidualOf(view, in_camera);
+      const auto by_camera = ProjectionJacobian(*view.camera, in_camera);
+      if (!residual || !by_camera) return std::nullopt;
+      Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
+      jacobian.topRows<2>() = *by_camera;
+      if (view.depth) {
+        jacobian.row(2) = by_camera->row(0);
+        jacobian(2, 2) += view.baseline_fx / (in_camera.z() * in_camera.z());
+      }
+      jacobian *= view.rotation;
+      normal += jacobian.transpose() * jacobian / view.sigma2;
+      right_side -= jacobian.transpose() * *residual / view.sigma2;
     }
-  return false;
+    position += normal.ldlt().solve(right_side);
+  }
+  return position;
 }
 
 bool HoldsInPlace(const std::vector<View>& views, const std::vector<std::size_t>& rows) {
-  const auto has_depth = [&](std::size_t row) { return views[row].by_depth.has_value(); };
-  return std::ranges::any_of(rows, has_depth) || HasParallax(views, rows);
+  if (rows.empty()) return false;
+  if (std::ranges::any_of(rows, [&](std::size_t row) { return views[row].depth.has_value(); })) return true;
+  const auto [first, second] = WidestPair(views, rows);
+  return HasParallax(views[first], views[second]);
 }
 
-// The place that most views agree on.
+// Up to kMostTried rows of views, evenly spaced.
+std::vector<std::size_t> RowsToTry(std::size_t views) {
+  const std::size_t count = std::min(views, kMostTried);
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < count; ++i) rows.push_back(i * views / count);
+  return rows;
+}
+
+// The place that most views agree on: where two rays with a parallax meet, or where a depth puts it.
 std::optional<Guess> Locate(const std::vector<View>& views) {
   std::optional<Guess> best;
   const auto consider = [&](const std::optional<Eigen::Vector3d>& position) {
-    if (!position || !position->allFinite()) return;
+    if (!position || !position->allFinite()) return false;
     Guess guess = Judge(views, *position);
-    const bool better = !best || guess.inliers.size() > best->inliers.size() ||
-                        (guess.inliers.size() == best->inliers.size() && guess.error < best->error);
-    if (better && HoldsInPlace(views, guess.inliers)) best = std::move(guess);
+    if (!guess.IsBetterThan(best) || !HoldsInPlace(views, guess.inliers)) return false;
+    best = std::move(guess);
+    return true;
   };
-  std::size_t pairs = 0;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    consider(views[i].by_depth);
-    for (std::size_t j = 0; j < i && pairs < kMostPairs; ++j, ++pairs) consider(Intersect(views, {i, j}));
+  const std::vector<std::size_t> tried = RowsToTry(views.size());
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    consider(AtDepth(views[tried[i]]));
+    for (std::size_t j = 0; j < i; ++j) consider(Intersect(views[tried[i]], views[tried[j]]));
   }
-  if (best && best->inliers.size() > 2 && HasParallax(views, best->inliers)) consider(Intersect(views, best->inliers));
-  return best;
+  if (!views.empty()) {
+    std::vector<std::size_t> all(views.size());
+    std::iota(all.begin(), all.end(), 0);
+    const auto [first, second] = WidestPair(views, all);
+    consider(Intersect(views[first], views[second]));
+  }
+  for (int round = 0; round < kRounds && best && consider(Refine(views, *best)); ++round) {
+  }
+  const bool most_agree = best && 2 * best->inliers.size() > views.size();  // else nothing tells who is right
+  return most_agree ? best : std::nullopt;
 }
 
 // Of a keyframe's slots one each in its left and its right image: the first.

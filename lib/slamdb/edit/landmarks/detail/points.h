@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "slamdb/model/atlas.h"
@@ -22,17 +23,14 @@ MapPoint PointOf(const Landmark& landmark, MapPointId id);
 // MRPT 2 makes BLD of ORB when it reads a file and writes it again; the type of the feature stays.
 const FeatureDescriptor* OrbOf(const LandmarkFeature& feature);
 
-// Which way landmarks face, by the points that they are of: earlier versions of slamdb gave them the normals of points.
-class Facing {
- public:
-  void Add(const Landmark& landmark, const MapPoint& point);
-  bool as_points() const { return away_ > towards_; }
-
- private:
-  std::uint64_t away_ = 0, towards_ = 0;  // from the cameras, and to them
+struct Turning {
+  std::uint64_t turned = 0;    // landmarks whose normals were those of points
+  std::uint64_t unturned = 0;  // of which no point tells, left as they were though others were turned
 };
 
-// Turns the normals round; returns how many there are.
-std::uint64_t TurnNormals(std::vector<Landmark>& landmarks);
+// Turns normals that point away from the cameras: earlier versions of slamdb gave landmarks those of their points. Each
+// is held against its point, which `point_of` finds or not; those without are turned when nine tenths or more of the
+// others are.
+Turning TurnNormals(std::vector<Landmark>& landmarks, const std::function<const MapPoint*(const Landmark&)>& point_of);
 
 }  // namespace slamdb::detail

@@ -16,10 +16,7 @@ struct NamedMap {
   std::string name;
 };
 
-// Whether lengths in the map are metres: it has stereo or depth, or an initialised IMU.
-bool IsMetric(const Map& map);
-
-// Whether it has keyframes, and is not metric: monocular without an initialised IMU.
+// Whether it has keyframes, and lengths that are not metres: monocular without an initialised IMU.
 bool HasArbitraryScale(const Map& map);
 
 // What becomes of the two: maps of one atlas, or one map.
@@ -35,8 +32,8 @@ struct Mixture {
 // one atlas.
 std::vector<Mixture> MixturesOf(const NamedMap& first, const NamedMap& second, Together together);
 
-// Why one map of two, of which the second was moved by a transform of this scale, holds two scales; empty when it does
-// not.
+// Why one map of two, of which the second was moved by a transform of this scale, holds two scales or two baselines;
+// empty when it does not. A scale within a thousandth of 1 counts as none.
 std::string ScaleProblem(const NamedMap& first, const NamedMap& second, double scale);
 
 // What else there is to know of the scale of such a map; empty when nothing.

@@ -18,11 +18,12 @@ struct KeyFrameBudget {
   std::vector<std::uint64_t> keyframe_bytes;  // by number, without observations
 };
 
-// The best of three ways to choose, by Quality, the first of equals:
+// The best of four ways to choose, by Quality, the first of equals:
 //   greedy        one by one what adds most to places that are not covered yet, or in twos what adds more together
 //   consecutive   the best run of keyframes, as they were made
 //   evenly        runs of equal length, evenly spaced, from single keyframes to half of all in each
-// so that a choice covers never less than those that need no computing.
+//   spaced        single keyframes, evenly spaced, from every one that they can begin with
+// so that a choice covers never less than those that need no computing; then keyframes are exchanged one by one.
 // Throws Error (kNotPossible) when the budget leaves no room for a single good keyframe, or there is none.
 Subset ChooseKeyFrames(const Sights& sights, const KeyFrameBudget& budget);
 
