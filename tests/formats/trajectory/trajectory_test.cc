@@ -344,6 +344,20 @@ TEST(Order, ThatCannotBeToldIsAnErrorWithBothReadings) {
   EXPECT_EQ(FoundProblem(spaced), "no error");
 }
 
+// Between blanks it is TUM's, whatever the rotations say; but they may say it.
+TEST(Order, BetweenBlanksIsDoubtedAloud) {
+  const Eigen::Quaterniond looking = Eigen::Quaterniond(0.62, -0.6, 0.36, -0.36).normalized();
+  for (const bool scalar_first : {false, true}) {
+    std::string text = Walk(scalar_first, looking, 0.05, 60);
+    std::ranges::replace(text, ',', ' ');
+    Notices notices;
+    ReadAsFound(text, notices);
+    EXPECT_EQ(notices.items().size(), scalar_first ? 1U : 0U);
+    for (const Notice& notice : notices.items())
+      EXPECT_THAT(notice.text, HasSubstr("between blanks quaternions are x y z w"));
+  }
+}
+
 TEST(Order, OfNanosecondsIsThatOfEurocUnlessRotationsContradict) {
   const std::string start = "1403636579763555072,0,0,0,";
   EXPECT_EQ(FoundProblem(start + "0.5,0.5,-0.5,0.5\n"), "no error");

@@ -94,12 +94,20 @@ std::string Reading(const Row& first, PoseLayout layout) {
 
 PoseLayout LayoutOfRows(std::string_view text, PoseLayout layout, std::string_view path, Notices& notices) {
   const TableGlance glance = GlanceAtTable(text, PoseTable(layout));
-  if (glance.named || glance.numbers < 8 || IsBlank(glance.separator)) return layout;
+  if (glance.named || glance.numbers < 8) return layout;
   Table table(text, PoseTable(layout));
   const std::vector<Row> rows = RowsOf(table);
   if (rows.empty()) return layout;
   const auto start = ByTheStart(rows[0]), motion = ByTheMotion(rows);
   const bool contradict = start && motion && *start != *motion;
+  if (IsBlank(glance.separator)) {
+    if (motion && *motion != layout && !contradict)
+      notices.Warn(
+          Concat("no line names the columns, and between blanks quaternions are x y z w, as in tum; but as w x y z "
+                 "the camera would go more steadily one way: if they are that, name the columns, or give "
+                 "ReadOptions::format euroc"));
+    return layout;
+  }
   auto order = contradict ? std::nullopt : start ? start : motion;
   if (layout == PoseLayout::kEuroc && !contradict && order != PoseLayout::kTum) return layout;
   if (!start && !motion && path.ends_with(".tum")) order = PoseLayout::kTum;
