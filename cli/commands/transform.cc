@@ -58,6 +58,7 @@ std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Co
   if (format != nullptr) RefuseIdleTimes(*format, options.time_unit, options.times);
   if (format != nullptr && IsTrajectory(*format)) {
     std::vector<TimedPosition> positions;
+    read.format = format->id;  // in which order it has quaternions does not matter: they are not used
     for (const TrajectoryPose& pose : ReadTrajectory(held, read, &notices))
       positions.push_back({pose.timestamp, pose.position});
     return positions;

@@ -92,7 +92,14 @@ TEST(Times, UnitsAreToldBySteps) {
   EXPECT_THAT(Seconds("0\n1\n2\n"), ElementsAre("0", "1", "2"));
   // Nanoseconds whose numbers could be seconds of this century, were it not for the steps.
   EXPECT_THAT(Seconds("1000000000\n1250000000\n1500000000\n"), ElementsAre("1", "1.25", "1.5"));
-  EXPECT_THAT(Seconds("0.0\n5.0\n10.0\n"), ElementsAre("0.0", "5.0", "10.0"));
+  Notices notices;
+  EXPECT_THAT(Seconds("0.0\n5.0\n10.0\n", notices), ElementsAre("0.0", "5.0", "10.0"));
+  EXPECT_THAT(notices.items().at(0).text, HasSubstr("as they have decimals"));
+  // Decimals make no seconds of steps that are none.
+  EXPECT_THAT(Seconds("1000.0\n1033.3\n1066.6\n", notices), ElementsAre("1", "1.0333", "1.0666"));
+  EXPECT_THAT(notices.items().at(1).text, HasSubstr("times are taken as milliseconds"));
+  EXPECT_THAT(Seconds("0.000\n33.333\n66.667\n"), ElementsAre("0", "0.033333", "0.066667"));
+  EXPECT_THAT(Seconds("0.5\n33333.8\n66667.1\n"), ElementsAre("0.0000005", "0.0333338", "0.0666671"));
 }
 
 TEST(Times, WhatCannotBeToldIsAnErrorWithBothReadings) {

@@ -230,6 +230,31 @@ TEST_F(Tables, TimesThatCannotBeToldNeedTheirUnit) {
   EXPECT_THAT(ReadWholeFile(In("s.tum")), HasSubstr("\n0.005 1 0 0 0 0 0 1\n"));
 }
 
+// Positions are laid onto each other whatever the order of the quaternions is; a map that is made of them needs it.
+TEST_F(Tables, QuaternionsOfEitherOrder) {
+  const std::string text = Rows([](const TrajectoryPose& pose) {
+    return Digits(pose.timestamp, 3) + "," + Place(pose, ",") + ",0.1,0.7,0.1,0.7";
+  });
+  ExpectOnto(Onto(text));
+  const ProcessResult result = RunSlamdb({"convert", In("reference.txt"), In("order.tum"), "-O"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("--from tum or euroc settles it"));
+  EXPECT_EQ(RunSlamdb({"convert", In("reference.txt"), In("order.tum"), "-O", "--from", "euroc"}).exit_code, 0);
+  EXPECT_THAT(ReadWholeFile(In("order.tum")), HasSubstr(" 0.7 0.1 0.7 0.1\n"));
+}
+
+TEST_F(Tables, HemispheresInColumnsOfAnyName) {
+  const ProcessResult result = OntoEarth(
+      FixRows("timestamp,Latitude,LatitudeRef,Longitude,LongitudeRef,Altitude", [](const TrajectoryPose& pose) {
+        const Geodetic fix = FixOf(pose);
+        return Digits(pose.timestamp, 3) + "," + Digits(fix.latitude, 10) + ",S," + Digits(fix.longitude, 10) + ",W," +
+               Digits(fix.altitude, 4);
+      }));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(json::parse(result.out)["georeference"]["latitude"], -46);
+  EXPECT_LT(json::parse(result.out)["georeference"]["longitude"], -7);
+}
+
 TEST_F(Tables, FixesInEveryUnit) {
   const auto seconds = [](const TrajectoryPose& pose) { return Digits(pose.timestamp, 3) + "," + PlaceOnEarth(pose); };
   ExpectOntoEarth(OntoEarth(FixRows("timestamp,latitude,longitude,altitude", seconds)));

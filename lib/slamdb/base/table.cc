@@ -147,9 +147,9 @@ std::string Lower(std::string_view text) {
 
 bool IsUnit(std::string_view word) {
   static constexpr std::string_view kUnits[] = {
-      "min", "minutes", "h",      "hours",   "days", "m",    "metre",  "metres",  "meter",  "meters", "cm",
-      "mm",  "km",      "ft",     "foot",    "feet", "yd",   "yards",  "inch",    "inches", "mi",     "miles",
-      "deg", "degs",    "degree", "degrees", "rad",  "rads", "radian", "radians", "e7",     "dege7"};
+      "min",    "minutes", "h",    "hours", "days",   "m",       "metre", "metres", "meter", "meters", "cm",  "mm",
+      "km",     "ft",      "foot", "feet",  "yd",     "yards",   "inch",  "inches", "mi",    "miles",  "deg", "degs",
+      "degree", "degrees", "rad",  "rads",  "radian", "radians", "e6",    "dege6",  "e7",    "dege7"};
   return TimeUnitByName(word) || std::ranges::find(kUnits, word) != std::end(kUnits);
 }
 
@@ -158,6 +158,15 @@ std::string WithoutMicro(std::string_view unit) {
   for (const std::string_view micro : {"\xc2\xb5", "\xce\xbc", "\xce\x9c"})
     if (unit.starts_with(micro)) return Concat('u', unit.substr(micro.size()));
   return std::string(unit);
+}
+
+// Where the unit begins in `UnixTimeMillis`, `latitudeE7` and `TimeUS`; npos: nowhere.
+std::size_t CamelUnit(std::string_view shown) {
+  const auto is_lower = [](char letter) { return letter >= 'a' && letter <= 'z'; };
+  const auto is_upper = [](char letter) { return letter >= 'A' && letter <= 'Z'; };
+  for (std::size_t at = shown.size(); at-- > 1;)
+    if (is_lower(shown[at - 1]) && is_upper(shown[at])) return IsUnit(Lower(shown.substr(at))) ? at : shown.npos;
+  return shown.npos;
 }
 
 std::vector<ColumnName> NamesIn(std::string_view line, char separator) {
@@ -294,7 +303,9 @@ bool FindNamesInComments(const TableKind& kind, TableLayout& layout) {
 
 // Gives the columns of the first group that a row of so many cells has their places.
 bool TakePositions(std::span<const Cell> row, const TableKind& kind, TableLayout& layout) {
-  if (!kind.by_position || row.empty() || !IsNumber(row[0].text)) return false;
+  // The first is a number, or a date.
+  if (!kind.by_position || row.empty()) return false;
+  if (!IsNumber(row[0].text) && (row[0].text.empty() || row[0].text[0] < '0' || row[0].text[0] > '9')) return false;
   const auto filled = [&] { return row.back().text.empty() ? row.size() - 1 : row.size(); }();
   for (const Column& column : kind.columns) {
     std::size_t size = 0;
@@ -360,6 +371,11 @@ ColumnName::ColumnName(std::string_view shown) : text(Lower(shown)), name(text) 
     return;
   }
   if (IsUnit(text) && text.size() > 2) unit = text;  // `seconds`, `nanoseconds`
+  if (const std::size_t at = CamelUnit(shown); at != shown.npos) {
+    name = text.substr(0, at);
+    unit = text.substr(at);
+    return;
+  }
   const std::size_t end = text.find_last_of("_ -");
   if (end == text.npos || end == 0 || !IsUnit(WithoutMicro(std::string_view(text).substr(end + 1)))) return;
   unit = WithoutMicro(std::string_view(text).substr(end + 1));
@@ -396,7 +412,8 @@ TableGlance GlanceAtTable(std::string_view head, const TableKind& kind) {
   if (IsUtf16(head)) return {};
   const TableLayout layout = FindLayout(WithoutMark(head), kind);
   if (!layout.names.empty()) return {.named = true, .separator = layout.separator};
-  const std::vector<Cell> row = CellsOf(layout.first, layout.separator);
+  std::vector<Cell> row = CellsOf(layout.first, layout.separator);
+  if (row.size() > 1 && row.back().text.empty()) row.pop_back();  // a separator behind the last cell
   if (row.empty() || !AreNumbers(row)) return {.separator = layout.separator};
   const auto first = ParseNumber<double>(WithPoint(row[0].text));
   return {.numbers = row.size(), .first = first.value_or(0), .separator = layout.separator};

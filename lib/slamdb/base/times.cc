@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "slamdb/base/detail/clock_times.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/median.h"
 
@@ -244,6 +245,9 @@ Column TimeColumn(int group) {
            "stamp",
            "time_stamp",
            "unix_time",
+           "unixtime",
+           "utctime",
+           "gpstime",
            "gps_time",
            "utc_time",
            "datetime",
@@ -275,6 +279,7 @@ void TimeReader::Add() {
   if (number && std::isfinite(*number)) {
     if (!ShiftedDecimal(cell, 0)) throw table_.CellError(rules_.time, "a time");
     has_point_ |= cell.find('.') != cell.npos;
+    if (rules_.date && table_.Has(*rules_.date)) days_.emplace_back(Trimmed(table_.Raw(*rules_.date)));
   } else {
     const std::string_view date =
         rules_.date && table_.Has(*rules_.date) ? Trimmed(table_.Raw(*rules_.date)) : std::string_view();
@@ -301,6 +306,7 @@ std::vector<std::string> TimeReader::Seconds(Notices& notices) const {
   TellWhichColumn(notices);
   for (const FinerTimes& finer : finer_)
     if (auto seconds = WithFraction(finer)) return WithRepeatsTold(*std::move(seconds), notices);
+  if (auto seconds = ClockTimes(notices)) return *std::move(seconds);
   const TimeUnit unit = dates_ > 0 ? TimeUnit::kSeconds : Unit(notices);
   for (const FinerTimes& finer : finer_) {
     if (dates_ > 0 || finer.unit <= unit || (rules_.asked && !NameSaysSeconds())) continue;
@@ -332,6 +338,26 @@ std::optional<std::vector<std::string>> TimeReader::WithFraction(const FinerTime
       return std::nullopt;
     seconds.push_back(*whole + behind->substr(std::min(behind->find('.'), behind->size())));
   }
+  return seconds;
+}
+
+// Numbers that are times of day. Those beside a date that are neither these nor of this century say too little.
+std::optional<std::vector<std::string>> TimeReader::ClockTimes(Notices& notices) const {
+  const ColumnName* name = table_.NameOf(rules_.time);
+  const bool stated = name != nullptr && name->unit == "hhmmss";
+  if (dates_ > 0 || rules_.asked || (name != nullptr && !name->unit.empty() && !stated)) return std::nullopt;
+  const ColumnName* date = rules_.date ? table_.NameOf(*rules_.date) : nullptr;
+  auto seconds = ClockSeconds({.times = cells_,
+                               .dates = days_,
+                               .date_order = date != nullptr ? std::string_view(date->unit) : std::string_view(),
+                               .stated = stated,
+                               .first_line = lines_.front()},
+                              notices);
+  if (!seconds && !days_.empty() && std::ranges::max(values_) < kEpochBegin)
+    throw Error(ErrorKind::kNotPossible, "", Concat("line ", lines_.front()),
+                Concat("expected the time of the day as hhmmss or 22:13:20 beside its date, found ", cells_[0],
+                       "; times that do not count from the date need their unit: the time unit of the read options "
+                       "settles it"));
   return seconds;
 }
 
@@ -445,8 +471,12 @@ TimeUnit TimeReader::UnitByValues(Notices& notices) const {
     if (step * SecondsIn(unit) >= kShortestStep && step * SecondsIn(unit) <= kLongestStep) plausible.push_back(unit);
   const bool usual = std::ranges::find(plausible, rules_.usual) != plausible.end();
   if (plausible.empty() || (usual && (plausible.size() == 1 || rules_.firm))) return rules_.usual;
-  // Whoever writes decimals writes seconds.
-  if (has_point_ && rules_.usual == TimeUnit::kSeconds && step < kTooLongStep) return rules_.usual;
+  // Whoever writes decimals writes seconds, where these are plausible.
+  if (has_point_ && usual && rules_.usual == TimeUnit::kSeconds) {
+    notices.Note(Concat("times are taken as seconds, as they have decimals: ", Reading(rules_.usual), ", but ",
+                        Reading(plausible[1])));
+    return rules_.usual;
+  }
   if (plausible.size() > 1) throw Ambiguous(plausible[0], plausible[1], "");
   return chosen(plausible[0]);
 }

@@ -210,7 +210,77 @@ TEST(Fixes, UnitsAreNeverAssumed) {
   EXPECT_NEAR(radians.at(0).place.latitude, 47, 1e-12);
   EXPECT_NEAR(radians.at(0).place.longitude, 8, 1e-12);
   EXPECT_THAT(Notes("time,lat,lon,alt\n1,470000000,80000000,400000\n"), HasSubstr("1e-7 degrees"));
+  EXPECT_THAT(Failure("time,lat,lon,alt\n1,47500000,8700000,400\n"),
+              AllOf(HasSubstr("1e-6 degrees (47.5, 8.7)"), HasSubstr("1e-7 degrees (4.75, 0.87)"), HasSubstr("[e6]")));
+  EXPECT_EQ(ParseFixes("time,latitudeE6,lon_e6,alt\n1,47500000,8500000,400\n").at(0).place, (Geodetic{47.5, 8.5, 400}));
   EXPECT_THAT(Notes("time,lat,lon,alt_msl\n1,47,8,400\n"), HasSubstr("above the ellipsoid"));
+}
+
+// What a column of hemispheres is called is up to whoever wrote it.
+TEST(Fixes, HemispheresAreToldByTheirCells) {
+  for (const char* name :
+       {"LongitudeRef", "lon_ref", "E/W Indicator", "EWIndicator", "lonHemisphere", "lon_hem", "EorW", "Lon Direction",
+        "longitude_dir", "longitude_hemi", "E-W", "east/west", "lon_ew", "hemi_ew", "dir", "Unnamed: 4", ""})
+    for (const char* west : {"W", "w", "West", "WEST"}) {
+      const std::string text =
+          std::string("time,latitude,longitude,") + name + ",altitude\n1,47.5,8.5," + west + ",400\n2,47.5,0.5,E,400\n";
+      EXPECT_EQ(ParseFixes(text).at(0).place, (Geodetic{47.5, -8.5, 400})) << text;
+      EXPECT_EQ(ParseFixes(text).at(1).place, (Geodetic{47.5, 0.5, 400})) << text;
+      EXPECT_THAT(Notes(text), HasSubstr("is taken for the hemisphere of the longitude"));
+    }
+  EXPECT_EQ(ParseFixes("time,Latitude,LatitudeRef,Longitude,LongitudeRef,Altitude\n1,47.5,S,8.5,W,400\n").at(0).place,
+            (Geodetic{-47.5, -8.5, 400}));
+  EXPECT_EQ(ParseFixes("time,latitude,longitude,altitude,lon_hem,lat_hem\n1,47.5,8.5,400,W,S\n").at(0).place,
+            (Geodetic{-47.5, -8.5, 400}));
+}
+
+TEST(Fixes, LettersThatAreNoHemisphereMoveNothing) {
+  const Geodetic there = {47.5, 8.5, 400};
+  for (const char* text : {"time,latitude,longitude,altitude,heading\n1,47.5,8.5,400,W\n",
+                           "time,latitude,longitude,altitude,way\n1,47.5,8.5,400,E\n2,47.5,8.5,400,E\n",
+                           "time,latitude,longitude,altitude,way\n1,47.5,8.5,400,W\n2,47.5,8.5,400,N\n",
+                           "time,latitude,longitude,altitude,ns\n1,47.5,8.5,400,12\n2,47.5,8.5,400,1\n",
+                           "time,latitude,longitude,lon_ref,altitude\n1,47.5,8.5,,400\n"})
+    EXPECT_EQ(ParseFixes(text).at(0).place, there) << text;
+  EXPECT_THAT(Failure("time,latitude,longitude,altitude,way\n1,47.5,8.5,400,W\n"),
+              AllOf(HasSubstr("'way' holds E and W"), HasSubstr("name the column of the longitude's hemisphere E/W")));
+  EXPECT_THAT(Failure("time,latitude,longitude,lon_a,altitude,lon_b\n1,47.5,8.5,W,400,E\n"),
+              HasSubstr("'lon_a' and 'lon_b' both hold E and W"));
+  EXPECT_THAT(Failure("time,latitude,longitude,e/w,altitude\n1,47.5,8.5,5,400\n"),
+              HasSubstr("line 2: expected E or W, found '5' in column e/w"));
+}
+
+TEST(Fixes, FurtherColumnsNeedNames) {
+  // Easting before the altitude; mode and satellites before the place.
+  for (const char* text : {"1403636579763555072,47.5,8.5,331234.5,4.1e6,401,4,12\n",
+                           "1403636579763555,3,12,0.829,-0.151,401,1,0\n", "1 47.5 8.5 400 1\n"})
+    EXPECT_THAT(Failure(text), HasSubstr("columns without names; name them in a first line"));
+  EXPECT_EQ(ParseFixes("1,47.5,8.5,400,\n").at(0).place, (Geodetic{47.5, 8.5, 400}));
+  EXPECT_THAT(Notes("1,47.5,8.5,400\n"), HasSubstr("taken as time, latitude, longitude and altitude"));
+}
+
+TEST(Fixes, NamesOfLoggers) {
+  const auto logger = ParseFixes(
+      "Fix,Provider,LatitudeDegrees,LongitudeDegrees,AltitudeMeters,UnixTimeMillis\nFix,gps,47.5,8.5,400,"
+      "1403636579764\n");
+  EXPECT_EQ(logger.at(0).timestamp, 1403636579.764);
+  EXPECT_EQ(logger.at(0).place, (Geodetic{47.5, 8.5, 400}));
+  const auto e7 = ParseFixes("timestampMs,latitudeE7,longitudeE7,altitude\n1403636579764,475000000,85000000,400.5\n");
+  EXPECT_EQ(e7.at(0).timestamp, 1403636579.764);
+  EXPECT_NEAR(e7.at(0).place.longitude, 8.5, 1e-12);
+}
+
+// Of ArduPilot 1 is no fix, of NavSatFix it is one with corrections.
+TEST(Fixes, StatusCountsTwoWays) {
+  EXPECT_THAT(Notes("TimeUS,Status,GMS,GWk,Lat,Lng,Alt\n0,1,0,0,10,20,0\n100000,2,0,0,47.5,8.5,400\n"),
+              HasSubstr("status 1 (1 row, first in line 2)"));
+  EXPECT_THAT(Notes("time,status,lat,lon,alt\n0,0,10,20,0\n0.1,3,47.5,8.5,400\n"), HasSubstr("no fix: 1 row of 2"));
+  EXPECT_EQ(Notes("time,status,lat,lon,alt\n0,1,10,20,0\n0.1,0,47.5,8.5,400\n"), "");
+}
+
+TEST(Fixes, TimesOfDayStandBesideTheirDate) {
+  const auto fixes = ParseFixes("date,time,lat,lon,alt\n20140624,190259.764,47.5,8.5,400\n");
+  EXPECT_EQ(fixes.at(0).timestamp, 1403636579.764);
 }
 
 TEST(Fixes, ColumnsThatAreMissingAreNamed) {
@@ -282,6 +352,13 @@ TEST(Rtklib, PositionsAreReadInUtc) {
   EXPECT_THAT(
       Failure(top + "%  GPST   x-ecef(m)      y-ecef(m)      z-ecef(m)   Q  ns\n2023/11/14 22:13:38.250 1 2 3 1 8\n"),
       HasSubstr("no degrees"));
+}
+
+TEST(Nmea, TellsWhenTheGeoidIsMissing) {
+  const std::string day = Sentence("GPRMC,221320.25,A,4730.0000,N,00815.0000,E,0.0,0.0,141123,,");
+  EXPECT_THAT(Notes(day + Sentence("GPGGA,221320.25,4730.0000,N,00815.0000,E,1,08,0.9,352.0,M,,M,,")),
+              AllOf(HasSubstr("above the ellipsoid"), HasSubstr("1 sentence without the height of the geoid")));
+  EXPECT_EQ(Notes(day + Sentence("GPGGA,221320.25,4730.0000,N,00815.0000,E,1,08,0.9,352.0,M,48.0,M,,")), "");
 }
 
 TEST(Nmea, GoesOnOverMidnight) {

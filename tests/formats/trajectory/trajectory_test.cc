@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/options.h"
@@ -15,6 +17,7 @@
 namespace slamdb {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string Write(const Format& format, const Atlas& atlas, const WriteOptions& options, Notices& notices) {
@@ -259,6 +262,127 @@ TEST_P(TumDialect, IsToldAndRead) {
   EXPECT_EQ(keyframe.timestamp, 1.5);
   EXPECT_EQ(keyframe.camera_from_world.Center(), Eigen::Vector3f(1, 2, 3));
   EXPECT_EQ(std::abs(keyframe.camera_from_world.rotation.x()), 1);
+}
+
+// ---- Rows between commas, without names
+
+// A walk on a circle, looking ahead, with the quaternions in either order.
+std::string Walk(bool scalar_first, const Eigen::Quaterniond& looking, double step, int rows) {
+  std::ostringstream text;
+  text.precision(12);
+  for (int i = 0; i < rows; ++i) {
+    const double angle = 0.1 * i;
+    const Eigen::Quaterniond q = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * looking;
+    text << i * step << ',' << std::sin(angle) << ',' << -std::cos(angle) << ",0.5,";
+    if (scalar_first) text << q.w() << ',';
+    text << q.x() << ',' << q.y() << ',' << q.z();
+    if (!scalar_first) text << ',' << q.w();
+    text << '\n';
+  }
+  return text.str();
+}
+
+Atlas ReadAsFound(const std::string& text, Notices& notices, const std::string& name = "a.csv",
+                  ReadOptions options = {}) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Make(name, text);
+  const Probe probe = Probe::Of(path);
+  const bool euroc = options.format.empty() ? detail::kEurocFormat.sniff(probe) : options.format == "euroc";
+  EXPECT_TRUE(euroc || detail::kTumFormat.sniff(probe)) << text;
+  return (euroc ? detail::kEurocFormat : detail::kTumFormat).read({path, ""}, options, notices);
+}
+
+std::string FoundProblem(const std::string& text, const std::string& name = "a.csv") {
+  Notices notices;
+  try {
+    ReadAsFound(text, notices, name);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Order, IsToldByTheStart) {
+  for (const bool scalar_first : {false, true}) {
+    Notices notices;
+    const Atlas atlas = ReadAsFound(Walk(scalar_first, Eigen::Quaterniond::Identity(), 0.05, 5), notices);
+    for (const KeyFrame& keyframe : atlas.maps.at(0).keyframes)
+      EXPECT_NEAR(keyframe.camera_from_world.rotation.x(), 0, 1e-6) << scalar_first;
+    EXPECT_EQ(atlas.maps[0].keyframes.at(1).timestamp, 0.05);
+    EXPECT_THAT(notices.items().at(0).text,
+                HasSubstr(scalar_first ? "quaternions are taken as w x y z" : "quaternions are taken as x y z w"));
+  }
+}
+
+TEST(Order, IsToldByTheMotion) {
+  const Eigen::Quaterniond looking = Eigen::Quaterniond(0.62, -0.6, 0.36, -0.36).normalized();
+  for (const bool scalar_first : {false, true}) {
+    Notices notices;
+    const Atlas atlas = ReadAsFound(Walk(scalar_first, looking, 0.05, 60), notices);
+    const Quaternionf& first = atlas.maps.at(0).keyframes.at(0).camera_from_world.rotation;
+    EXPECT_NEAR(std::abs(first.cast<double>().dot(looking.conjugate())), 1, 1e-6) << scalar_first;
+    EXPECT_THAT(notices.items().at(0).text, HasSubstr("the camera goes steadily one way"));
+  }
+}
+
+TEST(Order, ThatCannotBeToldIsAnErrorWithBothReadings) {
+  const std::string text = Walk(true, Eigen::Quaterniond(0.1, 0.7, 0.1, 0.7), 0.05, 4);
+  EXPECT_THAT(FoundProblem(text), AllOf(HasSubstr("x y z w (tum), the first pose turned by 91 degrees"),
+                                        HasSubstr("w x y z (euroc), the first pose turned by 169 degrees"),
+                                        HasSubstr("ReadOptions::format tum or euroc")));
+  Notices notices;
+  ReadOptions options;
+  for (const char* format : {"tum", "euroc"}) {
+    options.format = format;
+    const Atlas atlas = ReadAsFound(text, notices, "a.csv", options);
+    const float w = std::string_view(format) == "tum" ? 0.7F : 0.1F;
+    EXPECT_FLOAT_EQ(std::abs(atlas.maps.at(0).keyframes.at(0).camera_from_world.rotation.w()), w);
+  }
+  EXPECT_EQ(FoundProblem(text, "a.tum"), "no error");
+  std::string spaced = text;
+  std::ranges::replace(spaced, ',', ' ');
+  EXPECT_EQ(FoundProblem(spaced), "no error");
+}
+
+// Between blanks it is TUM's, whatever the rotations say; but they may say it.
+TEST(Order, BetweenBlanksIsDoubtedAloud) {
+  const Eigen::Quaterniond looking = Eigen::Quaterniond(0.62, -0.6, 0.36, -0.36).normalized();
+  for (const bool scalar_first : {false, true}) {
+    std::string text = Walk(scalar_first, looking, 0.05, 60);
+    std::ranges::replace(text, ',', ' ');
+    Notices notices;
+    ReadAsFound(text, notices);
+    EXPECT_EQ(notices.items().size(), scalar_first ? 1U : 0U);
+    for (const Notice& notice : notices.items())
+      EXPECT_THAT(notice.text, HasSubstr("between blanks quaternions are x y z w"));
+  }
+}
+
+TEST(Order, OfNanosecondsIsThatOfEurocUnlessRotationsContradict) {
+  const std::string start = "1403636579763555072,0,0,0,";
+  EXPECT_EQ(FoundProblem(start + "0.5,0.5,-0.5,0.5\n"), "no error");
+  EXPECT_EQ(FoundProblem(start + "1,0,0,0,\n"), "no error");  // as VINS writes it
+  EXPECT_EQ(FoundProblem(start + "1,0,0,0,0.5,0,0,\n"), "no error");
+  EXPECT_THAT(FoundProblem(start + "0,0,0,1\n"), HasSubstr("tum or euroc"));
+}
+
+TEST(Kitti, TakesTheTimesOfRawRecordings) {
+  const TemporaryFolder folder;
+  Notices notices;
+  folder.Make("times.txt", "2011-09-26 13:02:25.594360375\n2011-09-26 13:02:25.694360375\n");
+  const std::string path = folder.Make("a.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
+  const Atlas atlas = detail::kKittiFormat.read({path, ""}, {}, notices);
+  EXPECT_EQ(atlas.maps.at(0).keyframes.at(1).timestamp, 1317042145.694360375);
+}
+
+// The atlas rounds what it reads, and the text what it takes from the atlas.
+TEST(Tum, NamesEveryRounding) {
+  Notices read, written;
+  const Atlas atlas = ReadAsFound("1 448251.123456 5411932.678901 500 0.1 0.2 0.3 0.92736184954957\n", read, "a.tum");
+  EXPECT_THAT(read.items().at(0).text, HasSubstr("rounded by up to"));
+  const TemporaryFolder folder;
+  detail::kTumFormat.write(atlas, {folder / "b.tum", ""}, {}, written);
+  EXPECT_THAT(written.items().at(0).text, HasSubstr("rounded again as they are written, by up to"));
 }
 
 TEST(Euroc, ReadsColumnsByName) {

@@ -58,6 +58,7 @@ class TimeReader {
   bool NameSaysSeconds() const;
   std::vector<std::string> WithRepeatsTold(std::vector<std::string> seconds, Notices& notices) const;
   void TellWhichColumn(Notices& notices) const;
+  std::optional<std::vector<std::string>> ClockTimes(Notices& notices) const;
   TimeUnit Unit(Notices& notices) const;
   TimeUnit UnitByValues(Notices& notices) const;
   void RequirePlausible(TimeUnit stated) const;
@@ -72,6 +73,7 @@ class TimeReader {
   std::vector<double> values_;
   std::vector<FinerTimes> finer_;
   std::vector<std::size_t> lines_;
+  std::vector<std::string> days_;  // beside numbers, where a column has them
   std::size_t dates_ = 0;
   bool without_zone_ = false, has_point_ = false;
 };

@@ -12,12 +12,14 @@
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/times.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/detail/hemispheres.h"
 
 namespace slamdb {
 namespace {
 
 using detail::Column;
 using detail::Concat;
+using detail::Coordinate;
 using detail::LeftOutFixes;
 using detail::Table;
 
@@ -95,6 +97,9 @@ const detail::TableKind& FixTable() {
   return kind;
 }
 
+constexpr Coordinate kLatitudes = {kLatitude, kNorthSouth, "NS", "latitude"};
+constexpr Coordinate kLongitudes = {kLongitude, kEastWest, "EW", "longitude"};
+
 constexpr double kDegree = std::numbers::pi / 180;
 
 // How many degrees the angles of a column count. 0: it says nothing.
@@ -104,9 +109,20 @@ double DegreesIn(const Table& table, std::size_t column) {
   const std::string_view unit = name->unit;
   if (unit == "deg" || unit == "degs" || unit == "degree" || unit == "degrees" || unit == "\xc2\xb0") return 1;
   if (unit == "rad" || unit == "rads" || unit == "radian" || unit == "radians") return 1 / kDegree;
+  if (unit == "e6" || unit == "dege6") return 1e-6;
   if (unit == "e7" || unit == "dege7" || unit == "1e-7 deg" || unit == "1e7 deg") return 1e-7;
   throw Error(ErrorKind::kUnsupported, "", "column " + name->text,
-              Concat("expected angles in deg, rad or e7 (1e-7 degrees), found the unit '", name->unit, "'"));
+              Concat("expected angles in deg, rad, e6 or e7 (1e-7 degrees), found the unit '", name->unit, "'"));
+}
+
+// The least status that is a fix. NavSatFix counts from -1, which is none, to 2; ArduPilot to 6, and 0 and 1 are none.
+double LeastStatus(std::string_view text) {
+  Table table(text, FixTable());
+  const auto is_week = [](const detail::ColumnName& name) { return name.text == "gwk"; };
+  double most = std::ranges::any_of(table.names(), is_week) ? 3 : 0;
+  while (table.Has(kStatus) && table.Next())
+    most = std::max(most, detail::ParseNumber<double>(table.Raw(kStatus)).value_or(0));
+  return most >= 3 ? 2 : 0;
 }
 
 // A number that a column about the receiver has at most where there is no fix.
@@ -133,8 +149,11 @@ bool SaysNoFix(std::string_view cell) {
 // Reads the rows of a table, of which all together tell what angles count.
 class FixReader {
  public:
-  explicit FixReader(const Table& table)
+  FixReader(std::string_view text, const Table& table, Notices& notices)
       : table_(table),
+        north_south_(detail::FindHemisphere(text, FixTable(), kLatitudes, notices)),
+        east_west_(detail::FindHemisphere(text, FixTable(), kLongitudes, notices)),
+        least_status_(LeastStatus(text)),
         latitude_unit_(DegreesIn(table, kLatitude)),
         longitude_unit_(DegreesIn(table, kLongitude)),
         altitude_unit_(detail::MetresIn(table, kAltitude)),
@@ -145,7 +164,7 @@ class FixReader {
     std::string reason = NoFix();
     Geodetic place = GpsFix::kNowhere;
     if (reason.empty()) {
-      place = {Angle(kLatitude, kNorthSouth, latitude_unit_), Angle(kLongitude, kEastWest, longitude_unit_),
+      place = {Angle(kLatitudes, north_south_, latitude_unit_), Angle(kLongitudes, east_west_, longitude_unit_),
                table_.Get<double>(kAltitude) * altitude_unit_};
       if (!std::isfinite(place.latitude) || !std::isfinite(place.longitude) || !std::isfinite(place.altitude))
         reason = "not a number";
@@ -186,6 +205,8 @@ class FixReader {
  private:
   // Why the row has no fix; empty: it has one.
   std::string NoFix() const {
+    const auto status = detail::ParseNumber<double>(table_.Raw(kStatus));
+    if (status && *status < least_status_) return Concat("status ", *status);
     for (const auto& [column, most] : kNoFixNumbers) {
       const std::string_view cell = table_.Raw(column);
       const auto number = detail::ParseNumber<double>(cell);
@@ -199,23 +220,33 @@ class FixReader {
   }
 
   // As it stands, in the unit of its column, or degrees where a hemisphere or the name says so.
-  double Angle(std::size_t column, std::size_t beside, double unit) const {
+  double Angle(const Coordinate& coordinate, std::optional<std::size_t> beside, double unit) const {
+    const std::size_t column = coordinate.column;
     std::string_view cell = table_.Raw(column);
-    char hemisphere = table_.Raw(beside).empty() ? ' ' : table_.Raw(beside).front();
+    char hemisphere = beside ? HemisphereBeside(coordinate, *beside) : ' ';
     if (cell.size() > 1 && std::string_view("NSEW").find(cell.back()) != std::string_view::npos) {
       hemisphere = cell.back();
       cell = detail::Trimmed(cell.substr(0, cell.size() - 1));
     }
     if (hemisphere == ' ') return table_.Get<double>(column) * (unit == 0 ? 1 : unit);
-    hemisphere = static_cast<char>(hemisphere & ~0x20);
-    if (std::string_view(column == kLatitude ? "NS" : "EW").find(hemisphere) == std::string_view::npos)
-      throw table_.CellError(table_.Raw(beside).empty() ? column : beside, column == kLatitude ? "N or S" : "E or W");
+    if (coordinate.letters.find(hemisphere) == std::string_view::npos)
+      throw table_.CellError(column, column == kLatitude ? "N or S" : "E or W");
     const std::string digits = detail::IsDecimalComma(cell) ? detail::WithPoint(cell) : std::string(cell);
     if (const auto degrees = detail::DegreesOfMinutes(digits, hemisphere); degrees && unit == 0) return *degrees;
     const auto number = detail::ParseNumber<double>(digits);
     if (!number) throw table_.CellError(column, "degrees, or degrees and minutes as ddmm.mmmm");
     const double value = *number * (unit == 0 ? 1 : unit);
     return hemisphere == 'S' || hemisphere == 'W' ? -std::abs(value) : value;
+  }
+
+  // ' ' where the cell is empty.
+  char HemisphereBeside(const Coordinate& coordinate, std::size_t place) const {
+    const std::string_view cell = place < table_.cells().size() ? table_.cells()[place].text : std::string_view();
+    const char letter = detail::HemisphereOf(cell, coordinate);
+    if (cell.empty() || letter != ' ') return letter;
+    constexpr std::size_t kLongest = 40;
+    throw table_.LineError(Concat("expected ", coordinate.letters[0], " or ", coordinate.letters[1], ", found '",
+                                  cell.substr(0, kLongest), "' in column ", table_.names()[place].text));
   }
 
   // Angles whose names state no unit are degrees, where they can be nothing else.
@@ -230,6 +261,12 @@ class FixReader {
       whole &= std::round(fix.place.latitude) == fix.place.latitude;
     }
     if (whole && std::max(latitude, longitude) > 1e6 && latitude <= 9e8 && longitude <= 36e8) {
+      if (latitude <= 9e7 && longitude <= 18e7)
+        throw Error(ErrorKind::kNotPossible, "", Concat("line ", lines_.front()),
+                    Concat("latitudes up to ", detail::Digits(latitude, 10), " and longitudes up to ",
+                           detail::Digits(longitude, 10), " may be 1e-6 degrees (", latitude * 1e-6, ", ",
+                           longitude * 1e-6, ") or 1e-7 degrees (", latitude * 1e-7, ", ", longitude * 1e-7,
+                           "); name the columns latitude [e6] and longitude [e6], or [e7]"));
       notices.Note("latitudes and longitudes are taken as 1e-7 degrees: they are whole numbers of that size");
       for (GpsFix& fix : fixes_) fix.place.latitude *= 1e-7, fix.place.longitude *= 1e-7;
       in_e7_ = true;
@@ -283,6 +320,8 @@ class FixReader {
   }
 
   const Table& table_;
+  const std::optional<std::size_t> north_south_, east_west_;  // places in a row
+  const double least_status_;
   const double latitude_unit_, longitude_unit_, altitude_unit_;
   bool in_e7_;  // angles are whole numbers of 1e-7 degrees
   std::vector<GpsFix> fixes_;
@@ -306,6 +345,16 @@ void TellWhichHeights(const Table& table, Notices& notices) {
   for (const detail::ColumnName& name : table.names())
     if (is_height(name)) others += Concat(others.empty() ? "" : ", ", name.text);
   if (!others.empty()) notices.Note(Concat("altitudes are those of the column ", taken->text, ", not of ", others));
+}
+
+// Without names only the four columns of fixes are known: a fifth one may stand anywhere among them.
+void RequireFourCells(const Table& table) {
+  std::size_t filled = table.cells().size();
+  while (filled > 0 && table.cells()[filled - 1].text.empty()) --filled;
+  if (filled > 4)
+    throw table.LineError(Concat("expected ", FixTable().expected, ", found ", filled,
+                                 " columns without names; name them in a first line, as "
+                                 "`timestamp,latitude,longitude,altitude`, with any name for the others"));
 }
 
 }  // namespace
@@ -356,11 +405,15 @@ std::vector<GpsFix> ParseFixes(std::string_view text, const FixReadOptions& opti
   if (detail::IsNmea(text)) return detail::ParseNmea(text, heard);
   if (detail::IsRtklib(text)) return detail::ParseRtklib(text, options, heard);
   Table table(text, FixTable());
-  FixReader reader(table);
+  FixReader reader(text, table, heard);
   detail::TimeReader times(table, {.asked = options.time_unit, .time = kTime, .date = kDate});
   LeftOutFixes left_out;
-  while (table.Next())
+  while (table.Next()) {
+    if (table.names().empty()) RequireFourCells(table);
     if (reader.Add(left_out)) times.Add();
+  }
+  if (table.names().empty())
+    heard.Note("no line names the columns: they are taken as time, latitude, longitude and altitude");
   left_out.Tell(reader.Finish(times.Seconds(heard), left_out, heard), heard);
   if (table.has_decimal_commas()) heard.Note("commas in numbers are taken as decimal commas");
   TellWhichHeights(table, heard);

@@ -132,10 +132,13 @@ double Coordinate(const Sentence& sentence, std::size_t cell, std::string_view n
   return *degrees;
 }
 
+// How far the geoid is above the ellipsoid.
+std::optional<double> GeoidOf(const Sentence& sentence) { return ParseNumber<double>(sentence.At(11)); }
+
 double AltitudeOf(const Sentence& sentence) {
   const auto above_sea = ParseNumber<double>(sentence.At(9));
   if (!above_sea) throw sentence.Wrong(9, "altitude", "metres");
-  return *above_sea + ParseNumber<double>(sentence.At(11)).value_or(0);  // geoid above the ellipsoid
+  return *above_sea + GeoidOf(sentence).value_or(0);
 }
 
 // `$GPGGA,...`, talker and kind, at the beginning of a line or behind something else.
@@ -160,6 +163,7 @@ class FixCollector {
       if (!sentence.At(1).empty()) fixes_.push_back({Nearest(TimeOfDay(sentence), known_), GpsFix::kNowhere});
       return;
     }
+    without_geoid_ += !GeoidOf(sentence);
     fixes_.push_back({Nearest(TimeOfDay(sentence), known_),
                       {Coordinate(sentence, 2, "latitude", "NS"), Coordinate(sentence, 4, "longitude", "EW"),
                        AltitudeOf(sentence)}});
@@ -167,6 +171,9 @@ class FixCollector {
 
   std::vector<GpsFix> Take(Notices& notices) {
     left_out_.Tell(static_cast<std::size_t>(std::ranges::count_if(fixes_, &GpsFix::has_place)), notices);
+    if (without_geoid_ > 0)
+      notices.Note(Concat("altitudes above the sea are taken for altitudes above the ellipsoid: ",
+                          Counted(without_geoid_, "sentence"), " without the height of the geoid"));
     return std::move(fixes_);
   }
 
@@ -174,6 +181,7 @@ class FixCollector {
   double known_;
   std::vector<GpsFix> fixes_;
   LeftOutFixes left_out_;
+  std::size_t without_geoid_ = 0;
 };
 
 }  // namespace

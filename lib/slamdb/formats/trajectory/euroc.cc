@@ -125,8 +125,8 @@ bool SniffEuroc(const Probe& probe) {
                                           .more_cells = true};
   const detail::TableGlance glance = detail::GlanceAtTable(probe.head, names);
   if (glance.named) return true;
-  return (glance.numbers == 8 || glance.numbers == 17) && glance.separator == ',' &&
-         detail::IsEpoch(glance.first * 1e-9);
+  const bool with_velocity = glance.numbers == 11 || glance.numbers == 17;
+  return (glance.numbers == 8 || with_velocity) && glance.separator == ',' && detail::IsEpoch(glance.first * 1e-9);
 }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".euroc.csv"};

@@ -11,6 +11,7 @@
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/pose_columns.h"
 #include "slamdb/base/detail/times.h"
+#include "slamdb/formats/trajectory/detail/quaternion_order.h"
 #include "slamdb/formats/trajectory/options.h"
 
 namespace slamdb::detail {
@@ -120,9 +121,11 @@ TimeRules RulesFor(const Table& table, const PoseColumns& columns, PoseLayout la
   return rules;
 }
 
-TrajectoryText ParsePoses(std::string_view text, PoseLayout layout, const ReadOptions& options, Notices& notices) {
-  const PoseColumns columns = ColumnsOf(layout);
-  Table table(text, PoseTable(layout));
+// `layout` is that of the file's format; in `order` stand the columns that have no names.
+TrajectoryText ParsePoses(std::string_view text, PoseLayout layout, PoseLayout order, const ReadOptions& options,
+                          Notices& notices) {
+  const PoseColumns columns = ColumnsOf(order);
+  Table table(text, PoseTable(order));
   const PoseReader reader(table, columns);
   TimeReader times(table, RulesFor(table, columns, layout, options));
   TrajectoryText maps;
@@ -206,8 +209,12 @@ std::string TimesBeside(const std::string& path) {
 
 std::vector<std::string> ReadTimes(const std::string& path, const ReadOptions& options, Notices& notices) {
   return ParseFile(path, "a table of times", [&](std::string_view text) {
-    Table table(text, {.columns = {TimeColumn()}, .expected = "one time a line"});
-    TimeReader times(table, {.asked = options.of<TrajectoryReadOptions>().time_unit});
+    constexpr std::size_t kDate = 1, kTimeOfDay = 2;
+    Table table(text, {.columns = {TimeColumn(), {{"date"}, 1}, TimeColumn(1)},
+                       .expected = "one time a line, or date and time of day"});
+    TimeRules rules{.asked = options.of<TrajectoryReadOptions>().time_unit};
+    if (table.Has(kDate)) rules.time = kTimeOfDay, rules.date = kDate;
+    TimeReader times(table, rules);
     while (table.Next()) times.Add();
     return times.Seconds(notices);
   });
@@ -261,8 +268,11 @@ TrajectoryText ReadTrajectoryText(const Source& source, PoseLayout layout, const
   if (layout == PoseLayout::kKitti) return ReadMatrices(source, options, notices);
   if (!options.of<TrajectoryReadOptions>().times.empty())
     throw Error(ErrorKind::kUsage, source.path, "", "has times of its own; a file of times belongs to KITTI's poses");
-  return ParseFile(source, "a trajectory",
-                   [&](std::string_view text) { return ParsePoses(text, layout, options, notices); });
+  return ParseFile(source, "a trajectory", [&](std::string_view text) {
+    const bool told = !options.format.empty() || options.custom_format != nullptr;
+    const PoseLayout order = told ? layout : LayoutOfRows(text, layout, source.path, notices);
+    return ParsePoses(text, layout, order, options, notices);
+  });
 }
 
 }  // namespace slamdb::detail

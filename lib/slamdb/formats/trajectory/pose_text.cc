@@ -2,8 +2,6 @@
 #include "slamdb/formats/trajectory/detail/pose_text.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -11,36 +9,6 @@
 #include "slamdb/formats/trajectory/detail/poses.h"
 
 namespace slamdb::detail {
-namespace {
-
-// What single precision makes of positions; a rounding that nobody would see is none.
-class Rounding {
- public:
-  void Add(const Eigen::Vector3d& position, const KeyFrame& keyframe) {
-    const Rigid3f& pose = keyframe.camera_from_world;
-    const Eigen::Vector3d center =
-        -(pose.rotation.cast<double>().normalized().conjugate() * pose.translation.cast<double>());
-    const double error = (center - position).norm();
-    constexpr double kSeen = 5e-4;  // metres
-    if (error <= kSeen) return;
-    ++poses_;
-    worst_ = std::max(worst_, error);
-    farthest_ = std::max(farthest_, position.cwiseAbs().maxCoeff());
-  }
-
-  void Tell(Notices& notices) const {
-    if (poses_ == 0) return;
-    notices.Lose(Concat("positions reach ", Fixed(farthest_, 0), ", where single precision has steps of ",
-                        Digits(farthest_ * std::numeric_limits<float>::epsilon(), 1), ": rounded by up to ",
-                        Digits(worst_, 2), ": ", Counted(poses_, "pose")));
-  }
-
- private:
-  std::size_t poses_ = 0;
-  double worst_ = 0, farthest_ = 0;
-};
-
-}  // namespace
 
 Atlas ReadPoses(const Source& source, PoseLayout layout, const ReadOptions& options, Notices& notices) {
   PoseAtlas atlas;
@@ -48,9 +16,9 @@ Atlas ReadPoses(const Source& source, PoseLayout layout, const ReadOptions& opti
   for (const MapText& map : ReadTrajectoryText(source, layout, options, notices)) {
     atlas.BeginMap(map.id);
     for (const PoseText& pose : map.poses)
-      rounding.Add(pose.translation, atlas.Add(pose.timestamp, pose.quaternion, pose.translation));
+      rounding.Add(pose.translation, CenterOf(atlas.Add(pose.timestamp, pose.quaternion, pose.translation)));
   }
-  rounding.Tell(notices);
+  rounding.Tell("rounded", notices);
   return atlas.Finish(options);
 }
 

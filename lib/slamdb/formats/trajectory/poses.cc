@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
@@ -17,8 +18,10 @@ namespace {
 // What the notices tell about keyframes that are not written as they are.
 struct Census {
   std::size_t bad = 0, not_finite = 0, without_body = 0;
+  Rounding rounding;
 
   void Tell(PoseFrame frame, Notices& notices) const {
+    rounding.Tell("rounded again as they are written,", notices);
     if (not_finite > 0) notices.Warn("left out because pose or time is not finite: " + Counted(not_finite, "keyframe"));
     if (frame == PoseFrame::kBody && without_body > 0)
       notices.Warn("the camera frame stands in for the body frame, for want of IMU calibration: " +
@@ -41,6 +44,7 @@ MapTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
       continue;
     }
     if (!keyframe.imu_calibration.is_set) ++census.without_body;
+    if (frame == PoseFrame::kCamera) census.rounding.Add(CenterOf(keyframe), pose.translation.cast<double>());
     trajectory.poses.push_back({keyframe.timestamp, pose, &keyframe});
   }
   std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(), [](const TimedPose& a, const TimedPose& b) {
@@ -50,6 +54,27 @@ MapTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
 }
 
 }  // namespace
+
+Eigen::Vector3d CenterOf(const KeyFrame& keyframe) {
+  const Rigid3f& pose = keyframe.camera_from_world;
+  return -(pose.rotation.cast<double>().normalized().conjugate() * pose.translation.cast<double>());
+}
+
+void Rounding::Add(const Eigen::Vector3d& exact, const Eigen::Vector3d& rounded) {
+  constexpr double kSeen = 5e-4;  // metres
+  const double error = (rounded - exact).norm();
+  if (error <= kSeen) return;
+  ++poses_;
+  worst_ = std::max(worst_, error);
+  farthest_ = std::max(farthest_, exact.cwiseAbs().maxCoeff());
+}
+
+void Rounding::Tell(std::string_view what_happened, Notices& notices) const {
+  if (poses_ == 0) return;
+  notices.Lose(Concat("positions reach ", Fixed(farthest_, 0), ", where single precision has steps of ",
+                      Digits(farthest_ * std::numeric_limits<float>::epsilon(), 1), ": ", what_happened, " by up to ",
+                      Digits(worst_, 2), ": ", Counted(poses_, "pose")));
+}
 
 std::string Trajectories::Summary() const {
   std::size_t poses = 0;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slamdb/formats/format.h"
@@ -33,6 +36,21 @@ struct Trajectories {
 // no map.
 Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
                                  Notices& notices);
+
+// The camera's centre, as a keyframe of single precision has it.
+Eigen::Vector3d CenterOf(const KeyFrame& keyframe);
+
+// What single precision makes of positions; a rounding that nobody would see is none.
+class Rounding {
+ public:
+  void Add(const Eigen::Vector3d& exact, const Eigen::Vector3d& rounded);
+  // As a loss: `positions reach 5411933, ...: rounded by up to 0.25: 2 poses`.
+  void Tell(std::string_view what_happened, Notices& notices) const;
+
+ private:
+  std::size_t poses_ = 0;
+  double worst_ = 0, farthest_ = 0;
+};
 
 // An atlas that is being made of poses read from a file: ids are given in the order of the file.
 class PoseAtlas {
