@@ -2,11 +2,13 @@
 // Backups: of private stores, over links, and onto stores in which others work.
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/inotify.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <fstream>
 #include <thread>
 
@@ -115,6 +117,42 @@ TEST_F(StoreBackup, ReplacesStoresAlone) {
   EXPECT_EQ(FileBytes(text), std::string(300, 'x'));
   Store::Open(path_).Backup(folder_.Make("empty.db", ""), true);
   EXPECT_THAT(LoadFrom(folder_ / "empty.db", "yesterday"), EqualsAtlas(OddAtlas()));
+}
+
+// Whatever is in the way is told, with what to do about it, and stays.
+TEST_F(StoreBackup, SaysWhyATargetCannotBeReplaced) {
+  const std::string good = FileBytes(target_);
+  for (const std::string& bad :
+       {good.substr(0, good.size() / 2), std::string(good.size(), '\0'), std::string("text")}) {
+    const std::string path = folder_.Make("bad.db", bad);
+    EXPECT_THAT(ErrorOf([&] { Store::Open(path_).Backup(path, true); }), HasSubstr("move it away with its `-wal`"));
+    EXPECT_EQ(FileBytes(path), bad);
+  }
+  Sql(target_, "PRAGMA journal_mode=DELETE; PRAGMA page_size=4096; VACUUM; PRAGMA journal_mode=WAL");
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_).Backup(target_, true); }), HasSubstr("has pages of 4096 bytes"));
+  EXPECT_THAT(Restored(), ElementsAre("today"));
+}
+
+TEST_F(StoreBackup, GoesToRegularFilesAlone) {
+  for (const char* target : {"/dev/null", "-"})
+    EXPECT_EQ(KindOf([&] { Store::Open(path_).Backup(target); }), ErrorKind::kUsage) << target;
+  EXPECT_FALSE(std::filesystem::exists("-"));
+}
+
+// A program may be killed at any moment of it: nobody removes a journal that it has left.
+TEST_F(StoreBackup, LaysNoJournalBesideTheCopy) {
+  const int watch = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  ASSERT_GE(::inotify_add_watch(watch, folder_.path().c_str(), IN_CREATE), 0);
+  Store::Open(path_).Backup(folder_ / "copy.db");
+  alignas(inotify_event) std::array<char, 65536> events{};
+  const ssize_t bytes = ::read(watch, events.data(), events.size());
+  ::close(watch);
+  ASSERT_GT(bytes, 0);
+  for (const char* at = events.data(); at < events.data() + bytes;) {
+    const auto* event = reinterpret_cast<const inotify_event*>(at);
+    EXPECT_FALSE(std::string_view(event->name).ends_with("-journal")) << event->name;
+    at += sizeof(inotify_event) + event->len;
+  }
 }
 
 TEST_F(StoreBackup, CopiesOfAPrivateStoreArePrivate) {

@@ -60,5 +60,32 @@ TEST(StoreCrowd, WritersAndReaders) {
   EXPECT_EQ(Sql(path, "PRAGMA integrity_check"), "ok");
 }
 
+// Whoever fails takes away the store that was made for it, and nothing from those who come to it meanwhile.
+TEST(StoreCrowd, SaversThatFailHurtNobody) {
+  const Atlas sound = SoundAtlas();
+  for (int round = 0; round < 20; ++round) {
+    TemporaryFolder folder;
+    const std::string path = folder / "s.db";
+    std::vector<pid_t> innocent, failing;
+    for (int i = 0; i < kWriters; ++i) {
+      failing.push_back(Child([&] {
+        SaveOptions options;
+        options.before_commit = [] { throw Error(ErrorKind::kInternal, "fails"); };
+        ErrorOf(
+            [&] { Store::OpenForWriting(path, {.sync = false, .lock_timeout = 600}).Save("bad", Atlas(), options); });
+      }));
+      innocent.push_back(Child(
+          [&] { Store::OpenForWriting(path, {.sync = false, .lock_timeout = 600}).Save(detail::Concat(i), sound); }));
+    }
+    for (const pid_t child : failing) ::waitpid(child, nullptr, 0);
+    for (const pid_t child : innocent) {
+      int status = 0;
+      ::waitpid(child, &status, 0);
+      EXPECT_EQ(status, 0);
+    }
+    EXPECT_EQ(Store::Open(path).Names().size(), std::size_t{kWriters});
+  }
+}
+
 }  // namespace
 }  // namespace slamdb::store_test

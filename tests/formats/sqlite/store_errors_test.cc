@@ -83,6 +83,22 @@ TEST_F(StoreErrors, OutOfResources) {
             ErrorKind::kOutOfResources);
 }
 
+// SQLite says that the disk is full when the number of a page is beyond all bounds.
+TEST_F(StoreErrors, DamageIsNotCalledAFullDisk) {
+  constexpr std::size_t kPageBytes = 8192, kLastChildAt = 8;
+  constexpr char kInteriorPage = 5;
+  std::string bytes = FileBytes(path_);
+  for (std::size_t page = kPageBytes; page < bytes.size(); page += kPageBytes)
+    if (bytes[page] == kInteriorPage) bytes.replace(page + kLastChildAt, 4, 4, '\xff');
+  std::ofstream(path_, std::ios::binary) << bytes;
+  const auto expect_damaged = [](const auto& work) {
+    EXPECT_EQ(KindOf(work), ErrorKind::kDamaged);
+    EXPECT_THAT(ErrorOf(work), ::testing::HasSubstr("the database file is damaged"));
+  };
+  expect_damaged([&] { Store::OpenForWriting(path_).Vacuum(); });
+  expect_damaged([&] { Store::Open(path_).Stats(); });
+}
+
 TEST_F(StoreErrors, Usage) {
   EXPECT_EQ(KindOf([] { Store::Open("-"); }), ErrorKind::kUsage);
   EXPECT_EQ(KindOf([&] { Store::Open(folder_.path()); }), ErrorKind::kUsage);

@@ -78,8 +78,17 @@ TEST_F(StoreStrangers, AStoreThatAnotherHasOpenStays) {
 
 TEST_F(StoreStrangers, NothingIsSavedToAFileThatIsGone) {
   Store store = Store::OpenForWriting(path_, {.sync = false});
+  store.Save("a", Atlas());
   std::filesystem::rename(path_, folder_ / "moved.db");
   EXPECT_EQ(KindOf([&] { store.Save("a", Atlas()); }), ErrorKind::kLocked);
+}
+
+// Whoever made it may have taken it away again; a new one takes its place.
+TEST_F(StoreStrangers, WhereTheStoreWasEmptyItIsMadeAnew) {
+  Store store = Store::OpenForWriting(path_, {.sync = false});
+  for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path_ + suffix);
+  store.Save("a", SoundAtlas());
+  EXPECT_THAT(LoadFrom(path_), EqualsAtlas(SoundAtlas()));
 }
 
 TEST_F(StoreStrangers, TriggersNeverRun) {

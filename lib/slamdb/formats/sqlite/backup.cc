@@ -48,20 +48,32 @@ class Copying {
 
 // ---- into a store that is there
 
-void RequireStore(Database& target) {
-  const bool is_empty = target.Integer("SELECT count(*) FROM sqlite_schema") == 0;
-  if (!is_empty && target.Integer("PRAGMA application_id") != kApplicationId)
+// Whether the target is a store, or empty; what is damaged cannot be replaced under its lock.
+void RequireStore(Database& target, std::int64_t page_bytes) try {
+  if (target.Integer("SELECT count(*) FROM sqlite_schema") == 0) return;
+  if (target.Integer("PRAGMA application_id") != kApplicationId)
     throw Error(ErrorKind::kUnsupported, target.path(), "",
                 "is the database of another program, which no backup replaces; name another file");
+  const std::int64_t bytes_there = target.Integer("PRAGMA page_size");
+  if (bytes_there != page_bytes)
+    throw Error(ErrorKind::kNotPossible, target.path(), "",
+                detail::Concat("has pages of ", bytes_there, " bytes, and the copy ", page_bytes,
+                               ", which a store in use cannot change: move it away with its `-wal` first, and the "
+                               "copy becomes a new file"));
+} catch (const Error& error) {
+  if (error.kind() != ErrorKind::kDamaged) throw;
+  throw Error(ErrorKind::kDamaged, target.path(), "",
+              "is no store, or a damaged one, which cannot be replaced under its lock: move it away with its `-wal` "
+              "first, and the copy becomes a new file");
 }
 
 // One transaction of SQLite on the target, which others see at its end or not at all. What somebody saves there
 // meanwhile is not known to whoever wants it replaced: the copy is given up then.
 void Restore(Database& source, const std::string& path) {
   Database watch(path, Access::kWrite, source.lock_timeout()), target(path, Access::kWrite, source.lock_timeout());
-  RequireStore(watch);
-  const std::string page_size = detail::Concat("PRAGMA page_size=", source.Integer("PRAGMA page_size"));
-  target.Execute("PRAGMA synchronous=EXTRA; " + page_size);  // heeded by empty files
+  const std::int64_t page_bytes = source.Integer("PRAGMA page_size");
+  RequireStore(watch, page_bytes);
+  target.Execute(detail::Concat("PRAGMA synchronous=EXTRA; PRAGMA page_size=", page_bytes));  // heeded by empty files
   target.UseLog();
   const std::int64_t seen = watch.Integer("PRAGMA data_version");
   Copying copying(source, target);
@@ -94,7 +106,9 @@ void CopyToNew(Database& source, const std::string& path) {
   detail::TemporaryFile temporary(place, S_IRUSR | S_IWUSR, path);
   {
     Database target(temporary.path(), Access::kWrite, source.lock_timeout());
-    target.Execute("PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF");
+    // In memory, since a killed program would leave a file; it stays empty, as there is nothing to take back. OFF is
+    // not heeded by a connection that is DEFENSIVE.
+    target.Execute("PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF");
     Copying(source, target).Finish();
   }
   TakeRightsOf(source.path(), temporary.descriptor(), path);
@@ -107,10 +121,13 @@ void CopyToNew(Database& source, const std::string& path) {
 
 void BackupTo(Database& source, const std::string& target, bool overwrite) {
   if (target.empty()) throw Error(ErrorKind::kUsage, "a copy needs the name of a file, and this one is empty");
+  if (target == "-") throw Error(ErrorKind::kUsage, target, "", "a store is a file; it cannot be standard output");
   std::error_code ignored;
   const auto status = std::filesystem::status(target, ignored);
   if (!std::filesystem::exists(status)) return CopyToNew(source, target);
   if (std::filesystem::is_directory(status)) throw Error(ErrorKind::kUsage, target, "", "is a directory");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error(ErrorKind::kUsage, target, "", "is a device or pipe; a store is a regular file");
   if (!overwrite) throw ExistsError(target);
   if (std::filesystem::equivalent(source.path(), target, ignored))
     throw Error(ErrorKind::kUsage, target, "", "is the store itself");

@@ -5,17 +5,20 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <system_error>
 #include <thread>
 
 #include "slamdb/base/detail/errno_kind.h"
 #include "slamdb/base/detail/recognize.h"
 #include "slamdb/formats/sqlite/detail/image.h"
+#include "slamdb/formats/sqlite/detail/one_name.h"
 
 namespace slamdb::sqlite {
 namespace {
 
 // What SQLite's error codes mean to a caller. `system_error` is the errno behind the code, 0 when there is none.
 ErrorKind KindOf(int code, int system_error) {
+  if (code == SQLITE_READONLY_DBMOVED) return ErrorKind::kLocked;
   switch (code & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -47,7 +50,24 @@ ErrorKind KindOf(int code, int system_error) {
 // What SQLite says in front of the name of a constraint, which in a migration is a sentence.
 constexpr std::string_view kCheckFailed = "CHECK constraint failed: ";
 
-std::string Explain(int code, const std::string& message) {
+// What a connection says that may not write to its file.
+std::string ExplainReadOnly(int code, const std::string& message) {
+  switch (code) {
+    case SQLITE_READONLY_DBMOVED:
+      return "was removed, moved or replaced by another program since it was opened: nothing was saved; try again";
+    case SQLITE_READONLY_DIRECTORY:
+      return "its folder cannot be written, in which a journal has to be laid beside it";
+    case SQLITE_READONLY_ROLLBACK:
+    case SQLITE_READONLY_RECOVERY:
+    case SQLITE_READONLY_CANTINIT:
+    case SQLITE_READONLY_CANTLOCK:
+      return "the log or the journal beside it has to be worked through, and one of the files cannot be written";
+    default:
+      return "is open for reading, or its permissions do not let it be written (" + message + ")";
+  }
+}
+
+std::string Explain(int code, int system_error, const std::string& message) {
   switch (code & 0xff) {
     case SQLITE_NOTADB:
       return "not a SQLite database";
@@ -59,11 +79,13 @@ std::string Explain(int code, const std::string& message) {
     case SQLITE_FULL:
       return "the disk is full; the store is as it was";
     case SQLITE_CANTOPEN:
-      return "the file, or those that SQLite lays beside it, cannot be opened: may its folder be written?";
+      return "the file, or those that SQLite lays beside it, cannot be opened: " +
+             (system_error == 0 ? "may its folder be written?" : std::generic_category().message(system_error));
     case SQLITE_READONLY:
-      return "the file or its folder cannot be written";
+      return ExplainReadOnly(code, message);
     case SQLITE_IOERR:
-      return "input or output failed (" + message + ")";
+      return "input or output failed (" +
+             (system_error == 0 ? message : std::generic_category().message(system_error)) + ")";
     case SQLITE_NOMEM:
       return "out of memory";
     case SQLITE_TOOBIG:
@@ -73,6 +95,22 @@ std::string Explain(int code, const std::string& message) {
     default:
       return message;
   }
+}
+
+// SQLite takes the number of a page beyond all bounds, as damage makes it, for a disk that is full. A disk that has
+// room tells that it may be so, and then a look at the pages whether it is.
+bool IsDamagedNotFull(sqlite3* handle, const std::string& path) {
+  constexpr std::uintmax_t kRoom = std::uintmax_t{64} << 20;
+  std::error_code failed;
+  const auto space = std::filesystem::space(std::filesystem::absolute(path, failed).parent_path(), failed);
+  if (failed || space.available < kRoom) return false;
+  bool sound = false;
+  const auto note = [](void* is_sound, int, char** columns, char**) {
+    *static_cast<bool*>(is_sound) = columns[0] != nullptr && std::string_view(columns[0]) == "ok";
+    return 0;
+  };
+  sqlite3_exec(handle, "PRAGMA quick_check(1)", note, &sound, nullptr);
+  return !sound;
 }
 
 void CheckIsFile(const std::string& path, bool may_be_missing) {
@@ -149,7 +187,11 @@ Error FailureOf(sqlite3* handle, int code, const std::string& path, const std::s
     if (const auto other = RecognizeOther(path))
       return Error(other->kind, path, "", detail::SentenceOf(*other, "a store"));
   const int system_error = handle == nullptr ? 0 : sqlite3_system_errno(handle);
-  return Error(KindOf(code, system_error), path, place, std::string(what) + Explain(code, sqlite3_errmsg(handle)));
+  const std::string message = sqlite3_errmsg(handle);
+  if ((code & 0xff) == SQLITE_FULL && handle != nullptr && IsDamagedNotFull(handle, path))
+    return Error(ErrorKind::kDamaged, path, place,
+                 std::string(what) + Explain(SQLITE_CORRUPT, 0, sqlite3_errstr(SQLITE_CORRUPT)));
+  return Error(KindOf(code, system_error), path, place, std::string(what) + Explain(code, system_error, message));
 }
 
 bool Waiting::Pause(int attempt) {
@@ -176,6 +218,8 @@ void Waiting::Rethrow() {
 Database::Database(const std::string& path, Access access, double lock_timeout, Progress progress)
     : path_(path), waiting_(std::make_unique<Waiting>(lock_timeout, std::move(progress))) {
   CheckIsFile(path, access == Access::kCreate);
+  const bool writes = access == Access::kWrite || access == Access::kCreate;
+  writes ? CheckHasOneName(path) : CheckLogIsOfThisName(path);
   if (access == Access::kSalvage)
     OpenImage(access);
   else if (access == Access::kRead)

@@ -44,6 +44,11 @@ std::string LogPathOf(const std::string& path) {
   return (failed ? path : followed.string()) + "-wal";
 }
 
+std::string JournalPathOf(const std::string& path) {
+  const std::string log = LogPathOf(path);
+  return log.substr(0, log.size() - 4) + "-journal";
+}
+
 // Closing a descriptor of one's own would end the locks that other connections of this process hold on the file
 // (fcntl(2)), so that SQLite opens and closes it. Nobody locks the log.
 DatabaseFile::DatabaseFile(const std::string& path) {
@@ -69,29 +74,35 @@ Image::Image(const std::string& path, Missing missing) : path_(path), file_(path
   ::stat(path.c_str(), &state_);
   log_file_ = ::open(LogPathOf(path).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (log_file_ >= 0 && ReadAt(log_file_, 0, log_header_)) log_ = LogIndex(log_file_);
+  journal_file_ = ::open(JournalPathOf(path).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (journal_file_ >= 0 && ::fstat(journal_file_, &journal_state_) == 0) journal_ = RollbackJournal(journal_file_);
+  takes_back_ = log_.empty() && !journal_.empty() && journal_.whole() && file_bytes() > 0;
   FindSizes(missing);
 }
 
 Image::~Image() {
   if (log_file_ >= 0) ::close(log_file_);
+  if (journal_file_ >= 0) ::close(journal_file_);
 }
 
 // Page size and pages stand in the first page, big-endian; after a commit to the log, there.
 void Image::FindSizes(Missing missing) {
-  page_bytes_ = log_.page_bytes();
+  page_bytes_ = takes_back_ ? journal_.page_bytes() : log_.page_bytes();
   std::array<unsigned char, 32> header{};
   Read(0, std::as_writable_bytes(std::span(header)));
   const std::uint64_t recorded = BigEndian32(&header[kPageBytesAt]) >> 16;
   if (page_bytes_ == 0) page_bytes_ = recorded == 1 ? 65536 : recorded;
-  promised_ = page_bytes_ * (log_.empty() ? BigEndian32(&header[kPagesAt]) : log_.pages());
+  promised_ = page_bytes_ * (takes_back_    ? journal_.pages()
+                             : log_.empty() ? BigEndian32(&header[kPagesAt])
+                                            : log_.pages());
   if (promised_ > kMostBytes) promised_ = 0;
-  size_ = log_.empty() ? file_bytes() : promised_;
+  size_ = log_.empty() && !takes_back_ ? file_bytes() : promised_;
   if (missing == Missing::kIsZeros) size_ = std::max(size_, promised_);
 }
 
 // Frames that are added to a log do not matter; one that is begun anew has other salts in its header.
 bool Image::changed() const {
-  if (!IsSameNow(path_, state_)) return true;
+  if (!IsSameNow(path_, state_) || (takes_back_ && !IsSameNow(JournalPathOf(path_), journal_state_))) return true;
   LogHeader header{};
   return !log_.empty() && (!ReadAt(log_file_, 0, header) || header != log_header_);
 }
@@ -99,19 +110,24 @@ bool Image::changed() const {
 bool Image::lacks_pages() const {
   if (page_bytes_ == 0) return false;
   for (std::uint64_t page = file_bytes() / page_bytes_; page < promised_ / page_bytes_; ++page)
-    if (!log_.Find(static_cast<std::uint32_t>(page + 1))) return true;
+    if (!PlaceBeside(static_cast<std::uint32_t>(page + 1))) return true;
   return false;
 }
 
+std::optional<std::uint64_t> Image::PlaceBeside(std::uint32_t page) const {
+  return takes_back_ ? journal_.Find(page) : log_.Find(page);
+}
+
 bool Image::Read(std::uint64_t place, std::span<std::byte> bytes) const {
-  if (log_.empty()) return file_.Read(place, bytes);
+  if (log_.empty() && !takes_back_) return file_.Read(place, bytes);
   for (std::uint64_t at = place; at < place + bytes.size();) {
     const std::uint64_t in_page = at % page_bytes_;
     const auto done = static_cast<std::size_t>(at - place);
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size() - done, page_bytes_ - in_page));
-    const auto logged = log_.Find(static_cast<std::uint32_t>(at / page_bytes_ + 1));
+    const auto beside = PlaceBeside(static_cast<std::uint32_t>(at / page_bytes_ + 1));
     const auto part = bytes.subspan(done, count);
-    if (!(logged ? ReadAt(log_file_, *logged + in_page, part) : file_.Read(at, part))) return false;
+    const int file_beside = takes_back_ ? journal_file_ : log_file_;
+    if (!(beside ? ReadAt(file_beside, *beside + in_page, part) : file_.Read(at, part))) return false;
     at += count;
   }
   return true;

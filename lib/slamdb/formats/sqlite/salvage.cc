@@ -320,6 +320,11 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   if (image.lacks_pages())
     salvage.damage.insert(salvage.damage.begin(),
                           Concat("the file ends after ", image.file_bytes(), " of ", image.promised_bytes(), " bytes"));
+  if (image.lacks_journal())
+    salvage.damage.insert(salvage.damage.begin(),
+                          "beside it lies the journal of a transaction that did not end (" +
+                              sqlite::JournalPathOf(path) +
+                              "), which is damaged itself: what that transaction had changed is not taken back");
   return salvage;
 }
 

@@ -24,7 +24,8 @@ using namespace sqlite;  // NOLINT(google-build-using-namespace): this file is t
 
 namespace {
 
-constexpr int kLoadAttempts = 5;  // when another program saves the same atlas again and again meanwhile
+constexpr int kLoadAttempts = 5;    // when another program saves the same atlas again and again meanwhile
+constexpr int kOpenAttempts = 100;  // when others make the store and remove it again, because their saves failed
 
 // Measured: 4 to 16 KiB load and save alike; larger pages make the many small rows slower and small stores larger.
 constexpr const char* kNewFile = "PRAGMA page_size=8192";
@@ -47,6 +48,8 @@ void CheckNotStandardStream(const std::string& path) {
 }
 
 bool IsEmpty(Database& database) { return database.Integer("SELECT count(*) FROM sqlite_schema") == 0; }
+
+bool IsUnused(Database& database) { return IsEmpty(database) || database.Integer("SELECT count(*) FROM history") == 0; }
 
 void CreateSchema(Database& database) {
   database.Execute(kNewFile);
@@ -101,6 +104,13 @@ struct Store::State {
   StoreOptions options;
   bool writable = false;
   bool made = false;  // by this connection, and nothing was saved yet
+  // Nothing was saved there when it was opened, so that whoever made it may remove it again (RemoveUnused).
+  bool opened_unused = false;
+
+  // Opens the store to write, and makes it where it is missing.
+  static State ToWrite(const std::string& path, const StoreOptions& options);
+  // The lock for a save. Where the store was removed because the save it was made for failed, in a new one.
+  WriteTransaction Lock();
 
   bool Has(const std::string& name) {
     return Statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step();
@@ -129,7 +139,7 @@ struct Store::State {
     if (!made) return;
     try {
       database.Execute("PRAGMA journal_mode=DELETE; BEGIN EXCLUSIVE");  // fails while others have it open
-      const bool unused = IsEmpty(database) || database.Integer("SELECT count(*) FROM history") == 0;
+      const bool unused = IsUnused(database);
       if (unused && StillThere(database)) std::remove(database.path().c_str());
       database.Execute("ROLLBACK");
       if (!unused) database.UseLog();
@@ -157,8 +167,8 @@ struct Store::State {
   }
 };
 
-// Where reading failed because rows differ from their hash, all of these rows: a person who edited the store in SQL
-// wants to know them. Any other damage stays what it is.
+// Where reading failed and rows differ from their hash, all of these rows: a person who edited the store in SQL wants
+// to know them. Other damage is told behind them.
 Error NamingEdits(Database& database, std::int64_t atlas, const Error& found) {
   constexpr std::size_t kNamed = 20;
   std::vector<EditedRow> edits;
@@ -166,15 +176,16 @@ Error NamingEdits(Database& database, std::int64_t atlas, const Error& found) {
   const Salvage salvage = SalvageRows(database, atlas);
   database.AcceptEdits(nullptr);
   const std::vector<std::string>& accepted = salvage.accepted;
-  if (accepted.empty() || !salvage.damage.empty()) return found;
+  if (accepted.empty()) return found;
   std::string names = accepted[0];
   for (std::size_t i = 1; i < std::min(accepted.size(), kNamed); ++i)
     names += (i + 1 == accepted.size() ? " and " : ", ") + accepted[i];
   if (accepted.size() > kNamed) names += detail::Concat(" and ", accepted.size() - kNamed, " more");
   const std::string place = edits.empty() ? found.place() : PlaceOf(edits[0].table.c_str(), edits[0].row);
+  const std::string others = salvage.damage.empty() ? "; StoreReadOptions::accept_edits takes them as they are"
+                                                    : "; and others are gone or cannot be read: " + salvage.damage[0];
   return Error(ErrorKind::kDamaged, database.path(), place,
-               "differs from its hash: edited outside slamdb, or damaged: " + names +
-                   "; StoreReadOptions::accept_edits takes them as they are");
+               "differs from its hash: edited outside slamdb, or damaged: " + names + others);
 }
 
 Store::Store(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -192,17 +203,40 @@ Store Store::Open(const std::string& path, double lock_timeout) {
 
 Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
   CheckNotStandardStream(path);
-  std::error_code ignored;
-  const bool is_new = !std::filesystem::exists(path, ignored);
-  auto state = std::make_unique<State>(
-      State{Database(path, Access::kCreate, options.lock_timeout, options.progress), options, true, is_new});
-  try {
-    PrepareToWrite(state->database, options);
-  } catch (...) {
-    state->RemoveUnused();
-    throw;
+  return Store(std::make_unique<State>(State::ToWrite(path, options)));
+}
+
+Store::State Store::State::ToWrite(const std::string& path, const StoreOptions& options) {
+  for (int attempt = 1;; ++attempt) {
+    std::error_code ignored;
+    const bool is_new = !std::filesystem::exists(path, ignored);
+    State state{Database(path, Access::kCreate, options.lock_timeout, options.progress), options, true, is_new};
+    try {
+      PrepareToWrite(state.database, options);
+      state.opened_unused = IsUnused(state.database);
+      return state;
+    } catch (const Error&) {
+      if (StillThere(state.database) || attempt == kOpenAttempts) {
+        state.RemoveUnused();
+        throw;
+      }
+    } catch (...) {
+      state.RemoveUnused();
+      throw;
+    }
   }
-  return Store(std::move(state));
+}
+
+WriteTransaction Store::State::Lock() {
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return WriteTransaction(database);
+    } catch (const Error&) {
+      if (!opened_unused || attempt == kOpenAttempts || StillThere(database)) throw;
+    }
+    const std::string path = database.path();
+    *this = ToWrite(path, StoreOptions(options));
+  }
 }
 
 bool IsNameOfAtlas(std::string_view name) {
@@ -229,7 +263,7 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
   state_->CheckWritable();
   try {
     SaveReport report = state_->Save(name, atlas, options);
-    state_->made = false;
+    state_->made = state_->opened_unused = false;
     return report;
   } catch (...) {
     state_->RemoveUnused();
@@ -245,7 +279,7 @@ SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const
   // Before the lock, for which others wait, and with every core.
   const bool was_edited =
       save_options.verify && save_options.overwrite && Has(name) && !IsWhole(name, save_options.threads);
-  WriteTransaction transaction(database);
+  WriteTransaction transaction = Lock();
   if (!save_options.overwrite && Has(name))
     throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");

@@ -8,13 +8,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "slamdb/formats/sqlite/detail/log_index.h"
+#include "slamdb/formats/sqlite/detail/rollback_journal.h"
 
-// A database and its write-ahead log as one file that nobody writes: for stores that cannot be written, since SQLite
-// itself would want to lay files beside them, and for damaged ones. Nothing is copied, locked or made.
+// A database and its write-ahead log, or the journal of a transaction that did not end, as one file that nobody writes:
+// for stores that cannot be written, since SQLite itself would want to lay files beside them, and for damaged ones.
+// Nothing is copied, locked or made.
 namespace slamdb::sqlite {
 
 // What to do about a file that is shorter than its header says.
@@ -56,24 +59,32 @@ class Image {
 
   std::uint64_t file_bytes() const { return static_cast<std::uint64_t>(state_.st_size); }
   std::uint64_t promised_bytes() const { return promised_; }  // that its header or its log says it has; 0: no database
-  bool lacks_pages() const;                                   // that were promised, and are not in the log either
+  bool lacks_pages() const;                                   // that were promised, and are not beside it either
+  // Whether a journal lies beside it that cannot take back what a transaction that did not end had changed.
+  bool lacks_journal() const { return !journal_.empty() && !journal_.whole(); }
 
  private:
   void FindSizes(Missing missing);
+  // Where a page stands in the log or the journal.
+  std::optional<std::uint64_t> PlaceBeside(std::uint32_t page) const;
 
   using LogHeader = std::array<std::byte, 32>;
 
   std::string path_;
   DatabaseFile file_;
-  int log_file_ = -1;
-  struct stat state_ {};  // when it was opened
+  int log_file_ = -1, journal_file_ = -1;
+  struct stat state_ {
+  }, journal_state_{};  // when they were opened
   LogHeader log_header_{};
   LogIndex log_;
+  RollbackJournal journal_;
+  bool takes_back_ = false;  // what the journal has
   std::uint64_t page_bytes_ = 0, promised_ = 0, size_ = 0;
 };
 
 // Where SQLite keeps the write-ahead log of a database: beside the file that symbolic links lead to.
 std::string LogPathOf(const std::string& path);
+std::string JournalPathOf(const std::string& path);  // and the journal of a transaction
 
 // The VFS of SQLite through which a connection sees the Image of a file; such a connection cannot write.
 // SQLITE_BUSY there means that the image has changed.
