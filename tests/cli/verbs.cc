@@ -36,7 +36,8 @@ std::string InputOf(const std::string& verb, const std::string& option) {
                                                              {"STORE#NAME", "m.db#a"},
                                                              {"--vocabulary", "voc.txt"},
                                                              {"migrate STORE", "old.db"},
-                                                             {"landmarks from-points INPUT", "points.osa"}};
+                                                             {"landmarks from-points INPUT", "points.osa"},
+                                                             {"landmarks to-points INPUT", "landmarks.mrpt"}};
   for (const std::string& key : {verb + " " + option, option})
     if (const auto found = kInputs.find(key); found != kInputs.end()) return found->second;
   return option == "AFTER" || option.starts_with("--") ? "b.osa" : "a.osa";
@@ -126,6 +127,7 @@ void FillFolder(const std::string& folder) {
   for (const char* name : {"m.db#a", "m.db#b", "old.db#a"}) WriteAtlas(ReadAtlas(tiny), (in / name).string());
   MigrateStore((in / "old.db").string(), {.back = true, .backup = false});
   std::filesystem::copy_file(SLAMDB_FIXTURES "/vocabulary/small.txt", in / "voc.txt");
+  std::filesystem::copy_file(SLAMDB_FIXTURES "/mrpt/landmarks.bin", in / "landmarks.mrpt");
 }
 
 }  // namespace slamdb::testing
