@@ -58,7 +58,7 @@ void Collect(CLI::App& app, std::vector<std::string> words, std::vector<Verb>& v
   if (!inner.empty()) return;
   Verb verb{.words = words};
   for (CLI::Option* option : app.get_options(cli::NamesFiles)) verb.files.push_back(FileOptionOf(*option));
-  std::ranges::stable_partition(verb.files, &FileOption::positional);
+  std::stable_partition(verb.files.begin(), verb.files.end(), [](const FileOption& file) { return file.positional; });
   verb.overwrites = app.get_option_no_throw("--overwrite") != nullptr;
   verbs.push_back(std::move(verb));
 }
