@@ -105,8 +105,9 @@ TEST(HelpExamples, Run) {
   for (const HelpExample& example : examples) {
     const std::string place = folder.Path(std::to_string(number++));
     // Links to what only writing in place would change, and copies of stores.
-    ASSERT_EQ(RunShell(world.path().string(),
-                       "cp -al . '" + place + "' && rm '" + place + "'/*.db && cp *.db '" + place + "'")
+    ASSERT_EQ(RunShell(world.path().string(), "cp -al . '" + place +
+                                                  "' && find . -name '*.db' -exec cp --remove-destination '{}' '" +
+                                                  place + "/{}' ';'")
                   .exit_code,
               0);
     std::string command = std::regex_replace(example.command, std::regex("/mnt/disk"), "disk");
