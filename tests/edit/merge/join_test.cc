@@ -7,7 +7,7 @@
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/edit/merge/anchors.h"
-#include "slamdb/edit/merge/detail/covisibility.h"
+#include "slamdb/edit/part/detail/covisibility.h"
 #include "slamdb/edit/merge/merge.h"
 #include "slamdb/model/content.h"
 #include "slamdb/model/derive.h"

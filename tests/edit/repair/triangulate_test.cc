@@ -140,7 +140,7 @@ struct TwoLooks {
 
 TEST(TriangulatedPoint, IsWhereItsDepthsPutItWithoutParallax) {
   TwoLooks looks;
-  ASSERT_EQ(detail::TriangulateLostPoints(looks.atlas, 1), std::vector{looks.lost.id});
+  ASSERT_EQ(detail::TriangulateLostPoints(looks.atlas, {}, 1), std::vector{looks.lost.id});
   const MapPoint& made = looks.atlas.maps[0].points.back();
   EXPECT_EQ(made.observations.size(), 2u);
   const float z = (looks.first->camera_from_world * made.position).z();
@@ -151,7 +151,7 @@ TEST(TriangulatedPoint, IsWhereItsDepthsPutItWithoutParallax) {
 TEST(TriangulatedPoint, IsNotMadeWhereDepthsContradict) {
   TwoLooks looks;
   looks.second->features.depth[looks.second_row] *= 0.1F;
-  EXPECT_THAT(detail::TriangulateLostPoints(looks.atlas, 1), IsEmpty());
+  EXPECT_THAT(detail::TriangulateLostPoints(looks.atlas, {}, 1), IsEmpty());
 }
 
 TEST(TriangulatedPoint, IsNotMadeWithoutParallaxAndDepth) {
@@ -160,7 +160,7 @@ TEST(TriangulatedPoint, IsNotMadeWithoutParallaxAndDepth) {
     std::ranges::fill(features->depth, -1.0F);
     std::ranges::fill(features->right_x, -1.0F);
   }
-  EXPECT_THAT(detail::TriangulateLostPoints(looks.atlas, 1), IsEmpty());
+  EXPECT_THAT(detail::TriangulateLostPoints(looks.atlas, {}, 1), IsEmpty());
 }
 
 // The depth of one of three views is wrong: two tell where the point is, and the third is no observer.
@@ -176,7 +176,7 @@ TEST(TriangulatedPoint, IsWhereMostViewsPutIt) {
   const auto row = static_cast<std::size_t>(wrong.left);
   ASSERT_GT(features.depth[row], 0);
   features.depth[row] *= 2;
-  ASSERT_EQ(detail::TriangulateLostPoints(atlas, 1), std::vector{original.id});
+  ASSERT_EQ(detail::TriangulateLostPoints(atlas, {}, 1), std::vector{original.id});
   const MapPoint& made = atlas.maps[0].points.back();
   EXPECT_EQ(made.observations.size(), 2u);
   EXPECT_LT((made.position - original.position).norm(), 0.02F * original.max_distance);

@@ -16,7 +16,7 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/steps.h"
-#include "slamdb/edit/merge/detail/covisibility.h"
+#include "slamdb/edit/part/detail/covisibility.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
 
