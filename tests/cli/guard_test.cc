@@ -218,12 +218,46 @@ TEST_F(Guard, ATemporaryFileThatIsAnInputStays) {
 // What names a file has FILE as the name of its type; an option with another one was thought of here.
 TEST(GuardedOptions, AreAllThatNameFiles) {
   static const std::set<std::string> kNoFiles = {
-      "",           "AXES",         "BEGIN:END", "BITS",   "DEGREES",   "DISTANCE",      "FACTOR",
-      "FIRST:LAST", "FIRST:SECOND", "FOLDER",    "FORMAT", "FRACTION",  "FROM=TO,...",   "ID",
-      "ID,...",     "INPUT",        "KEY",       "KIND",   "KIND,...",  "LAT,LON[,ALT]", "MB",
-      "MD5",        "METHOD",       "N",         "NAME",   "ORDER",     "PIXELS",        "PURPOSE",
-      "RULE",       "SECONDS",      "SHARE",     "SIZE",   "TRANSFORM", "UNIT",          "WHAT",
-      "X,Y,Z:X,Y,Z"};
+      "",
+      "AXES",
+      "BEGIN:END",
+      "BITS",
+      "DEGREES",
+      "DISTANCE",
+      "FACTOR",
+      "FIRST:LAST",
+      "FIRST:SECOND",
+      "FOLDER",
+      "FORMAT",
+      "FRACTION",
+      "FROM=TO,...",
+      "ID",
+      "ID,...",
+      "INPUT",
+      "KEY",
+      "KIND",
+      "KIND,...",
+      "LAT,LON[,ALT]",
+      "MB",
+      "MD5",
+      "METHOD",
+      "N",
+      "NAME",
+      "ORDER",
+      "PIXELS",
+      "PURPOSE",
+      "RULE",
+      "SECONDS",
+      "SHARE",
+      "SIZE",
+      "TRANSFORM",
+      "UNIT",
+      "WHAT",
+      "X,Y,Z:X,Y,Z",
+      "TEXT",
+      "'X,Y X,Y ...'",
+      "T",  // a transform, which is also read from a file: entered when it is
+      "SIZE:SIZE [b, kb(=1000b), kib(=1024b), ...]"};
   for (const auto& [verb, type] : TypesOfOptions())
     EXPECT_TRUE(type.find("FILE") != std::string::npos || type.find('{') != std::string::npos ||  // a list of words
                 kNoFiles.contains(type))
