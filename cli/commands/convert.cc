@@ -81,8 +81,7 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   WriteOptions write = MakeWriteOptions(console, options.target, "convert " + options.input, options.wait);
   write.format = FormatAsked(options);
   write.strict = options.strict;
-  write.of<Orbslam3WriteOptions>() = {
-      .boost_version = options.boost_version, .long_bytes = options.long_bytes};
+  write.of<Orbslam3WriteOptions>() = {.boost_version = options.boost_version, .long_bytes = options.long_bytes};
   write.of<ExportOptions>().map = selection.map;
   write.of<PointCloudOptions>().binary = !options.ascii;
   write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;

@@ -171,8 +171,9 @@ TEST_F(Tables, AReferenceFarFromTheOriginMayBeAStream) {
     return Digits(pose.timestamp, 3) + " " + Place(pose, " ", utm) + " " + Turn(pose, " ");
   });
   WriteWholeFile(In("utm.tum"), text);
-  ExpectOnto(RunProgram({"bash", "-c", std::string(SLAMDB_COMMAND) + " transform " + In("a.osa") + " " + In("o.osa") +
-                                           " -O --json --onto <(cat " + In("utm.tum") + ")"}),
+  ExpectOnto(RunProgram({"bash", "-c",
+                         std::string(SLAMDB_COMMAND) + " transform " + In("a.osa") + " " + In("o.osa") +
+                             " -O --json --onto <(cat " + In("utm.tum") + ")"}),
              utm, 3);
   ASSERT_EQ(RunSlamdb({"convert", In("utm.tum"), In("file.tum"), "-O"}).exit_code, 0);
   for (const std::vector<std::string>& from : std::vector<std::vector<std::string>>{{}, {"--from", "tum"}}) {
@@ -194,7 +195,8 @@ TEST_F(Tables, NothingSelectedIsNoSuccess) {
     EXPECT_EQ(ReadWholeFile(In("old.tum")), "old");
   }
   WriteWholeFile(In("far.tum"), "1e11 0 0 0 0 0 0 1\n5 0 0 0 0 0 0 1\n");
-  EXPECT_THAT(RunSlamdb({"convert", In("far.tum"), In("far.euroc.csv"), "--time-unit", "s"}).out, HasSubstr(": 1 pose"));
+  EXPECT_THAT(RunSlamdb({"convert", In("far.tum"), In("far.euroc.csv"), "--time-unit", "s"}).out,
+              HasSubstr(": 1 pose"));
 }
 
 TEST_F(Tables, PointsAreNoPoses) {

@@ -21,8 +21,8 @@ struct RecoverOptions {
   const VocabularyTree* vocabulary = nullptr;
   Vocabulary vocabulary_identity;
   // Make points anew that keyframes see and no map holds, where two views or a depth allow. RecoverSalvage does so
-  // where bytes are damaged only: what a whole file refers to in vain was culled, and what is not in a store whose edits
-  // are accepted was deleted.
+  // where bytes are damaged only: what a whole file refers to in vain was culled, and what is not in a store whose
+  // edits are accepted was deleted.
   bool triangulate = true;
   int threads = 0;    // 0: every core
   Progress progress;  // may be empty
