@@ -27,8 +27,8 @@ run slamdb repair mono_small_twice.osa fixed.osa --journal fix.json
 run slamdb check fixed.osa
 run slamdb repair --undo fix.json fixed.osa again.osa
 run cmp mono_small_twice.osa again.osa
-expect 3 slamdb convert session_small_a.osa points.ply
-expect 3 slamdb convert session_small_a.osa keyframes.tum
+run slamdb convert session_small_a.osa points.ply
+run slamdb convert session_small_a.osa keyframes.tum
 run slamdb convert session_small_a.osa maps.db#lab
 run slamdb convert fixed.osa maps.db#hall
 run slamdb list maps.db
