@@ -167,10 +167,20 @@ std::size_t RegrowTrees(Atlas& atlas) {
   return changed;
 }
 
+namespace {
+
+// Not so one without an id, or with that of another one before it.
+bool IsFoundByItsId(const AtlasIndex& index, std::size_t row, const KeyFrame& keyframe) {
+  return keyframe.id && index.FindKeyFrame(row, keyframe.id) == &keyframe;
+}
+
+}  // namespace
+
 void CheckParentListsChild(const Subject& subject, Findings& findings) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
     const KeyFrame* parent = subject.index.FindKeyFrame(row, keyframe.parent);
-    if (parent != nullptr && parent != &keyframe && keyframe.id && !Contains(parent->children, keyframe.id))
+    if (parent != nullptr && parent != &keyframe && IsFoundByItsId(subject.index, row, keyframe) &&
+        !Contains(parent->children, keyframe.id))
       findings.Add(PlaceOf(map, keyframe), "parent ", keyframe.parent, " does not have it as child");
   });
 }
@@ -181,7 +191,8 @@ std::size_t AddMissingChildren(Atlas& atlas) {
   for (std::size_t row = 0; row < atlas.maps.size(); ++row)
     for (const KeyFrame& keyframe : atlas.maps[row].keyframes) {
       const std::uint32_t parent = index.KeyFrameRow(row, keyframe.parent);
-      if (keyframe.bad || parent == kNoRow || keyframe.parent == keyframe.id || !keyframe.id) continue;
+      if (keyframe.bad || parent == kNoRow || keyframe.parent == keyframe.id) continue;
+      if (!IsFoundByItsId(index, row, keyframe)) continue;
       Column<KeyFrameId>& children = atlas.maps[row].keyframes[parent].children;
       if (Contains(children, keyframe.id)) continue;
       children.push_back(keyframe.id);

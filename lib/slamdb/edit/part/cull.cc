@@ -47,6 +47,12 @@ int FewestObservations(const MapStatistics& statistics, const CullOptions& optio
   return statistics.sensor == MapSensor::kMonocular ? kFewForMonocular : kFewForDepth;
 }
 
+// The last keyframe whose points are no longer young. Ids may be anything.
+std::int64_t LastProven(std::uint64_t newest) {
+  const auto id = static_cast<std::int64_t>(newest);
+  return std::max(id, std::numeric_limits<std::int64_t>::min() + kKeyFramesToProve) - kKeyFramesToProve;
+}
+
 // Judges the points of one map. Const, for many threads.
 class PointRules {
  public:
@@ -56,13 +62,12 @@ class PointRules {
         map_(index.atlas().maps[map_row]),
         options_(options),
         reprojection_(index.atlas(), map_),
-        newest_(static_cast<std::int64_t>(statistics.largest_keyframe_id)),
+        last_proven_(LastProven(statistics.largest_keyframe_id)),
         min_observations_(FewestObservations(statistics, options)) {}
 
   Verdict Judge(const MapPoint& point) const {
     if (point.bad) return Verdict::kBad;
-    if (point.observation_count < min_observations_ && newest_ - point.first_keyframe >= kKeyFramesToProve)
-      return Verdict::kFew;
+    if (point.observation_count < min_observations_ && point.first_keyframe <= last_proven_) return Verdict::kFew;
     if (options_.max_error && !(Error(point) <= *options_.max_error)) return Verdict::kError;
     if (options_.min_parallax && !HasDepth(point) && !HasParallax(point)) return Verdict::kParallax;
     if (options_.unseen_since && !IsSeenSince(point)) return Verdict::kUnseen;
@@ -129,7 +134,7 @@ class PointRules {
   const Map& map_;
   const CullOptions& options_;
   const Reprojection reprojection_;
-  const std::int64_t newest_;
+  const std::int64_t last_proven_;
   const int min_observations_;
 };
 
