@@ -119,7 +119,8 @@ void CheckObservationIndex(const Subject& subject, Findings& findings) {
       findings.Add(PlaceOf(map, point), "is right keypoint ", observation.right, " of ", keyframe.id,
                    ", whose right keypoints ", [&]() -> std::string {
                      if (!features.is_fisheye_stereo()) return "are no rows of their own";
-                     return "are " + std::to_string(features.left_count) + " to " + std::to_string(features.count - 1);
+                     return "are " + std::to_string(features.left_count) + " to " +
+                            std::to_string(std::int64_t{features.count} - 1);
                    });
   });
 }
