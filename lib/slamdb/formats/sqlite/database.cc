@@ -10,6 +10,7 @@
 
 #include "slamdb/base/detail/errno_kind.h"
 #include "slamdb/base/detail/recognize.h"
+#include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/one_name.h"
 
@@ -126,25 +127,15 @@ void CheckIsFile(const std::string& path, bool may_be_missing) {
 // Under which SQLite takes any path for that of a file.
 std::string FileNameOf(const std::string& path) { return path.starts_with('/') ? path : "./" + path; }
 
-bool HasContent(const std::string& path) {
-  std::error_code missing;
-  const auto bytes = std::filesystem::file_size(path, missing);
-  return !missing && bytes > 0;
-}
-
 bool Exists(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored);
 }
 
-std::string BesideTheFile(const std::string& log_path, const char* suffix) {
-  return log_path.substr(0, log_path.size() - 4) + suffix;
-}
-
 // Whether a log lies there without its index, as a copy or a program that was killed leaves it. Looked at twice, since
 // who closes a store removes the index first, and then the log.
-bool LacksIndex(const std::string& log) {
-  const auto lacks = [&] { return HasContent(log) && !Exists(BesideTheFile(log, "-shm")); };
+bool LacksIndex(const FilesBeside& beside) {
+  const auto lacks = [&] { return HasContent(beside.log) && !Exists(beside.index); };
   if (!lacks()) return false;
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return lacks();
@@ -251,12 +242,12 @@ int Database::BeginReading() {
 // is a store that cannot be written, or beside which nothing can be laid, unless a writer has laid those files already,
 // whose locks then count.
 void Database::OpenToRead() {
-  const std::string log = LogPathOf(path_);
-  if (LacksIndex(log)) return OpenImage(Access::kRead);
+  const FilesBeside beside(path_);
+  if (LacksIndex(beside)) return OpenImage(Access::kRead);
   OpenHandle(SQLITE_OPEN_READWRITE);
-  if (HasContent(log)) sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-  const bool files_lie_beside = Exists(log) && Exists(BesideTheFile(log, "-shm"));
-  const bool journal_lies_beside = HasContent(BesideTheFile(log, "-journal"));
+  if (HasContent(beside.log)) sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  const bool files_lie_beside = Exists(beside.log) && Exists(beside.index);
+  const bool journal_lies_beside = HasContent(beside.journal);
   const bool writable = sqlite3_db_readonly(handle(), "main") == 0;
   if (!writable && !files_lie_beside && !journal_lies_beside) return OpenImage(Access::kRead);
   const int code = BeginReading();
@@ -264,7 +255,7 @@ void Database::OpenToRead() {
   if (lacks_rights && !journal_lies_beside) return OpenImage(Access::kRead);
   if (lacks_rights)
     throw Error(ErrorKind::kPermission, path_, "",
-                "a journal of unfinished work (" + BesideTheFile(log, "-journal") +
+                "a journal of unfinished work (" + beside.journal +
                     ") lies beside it, and one of them cannot be written: copy both to another folder");
   if (code != SQLITE_OK) throw Failure("", code);
 }

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <new>
 
 #include "slamdb/base/error.h"
@@ -38,17 +37,6 @@ bool ReadAt(int descriptor, std::uint64_t place, std::span<std::byte> bytes) {
 
 }  // namespace
 
-std::string LogPathOf(const std::string& path) {
-  std::error_code failed;
-  const auto followed = std::filesystem::canonical(path, failed);
-  return (failed ? path : followed.string()) + "-wal";
-}
-
-std::string JournalPathOf(const std::string& path) {
-  const std::string log = LogPathOf(path);
-  return log.substr(0, log.size() - 4) + "-journal";
-}
-
 // Closing a descriptor of one's own would end the locks that other connections of this process hold on the file
 // (fcntl(2)), so that SQLite opens and closes it. Nobody locks the log.
 DatabaseFile::DatabaseFile(const std::string& path) {
@@ -70,11 +58,11 @@ bool DatabaseFile::Read(std::uint64_t place, std::span<std::byte> bytes) const {
   return code == SQLITE_OK || code == SQLITE_IOERR_SHORT_READ;  // which leaves zeros
 }
 
-Image::Image(const std::string& path, Missing missing) : path_(path), file_(path) {
+Image::Image(const std::string& path, Missing missing) : path_(path), beside_(path), file_(path) {
   ::stat(path.c_str(), &state_);
-  log_file_ = ::open(LogPathOf(path).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  log_file_ = ::open(beside_.log.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (log_file_ >= 0 && ReadAt(log_file_, 0, log_header_)) log_ = LogIndex(log_file_);
-  journal_file_ = ::open(JournalPathOf(path).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  journal_file_ = ::open(beside_.journal.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (journal_file_ >= 0 && ::fstat(journal_file_, &journal_state_) == 0) journal_ = RollbackJournal(journal_file_);
   takes_back_ = log_.empty() && !journal_.empty() && journal_.whole() && file_bytes() > 0;
   FindSizes(missing);
@@ -102,7 +90,7 @@ void Image::FindSizes(Missing missing) {
 
 // Frames that are added to a log do not matter; one that is begun anew has other salts in its header.
 bool Image::changed() const {
-  if (!IsSameNow(path_, state_) || (takes_back_ && !IsSameNow(JournalPathOf(path_), journal_state_))) return true;
+  if (!IsSameNow(path_, state_) || (takes_back_ && !IsSameNow(beside_.journal, journal_state_))) return true;
   LogHeader header{};
   return !log_.empty() && (!ReadAt(log_file_, 0, header) || header != log_header_);
 }

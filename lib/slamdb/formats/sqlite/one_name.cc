@@ -10,7 +10,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/links.h"
 #include "slamdb/base/error.h"
-#include "slamdb/formats/sqlite/detail/image.h"
+#include "slamdb/formats/sqlite/detail/files_beside.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -25,11 +25,6 @@ bool IsMountPoint(const std::string& path) {
   static_cast<void>(path);
   return false;
 #endif
-}
-
-bool HasContent(const std::string& path) {
-  struct stat status {};
-  return ::stat(path.c_str(), &status) == 0 && status.st_size > 0;
 }
 
 }  // namespace
@@ -51,8 +46,7 @@ void CheckHasOneName(const std::string& path) {
 
 void CheckLogIsOfThisName(const std::string& path) {
   struct stat status {};
-  const std::string log = LogPathOf(path);
-  if (::stat(path.c_str(), &status) != 0 || status.st_nlink < 2 || HasContent(log)) return;
+  if (::stat(path.c_str(), &status) != 0 || status.st_nlink < 2 || HasContent(FilesBeside(path).log)) return;
   std::error_code failed;
   const auto folder = detail::FolderOf(detail::FollowLinks(path));
   for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
@@ -61,7 +55,7 @@ void CheckLogIsOfThisName(const std::string& path) {
     const std::string name = entry->path().string();
     const bool is_same_file = ::lstat(name.c_str(), &other) == 0 && S_ISREG(other.st_mode) &&
                               other.st_ino == status.st_ino && other.st_dev == status.st_dev;
-    if (is_same_file && HasContent(name + "-wal"))
+    if (is_same_file && HasContent(FilesBeside(name).log))
       throw Error(ErrorKind::kUsage, path, "",
                   detail::Concat("the file has another name, ", name,
                                  ", and what was saved last lies in the log beside that one: read it by that name"));

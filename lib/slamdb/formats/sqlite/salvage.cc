@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/load.h"
@@ -323,7 +324,7 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   if (image.lacks_journal())
     salvage.damage.insert(salvage.damage.begin(),
                           "beside it lies the journal of a transaction that did not end (" +
-                              sqlite::JournalPathOf(path) +
+                              sqlite::FilesBeside(path).journal +
                               "), which is damaged itself: what that transaction had changed is not taken back");
   return salvage;
 }

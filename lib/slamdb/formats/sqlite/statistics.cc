@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "slamdb/formats/sqlite/detail/image.h"
+#include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 
 namespace slamdb::sqlite {
@@ -107,7 +107,7 @@ StoreStats ReadStatistics(Database& database) {
   stats.pages = static_cast<std::uint64_t>(database.Integer("PRAGMA page_count"));
   stats.free_pages = static_cast<std::uint64_t>(database.Integer("PRAGMA freelist_count"));
   stats.file_bytes = SizeOf(database.path());
-  stats.log_bytes = SizeOf(LogPathOf(database.path()));
+  stats.log_bytes = SizeOf(FilesBeside(database.path()).log);
   if (sqlite3_compileoption_used("ENABLE_DBSTAT_VTAB") != 0) stats.tables = TableSizes(database);
   return stats;
 }

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/store_format.h"
 
-#include <filesystem>
-
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/detail/database.h"
+#include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
-#include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/salvage.h"
 #include "slamdb/formats/sqlite/options.h"
@@ -22,8 +20,7 @@ constexpr std::string_view kDefaultName = "atlas";
 // The first page, which says what a database is, may be in the log alone: until the first checkpoint, which a killed
 // program does not reach.
 bool IsStoreByItsLog(const std::string& path) {
-  std::error_code missing;
-  if (std::filesystem::file_size(sqlite::LogPathOf(path), missing) == 0 || missing) return false;
+  if (!sqlite::HasContent(sqlite::FilesBeside(path).log)) return false;
   try {
     return sqlite::Database(path, sqlite::Access::kSalvage, 0).Integer("PRAGMA application_id") ==
            sqlite::kApplicationId;

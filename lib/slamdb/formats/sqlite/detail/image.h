@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 
+#include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/log_index.h"
 #include "slamdb/formats/sqlite/detail/rollback_journal.h"
 
@@ -71,6 +72,7 @@ class Image {
   using LogHeader = std::array<std::byte, 32>;
 
   std::string path_;
+  FilesBeside beside_;
   DatabaseFile file_;
   int log_file_ = -1, journal_file_ = -1;
   struct stat state_ {
@@ -81,10 +83,6 @@ class Image {
   bool takes_back_ = false;  // what the journal has
   std::uint64_t page_bytes_ = 0, promised_ = 0, size_ = 0;
 };
-
-// Where SQLite keeps the write-ahead log of a database: beside the file that symbolic links lead to.
-std::string LogPathOf(const std::string& path);
-std::string JournalPathOf(const std::string& path);  // and the journal of a transaction
 
 // The VFS of SQLite through which a connection sees the Image of a file; such a connection cannot write.
 // SQLITE_BUSY there means that the image has changed.
