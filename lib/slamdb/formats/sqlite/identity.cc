@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/identity.h"
 
+#include "slamdb/formats/sqlite/detail/big_endian.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 
 namespace slamdb::sqlite {
 namespace {
 
 constexpr std::string_view kMagic("SQLite format 3\0", 16);
-
-std::int64_t BigEndian32(std::string_view bytes) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
-  return static_cast<std::int32_t>(value);
-}
 
 // Databases that people are likely to mix up with a store, known by their tables.
 struct Known {
@@ -62,8 +57,8 @@ Header HeaderOf(std::string_view head) {
   Header header;
   header.is_sqlite = head.size() >= 100 && head.substr(0, kMagic.size()) == kMagic;
   if (header.is_sqlite) {
-    header.version = BigEndian32(head.substr(60, 4));
-    header.application_id = BigEndian32(head.substr(68, 4));
+    header.version = static_cast<std::int32_t>(BigEndian32(&head[60]));
+    header.application_id = static_cast<std::int32_t>(BigEndian32(&head[68]));
   }
   return header;
 }

@@ -8,9 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <new>
+#include <utility>
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/detail/big_endian.h"
+#include "slamdb/formats/sqlite/detail/log_index.h"
+#include "slamdb/formats/sqlite/detail/rollback_journal.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -29,7 +32,7 @@ bool IsSameNow(const std::string& path, const struct stat& before) {
 }
 
 // Zeros behind the end. False: the disk fails.
-bool ReadAt(int descriptor, std::uint64_t place, std::span<std::byte> bytes) {
+bool ReadZeroed(int descriptor, std::uint64_t place, std::span<std::byte> bytes) {
   const ssize_t got = ::pread(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(place));
   std::ranges::fill(bytes.subspan(got < 0 ? 0 : static_cast<std::size_t>(got)), std::byte{0});
   return got >= 0;
@@ -61,10 +64,13 @@ bool DatabaseFile::Read(std::uint64_t place, std::span<std::byte> bytes) const {
 Image::Image(const std::string& path, Missing missing) : path_(path), beside_(path), file_(path) {
   ::stat(path.c_str(), &state_);
   log_file_ = ::open(beside_.log.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (log_file_ >= 0 && ReadAt(log_file_, 0, log_header_)) log_ = LogIndex(log_file_);
+  if (log_file_ >= 0 && ReadZeroed(log_file_, 0, log_header_)) pages_beside_ = IndexLog(log_file_);
   journal_file_ = ::open(beside_.journal.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (journal_file_ >= 0 && ::fstat(journal_file_, &journal_state_) == 0) journal_ = RollbackJournal(journal_file_);
-  takes_back_ = log_.empty() && !journal_.empty() && journal_.whole() && file_bytes() > 0;
+  RollbackJournal journal;
+  if (journal_file_ >= 0 && ::fstat(journal_file_, &journal_state_) == 0) journal = ReadRollbackJournal(journal_file_);
+  lacks_journal_ = !journal.whole;
+  takes_back_ = is_alone() && journal.before.page_bytes > 0 && file_bytes() > 0;
+  if (takes_back_) pages_beside_ = std::move(journal.before);
   FindSizes(missing);
 }
 
@@ -75,24 +81,24 @@ Image::~Image() {
 
 // Page size and pages stand in the first page, big-endian; after a commit to the log, there.
 void Image::FindSizes(Missing missing) {
-  page_bytes_ = takes_back_ ? journal_.page_bytes() : log_.page_bytes();
+  page_bytes_ = pages_beside_.page_bytes;
   std::array<unsigned char, 32> header{};
   Read(0, std::as_writable_bytes(std::span(header)));
   const std::uint64_t recorded = BigEndian32(&header[kPageBytesAt]) >> 16;
   if (page_bytes_ == 0) page_bytes_ = recorded == 1 ? 65536 : recorded;
-  promised_ = page_bytes_ * (takes_back_    ? journal_.pages()
-                             : log_.empty() ? BigEndian32(&header[kPagesAt])
-                                            : log_.pages());
+  promised_ = page_bytes_ * (is_alone() ? BigEndian32(&header[kPagesAt]) : pages_beside_.pages);
   if (promised_ > kMostBytes) promised_ = 0;
-  size_ = log_.empty() && !takes_back_ ? file_bytes() : promised_;
+  size_ = is_alone() ? file_bytes() : promised_;
   if (missing == Missing::kIsZeros) size_ = std::max(size_, promised_);
 }
 
 // Frames that are added to a log do not matter; one that is begun anew has other salts in its header.
 bool Image::changed() const {
-  if (!IsSameNow(path_, state_) || (takes_back_ && !IsSameNow(beside_.journal, journal_state_))) return true;
+  if (!IsSameNow(path_, state_)) return true;
+  if (is_alone()) return false;
+  if (takes_back_) return !IsSameNow(beside_.journal, journal_state_);
   LogHeader header{};
-  return !log_.empty() && (!ReadAt(log_file_, 0, header) || header != log_header_);
+  return !ReadZeroed(log_file_, 0, header) || header != log_header_;
 }
 
 bool Image::lacks_pages() const {
@@ -103,11 +109,12 @@ bool Image::lacks_pages() const {
 }
 
 std::optional<std::uint64_t> Image::PlaceBeside(std::uint32_t page) const {
-  return takes_back_ ? journal_.Find(page) : log_.Find(page);
+  const auto found = pages_beside_.places.find(page);
+  return found == pages_beside_.places.end() ? std::nullopt : std::optional(found->second);
 }
 
 bool Image::Read(std::uint64_t place, std::span<std::byte> bytes) const {
-  if (log_.empty() && !takes_back_) return file_.Read(place, bytes);
+  if (is_alone()) return file_.Read(place, bytes);
   for (std::uint64_t at = place; at < place + bytes.size();) {
     const std::uint64_t in_page = at % page_bytes_;
     const auto done = static_cast<std::size_t>(at - place);
@@ -115,7 +122,7 @@ bool Image::Read(std::uint64_t place, std::span<std::byte> bytes) const {
     const auto beside = PlaceBeside(static_cast<std::uint32_t>(at / page_bytes_ + 1));
     const auto part = bytes.subspan(done, count);
     const int file_beside = takes_back_ ? journal_file_ : log_file_;
-    if (!(beside ? ReadAt(file_beside, *beside + in_page, part) : file_.Read(at, part))) return false;
+    if (!(beside ? ReadZeroed(file_beside, *beside + in_page, part) : file_.Read(at, part))) return false;
     at += count;
   }
   return true;

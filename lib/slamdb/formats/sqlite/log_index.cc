@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/log_index.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
 #include <span>
@@ -17,11 +15,6 @@ namespace {
 constexpr std::size_t kHeaderBytes = 32, kFrameHeaderBytes = 24;
 constexpr std::uint32_t kMagic = 0x377f0682;  // with the lowest bit set, checksums are of big-endian words
 constexpr std::uint32_t kVersion = 3007000;
-
-bool ReadAt(int descriptor, std::uint64_t place, std::span<unsigned char> bytes) {
-  return ::pread(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(place)) ==
-         static_cast<ssize_t>(bytes.size());
-}
 
 // Goes on from frame to frame.
 class Checksum {
@@ -48,15 +41,16 @@ class Checksum {
 
 }  // namespace
 
-LogIndex::LogIndex(int descriptor) {
+PagesBeside IndexLog(int descriptor) {
+  PagesBeside index;
   std::vector<unsigned char> header(kHeaderBytes);
-  if (!ReadAt(descriptor, 0, header)) return;
+  if (!ReadAt(descriptor, 0, header)) return index;
   const std::uint32_t page_bytes = BigEndian32(&header[8]);
   Checksum checksum((BigEndian32(&header[0]) & 1) != 0);
   checksum.Add(std::span(header).first(kFrameHeaderBytes));
   if ((BigEndian32(&header[0]) & ~1U) != kMagic || BigEndian32(&header[4]) != kVersion || page_bytes < 512 ||
       page_bytes > 65536 || !std::has_single_bit(page_bytes) || !checksum.Is(&header[24]))
-    return;
+    return index;
 
   const std::span salts = std::span(header).subspan(16, 8);
   std::vector<unsigned char> frame(kFrameHeaderBytes + page_bytes);
@@ -65,19 +59,15 @@ LogIndex::LogIndex(int descriptor) {
     const std::uint32_t page = BigEndian32(&frame[0]), pages_after_commit = BigEndian32(&frame[4]);
     checksum.Add(std::span(frame).first(8));
     checksum.Add(std::span(frame).subspan(kFrameHeaderBytes));
-    if (page == 0 || !std::equal(salts.begin(), salts.end(), &frame[8]) || !checksum.Is(&frame[16])) return;
+    if (page == 0 || !std::equal(salts.begin(), salts.end(), &frame[8]) || !checksum.Is(&frame[16])) return index;
     pending.emplace_back(page, place + kFrameHeaderBytes);
     if (pages_after_commit == 0) continue;
-    for (const auto& [written, at] : pending) places_[written] = at;
+    for (const auto& [written, at] : pending) index.places[written] = at;
     pending.clear();
-    page_bytes_ = page_bytes;
-    pages_ = pages_after_commit;
+    index.page_bytes = page_bytes;
+    index.pages = pages_after_commit;
   }
-}
-
-std::optional<std::uint64_t> LogIndex::Find(std::uint32_t page) const {
-  const auto found = places_.find(page);
-  return found == places_.end() ? std::nullopt : std::optional(found->second);
+  return index;
 }
 
 }  // namespace slamdb::sqlite

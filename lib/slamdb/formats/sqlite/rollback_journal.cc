@@ -2,12 +2,13 @@
 #include "slamdb/formats/sqlite/detail/rollback_journal.h"
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "slamdb/formats/sqlite/detail/big_endian.h"
@@ -18,11 +19,6 @@ namespace {
 constexpr std::array<unsigned char, 8> kMagic = {0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7};
 constexpr std::uint32_t kUntilTheEnd = 0xffffffff;  // as a number of records
 constexpr std::size_t kBetweenSummedBytes = 200;
-
-bool ReadAt(int descriptor, std::uint64_t place, std::span<unsigned char> bytes) {
-  return ::pread(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(place)) ==
-         static_cast<ssize_t>(bytes.size());
-}
 
 bool IsPowerOfTwo(std::uint32_t number, std::uint32_t least, std::uint32_t most) {
   return number >= least && number <= most && std::has_single_bit(number);
@@ -53,24 +49,14 @@ bool IsOfSeveralDatabases(int descriptor, std::uint64_t bytes) {
   return bytes > 28 + end.size() && ReadAt(descriptor, bytes - end.size(), end) && end == kMagic;
 }
 
-}  // namespace
-
-RollbackJournal::RollbackJournal(int descriptor) {
-  const std::optional<Header> first = Header::At(descriptor, 0);
-  if (!first || !IsPowerOfTwo(first->page_bytes, 512, 65536)) return;
-  page_bytes_ = first->page_bytes;
-  pages_ = first->pages;
-  whole_ = ReadRecords(descriptor);
-  if (!whole_) places_.clear();
-}
-
-bool RollbackJournal::ReadRecords(int descriptor) {
+// Returns whether the journal is whole.
+bool ReadRecords(int descriptor, PagesBeside& before) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return false;
   const auto bytes = static_cast<std::uint64_t>(status.st_size);
   if (IsOfSeveralDatabases(descriptor, bytes)) return false;
 
-  std::vector<unsigned char> record(4 + page_bytes_ + 4);
+  std::vector<unsigned char> record(4 + before.page_bytes + 4);
   std::uint64_t sector_bytes = 0;
   for (std::uint64_t place = 0; const auto header = Header::At(descriptor, place);) {
     if (place == 0) sector_bytes = header->sector_bytes;
@@ -82,18 +68,23 @@ bool RollbackJournal::ReadRecords(int descriptor) {
       if (until_the_end && place + record.size() > bytes) return true;
       if (!ReadAt(descriptor, place, record)) return false;
       const std::uint32_t page = BigEndian32(record.data());
-      const auto content = std::span(record).subspan(4, page_bytes_);
-      if (page == 0 || BigEndian32(&record[4 + page_bytes_]) != SumOf(content, header->nonce)) return false;
-      places_.emplace(page, place + 4);
+      const auto content = std::span(record).subspan(4, before.page_bytes);
+      if (page == 0 || BigEndian32(&record[4 + before.page_bytes]) != SumOf(content, header->nonce)) return false;
+      before.places.emplace(page, place + 4);
     }
     place = (place + sector_bytes - 1) / sector_bytes * sector_bytes;
   }
   return true;
 }
 
-std::optional<std::uint64_t> RollbackJournal::Find(std::uint32_t page) const {
-  const auto found = places_.find(page);
-  return found == places_.end() ? std::nullopt : std::optional(found->second);
+}  // namespace
+
+RollbackJournal ReadRollbackJournal(int descriptor) {
+  const std::optional<Header> first = Header::At(descriptor, 0);
+  if (!first || !IsPowerOfTwo(first->page_bytes, 512, 65536)) return {};
+  PagesBeside before{.page_bytes = first->page_bytes, .pages = first->pages, .places = {}};
+  if (!ReadRecords(descriptor, before)) return {.before = {}, .whole = false};
+  return {.before = std::move(before), .whole = true};
 }
 
 }  // namespace slamdb::sqlite

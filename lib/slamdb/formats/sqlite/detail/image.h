@@ -13,8 +13,7 @@
 #include <string>
 
 #include "slamdb/formats/sqlite/detail/files_beside.h"
-#include "slamdb/formats/sqlite/detail/log_index.h"
-#include "slamdb/formats/sqlite/detail/rollback_journal.h"
+#include "slamdb/formats/sqlite/detail/pages_beside.h"
 
 // A database and its write-ahead log, or the journal of a transaction that did not end, as one file that nobody writes:
 // for stores that cannot be written, since SQLite itself would want to lay files beside them, and for damaged ones.
@@ -62,10 +61,11 @@ class Image {
   std::uint64_t promised_bytes() const { return promised_; }  // that its header or its log says it has; 0: no database
   bool lacks_pages() const;                                   // that were promised, and are not beside it either
   // Whether a journal lies beside it that cannot take back what a transaction that did not end had changed.
-  bool lacks_journal() const { return !journal_.empty() && !journal_.whole(); }
+  bool lacks_journal() const { return lacks_journal_; }
 
  private:
   void FindSizes(Missing missing);
+  bool is_alone() const { return pages_beside_.page_bytes == 0; }  // the file
   // Where a page stands in the log or the journal.
   std::optional<std::uint64_t> PlaceBeside(std::uint32_t page) const;
 
@@ -78,9 +78,9 @@ class Image {
   struct stat state_ {
   }, journal_state_{};  // when they were opened
   LogHeader log_header_{};
-  LogIndex log_;
-  RollbackJournal journal_;
-  bool takes_back_ = false;  // what the journal has
+  PagesBeside pages_beside_;  // of the log, or else of the journal
+  bool takes_back_ = false;   // what the journal has
+  bool lacks_journal_ = false;
   std::uint64_t page_bytes_ = 0, promised_ = 0, size_ = 0;
 };
 
