@@ -221,4 +221,10 @@ const char* ImageVfs(Missing missing) {
   return (missing == Missing::kIsZeros ? lengthened : as_it_is).vfs.zName;
 }
 
+const Image& ImageSeenBy(sqlite3* handle) {
+  sqlite3_file* file = nullptr;
+  sqlite3_file_control(handle, "main", SQLITE_FCNTL_FILE_POINTER, &file);
+  return ImageOf(file);
+}
+
 }  // namespace slamdb::sqlite

@@ -88,4 +88,7 @@ class Image {
 // SQLITE_BUSY there means that the image has changed.
 const char* ImageVfs(Missing missing);
 
+// What a connection through ImageVfs sees; lives as long as the connection.
+const Image& ImageSeenBy(sqlite3* handle);
+
 }  // namespace slamdb::sqlite
