@@ -806,8 +806,8 @@ namespace slamdb::detail {
 
 namespace {
 
-Salvage SalvageBytesOf(const Source& source) {
-  detail::FileStream file(source);
+Salvage SalvageBytesOf(Bytes bytes, const std::string& path) {
+  detail::FileStream file({bytes, path});
   Notices notices;
   orbslam3::ArchiveHeader header;
   std::optional<Error> header_error;
@@ -817,7 +817,6 @@ Salvage SalvageBytesOf(const Source& source) {
     if (file.size() == 0) throw;
     header_error = error;
   }
-  file.FillTo(file.size());
   if (header_error) header = orbslam3::UsualHeader({file.data(), file.size()});
   const Error* why = header_error ? &*header_error : nullptr;
   if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run(why);
@@ -827,16 +826,11 @@ Salvage SalvageBytesOf(const Source& source) {
 }  // namespace
 
 Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
+  std::optional<WholeFile> file(source);
   orbslam3::Transfers transfers;
-  {
-    const WholeFile file(source);
-    if (orbslam3::SniffArchive(file.text()) == false) transfers = orbslam3::FindTransfers(file.text());
-  }
-  const auto salvage = [&] {
-    if (transfers.undone.empty()) return SalvageBytesOf(source);
-    return SalvageBytesOf({std::as_bytes(std::span(transfers.bytes)), source.path});
-  };
-  Salvage result = salvage();
+  if (orbslam3::SniffArchive(file->text()) == false) transfers = orbslam3::FindTransfers(file->text());
+  if (!transfers.undone.empty()) file.reset();
+  Salvage result = SalvageBytesOf(file ? file->bytes() : std::as_bytes(std::span(transfers.bytes)), source.path);
   result.undone = transfers.undone;
   if (!transfers.left.empty() && !result.damage.empty()) result.damage.insert(result.damage.begin(), transfers.left);
   return result;
