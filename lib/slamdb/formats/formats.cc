@@ -36,27 +36,12 @@ std::span<const Format> Formats() {
 namespace {
 
 using detail::Concat;
+using detail::FormatBySuffix;
 
 std::string Lower(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return lower;
-}
-
-// The format with the longest suffix that the path ends with, the first of equals, among those that `has` asks for.
-const Format* FormatBySuffix(const std::string& path, bool (*has)(const Format&)) {
-  const std::string lower = Lower(path);
-  const Format* best = nullptr;
-  std::size_t longest = 0;
-  for (const Format& format : Formats()) {
-    if (!has(format)) continue;
-    for (const std::string_view suffix : format.suffixes) {
-      if (suffix.size() <= longest || !lower.ends_with(suffix)) continue;
-      best = &format;
-      longest = suffix.size();
-    }
-  }
-  return best;
 }
 
 bool CanRead(const Format& format) { return format.read != nullptr; }
@@ -180,6 +165,21 @@ const Format& FormatOfSuffix(const Target& target) {
 }
 
 }  // namespace
+
+const Format* detail::FormatBySuffix(std::string_view path, bool (*has)(const Format&)) {
+  const std::string lower = Lower(path);
+  const Format* best = nullptr;
+  std::size_t longest = 0;
+  for (const Format& format : Formats()) {
+    if (!has(format)) continue;
+    for (const std::string_view suffix : format.suffixes) {
+      if (suffix.size() <= longest || !lower.ends_with(suffix)) continue;
+      best = &format;
+      longest = suffix.size();
+    }
+  }
+  return best;
+}
 
 HeldSource detail::Hold(const Source& source, const ReadOptions& options) {
   if (options.custom_format != nullptr) return HeldSource(source);

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "slamdb/formats/detail/choose.h"
-#include "slamdb/formats/formats.h"
 #include "slamdb/model/detail/json.h"
 
 namespace slamdb {
@@ -111,7 +110,9 @@ AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notic
       .input = location.ToString(), .format_id = std::string(found.id), .format_title = std::string(found.title)};
   options.features = header_only ? FeatureColumns::kNone : FeatureColumns::kGeometry;
   options.part_sizes = &info.parts;
-  const Atlas atlas = ReadAtlas(held, options, notices);
+  Notices unheard;
+  const Atlas atlas = detail::ReadInMemory(
+      held.source(), [&] { return found.read(held.source(), options, notices == nullptr ? unheard : *notices); });
   std::error_code unknown;
   const std::uint64_t size = std::filesystem::file_size(location.path, unknown);
   if (held.source().memory)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <istream>
-#include <new>
 #include <ostream>
 
 #include "slamdb/base/error.h"
@@ -13,19 +12,9 @@ namespace {
 
 constexpr const char *kMemory = "memory", *kStream = "stream";  // what errors call them
 
-// What `work` gives; running out of memory, which large and damaged files make it do, becomes an Error.
-template <class Work>
-auto InMemory(const std::string& path, const char* problem, const Work& work) {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorKind::kOutOfResources, path, "", problem);
-  }
-}
-
 Atlas Read(const Source& source, const ReadOptions& options, Notices* notices) {
   Notices unheard;
-  return InMemory(source.path, "the machine has too little memory left to read it", [&] {
+  return detail::ReadInMemory(source, [&] {
     const HeldSource held = detail::Hold(source, options);
     const Format& format = detail::FormatToRead(held.source(), options);
     return format.read(held.source(), options, notices == nullptr ? unheard : *notices);
@@ -41,8 +30,8 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   Notices& heard = notices == nullptr ? unheard : *notices;
   if (!format.is_export)
     for (const std::string& loss : losses) heard.Lose(loss);
-  InMemory(target.path, "the machine has too little memory left to write it",
-           [&] { format.write(atlas, target, options, heard); });
+  detail::InMemory(target.path, "the machine has too little memory left to write it",
+                   [&] { format.write(atlas, target, options, heard); });
 }
 
 // A stream that tells of failures by its state while it is used here, and afterwards as its owner has it. Its own
@@ -94,7 +83,7 @@ Atlas ReadAtlas(const HeldSource& held, const ReadOptions& options, Notices* not
 }
 
 Atlas ReadAtlas(std::istream& stream, const ReadOptions& options, Notices* notices) {
-  const std::string bytes = InMemory(kStream, "does not fit into memory", [&] { return WholeStream(stream); });
+  const std::string bytes = detail::InMemory(kStream, "does not fit into memory", [&] { return WholeStream(stream); });
   return Read({std::as_bytes(std::span(bytes)), kStream}, options, notices);
 }
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/salvage.h"
 
-#include <algorithm>
-#include <new>
-
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/recognize.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/formats.h"
@@ -16,9 +14,8 @@ namespace {
 // Whether nothing but its name says what the file is: a disk that was not written in time holds zeros.
 bool IsArchiveThatBeginsWithZeros(const Source& source) {
   if (!source.path.ends_with(".osa")) return false;
-  constexpr std::size_t kPage = 4096;
-  const std::string head = Probe::Of(source).head.substr(0, kPage);
-  return !head.empty() && std::all_of(head.begin(), head.end(), [](char byte) { return byte == 0; });
+  const auto recognized = detail::Recognize(Probe::Of(source));
+  return recognized && recognized->id == "zeros";
 }
 
 const Format& FormatToSalvage(const Source& source, const ReadOptions& options) {
@@ -40,11 +37,7 @@ Salvage SalvageHeld(const Source& source, const ReadOptions& options) {
     throw Error(
         ErrorKind::kUnsupported, source.path, "",
         detail::Concat("is a ", format.title, ", of which nothing is recovered; recoverable are ", RecoverableIds()));
-  try {
-    return format.salvage(source, options);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorKind::kOutOfResources, source.path, "", "the machine has too little memory left to read it");
-  }
+  return detail::ReadInMemory(source, [&] { return format.salvage(source, options); });
 }
 
 Salvage SalvageSource(const Source& source, const ReadOptions& options) {

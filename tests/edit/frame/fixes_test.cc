@@ -8,6 +8,8 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/georeference.h"
+#include "tests/support/dialects.h"
+#include "tests/support/message_of.h"
 
 namespace slamdb {
 namespace {
@@ -18,16 +20,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-struct Table {
-  const char* name;
-  std::vector<std::string> names;
-  std::vector<std::vector<std::string>> rows;
-};
-void PrintTo(const Table& table, std::ostream* out) { *out << table.name; }
-
 // Two fixes: at 1700000000.25 s 47.5 N 8.25 E, 400 m, and at 1700000001.25 s 47.25 S 8.5 W, 300 m.
-const std::vector<Table>& Tables() {
-  static const std::vector<Table> tables = {
+const std::vector<NamedTable>& Tables() {
+  static const std::vector<NamedTable> tables = {
       {"plain",
        {"timestamp", "latitude", "longitude", "altitude"},
        {{"1700000000.25", "47.5", "8.25", "400"}, {"1700000001.25", "-47.25", "-8.5", "300"}}},
@@ -60,7 +55,8 @@ const std::vector<Table>& Tables() {
       {"hemispheres",
        {"time", "lat", "n/s", "lon", "e/w", "alt"},
        {{"1700000000.25", "4730.0000", "N", "00815.0000", "E", "400"},
-        {"1700000001.25", "4715.0000", "S", "00830.0000", "W", "300"}}},
+        {"1700000001.25", "4715.0000", "S", "00830.0000", "W", "300"}},
+       /*plus_signs=*/false},
       {"letters",
        {"time", "lat", "lon", "alt"},
        {{"1700000000.25", "47.5N", "8.25E", "400"}, {"1700000001.25", "47.25 S", "8.5 W", "300"}}},
@@ -81,61 +77,26 @@ void ExpectFixes(std::vector<GpsFix> fixes, const std::string& text) {
   }
 }
 
-std::string Write(const Table& table, std::mt19937_64& random) {
-  const auto chance = [&] { return random() % 2 == 0; };
-  const std::string end = std::array{"\n", "\r\n", "\r"}[random() % 3];
-  const std::string separator = std::array{",", ";", "\t", ", ", " ; "}[random() % 5];
-  const bool quotes = chance(), plus = chance(), upper = chance();
-  const bool commas = separator.find(',') == std::string::npos && chance();
-  std::string text = chance() ? "\xef\xbb\xbf" : "";
-  if (chance()) text += "sep=" + separator.substr(0, 1) + end;
-  if (chance()) text += "# a receiver" + end;
-  std::string header;
-  for (const std::string& name : table.names) header += (header.empty() ? "" : separator) + name;
-  if (upper) std::ranges::transform(header, header.begin(), [](unsigned char c) { return std::toupper(c); });
-  text += header + end;
-  for (const auto& row : table.rows) {
-    std::string line;
-    for (std::string cell : row) {
-      const bool number = cell.find_first_not_of("-0123456789.") == std::string::npos;
-      if (number && commas) std::ranges::replace(cell, '.', ',');
-      if (number && plus && cell[0] != '-' && table.name != std::string("hemispheres")) cell.insert(0, 1, '+');
-      if (quotes) cell = '"' + cell + '"';
-      line += (line.empty() ? "" : separator) + cell;
-    }
-    text += line + end + (chance() ? end : "");
-  }
-  while (chance() && text.ends_with(end)) text.erase(text.size() - end.size());
-  return text;
-}
-
-class EveryTable : public ::testing::TestWithParam<Table> {};
+class EveryTable : public ::testing::TestWithParam<NamedTable> {};
 INSTANTIATE_TEST_SUITE_P(Fixes, EveryTable, ::testing::ValuesIn(Tables()),
                          [](const auto& table) { return std::string(table.param.name); });
 
 TEST_P(EveryTable, IsReadInEveryDialect) {
   std::mt19937_64 random(5);
   for (int round = 0; round < 300; ++round) {
-    const std::string text = Write(GetParam(), random);
+    const std::string text = InSomeDialect(GetParam(), random);
     ExpectFixes(ParseFixes(text), text);
   }
 }
 
 std::string Failure(std::string_view text) {
-  try {
-    static_cast<void>(ParseFixes(text));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return MessageOf([text] { static_cast<void>(ParseFixes(text)); });
 }
 
 std::string Notes(std::string_view text) {
   Notices notices;
   static_cast<void>(ParseFixes(text, {}, &notices));
-  std::string all;
-  for (const Notice& notice : notices.items()) all += notice.text + "\n";
-  return all;
+  return TextOf(notices);
 }
 
 TEST(Fixes, RowsWithoutAFixAreCountedAndNamed) {

@@ -10,6 +10,8 @@
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/formats/trajectory/options.h"
 #include "slamdb/model/derive.h"
+#include "tests/support/dialects.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -19,15 +21,8 @@ using ::testing::HasSubstr;
 
 // Two poses, at 1700000000.25 and 1700000000.5 s: at (1, 2, 3) without a turn, and at (4, 5, 6) after half a turn about
 // x.
-struct Table {
-  const char* name;
-  std::vector<std::string> names;
-  std::vector<std::vector<std::string>> rows;
-};
-void PrintTo(const Table& table, std::ostream* out) { *out << table.name; }
-
-const std::vector<Table>& Tables() {
-  static const std::vector<Table> tables = {
+const std::vector<NamedTable>& Tables() {
+  static const std::vector<NamedTable> tables = {
       {"tum",
        {"timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"},
        {{"1700000000.25", "1", "2", "3", "0", "0", "0", "1"}, {"1700000000.5", "4", "5", "6", "1", "0", "0", "0"}}},
@@ -82,43 +77,15 @@ void ExpectPoses(const std::vector<TrajectoryPose>& poses, const std::string& te
   EXPECT_EQ(std::abs(poses[1].rotation.x()), 1) << text;
 }
 
-class EveryTable : public ::testing::TestWithParam<Table> {};
+class EveryTable : public ::testing::TestWithParam<NamedTable> {};
 INSTANTIATE_TEST_SUITE_P(Trajectories, EveryTable, ::testing::ValuesIn(Tables()),
                          [](const auto& table) { return std::string(table.param.name); });
-
-std::string Write(const Table& table, std::mt19937_64& random) {
-  const auto chance = [&] { return random() % 2 == 0; };
-  const std::string end = std::array{"\n", "\r\n", "\r"}[random() % 3];
-  const std::string separator = std::array{",", ";", "\t", ", ", " ; "}[random() % 5];
-  const bool quotes = chance(), plus = chance();
-  const bool commas = separator.find(',') == std::string::npos && chance();
-  const bool upper = chance();
-  std::string text = chance() ? "\xef\xbb\xbf" : "";
-  if (chance()) text += "# made by hand" + end;
-  std::string header;
-  for (const std::string& name : table.names) header += (header.empty() ? "" : separator) + name;
-  if (upper) std::ranges::transform(header, header.begin(), [](unsigned char c) { return std::toupper(c); });
-  text += header + end;
-  for (std::size_t row = 0; row < table.rows.size(); ++row) {
-    std::string line;
-    for (std::string cell : table.rows[row]) {
-      const bool number = cell.find_first_not_of("0123456789.") == std::string::npos;
-      if (number && commas) std::ranges::replace(cell, '.', ',');
-      if (number && plus) cell.insert(0, 1, '+');
-      if (quotes) cell = '"' + cell + '"';
-      line += (line.empty() ? "" : separator) + cell;
-    }
-    text += line + (row + 1 < table.rows.size() || chance() ? end : "");
-    if (chance()) text += (text.ends_with(end) ? "" : end) + end;
-  }
-  return text;
-}
 
 TEST_P(EveryTable, IsReadInEveryDialect) {
   const TemporaryFolder folder;
   std::mt19937_64 random(7);
   for (int round = 0; round < 200; ++round) {
-    const std::string text = Write(GetParam(), random);
+    const std::string text = InSomeDialect(GetParam(), random);
     const std::string path = folder.Make("poses" + std::to_string(round) + ".csv", text);
     ExpectPoses(ReadTrajectory(path), text);
   }
@@ -126,27 +93,20 @@ TEST_P(EveryTable, IsReadInEveryDialect) {
 
 TEST_P(EveryTable, IsReadAsAnAtlas) {
   std::mt19937_64 random(1);
-  const Atlas atlas = DecodeAtlas(Write(GetParam(), random));
+  const Atlas atlas = DecodeAtlas(InSomeDialect(GetParam(), random));
   ASSERT_EQ(atlas.maps.size(), 1U);
   ASSERT_EQ(atlas.maps[0].keyframes.size(), 2U);
   EXPECT_EQ(CameraCenter(atlas.maps[0].keyframes[1]), Eigen::Vector3f(4, 5, 6));
 }
 
 std::string Problem(std::string_view text, const ReadOptions& options = {}) {
-  try {
-    static_cast<void>(DecodeAtlas(text, options));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return MessageOf([&] { static_cast<void>(DecodeAtlas(text, options)); });
 }
 
 std::string Notes(std::string_view text) {
   Notices notices;
   static_cast<void>(DecodeAtlas(text, {}, &notices));
-  std::string all;
-  for (const Notice& notice : notices.items()) all += notice.text + "\n";
-  return all;
+  return TextOf(notices);
 }
 
 TEST(Dialects, WithoutNamesTheTimeTellsWhoseOrderItIs) {

@@ -16,8 +16,6 @@
 namespace slamdb {
 namespace {
 
-constexpr std::size_t kFewestPairs = 3;
-
 std::vector<TimedPosition> Sorted(std::span<const TimedPosition> reference) {
   std::vector<TimedPosition> sorted(reference.begin(), reference.end());
   std::erase_if(sorted, [](const TimedPosition& sample) { return !std::isfinite(sample.timestamp); });
@@ -123,16 +121,8 @@ TrajectoryAlignment AlignToTrajectory(const Map& map, std::span<const TimedPosit
                 ToString(map.id) + " has no IMU calibration, so that nobody knows where its body is");
   const std::vector<TimedPosition> samples = Sorted(reference), keyframes = PositionsOf(map, options.body);
   const detail::TimeOffset offset = OffsetOf(keyframes, samples, options);
-  std::vector<double> times;
-  std::vector<Eigen::Vector3d> source, target;
-  for (const auto& [time, position] : keyframes) {
-    const auto there = detail::PositionAt(samples, time + offset.seconds, offset.reach);
-    if (!there) continue;
-    times.push_back(time);
-    source.push_back(position);
-    target.push_back(*there);
-  }
-  if (source.size() < kFewestPairs) throw TooFewPairs(map, source.size(), keyframes, samples, options);
+  const auto [times, source, target] = detail::PairsAt(keyframes, samples, offset.seconds, offset.reach);
+  if (source.size() < detail::kFewestPairs) throw TooFewPairs(map, source.size(), keyframes, samples, options);
   UmeyamaResult fit;
   try {
     fit = SolveUmeyama(source, target, options.fit);

@@ -116,13 +116,11 @@ double DegreesIn(const Table& table, std::size_t column) {
 }
 
 // The least status that is a fix. NavSatFix counts from -1, which is none, to 2; ArduPilot to 6, and 0 and 1 are none.
-double LeastStatus(std::string_view text) {
-  Table table(text, FixTable());
+double LeastStatus(const Table& table, const std::vector<detail::ColumnContents>& contents) {
+  if (!table.Has(kStatus)) return 0;
   const auto is_week = [](const detail::ColumnName& name) { return name.text == "gwk"; };
-  double most = std::ranges::any_of(table.names(), is_week) ? 3 : 0;
-  while (table.Has(kStatus) && table.Next())
-    most = std::max(most, detail::ParseNumber<double>(table.Raw(kStatus)).value_or(0));
-  return most >= 3 ? 2 : 0;
+  const double greatest = contents[detail::PlaceOf(table, kStatus)].greatest;
+  return greatest >= 3 || std::ranges::any_of(table.names(), is_week) ? 2 : 0;
 }
 
 // A number that a column about the receiver has at most where there is no fix.
@@ -149,11 +147,11 @@ bool SaysNoFix(std::string_view cell) {
 // Reads the rows of a table, of which all together tell what angles count.
 class FixReader {
  public:
-  FixReader(std::string_view text, const Table& table, Notices& notices)
+  FixReader(const Table& table, const std::vector<detail::ColumnContents>& contents, Notices& notices)
       : table_(table),
-        north_south_(detail::FindHemisphere(text, FixTable(), kLatitudes, notices)),
-        east_west_(detail::FindHemisphere(text, FixTable(), kLongitudes, notices)),
-        least_status_(LeastStatus(text)),
+        north_south_(detail::FindHemisphere(table, FixTable(), contents, kLatitudes, notices)),
+        east_west_(detail::FindHemisphere(table, FixTable(), contents, kLongitudes, notices)),
+        least_status_(LeastStatus(table, contents)),
         latitude_unit_(DegreesIn(table, kLatitude)),
         longitude_unit_(DegreesIn(table, kLongitude)),
         altitude_unit_(detail::MetresIn(table, kAltitude)),
@@ -242,7 +240,7 @@ class FixReader {
   // ' ' where the cell is empty.
   char HemisphereBeside(const Coordinate& coordinate, std::size_t place) const {
     const std::string_view cell = place < table_.cells().size() ? table_.cells()[place].text : std::string_view();
-    const char letter = detail::HemisphereOf(cell, coordinate);
+    const char letter = detail::HemisphereOf(cell, coordinate.letters);
     if (cell.empty() || letter != ' ') return letter;
     constexpr std::size_t kLongest = 40;
     throw table_.LineError(Concat("expected ", coordinate.letters[0], " or ", coordinate.letters[1], ", found '",
@@ -405,7 +403,7 @@ std::vector<GpsFix> ParseFixes(std::string_view text, const FixReadOptions& opti
   if (detail::IsNmea(text)) return detail::ParseNmea(text, heard);
   if (detail::IsRtklib(text)) return detail::ParseRtklib(text, options, heard);
   Table table(text, FixTable());
-  FixReader reader(text, table, heard);
+  FixReader reader(table, detail::ContentsOfColumns(text, FixTable()), heard);
   detail::TimeReader times(table, {.asked = options.time_unit, .time = kTime, .date = kDate});
   LeftOutFixes left_out;
   while (table.Next()) {

@@ -12,30 +12,6 @@
 namespace slamdb::detail {
 namespace {
 
-// What the cells of a column have in common.
-struct Contents {
-  bool letters = true;  // of the coordinate
-  bool numbers = true;
-  bool any = false;      // one is not empty
-  bool mirrors = false;  // one is S or W
-};
-
-std::vector<Contents> ContentsOfColumns(std::string_view text, const TableKind& kind, const Coordinate& coordinate) {
-  Table table(text, kind);
-  std::vector<Contents> columns(table.names().size());
-  while (table.Next())
-    for (std::size_t i = 0; i < std::min(columns.size(), table.cells().size()); ++i) {
-      const std::string_view cell = table.cells()[i].text;
-      if (cell.empty()) continue;
-      const char letter = HemisphereOf(cell, coordinate);
-      columns[i].any = true;
-      columns[i].letters &= letter != ' ';
-      columns[i].mirrors |= letter == coordinate.letters[1];
-      columns[i].numbers &= ParseNumber<double>(cell).has_value();
-    }
-  return columns;
-}
-
 bool HasAnyOf(std::string_view name, std::span<const std::string_view> parts) {
   return std::ranges::any_of(parts, [&](std::string_view part) { return name.find(part) != name.npos; });
 }
@@ -56,8 +32,13 @@ bool NamesHemisphere(std::string_view name, const Coordinate& coordinate) {
   return coordinate.letters == "NS" ? HasAnyOf(marked, kNorthSouth) : HasAnyOf(marked, kEastWest);
 }
 
-std::size_t PlaceOf(const Table& table, std::size_t column) {
-  return static_cast<std::size_t>(table.NameOf(column) - table.names().data());
+bool HoldsOnly(const ColumnContents& contents, const Coordinate& coordinate) {
+  return !contents.letters.empty() && contents.letters.find_first_not_of(coordinate.letters) == std::string::npos;
+}
+
+// Whether a cell is S or W.
+bool Mirrors(const ColumnContents& contents, const Coordinate& coordinate) {
+  return contents.letters.find(coordinate.letters[1]) != std::string::npos;
 }
 
 Error Uncertain(const std::string& problem, const Coordinate& coordinate) {
@@ -68,33 +49,53 @@ Error Uncertain(const std::string& problem, const Coordinate& coordinate) {
 
 }  // namespace
 
-char HemisphereOf(std::string_view cell, const Coordinate& coordinate) {
+std::size_t PlaceOf(const Table& table, std::size_t column) {
+  return static_cast<std::size_t>(table.NameOf(column) - table.names().data());
+}
+
+char HemisphereOf(std::string_view cell, std::string_view letters) {
   static constexpr std::array<std::string_view, 4> kWords = {"NORTH", "SOUTH", "EAST", "WEST"};
   std::string upper(cell);
   for (char& letter : upper)
     if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
-  if (upper.empty() || coordinate.letters.find(upper[0]) == coordinate.letters.npos) return ' ';
+  if (upper.empty() || letters.find(upper[0]) == letters.npos) return ' ';
   return upper.size() == 1 || std::ranges::find(kWords, upper) != kWords.end() ? upper[0] : ' ';
 }
 
-std::optional<std::size_t> FindHemisphere(std::string_view text, const TableKind& kind, const Coordinate& coordinate,
+std::vector<ColumnContents> ContentsOfColumns(std::string_view text, const TableKind& kind) {
+  Table table(text, kind);
+  std::vector<ColumnContents> columns(table.names().size());
+  while (!columns.empty() && table.Next())
+    for (std::size_t i = 0; i < std::min(columns.size(), table.cells().size()); ++i) {
+      const std::string_view cell = table.cells()[i].text;
+      if (cell.empty()) continue;
+      const char letter = HemisphereOf(cell);
+      if (columns[i].letters.find(letter) == std::string::npos) columns[i].letters += letter;
+      const auto number = ParseNumber<double>(cell);
+      columns[i].numbers &= number.has_value();
+      columns[i].greatest = std::max(columns[i].greatest, number.value_or(0));
+    }
+  return columns;
+}
+
+std::optional<std::size_t> FindHemisphere(const Table& table, const TableKind& kind,
+                                          const std::vector<ColumnContents>& contents, const Coordinate& coordinate,
                                           Notices& notices) {
-  const Table table(text, kind);
   if (table.names().empty()) return std::nullopt;
-  const std::vector<Contents> contents = ContentsOfColumns(text, kind, coordinate);
   std::vector<bool> taken(contents.size());
   for (std::size_t column = 0; column < kind.columns.size(); ++column)
     if (table.Has(column)) taken[PlaceOf(table, column)] = true;
   if (table.Has(coordinate.hemisphere)) {
     const std::size_t place = PlaceOf(table, coordinate.hemisphere);
-    const bool counts = table.names()[place].text.size() == 2 && contents[place].any && contents[place].numbers;
+    const bool counts =
+        table.names()[place].text.size() == 2 && !contents[place].letters.empty() && contents[place].numbers;
     if (!counts) return place;
   }
   const std::size_t degrees = PlaceOf(table, coordinate.column);
   std::vector<std::size_t> meant, others;
   for (std::size_t i = 0; i < contents.size(); ++i) {
     const std::string name = Comparable(table.names()[i].text);
-    if (taken[i] || !contents[i].any || !contents[i].letters || IsHeading(name)) continue;
+    if (taken[i] || !HoldsOnly(contents[i], coordinate) || IsHeading(name)) continue;
     const bool beside = i == degrees + 1 || i + 1 == degrees;
     (beside || NamesHemisphere(name, coordinate) ? meant : others).push_back(i);
   }
@@ -104,7 +105,8 @@ std::optional<std::size_t> FindHemisphere(std::string_view text, const TableKind
     throw Uncertain(Concat("the columns ", shown(meant[0]), " and ", shown(meant[1]), " both hold ", letters),
                     coordinate);
   if (meant.empty()) {
-    const auto other = std::ranges::find_if(others, [&](std::size_t place) { return contents[place].mirrors; });
+    const auto other =
+        std::ranges::find_if(others, [&](std::size_t place) { return Mirrors(contents[place], coordinate); });
     if (other != others.end()) throw Uncertain(Concat("the column ", shown(*other), " holds ", letters), coordinate);
     return std::nullopt;
   }

@@ -27,6 +27,22 @@ double MedianStep(const Positions& positions) {
 
 double DurationOf(const Positions& positions) { return positions.back().timestamp - positions.front().timestamp; }
 
+// As in PairsAt.
+std::optional<Eigen::Vector3d> PositionAt(const std::vector<TimedPosition>& reference, double time, double most) {
+  const auto there = [](const TimedPosition& sample) {
+    return sample.position.allFinite() ? std::optional(sample.position) : std::nullopt;
+  };
+  const auto after = std::ranges::lower_bound(reference, time, {}, &TimedPosition::timestamp);
+  const double to_after = after == reference.end() ? INFINITY : after->timestamp - time;
+  if (after == reference.begin()) return to_after <= most ? there(*after) : std::nullopt;
+  const auto before = after - 1;
+  const double to_before = time - before->timestamp;
+  if (std::min(to_before, to_after) > most) return std::nullopt;
+  const double gap = to_before + to_after;
+  if (gap > 2 * most || !there(*before) || !there(*after)) return there(to_before < to_after ? *before : *after);
+  return Eigen::Vector3d(before->position + to_before / gap * (after->position - before->position));
+}
+
 struct Candidate {
   double offset = 0, score = 0;
 };
@@ -121,16 +137,10 @@ class Search {
 
   // What the alignment leaves of the reference's spread, the worse the fewer pairs say so; infinite when there is none.
   double Misfit(double offset) const {
-    std::vector<Eigen::Vector3d> source, target;
-    for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-      const auto there = At(i, offset);
-      if (!there) continue;
-      source.push_back(keyframes_[i].position);
-      target.push_back(*there);
-    }
-    if (source.size() < 3) return std::numeric_limits<double>::infinity();
+    const Pairs pairs = PairsAt(keyframes_, reference_, offset, reach_);
+    if (pairs.source.size() < kFewestPairs) return std::numeric_limits<double>::infinity();
     try {
-      const UmeyamaResult fit = SolveUmeyama(source, target, options_.fit);
+      const UmeyamaResult fit = SolveUmeyama(pairs.source, pairs.target, options_.fit);
       const auto inliers = static_cast<double>(std::ranges::count(fit.inliers, 1));
       const double share = inliers / static_cast<double>(keyframes_.size());
       return fit.spread > 0 ? fit.rms / fit.spread / (share * share) : std::numeric_limits<double>::infinity();
@@ -168,25 +178,23 @@ class Search {
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> PositionAt(const std::vector<TimedPosition>& reference, double time, double most) {
-  const auto there = [](const TimedPosition& sample) {
-    return sample.position.allFinite() ? std::optional(sample.position) : std::nullopt;
-  };
-  const auto after = std::ranges::lower_bound(reference, time, {}, &TimedPosition::timestamp);
-  const double to_after = after == reference.end() ? INFINITY : after->timestamp - time;
-  if (after == reference.begin()) return to_after <= most ? there(*after) : std::nullopt;
-  const auto before = after - 1;
-  const double to_before = time - before->timestamp;
-  if (std::min(to_before, to_after) > most) return std::nullopt;
-  const double gap = to_before + to_after;
-  if (gap > 2 * most || !there(*before) || !there(*after)) return there(to_before < to_after ? *before : *after);
-  return Eigen::Vector3d(before->position + to_before / gap * (after->position - before->position));
+Pairs PairsAt(const std::vector<TimedPosition>& keyframes, const std::vector<TimedPosition>& reference, double offset,
+              double most) {
+  Pairs pairs;
+  for (const auto& [time, position] : keyframes) {
+    const auto there = PositionAt(reference, time + offset, most);
+    if (!there) continue;
+    pairs.times.push_back(time);
+    pairs.source.push_back(position);
+    pairs.target.push_back(*there);
+  }
+  return pairs;
 }
 
 std::optional<TimeOffset> EstimateTimeOffset(const std::vector<TimedPosition>& keyframes,
                                              const std::vector<TimedPosition>& reference,
                                              const TrajectoryAlignmentOptions& options) {
-  if (keyframes.size() < 3 || reference.size() < 3) return std::nullopt;
+  if (keyframes.size() < kFewestPairs || reference.size() < kFewestPairs) return std::nullopt;
   return Search(keyframes, reference, options).Run();
 }
 

@@ -7,8 +7,6 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/detail/times.h"
 #include "slamdb/base/error.h"
-#include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/pose_text.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
@@ -90,8 +88,6 @@ bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
   });
 }
 
-constexpr const char* kToldApart = "lines `# map N` tell them apart";
-
 void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   detail::Trajectories trajectories = detail::CollectTrajectories(atlas, target, options, notices);
   DropUnreachableTimes(trajectories.maps, notices);
@@ -101,10 +97,8 @@ void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& op
     detail::MapLines& lines = maps.emplace_back(detail::MapLines{map->id, {}});
     for (const detail::TimedPose& pose : poses) AppendLine(lines.lines, pose, inertial);
   }
-  detail::WarnOfSeveralFrames(maps.size(), kToldApart, notices);
   const std::string header = std::string(kPoseHeader) + (inertial ? std::string(kInertialHeader) : "") + "\n";
-  detail::WriteMapLines(target, options, header, maps);
-  notices.Tell(trajectories.Summary());
+  detail::WriteMapLines(maps, header, trajectories.Summary(), target, options, notices);
 }
 
 Atlas ReadEuroc(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -154,9 +148,7 @@ std::size_t detail::WriteEurocText(const TrajectoryText& trajectory, const Targe
     throw Error(ErrorKind::kNotPossible, target.path, "",
                 "would hold no poses: no time fits into 64 bits of nanoseconds; nothing was written");
   WarnOfUnreachable(dropped, "pose", notices);
-  WarnOfSeveralFrames(maps.size(), kToldApart, notices);
-  WriteMapLines(target, options, std::string(kPoseHeader) + "\n", maps);
-  notices.Tell(CountWritten(poses, "pose", 0));
+  WriteMapLines(maps, std::string(kPoseHeader) + "\n", Counted(poses, "pose"), target, options, notices);
   return poses;
 }
 

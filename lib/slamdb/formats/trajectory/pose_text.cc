@@ -5,6 +5,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 
@@ -42,8 +43,9 @@ void SetText(PoseText& pose, const Eigen::Vector3f& position,
   for (int i = 0; i < 4; ++i) AppendNumber(pose.rotation[static_cast<std::size_t>(i)], rotation.coeffs()[i]);
 }
 
-void WriteMapLines(const Target& target, const WriteOptions& options, std::string_view header,
-                   const std::vector<MapLines>& maps) {
+void WriteMapLines(const std::vector<MapLines>& maps, std::string_view header, const std::string& summary,
+                   const Target& target, const WriteOptions& options, Notices& notices) {
+  WarnOfSeveralFrames(maps.size(), "lines `# map N` tell them apart", notices);
   AtomicFile file(target, FileOptions(options));
   file.Write(header);
   for (const auto& [id, lines] : maps) {
@@ -51,6 +53,7 @@ void WriteMapLines(const Target& target, const WriteOptions& options, std::strin
     file.Write(lines);
   }
   file.Commit();
+  notices.Tell(summary);
 }
 
 }  // namespace slamdb::detail

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
-#include "slamdb/formats/export/detail/maps.h"
-#include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/pose_table.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
@@ -12,7 +11,6 @@ namespace slamdb {
 namespace {
 
 constexpr std::string_view kHeader = "# timestamp tx ty tz qx qy qz qw\n";
-constexpr const char* kToldApart = "lines `# map N` tell them apart";
 
 void AppendLine(std::string& out, const detail::PoseText& pose) {
   out += pose.seconds;
@@ -33,9 +31,7 @@ void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& opti
       AppendLine(lines.lines, text);
     }
   }
-  detail::WarnOfSeveralFrames(maps.size(), kToldApart, notices);
-  detail::WriteMapLines(target, options, kHeader, maps);
-  notices.Tell(trajectories.Summary());
+  detail::WriteMapLines(maps, kHeader, trajectories.Summary(), target, options, notices);
 }
 
 Atlas ReadTum(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -66,9 +62,7 @@ std::size_t detail::WriteTumText(const TrajectoryText& trajectory, const Target&
     for (const PoseText& pose : map.poses) AppendLine(lines.lines, pose);
     poses += map.poses.size();
   }
-  WarnOfSeveralFrames(maps.size(), kToldApart, notices);
-  WriteMapLines(target, options, kHeader, maps);
-  notices.Tell(CountWritten(poses, "pose", 0));
+  WriteMapLines(maps, kHeader, Counted(poses, "pose"), target, options, notices);
   return poses;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -8,9 +9,17 @@
 
 namespace slamdb::detail {
 
-// A position of a sorted trajectory at a time: interpolated where the two samples around it are at most twice `most`
-// seconds apart, and the nearest within `most` otherwise; none where that one has no position.
-std::optional<Eigen::Vector3d> PositionAt(const std::vector<TimedPosition>& reference, double time, double most);
+// The keyframes that find a position in a sorted reference whose clock is ahead by `offset`, and those positions:
+// interpolated where the two samples around one are at most twice `most` seconds apart, and the nearest within `most`
+// otherwise; none where that one has no position.
+struct Pairs {
+  std::vector<double> times;  // of the keyframes
+  std::vector<Eigen::Vector3d> source, target;
+};
+Pairs PairsAt(const std::vector<TimedPosition>& keyframes, const std::vector<TimedPosition>& reference, double offset,
+              double most);
+
+inline constexpr std::size_t kFewestPairs = 3;
 
 struct TimeOffset {
   double seconds = 0;  // that the reference's clock is ahead of the keyframes'

@@ -59,12 +59,13 @@ std::size_t WriteKittiText(const TrajectoryText& maps, const Target& target, con
 void SetText(PoseText& pose, const Eigen::Vector3f& position,
              const Eigen::Quaternion<float, Eigen::DontAlign>& rotation);
 
-// A header, and the lines of each map; with several maps `# map 2` stands above each.
+// A header, and the lines of each map; with several maps, of which it warns, `# map 2` stands above each. Tells the
+// summary.
 struct MapLines {
   MapId id;
   std::string lines;
 };
-void WriteMapLines(const Target& target, const WriteOptions& options, std::string_view header,
-                   const std::vector<MapLines>& maps);
+void WriteMapLines(const std::vector<MapLines>& maps, std::string_view header, const std::string& summary,
+                   const Target& target, const WriteOptions& options, Notices& notices);
 
 }  // namespace slamdb::detail
