@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/observed.h"
 
 namespace slamdb::detail {
 namespace {
@@ -68,24 +70,6 @@ bool IsSoundNormal(const Eigen::Vector3f& normal) {
   return length > 0 && length <= 1 + kUnitTolerance;
 }
 
-// The mean of the directions that a point is seen from (ORB-SLAM3: MapPoint::UpdateNormalAndDepth); 0 without
-// observers.
-Eigen::Vector3f MeanDirection(const AtlasIndex& index, std::size_t map, const MapPoint& point) {
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  int count = 0;
-  const auto add = [&](const Eigen::Vector3f& center) {
-    sum += (point.position - center).normalized();
-    ++count;
-  };
-  for (const Observation& observation : point.observations) {
-    const KeyFrame* keyframe = index.FindKeyFrame(map, observation.keyframe);
-    if (keyframe == nullptr) continue;
-    if (observation.left >= 0) add(CameraCenter(*keyframe));
-    if (observation.right >= 0) add(RightCameraCenter(*keyframe));
-  }
-  return count > 0 ? Eigen::Vector3f(sum / static_cast<float>(count)) : sum;
-}
-
 bool HasSoundRange(const MapPoint& point) {
   return point.min_distance > 0 && point.min_distance <= point.max_distance && std::isfinite(point.max_distance);
 }
@@ -95,38 +79,16 @@ bool SpansPyramid(const MapPoint& point, const ScalePyramid& pyramid) {
   return std::abs(point.max_distance / point.min_distance - range) <= 0.01F * range;
 }
 
-// The range that the reference keyframe's observation gives; 0 to 0 when it has none.
-DistanceRange RangeFrom(const KeyFrame& reference, const MapPoint& point) {
-  const auto seen = std::ranges::find(point.observations, reference.id, &Observation::keyframe);
-  if (seen == point.observations.end()) return {};
-  const Keypoint* keypoint = ObservedKeypoint(reference, seen->left >= 0 ? seen->left : seen->right);
-  if (keypoint == nullptr) return {};
-  const float distance = (point.position - CameraCenter(reference)).norm();
-  return DeriveDistanceRange(distance, keypoint->octave, reference.pyramid);
-}
-
-// The descriptors of the keypoints that a point is.
-std::vector<Descriptor> ObservedDescriptors(const AtlasIndex& index, std::size_t map, const MapPoint& point) {
-  std::vector<Descriptor> descriptors;
-  for (const Observation& observation : point.observations) {
-    const KeyFrame* keyframe = index.FindKeyFrame(map, observation.keyframe);
-    if (keyframe == nullptr) continue;
-    const Column<Descriptor>& column = keyframe->features.descriptors;
-    for (const std::int32_t row : {observation.left, observation.right})
-      if (row >= 0 && static_cast<std::size_t>(row) < column.size())
-        descriptors.push_back(column[static_cast<std::size_t>(row)]);
-  }
-  return descriptors;
-}
-
-// Applies restore(index, map row, point) to every point that is not bad; it tells whether it changed it.
+// Applies restore(point, find keyframe by id) to every point that is not bad; it tells whether it changed it.
 template <class Restore>
 std::size_t RestoreInPoints(Atlas& atlas, const Restore& restore) {
   const AtlasIndex index(atlas);
   std::size_t restored = 0;
-  for (std::size_t row = 0; row < atlas.maps.size(); ++row)
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    const auto find = [&](KeyFrameId id) { return index.FindKeyFrame(row, id); };
     for (MapPoint& point : atlas.maps[row].points)
-      if (!point.bad) restored += restore(index, row, point);
+      if (!point.bad) restored += restore(point, find);
+  }
   return restored;
 }
 
@@ -196,11 +158,11 @@ void CheckPointNormal(const Subject& subject, Findings& findings) {
 }
 
 std::size_t RestoreNormals(Atlas& atlas) {
-  return RestoreInPoints(atlas, [](const AtlasIndex& index, std::size_t row, MapPoint& point) {
+  return RestoreInPoints(atlas, [](MapPoint& point, const auto& find) {
     if (IsSoundNormal(point.normal) || !point.position.allFinite()) return false;
-    const Eigen::Vector3f normal = MeanDirection(index, row, point);
-    if (!IsSoundNormal(normal)) return false;
-    point.normal = normal;
+    const std::optional<Eigen::Vector3f> normal = ObservedNormal(point, find);
+    if (!normal || !IsSoundNormal(*normal)) return false;
+    point.normal = *normal;
     return true;
   });
 }
@@ -213,9 +175,9 @@ void CheckPointDescriptor(const Subject& subject, Findings& findings) {
 
 // As ORB-SLAM3 chooses it among those of the observers (MapPoint::ComputeDistinctiveDescriptors).
 std::size_t RestoreDescriptors(Atlas& atlas) {
-  return RestoreInPoints(atlas, [](const AtlasIndex& index, std::size_t row, MapPoint& point) {
+  return RestoreInPoints(atlas, [](MapPoint& point, const auto& find) {
     if (point.has_descriptor()) return false;
-    const std::vector<Descriptor> seen = ObservedDescriptors(index, row, point);
+    const std::vector<Descriptor> seen = ObservedDescriptors(point, find);
     if (seen.empty()) return false;
     point.descriptor = seen[MostDistinctiveDescriptor(seen)];
     point.descriptor_form = MatrixForm::kUsual;
@@ -232,11 +194,11 @@ void CheckDistanceRange(const Subject& subject, Findings& findings) {
 
 // From the reference keyframe, as ORB-SLAM3 does it.
 std::size_t RestoreDistanceRanges(Atlas& atlas) {
-  return RestoreInPoints(atlas, [](const AtlasIndex& index, std::size_t row, MapPoint& point) {
-    const KeyFrame* reference = index.FindKeyFrame(row, point.reference);
+  return RestoreInPoints(atlas, [](MapPoint& point, const auto& find) {
+    const KeyFrame* reference = find(point.reference);
     if (reference == nullptr || reference->pyramid.factors.empty()) return false;
     if (HasSoundRange(point) && SpansPyramid(point, reference->pyramid)) return false;
-    const DistanceRange range = RangeFrom(*reference, point);
+    const DistanceRange range = ObservedRange(point, *reference);
     MapPoint restored = point;
     restored.min_distance = range.min;
     restored.max_distance = range.max;

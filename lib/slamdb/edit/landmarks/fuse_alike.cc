@@ -11,6 +11,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/edit/landmarks/detail/points.h"
 #include "slamdb/edit/landmarks/landmarks.h"
@@ -101,11 +102,8 @@ class AlikeFuser {
       reach_[row] = kPositionSigma * std::sqrt(2 * std::numbers::ln2 * largest);
       known.push_back(reach_[row]);
     }
-    if (known.empty()) return;
-    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-    std::ranges::nth_element(known, middle);
-    for (double& reach : reach_) reach = std::min(reach, kLargestUncertainty * *middle);
-    widest_ = kLargestUncertainty * *middle;
+    widest_ = kLargestUncertainty * detail::MedianOf(std::move(known));
+    for (double& reach : reach_) reach = std::min(reach, widest_);
   }
 
   std::vector<Pair> FindPairs() const {

@@ -14,10 +14,12 @@
 #include <tuple>
 #include <vector>
 
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/edit/part/detail/covisibility.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/observed.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -110,11 +112,9 @@ class Fuser {
       uncertainty_[row] = sigma;
       known.push_back(sigma);
     }
-    if (known.empty()) return;
-    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-    std::ranges::nth_element(known, middle);
-    cell_width_ = static_cast<float>(options_.radius) * *middle;
-    for (float& sigma : uncertainty_) sigma = std::min(sigma, kLargestUncertainty * *middle);
+    const float median = detail::MedianOf(std::move(known));
+    cell_width_ = static_cast<float>(options_.radius) * median;
+    for (float& sigma : uncertainty_) sigma = std::min(sigma, kLargestUncertainty * median);
   }
 
   std::vector<Pair> FindPairs() const {
@@ -199,29 +199,18 @@ class Fuser {
   }
 
   void RefreshSurvivors() {
-    std::vector<Descriptor> descriptors;
+    const auto find = [&](KeyFrameId id) {
+      const std::uint32_t row = keyframes_.Find(id.value());
+      return row == kNoRow ? nullptr : &map_.keyframes[row];
+    };
     for (const std::uint32_t row : Survivors()) {
       MapPoint& point = map_.points[row];
-      descriptors.clear();
-      Eigen::Vector3f normals = Eigen::Vector3f::Zero();
-      float views = 0;
-      const auto see = [&](const Eigen::Vector3f& center) {
-        normals += (point.position - center).normalized();
-        ++views;
-      };
-      for (const Observation& observation : point.observations) {
-        const std::uint32_t observer = keyframes_.Find(observation.keyframe.value());
-        if (observer == kNoRow) continue;
-        const KeyFrame& keyframe = map_.keyframes[observer];
-        touched_.push_back(observer);
-        for (const std::int32_t feature : {observation.left, observation.right})
-          if (feature >= 0 && static_cast<std::size_t>(feature) < keyframe.features.descriptors.size())
-            descriptors.push_back(keyframe.features.descriptors[static_cast<std::size_t>(feature)]);
-        if (observation.left >= 0) see(CameraCenter(keyframe));
-        if (observation.right >= 0) see(RightCameraCenter(keyframe));
-      }
+      for (const Observation& observation : point.observations)
+        if (const std::uint32_t observer = keyframes_.Find(observation.keyframe.value()); observer != kNoRow)
+          touched_.push_back(observer);
+      const std::vector<Descriptor> descriptors = detail::ObservedDescriptors(point, find);
       if (!descriptors.empty()) point.descriptor = descriptors[MostDistinctiveDescriptor(descriptors)];
-      if (views > 0) point.normal = normals / views;
+      point.normal = detail::ObservedNormal(point, find).value_or(point.normal);
     }
   }
 

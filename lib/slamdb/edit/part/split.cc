@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/part/detail/gaps.h"
 #include "slamdb/edit/part/select.h"
 #include "slamdb/model/detail/irregular_entries.h"
 
@@ -109,18 +110,10 @@ std::vector<std::uint8_t> WithBridges(const AtlasIndex& index, std::uint32_t map
   const Map& map = index.atlas().maps[map_row];
   std::vector<std::uint8_t> rows = kept;
   std::vector<std::uint32_t> between;
-  for (std::uint32_t row = 0; row < kept.size(); ++row) {
-    if (!kept[row]) continue;
-    between.clear();
-    std::uint32_t later = row, earlier = index.KeyFrameRow(map_row, map.keyframes[row].previous);
-    while (earlier != kNoRow && !kept[earlier] && map.keyframes[earlier].next == map.keyframes[later].id &&
-           between.size() < kept.size()) {
-      between.push_back(earlier);
-      later = std::exchange(earlier, index.KeyFrameRow(map_row, map.keyframes[earlier].previous));
-    }
-    if (earlier != kNoRow && kept[earlier])
+  const auto row_of = [&](KeyFrameId id) { return index.KeyFrameRow(map_row, id); };
+  for (std::uint32_t row = 0; row < kept.size(); ++row)
+    if (kept[row] && detail::KeptBefore(map, kept, row, row_of, between) != kNoRow)
       for (const std::uint32_t bridge : between) rows[bridge] = 1;
-  }
   return rows;
 }
 

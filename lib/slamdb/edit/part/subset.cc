@@ -9,6 +9,7 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/part/detail/gaps.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/irregular_entries.h"
 #include "slamdb/model/detail/spanning_tree.h"
@@ -113,21 +114,19 @@ class MapClosing {
     return lost;
   }
 
-  // Links previous and next keyframes over those that go. Only along links that agree both ways, so that every removed
-  // keyframe is passed once.
+  // Links previous and next keyframes over those that go.
   void BridgeGaps() {
     struct Bridge {
       std::uint32_t previous, next;
     };
     std::vector<Bridge> bridges;
-    std::vector<const ImuPreintegration*> earlier;
+    std::vector<std::uint32_t> between;
+    const auto row_of = [&](KeyFrameId id) { return keyframe_rows_.Find(id.value()); };
     for (std::uint32_t row = 0; row < map_.keyframes.size(); ++row) {
       KeyFrame& keyframe = map_.keyframes[row];
       if (!kept_keyframes_[row] || !keyframe.previous || Keeps(keyframe.previous)) continue;
-      earlier.clear();
-      const std::uint32_t previous = KeptBefore(row, earlier);
-      const bool bridged =
-          previous != kNoRow && (!map_.inertial || JoinPreintegrations(earlier, keyframe.preintegration));
+      const std::uint32_t previous = detail::KeptBefore(map_, kept_keyframes_, row, row_of, between);
+      const bool bridged = previous != kNoRow && (!map_.inertial || JoinOver(between, keyframe));
       keyframe.previous = {};
       if (!bridged) continue;
       bridges.push_back({previous, row});
@@ -142,20 +141,12 @@ class MapClosing {
     }
   }
 
-  // The kept keyframe before `row` in time, and the preintegrations of the removed ones between, oldest first.
-  std::uint32_t KeptBefore(std::uint32_t row, std::vector<const ImuPreintegration*>& between) const {
-    std::uint32_t later = row, earlier = keyframe_rows_.Find(map_.keyframes[row].previous.value());
-    while (earlier != kNoRow && map_.keyframes[earlier].next == map_.keyframes[later].id &&
-           between.size() < map_.keyframes.size()) {  // a chain of keyframes with one id may lead in a circle
-      if (kept_keyframes_[earlier]) {
-        std::ranges::reverse(between);
-        return earlier;
-      }
-      between.push_back(&map_.keyframes[earlier].preintegration);
-      later = earlier;
-      earlier = keyframe_rows_.Find(map_.keyframes[earlier].previous.value());
-    }
-    return kNoRow;
+  // `between`: rows of the removed keyframes before it, newest first.
+  bool JoinOver(const std::vector<std::uint32_t>& between, KeyFrame& keyframe) const {
+    std::vector<const ImuPreintegration*> earlier;
+    for (auto row = between.rbegin(); row != between.rend(); ++row)
+      earlier.push_back(&map_.keyframes[*row].preintegration);
+    return JoinPreintegrations(earlier, keyframe.preintegration);
   }
 
   void CutKeyFrames() {

@@ -20,7 +20,8 @@
 namespace slamdb {
 namespace {
 
-constexpr std::uint64_t kLargestId = (std::uint64_t{1} << 31) - 1;  // what ORB-SLAM3 numbers its vertices by
+using detail::kLargestId;
+
 constexpr int kMostRounds = 8;
 constexpr std::size_t kMostWitnesses = 1000;  // of one entity: enough to tell two apart
 

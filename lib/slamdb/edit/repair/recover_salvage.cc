@@ -118,11 +118,9 @@ bool HasNothingMissing(const CheckReport& check) {
 bool IsSound(const Atlas& atlas, const RecoverOptions& options) {
   const CheckReport check = CheckAtlas(atlas, {.threads = options.threads});
   if (!check.ok() || !HasNothingMissing(check)) return false;
-  if (options.vocabulary == nullptr) return true;
-  Atlas copy = atlas;
-  return !MendWords(copy,
-                    {.tree = options.vocabulary, .identity = options.vocabulary_identity, .threads = options.threads})
-              .changed();
+  return options.vocabulary == nullptr ||
+         HasWordsOf(atlas,
+                    {.tree = options.vocabulary, .identity = options.vocabulary_identity, .threads = options.threads});
 }
 
 }  // namespace

@@ -13,12 +13,12 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/covariance.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/observed.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::detail {
 namespace {
 
-constexpr std::uint64_t kLargestId = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kGrain = 64;      // points
 constexpr std::size_t kMostTried = 8;   // views from which places are guessed; all views judge them
 constexpr int kSteps = 4;               // of a refinement
@@ -35,6 +35,7 @@ struct Slot {
 // What a slot tells of where the point is.
 struct View {
   Slot slot;
+  bool right;  // of a fisheye pair
   const Camera* camera;
   Eigen::Matrix3d rotation;  // camera_from_world
   Eigen::Vector3d translation;
@@ -45,9 +46,6 @@ struct View {
   std::optional<double> depth;
 
   Eigen::Vector3d ToCamera(const Eigen::Vector3d& position) const { return rotation * position + translation; }
-  bool is_right(const KeyFrame& keyframe) const {
-    return keyframe.features.is_fisheye_stereo() && slot.feature >= keyframe.features.left_count;
-  }
 };
 
 // A place for the point, and the views that agree with it.
@@ -83,6 +81,7 @@ std::optional<View> ViewOf(const Cameras& cameras, const KeyFrame& keyframe, con
   if (octave >= keyframe.pyramid.sigma2.size()) return std::nullopt;
   const Rigid3f pose = right ? RightCameraFromWorld(keyframe) : keyframe.camera_from_world;
   View view{.slot = slot,
+            .right = right,
             .camera = camera,
             .rotation = pose.rotation.normalized().toRotationMatrix().cast<double>(),
             .translation = pose.translation.cast<double>(),
@@ -233,9 +232,9 @@ std::vector<Observation> ObservationsOf(const Map& map, const std::vector<View>&
   std::map<KeyFrameId, Observation> by_keyframe;
   for (const std::size_t row : inliers) {
     const View& view = views[row];
-    const KeyFrame& keyframe = map.keyframes[view.slot.keyframe];
-    Observation& observation = by_keyframe.try_emplace(keyframe.id, Observation{keyframe.id}).first->second;
-    std::int32_t& side = view.is_right(keyframe) ? observation.right : observation.left;
+    const KeyFrameId keyframe = map.keyframes[view.slot.keyframe].id;
+    Observation& observation = by_keyframe.try_emplace(keyframe, Observation{keyframe}).first->second;
+    std::int32_t& side = view.right ? observation.right : observation.left;
     if (side < 0) side = view.slot.feature;
   }
   std::vector<Observation> observations;
@@ -244,39 +243,37 @@ std::vector<Observation> ObservationsOf(const Map& map, const std::vector<View>&
 }
 
 // The values that ORB-SLAM3 derives from the observations; the first observer is the reference.
-MapPoint Describe(const Map& map, const IdTable& keyframes, MapPointId id, const Eigen::Vector3f& position,
+MapPoint Describe(const AtlasIndex& index, std::size_t map, MapPointId id, const Eigen::Vector3f& position,
                   const std::vector<Observation>& observations) {
+  const auto find = [&](KeyFrameId keyframe) { return index.FindKeyFrame(map, keyframe); };
   MapPoint point{.id = id, .position = position};
-  std::vector<Descriptor> descriptors;
-  std::vector<Eigen::Vector3f> centers;
   for (const Observation& observation : observations) {
-    const KeyFrame& keyframe = map.keyframes[keyframes.Find(observation.keyframe.value())];
     point.observations.push_back(observation);
-    point.observation_count += ObservationWeight(keyframe, observation);
-    for (const std::int32_t row : {observation.left, observation.right})
-      if (row >= 0) descriptors.push_back(keyframe.features.descriptors[static_cast<std::size_t>(row)]);
-    if (observation.left >= 0) centers.push_back(CameraCenter(keyframe));
-    if (observation.right >= 0) centers.push_back(RightCameraCenter(keyframe));
+    point.observation_count += ObservationWeight(*find(observation.keyframe), observation);
   }
-  const Observation& first = observations.front();
-  const KeyFrame& reference = map.keyframes[keyframes.Find(first.keyframe.value())];
+  const KeyFrame& reference = *find(observations.front().keyframe);
   point.first_keyframe = static_cast<std::int64_t>(reference.id.value());
   point.first_frame = static_cast<std::int64_t>(reference.frame_id);
   point.reference = reference.id;
-  point.normal = MeanViewingDirection(position, centers);
+  point.normal = ObservedNormal(point, find).value_or(Eigen::Vector3f::Zero());
+  const std::vector<Descriptor> descriptors = ObservedDescriptors(point, find);
   point.descriptor = descriptors[MostDistinctiveDescriptor(descriptors)];
-  const Keypoint* keypoint = ObservedKeypoint(reference, first.left >= 0 ? first.left : first.right);
-  const DistanceRange range =
-      DeriveDistanceRange((position - CameraCenter(reference)).norm(), keypoint->octave, reference.pyramid);
+  const DistanceRange range = ObservedRange(point, reference);
   point.min_distance = range.min;
   point.max_distance = range.max;
   return point;
 }
 
-using LostPoints = std::map<MapPointId, std::vector<Slot>>;
+// A point that no map holds, the slots that hold it, and what was made of them.
+struct LostPoint {
+  MapPointId id;
+  std::vector<Slot> slots;
+  std::optional<MapPoint> made;
+};
 
-LostPoints FindLostPoints(const AtlasIndex& index, const Map& map) {
-  LostPoints lost;
+// Ascending by id.
+std::vector<LostPoint> FindLostPoints(const AtlasIndex& index, const Map& map) {
+  std::map<MapPointId, std::vector<Slot>> lost;
   for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) {
     const Features& features = map.keyframes[row].features;
     const std::size_t slots = std::min(features.map_points.size(), features.descriptors.size());
@@ -286,17 +283,20 @@ LostPoints FindLostPoints(const AtlasIndex& index, const Map& map) {
         lost[id].push_back({row, static_cast<std::int32_t>(feature)});
     }
   }
-  return lost;
+  std::vector<LostPoint> points;
+  for (auto& [id, slots] : lost) points.push_back({id, std::move(slots), {}});
+  return points;
 }
 
-std::optional<MapPoint> Triangulate(const Cameras& cameras, const Map& map, const IdTable& keyframes, MapPointId id,
-                                    const std::vector<Slot>& slots) {
+std::optional<MapPoint> Triangulate(const Cameras& cameras, std::size_t map_row, const LostPoint& point) {
+  const Map& map = cameras.index.atlas().maps[map_row];
   std::vector<View> views;
-  for (const Slot& slot : slots)
+  for (const Slot& slot : point.slots)
     if (const auto view = ViewOf(cameras, map.keyframes[slot.keyframe], slot)) views.push_back(*view);
   const std::optional<Guess> guess = Locate(views);
   if (!guess) return std::nullopt;
-  return Describe(map, keyframes, id, guess->position.cast<float>(), ObservationsOf(map, views, guess->inliers));
+  return Describe(cameras.index, map_row, point.id, guess->position.cast<float>(),
+                  ObservationsOf(map, views, guess->inliers));
 }
 
 // Empties the slots that hold the point and are not of its observations.
@@ -317,27 +317,21 @@ void EmptyOtherSlots(const MapPoint& point, const std::vector<Slot>& slots, Map&
 std::vector<MapPointId> TriangulateLostPoints(Atlas& atlas, const std::vector<CameraId>& unknown_lenses, int threads) {
   const AtlasIndex index(atlas);
   const Cameras cameras{index, unknown_lenses};
-  std::vector<std::vector<std::optional<MapPoint>>> made(atlas.maps.size());
-  std::vector<LostPoints> lost;
+  std::vector<std::vector<LostPoint>> lost;  // by row of Atlas::maps
   for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
-    const Map& map = atlas.maps[row];
-    lost.push_back(FindLostPoints(index, map));
-    const IdTable keyframes = KeyFrameTable(map);
-    const std::vector<LostPoints::value_type> list(lost[row].begin(), lost[row].end());
-    made[row].resize(list.size());
-    ParallelFor(list.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        made[row][i] = Triangulate(cameras, map, keyframes, list[i].first, list[i].second);
+    std::vector<LostPoint>& points = lost.emplace_back(FindLostPoints(index, atlas.maps[row]));
+    ParallelFor(points.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) points[i].made = Triangulate(cameras, row, points[i]);
     });
   }
   std::vector<MapPointId> ids;  // the index is of no use from here on
   std::set<MapPointId> seen;    // in two maps: the first one's
   for (std::size_t row = 0; row < atlas.maps.size(); ++row)
-    for (std::optional<MapPoint>& point : made[row]) {
-      if (!point || !seen.insert(point->id).second) continue;
-      EmptyOtherSlots(*point, lost[row].at(point->id), atlas.maps[row]);
-      ids.push_back(point->id);
-      atlas.maps[row].points.push_back(*std::move(point));
+    for (LostPoint& point : lost[row]) {
+      if (!point.made || !seen.insert(point.id).second) continue;
+      EmptyOtherSlots(*point.made, point.slots, atlas.maps[row]);
+      ids.push_back(point.id);
+      atlas.maps[row].points.push_back(*std::move(point.made));
     }
   return ids;
 }

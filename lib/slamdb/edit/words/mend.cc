@@ -206,6 +206,13 @@ void RequireVocabulary(const Atlas& atlas, const MendWordsOptions& options) {
   if (!NamesVocabulary(atlas, options.identity)) Hold(atlas, options);
 }
 
+bool HasWordsOf(const Atlas& atlas, const MendWordsOptions& options) {
+  if (AllKeyFrames(atlas).empty()) return true;
+  const Held held = Hold(atlas, options);
+  Vocabulary vocabulary = atlas.vocabulary;
+  return std::ranges::find(held.fits, 0) == held.fits.end() && !RestoreVocabulary(options, vocabulary);
+}
+
 std::vector<std::string> SentencesOf(const MendWordsReport& report) {
   std::vector<std::string> sentences;
   const auto tell = [&](const std::vector<KeyFrameId>& ids, std::string_view what) {

@@ -47,6 +47,11 @@ SLAMDB_EXPORT MendWordsReport MendWords(Atlas& atlas, const MendWordsOptions& op
 // Throws Error (kNotPossible). `damaged` of the options is ignored. Cost: linear.
 SLAMDB_EXPORT void RequireVocabulary(const Atlas& atlas, const MendWordsOptions& options);
 
+// Whether MendWords with a vocabulary would change nothing.
+//
+// Throws Error (kNotPossible) as it does. Cost: linear; nothing is copied.
+[[nodiscard]] SLAMDB_EXPORT bool HasWordsOf(const Atlas& atlas, const MendWordsOptions& options);
+
 // What became of the words, one sentence each.
 [[nodiscard]] SLAMDB_EXPORT std::vector<std::string> SentencesOf(const MendWordsReport& report);
 

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "slamdb/model/atlas.h"
 
 namespace slamdb::detail {
+
+// What ORB-SLAM3 numbers its vertices by: an id beyond is damage.
+inline constexpr std::uint64_t kLargestId = (std::uint64_t{1} << 31) - 1;
 
 // Makes points anew that keyframes see in their slots and that no map holds: where two rays with a parallax meet, of
 // different keyframes or of a fisheye stereo pair, or where a view's depth puts it. The place that most views agree
