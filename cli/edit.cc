@@ -51,11 +51,7 @@ std::string HoldsNothing(const Format& format, const Substance& atlas) {
 // The file's name without the suffix of its format.
 std::string StemOf(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
-  std::size_t longest = std::filesystem::path(name).extension().string().size();
-  for (const Format& format : Formats())
-    for (const std::string_view suffix : format.suffixes)
-      if (name.ends_with(suffix)) longest = std::max(longest, suffix.size());
-  return name.substr(0, name.size() - longest);
+  return name.substr(0, name.size() - SuffixOf(name).size());
 }
 
 // The name of an atlas that its location tells; empty when it tells none.
@@ -93,6 +89,14 @@ void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::str
   else
     throw Error(ErrorKind::kNotPossible, output, "",
                 "would hold no " + what + ", though the input has some; nothing was written");
+}
+
+std::string SuffixOf(const std::string& path) {
+  std::string found = std::filesystem::path(path).extension().string();
+  for (const Format& format : Formats())
+    for (const std::string_view suffix : format.suffixes)
+      if (path.ends_with(suffix) && suffix.size() > found.size()) found = suffix;
+  return found;
 }
 
 std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to) {

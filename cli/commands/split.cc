@@ -27,15 +27,6 @@ struct SplitVerbOptions {
 const std::map<std::string, SplitBy> kWays = {
     {"map", SplitBy::kMap}, {"session", SplitBy::kSession}, {"component", SplitBy::kComponent}};
 
-// The longest suffix of a format that the path ends with (`.keyframes.csv`), or what stands behind its last dot.
-std::string SuffixOf(const std::string& path) {
-  std::string found = std::filesystem::path(path).extension().string();
-  for (const Format& format : Formats())
-    for (const std::string_view suffix : format.suffixes)
-      if (path.ends_with(suffix) && suffix.size() > found.size()) found = suffix;
-  return found;
-}
-
 // `parts/{}.osa` and `out.osa` become `parts/map-3.osa` and `out-map-3.osa`, `lab.db#a` becomes `lab.db#a-map-3`.
 std::string OutputOf(const std::string& pattern, const std::string& part) {
   if (const std::size_t hole = pattern.find("{}"); hole != std::string::npos)
