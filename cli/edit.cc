@@ -125,9 +125,10 @@ void RefuseBadOutput(const EditOptions& options) {
   RequireOutput(options);
   if (options.dry_run) return;
   const Location output = Location::Parse(options.output);
-  RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
+  const Format& format = FormatOfOutput(output, options.target.to);
+  RefuseBinaryOnTerminal(output, format);
   if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
-      !IsSpecialFile(output.path) && !FormatOfOutput(output, options.target.to).named)
+      !IsSpecialFile(output.path) && !format.named)
     throw Error(ErrorKind::kAlreadyExists, output.path, "", "is there already; -O/--overwrite replaces it");
 }
 
@@ -139,6 +140,7 @@ void AddEdit(CLI::App& verb, EditOptions& options, Writes output) {
       ->type_name("FILE");
   AddFrom(verb, options.from);
   AddEditTarget(verb, options);
+  if (output == Writes::kPattern) return;  // each part has a file of its own, or a name
   verb.parse_complete_callback(
       [&options] { options.output = NamedOutput(options.input, options.output, options.target.to); });
 }
