@@ -206,6 +206,15 @@ Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices, 
   return atlas;
 }
 
+std::vector<std::string> ErrorsOf(const std::vector<Unrepaired>& left) {
+  std::vector<std::string> errors;
+  for (const Unrepaired& rule : left)
+    if (rule.severity == Severity::kError)
+      errors.push_back(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
+                       rule.reason);
+  return errors;
+}
+
 void AddVocabulary(CLI::App& verb, std::string& path) {
   verb.add_option("--vocabulary", path,
                   "The vocabulary file that the atlas was made with: words that cannot be of it are computed anew")
@@ -224,7 +233,7 @@ void HoldWords(const std::string& input, const std::optional<LoadedVocabulary>& 
     return MendWords(atlas,
                      {.tree = &vocabulary->tree, .identity = vocabulary->identity, .threads = console.threads()});
   });
-  for (const std::string& sentence : SentencesOf(report)) notices.Warn(input + ": " + InCommandWords(sentence));
+  for (const std::string& sentence : SentencesOf(report)) notices.Warn(input + ": " + sentence);
 }
 
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
@@ -239,11 +248,17 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
   WriteAtlas(atlas, options.output, write, &notices);
 }
 
+ExitCode FinishWriting(const Location& output, const std::string& details, Console& console, const Notices& notices) {
+  console.Report(notices);
+  console.PrintWritten(output.ToString(), notices, details);
+  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+}
+
 ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,
                     const Notices& notices) {
   console.Report(notices);
   const bool piped = !options.dry_run && IsStandardOutput(options.output);
-  std::string report = options.json ? InCommandWords(json) : std::string(text);
+  const std::string report = InCommandWords(options.json ? json : text);
   if (piped)
     std::cerr << (options.json ? report : detail::VisibleText(report));
   else if (options.json)

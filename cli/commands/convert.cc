@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -9,7 +8,6 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/times.h"
-#include "cli/words.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/export/options.h"
@@ -57,10 +55,6 @@ bool CutsThroughMaps(Selection selection) {
   return !selection.everything();
 }
 
-bool HasLandmarks(const Atlas& atlas) {
-  return std::any_of(atlas.maps.begin(), atlas.maps.end(), [](const Map& map) { return !map.landmarks.empty(); });
-}
-
 std::string Summary(const Atlas& atlas, const Location& output) {
   std::uint64_t keyframes = 0, points = 0, landmarks = 0;
   for (const Map& map : atlas.maps) {
@@ -95,18 +89,13 @@ bool RepairForOrbslam3(Atlas& atlas, Console& console, Notices& notices) {
   const RepairReport report = RepairAtlas(atlas, {.journal = false, .threads = console.threads()});
   for (const AppliedFix& fix : report.applied)
     notices.Warn("repaired: " + fix.title + " (" + Counted(fix.changes, "change") + ")");
-  for (const Unrepaired& rule : report.left)
-    if (rule.severity == Severity::kError)
-      notices.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
-                   InCommandWords(rule.reason));
+  for (const std::string& error : ErrorsOf(report.left)) notices.Warn(error);
   return report.sound();
 }
 
 ExitCode Finish(const std::string& wrote, const Location& output, const Format& format, Console& console,
                 const Notices& notices) {
-  console.Report(notices);
-  console.PrintWritten(output.ToString(), notices, " (" + std::string(format.id) + ") " + wrote);
-  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+  return FinishWriting(output, " (" + std::string(format.id) + ") " + wrote, console, notices);
 }
 
 // Null where nothing tells it.
@@ -160,7 +149,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
-  if (read.selection.has_keyframe_range() && HasLandmarks(atlas))
+  if (read.selection.has_keyframe_range() && SubstanceOf(atlas).landmarks)
     notices.Warn("landmarks belong to no keyframe: the ranges of keyframes and times leave out none of them");
   WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), &notices);
 
