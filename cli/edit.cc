@@ -51,11 +51,7 @@ std::string HoldsNothing(const Format& format, const Substance& atlas) {
 // The file's name without the suffix of its format.
 std::string StemOf(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
-  std::size_t longest = std::filesystem::path(name).extension().string().size();
-  for (const Format& format : Formats())
-    for (const std::string_view suffix : format.suffixes)
-      if (name.ends_with(suffix)) longest = std::max(longest, suffix.size());
-  return name.substr(0, name.size() - longest);
+  return name.substr(0, name.size() - SuffixOf(name).size());
 }
 
 // The name of an atlas that its location tells; empty when it tells none.
@@ -95,6 +91,14 @@ void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::str
                 "would hold no " + what + ", though the input has some; nothing was written");
 }
 
+std::string SuffixOf(const std::string& path) {
+  std::string found = std::filesystem::path(path).extension().string();
+  for (const Format& format : Formats())
+    for (const std::string_view suffix : format.suffixes)
+      if (path.ends_with(suffix) && suffix.size() > found.size()) found = suffix;
+  return found;
+}
+
 std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to) {
   const Location target(output);
   if (output.empty() || output == "-" || !target.name.empty()) return output;
@@ -121,9 +125,10 @@ void RefuseBadOutput(const EditOptions& options) {
   RequireOutput(options);
   if (options.dry_run) return;
   const Location output = Location::Parse(options.output);
-  RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
+  const Format& format = FormatOfOutput(output, options.target.to);
+  RefuseBinaryOnTerminal(output, format);
   if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
-      !IsSpecialFile(output.path) && !FormatOfOutput(output, options.target.to).named)
+      !IsSpecialFile(output.path) && !format.named)
     throw Error(ErrorKind::kAlreadyExists, output.path, "", "is there already; -O/--overwrite replaces it");
 }
 
@@ -135,6 +140,7 @@ void AddEdit(CLI::App& verb, EditOptions& options, Writes output) {
       ->type_name("FILE");
   AddFrom(verb, options.from);
   AddEditTarget(verb, options);
+  if (output == Writes::kPattern) return;  // each part has a file of its own, or a name
   verb.parse_complete_callback(
       [&options] { options.output = NamedOutput(options.input, options.output, options.target.to); });
 }
@@ -179,13 +185,13 @@ bool HoldsAtlas(const Atlas& atlas) {
 
 void TellErrors(const std::string& input, const Atlas& atlas, const Console& console, Notices& notices) {
   if (!HoldsAtlas(atlas)) return;
-  const CheckReport check = CheckAtlas(atlas, {.max_findings = 1, .threads = console.threads()});
-  for (const RuleResult& result : check.results) {
-    if (result.severity != Severity::kError) continue;
-    notices.Warn(input + " has " + Counted(check.Count(Severity::kError), "error") + ", the first of " + result.id +
-                 "; `slamdb repair` it first, or the result may have them too");
-    return;
-  }
+  CheckOptions errors{.max_findings = 1, .threads = console.threads()};
+  for (const Rule& rule : ReadRules())
+    if (rule.severity != Severity::kError) errors.ignore.emplace_back(rule.id);
+  const CheckReport check = CheckAtlas(atlas, errors);
+  if (check.ok()) return;
+  notices.Warn(input + " has " + Counted(check.Count(Severity::kError), "error") + ", the first of " +
+               check.results.front().id + "; `slamdb repair` it first, or the result may have them too");
 }
 
 }  // namespace
@@ -198,6 +204,15 @@ Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices, 
   options.inputs->Add(atlas);
   if (errors == InputErrors::kTell && !console.quiet()) TellErrors(options.input, atlas, console, notices);
   return atlas;
+}
+
+std::vector<std::string> ErrorsOf(const std::vector<Unrepaired>& left) {
+  std::vector<std::string> errors;
+  for (const Unrepaired& rule : left)
+    if (rule.severity == Severity::kError)
+      errors.push_back(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
+                       rule.reason);
+  return errors;
 }
 
 void AddVocabulary(CLI::App& verb, std::string& path) {
@@ -218,7 +233,7 @@ void HoldWords(const std::string& input, const std::optional<LoadedVocabulary>& 
     return MendWords(atlas,
                      {.tree = &vocabulary->tree, .identity = vocabulary->identity, .threads = console.threads()});
   });
-  for (const std::string& sentence : SentencesOf(report)) notices.Warn(input + ": " + InCommandWords(sentence));
+  for (const std::string& sentence : SentencesOf(report)) notices.Warn(input + ": " + sentence);
 }
 
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
@@ -233,11 +248,17 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
   WriteAtlas(atlas, options.output, write, &notices);
 }
 
+ExitCode FinishWriting(const Location& output, const std::string& details, Console& console, const Notices& notices) {
+  console.Report(notices);
+  console.PrintWritten(output.ToString(), notices, details);
+  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+}
+
 ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,
                     const Notices& notices) {
   console.Report(notices);
   const bool piped = !options.dry_run && IsStandardOutput(options.output);
-  std::string report = options.json ? InCommandWords(json) : std::string(text);
+  const std::string report = InCommandWords(options.json ? json : text);
   if (piped)
     std::cerr << (options.json ? report : detail::VisibleText(report));
   else if (options.json)

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/command.h"
 #include "cli/guard.h"
@@ -12,6 +13,7 @@
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/report_files.h"
+#include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/model/content.h"
 
@@ -41,7 +43,7 @@ struct EditOptions {
   TargetOptions target;
   Content needs = Content::kNothing;  // of the input: see ReadOptions::needs
   bool json = false, dry_run = false;
-  double wait = 5;
+  double wait = kUsualWait;
   std::shared_ptr<Inputs> inputs =
       std::make_shared<Inputs>();  // that ReadInput has read, for WriteResult; copies share
 };
@@ -62,6 +64,9 @@ std::string FormatToWrite(const Atlas& atlas, const Location& output, const std:
 // Throws Error for what would fail at the end: no output, one that is there, whose format is unknown, or binary on a
 // terminal.
 void RefuseBadOutput(const EditOptions& options);
+
+// The longest suffix of a format that the path ends with (`.keyframes.csv`), or what stands behind its last dot.
+std::string SuffixOf(const std::string& path);
 
 // An output in a store without a name gets that of the input: its name in a store, else the stem of its file. So a
 // second atlas comes to lie beside the first. Standard input, what is no file, and a stem that is no name of an atlas
@@ -93,6 +98,9 @@ enum class InputErrors { kTell, kAreRepaired };
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices,
                 InputErrors errors = InputErrors::kTell);
 
+// Of what a repair has left, the errors: where, what, and why it stays.
+std::vector<std::string> ErrorsOf(const std::vector<Unrepaired>& left);
+
 // --vocabulary FILE, and the vocabulary, whole, when it is given.
 void AddVocabulary(CLI::App& verb, std::string& path);
 std::optional<LoadedVocabulary> LoadGivenVocabulary(const std::string& path, const Console& console);
@@ -115,6 +123,10 @@ auto NamingFile(const std::string& path, const Work& work) {
 // history of a store: `cull session_a.osa`.
 void WriteResult(const Atlas& atlas, const EditOptions& options, const std::string& provenance, Console& console,
                  Notices& notices, SideFile* beside = nullptr);
+
+// The end of a verb that writes an atlas and has no report: prints the notices, and where the output went (see
+// Console::PrintWritten). Returns kLossy when they hold a loss.
+ExitCode FinishWriting(const Location& output, const std::string& details, Console& console, const Notices& notices);
 
 // Prints the report (JSON with --json, text otherwise; to standard error when the atlas itself goes to standard
 // output), where the output went, and the notices. Returns kLossy when they hold a loss.

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/guard.h"
-#include "cli/idle_times.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
-#include "cli/words.h"
+#include "cli/times.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/export/options.h"
@@ -23,7 +21,8 @@ namespace slamdb::cli {
 namespace {
 
 struct ConvertOptions {
-  std::string input, output, from, time_unit, times;
+  std::string input, output, from;
+  TimesOptions times;
   TargetOptions target;
   SelectionOptions selection;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false;
@@ -54,10 +53,6 @@ void RefuseLosses(const Notices& notices) {
 bool CutsThroughMaps(Selection selection) {
   selection.map.reset();
   return !selection.everything();
-}
-
-bool HasLandmarks(const Atlas& atlas) {
-  return std::any_of(atlas.maps.begin(), atlas.maps.end(), [](const Map& map) { return !map.landmarks.empty(); });
 }
 
 std::string Summary(const Atlas& atlas, const Location& output) {
@@ -94,26 +89,25 @@ bool RepairForOrbslam3(Atlas& atlas, Console& console, Notices& notices) {
   const RepairReport report = RepairAtlas(atlas, {.journal = false, .threads = console.threads()});
   for (const AppliedFix& fix : report.applied)
     notices.Warn("repaired: " + fix.title + " (" + Counted(fix.changes, "change") + ")");
-  for (const Unrepaired& rule : report.left)
-    if (rule.severity == Severity::kError)
-      notices.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
-                   InCommandWords(rule.reason));
+  for (const std::string& error : ErrorsOf(report.left)) notices.Warn(error);
   return report.sound();
 }
 
 ExitCode Finish(const std::string& wrote, const Location& output, const Format& format, Console& console,
                 const Notices& notices) {
-  console.Report(notices);
-  console.PrintWritten(output.ToString(), notices, " (" + std::string(format.id) + ") " + wrote);
-  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+  return FinishWriting(output, " (" + std::string(format.id) + ") " + wrote, console, notices);
+}
+
+// Null where nothing tells it.
+const Format* FindFormat(const HeldSource& input, const ConvertOptions& options) {
+  return options.from.empty() ? FindFormatOfInput(input) : &FormatById(options.from);
 }
 
 // A trajectory becomes a trajectory without an atlas between, in whose single precision digits would be lost. The body
 // is known to atlases alone.
 bool IsOfTrajectories(const HeldSource& input, const Format& output, const ConvertOptions& options) {
   if (!IsTrajectory(output) || options.body) return false;
-  if (!options.from.empty()) return IsTrajectory(FormatById(options.from));
-  const Format* format = FindFormatOfInput(input);
+  const Format* format = FindFormat(input, options);
   return format != nullptr && IsTrajectory(*format);
 }
 
@@ -125,26 +119,24 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
 }
 
 // Options that would be without effect.
-void RefuseIdleOptions(const Location& input, const Format& output, const ConvertOptions& options) {
+void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
   if ((options.boost_version || options.long_bytes) && !output.id.starts_with("orbslam3"))
     RefuseUsage("--boost-version and --long-bytes are for archives of ORB-SLAM3" + is);
-  if (options.time_unit.empty() && options.times.empty()) return;
-  const Format* format = options.from.empty() ? FindFormatOfInput(input) : &FormatById(options.from);
-  if (format != nullptr) RefuseIdleTimes(*format, options.time_unit, options.times);
 }
 
 ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
   const Format& format = FormatOfOutput(output, FormatAsked(options));
-  RefuseIdleOptions(input, format, options);
+  RefuseIdleOptions(format, options);
   RefuseBinaryOnTerminal(output, format, options.ascii);
 
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.selection = ParseSelection(options.selection);
-  read.of<TrajectoryReadOptions>() = {TimeUnitByName(options.time_unit), options.times};
+  read.of<TrajectoryReadOptions>() = options.times.ForReading();
   const HeldSource held = HoldInput(input, read);
+  if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
   if (IsOfTrajectories(held, format, options))
     return ConvertPoses(held, output, format, read, WriteOptionsOf(options, read.selection, console), console);
   Notices notices;
@@ -157,7 +149,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
-  if (read.selection.has_keyframe_range() && HasLandmarks(atlas))
+  if (read.selection.has_keyframe_range() && SubstanceOf(atlas).landmarks)
     notices.Warn("landmarks belong to no keyframe: the ranges of keyframes and times leave out none of them");
   WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), &notices);
 
@@ -191,14 +183,7 @@ void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
   verb.add_flag("--ascii", options.ascii, "Write PLY and PCD as text")->group(kExport);
   verb.add_flag("--body", options.body, "Write trajectories of the body (IMU) frame instead of the camera's")
       ->group(kExport);
-  verb.add_option("--time-unit", options.time_unit,
-                  "What the times of a trajectory count; by default as its columns say, or as the times tell")
-      ->type_name("UNIT")
-      ->check(CLI::IsMember({"s", "ms", "us", "ns"}))
-      ->group(kExport);
-  verb.add_option("--times", options.times, "The times of a KITTI trajectory; by default a file beside it")
-      ->type_name("FILE")
-      ->group(kExport);
+  AddTimes(verb, options.times, "a trajectory", kExport);
   verb.add_flag("--mrpt-own-slots", options.mrpt_own_slots,
                 "Write ORB descriptors where MRPT 2 itself writes them, though it then reads them as BLD")
       ->group("MRPT landmarks");

@@ -19,7 +19,7 @@ struct DiffVerbOptions {
   double tolerance = 0;
   bool ignore_ids = false, summary = false, json = false;
   std::optional<std::size_t> max_listed;
-  double wait = 5;
+  double wait = kUsualWait;
 };
 
 std::string Joined(const std::vector<std::string>& parts, std::string_view separator = ", ") {

@@ -77,7 +77,7 @@ void WarnOfTurned(const Report& report, Notices& notices) {
 
 // Atlas files and stores may have none.
 void RequireLandmarks(const Atlas& atlas, const std::string& input) {
-  if (std::ranges::all_of(atlas.maps, [](const Map& map) { return map.landmarks.empty(); }))
+  if (!SubstanceOf(atlas).landmarks)
     throw Error(ErrorKind::kNotPossible, input, "",
                 "has no landmarks; `slamdb landmarks from-points` makes them of points");
 }

@@ -7,7 +7,6 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
-#include "cli/words.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/salvage.h"
 #include "slamdb/formats/sqlite/options.h"
@@ -82,12 +81,9 @@ ExitCode RunRecover(const RecoverVerbOptions& options, Console& console) {
     provenance += " --accept-edits (" + Counted(report.accepted.size(), "row", "rows") + " edited outside slamdb)";
   WriteResult(salvage.atlas, options.edit, provenance, console, notices);
   const ExitCode code =
-      FinishEdit(InCommandWords(TextOf(report)), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
+      FinishEdit(TextOf(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
   if (report.recovery.pointless()) return ExitCode::kLossy;  // little, and told as what is lost
-  for (const Unrepaired& rule : report.recovery.left)
-    if (rule.severity == Severity::kError)
-      console.Warn(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
-                   rule.reason);
+  for (const std::string& error : ErrorsOf(report.recovery.left)) console.Warn(error);
   if (!report.recovery.sound()) return ExitCode::kFailed;
   return report.untouched ? code : ExitCode::kLossy;
 }

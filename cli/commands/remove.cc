@@ -11,7 +11,7 @@ namespace {
 
 struct RemoveOptions {
   std::vector<std::string> atlases;
-  double wait = 5;
+  double wait = kUsualWait;
 };
 
 std::string CheckName(const std::string& text) {

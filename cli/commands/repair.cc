@@ -75,8 +75,8 @@ ExitCode RunRepair(const RepairVerbOptions& options, Console& console) {
   const RepairReport report = NamingFile(options.edit.input, [&] { return RepairAtlas(atlas, repair); });
   if (journal.wanted()) journal.Write(ToJson(report.journal));
   WriteResult(atlas, options.edit, "repair " + options.edit.input, console, notices, &journal);
-  const ExitCode code = FinishEdit(InCommandWords(TextOf(report, options.edit.dry_run)),
-                                   ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
+  const ExitCode code = FinishEdit(TextOf(report, options.edit.dry_run), ToJson(report, FilesOf(options.edit)),
+                                   options.edit, console, notices);
   return report.sound() ? code : ExitCode::kFailed;
 }
 

@@ -27,15 +27,6 @@ struct SplitVerbOptions {
 const std::map<std::string, SplitBy> kWays = {
     {"map", SplitBy::kMap}, {"session", SplitBy::kSession}, {"component", SplitBy::kComponent}};
 
-// The longest suffix of a format that the path ends with (`.keyframes.csv`), or what stands behind its last dot.
-std::string SuffixOf(const std::string& path) {
-  std::string found = std::filesystem::path(path).extension().string();
-  for (const Format& format : Formats())
-    for (const std::string_view suffix : format.suffixes)
-      if (path.ends_with(suffix) && suffix.size() > found.size()) found = suffix;
-  return found;
-}
-
 // `parts/{}.osa` and `out.osa` become `parts/map-3.osa` and `out-map-3.osa`, `lab.db#a` becomes `lab.db#a-map-3`.
 std::string OutputOf(const std::string& pattern, const std::string& part) {
   if (const std::size_t hole = pattern.find("{}"); hole != std::string::npos)
@@ -49,24 +40,26 @@ std::string OutputOf(const std::string& pattern, const std::string& part) {
   return location.path.substr(0, suffix) + "-" + part + location.path.substr(suffix);
 }
 
+// The names in stores, each of which is opened once.
+using StoredNames = std::map<std::string, std::vector<std::string>>;
+
 // Whether an atlas is there, in a file or under its name in a store.
-bool IsThere(const Location& location) {
+bool IsThere(const Location& location, StoredNames& stored) {
   if (!std::filesystem::exists(location.path)) return false;
   if (location.name.empty()) return true;
-  const std::vector<std::string> names = Store::Open(location.path).Names();
-  return std::ranges::find(names, location.name) != names.end();
+  const auto [store, first] = stored.try_emplace(location.path);
+  if (first) store->second = Store::Open(location.path).Names();
+  return std::ranges::find(store->second, location.name) != store->second.end();
 }
 
 // Before the first is written.
 void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& parts) {
   if (options.edit.dry_run) return;
+  StoredNames stored;
   for (const Part& part : parts) {
     const Location output = Location::Parse(OutputOf(options.edit.output, part.name));
-    if (output.name.empty())
-      detail::RefuseInput(output.path);
-    else
-      detail::RefuseInput(output.path, output.name);
-    if (!options.edit.target.overwrite && IsThere(output))
+    detail::RefuseInput(output.path, output.name.empty() ? std::nullopt : detail::AtlasName(output.name));
+    if (!options.edit.target.overwrite && IsThere(output, stored))
       throw Error(ErrorKind::kAlreadyExists, output.ToString(), "", "is there already; -O/--overwrite replaces it");
   }
 }
@@ -118,7 +111,6 @@ ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
 Run AddSplit(CLI::App& verb) {
   const auto options = std::make_shared<SplitVerbOptions>();
   AddEdit(verb, options->edit, Writes::kPattern);
-  verb.parse_complete_callback({});  // each part has a file of its own, or a name
   verb.get_option("OUTPUT")->description(
       "Where to: a file or STORE.db#NAME; the name of each part goes in place of {}, or behind the name");
   verb.add_option("--by", options->split.by,

@@ -57,12 +57,11 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   Notices notices;
   WriteAtlas(atlas, output,
              MakeWriteOptions(console, options.target, "synthesize --seed " + std::to_string(wanted.seed)), &notices);
-  console.Report(notices);
-  console.PrintWritten(output.ToString(), notices,
+  return FinishWriting(output,
                        ": " + Counted(atlas.maps.size(), "map") + " of " + Counted(wanted.keyframes, "keyframe") +
                            " and " + Counted(wanted.points, "point") +
-                           (vocabulary ? "" : "\nits words are of no vocabulary: --vocabulary makes them of one"));
-  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+                           (vocabulary ? "" : "\nits words are of no vocabulary: --vocabulary makes them of one"),
+                       console, notices);
 }
 
 Run AddSynthesize(CLI::App& verb) {

@@ -6,9 +6,9 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/idle_times.h"
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
+#include "cli/times.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/axes.h"
@@ -16,7 +16,6 @@
 #include "slamdb/edit/frame/transform_atlas.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/trajectories.h"
-#include "slamdb/formats/trajectory/options.h"
 
 namespace slamdb::cli {
 namespace {
@@ -24,7 +23,7 @@ namespace {
 struct TransformVerbOptions {
   EditOptions edit;
   std::string by, axes, gravity, onto, georeference, origin;
-  std::string time_unit, times;
+  TimesOptions times;
   std::optional<double> scale, max_dt, time_offset;
   std::optional<double> robust;
   bool body = false, with_scale = false, without_scale = false, estimate_time_offset = false;
@@ -42,7 +41,7 @@ void RefuseIdleOptions(const TransformVerbOptions& options) {
   const std::pair<const char*, bool> given[] = {
       {"--max-dt", options.max_dt.has_value()},           {"--robust", options.robust.has_value()},
       {"--time-offset", options.time_offset.has_value()}, {"--estimate-time-offset", options.estimate_time_offset},
-      {"--time-unit", !options.time_unit.empty()},        {"--with-scale", options.with_scale},
+      {"--time-unit", !options.times.unit.empty()},       {"--with-scale", options.with_scale},
       {"--without-scale", options.without_scale},         {"--body", options.body}};
   for (const auto& [option, is_given] : given)
     if (is_given) RefuseUsage(std::string(option) + " is for --onto and --georeference only");
@@ -51,11 +50,11 @@ void RefuseIdleOptions(const TransformVerbOptions& options) {
 std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console);
   read.features = FeatureColumns::kNone;
-  read.of<TrajectoryReadOptions>() = {TimeUnitByName(options.time_unit), options.times};
+  read.of<TrajectoryReadOptions>() = options.times.ForReading();
   // Not by way of an atlas, whose single precision has no room for coordinates as UTM's.
   const HeldSource held = HoldInput(options.onto, read);
   const Format* format = FindFormatOfInput(held);
-  if (format != nullptr) RefuseIdleTimes(*format, options.time_unit, options.times);
+  RefuseIdleTimes(format, options.times);
   if (format != nullptr && IsTrajectory(*format)) {
     std::vector<TimedPosition> positions;
     read.format = format->id;  // in which order it has quaternions does not matter: they are not used
@@ -83,8 +82,9 @@ Destination DestinationOf(const TransformVerbOptions& options, Console& console,
   if (!options.axes.empty()) return Similarity3d{.rotation = ParseAxes(options.axes)};
   if (!options.gravity.empty()) return TurnUpright{kUpMethods.at(options.gravity)};
   if (!options.onto.empty()) return OntoTrajectory{ReadReference(options, console, notices), FitOf(options)};
-  OntoEarth earth{.fixes = ReadFixes(options.georeference, {.time_unit = TimeUnitByName(options.time_unit)}, &notices),
-                  .fit = FitOf(options)};
+  OntoEarth earth{
+      .fixes = ReadFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices),
+      .fit = FitOf(options)};
   if (!options.origin.empty()) earth.origin = ParseGeodetic(options.origin);
   return earth;
 }
@@ -210,15 +210,8 @@ void BindAlignment(CLI::App& verb, TransformVerbOptions& options) {
                 "Find the time offset under which speeds and paths agree best")
       ->excludes(offset)
       ->group(kGroup);
-  verb.add_option("--time-unit", options.time_unit,
-                  "What the times of the reference count; by default as its columns say, or as the times tell")
-      ->type_name("UNIT")
-      ->check(CLI::IsMember({"s", "ms", "us", "ns"}))
-      ->group(kGroup);
-  verb.add_option("--times", options.times, "The times of a KITTI trajectory; by default a file beside it")
-      ->type_name("FILE")
-      ->needs(verb.get_option("--onto"))
-      ->group(kGroup);
+  AddTimes(verb, options.times, "the reference", kGroup);
+  verb.get_option("--times")->needs(verb.get_option("--onto"));
   CLI::Option* with_scale =
       verb.add_flag("--with-scale", options.with_scale,
                     "Solve for the scale too; by default only where the sensor leaves it open (one camera, no IMU)")

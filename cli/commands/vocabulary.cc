@@ -171,10 +171,8 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   WriteOptions write = MakeWriteOptions(console, options.target, "vocabulary set " + options.input);
   write.format = FormatToWrite(atlas, output, options.target.to);
   WriteAtlas(atlas, output, write, &notices);
-  console.Report(notices);
-  console.PrintWritten(output.ToString(), notices,
-                       " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum + ")");
-  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+  return FinishWriting(output, " with " + atlas.vocabulary.name + " (" + atlas.vocabulary.checksum + ")", console,
+                       notices);
 }
 
 // ---- recompute

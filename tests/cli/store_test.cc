@@ -148,16 +148,16 @@ TEST_F(StoreVerbs, NameIsNeededWhereThereAreSeveral) {
   EXPECT_EQ(RunSlamdb({"info", At("nobody")}).exit_code, 1);
 }
 
+// The store's own verbs.
+std::vector<std::vector<std::string>> CommandsOnStore(const std::string& store, const std::string& copy) {
+  return {{"list", store},    {"log", store},           {"stats", store},       {"vacuum", store},
+          {"migrate", store}, {"remove", store + "#a"}, {"backup", store, copy}};
+}
+
 TEST(StoreErrors, ReadingVerbsNeverMakeAStore) {
   const TemporaryFolder folder;
   const std::string missing = folder / "missing.db";
-  for (const std::vector<std::string>& command : {std::vector<std::string>{"list", missing},
-                                                  {"log", missing},
-                                                  {"stats", missing},
-                                                  {"vacuum", missing},
-                                                  {"migrate", missing},
-                                                  {"remove", missing + "#a"},
-                                                  {"backup", missing, folder / "copy.db"}}) {
+  for (const std::vector<std::string>& command : CommandsOnStore(missing, folder / "copy.db")) {
     SCOPED_TRACE(command.front());
     const ProcessResult result = RunSlamdb(command);
     EXPECT_EQ(result.exit_code, 1);
@@ -185,13 +185,7 @@ TEST(StoreErrors, FilesThatAreKnownAreNamed) {
   const std::pair<std::string, const char*> files[] = {
       {pointer, "Git LFS"}, {page, "web page"}, {packed, "zip"}, {kTiny, "an atlas of ORB-SLAM3"}};
   for (const auto& [file, what] : files)
-    for (const std::vector<std::string>& command : {std::vector<std::string>{"list", file},
-                                                    {"log", file},
-                                                    {"stats", file},
-                                                    {"vacuum", file},
-                                                    {"migrate", file},
-                                                    {"remove", file + "#a"},
-                                                    {"backup", file, folder / "copy.db"}}) {
+    for (const std::vector<std::string>& command : CommandsOnStore(file, folder / "copy.db")) {
       SCOPED_TRACE(command[0] + " " + file);
       const ProcessResult result = RunSlamdb(command);
       EXPECT_EQ(result.exit_code, 1);
