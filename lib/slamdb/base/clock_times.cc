@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/date_times.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 
@@ -66,10 +67,8 @@ std::optional<std::int64_t> DayOf(std::string_view date, std::string_view order)
     return number;
   };
   const int year = order.size() == 6 ? part('y') + (part('y') < 80 ? 2000 : 1900) : part('y');
-  const std::chrono::year_month_day day(std::chrono::year(year), std::chrono::month(static_cast<unsigned>(part('m'))),
-                                        std::chrono::day(static_cast<unsigned>(part('d'))));
-  if (!day.ok() || year < 1980 || year > 2099) return std::nullopt;
-  return std::chrono::sys_days(day).time_since_epoch().count();
+  if (year < 1980 || year > 2099) return std::nullopt;
+  return DaysTo(year, part('m'), part('d'));
 }
 
 std::string ShownDay(std::int64_t day) {
@@ -131,10 +130,8 @@ std::optional<std::vector<std::string>> ClockSeconds(const ClockTimes& table, No
   if (!shown) return std::nullopt;
   const std::vector<std::int64_t> days = DaysOf(table, clocks);
   std::vector<std::string> seconds;
-  for (std::size_t i = 0; i < clocks.size(); ++i) {
-    const std::int64_t whole = days[i] * kDay + clocks[i].seconds;
-    seconds.push_back(clocks[i].fraction.empty() ? std::to_string(whole) : Concat(whole, '.', clocks[i].fraction));
-  }
+  for (std::size_t i = 0; i < clocks.size(); ++i)
+    seconds.push_back(SecondsText(days[i] * kDay + clocks[i].seconds, clocks[i].fraction));
   notices.Note(Concat("times are taken as times of day, hhmmss: the first, ", table.times[0], ", as ",
                       table.dates.empty() ? Concat(seconds[0], " s since midnight, since no date stands beside it")
                                           : Concat(seconds[0], " s since 1970, on ", ShownDay(days[0]), ", in UTC")));

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/times.h"
+#include "slamdb/base/detail/time_units.h"
 
 namespace slamdb::detail {
 
