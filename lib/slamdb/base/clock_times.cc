@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/date_times.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 
@@ -42,12 +43,9 @@ bool JumpAtMinutes(const std::vector<Clock>& clocks) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < clocks.size(); ++i) steps.push_back(std::abs(clocks[i].value() - clocks[i - 1].value()));
   if (steps.size() < 2) return false;
-  std::vector<double> sorted = steps;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
+  const double longest = kMedians * MedianOf(steps);
   for (std::size_t i = 1; i < clocks.size(); ++i)
-    if (clocks[i].seconds / 60 == clocks[i - 1].seconds / 60 + 1 && steps[i - 1] < 20 &&
-        steps[i - 1] <= kMedians * *middle)
+    if (clocks[i].seconds / 60 == clocks[i - 1].seconds / 60 + 1 && steps[i - 1] < 20 && steps[i - 1] <= longest)
       return true;
   return false;
 }
