@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/lengths.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/time_unit.h"
 
@@ -19,11 +20,10 @@ std::string Lower(std::string_view text) {
 }
 
 bool IsUnit(std::string_view word) {
-  static constexpr std::string_view kUnits[] = {
-      "min",    "minutes", "h",    "hours", "days",   "m",       "metre", "metres", "meter", "meters", "cm",  "mm",
-      "km",     "ft",      "foot", "feet",  "yd",     "yards",   "inch",  "inches", "mi",    "miles",  "deg", "degs",
-      "degree", "degrees", "rad",  "rads",  "radian", "radians", "e6",    "dege6",  "e7",    "dege7"};
-  return TimeUnitByName(word) || std::ranges::find(kUnits, word) != std::end(kUnits);
+  static constexpr std::string_view kOthers[] = {"min",     "minutes", "h",       "hours", "days", "deg",
+                                                 "degs",    "degree",  "degrees", "rad",   "rads", "radian",
+                                                 "radians", "e6",      "dege6",   "e7",    "dege7"};
+  return TimeUnitByName(word) || MetresByName(word) || std::ranges::find(kOthers, word) != std::end(kOthers);
 }
 
 // `us` for `\u00b5s` and `\u03bcs`, the two letters that people write.
