@@ -104,6 +104,14 @@ std::optional<std::string_view> TakeField(std::string_view& message, char tag) {
   return content;
 }
 
+// Takes the field `tag` of a number off a message where it stands there.
+void SkipNumber(std::string_view& message, char tag) {
+  if (!message.starts_with(tag)) return;
+  message.remove_prefix(1);
+  while (!message.empty() && (static_cast<unsigned char>(message[0]) & 0x80U) != 0) message.remove_prefix(1);
+  message.remove_prefix(std::min<std::size_t>(1, message.size()));
+}
+
 // ---- text
 
 std::string_view FirstLine(std::string_view text) { return TakeLine(text); }
@@ -205,19 +213,11 @@ std::string_view OsmapPart(const Probe& probe) {
   std::optional<std::string_view> first = TakeField(head, '\x0a');
   if (!first) return {};
   std::string_view entry = *first;
-  if (entry.starts_with('\x08')) {
-    entry.remove_prefix(1);
-    while (!entry.empty() && (static_cast<unsigned char>(entry[0]) & 0x80U) != 0) entry.remove_prefix(1);
-    entry.remove_prefix(std::min<std::size_t>(1, entry.size()));
-  }
-  std::string_view inner = entry.starts_with('\x12') ? TakeField(entry, '\x12').value_or(""sv) : ""sv;
+  SkipNumber(entry, '\x08');
+  std::string_view inner = TakeField(entry, '\x12').value_or(""sv);
   if (inner.size() >= 5 && inner.size() <= 15 && inner.size() % 5 == 0 && (inner[0] & 7) == 5) return "map points";
   if (inner.size() == 50 && inner.starts_with("\x0a\x30"sv)) return "keyframes";
-  if (inner.starts_with('\x10')) {
-    inner.remove_prefix(1);
-    while (!inner.empty() && (static_cast<unsigned char>(inner[0]) & 0x80U) != 0) inner.remove_prefix(1);
-    inner.remove_prefix(std::min<std::size_t>(1, inner.size()));
-  }
+  SkipNumber(inner, '\x10');
   return inner.starts_with("\x1a\x14"sv) || inner.starts_with("\x1a\x0f"sv) ? "features"sv : ""sv;
 }
 
