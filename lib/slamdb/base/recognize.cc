@@ -287,12 +287,14 @@ std::optional<Recognized> RecognizeReport(std::string_view head) {
 
 }  // namespace
 
+bool IsSqlite(std::string_view head) { return head.starts_with("SQLite format 3\0"sv); }
+
 std::optional<Recognized> Recognize(const Probe& probe) {
   const std::string_view head = probe.head;
   if (probe.size == 0) return Recognized{"empty", ErrorKind::kDamaged, "", ""};
   if (const std::size_t zeros = CountZeros(head); zeros == head.size() || zeros >= kZeroPage)
     return Recognized{"zeros", ErrorKind::kDamaged, Concat(zeros, " zero bytes"), ""};
-  if (head.starts_with("SQLite format 3\0"sv)) return RecognizeSqlite(probe);
+  if (IsSqlite(head)) return RecognizeSqlite(probe);
   if (auto report = RecognizeReport(head)) return report;
   for (const Known& known : kKnown)
     if (known.is != nullptr ? known.is(probe) : HasAt(head, known.offset, known.signature)) return Make(known);

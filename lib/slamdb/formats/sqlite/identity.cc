@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/identity.h"
 
+#include "slamdb/base/detail/recognize.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 
 namespace slamdb::sqlite {
 namespace {
-
-constexpr std::string_view kMagic("SQLite format 3\0", 16);
 
 std::int64_t BigEndian32(std::string_view bytes) {
   std::uint32_t value = 0;
@@ -60,7 +59,7 @@ void CheckTables(Database& database, int version, Boxes boxes) {
 
 Header HeaderOf(std::string_view head) {
   Header header;
-  header.is_sqlite = head.size() >= 100 && head.substr(0, kMagic.size()) == kMagic;
+  header.is_sqlite = head.size() >= 100 && detail::IsSqlite(head);
   if (header.is_sqlite) {
     header.version = BigEndian32(head.substr(60, 4));
     header.application_id = BigEndian32(head.substr(68, 4));
