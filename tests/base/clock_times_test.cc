@@ -4,8 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "slamdb/base/detail/times.h"
-#include "slamdb/base/error.h"
+#include "tests/base/seconds_of_tables.h"
 
 namespace slamdb::detail {
 namespace {
@@ -14,27 +13,6 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-std::vector<std::string> Seconds(std::string_view text, Notices& notices, std::optional<TimeUnit> asked = {}) {
-  Table table(text, {.columns = {TimeColumn(), {{"date"}, Column::kOptional}}, .expected = "a time"});
-  TimeReader times(table, {.asked = asked, .time = 0, .date = 1});
-  while (table.Next()) times.Add();
-  return times.Seconds(notices);
-}
-
-std::vector<std::string> Seconds(std::string_view text) {
-  Notices notices;
-  return Seconds(text, notices);
-}
-
-std::string Failure(std::string_view text) {
-  try {
-    Seconds(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(ClockTimes, AreToldByTheJumpAtTheMinute) {
   Notices notices;
@@ -56,7 +34,7 @@ TEST(ClockTimes, SecondsStaySeconds) {
     const std::string first = text;
     EXPECT_THAT(first, HasSubstr("\n" + Seconds(text, notices).at(0) + "\n"));
   }
-  EXPECT_THAT(Seconds("190259.25\n190259.75\n190300.25\n", notices, TimeUnit::kSeconds),
+  EXPECT_THAT(Seconds("190259.25\n190259.75\n190300.25\n", notices, Rules(TimeUnit::kSeconds)),
               ElementsAre("190259.25", "190259.75", "190300.25"));
   EXPECT_THAT(notices.items(), IsEmpty());
 }

@@ -9,6 +9,7 @@
 
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -26,15 +27,6 @@ class Files : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
-template <class Work>
-Error ErrorOf(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error;
-  }
-  return {ErrorKind::kInternal, "no error"};
-}
 template <class Work>
 std::string MessageOf(Work work) {
   return ErrorOf(work).what();

@@ -17,6 +17,7 @@
 #include "slamdb/base/detail/file_stream.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -47,16 +48,6 @@ class Streams : public ::testing::Test {
 
   const TemporaryFolder folder_;
 };
-
-template <class Work>
-Error ErrorOf(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error;
-  }
-  return {ErrorKind::kInternal, "no error"};
-}
 
 std::string Content(std::size_t bytes) {
   std::string content(bytes, '\0');

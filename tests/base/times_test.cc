@@ -3,7 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "slamdb/base/error.h"
+#include "slamdb/base/detail/time_units.h"
+#include "tests/base/seconds_of_tables.h"
 
 namespace slamdb::detail {
 namespace {
@@ -11,31 +12,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-TableKind Kind() { return {.columns = {TimeColumn(), {{"date"}, Column::kOptional}}, .expected = "a time"}; }
-
-TimeRules Rules(std::optional<TimeUnit> asked = {}) { return {.asked = asked, .time = 0, .date = 1}; }
-
-std::vector<std::string> Seconds(std::string_view text, Notices& notices, const TimeRules& rules = Rules()) {
-  Table table(text, Kind());
-  TimeReader times(table, rules);
-  while (table.Next()) times.Add();
-  return times.Seconds(notices);
-}
-
-std::vector<std::string> Seconds(std::string_view text, const TimeRules& rules = Rules()) {
-  Notices notices;
-  return Seconds(text, notices, rules);
-}
-
-std::string Failure(std::string_view text) {
-  try {
-    Seconds(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(ShiftedDecimal, MovesThePointAndLosesNoDigit) {
   EXPECT_EQ(ShiftedDecimal("1403636579763555584", -9), "1403636579.763555584");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/checks/check.h"
 #include "slamdb/checks/report.h"
-#include "slamdb/edit/diff/diff.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/osa_mutator.h"
 #include "tests/fuzz/require.h"

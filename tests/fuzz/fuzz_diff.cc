@@ -2,7 +2,6 @@
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/diff/diff.h"
 #include "slamdb/edit/ids/renumber.h"
-#include "slamdb/formats/orbslam3/orbslam3.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/osa_mutator.h"
 #include "tests/fuzz/require.h"

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdio>
-#include <cstdlib>
-
 #include "slamdb/base/error.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/mrpt/detail/landmarks.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/require.h"
 
 // Any bytes as a stream of MRPT, compressed or not. They decode or fail with an Error; what decoded is written to
 // landmarks that decode to the same bytes again.
@@ -29,9 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const slamdb::Error&) {
     return 0;
   }
-  if (Encode(slamdb::mrpt::ReadMaps("fuzz", encoded)) != encoded) {
-    std::fputs("what was written decodes to something else\n", stderr);
-    std::abort();
-  }
+  slamdb::fuzz::Require(Encode(slamdb::mrpt::ReadMaps("fuzz", encoded)) == encoded,
+                        "what was written decodes to the same");
   return 0;
 }

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdio>
-#include <cstdlib>
-
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/salvage.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/require.h"
 
 // Any bytes as an .osa file, binary or text by their first bytes. They decode or fail with an Error; what decoded is
 // written to an archive that decodes to the same bytes again.
@@ -33,9 +31,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const std::string again = slamdb::EncodeOrbslam3(Decode(std::as_bytes(std::span(encoded)), 2));
-  if (again != encoded) {
-    std::fputs("what was written decodes to something else\n", stderr);
-    std::abort();
-  }
+  slamdb::fuzz::Require(again == encoded, "what was written decodes to the same");
   return 0;
 }

@@ -2,7 +2,6 @@
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/edit/repair/repair.h"
-#include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/salvage.h"
 #include "slamdb/model/digest.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/require.h"
 
 // Any bytes as the two blobs that the store keeps of a keyframe: one byte each for its three counts of features, then
 // two bytes for the length of the details, the details, the features. They decode or fail with an Error; what decoded
@@ -49,9 +48,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   Encode(Decode(data, first.details.bytes(), first.features.bytes()), second);
-  if (!Same(first.details.bytes(), second.details.bytes()) || !Same(first.features.bytes(), second.features.bytes())) {
-    std::fputs("what was packed decodes to something else\n", stderr);
-    std::abort();
-  }
+  slamdb::fuzz::Require(
+      Same(first.details.bytes(), second.details.bytes()) && Same(first.features.bytes(), second.features.bytes()),
+      "what was packed decodes to the same");
   return 0;
 }

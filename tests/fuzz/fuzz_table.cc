@@ -1,27 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdlib>
-#include <functional>
-
 #include "slamdb/base/detail/table.h"
 #include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/ids/id_map.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/require.h"
 
 namespace slamdb {
 namespace {
-
-void Require(bool condition) {
-  if (!condition) std::abort();
-}
-
-void RequireErrorOrNone(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error&) {
-  }
-}
 
 // Rows go forward, and every cell is a part of its row.
 void ReadTable(std::string_view text) {
@@ -35,29 +22,30 @@ void ReadTable(std::string_view text) {
   std::size_t line = 0;
   const char* end = text.data();
   while (table.Next()) {
-    Require(table.line() > line && table.row().data() >= end);
+    fuzz::Require(table.line() > line && table.row().data() >= end, "rows go forward");
     line = table.line();
     end = table.row().data() + table.row().size();
     for (const detail::Cell& cell : table.cells())
-      Require(cell.text.empty() ||
-              (cell.text.data() >= table.row().data() && cell.text.data() + cell.text.size() <= end));
+      fuzz::Require(
+          cell.text.empty() || (cell.text.data() >= table.row().data() && cell.text.data() + cell.text.size() <= end),
+          "a cell is a part of its row");
     for (std::size_t column = 0; column < kind.columns.size(); ++column)
-      Require(table.Text(column).size() <= table.Raw(column).size());
+      fuzz::Require(table.Text(column).size() <= table.Raw(column).size(), "quotes written once are no more");
   }
-  Require(line <= 1 + text.size());
+  fuzz::Require(line <= 1 + text.size(), "a line has its end");
 }
 
 // What can be read as ids is read again from what is written of it.
 void ReadIdMaps(std::string_view text) {
   const std::vector<IdMap> maps = ParseIdMapsCsv(text);
-  Require(ParseIdMapsCsv(IdMapsToCsv(maps)) == maps);
+  fuzz::Require(ParseIdMapsCsv(IdMapsToCsv(maps)) == maps, "ids that were written are read again");
 }
 
 // Ids that change to themselves leave a table as it is.
 void ApplyIdMap(std::string_view text) {
   IdMap ids;
   for (std::uint64_t id = 0; id < 10; ++id) ids[IdKind::kKeyFrame].push_back({id, id});
-  Require(ApplyIdMapToCsv(text, ids) == text);
+  fuzz::Require(ApplyIdMapToCsv(text, ids) == text, "ids that stay leave a table as it is");
 }
 
 }  // namespace
@@ -67,12 +55,12 @@ void ApplyIdMap(std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace slamdb;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  RequireErrorOrNone([&] { ReadTable(text); });
-  RequireErrorOrNone([&] { return ReadIdMaps(text); });
-  RequireErrorOrNone([&] { ApplyIdMap(text); });
-  RequireErrorOrNone([&] { return ParseFixes(text); });
-  RequireErrorOrNone([&] { return ParseAnchorsCsv(text); });
-  RequireErrorOrNone([&] { return ParseAnchors(text); });
-  RequireErrorOrNone([&] { return ParseSimilarity(text); });
+  fuzz::MayRefuse([&] { ReadTable(text); });
+  fuzz::MayRefuse([&] { return ReadIdMaps(text); });
+  fuzz::MayRefuse([&] { ApplyIdMap(text); });
+  fuzz::MayRefuse([&] { return ParseFixes(text); });
+  fuzz::MayRefuse([&] { return ParseAnchorsCsv(text); });
+  fuzz::MayRefuse([&] { return ParseAnchors(text); });
+  fuzz::MayRefuse([&] { return ParseSimilarity(text); });
   return 0;
 }

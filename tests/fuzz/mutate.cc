@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstring>
 
-#include "slamdb/base/error.h"
-#include "slamdb/formats/orbslam3/orbslam3.h"
 #include "tests/fuzz/osa_mutator.h"
 
 // How libFuzzer changes the inputs of fuzzers that take .osa files: most often a field of the atlas in it, and now and
@@ -16,12 +14,8 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   std::optional<Atlas> atlas = fuzz::AtlasOf(std::as_bytes(std::span(data, size)));
   if (!atlas) return LLVMFuzzerMutate(data, size, max_size);
   fuzz::Mutate(*atlas, seed);
-  std::string encoded;
-  try {
-    encoded = EncodeOrbslam3(*atlas);
-  } catch (const Error&) {  // holds what a file cannot
-  }
-  if (encoded.empty() || encoded.size() > max_size) return LLVMFuzzerMutate(data, size, max_size);
-  std::memcpy(data, encoded.data(), encoded.size());
-  return encoded.size();
+  const std::optional<std::string> encoded = fuzz::Encoded(*atlas);
+  if (!encoded || encoded->size() > max_size) return LLVMFuzzerMutate(data, size, max_size);
+  std::memcpy(data, encoded->data(), encoded->size());
+  return encoded->size();
 }

@@ -190,6 +190,14 @@ std::optional<Atlas> AtlasOf(Bytes bytes) {
   }
 }
 
+std::optional<std::string> Encoded(const Atlas& atlas) {
+  try {
+    return EncodeOrbslam3(atlas);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 void Mutate(Atlas& atlas, std::uint64_t seed) {
   Mutator mutator(atlas, seed);
   for (std::uint64_t left = 1 + seed % 4; left > 0; --left) mutator.MutateOnce();
@@ -200,12 +208,9 @@ void Mutate(Atlas& atlas, std::uint64_t seed) {
 Atlas VariationOf(const Atlas& atlas, std::uint64_t seed) {
   Atlas changed = atlas;
   Mutate(changed, seed);
-  try {
-    const std::string encoded = EncodeOrbslam3(changed);
-    if (std::optional<Atlas> decoded = AtlasOf(std::as_bytes(std::span(encoded)))) return *std::move(decoded);
-  } catch (const Error&) {  // holds what a file cannot
-  }
-  return atlas;
+  const std::optional<std::string> encoded = Encoded(changed);
+  std::optional<Atlas> decoded = encoded ? AtlasOf(std::as_bytes(std::span(*encoded))) : std::nullopt;
+  return decoded ? *std::move(decoded) : atlas;
 }
 
 }  // namespace slamdb::fuzz

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "slamdb/base/file.h"
 #include "slamdb/model/atlas.h"
@@ -12,6 +13,9 @@ namespace slamdb::fuzz {
 
 // The atlas in the bytes of an .osa file; nullopt where they are none.
 std::optional<Atlas> AtlasOf(Bytes bytes);
+
+// The bytes of an .osa file with the atlas; nullopt where it holds what no file can.
+std::optional<std::string> Encoded(const Atlas& atlas);
 
 // Changes a field of an entity or a list of entities, a few times over: numbers become others, extreme ones, or the ids
 // of entities that are there; list elements and entities go, come twice or change places. Equal seeds do the same.

@@ -6,7 +6,6 @@
 #include <random>
 #include <string>
 
-#include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -137,10 +136,8 @@ void WriteAtlases(const path& folder) {
       for (std::uint64_t variation = 0; variation < kVariations; ++variation) {
         Atlas changed = atlas;
         fuzz::Mutate(changed, ++seed);
-        try {
-          Write(folder / (name + "_changed_" + std::to_string(variation)), EncodeOrbslam3(changed));
-        } catch (const Error&) {  // holds what a file cannot
-        }
+        if (const auto encoded = fuzz::Encoded(changed))
+          Write(folder / (name + "_changed_" + std::to_string(variation)), *encoded);
       }
     }
 }

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -13,7 +12,6 @@
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/rights.h"
@@ -26,7 +24,6 @@ namespace slamdb {
 namespace {
 
 using detail::CallsOfFiles;
-using detail::Descriptor;
 
 void WriteAll(const std::string& path, int descriptor, Bytes bytes) {
   while (!bytes.empty()) {
@@ -149,9 +146,7 @@ void AtomicFile::Place() {
     temporary_->Claim(target_);
   } else {
     if (StatusOf(target_)) RefuseReplacing(path_, target_, options_);
-    if (CallsOfFiles().rename(temporary_->path().c_str(), target_.c_str()) != 0)
-      throw SystemError(path_, "cannot rename the finished file into place");
-    temporary_->Keep();
+    temporary_->Replace(target_);
   }
   detail::EnterPlaced(path_);
 }

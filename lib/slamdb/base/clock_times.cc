@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/date_times.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 
@@ -41,12 +43,9 @@ bool JumpAtMinutes(const std::vector<Clock>& clocks) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < clocks.size(); ++i) steps.push_back(std::abs(clocks[i].value() - clocks[i - 1].value()));
   if (steps.size() < 2) return false;
-  std::vector<double> sorted = steps;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
+  const double longest = kMedians * MedianOf(steps);
   for (std::size_t i = 1; i < clocks.size(); ++i)
-    if (clocks[i].seconds / 60 == clocks[i - 1].seconds / 60 + 1 && steps[i - 1] < 20 &&
-        steps[i - 1] <= kMedians * *middle)
+    if (clocks[i].seconds / 60 == clocks[i - 1].seconds / 60 + 1 && steps[i - 1] < 20 && steps[i - 1] <= longest)
       return true;
   return false;
 }
@@ -66,10 +65,8 @@ std::optional<std::int64_t> DayOf(std::string_view date, std::string_view order)
     return number;
   };
   const int year = order.size() == 6 ? part('y') + (part('y') < 80 ? 2000 : 1900) : part('y');
-  const std::chrono::year_month_day day(std::chrono::year(year), std::chrono::month(static_cast<unsigned>(part('m'))),
-                                        std::chrono::day(static_cast<unsigned>(part('d'))));
-  if (!day.ok() || year < 1980 || year > 2099) return std::nullopt;
-  return std::chrono::sys_days(day).time_since_epoch().count();
+  if (year < 1980 || year > 2099) return std::nullopt;
+  return DaysTo(year, part('m'), part('d'));
 }
 
 std::string ShownDay(std::int64_t day) {
@@ -131,10 +128,8 @@ std::optional<std::vector<std::string>> ClockSeconds(const ClockTimes& table, No
   if (!shown) return std::nullopt;
   const std::vector<std::int64_t> days = DaysOf(table, clocks);
   std::vector<std::string> seconds;
-  for (std::size_t i = 0; i < clocks.size(); ++i) {
-    const std::int64_t whole = days[i] * kDay + clocks[i].seconds;
-    seconds.push_back(clocks[i].fraction.empty() ? std::to_string(whole) : Concat(whole, '.', clocks[i].fraction));
-  }
+  for (std::size_t i = 0; i < clocks.size(); ++i)
+    seconds.push_back(SecondsText(days[i] * kDay + clocks[i].seconds, clocks[i].fraction));
   notices.Note(Concat("times are taken as times of day, hhmmss: the first, ", table.times[0], ", as ",
                       table.dates.empty() ? Concat(seconds[0], " s since midnight, since no date stands beside it")
                                           : Concat(seconds[0], " s since 1970, on ", ShownDay(days[0]), ", in UTC")));

@@ -5,19 +5,24 @@
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/times.h"
+#include "slamdb/base/detail/time_units.h"
 
 namespace slamdb::detail {
 
-double MetresIn(const Table& table, std::size_t column) {
+std::optional<double> MetresByName(std::string_view unit) {
   static constexpr std::pair<std::string_view, double> kUnits[] = {
-      {"", 1},        {"m", 1},          {"metre", 1},     {"metres", 1},      {"meter", 1},     {"meters", 1},
-      {"cm", 0.01},   {"mm", 0.001},     {"km", 1000},     {"ft", 0.3048},     {"foot", 0.3048}, {"feet", 0.3048},
-      {"yd", 0.9144}, {"yards", 0.9144}, {"inch", 0.0254}, {"inches", 0.0254}, {"mi", 1609.344}, {"miles", 1609.344}};
+      {"m", 1},          {"metre", 1},     {"metres", 1},      {"meter", 1},     {"meters", 1},      {"cm", 0.01},
+      {"mm", 0.001},     {"km", 1000},     {"ft", 0.3048},     {"foot", 0.3048}, {"feet", 0.3048},   {"yd", 0.9144},
+      {"yards", 0.9144}, {"inch", 0.0254}, {"inches", 0.0254}, {"mi", 1609.344}, {"miles", 1609.344}};
+  for (const auto& [name, metres] : kUnits)
+    if (unit == name) return metres;
+  return std::nullopt;
+}
+
+double MetresIn(const Table& table, std::size_t column) {
   const ColumnName* name = table.NameOf(column);
-  if (name == nullptr) return 1;
-  for (const auto& [unit, metres] : kUnits)
-    if (name->unit == unit) return metres;
+  if (name == nullptr || name->unit.empty()) return 1;
+  if (const auto metres = MetresByName(name->unit)) return *metres;
   throw Error(ErrorKind::kUnsupported, "", "column " + name->text,
               Concat("expected lengths in m, cm, mm, km, ft, yd, inch or mi, found the unit '", name->unit, "'"));
 }

@@ -17,6 +17,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/links.h"
+#include "slamdb/base/detail/recognize.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {
@@ -120,12 +121,10 @@ void Enter(Run& run, std::vector<Key> keys, const Use& use) {
 }  // namespace
 
 bool IsDatabase(const std::string& path) {
-  constexpr std::string_view kMagic("SQLite format 3\0", 16);
-  std::array<char, kMagic.size()> head{};
+  std::array<char, 16> head{};
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-  if (file.value >= 0 && ::pread(file.value, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size()) &&
-      std::string_view(head.data(), head.size()) == kMagic)
-    return true;
+  const ssize_t got = file.value >= 0 ? ::pread(file.value, head.data(), head.size(), 0) : 0;
+  if (got > 0 && IsSqlite({head.data(), static_cast<std::size_t>(got)})) return true;
   struct stat log {};
   return ::stat((path + "-wal").c_str(), &log) == 0 && log.st_size > 0;
 }

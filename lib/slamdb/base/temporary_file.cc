@@ -131,6 +131,8 @@ void RemoveIfDead(const std::string& path) {
   if (Lock(file.value, LOCK_EX | LOCK_NB) && IsStillAt(path, status)) ::unlink(path.c_str());
 }
 
+Error CannotRename(const std::string& path) { return SystemError(path, "cannot rename the finished file into place"); }
+
 }  // namespace
 
 TemporaryFile::TemporaryFile(const std::string& target, mode_t mode, const std::string& path) : named_(path) {
@@ -169,9 +171,15 @@ void TemporaryFile::Claim(const std::string& target) {
   if (errno == EEXIST)
     throw Error(ErrorKind::kAlreadyExists, named_, "",
                 "is there already, made by another program meanwhile; WriteOptions::overwrite replaces it");
-  throw SystemError(named_, "cannot rename the finished file into place");
+  throw CannotRename(named_);
 }
 
+void TemporaryFile::Replace(const std::string& target) {
+  if (CallsOfFiles().rename(path_.c_str(), target.c_str()) != 0) throw CannotRename(named_);
+  Keep();
+}
+
+// It has another name now, and is no temporary file any more.
 void TemporaryFile::Keep() {
   path_.clear();
   GiveBackSlot(std::exchange(slot_, -1));

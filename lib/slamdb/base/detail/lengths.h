@@ -2,11 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "slamdb/base/detail/table.h"
 
 namespace slamdb::detail {
+
+// How many metres a unit of that name is, in any of its spellings: `ft`, `feet`.
+std::optional<double> MetresByName(std::string_view unit);
 
 // How many metres the lengths in a column of a table count, as its name says: `altitude_ft`, `tx [mm]`; 1 when it says
 // nothing. Throws Error (kUnsupported) when the unit is none that is known.

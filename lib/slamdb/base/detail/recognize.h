@@ -20,6 +20,9 @@ struct Recognized {
   std::string next;  // what to do about it; may be empty
 };
 
+// Whether a file that begins so is an SQLite database.
+bool IsSqlite(std::string_view head);
+
 // nullopt when nothing is known about it. Reads on in files of which the first bytes say too little.
 SLAMDB_EXPORT std::optional<Recognized> Recognize(const Probe& probe);
 

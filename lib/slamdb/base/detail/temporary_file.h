@@ -37,10 +37,14 @@ class TemporaryFile {
   //
   // Throws Error: kAlreadyExists when somebody else has taken the name; as the system has it otherwise.
   void Claim(const std::string& target);
-  // It has another name now, and is no temporary file any more.
-  void Keep();
+  // Gives it the name `target`, in place of a file that has it, in one step.
+  //
+  // Throws Error (SystemError).
+  void Replace(const std::string& target);
 
  private:
+  void Keep();
+
   std::string named_, path_;
   int descriptor_ = -1;
   int lock_ = -1;  // of the same open file, so that it stays locked until it is in place

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/identity.h"
 
+#include "slamdb/base/detail/recognize.h"
 #include "slamdb/formats/sqlite/detail/big_endian.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 
 namespace slamdb::sqlite {
 namespace {
-
-constexpr std::string_view kMagic("SQLite format 3\0", 16);
 
 // Databases that people are likely to mix up with a store, known by their tables.
 struct Known {
@@ -55,7 +54,7 @@ void CheckTables(Database& database, int version, Boxes boxes) {
 
 Header HeaderOf(std::string_view head) {
   Header header;
-  header.is_sqlite = head.size() >= 100 && head.substr(0, kMagic.size()) == kMagic;
+  header.is_sqlite = head.size() >= 100 && detail::IsSqlite(head);
   if (header.is_sqlite) {
     header.version = static_cast<std::int32_t>(BigEndian32(&head[60]));
     header.application_id = static_cast<std::int32_t>(BigEndian32(&head[68]));
