@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trajectories as people have them: what other programs write, in every dialect of tables.
+#include "tests/support/dialects.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +12,6 @@
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/formats/trajectory/options.h"
 #include "slamdb/model/derive.h"
-#include "tests/support/dialects.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
