@@ -113,7 +113,7 @@ std::string NamedOutput(const std::string& input, const std::string& output, con
 
 void RequireOutput(const EditOptions& options) {
   if (options.output.empty() && !options.dry_run)
-    RefuseUsage("name an output, or say --dry-run to see only what would be done");
+    RefuseUsage("OUTPUT is missing; -o/--output names it too, and --dry-run does without");
 }
 
 std::string FormatToWrite(const Atlas& atlas, const Location& output, const std::string& to) {
@@ -136,8 +136,7 @@ void AddEdit(CLI::App& verb, EditOptions& options, Writes output) {
   verb.add_option("INPUT", options.input, "The atlas: a file, STORE.db#NAME, or - for standard input")
       ->type_name("FILE")
       ->required();
-  Mark(verb.add_option("OUTPUT", options.output, "Where to: a file, STORE.db#NAME, or - for standard output"), output)
-      ->type_name("FILE");
+  AddOutputPlace(verb, options.output, output, kWhereTo);
   AddFrom(verb, options.from);
   AddEditTarget(verb, options);
   if (output == Writes::kPattern) return;  // each part has a file of its own, or a name

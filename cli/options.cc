@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/guard.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
@@ -88,6 +87,13 @@ void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
           "--progress,!--no-progress", options.progress,
           "Show a progress bar on standard error; by default when that is a terminal and work takes over a second")
       ->group(kCommonGroup);
+  static const std::map<std::string, ColourChoice> kChoices = {
+      {"auto", ColourChoice::kAuto}, {"always", ColourChoice::kAlways}, {"never", ColourChoice::kNever}};
+  verb.add_option("--color", options.colour, "Colours; auto: on terminals, unless NO_COLOR is set or TERM is dumb")
+      ->type_name("WHEN")
+      ->transform(OneOf(kChoices))
+      ->default_str("auto")
+      ->group(kCommonGroup);
 }
 
 CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string& description) {
@@ -108,14 +114,20 @@ void AddOutput(CLI::App& verb, OutputOptions& options) {
   verb.add_flag("-O,--overwrite", options.overwrite, "Replace the output file if it is there");
 }
 
-void WriteOutput(const OutputOptions& options, std::string_view text, Console& console) {
-  if (options.path == "-") {
-    console.PrintData(text);
-    return;
-  }
+void WriteOutput(const OutputOptions& options, std::string_view text, Console& console, Painter painter) {
+  if (options.path == "-") return painter != nullptr ? console.Print(text, painter) : console.PrintData(text);
   AtomicFile file(options.path, {.overwrite = options.overwrite});
   file.Write(text);
   file.Commit();
+}
+
+void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const std::string& description) {
+  CLI::Option* place = Mark(verb.add_option("OUTPUT", output, description), writes)->type_name("FILE");
+  Mark(verb.add_option("-o,--output", output, "The same as OUTPUT"), writes)->type_name("FILE")->excludes(place);
+}
+
+void RequireOutput(const std::string& output) {
+  if (output.empty()) RefuseUsage("OUTPUT is missing; -o/--output names it too");
 }
 
 void AddTarget(CLI::App& verb, TargetOptions& options) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "cli/guard.h"
 #include "cli/help/tree.h"
 #include "slamdb/formats/format.h"
 
@@ -35,7 +36,14 @@ struct OutputOptions {
   bool overwrite = false;
 };
 void AddOutput(CLI::App& verb, OutputOptions& options);
-void WriteOutput(const OutputOptions& options, std::string_view text, Console& console);
+void WriteOutput(const OutputOptions& options, std::string_view text, Console& console, Painter painter = nullptr);
+
+// The positional OUTPUT and -o/--output, of which a command line has one. Which one there has to be says
+// RequireOutput.
+void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const std::string& description);
+constexpr const char* kWhereTo = "Where to: a file, STORE.db#NAME, or - for standard output";
+// Ends with exit code 2 when there is no output.
+void RequireOutput(const std::string& output);
 
 // --to FORMAT, -O/--overwrite and --no-sync, for verbs that write an atlas.
 struct TargetOptions {

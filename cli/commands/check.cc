@@ -10,8 +10,9 @@
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/help/help.h"
+#include "cli/help/usage.h"
 #include "cli/options.h"
+#include "cli/report/paint.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
@@ -104,7 +105,8 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   for (const auto& outcome : outcomes)
     files.push_back(
         {.name = outcome.path, .report = outcome.result, .failure = outcome.error, .file = FileOfInput(outcome.path)});
-  WriteOutput(options.output, Rendered(files, options, format, console), console);
+  WriteOutput(options.output, Rendered(files, options, format, console), console,
+              format == "text" ? PaintFindings : nullptr);
   ExitCode code = ReportOutcomes(outcomes, console);
   for (const auto& outcome : outcomes)
     if (!outcome.result.ok()) code = ExitCode::kFailed;
@@ -115,8 +117,8 @@ std::string CheckRuleId(const std::string& id) {
   if (FindRule(id) != nullptr) return {};
   std::vector<std::string> ids;
   for (const Rule& rule : ReadRules()) ids.emplace_back(rule.id);
-  const std::string meant = DidYouMean(id, ids);
-  return "no rule '" + id + "'; " + (meant.empty() ? "--list shows them" : "did you mean '" + meant + "'?");
+  const std::string meant = MeantInstead(id, ids);
+  return "no rule '" + id + "'" + (meant.empty() ? "; `slamdb check --list` shows them" : meant);
 }
 
 void BindRuleOptions(CLI::App& verb, CheckOptions& check) {
@@ -182,6 +184,7 @@ constexpr Example kExamples[] = {
 const Command kCheck = {
     .name = "check",
     .summary = "check the integrity of atlases",
+    .group = Group::kCheck,
     .description =
         R"(Holds every rule of a sound atlas against the inputs and tells what breaks them, where, and what ORB-SLAM3 does then. Errors
 crash a SLAM system or make it misbehave; warnings are unusual but usable; notes are normal in healthy files, and only

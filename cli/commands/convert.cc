@@ -219,6 +219,7 @@ constexpr Example kExamples[] = {
 const Command kConvert = {
     .name = "convert",
     .summary = "write an atlas in another format, or as part",
+    .group = Group::kConvert,
     .description =
         R"(Reads an atlas and writes it in the format of the output. The input's format is told by its content, then by its suffix;
 the output's by its suffix; --from and --to override. 'slamdb version' lists the formats.

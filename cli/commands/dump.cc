@@ -58,6 +58,7 @@ constexpr Example kExamples[] = {
 const Command kDump = {
     .name = "dump",
     .summary = "print a whole atlas as ndjson or csv",
+    .group = Group::kLook,
     .description =
         R"(Prints everything that an atlas holds, as one JSON object per line (ndjson), or one kind of entity as a table (csv). Ids are
 whole numbers of up to 64 bits. For reading and for other programs; to keep an atlas, convert it.)",

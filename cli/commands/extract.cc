@@ -150,6 +150,7 @@ constexpr Example kExamples[] = {
 const Command kExtract = {
     .name = "extract",
     .summary = "write a part of an atlas as an atlas of its own",
+    .group = Group::kChange,
     .description =
         R"(Takes the keyframes that meet all that is asked for, and the points that they observe, out of an atlas. What leads
 out of the part is closed so that 'slamdb check' finds it as sound as the whole, and ORB-SLAM3 loads it: observations,

@@ -96,6 +96,7 @@ constexpr Example kExamples[] = {
 const Command kInfo = {
     .name = "info",
     .summary = "show what is in an atlas",
+    .group = Group::kLook,
     .description =
         R"(Shows the header, the vocabulary, the cameras, and for each map: sensor, counts, how points are observed, extent,
 trajectory, graph, inertial state and ids; then what takes the space on disk. Lengths are in metres, or in units of the

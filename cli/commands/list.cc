@@ -55,6 +55,7 @@ constexpr Example kExamples[] = {
 const Command kList = {
     .name = "list",
     .summary = "list the atlases of a store",
+    .group = Group::kStore,
     .description = "Lists the atlases of a store by name. Others are named STORE.db#NAME on the command line.",
     .failed = "The store could not be read.",
     .examples = kExamples,

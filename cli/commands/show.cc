@@ -174,6 +174,7 @@ constexpr Example kExamples[] = {
 const Command kShow = {
     .name = "show",
     .summary = "show a keyframe, point, landmark, map or camera with all its fields",
+    .group = Group::kLook,
     .description =
         R"(Shows single entities with every field that the file holds, by the names of schema/ndjson.md. The text for people shortens
 long lists; --all and --json do not. Where several entities have the id, as in damaged files, all of them are shown.)",

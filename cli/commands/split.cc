@@ -140,6 +140,7 @@ constexpr Example kExamples[] = {
 const Command kSplit = {
     .name = "split",
     .summary = "write each map, session or component as an atlas of its own",
+    .group = Group::kChange,
     .description =
         R"(Writes one atlas for each map of an atlas, for each session (the map in which keyframes were made, which they keep
 when maps are merged), or for each connected part of the covisibility graph. Every part is closed like those of

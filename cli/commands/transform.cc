@@ -258,6 +258,7 @@ constexpr Example kExamples[] = {
 const Command kTransform = {
     .name = "transform",
     .summary = "move, turn, scale, align or georeference maps",
+    .group = Group::kChange,
     .description =
         R"(Moves maps into another world frame. Everything that has a length, a direction or a pose moves along, so that every point is
 seen at the same pixel as before: poses, points, normals, distance ranges, velocities, and with a change of scale the
