@@ -17,7 +17,7 @@ std::span<const Command* const> Commands() {
       &kRepair,     &kRecover,    &kTransform, &kDiff,           &kLandmarksCommand,
       &kList,       &kLog,        &kRemove,    &kStats,          &kVacuum,
       &kBackup,     &kMigrate,    &kHelp,      &kCompletion,     &kVersion,
-      &kMan,
+      &kMan,        &kComplete,
   };
   return kCommands;
 }

@@ -13,6 +13,6 @@ extern const Command kRecover, kRepair;
 extern const Command kTransform, kDiff;
 extern const Command kList, kLog, kRemove, kStats, kVacuum, kBackup, kMigrate;
 extern const Command kLandmarksCommand;
-extern const Command kHelp, kCompletion, kVersion, kMan;
+extern const Command kHelp, kComplete, kCompletion, kVersion, kMan;
 
 }  // namespace slamdb::cli

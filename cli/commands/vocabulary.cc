@@ -163,7 +163,9 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
     RefuseUsage("nothing to do: give --vocabulary, or --name and --checksum");
   RequireOutput(options.output);
   const Location input(options.input), output(NamedOutput(options.input, options.output, options.target.to));
-  RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
+  const Format& format = FormatOfOutput(output, options.target.to);
+  RefuseIdleTarget(format, options.target);
+  RefuseBinaryOnTerminal(output, format);
   Notices notices;
   ReadOptions read = MakeReadOptions(console, options.from);
   read.needs = Content::kBagOfWords;

@@ -10,7 +10,7 @@ namespace slamdb::cli {
 namespace {
 
 constexpr std::size_t kTextColumn = 26;  // where descriptions of options start
-constexpr std::size_t kVerbColumn = 18;  // and those of verbs
+constexpr std::size_t kVerbColumn = 19;  // and those of verbs
 constexpr std::size_t kFewChoices = 6;   // which the short help lists
 
 std::string Heading(std::string title, const HelpStyle& style) {
@@ -30,8 +30,9 @@ std::string Described(const std::string& heading, std::string_view description, 
 
 // What a description says before it explains: up to `;`, `:` or the end of its first sentence.
 std::string FirstClause(const std::string& text) {
+  constexpr std::size_t kLeast = 12;  // `Where to:` says too little
   std::size_t end = text.size();
-  for (const std::string_view mark : {"; ", ": ", ". "}) end = std::min(end, text.find(mark));
+  for (const std::string_view mark : {"; ", ": ", ". "}) end = std::min(end, text.find(mark, kLeast));
   return text.substr(0, end);
 }
 
@@ -90,7 +91,7 @@ std::string GroupedVerbsText(const CLI::App& program, const HelpStyle& style) {
     }
     const std::string title(TitleOf(group));
     if (names.empty()) continue;
-    text += style.whole ? Heading(title, style) + verbs : Described(title, names, style, kVerbColumn + 2);
+    text += style.whole ? Heading(title, style) + verbs : Described(title, names, style, kVerbColumn);
   }
   return style.whole ? text : "\n" + text;
 }

@@ -64,9 +64,4 @@ std::string PaintFindings(std::string_view text) {
       text, [](std::string_view line) { return line.starts_with("  ") ? PaintRule(line) : PaintVerdict(line); });
 }
 
-std::string PaintTable(std::string_view text) {
-  const std::string_view first = detail::TakeLine(text);
-  return Painted(first, Colour::kBold) + "\n" + std::string(text);
-}
-
 }  // namespace slamdb::cli

@@ -20,7 +20,4 @@ std::string PaintHeadings(std::string_view text);
 // The report of `check`: its verdicts and the names of broken rules, by their severity.
 std::string PaintFindings(std::string_view text);
 
-// The rows of a table whose first line names its columns: that line bold.
-std::string PaintTable(std::string_view text);
-
 }  // namespace slamdb::cli

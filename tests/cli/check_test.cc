@@ -99,7 +99,7 @@ TEST_F(Check, UnknownRuleIsAUsageError) {
 TEST_F(Check, NeedsAFile) {
   const ProcessResult result = RunSlamdb({"check"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("FILE is required"));
+  EXPECT_THAT(result.err, HasSubstr("FILE is missing"));
 }
 
 TEST_F(Check, SeveralFilesOneFailure) {

@@ -70,8 +70,7 @@ std::vector<HelpExample> Examples() {
   std::istringstream help(RunSlamdb({"--help"}).out);
   bool in_list = false;
   for (std::string line; std::getline(help, line);) {
-    if (line == "Verbs:") in_list = true;
-    if (in_list && line.empty()) break;
+    if (line == "Look:" || line == "Common options:") in_list = line == "Look:";
     if (!in_list || line.size() < 3 || line[2] == ' ' || line[0] != ' ') continue;
     const std::string verb = line.substr(2, line.find(' ', 2) - 2);
     std::istringstream page(RunSlamdb({verb, "--help"}).out);

@@ -18,6 +18,7 @@ namespace {
 // What a verb needs besides its files, to do something.
 const std::map<std::string, std::vector<std::string>>& More() {
   static const std::map<std::string, std::vector<std::string>> kMore = {
+      {"complete", {"a.osa", "kf/"}},
       {"completion", {"bash"}},
       {"extract", {"--map", "0"}},
       {"man", {"--folder", "pages"}},
@@ -58,6 +59,8 @@ void Collect(CLI::App& app, std::vector<std::string> words, std::vector<Verb>& v
   if (!inner.empty()) return;
   Verb verb{.words = words};
   for (CLI::Option* option : app.get_options(cli::NamesFiles)) verb.files.push_back(FileOptionOf(*option));
+  if (app.get_option_no_throw("OUTPUT") != nullptr)
+    verb.output_option = std::erase_if(verb.files, [](const FileOption& file) { return file.name == "--output"; }) > 0;
   std::stable_partition(verb.files.begin(), verb.files.end(), [](const FileOption& file) { return file.positional; });
   verb.overwrites = app.get_option_no_throw("--overwrite") != nullptr;
   verbs.push_back(std::move(verb));

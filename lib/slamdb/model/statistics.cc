@@ -11,6 +11,7 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/path.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -115,15 +116,12 @@ class MapCounter {
   }
 
   void MeasureTrajectory() {
-    std::vector<std::pair<double, const KeyFrame*>> by_time;
-    for (const KeyFrame& keyframe : map_.keyframes)
-      if (!keyframe.bad && std::isfinite(keyframe.timestamp)) by_time.emplace_back(keyframe.timestamp, &keyframe);
+    const std::vector<const KeyFrame*> by_time = detail::GoodByTime(map_);
     if (by_time.empty()) return;
-    std::stable_sort(by_time.begin(), by_time.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    result_.begin_time = by_time.front().first;
-    result_.end_time = by_time.back().first;
+    result_.begin_time = by_time.front()->timestamp;
+    result_.end_time = by_time.back()->timestamp;
     std::optional<Eigen::Vector3d> previous;
-    for (const auto& [time, keyframe] : by_time) {
+    for (const KeyFrame* keyframe : by_time) {
       const Eigen::Vector3f center = CameraCenter(*keyframe);
       if (!center.allFinite()) continue;
       if (previous) result_.trajectory_length += (center.cast<double>() - *previous).norm();
