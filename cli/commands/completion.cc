@@ -192,7 +192,7 @@ std::string ZshScript(const CLI::App& program) {
 # Files, and the atlases of a store behind its #.
 _slamdb_atlases() {
   if [[ $PREFIX == *'#'* ]]; then
-    compadd -- ${(f)"$(slamdb complete "$PREFIX" 2>/dev/null)"}
+    compadd -- ${(f)"$(slamdb complete "${(Q)PREFIX}" 2>/dev/null)"}
   else
     _files
   fi
@@ -202,7 +202,7 @@ _slamdb_atlases() {
 _slamdb_entities() {
   local -a operands
   operands=(${${words[2,-1]}:#-*})
-  compadd -S '' -- ${(f)"$(slamdb complete "${operands[1]}" "$PREFIX" 2>/dev/null)"}
+  compadd -S '' -- ${(f)"$(slamdb complete "${(Q)operands[1]}" "${(Q)PREFIX}" 2>/dev/null)"}
 }
 
 )zsh";

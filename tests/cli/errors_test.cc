@@ -46,7 +46,7 @@ TEST(Errors, SpeakOfTheSwitchesOfTheCommand) {
       {{"convert", kTiny, folder / "there.osa"}, "there.osa: is there already; -O/--overwrite replaces it"},
       {{"convert", kTiny, folder / "maps.db#lab"}, "holds an atlas named 'lab' already; -O/--overwrite replaces it"},
       {{"convert", kTiny, "-"}, "standard output has no suffix to tell the format by; --to names it (orbslam3, "},
-      {{"convert", kTiny, folder / "a.xyz"}, "or name the format by --to (orbslam3, "},
+      {{"convert", kTiny, folder / "a.xyz"}, "a.xyz: its suffix tells no format; there are .osa, "},
       {{"info", "-"}, "-: is empty; was the program that saved it stopped before it could?"},
       {{"convert", kTiny, folder / "a.ply", "--strict"}, "; --strict refuses that"},
       {{"info", folder / "voc.txt"}, "`slamdb vocabulary show` tells its name and MD5"},

@@ -297,6 +297,9 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "WHAT",
       "X,Y,Z:X,Y,Z",
       "TEXT",
+      "BOOST",
+      "VERB",
+      "WORD",
       "'X,Y X,Y ...'",
       "T",  // a transform, which is also read from a file: entered when it is
       "SIZE:SIZE [b, kb(=1000b), kib(=1024b), ...]"};

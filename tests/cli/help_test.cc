@@ -72,8 +72,10 @@ TEST(Help, IsAScreenAndAsWideAsTheTerminal) {
         << "no options behind those that every verb has";
   }
   const std::string narrow = RunProgram({"env", "COLUMNS=60", SLAMDB_COMMAND, "check", "--help"}).out;
-  for (const std::string& line : Lines(narrow))
-    if (!line.starts_with("  $ ")) EXPECT_LE(line.size(), 60U) << line;
+  for (const std::string& line : Lines(narrow)) {
+    if (line.starts_with("  $ ")) continue;
+    EXPECT_LE(line.size(), 60U) << line;
+  }
   EXPECT_LE(Lines(RunSlamdb({"-h"}).out).size(), 24U);
 }
 
@@ -97,8 +99,10 @@ TEST(Help, OfEachVerbHasOptionsExitCodesAndExamples) {
     const std::size_t examples = CountOf(result.out, "\n  $ ");
     EXPECT_GE(examples, 2U);
     EXPECT_LE(examples, 5U);
-    for (const std::string& line : Lines(result.out))
-      if (!line.starts_with("  $ ")) EXPECT_LE(line.size(), 100U) << line;
+    for (const std::string& line : Lines(result.out)) {
+      if (line.starts_with("  $ ")) continue;
+      EXPECT_LE(line.size(), 100U) << line;
+    }
   }
 }
 

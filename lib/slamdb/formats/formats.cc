@@ -55,13 +55,13 @@ std::string Ids(bool (*has)(const Format&)) {
   return list;
 }
 
-// The same of their suffixes, each once.
+// The same of their suffixes: the first of each, which stands for the others.
 std::string SuffixesToWrite() {
   std::string list;
-  for (const Format& format : Formats())
-    for (const std::string_view suffix : format.suffixes)
-      if (CanWrite(format) && list.find(suffix) == std::string::npos)
-        list.append(list.empty() ? "" : ", ").append(suffix);
+  for (const Format& format : Formats()) {
+    if (!CanWrite(format) || format.suffixes.empty()) continue;
+    list.append(list.empty() ? "" : ", ").append(format.suffixes.front());
+  }
   return list;
 }
 
@@ -160,8 +160,8 @@ const Format& FormatOfSuffix(const Target& target) {
   RefuseImpossibleName(target.path);
   throw Error(ErrorKind::kUsage, target.path, "",
               Concat(target.name.empty() ? "" : "`#" + target.name + "` names an atlas of a store of this name, but ",
-                     "its suffix tells no format; use one of ", SuffixesToWrite(),
-                     ", or name the format by WriteOptions::format (", Ids(CanWrite), ")"));
+                     "its suffix tells no format; there are ", SuffixesToWrite(),
+                     "; or name the format by WriteOptions::format"));
 }
 
 }  // namespace
