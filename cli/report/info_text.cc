@@ -15,14 +15,6 @@ std::string VectorText(const Eigen::Vector3f& vector) {
   return Short(vector.x()) + " " + Short(vector.y()) + " " + Short(vector.z());
 }
 
-// Durations for people: 75.2 -> "1 min 15 s".
-std::string DurationText(double seconds) {
-  if (seconds < 60) return Short(seconds, 3) + " s";
-  const auto whole = static_cast<std::uint64_t>(seconds + 0.5);
-  if (whole < 3600) return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
-  return Grouped(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
-}
-
 std::string SensorText(const MapStatistics& map) {
   std::string text = map.sensor == MapSensor::kStereoOrRgbd    ? "stereo or RGB-D"
                      : map.sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
