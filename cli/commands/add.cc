@@ -122,7 +122,7 @@ constexpr Example kExamples[] = {
     {"slamdb add all.db session_a.osa session_b.osa -O", "Files; what has changed since becomes the next revision."},
     {"slamdb add all.db lab.db", "All atlases of another store; 'lab.db#session_*' takes some."},
     {"slamdb add all.db session_a.osa --as monday", "One, under a name of your own."},
-    {"slamdb add all.db . -r --name-from path --dry-run", "What would be added of a tree of folders."},
+    {"slamdb add all.db maps -r --name-from path --dry-run", "What would be added of a tree of folders."},
 };
 
 }  // namespace

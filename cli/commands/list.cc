@@ -2,7 +2,10 @@
 #include "slamdb/many/list.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
+#include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/many.h"
@@ -26,24 +29,29 @@ struct ListVerbOptions {
   double wait = kUsualWait;
 };
 
-// Seconds, or a date: `2026-01-31`, `2026-01-31T12:00:00Z`.
-std::optional<double> ParseMoment(std::string_view text) {
-  if (const auto seconds = ParseNumber<double>(text)) return seconds;
-  const std::string day = std::string(text) + "T00:00:00Z";
-  for (const std::string_view date : {std::string_view(text), std::string_view(day)})
-    if (const auto parsed = detail::ParseDateTime(date, {})) return ParseNumber<double>(parsed->seconds);
-  return std::nullopt;
+// Seconds, a date with a time of day, or a day, which is all of its seconds: `2026-01-31T12:00:00Z`, `2026-01-31`.
+std::optional<MapQuery::Times> ParseMoment(const std::string& text) {
+  constexpr double kDay = 86400, kJustBefore = 1e-6;
+  if (const auto seconds = ParseNumber<double>(text)) return MapQuery::Times{*seconds, *seconds};
+  const auto moment = [](const std::string& date) {
+    const auto parsed = detail::ParseDateTime(date, {});
+    return parsed ? ParseNumber<double>(parsed->seconds) : std::nullopt;
+  };
+  if (const auto seconds = moment(text)) return MapQuery::Times{*seconds, *seconds};
+  const auto midnight = moment(text + "T00:00:00Z");
+  return midnight ? std::optional(MapQuery::Times{*midnight, *midnight + kDay - kJustBefore}) : std::nullopt;
 }
 
-// `T`, `A:B`, `A:` or `:B`. Dates have colons too: the one that leaves a moment on both sides is meant.
+// `T`, `A:B`, `A:` or `:B`. Times of day have colons too: the one that leaves a moment on both sides is meant.
 std::optional<MapQuery::Times> ParseTimes(const std::string& text) {
   constexpr double kForEver = std::numeric_limits<double>::infinity();
-  if (const auto moment = ParseMoment(text)) return MapQuery::Times{*moment, *moment};
+  const auto open = [&](const std::string& end) {
+    return end.empty() ? std::optional(MapQuery::Times{-kForEver, kForEver}) : ParseMoment(end);
+  };
+  if (auto moment = ParseMoment(text)) return moment;
   for (std::size_t colon = text.find(':'); colon != std::string::npos; colon = text.find(':', colon + 1)) {
-    const std::string begin = text.substr(0, colon), end = text.substr(colon + 1);
-    if (begin.empty() && end.empty()) break;
-    const auto from = begin.empty() ? -kForEver : ParseMoment(begin), to = end.empty() ? kForEver : ParseMoment(end);
-    if (from && to && *from <= *to) return MapQuery::Times{*from, *to};
+    const auto from = open(text.substr(0, colon)), to = open(text.substr(colon + 1));
+    if (text != ":" && from && to && from->begin <= to->end) return MapQuery::Times{from->begin, to->end};
   }
   return std::nullopt;
 }
@@ -78,7 +86,8 @@ std::optional<MapQuery::Ball> ParseBall(const std::string& text) {
 
 std::string CheckTimes(const std::string& text) {
   if (ParseTimes(text)) return {};
-  return "expected a time, or two as BEGIN:END, in seconds or as dates (2026-01-31T12:00:00Z), found '" + text + "'";
+  return "expected a time, or two as BEGIN:END, in seconds or as dates (2026-01-31, 2026-01-31T12:00:00Z), found '" +
+         text + "'";
 }
 
 std::string CheckIds(const std::string& text) {
@@ -145,7 +154,8 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
 void BindQuery(CLI::App& verb, ListVerbOptions& options) {
   constexpr const char* kGroup = "What covers a place or a time; several at once must be met by one map";
   verb.add_option("--time", options.time,
-                  "Maps that were made at this time, or in this span: seconds, or dates (2026-01-31T12:00:00Z)")
+                  "Maps that were made at this time, or in this span: seconds, or dates (2026-01-31, "
+                  "2026-01-31T12:00:00Z)")
       ->type_name("T[:T]")
       ->check(CheckTimes)
       ->group(kGroup);

@@ -60,7 +60,7 @@ std::string Summary(std::span<const CheckedFile> files) {
   const auto sound = static_cast<std::size_t>(std::ranges::count_if(files, IsSound));
   const auto unreadable = static_cast<std::size_t>(
       std::ranges::count_if(files, [](const CheckedFile& file) { return !file.failure.empty(); }));
-  std::string text = detail::Concat(std::to_string(files.size()), " files: ", std::to_string(sound), " sound, ",
+  std::string text = detail::Concat(std::to_string(files.size()), " atlases: ", std::to_string(sound), " sound, ",
                                     std::to_string(files.size() - sound - unreadable), " not sound");
   if (unreadable > 0) text += detail::Concat(", ", std::to_string(unreadable), " not readable");
   text += "\n";

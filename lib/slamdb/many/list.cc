@@ -111,7 +111,7 @@ class Lister {
   ReadOptions ReadOptionsOf() const {
     ReadOptions read{.format = options_.format, .features = FeatureColumns::kGeometry, .threads = threads_};
     if (options_.check) read.features = FeatureColumns::kAll;
-    read.needs = Content::kPoses | Content::kPoints | Content::kLandmarks;
+    read.needs = Content::kPoints | Content::kLandmarks;
     read.of<StoreReadOptions>().lock_timeout = options_.lock_timeout;
     if (options_.progress) read.progress = [this](std::string_view, double) { Tell(); };
     return read;

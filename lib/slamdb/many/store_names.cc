@@ -66,9 +66,13 @@ std::string NameByPath(const AtlasInput& input) {
 
 std::vector<StoreName> StoreNamesOf(const std::vector<AtlasInput>& inputs, const AddOptions& options) {
   if (!options.name.empty()) return std::vector<StoreName>(inputs.size(), {options.name});
-  if (options.name_from == AddOptions::NameFrom::kStem) return NamesByStem(inputs);
   std::vector<StoreName> names;
-  for (const AtlasInput& input : inputs) names.push_back({NameByPath(input)});
+  if (options.name_from == AddOptions::NameFrom::kStem)
+    names = NamesByStem(inputs);
+  else
+    for (const AtlasInput& input : inputs) names.push_back({NameByPath(input)});
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    if (inputs[i].location.path == "-") names[i] = {};  // standard input has none
   return names;
 }
 
