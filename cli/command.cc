@@ -15,9 +15,9 @@ std::span<const Command* const> Commands() {
       &kSynthesize, &kVocabulary, &kExtract,   &kSplit,          &kCull,
       &kShrink,     &kFragments,  &kMerge,     &kReassignOrigin, &kRenumber,
       &kRepair,     &kRecover,    &kTransform, &kDiff,           &kLandmarksCommand,
-      &kList,       &kLog,        &kRemove,    &kStats,          &kVacuum,
-      &kBackup,     &kMigrate,    &kHelp,      &kCompletion,     &kVersion,
-      &kMan,        &kComplete,
+      &kAdd,        &kList,       &kLog,       &kRemove,         &kStats,
+      &kVacuum,     &kBackup,     &kMigrate,   &kHelp,           &kCompletion,
+      &kVersion,    &kMan,        &kComplete,
   };
   return kCommands;
 }

@@ -13,6 +13,7 @@
 #include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 
@@ -46,12 +47,6 @@ std::string HoldsNothing(const Format& format, const Substance& atlas) {
   if (HasAny(format.writes, Content::kPoints) && atlas.landmarks)
     problem += "; `slamdb landmarks to-points` makes points of its landmarks";
   return problem;
-}
-
-// The file's name without the suffix of its format.
-std::string StemOf(const std::string& path) {
-  const std::string name = std::filesystem::path(path).filename().string();
-  return name.substr(0, name.size() - SuffixOf(name).size());
 }
 
 // The name of an atlas that its location tells; empty when it tells none.
@@ -89,14 +84,6 @@ void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::str
   else
     throw Error(ErrorKind::kNotPossible, output, "",
                 "would hold no " + what + ", though the input has some; nothing was written");
-}
-
-std::string SuffixOf(const std::string& path) {
-  std::string found = std::filesystem::path(path).extension().string();
-  for (const Format& format : Formats())
-    for (const std::string_view suffix : format.suffixes)
-      if (path.ends_with(suffix) && suffix.size() > found.size()) found = suffix;
-  return found;
 }
 
 std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to) {

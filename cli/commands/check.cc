@@ -11,6 +11,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/help/usage.h"
+#include "cli/many.h"
 #include "cli/options.h"
 #include "cli/report/paint.h"
 #include "slamdb/base/detail/visible.h"
@@ -27,7 +28,7 @@ namespace {
 constexpr std::size_t kKeptFindings = 100;  // of each rule in reports for programs
 
 struct CheckVerbOptions {
-  InputOptions inputs;
+  ManyOptions many;
   OutputOptions output;
   std::string format = "text", vocabulary;
   bool json = false, list = false;
@@ -86,21 +87,24 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
     WriteOutput(options.output, Catalogue(format), console);
     return ExitCode::kDone;
   }
-  if (options.inputs.paths.empty()) throw CLI::RequiredError("FILE");
+  if (options.many.inputs.paths.empty()) throw CLI::RequiredError("FILE");
   if (format == "markdown") RefuseUsage("--format markdown is for --list");
   CheckOptions check = CheckOptionsOf(options, console);
   const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
   if (vocabulary) check.vocabulary_words = vocabulary->tree.word_count;
-  const auto outcomes = ForEachInput<CheckReport>(
-      options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
-        CheckOptions mine = check;
-        mine.threads = read.threads;
-        ReadOptions whole = read;
-        whole.needs = Content::kObservations | Content::kLandmarks;
-        const Atlas atlas = ReadAtlas(path, whole, &notices);
-        if (vocabulary) RefuseOtherVocabulary(path, atlas, *vocabulary, read.threads);
-        return CheckAtlas(atlas, mine);
-      });
+  const AtlasInputs inputs = FindInputs(options.many, console);
+  if (inputs.atlases.empty()) throw Error(ErrorKind::kNotFound, "there is no atlas to check");
+  const auto outcomes =
+      ForEachInput<CheckReport>(inputs.atlases, options.many.inputs.from, console,
+                                [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+                                  CheckOptions mine = check;
+                                  mine.threads = read.threads;
+                                  ReadOptions whole = read;
+                                  whole.needs = Content::kObservations | Content::kLandmarks;
+                                  const Atlas atlas = ReadAtlas(path, whole, &notices);
+                                  if (vocabulary) RefuseOtherVocabulary(path, atlas, *vocabulary, read.threads);
+                                  return CheckAtlas(atlas, mine);
+                                });
   std::vector<CheckedFile> files;
   for (const auto& outcome : outcomes)
     files.push_back(
@@ -150,7 +154,7 @@ void BindGates(CLI::App& verb, std::vector<double>& limits) {
 
 Run AddCheck(CLI::App& verb) {
   const auto options = std::make_shared<CheckVerbOptions>();
-  AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input")->required(false);
+  AddMany(verb, options->many)->required(false);
   verb.add_option("--format", options->format, "How to report; markdown is the table of --list for pages")
       ->type_name("FORMAT")
       ->check(CLI::IsMember({"text", "json", "junit", "sarif", "markdown"}))
@@ -171,7 +175,7 @@ Run AddCheck(CLI::App& verb) {
 }
 
 constexpr Example kExamples[] = {
-    {"slamdb check maps/*.osa", "Several atlases, one summary."},
+    {"slamdb check maps", "Every atlas in a folder, or in a store, and one summary; -r for folders in it."},
     {"slamdb check lab.osa --format sarif -o lab.sarif",
      "For a code host that shows findings; junit is for CI servers."},
     {"slamdb check lab.osa -v", "With notes, which are only counted otherwise; in reports of all formats."},

@@ -13,6 +13,7 @@
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/many/names.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {

@@ -57,7 +57,7 @@ std::string Summary(std::span<const CheckedFile> files) {
   const auto sound = static_cast<std::size_t>(std::ranges::count_if(files, IsSound));
   const auto unreadable = static_cast<std::size_t>(
       std::ranges::count_if(files, [](const CheckedFile& file) { return !file.failure.empty(); }));
-  std::string text = detail::Concat(detail::Thousands(files.size()), " files: ", detail::Thousands(sound), " sound, ",
+  std::string text = detail::Concat(detail::Thousands(files.size()), " atlases: ", detail::Thousands(sound), " sound, ",
                                     detail::Thousands(files.size() - sound - unreadable), " not sound");
   if (unreadable > 0) text += detail::Concat(", ", detail::Thousands(unreadable), " not readable");
   text += "\n";
