@@ -13,6 +13,7 @@ namespace slamdb::view {
 namespace {
 
 constexpr std::size_t kRowsPerBlock = 4096, kBlocksPerTask = 8;
+constexpr int kErrorStep = 2;  // of 254: more than colours can show
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 struct Block {
@@ -35,9 +36,10 @@ struct Ruler {
   float origin = 0, step = 0;
   double low = 0, high = 0;  // what is beyond is far away from the block's bulk
 
-  // Nine tenths of the values decide how long it is, so that one stray point does not coarsen all others.
+  // Nine tenths of the values decide how long it is, so that one stray point does not coarsen all others, and how fine:
+  // a block that fills a screen shows no step.
   static Ruler For(std::vector<float>& values) {
-    constexpr double kTail = 0.05, kReach = 4;
+    constexpr double kTail = 0.05, kReach = 4, kSteps = 4096;
     if (values.empty()) return {};
     const auto at = [&](double part) {
       const auto place = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
@@ -50,7 +52,8 @@ struct Ruler {
     ruler.low = std::max<double>(least, low - reach);
     ruler.high = std::min<double>(most, high + reach);
     ruler.origin = static_cast<float>(ruler.low);
-    ruler.step = static_cast<float>((ruler.high - ruler.low) / std::numeric_limits<std::uint16_t>::max());
+    ruler.step = static_cast<float>(
+        std::max((ruler.high - ruler.low) / std::numeric_limits<std::uint16_t>::max(), (high - low) / kSteps));
     return ruler;
   }
 
@@ -169,7 +172,7 @@ std::string ErrorBytes(const std::vector<float>& errors, double largest) {
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (std::isnan(errors[i])) continue;
     const double part = largest > 0 ? std::sqrt(std::min(1.0, errors[i] / largest)) : 0;
-    bytes[i] = static_cast<char>(1 + std::lround(254 * part));
+    bytes[i] = static_cast<char>(1 + kErrorStep * std::lround(254 / kErrorStep * part));
   }
   return bytes;
 }
