@@ -81,7 +81,7 @@ struct ViewPage {
 // Cost: linear. Thread-safe.
 [[nodiscard]] SLAMDB_EXPORT ViewPage MakeViewPage(std::span<const ViewInput> inputs, const ViewOptions& options = {});
 
-// As schema/viewed.schema.json describes it; `output` names the file.
+// As schema/view.schema.json describes it; `output` names the file.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const ViewReport& report, std::span<const std::string> inputs,
                                                const std::string& output);
 
