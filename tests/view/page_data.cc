@@ -11,31 +11,20 @@
 namespace slamdb::testing {
 namespace {
 
-// Codes of the letters of UTF-8 text, which are below U+0100 here.
-std::vector<std::uint8_t> Letters(std::string_view text) {
-  std::vector<std::uint8_t> codes;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<std::uint8_t>(text[i]);
-    if (byte < 0x80) {
-      codes.push_back(byte);
-    } else {
-      codes.push_back(static_cast<std::uint8_t>((byte & 3) << 6 | (static_cast<std::uint8_t>(text.at(++i)) & 0x3f)));
-    }
-  }
-  return codes;
-}
-
-std::string BytesOfSeptets(std::string_view text) {
+std::string BytesOfBase64(std::string_view text) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string bytes;
   unsigned bits = 0;
   int count = 0;
-  for (const std::uint8_t code : Letters(text)) {
-    bits |= static_cast<unsigned>(code & 127) << count;
-    count += 7;
+  for (const char letter : text) {
+    if (letter == '=') break;
+    const std::size_t digit = kDigits.find(letter);
+    if (digit == std::string_view::npos) throw std::runtime_error("a letter that is not of base64");
+    bits = bits << 6 | static_cast<unsigned>(digit);
+    count += 6;
     if (count < 8) continue;
-    bytes.push_back(static_cast<char>(bits & 255));
-    bits >>= 8;
     count -= 8;
+    bytes.push_back(static_cast<char>(bits >> count & 255));
   }
   return bytes;
 }
@@ -81,7 +70,7 @@ PageData::PageData(const std::string& html) {
     const std::size_t text = html.find('>', part) + 1, end = html.find("</script>", text);
     const std::string name = html.substr(at, name_end - at);
     order.push_back(name + "/" + html.substr(part, text - part - 2));
-    columns[name] += Inflated(BytesOfSeptets(std::string_view(html).substr(text, end - text)));
+    columns[name] += Inflated(BytesOfBase64(std::string_view(html).substr(text, end - text)));
     at = end;
   }
   header = nlohmann::json::parse(columns.at("header"));

@@ -43,21 +43,24 @@ std::string Compressed(std::string_view bytes) {
 
 }  // namespace
 
-std::string Septets(std::string_view bytes) {
-  std::string text;
-  text.reserve(bytes.size() * 6 / 5);
-  std::uint32_t bits = 0;
-  int count = 0;
-  const auto put = [&text](std::uint32_t septet) {
-    // What HTML would replace, or take for the end of the block, are letters of two bytes: their code is 128 more.
-    if (septet == 0 || septet == '\r' || septet == '<') text.push_back(static_cast<char>(0xc2));
-    text.push_back(static_cast<char>(septet == 0 || septet == '\r' || septet == '<' ? septet | 0x80 : septet));
-  };
-  for (const char byte : bytes) {
-    bits |= std::uint32_t{static_cast<unsigned char>(byte)} << count;
-    for (count += 8; count >= 7; count -= 7, bits >>= 7) put(bits & 0x7f);
+std::string Base64(std::string_view bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text((bytes.size() + 2) / 3 * 4, '=');
+  const auto* in = reinterpret_cast<const unsigned char*>(bytes.data());
+  char* out = text.data();
+  std::size_t left = bytes.size();
+  for (; left >= 3; left -= 3, in += 3, out += 4) {
+    const std::uint32_t three = std::uint32_t{in[0]} << 16 | std::uint32_t{in[1]} << 8 | in[2];
+    out[0] = kDigits[three >> 18];
+    out[1] = kDigits[three >> 12 & 63];
+    out[2] = kDigits[three >> 6 & 63];
+    out[3] = kDigits[three & 63];
   }
-  if (count > 0) put(bits);
+  if (left == 0) return text;
+  const std::uint32_t rest = std::uint32_t{in[0]} << 16 | (left == 2 ? std::uint32_t{in[1]} << 8 : 0);
+  out[0] = kDigits[rest >> 18];
+  out[1] = kDigits[rest >> 12 & 63];
+  if (left == 2) out[2] = kDigits[rest >> 6 & 63];
   return text;
 }
 
@@ -67,7 +70,7 @@ std::vector<std::string> PackColumns(const Columns& columns, int threads) {
   detail::ParallelFor(parts.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       blocks[i] = detail::Concat("<script type=\"text/plain\" data-name=\"", parts[i].column->name, "\" data-part=\"",
-                                 parts[i].number, "\">", Septets(Compressed(parts[i].bytes)), "</script>\n");
+                                 parts[i].number, "\">", Base64(Compressed(parts[i].bytes)), "</script>\n");
   });
   return blocks;
 }

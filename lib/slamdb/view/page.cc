@@ -41,19 +41,6 @@ void Append(Columns& columns, Columns more) {
   columns.insert(columns.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-std::string Base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    const std::string_view three = bytes.substr(at, 3);
-    std::uint32_t bits = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      bits = bits << 8 | (i < three.size() ? static_cast<unsigned char>(three[i]) : 0U);
-    for (std::size_t i = 0; i < 4; ++i) text += i <= three.size() ? kDigits[bits >> (18 - 6 * i) & 63] : '=';
-  }
-  return text;
-}
-
 // How a content security policy names a script or a style that it allows.
 std::string PolicyHash(std::string_view text) {
   SHA2_CTX state;
@@ -131,7 +118,7 @@ Frame FrameOf(const std::string& title) {
 }
 
 // What a keypoint takes in a page, about: it need not be packed to see that there are too many.
-constexpr double kLeastBytesPerKeypoint = 3;
+constexpr double kLeastBytesPerKeypoint = 4;
 
 class PageMaker {
  public:

@@ -13,7 +13,6 @@ namespace slamdb::view {
 // zlib(bytes)</script>`, in their order; those without bytes are left out. Parts are packed side by side.
 std::vector<std::string> PackColumns(const Columns& columns, int threads);
 
-// Bytes as text that stands in a script of HTML: 7 bits a letter, low bits first, see schema/view.md.
-std::string Septets(std::string_view bytes);
+std::string Base64(std::string_view bytes);
 
 }  // namespace slamdb::view
