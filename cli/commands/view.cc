@@ -48,8 +48,7 @@ std::string StemOf(const std::string& input) {
 std::string OutputOf(const ViewVerbOptions& options) {
   if (!options.output.empty() || options.serve) return options.output;
   const std::string& first = options.inputs.paths.front();
-  std::string stem = StemOf(first);
-  std::ranges::replace(stem, '/', '_');  // in the name of an atlas of a store
+  const std::string stem = StemOf(first);
   if (first == "-" || stem.empty()) RefuseUsage("nothing names the page: -o/--output does");
   return stem + ".html";
 }
@@ -169,6 +168,7 @@ ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
 }
 
 ExitCode RunView(ViewVerbOptions options, Console& console) {
+  if (options.page.diff && options.inputs.paths.size() != 2) RefuseUsage("--diff is of two atlases");
   const bool part = !ParseSelection(options.selection).everything();
   options.page.check = !options.no_check && !part;  // what was left out would be found missing
   const std::string output = OutputOf(options);

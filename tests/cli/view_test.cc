@@ -43,11 +43,11 @@ TEST_F(View, WritesAPageNamedAsTheAtlas) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, StartsWith("wrote a.html: 2 maps, 16 keyframes, 400 points; "));
   EXPECT_THAT(ReadWholeFile(In("a.html")), StartsWith("<!DOCTYPE html>"));
-  RunSlamdb({"convert", In("a.osa"), In("m.db#hall/left"), "-q"});
+  RunSlamdb({"convert", In("a.osa"), In("m.db#hall"), "-q"});
   EXPECT_EQ(RunHere("view m.db").exit_code, 0);
   EXPECT_TRUE(fs::exists(In("m.html")));
-  RunHere("view 'm.db#hall/left'");
-  EXPECT_TRUE(fs::exists(In("hall_left.html")));
+  RunHere("view 'm.db#hall'");
+  EXPECT_TRUE(fs::exists(In("hall.html")));
 }
 
 TEST_F(View, ReplacesOnlyWhenAsked) {
