@@ -19,6 +19,7 @@ namespace {
 const std::map<std::string, std::vector<std::string>>& More() {
   static const std::map<std::string, std::vector<std::string>> kMore = {
       {"completion", {"bash"}},
+      {"evaluate", {"--align", "none"}},
       {"extract", {"--map", "0"}},
       {"man", {"--folder", "pages"}},
       {"reassign-origin", {"--compact"}},
