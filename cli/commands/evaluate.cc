@@ -63,17 +63,21 @@ Input ReadAnAtlas(const HeldSource& held, const ReadOptions& read, bool body, No
   return input;
 }
 
-Input ReadInput(const std::string& path, ReadOptions read, bool body, Notices& notices) {
-  read.features = FeatureColumns::kGeometry;
+Input ReadInput(const std::string& path, const TimesOptions& times, const EvaluateVerbOptions& options,
+                Console& console, Notices& notices) {
+  ReadOptions read = MakeReadOptions(console, {}, options.wait);
+  read.features = FeatureColumns::kGeometry;  // depths tell whether the scale is open
+  read.of<TrajectoryReadOptions>() = times.ForReading();
   const HeldSource held = HoldInput(path, read);
   const Format* format = FindFormatOfInput(held);
+  RefuseIdleTimes(format, times);
   Input input;
   if (format != nullptr && IsTrajectory(*format)) {
     for (MapTrajectory& trajectory : ReadTrajectories(held, read, &notices))
       input.trajectories.push_back({.map = trajectory.map, .poses = std::move(trajectory.poses)});
     if (input.trajectories.size() == 1) input.trajectories.front().map = MapId();
   } else {
-    input = ReadAnAtlas(held, read, body, notices);
+    input = ReadAnAtlas(held, read, options.body, notices);
   }
   input.format = format;
   return input;
@@ -101,11 +105,8 @@ std::vector<TrajectoryPose> TruthOf(Input& input, const EvaluateVerbOptions& opt
 }
 
 EvaluationReport Evaluate(const EvaluateVerbOptions& options, Console& console, Notices& notices) {
-  ReadOptions read = MakeReadOptions(console, {}, options.wait);
-  Input estimate = ReadInput(options.estimate, read, options.body, notices);
-  read.of<TrajectoryReadOptions>() = options.times.ForReading();
-  Input truth = ReadInput(options.reference, read, options.body, notices);
-  RefuseIdleTimes(truth.format, options.times);
+  Input estimate = ReadInput(options.estimate, {}, options, console, notices);
+  Input truth = ReadInput(options.reference, options.times, options, console, notices);
   if (options.body && !IsAtlas(estimate) && !IsAtlas(truth)) RefuseUsage("--body is for atlases only");
   if (!options.body && estimate.has_imu && !IsAtlas(truth) && truth.format->id == "euroc")
     notices.Note(
@@ -180,6 +181,15 @@ ExitCode RunEvaluate(EvaluateVerbOptions options, Console& console) {
   return breaches.empty() ? ExitCode::kDone : ExitCode::kFailed;
 }
 
+std::string CheckDelta(const std::string& text) {
+  try {
+    (void)ParseDelta(text);
+    return {};
+  } catch (const Error& error) {
+    return error.problem();
+  }
+}
+
 void BindPairing(CLI::App& verb, EvaluateVerbOptions& options) {
   constexpr const char* kGroup = "Pairs";
   EvaluationOptions& evaluation = options.evaluation;
@@ -224,6 +234,7 @@ void BindErrors(CLI::App& verb, EvaluateVerbOptions& options) {
                   "Relative errors over this distance: 1m, 2s, 10f (frames), 90deg; may be given several times; by "
                   "default 1f, 1m and 1s")
       ->type_name("DELTA")
+      ->check(CheckDelta)
       ->allow_extra_args(false)
       ->group(kGroup);
   verb.add_option("--delta-tolerance", evaluation.delta_tolerance,
