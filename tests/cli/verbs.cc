@@ -20,6 +20,7 @@ const std::map<std::string, std::vector<std::string>>& More() {
   static const std::map<std::string, std::vector<std::string>> kMore = {
       {"complete", {"a.osa", "kf/"}},
       {"completion", {"bash"}},
+      {"evaluate", {"--align", "none"}},
       {"extract", {"--map", "0"}},
       {"man", {"--folder", "pages"}},
       {"reassign-origin", {"--compact"}},
