@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
@@ -9,9 +12,11 @@
 #include "cli/report/layout.h"
 #include "cli/times.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/geographic/options.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/trajectories.h"
@@ -27,6 +32,9 @@ struct ConvertOptions {
   SelectionOptions selection;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false;
   bool mrpt_own_slots = false;
+  std::string color, origin;
+  bool cameras = false;
+  std::optional<std::size_t> most_points;
   std::optional<std::uint32_t> boost_version;
   std::optional<int> long_bytes;
   double wait = kUsualWait;
@@ -69,6 +77,30 @@ std::string Summary(const Atlas& atlas, const Location& output) {
          (ignored ? "" : "; " + HumanBytes(size));
 }
 
+constexpr std::pair<const char*, PointColor> kColors[] = {{"map", PointColor::kMap},
+                                                          {"error", PointColor::kError},
+                                                          {"observations", PointColor::kObservations},
+                                                          {"height", PointColor::kHeight},
+                                                          {"age", PointColor::kAge}};
+
+PointColor ColorAsked(const ConvertOptions& options) {
+  for (const auto& [name, color] : kColors)
+    if (options.color == name) return color;
+  return PointColor::kMap;
+}
+
+// Where on earth the maps are: as asked for, or as `transform` has kept it beside the input.
+std::optional<Geodetic> OriginOf(const ConvertOptions& options, const Atlas& atlas, Notices& notices) {
+  if (!options.origin.empty()) return ParseGeodetic(options.origin);
+  const std::optional<Georeference> found = FindGeoreference(options.input);
+  if (!found) return std::nullopt;
+  notices.Note("the origin is that of " + GeoreferencePath(options.input));
+  for (const Map& map : atlas.maps)
+    if (std::ranges::find(found->maps, map.id) == found->maps.end() && !map.keyframes.empty())
+      notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
+  return found->origin;
+}
+
 // Empty: as the output's suffix has it.
 std::string FormatAsked(const ConvertOptions& options) { return options.text ? "orbslam3-text" : options.target.to; }
 
@@ -78,7 +110,8 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   write.strict = options.strict;
   write.of<Orbslam3WriteOptions>() = {.boost_version = options.boost_version, .long_bytes = options.long_bytes};
   write.of<ExportOptions>().map = selection.map;
-  write.of<PointCloudOptions>().binary = !options.ascii;
+  write.of<PointCloudOptions>() = {.binary = !options.ascii, .color = ColorAsked(options), .cameras = options.cameras};
+  if (options.most_points) write.of<GeographicOptions>().most_points = *options.most_points;
   write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
   write.of<MrptWriteOptions>().own_slots = options.mrpt_own_slots;
   return write;
@@ -118,10 +151,21 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   return Finish({}, output, format, console, notices);
 }
 
+bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id == "geojson"; }
+bool HasColors(const Format& format) {
+  return format.id == "ply" || format.id == "pcd" || format.id == "gltf" || format.id == "mcap";
+}
+
 // Options that would be without effect.
 void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
+  if (!options.color.empty() && !HasColors(output)) RefuseUsage("--color is for PLY, PCD, glTF and MCAP" + is);
+  if (options.cameras && output.id != "ply")
+    RefuseUsage("--cameras is for PLY" + is +
+                (HasColors(output) && output.id != "pcd" ? ", which always has them" : ""));
+  if ((!options.origin.empty() || options.most_points) && !IsOnGlobe(output))
+    RefuseUsage("--origin and --most-points are for KML and GeoJSON" + is);
   if ((options.boost_version || options.long_bytes) && !output.id.starts_with("orbslam3"))
     RefuseUsage("--boost-version and --long-bytes are for archives of ORB-SLAM3" + is);
 }
@@ -151,10 +195,35 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
   if (read.selection.has_keyframe_range() && SubstanceOf(atlas).landmarks)
     notices.Warn("landmarks belong to no keyframe: the ranges of keyframes and times leave out none of them");
-  WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), &notices);
+  WriteOptions write = WriteOptionsOf(options, read.selection, console);
+  if (IsOnGlobe(format)) write.of<GeographicOptions>().origin = OriginOf(options, atlas, notices);
+  WriteAtlas(atlas, output, write, &notices);
 
   const ExitCode finished = Finish(Summary(atlas, output), output, format, console, notices);
   return sound ? finished : ExitCode::kFailed;
+}
+
+void BindViewerOptions(CLI::App& verb, ConvertOptions& options) {
+  constexpr const char* kGroup = "Pictures of maps";
+  std::vector<std::string> colors;
+  for (const auto& [name, color] : kColors) colors.emplace_back(name);
+  verb.add_option(
+          "--color", options.color,
+          "What the colour of a point tells, in PLY, PCD, glTF and MCAP: map (by default), error, observations, "
+          "height or age")
+      ->type_name("WHAT")
+      ->check(CLI::IsMember(colors))
+      ->group(kGroup);
+  verb.add_flag("--cameras", options.cameras, "Write cameras and their path into PLY too, as edges")->group(kGroup);
+  verb.add_option("--origin", options.origin,
+                  "Where on earth the frame of the maps begins, east, north and up, for KML and GeoJSON; by default as "
+                  "`slamdb transform --georeference` keeps it beside the atlas")
+      ->type_name("LAT,LON[,ALT]")
+      ->group(kGroup);
+  verb.add_option("--most-points", options.most_points,
+                  "Map points to write into KML and GeoJSON, evenly out of all: 10000 by default")
+      ->type_name("N")
+      ->group(kGroup);
 }
 
 void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
@@ -202,6 +271,7 @@ Run AddConvert(CLI::App& verb) {
   AddTarget(verb, options->target);
   AddWait(verb, options->wait);
   BindFormatOptions(verb, *options);
+  BindViewerOptions(verb, *options);
   AddSelection(verb, options->selection);
   return [options](Console& console) { return RunConvert(*options, console); };
 }
@@ -211,6 +281,9 @@ constexpr Example kExamples[] = {
      "Keeps an atlas in a store; saving it again writes what changed."},
     {"slamdb convert lab.db#session_a a.osa --boost-version 15", "And back, for ORB-SLAM3 on Ubuntu 18.04."},
     {"slamdb convert crashed.osa safe.osa --sanitize", "Makes a file that ORB-SLAM3 loads of one that makes it crash."},
+    {"slamdb convert session_a.osa a.ply --color error --cameras",
+     "Points coloured by their reprojection error, with cameras and path as edges, for MeshLab."},
+    {"slamdb convert session_a.osa a.glb", "A scene for Blender and browsers; .mcap is for Foxglove."},
     {"slamdb convert session_a.osa trajectory.txt --to tum --body", "Writes the keyframe poses, and says how many."},
 };
 

@@ -55,6 +55,14 @@ MapTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
 
 }  // namespace
 
+// Whole seconds and the rest are scaled apart, since their product with 1e9 has more bits than a double.
+std::int64_t Nanoseconds(double seconds) {
+  const double whole = std::floor(seconds);
+  return static_cast<std::int64_t>(whole) * 1'000'000'000 + std::llround((seconds - whole) * 1e9);
+}
+
+bool FitsNanoseconds(double seconds) { return std::abs(seconds) < 9.2e9; }
+
 Eigen::Vector3d CenterOf(const KeyFrame& keyframe) {
   const Rigid3f& pose = keyframe.camera_from_world;
   return -(pose.rotation.cast<double>().normalized().conjugate() * pose.translation.cast<double>());
@@ -74,6 +82,13 @@ void Rounding::Tell(std::string_view what_happened, Notices& notices) const {
   notices.Lose(Concat("positions reach ", Fixed(farthest_, 0), ", where single precision has steps of ",
                       Digits(farthest_ * std::numeric_limits<float>::epsilon(), 1), ": ", what_happened, " by up to ",
                       Digits(worst_, 2), ": ", Counted(poses_, "pose")));
+}
+
+std::vector<Eigen::Vector3f> CentersOf(const MapTrajectory& trajectory) {
+  std::vector<Eigen::Vector3f> centers;
+  centers.reserve(trajectory.poses.size());
+  for (const TimedPose& pose : trajectory.poses) centers.push_back(pose.world_from_it.translation);
+  return centers;
 }
 
 std::string Trajectories::Summary() const {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,9 @@ struct MapTrajectory {
   std::vector<TimedPose> poses;
 };
 
+// Where its cameras, or bodies, are.
+std::vector<Eigen::Vector3f> CentersOf(const MapTrajectory& trajectory);
+
 // The trajectories to write, one per chosen map, maps without poses left out.
 struct Trajectories {
   std::vector<MapTrajectory> maps;
@@ -36,6 +40,11 @@ struct Trajectories {
 // no map.
 Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
                                  Notices& notices);
+
+// Seconds rounded to nanoseconds.
+std::int64_t Nanoseconds(double seconds);
+// What 64 bits of nanoseconds reach: 292 years to both sides.
+bool FitsNanoseconds(double seconds);
 
 // The camera's centre, as a keyframe of single precision has it.
 Eigen::Vector3d CenterOf(const KeyFrame& keyframe);
