@@ -33,7 +33,7 @@ float ValueOf(const PointRows& points, std::size_t row, PointColor by, const std
     case PointColor::kObservations:
       return static_cast<float>(point.observations.size());
     case PointColor::kHeight:
-      return upward[points[row].map].dot(point.position);
+      return upward[points[row].map].dot(point.position) + 0.F;  // no negative zero
     case PointColor::kAge:
       return AgeOf(point);
   }
@@ -41,7 +41,7 @@ float ValueOf(const PointRows& points, std::size_t row, PointColor by, const std
 }
 
 float Percentile(std::vector<float>& values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto place = static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + place, values.end());
   return values[static_cast<std::size_t>(place)];
 }

@@ -26,7 +26,7 @@ const Geodetic& OriginOf(const Target& target, const WriteOptions& options) {
 Places::Places(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices)
     : frame_(OriginOf(target, options)),
       points_(atlas, target, options, Positions::kFinite),
-      trajectories_(CollectTrajectories(atlas, target, options, notices)) {
+      trajectories_(CollectTrajectories(atlas, target, options, notices, Rounded::kIsTaken)) {
   for (const MapTrajectory& trajectory : trajectories_.maps)
     for (const TimedPose& pose : trajectory.poses) keyframes_.push_back({&trajectory, &pose});
   const std::size_t count = std::min(points_.size(), options.of<GeographicOptions>().most_points);

@@ -103,7 +103,7 @@ void WriteGltf(const Atlas& atlas, const Target& target, const WriteOptions& opt
   AtomicFile file(target, FileOptions(options));
   const PointRows points(atlas, target, options, Positions::kFinite);
   const PointColors colors(points, options);
-  const Trajectories trajectories = CollectTrajectories(atlas, target, options, notices);
+  const Trajectories trajectories = CollectTrajectories(atlas, target, options, notices, Rounded::kIsTaken);
   WarnOfSeveralFrames(points.maps(), "a node for each tells them apart", notices);
   points.WarnOfNotFinite(notices);
   std::vector<Eigen::Vector3f> upward;

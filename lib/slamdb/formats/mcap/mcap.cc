@@ -109,7 +109,7 @@ void WriteMcap(const Atlas& atlas, const Target& target, const WriteOptions& opt
   AtomicFile file(target, FileOptions(options));
   const PointRows points(atlas, target, options, Positions::kFinite);
   const PointColors colors(points, options);
-  const Trajectories trajectories = CollectTrajectories(atlas, target, options, notices);
+  const Trajectories trajectories = CollectTrajectories(atlas, target, options, notices, Rounded::kIsTaken);
   WarnOfSeveralFrames(points.maps(), "frames and topics tell them apart", notices);
   WarnOfTimes(trajectories, notices);
   points.WarnOfNotFinite(notices);

@@ -112,7 +112,8 @@ void AppendEdge(std::string& out, const PlyCameras::Edge& edge, const Color& col
     return;
   }
   for (const std::uint32_t vertex : edge) AppendNumber(out, vertex), out += ' ';
-  for (const std::uint8_t value : color) AppendNumber(out, value), out += &value == &color.back() ? '\n' : ' ';
+  for (const std::uint8_t value : color) AppendNumber(out, value), out += ' ';
+  out.back() = '\n';
 }
 
 void WriteCameras(AtomicFile& file, const PlyCameras& cameras, Layout layout, const WriteOptions& options) {
@@ -134,7 +135,7 @@ void WritePly(const Atlas& atlas, const Target& target, const WriteOptions& opti
   const PointColors colors(points, options);
   WarnOfSeveralFrames(points.maps(), "the property `map` and the colour tell them apart", notices);
   Trajectories trajectories;
-  if (cloud.cameras) trajectories = CollectTrajectories(atlas, target, options, notices);
+  if (cloud.cameras) trajectories = CollectTrajectories(atlas, target, options, notices, Rounded::kIsTaken);
   const PlyCameras cameras(trajectories, points.size());
   const Layout layout{.map = ColumnForMapIds(points),
                       .id = std::max(ColumnForPointIds(points), cameras.ColumnForIds()),

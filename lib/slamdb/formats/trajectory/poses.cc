@@ -20,8 +20,8 @@ struct Census {
   std::size_t bad = 0, not_finite = 0, without_body = 0;
   Rounding rounding;
 
-  void Tell(PoseFrame frame, Notices& notices) const {
-    rounding.Tell("rounded again as they are written,", notices);
+  void Tell(PoseFrame frame, Rounded rounded, Notices& notices) const {
+    if (rounded == Rounded::kIsLoss) rounding.Tell("rounded again as they are written,", notices);
     if (not_finite > 0) notices.Warn("left out because pose or time is not finite: " + Counted(not_finite, "keyframe"));
     if (frame == PoseFrame::kBody && without_body > 0)
       notices.Warn("the camera frame stands in for the body frame, for want of IMU calibration: " +
@@ -98,7 +98,7 @@ std::string Trajectories::Summary() const {
 }
 
 Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
-                                 Notices& notices) {
+                                 Notices& notices, Rounded rounded) {
   const PoseFrame frame = options.of<TrajectoryOptions>().pose_frame;
   Trajectories trajectories;
   Census census;
@@ -107,7 +107,7 @@ Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const
     if (!trajectory.poses.empty()) trajectories.maps.push_back(std::move(trajectory));
   }
   trajectories.bad = census.bad;
-  census.Tell(frame, notices);
+  census.Tell(frame, rounded, notices);
   return trajectories;
 }
 

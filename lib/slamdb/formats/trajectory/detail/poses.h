@@ -36,10 +36,14 @@ struct Trajectories {
 };
 
 // Keyframes whose pose or time is not finite are left out with a warning. Warns when the body frame is asked for and a
-// keyframe has no IMU calibration, in which case camera and body are the same. Throws Error when ExportOptions::map is
-// no map.
+// keyframe has no IMU calibration, in which case camera and body are the same. Names as a loss what single precision
+// rounds visibly. Throws Error when ExportOptions::map is no map.
+enum class Rounded {
+  kIsLoss,   // of a trajectory, whose digits are compared
+  kIsTaken,  // of a picture
+};
 Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
-                                 Notices& notices);
+                                 Notices& notices, Rounded rounded = Rounded::kIsLoss);
 
 // Seconds rounded to nanoseconds.
 std::int64_t Nanoseconds(double seconds);
