@@ -16,6 +16,8 @@ constexpr std::array kWords = {
     Word{"WriteOptions::format", "--to"},
     Word{"ReadOptions::format", "--from"},
     Word{"ExportOptions::map", "`slamdb convert --map`"},
+    Word{"GeographicOptions::origin, which georeferencing finds",
+         "--origin LAT,LON,ALT, which `slamdb transform --georeference` finds and keeps beside its output"},
     Word{"Orbslam3WriteOptions::sanitize", "--sanitize"},
     Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
     Word{"StoreReadOptions::accept_edits", "`slamdb recover --accept-edits`"},

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
@@ -11,9 +14,11 @@
 #include "cli/words.h"
 #include "slamdb/base/detail/json.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/geographic/options.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/trajectories.h"
@@ -29,6 +34,9 @@ struct ConvertOptions {
   SelectionOptions selection;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false;
   bool mrpt_own_slots = false, json = false, dry_run = false;
+  std::string color, origin;
+  bool cameras = false;
+  std::optional<std::size_t> most_points;
   std::optional<int> long_bytes;
   double wait = kUsualWait;
 };
@@ -110,6 +118,30 @@ std::string JsonOf(const Written& written, const ReportFiles& files, const Forma
   return detail::JsonText(json);
 }
 
+constexpr std::pair<const char*, PointColor> kColors[] = {{"map", PointColor::kMap},
+                                                          {"error", PointColor::kError},
+                                                          {"observations", PointColor::kObservations},
+                                                          {"height", PointColor::kHeight},
+                                                          {"age", PointColor::kAge}};
+
+PointColor ColorAsked(const ConvertOptions& options) {
+  for (const auto& [name, color] : kColors)
+    if (options.color == name) return color;
+  return PointColor::kMap;
+}
+
+// Where on earth the maps are: as asked for, or as `transform` has kept it beside the input.
+std::optional<Geodetic> OriginOf(const ConvertOptions& options, const Atlas& atlas, Notices& notices) {
+  if (!options.origin.empty()) return ParseGeodetic(options.origin);
+  const std::optional<Georeference> found = FindGeoreference(options.input);
+  if (!found) return std::nullopt;
+  notices.Note("the origin is that of " + GeoreferencePath(options.input));
+  for (const Map& map : atlas.maps)
+    if (std::ranges::find(found->maps, map.id) == found->maps.end() && !map.keyframes.empty())
+      notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
+  return found->origin;
+}
+
 // Empty: as the output's suffix has it.
 std::string FormatAsked(const ConvertOptions& options) { return options.text ? "orbslam3-text" : options.target.to; }
 
@@ -119,7 +151,8 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   write.strict = options.strict;
   write.of<Orbslam3WriteOptions>().long_bytes = options.long_bytes;
   write.of<ExportOptions>().map = selection.map;
-  write.of<PointCloudOptions>().binary = !options.ascii;
+  write.of<PointCloudOptions>() = {.binary = !options.ascii, .color = ColorAsked(options), .cameras = options.cameras};
+  if (options.most_points) write.of<GeographicOptions>().most_points = *options.most_points;
   write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
   write.of<MrptWriteOptions>().own_slots = options.mrpt_own_slots;
   return write;
@@ -188,10 +221,21 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   return Finish(written, output, format, options, console, notices);
 }
 
+bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id == "geojson"; }
+bool HasColors(const Format& format) {
+  return format.id == "ply" || format.id == "pcd" || format.id == "gltf" || format.id == "mcap";
+}
+
 // Options that would be without effect.
 void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
+  if (!options.color.empty() && !HasColors(output)) RefuseUsage("--color is for PLY, PCD, glTF and MCAP" + is);
+  if (options.cameras && output.id != "ply")
+    RefuseUsage("--cameras is for PLY" + is +
+                (HasColors(output) && output.id != "pcd" ? ", which always has them" : ""));
+  if ((!options.origin.empty() || options.most_points) && !IsOnGlobe(output))
+    RefuseUsage("--origin and --most-points are for KML and GeoJSON" + is);
   RefuseIdleTarget(output, options.target);
   if (options.long_bytes && !output.keeps_encoding) RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
@@ -225,11 +269,12 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const HeldSource held = HoldInput(input, read);
   if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
   read.selection = ParseSelection(options.selection, held, read);
-  const WriteOptions write = WriteOptionsOf(options, read.selection, console);
+  WriteOptions write = WriteOptionsOf(options, read.selection, console);
   if (IsOfTrajectories(held, format, options)) return ConvertPoses(held, output, format, read, write, options, console);
   Notices notices;
   bool sound = true;
   const Atlas atlas = Prepare(held, read, output, format, options, console, notices, sound);
+  if (IsOnGlobe(format)) write.of<GeographicOptions>().origin = OriginOf(options, atlas, notices);
   Written written = WrittenOf(atlas);
   if (options.dry_run)
     written.bytes = TryToWrite(atlas, format, write, notices);
@@ -237,6 +282,29 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
     WriteAtlas(atlas, output, write, &notices);
   const ExitCode finished = Finish(written, output, format, options, console, notices);
   return sound ? finished : ExitCode::kFailed;
+}
+
+void BindViewerOptions(CLI::App& verb, ConvertOptions& options) {
+  constexpr const char* kGroup = "Pictures of maps";
+  std::vector<std::string> colors;
+  for (const auto& [name, color] : kColors) colors.emplace_back(name);
+  verb.add_option(
+          "--color", options.color,
+          "What the colour of a point tells, in PLY, PCD, glTF and MCAP: map (by default), error, observations, "
+          "height or age")
+      ->type_name("WHAT")
+      ->check(CLI::IsMember(colors))
+      ->group(kGroup);
+  verb.add_flag("--cameras", options.cameras, "Write cameras and their path into PLY too, as edges")->group(kGroup);
+  verb.add_option("--origin", options.origin,
+                  "Where on earth the frame of the maps begins, east, north and up, for KML and GeoJSON; by default as "
+                  "`slamdb transform --georeference` keeps it beside the atlas")
+      ->type_name("LAT,LON[,ALT]")
+      ->group(kGroup);
+  verb.add_option("--most-points", options.most_points,
+                  "Map points to write into KML and GeoJSON, evenly out of all: 10000 by default")
+      ->type_name("N")
+      ->group(kGroup);
 }
 
 void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
@@ -275,6 +343,7 @@ Run AddConvert(CLI::App& verb) {
   AddJson(verb, options->json);
   verb.add_flag("--dry-run", options->dry_run, "Say what would be written and lost, and write nothing");
   BindFormatOptions(verb, *options);
+  BindViewerOptions(verb, *options);
   AddSelection(verb, options->selection);
   return [options](Console& console) { return RunConvert(*options, console); };
 }
@@ -285,6 +354,9 @@ constexpr Example kExamples[] = {
     {"slamdb convert lab.db#session_a a.osa --boost-version ubuntu18.04",
      "And back, for ORB-SLAM3 on an older system."},
     {"slamdb convert crashed.osa safe.osa --sanitize", "Makes a file that ORB-SLAM3 loads of one that makes it crash."},
+    {"slamdb convert session_a.osa a.ply --color error --cameras",
+     "Points coloured by their reprojection error, with cameras and path as edges, for MeshLab."},
+    {"slamdb convert session_a.osa a.glb", "A scene for Blender and browsers; .mcap is for Foxglove."},
     {"slamdb convert session_a.osa trajectory.txt --to tum --body", "Writes the keyframe poses, and says how many."},
 };
 

@@ -12,6 +12,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/axes.h"
+#include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/frame/transform_atlas.h"
 #include "slamdb/formats/formats.h"
@@ -124,13 +125,13 @@ std::string TextOf(const TransformReport& report) {
 }
 
 // An .osa file has no place for where on earth its map is, so that stands in a file beside it.
-std::string GeoreferencePath(const TransformVerbOptions& options, Notices& notices) {
+std::string PathOfOrigin(const TransformVerbOptions& options, Notices& notices) {
   if (options.georeference.empty() || options.edit.dry_run) return {};
   if (options.edit.output == "-" || IsSpecialFile(options.edit.output)) {
     notices.Warn("standard output has no place for the origin; keep the report");
     return {};
   }
-  std::string path = options.edit.output + ".georeference.json";
+  std::string path = GeoreferencePath(options.edit.output);
   notices.Note("the origin is in " + path);
   return path;
 }
@@ -143,7 +144,7 @@ ExitCode RunTransform(const TransformVerbOptions& options, Console& console) {
       .to = DestinationOf(options, console, notices), .threads = console.threads(), .progress = console.MakeProgress()};
   for (const std::uint64_t id : options.maps) transform.maps.emplace_back(id);
   Atlas atlas = ReadInput(options.edit, console, notices);
-  SideFile georeference(GeoreferencePath(options, notices), options.edit);
+  SideFile georeference(PathOfOrigin(options, notices), options.edit);
   const TransformReport report = NamingFile(options.edit.input, [&] { return TransformAtlas(atlas, transform); });
   for (const MovedMap& moved : report.maps) {
     for (const std::string& warning : moved.warnings) notices.Warn(ToString(moved.map) + ": " + warning);

@@ -213,5 +213,59 @@ TEST(Convert, ReportsAsJsonAndDry) {
   EXPECT_THAT(RunSlamdb({"convert", kTiny, out, "--dry-run"}).out, ::testing::StartsWith("would write "));
 }
 
+TEST(Convert, ColoursAndCamerasOfPoints) {
+  const TemporaryFolder folder;
+  const ProcessResult result =
+      RunSlamdb({"convert", kTiny, folder / "a.ply", "--color", "observations", "--cameras", "--ascii"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("note: colours tell observations from "));
+  EXPECT_THAT(result.out, HasSubstr(" poses\n"));
+  EXPECT_THAT(ReadWholeFile(folder / "a.ply"), HasSubstr("element edge "));
+}
+
+// What would have no effect.
+TEST(Convert, RefusesOptionsOfOtherViewers) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::vector<std::string>& options, const std::string& output, const char* problem) {
+    std::vector<std::string> words = {"convert", kTiny, folder / output};
+    words.insert(words.end(), options.begin(), options.end());
+    const ProcessResult result = RunSlamdb(words);
+    EXPECT_EQ(result.exit_code, 2) << output;
+    EXPECT_THAT(result.err, HasSubstr(problem));
+    EXPECT_FALSE(std::filesystem::exists(folder / output));
+  };
+  expect({"--color", "age"}, "a.tum", "--color is for PLY, PCD, glTF and MCAP only; the output is TUM trajectory");
+  expect({"--color", "rainbow"}, "a.ply", "--color");
+  expect({"--cameras"}, "a.pcd", "--cameras is for PLY only");
+  expect({"--cameras"}, "a.glb", "the output is glTF scene, which always has them");
+  expect({"--origin", "48,11"}, "a.glb", "--origin and --most-points are for KML and GeoJSON only");
+  expect({"--most-points", "5"}, "a.ply", "--origin and --most-points are for KML and GeoJSON only");
+  expect({"--origin", "north"}, "a.kml", "a place is LATITUDE,LONGITUDE[,ALTITUDE]");
+  expect({"--origin", "91,0"}, "a.kml", "a place is LATITUDE,LONGITUDE[,ALTITUDE]");
+  expect({}, "a.geojson", "--origin LAT,LON,ALT, which `slamdb transform --georeference` finds");
+}
+
+TEST(Convert, FindsTheOriginBesideTheInput) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(kTiny, folder / "enu.osa");
+  const auto convert = [&] { return RunSlamdb({"convert", folder / "enu.osa", folder / "a.geojson", "-O"}); };
+  WriteWholeFile(folder / "enu.osa.georeference.json",
+                 R"({"maps": [{"id": 0}], "georeference": {"latitude": 48.15, "longitude": 11.57, "altitude": 519}})");
+  const ProcessResult found = convert();
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_THAT(found.err, HasSubstr("note: the origin is that of " + (folder / "enu.osa.georeference.json")));
+  EXPECT_THAT(found.err, Not(HasSubstr("not georeferenced")));
+  EXPECT_THAT(ReadWholeFile(folder / "a.geojson"), HasSubstr("[11.57000"));
+  WriteWholeFile(folder / "enu.osa.georeference.json",
+                 R"({"maps": [{"id": 7}], "georeference": {"latitude": 48.15, "longitude": 11.57, "altitude": 519}})");
+  EXPECT_THAT(convert().err, HasSubstr("map 0 was not georeferenced"));
+  for (const char* broken :
+       {"{}", "[", R"({"maps": [], "georeference": {"latitude": 99, "longitude": 0, "altitude": 0}})",
+        R"({"maps": [{"id": -1}], "georeference": {"latitude": 9, "longitude": 0, "altitude": 0}})"}) {
+    WriteWholeFile(folder / "enu.osa.georeference.json", broken);
+    EXPECT_EQ(convert().exit_code, 1) << broken;
+  }
+}
+
 }  // namespace
 }  // namespace slamdb::testing

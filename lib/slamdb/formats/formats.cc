@@ -12,6 +12,9 @@
 #include "slamdb/formats/csv/detail/csv.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
+#include "slamdb/formats/geographic/detail/geographic.h"
+#include "slamdb/formats/gltf/detail/gltf.h"
+#include "slamdb/formats/mcap/detail/mcap.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -27,6 +30,7 @@ std::span<const Format> Formats() {
   static const std::array kFormats = {
       kOrbslam3Format,       kOrbslam3TextFormat,     detail::kStoreFormat,        detail::kMrptFormat,
       detail::kMrpt3Format,  detail::kMrptTextFormat, detail::kPlyFormat,          detail::kPcdFormat,
+      detail::kGltfFormat,   detail::kMcapFormat,     detail::kKmlFormat,          detail::kGeojsonFormat,
       detail::kNdjsonFormat, detail::kCsvFormat,      detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
       detail::kEurocFormat,  detail::kTumFormat,      detail::kKittiFormat,
   };

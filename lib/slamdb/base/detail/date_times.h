@@ -28,6 +28,9 @@ struct DateTime {
 // `2023-11-14T22:13:20.25Z`, or with a blank between; the day may stand in another cell.
 SLAMDB_EXPORT std::optional<DateTime> ParseDateTime(std::string_view text, std::string_view date);
 
+// `2023-11-14T22:13:20.25Z` of seconds since 1970, with all their digits; nothing outside the years 1 to 9999.
+SLAMDB_EXPORT std::optional<std::string> DateTimeText(double seconds);
+
 // Whether the text begins with the time of a day, `22:13:20`.
 bool IsTimeOfDay(std::string_view text);
 
