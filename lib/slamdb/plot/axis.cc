@@ -64,7 +64,7 @@ void DrawAxisNames(Canvas& canvas, const Theme& theme, const Box& inside, const 
 
 Diagram DrawDiagram(Canvas& canvas, const Theme& theme, const Box& box, const Range& x, const Range& y,
                     const DiagramText& text) {
-  constexpr double kPixelsPerXTick = 70, kPixelsPerYTick = 36;
+  constexpr double kPixelsPerXTick = 55, kPixelsPerYTick = 36;
   const Letters letters{theme};
   DrawHeading(canvas, theme, box, text.heading, text.remark);
   Diagram diagram;

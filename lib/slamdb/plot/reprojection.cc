@@ -104,7 +104,7 @@ ImageErrors ErrorsOf(const Scene& scene) {
 
 void DrawReprojectionImage(Canvas& canvas, const Scene& scene, const ImageErrors& errors, const Box& box) {
   constexpr double kBarHeight = 34;
-  constexpr std::size_t kSquares = 40, kPixels = 4;
+  constexpr std::size_t kSquares = 40, kPixels = 12;
   const Letters letters{scene.theme};
   DrawHeading(canvas, scene.theme, box, "Reprojection error", "mean over the left image");
   const Box below = box.Without(0, kHeadingHeight, 0, kBarHeight + kTickSpace);
@@ -132,7 +132,7 @@ void DrawReprojectionImage(Canvas& canvas, const Scene& scene, const ImageErrors
               letters.Tick(Anchor::kStart));
   canvas.Text({inside.right(), inside.bottom() + kTickSpace - 4}, corner(errors.image.right(), errors.image.bottom()),
               letters.Tick(Anchor::kEnd));
-  DrawColorBar(canvas, scene.theme, {inside.left, box.bottom() - kBarHeight, inside.width, kBarHeight}, "0",
+  DrawColorBar(canvas, scene.theme, {inside.left, inside.bottom() + kTickSpace, inside.width, kBarHeight}, "0",
                means.empty() ? "" : detail::Digits(top, 2), "pixels");
 }
 

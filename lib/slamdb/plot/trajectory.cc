@@ -180,6 +180,8 @@ void DrawErrors(Canvas& canvas, const Scene& scene, const Comparison& comparison
   canvas.Dots(lone, 3, ColorOfKind(0));
   const double level = diagram.y(rmse);
   canvas.Line({diagram.inside.left, level}, {diagram.inside.right(), level}, scene.theme.mark, 1.2, 4);
+  canvas.Text({diagram.inside.right() - 3, level - 4}, "rmse",
+              {.color = scene.theme.mark, .size = 11, .anchor = Anchor::kEnd});
 }
 
 void DrawComparison(Canvas& canvas, const Scene& scene, const Box& box) {
@@ -196,7 +198,9 @@ void DrawComparison(Canvas& canvas, const Scene& scene, const Box& box) {
   DrawMetricFrame(canvas, scene.theme, cell, {comparison.frame.names[0] + " (m)", comparison.frame.names[1] + " (m)"});
   const double most = std::max(numbers.max, 1e-12);
   DrawBoth(canvas, scene, comparison, cell, most);
-  DrawScaleBar(canvas, scene.theme, cell, "m");
+  Spots busy;
+  for (const Compared& stop : comparison.stops) busy.push_back(cell(stop.at));
+  DrawScaleBar(canvas, scene.theme, cell, busy, "m");
   const Box bar{box.left + kYTickSpace, plan.bottom() + 2, box.width - kYTickSpace, kBarHeight - 4};
   DrawColorBar(canvas, scene.theme, bar, "0", detail::Digits(numbers.max, 2) + unit,
                "error, along the trajectory; the reference in grey");
@@ -210,7 +214,7 @@ void DrawAlone(Canvas& canvas, const Scene& scene, const Box& box) {
   const Box inside =
       box.Without(alone ? kYTickSpace : 0, kHeadingHeight, 1, kBarHeight + (alone ? kTickSpace + kNameSpace : 4));
   double longest = 0;
-  for (const Cell& cell : LayCells(scene, View::kPlan, inside)) {
+  for (const Cell& cell : LayCells(scene, View::kPlan, inside, Shown::kPaths)) {
     DrawFrameOfCell(canvas, scene, View::kPlan, cell);
     const Canvas::Clip clip(canvas, cell.box);
     for (const std::size_t place : cell.maps) {

@@ -119,7 +119,7 @@ void DrawEdges(Canvas& canvas, const MapScene& map, const Cell& cell,
                const std::vector<std::pair<std::uint32_t, std::uint32_t>>& edges, const Color& color) {
   Segments segments;
   for (const auto& [from, to] : edges) segments.emplace_back(cell(map.path[from].center), cell(map.path[to].center));
-  canvas.Lines(segments, color.WithAlpha(0.75), 1);
+  canvas.Lines(segments, color.WithAlpha(0.8), 1.3);
 }
 
 // Where many keyframes stand close, dots on the line would be a thicker line.
@@ -137,8 +137,8 @@ void DrawPath(Canvas& canvas, const Scene& scene, const MapScene& map, const Cel
   const std::vector<Spots> pieces = PiecesOf(map, cell);
   if (!bare) {
     for (const Spots& piece : pieces) canvas.Path(piece, scene.theme.paper.WithAlpha(0.8), width + 2);
-    DrawEdges(canvas, map, cell, map.loops, scene.theme.loop);
-    DrawEdges(canvas, map, cell, map.merges, scene.theme.merge);
+    for (std::size_t i = 1; i < pieces.size(); ++i)
+      canvas.Line(pieces[i - 1].back(), pieces[i].front(), map.color.WithAlpha(0.7), 1, 4);
   }
   Spots lone, all;
   for (const Spots& piece : pieces) {
@@ -147,6 +147,9 @@ void DrawPath(Canvas& canvas, const Scene& scene, const MapScene& map, const Cel
     all.insert(all.end(), piece.begin(), piece.end());
   }
   canvas.Dots(!bare && ShowsKeyFrames(pieces, all.size()) ? all : lone, bare ? 2.5 : 4.2, map.color);
+  if (bare) return;
+  DrawEdges(canvas, map, cell, map.loops, scene.theme.loop);
+  DrawEdges(canvas, map, cell, map.merges, scene.theme.merge);
 }
 
 void DrawEnds(Canvas& canvas, const Scene& scene, const MapScene& map, const Cell& cell) {
@@ -273,14 +276,37 @@ void DrawFrameOfCell(Canvas& canvas, const Scene& scene, View view, const Cell& 
   DrawMetricFrame(canvas, scene.theme, cell, {names[0] + unit, names[view == View::kPlan ? 1 : 2] + unit});
 }
 
-void DrawScaleBar(Canvas& canvas, const Theme& theme, const Cell& cell, const std::string& unit) {
+namespace {
+
+// Of the corners of a cell the one where the fewest places lie below a box of that size; the lower right one of equals.
+Box EmptiestCorner(const Cell& cell, std::span<const Spot> busy, const Box& size, double margin) {
+  const double left = cell.box.left + margin, right = cell.box.right() - margin - size.width;
+  const double top = cell.box.top + margin, bottom = cell.box.bottom() - margin - size.height;
+  Box best;
+  std::size_t fewest = ~std::size_t{0};
+  for (const Spot& corner : {Spot(right, bottom), Spot(left, bottom), Spot(right, top), Spot(left, top)}) {
+    const Box box{corner.x(), corner.y(), size.width, size.height};
+    const auto covered =
+        static_cast<std::size_t>(std::ranges::count_if(busy, [&](const Spot& at) { return box.Has(at); }));
+    if (covered >= fewest) continue;
+    fewest = covered;
+    best = box;
+  }
+  return best;
+}
+
+}  // namespace
+
+void DrawScaleBar(Canvas& canvas, const Theme& theme, const Cell& cell, std::span<const Spot> busy,
+                  const std::string& unit) {
   constexpr double kMargin = 12, kLeast = 60;
   const double length = NiceStep(kLeast / cell.scale);
   const std::string label = detail::Digits(length) + " " + unit;
   const TextStyle style = Letters{theme}.Label(Anchor::kMiddle);
   const double pixels = length * cell.scale, room = std::max(pixels, canvas.WidthOf(label, style)) + 16;
-  const Box plate{cell.box.right() - kMargin - room, cell.box.bottom() - kMargin - 26, room, 26};
-  if (plate.left < cell.box.left || plate.top < cell.box.top) return;
+  constexpr double kHeight = 26;
+  if (room + kMargin > cell.box.width || kHeight + kMargin > cell.box.height) return;
+  const Box plate = EmptiestCorner(cell, busy, {0, 0, room, kHeight}, kMargin);
   canvas.Fill(plate, theme.paper.WithAlpha(0.85));
   const double left = plate.center().x() - pixels / 2, foot = plate.bottom() - 6;
   canvas.Line({left, foot}, {left + pixels, foot}, theme.ink, 2);
@@ -288,6 +314,24 @@ void DrawScaleBar(Canvas& canvas, const Theme& theme, const Cell& cell, const st
   canvas.Line({left + pixels, foot - 3}, {left + pixels, foot + 3}, theme.ink, 2);
   canvas.Text({plate.center().x(), plate.top + 12}, label, style);
 }
+
+namespace {
+
+// Where the path goes, and some of the points.
+Spots BusyPlaces(const Scene& scene, const Cell& cell) {
+  constexpr std::size_t kPoints = 2000, kWeightOfPath = 20;
+  Spots places;
+  for (const std::size_t place : cell.maps) {
+    const MapScene& map = scene.maps[place];
+    for (const Stop& stop : map.path) places.insert(places.end(), kWeightOfPath, cell(stop.center));
+    const std::size_t step = map.map->points.size() / kPoints + 1;
+    for (std::size_t i = 0; i < map.map->points.size(); i += step)
+      places.push_back(cell(map.map->points[i].position.cast<double>()));
+  }
+  return places;
+}
+
+}  // namespace
 
 ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& box, const ViewOptions& options) {
   ViewCounts counts;
@@ -303,7 +347,7 @@ ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& bo
     if (!options.bare) DrawFrameOfCell(canvas, scene, view, cell);
     DrawInside(canvas, scene, cell, options, counts);
     if (!options.bare && (alone || cell.maps.front() + 1 == scene.maps.size()) && !scene.maps.empty())
-      DrawScaleBar(canvas, scene.theme, cell, scene.unit());
+      DrawScaleBar(canvas, scene.theme, cell, BusyPlaces(scene, cell), scene.unit());
   }
   return counts;
 }

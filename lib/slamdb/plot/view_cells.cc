@@ -44,7 +44,7 @@ Extents WithAir(const Range& x, const Range& y) {
   return {Grown(x, air), Grown(y, air)};
 }
 
-// Of the points: without the farthest hundredth at each end, and no farther from the path than three times its size.
+// Of the points: without the farthest hundredth at each end, and no farther from the path than eight times its size.
 std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   std::array<std::vector<double>, 2> places;
   for (const MapPoint& point : map.map->points) {
@@ -55,24 +55,31 @@ std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   }
   std::array<Range, 2> ranges{Range{1, 0}, Range{1, 0}};
   if (places[0].empty()) return ranges;
-  for (int i = 0; i < 2; ++i) ranges[i] = {QuantileOf(places[i], 0.01), QuantileOf(places[i], 0.99)};
+  constexpr double kBeyond = 1.6;  // all of them, where the outermost are not far from the rest
+  for (int i = 0; i < 2; ++i) {
+    const auto [low, high] = std::ranges::minmax(places[i]);
+    const Range all{low, high}, most{QuantileOf(places[i], 0.01), QuantileOf(places[i], 0.99)};
+    ranges[i] = all.size() <= kBeyond * most.size() ? all : most;
+  }
   return ranges;
 }
 
-Extents ExtentsOf(const MapScene& map, const Axes& axes) {
+Extents ExtentsOf(const MapScene& map, const Axes& axes, Shown shown) {
   std::array<std::vector<double>, 2> places;
   for (const Stop& stop : map.path) {
     const Eigen::Vector2d at = axes * stop.center;
     places[0].push_back(at.x());
     places[1].push_back(at.y());
   }
-  std::array<Range, 2> points = RangesOfPoints(map, axes), ranges = points;
+  const std::array<Range, 2> none{Range{1, 0}, Range{1, 0}};
+  const std::array<Range, 2> points = shown == Shown::kAll ? RangesOfPoints(map, axes) : none;
+  std::array<Range, 2> ranges = points;
   if (!map.path.empty()) {
     ranges = {RangeOfMost(places[0]), RangeOfMost(places[1])};
     const double size = std::hypot(ranges[0].size(), ranges[1].size());
     for (int i = 0; i < 2; ++i) {
       if (points[i].size() < 0) continue;
-      const Range near = size > 0 ? Grown(ranges[i], 3 * size) : points[i];
+      const Range near = size > 0 ? Grown(ranges[i], 8 * size) : points[i];
       ranges[i] = United(ranges[i], {std::max(points[i].low, near.low), std::min(points[i].high, near.high)});
     }
   }
@@ -80,9 +87,9 @@ Extents ExtentsOf(const MapScene& map, const Axes& axes) {
   return WithAir(ranges[0], ranges[1]);
 }
 
-std::vector<Extents> AllExtents(const Scene& scene, const std::vector<Axes>& axes) {
+std::vector<Extents> AllExtents(const Scene& scene, const std::vector<Axes>& axes, Shown shown) {
   std::vector<Extents> extents;
-  for (std::size_t i = 0; i < scene.maps.size(); ++i) extents.push_back(ExtentsOf(scene.maps[i], axes[i]));
+  for (std::size_t i = 0; i < scene.maps.size(); ++i) extents.push_back(ExtentsOf(scene.maps[i], axes[i], shown));
   return extents;
 }
 
@@ -185,9 +192,9 @@ Cell FitCell(const Box& box, Range right, Range up, const Axes& axes) {
   return CellOf(box, std::min(box.width / all.x.size(), box.height / all.y.size()), all, axes, {});
 }
 
-std::vector<Cell> LayCells(const Scene& scene, View view, const Box& box) {
+std::vector<Cell> LayCells(const Scene& scene, View view, const Box& box, Shown shown) {
   const std::vector<Axes> axes = AllAxes(scene, view);
-  const std::vector<Extents> extents = AllExtents(scene, axes);
+  const std::vector<Extents> extents = AllExtents(scene, axes, shown);
   if (!IsOneCell(scene)) return CellsInRows(extents, axes, box);
   const Extents all = UnitedExtents(extents);
   std::vector<std::size_t> maps;
@@ -197,9 +204,14 @@ std::vector<Cell> LayCells(const Scene& scene, View view, const Box& box) {
 }
 
 double HeightOfView(const Scene& scene, View view, double width) {
-  const double least = view == View::kPlan ? 0.36 : 0.16, most = view == View::kPlan ? 0.8 : 0.5;
-  if (!IsOneCell(scene)) return width * (view == View::kPlan ? 0.62 : 0.36);
-  const Extents all = UnitedExtents(AllExtents(scene, AllAxes(scene, view)));
+  const double least = view == View::kPlan ? 0.36 : 0.16, most = view == View::kPlan ? 0.75 : 0.34;
+  const std::vector<Axes> axes = AllAxes(scene, view);
+  const std::vector<Extents> extents = AllExtents(scene, axes, Shown::kAll);
+  if (!IsOneCell(scene)) {
+    const Box room{0, kHeadingHeight, width, width * (view == View::kPlan ? 0.62 : 0.36)};
+    return CellsInRows(extents, axes, room).back().box.bottom() + 1;
+  }
+  const Extents all = UnitedExtents(extents);
   const double inside = width - kYTickSpace;
   return kHeadingHeight + kTickSpace + kNameSpace + inside * std::clamp(all.y.size() / all.x.size(), least, most);
 }

@@ -43,7 +43,7 @@ struct Letters {
 
 inline constexpr double kHeadingHeight = 24;               // above a panel
 inline constexpr double kTickSpace = 17, kNameSpace = 17;  // below the x axis
-inline constexpr double kYTickSpace = 48;                  // left of the y axis
+inline constexpr double kYTickSpace = 60;                  // left of the y axis
 
 // A diagram with a heading above, ticks and names at its axes; what is left inside is `inside`.
 struct Diagram {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,15 +33,16 @@ struct Cell {
 Cell FitCell(const Box& box, Range right, Range up, const Eigen::Matrix<double, 2, 3>& axes);
 
 // Lays the cells of a view into a box: one, or one for each map, all of one scale.
-std::vector<Cell> LayCells(const Scene& scene, View view, const Box& box);
+enum class Shown { kAll, kPaths };
+std::vector<Cell> LayCells(const Scene& scene, View view, const Box& box, Shown shown = Shown::kAll);
 
 // The height that lets a view of that width show everything without much empty space.
 double HeightOfView(const Scene& scene, View view, double width);
 
 // What is drawn of it.
 struct ViewOptions {
-  bool bare = false;  // no words, grid and axes
-  double points_per_pixel = 2;
+  bool bare = false;              // no words, grid and axes
+  double points_per_pixel = 1.5;  // of the picture of the points, to a pixel of the page
 };
 struct ViewCounts {
   std::size_t points = 0, left_out = 0;
@@ -51,7 +53,9 @@ ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& bo
 void DrawFrameOfCell(Canvas& canvas, const Scene& scene, View view, const Cell& cell);
 
 void DrawMetricFrame(Canvas& canvas, const Theme& theme, const Cell& cell, const std::array<std::string, 2>& names);
-void DrawScaleBar(Canvas& canvas, const Theme& theme, const Cell& cell, const std::string& unit);
+// In the corner where it covers the fewest of the busy places.
+void DrawScaleBar(Canvas& canvas, const Theme& theme, const Cell& cell, std::span<const Spot> busy,
+                  const std::string& unit);
 
 // The range that most of the values are in: without those so far off that nothing else could be seen. Sorts them.
 Range RangeOfMost(std::vector<double>& values);
