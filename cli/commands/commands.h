@@ -7,7 +7,7 @@
 namespace slamdb::cli {
 
 extern const Command kInfo, kShow, kDump, kCheck, kConvert, kSynthesize, kVocabulary;
-extern const Command kPlot;
+extern const Command kPlot, kReport;
 extern const Command kMerge, kReassignOrigin, kRenumber;
 extern const Command kExtract, kSplit, kCull, kShrink, kFragments;
 extern const Command kRecover, kRepair;

@@ -91,5 +91,6 @@
 #include "slamdb/model/vocabulary_tree.h"
 #include "slamdb/mrpt/landmark.h"
 #include "slamdb/plot/plot.h"
+#include "slamdb/report/pages.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "slamdb/version.h"

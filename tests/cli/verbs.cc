@@ -21,6 +21,7 @@ const std::map<std::string, std::vector<std::string>>& More() {
       {"completion", {"bash"}},
       {"extract", {"--map", "0"}},
       {"man", {"--folder", "pages"}},
+      {"plot", {"--format", "svg"}},
       {"reassign-origin", {"--compact"}},
       {"show", {"map/0"}},
       {"shrink", {"--target-keyframes", "2"}},

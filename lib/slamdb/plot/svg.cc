@@ -4,8 +4,8 @@
 #include <map>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/markup.h"
 #include "slamdb/base/detail/text.h"
-#include "slamdb/base/detail/visible.h"
 
 namespace slamdb::plot {
 namespace {
@@ -104,38 +104,12 @@ std::string TidySvg(std::string_view svg, std::string_view prefix, std::string_v
     out += Concat("<", tag.starts_with('?') ? std::string(tag) : tidying.Tag(tag), is_root ? " role=\"img\">" : ">");
     if (!tag.starts_with("g ") && !tag.starts_with("use ")) out += '\n';
     if (is_root) {
-      out += Concat("<title>", EscapedXml(title), "</title>\n");
-      if (!description.empty()) out += Concat("<desc>", EscapedXml(description), "</desc>\n");
+      out += Concat("<title>", detail::EscapedMarkup(title), "</title>\n");
+      if (!description.empty()) out += Concat("<desc>", detail::EscapedMarkup(description), "</desc>\n");
     }
     svg.remove_prefix(end + 1);
   }
   return out;
-}
-
-std::string EscapedXml(std::string_view text) {
-  std::string escaped;
-  for (const char letter : detail::Visible(text)) {
-    switch (letter) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += letter;
-    }
-  }
-  return escaped;
 }
 
 }  // namespace slamdb::plot

@@ -55,7 +55,7 @@ std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   }
   std::array<Range, 2> ranges{Range{1, 0}, Range{1, 0}};
   if (places[0].empty()) return ranges;
-  constexpr double kBeyond = 1.6;  // all of them, where the outermost are not far from the rest
+  constexpr double kBeyond = 1.25;  // all of them, where the outermost are not far from the rest
   for (int i = 0; i < 2; ++i) {
     const auto [low, high] = std::ranges::minmax(places[i]);
     const Range all{low, high}, most{QuantileOf(places[i], 0.01), QuantileOf(places[i], 0.99)};

@@ -13,7 +13,4 @@ namespace slamdb::plot {
 std::string TidySvg(std::string_view svg, std::string_view prefix, std::string_view title,
                     std::string_view description);
 
-// The text as text of XML and HTML, also in an attribute in quotes: nothing in it is markup, steers or hides.
-std::string EscapedXml(std::string_view text);
-
 }  // namespace slamdb::plot
