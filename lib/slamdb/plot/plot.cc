@@ -140,12 +140,11 @@ Plot DrawPlot(const Atlas& atlas, const PlotOptions& options) {
 }
 
 Plot DrawThumbnail(const Atlas& atlas, int width, int height) {
-  const PlotOptions options{.together = false};
+  const PlotOptions options{.format = PlotFormat::kPng};
   const Scene scene = SceneOf(atlas, options);
   Plot result{.width = static_cast<double>(width), .height = static_cast<double>(height), .text = Summary(scene)};
   Canvas canvas(width, height, PlotFormat::kPng, 1);
-  const ViewCounts counts =
-      DrawView(canvas, scene, View::kPlan, {2, 2, width - 4.0, height - 4.0}, {.bare = true, .points_per_pixel = 1});
+  const ViewCounts counts = DrawView(canvas, scene, View::kPlan, {2, 2, width - 4.0, height - 4.0}, Detail::kBare);
   result.points = counts.points;
   result.bytes = canvas.Finish("thumbnail", "", "");
   return result;

@@ -154,9 +154,9 @@ std::vector<const Map*> MapsToShow(const Atlas& atlas) {
   return maps;
 }
 
-MapScene SceneOfMap(const Map& map, std::size_t place) {
+MapScene SceneOfMap(const Map& map, const Color& color) {
   const IdTable rows = KeyFrameTable(map);
-  MapScene shown{.map = &map, .name = ToString(map.id), .color = ColorOfKind(place)};
+  MapScene shown{.map = &map, .name = ToString(map.id), .color = color};
   shown.metric = !HasOpenScale(map);
   shown.timed = RowsByTime(map);
   shown.path = PathOf(map, shown.timed);
@@ -174,7 +174,11 @@ MapScene SceneOfMap(const Map& map, std::size_t place) {
 Scene SceneOf(const Atlas& atlas, const PlotOptions& options) {
   Scene scene{.atlas = atlas, .options = options, .theme = options.dark ? Theme::Dark() : Theme::Light()};
   const std::vector<const Map*> maps = MapsToShow(atlas);
-  for (const Map* map : maps) scene.maps.push_back(SceneOfMap(*map, scene.maps.size()));
+  constexpr double kLighter = 0.25;  // on a dark page
+  for (const Map* map : maps) {
+    const Color color = ColorOfKind(scene.maps.size());
+    scene.maps.push_back(SceneOfMap(*map, options.dark ? Mixed(color, scene.theme.ink, kLighter) : color));
+  }
   for (const Map& map : atlas.maps) scene.other_maps += !map.keyframes.empty() || !map.points.empty() ? 1 : 0;
   scene.other_maps -= maps.size();
   return scene;

@@ -176,8 +176,8 @@ void DrawErrors(Canvas& canvas, const Scene& scene, const Comparison& comparison
     else
       lone.push_back(at);
   }
-  canvas.Lines(line, ColorOfKind(0), 1.4);
-  canvas.Dots(lone, 3, ColorOfKind(0));
+  canvas.Lines(line, scene.maps.front().color, 1.4);
+  canvas.Dots(lone, 3, scene.maps.front().color);
   const double level = diagram.y(rmse);
   canvas.Line({diagram.inside.left, level}, {diagram.inside.right(), level}, scene.theme.mark, 1.2, 4);
   canvas.Text({diagram.inside.right() - 3, level - 4}, "rmse",

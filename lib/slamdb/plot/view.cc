@@ -87,10 +87,13 @@ Color ColorOfPoints(const Scene& scene, const MapScene& map) {
   return scene.maps.size() == 1 ? scene.theme.points : Mixed(map.color, scene.theme.paper, 0.15);
 }
 
-void DrawPoints(Canvas& canvas, const Scene& scene, const Cell& cell, const ViewOptions& options, ViewCounts& counts) {
+// Of the picture of the points, to a pixel of the page. SVG is seen on dense screens, too.
+double PixelsOfPoints(const PlotOptions& options) { return options.format == PlotFormat::kPng ? options.scale : 1.5; }
+
+void DrawPoints(Canvas& canvas, const Scene& scene, const Cell& cell, ViewCounts& counts) {
   std::size_t points = 0;
   for (const std::size_t map : cell.maps) points += scene.maps[map].map->points.size();
-  Density density(cell, options.points_per_pixel, points);
+  Density density(cell, PixelsOfPoints(scene.options), points);
   std::vector<Color> colors;
   for (const std::size_t map : cell.maps) {
     const auto place = static_cast<std::uint8_t>(colors.size() & 255);
@@ -249,11 +252,11 @@ void DrawCellHeading(Canvas& canvas, const Scene& scene, const MapScene& map, co
     canvas.Text({left, foot}, counts, letters.Tick(Anchor::kStart));
 }
 
-void DrawInside(Canvas& canvas, const Scene& scene, const Cell& cell, const ViewOptions& options, ViewCounts& counts) {
+void DrawInside(Canvas& canvas, const Scene& scene, const Cell& cell, bool bare, ViewCounts& counts) {
   const Canvas::Clip clip(canvas, cell.box);
-  DrawPoints(canvas, scene, cell, options, counts);
-  for (const std::size_t map : cell.maps) DrawPath(canvas, scene, scene.maps[map], cell, options.bare);
-  if (options.bare) return;
+  DrawPoints(canvas, scene, cell, counts);
+  for (const std::size_t map : cell.maps) DrawPath(canvas, scene, scene.maps[map], cell, bare);
+  if (bare) return;
   for (const std::size_t map : cell.maps) DrawEnds(canvas, scene, scene.maps[map], cell);
 }
 
@@ -333,20 +336,21 @@ Spots BusyPlaces(const Scene& scene, const Cell& cell) {
 
 }  // namespace
 
-ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& box, const ViewOptions& options) {
+ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& box, Detail detail) {
+  const bool bare = detail == Detail::kBare;
   ViewCounts counts;
   const bool alone = scene.maps.size() <= 1 || scene.options.together;
-  const Box inside = options.bare ? box
-                     : alone      ? box.Without(kYTickSpace, kHeadingHeight, 1, kTickSpace + kNameSpace)
-                                  : box.Without(0, kHeadingHeight, 0, 1);
-  if (!options.bare) {
+  const Box inside = bare    ? box
+                     : alone ? box.Without(kYTickSpace, kHeadingHeight, 1, kTickSpace + kNameSpace)
+                             : box.Without(0, kHeadingHeight, 0, 1);
+  if (!bare) {
     DrawHeading(canvas, scene.theme, box, HeadingOf(view), RemarkOf(scene));
     if (view == View::kPlan) DrawLegend(canvas, scene, box);
   }
   for (const Cell& cell : LayCells(scene, view, inside)) {
-    if (!options.bare) DrawFrameOfCell(canvas, scene, view, cell);
-    DrawInside(canvas, scene, cell, options, counts);
-    if (!options.bare && (alone || cell.maps.front() + 1 == scene.maps.size()) && !scene.maps.empty())
+    if (!bare) DrawFrameOfCell(canvas, scene, view, cell);
+    DrawInside(canvas, scene, cell, bare, counts);
+    if (!bare && (alone || cell.maps.front() + 1 == scene.maps.size()) && !scene.maps.empty())
       DrawScaleBar(canvas, scene.theme, cell, BusyPlaces(scene, cell), scene.unit());
   }
   return counts;

@@ -39,15 +39,12 @@ std::vector<Cell> LayCells(const Scene& scene, View view, const Box& box, Shown 
 // The height that lets a view of that width show everything without much empty space.
 double HeightOfView(const Scene& scene, View view, double width);
 
-// What is drawn of it.
-struct ViewOptions {
-  bool bare = false;              // no words, grid and axes
-  double points_per_pixel = 1.5;  // of the picture of the points, to a pixel of the page
-};
+// What is drawn of it: all, or points and paths without words, grid and axes.
+enum class Detail { kAll, kBare };
 struct ViewCounts {
   std::size_t points = 0, left_out = 0;
 };
-ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& box, const ViewOptions& options = {});
+ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& box, Detail detail = Detail::kAll);
 
 // What stands around a cell: grid, ticks and names of axes when it is the only one, the name of its map otherwise.
 void DrawFrameOfCell(Canvas& canvas, const Scene& scene, View view, const Cell& cell);
