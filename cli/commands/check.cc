@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/checks/check.h"
 
-#include <cmath>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <optional>
 
 #include "cli/batch.h"
+#include "cli/check_options.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/help/usage.h"
 #include "cli/many.h"
 #include "cli/options.h"
 #include "cli/report/paint.h"
@@ -41,8 +39,7 @@ CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {
   CheckOptions check = options.check;
   check.threads = console.threads();
   check.max_findings = options.max_findings.value_or(kKeptFindings);
-  for (std::size_t i = 0; i < options.limits.size(); ++i)
-    if (!std::isnan(options.limits[i])) check.gates.push_back({std::string(ReadGates()[i].id), options.limits[i]});
+  check.gates = GatesOf(options.limits);
   return check;
 }
 
@@ -117,41 +114,6 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   return code;
 }
 
-std::string CheckRuleId(const std::string& id) {
-  if (FindRule(id) != nullptr) return {};
-  std::vector<std::string> ids;
-  for (const Rule& rule : ReadRules()) ids.emplace_back(rule.id);
-  const std::string meant = MeantInstead(id, ids);
-  return "no rule '" + id + "'" + (meant.empty() ? "; `slamdb check --list` shows them" : meant);
-}
-
-void BindRuleOptions(CLI::App& verb, CheckOptions& check) {
-  constexpr const char* kGroup = "Rules";
-  const auto rules = [&](const char* name, std::vector<std::string>& ids, const char* description) {
-    verb.add_option(name, ids, description)
-        ->type_name("RULE")
-        ->allow_extra_args(false)
-        ->check(CheckRuleId)
-        ->group(kGroup);
-  };
-  rules("--ignore", check.ignore, "Do not check this rule; may be given several times, as the next ones");
-  rules("--note", check.note, "Findings of this rule are notes");
-  rules("--warn", check.warn, "Findings of this rule are warnings");
-  rules("--error", check.error, "Findings of this rule are errors");
-  verb.add_flag("--strict", check.strict, "Warnings count as errors")->group(kGroup);
-}
-
-void BindGates(CLI::App& verb, std::vector<double>& limits) {
-  const auto gates = ReadGates();
-  limits.assign(gates.size(), std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i < gates.size(); ++i)
-    verb.add_option(
-            "--" + std::string(gates[i].id), limits[i],
-            std::string(gates[i].is_minimum ? "At least" : "At most") + " so many " + std::string(gates[i].title))
-        ->type_name("N")
-        ->group("Quality gates, whose breach is an error");
-}
-
 Run AddCheck(CLI::App& verb) {
   const auto options = std::make_shared<CheckVerbOptions>();
   AddMany(verb, options->many)->required(false);
@@ -169,8 +131,8 @@ Run AddCheck(CLI::App& verb) {
                   "another vocabulary is refused")
       ->type_name("FILE");
   verb.add_flag("--list", options->list, "List the rules with their severity, and check nothing");
-  BindRuleOptions(verb, options->check);
-  BindGates(verb, options->limits);
+  AddRules(verb, options->check);
+  AddGates(verb, options->limits);
   return [options](Console& console) { return RunCheck(*options, console); };
 }
 

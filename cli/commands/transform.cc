@@ -6,6 +6,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/reference.h"
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
 #include "cli/times.h"
@@ -15,8 +16,6 @@
 #include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/frame/transform_atlas.h"
-#include "slamdb/formats/formats.h"
-#include "slamdb/formats/trajectories.h"
 
 namespace slamdb::cli {
 namespace {
@@ -48,25 +47,6 @@ void RefuseIdleOptions(const TransformVerbOptions& options) {
     if (is_given) RefuseUsage(std::string(option) + " is for --onto and --georeference only");
 }
 
-std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Console& console, Notices& notices) {
-  ReadOptions read = MakeReadOptions(console);
-  read.features = FeatureColumns::kNone;
-  read.of<TrajectoryReadOptions>() = options.times.ForReading();
-  // Not by way of an atlas, whose single precision has no room for coordinates as UTM's.
-  const HeldSource held = HoldInput(options.onto, read);
-  const Format* format = FindFormatOfInput(held);
-  RefuseIdleTimes(format, options.times);
-  if (format != nullptr && IsTrajectory(*format)) {
-    std::vector<TimedPosition> positions;
-    read.format = format->id;  // in which order it has quaternions does not matter: they are not used
-    for (const TrajectoryPose& pose : ReadTrajectory(held, read, &notices))
-      positions.push_back({pose.timestamp, pose.position});
-    return positions;
-  }
-  const Atlas reference = ReadAtlas(held, read, &notices);
-  return NamingFile(options.onto, [&] { return TrajectoryOf(reference, options.body); });
-}
-
 FitOptions FitOf(const TransformVerbOptions& options) {
   FitOptions fit{.max_time_difference = options.max_dt,
                  .body = options.body,
@@ -82,7 +62,8 @@ Destination DestinationOf(const TransformVerbOptions& options, Console& console,
   if (options.scale) return Similarity3d{.scale = *options.scale};
   if (!options.axes.empty()) return Similarity3d{.rotation = ParseAxes(options.axes)};
   if (!options.gravity.empty()) return TurnUpright{kUpMethods.at(options.gravity)};
-  if (!options.onto.empty()) return OntoTrajectory{ReadReference(options, console, notices), FitOf(options)};
+  if (!options.onto.empty())
+    return OntoTrajectory{ReadReference(options.onto, options.times, options.body, console, notices), FitOf(options)};
   OntoEarth earth{
       .fixes = ReadFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices),
       .fit = FitOf(options)};

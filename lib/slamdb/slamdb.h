@@ -103,6 +103,8 @@
 #include "slamdb/model/vocabulary.h"
 #include "slamdb/model/vocabulary_tree.h"
 #include "slamdb/mrpt/landmark.h"
+#include "slamdb/plot/plot.h"
+#include "slamdb/report/pages.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "slamdb/version.h"
 #include "slamdb/view/page.h"

@@ -23,6 +23,7 @@ const std::map<std::string, std::vector<std::string>>& More() {
       {"evaluate", {"--align", "none"}},
       {"extract", {"--map", "0"}},
       {"man", {"--folder", "pages"}},
+      {"plot", {"--format", "svg"}},
       {"reassign-origin", {"--compact"}},
       {"show", {"map/0"}},
       {"shrink", {"--target-keyframes", "2"}},
