@@ -14,8 +14,9 @@ declare -A packages=(
   [packaging]="file dpkg-dev"
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 mandoc file dpkg-dev"
   # What .ci/run adds: another compiler and what looks at sources, a browser, clean systems to install into.
-  [checkers]="clang clang-format clang-tidy libclang-rt-dev shellcheck"
-  [browser]="chromium nodejs npm"
+  [checkers]="clang clang-format clang-tidy libclang-rt-dev shellcheck xz-utils"
+  [browser]="chromium"
+  [node]="nodejs npm"
   [systems]="debootstrap lintian"
 )
 optional=" ${packages[pictures]} ${packages[libraries]} "  # a distribution that lacks one builds without it

@@ -5,6 +5,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:-release}
-echo "This builds slamdb with all its tests in build/$preset, and runs them: about XX minutes on two cores the first time."
+echo "This installs what is missing, builds slamdb with all its tests in build/$preset, and runs them: a quarter of an hour on two"
+echo "cores the first time, some minutes after that."
 cmake/build.sh --tests "$preset"
 ctest --test-dir "build/$preset" --output-on-failure --progress -j "$(nproc)"
