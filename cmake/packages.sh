@@ -36,7 +36,7 @@ fi
 there=" $(dpkg-query -W -f '${Package}=${db:Status-Status} ' "${wanted[@]}" 2>/dev/null || true)"
 missing=()
 for package in "${wanted[@]}"; do
-  case $there in *" $package=installed "*) ;; *) missing+=("$package") ;; esac
+  case "$there ${missing[*]/%/=installed} " in *" $package=installed "*) ;; *) missing+=("$package") ;; esac
 done
 if [ "$only_tell" = yes ]; then
   echo "${missing[*]}"
@@ -54,31 +54,28 @@ if [ "$(id -u)" != 0 ]; then
   sudo -v || by_hand "Packages are missing, and sudo does not let this account install them."
   root=(sudo env)
 fi
-root+=(DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 apt-get -qq -o Dpkg::Use-Pty=0)
+root+=(DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8)
 
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-# Apt's own status, on one line of a terminal, or a line a third of the way; all else goes into the log.
+# Apt's own status, on one line of a terminal, or a line a third of the way.
 progress() {
-  local line kind percent what done=-1 width=$((${COLUMNS:-80} - 8))
-  while IFS= read -r line; do
-    case $line in
-      dlstatus:* | pmstatus:*)
-        IFS=: read -r kind _ percent what <<<"$line"
-        percent=${percent%%.*}
-        if [ -t 1 ]; then
-          printf '\r\033[K  %3d%% %s' "$percent" "${what:0:width}"
-        elif [ "$kind $((percent / 34))" != "$done" ]; then
-          done="$kind $((percent / 34))"
-          printf '  %3d%% %s\n' "$percent" "$what"
-        fi ;;
-      *) printf '%s\n' "$line" >>"$log" ;;
-    esac
+  local kind percent what third told=
+  while IFS=: read -r kind _ percent what; do
+    case $kind in dlstatus | pmstatus) ;; *) continue ;; esac
+    percent=${percent%%.*}
+    third="$kind $((percent / 34))"
+    if [ -t 1 ]; then
+      printf '\r\033[K  %3d%% %.70s' "$percent" "$what"
+    elif [ "$third" != "$told" ]; then
+      told=$third
+      printf '  %3d%% %s\n' "$percent" "$what"
+    fi
   done
   [ ! -t 1 ] || printf '\r\033[K'
 }
 
-"${root[@]}" update >>"$log" 2>&1 || true  # what it cannot fetch may be here from before
+"${root[@]}" apt-get -qq update >>"$log" 2>&1 || true  # what it cannot fetch may be here from before
 available=()
 for package in "${missing[@]}"; do
   case $optional in
@@ -89,7 +86,9 @@ for package in "${missing[@]}"; do
 done
 [ ${#available[@]} -gt 0 ] || exit 0
 echo "Installing ${available[*]}"
-if ! "${root[@]}" -o APT::Status-Fd=1 install -y --no-install-recommends "${available[@]}" 2>>"$log" </dev/null | progress; then
+# Its status on a descriptor of its own, which sudo would close: what packages print as they are set up needs the first two.
+if ! "${root[@]}" sh -c 'exec apt-get -qq -o Dpkg::Use-Pty=0 -o APT::Status-Fd=3 install -y --no-install-recommends "$@" 3>&1 1>&2' \
+  apt-get "${available[@]}" 2>>"$log" </dev/null | progress; then
   tail -n 20 "$log" >&2
   by_hand "apt-get could not install them: see above."
 fi
