@@ -1,21 +1,22 @@
-# What `cmake --install` and the Debian package hold: the command, its man pages and completions (cli/), the library with
+# What `cmake --install` and the Debian packages hold: the command, its man pages and completions (cli/), the library with
 # its headers, and the package that find_package(slamdb) finds.
 include(CMakePackageConfigHelpers)
 
-set(libraries slamdb slamdb_boost)
-if(SLAMDB_BUILD_LIVE)
-  list(APPEND libraries slamdb_live_library)
-endif()
-install(TARGETS ${libraries} EXPORT slamdbTargets FILE_SET HEADERS)
+# Three components: the command (see cli/), the library, and the live map, which alone needs OpenCV.
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/slamdb)
-install(EXPORT slamdbTargets NAMESPACE slamdb:: DESTINATION ${package_folder})
+install(TARGETS slamdb slamdb_boost EXPORT slamdbTargets
+  ARCHIVE COMPONENT library LIBRARY COMPONENT library FILE_SET HEADERS COMPONENT library)
+install(EXPORT slamdbTargets NAMESPACE slamdb:: DESTINATION ${package_folder} COMPONENT library)
 configure_package_config_file(cmake/slamdbConfig.cmake.in slamdbConfig.cmake INSTALL_DESTINATION ${package_folder})
 if(SLAMDB_BUILD_LIVE)
-  install(FILES cmake/FindOpenCVCore.cmake DESTINATION ${package_folder})
+  install(TARGETS slamdb_live_library EXPORT slamdbLiveTargets
+    ARCHIVE COMPONENT live LIBRARY COMPONENT live FILE_SET HEADERS COMPONENT live)
+  install(EXPORT slamdbLiveTargets NAMESPACE slamdb:: DESTINATION ${package_folder} COMPONENT live)
+  install(FILES cmake/FindOpenCVCore.cmake DESTINATION ${package_folder} COMPONENT live)
 endif()
 write_basic_package_version_file(slamdbConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/slamdbConfig.cmake ${PROJECT_BINARY_DIR}/slamdbConfigVersion.cmake
-  DESTINATION ${package_folder})
+  DESTINATION ${package_folder} COMPONENT library)
 
 # For builds without CMake: pkg-config --cflags --libs slamdb
 if(NOT BUILD_SHARED_LIBS)
@@ -27,14 +28,10 @@ endif()
 # Relative to the file itself, so that the whole may be moved.
 file(RELATIVE_PATH pc_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(cmake/slamdb.pc.in slamdb.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/slamdb.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/slamdb.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT library)
 if(SLAMDB_BUILD_LIVE)
   configure_file(cmake/slamdb-live.pc.in slamdb-live.pc @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/slamdb-live.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+  install(FILES ${PROJECT_BINARY_DIR}/slamdb-live.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT live)
 endif()
 
-set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "the slamdb authors")
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-include(CPack)
+include(cmake/Package.cmake)

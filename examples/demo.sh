@@ -1,12 +1,24 @@
 #!/usr/bin/env bash
 # demo.sh [PRESET]: installs what is missing, builds slamdb, and shows the main job on real ORB-SLAM3 atlases: inspect, check,
-# repair, convert, keep in a store, read back, merge, recover, compare.
+# repair, convert, keep in a store, read back, merge, recover, compare. It says before what it does.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:-release}
-cmake/build.sh "$preset"
+command=build/$preset/slamdb
+
+echo "slamdb, a map database for visual SLAM. This"
+missing=$(cmake/packages.sh --missing command pictures)
+[ -z "$missing" ] || echo "  - installs what is missing: $missing"
+if [ -x "$command" ]; then
+  echo "  - brings $command up to date"
+else
+  echo "  - builds $command: about six minutes on two cores, once"
+fi
+echo "  - shows what it does, on real atlases of ORB-SLAM3: some seconds"
+echo
+cmake/build.sh "$preset" slamdb_manual
 export PATH="$PWD/build/$preset:$PATH"
-fixtures=$PWD/fixtures
+source=$PWD
 folder=$(mktemp -d); trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 
@@ -19,7 +31,7 @@ expect() {
   [ "$status" = "$want" ]
 }
 
-cp "$fixtures"/session_small_[ab]/session_small_[ab].osa "$fixtures"/mono_small_twice/mono_small_twice.osa .
+cp "$source"/fixtures/session_small_[ab]/session_small_[ab].osa "$source"/fixtures/mono_small_twice/mono_small_twice.osa .
 run slamdb info session_small_a.osa
 run slamdb check session_small_a.osa
 expect 1 slamdb check mono_small_twice.osa
@@ -42,5 +54,14 @@ head -c 2600000 session_small_a.osa > cut.osa
 expect 1 slamdb info cut.osa
 expect 3 slamdb recover cut.osa saved.osa
 run slamdb check saved.osa
-echo
-echo "back.osa is session_small_a.osa, and again.osa mono_small_twice.osa, byte for byte."
+cat <<END
+
+back.osa is session_small_a.osa, and again.osa mono_small_twice.osa, byte for byte.
+
+What to try next, in $source:
+  $command info MAP.osa     # a map of yours
+  $command check MAP.osa    # will ORB-SLAM3 load it?
+  $command --help           # all verbs; each has examples in its own --help
+  cmake --install build/$preset --component command    # as root: command, man pages and completion, into /usr/local
+  tests/run.sh                          # all tests; reuses what was compiled here
+END

@@ -10,7 +10,10 @@ shift
 cmake/build.sh fuzz fuzzers
 programs=build/fuzz/tests/fuzz
 "$programs/fuzz_seeds" build/fuzz/seeds
-[ $# -gt 0 ] || set -- $(cd "$programs" && ls fuzz_* | grep -v -e _seeds -e _replay)
+if [ $# = 0 ]; then
+  mapfile -t fuzzers < <(find "$programs" -maxdepth 1 -type f -executable -name 'fuzz_*' ! -name '*_seeds' ! -name '*_replay' -printf '%f\n' | sort)
+  set -- "${fuzzers[@]}"
+fi
 mkdir -p build/fuzz/finds
 for fuzzer in "$@"; do
   corpus=$(sed -n "s/^slamdb_fuzzer($fuzzer \([a-z0-9_]*\) .*/\1/p" tests/fuzz/CMakeLists.txt)
