@@ -11,28 +11,6 @@ const kHere = dirname(fileURLToPath(import.meta.url));
 export const kRoot = process.env.SLAMDB_ROOT ?? join(kHere, "../..");
 export const kPageFolder = join(kRoot, "lib/slamdb/view/page");
 
-/** Bytes as letters of seven bits, low bits first. */
-export function toSeptets(bytes: Uint8Array): string {
-  const letters = new Uint8Array(Math.ceil((bytes.length * 8) / 7));
-  let bits = 0;
-  let held = 0;
-  let at = 0;
-  for (const byte of bytes) {
-    bits |= byte << held;
-    held += 8;
-    while (held >= 7) {
-      letters[at++] = bits & 127;
-      bits >>>= 7;
-      held -= 7;
-    }
-  }
-  if (held > 0) letters[at++] = bits & 127;
-  for (let i = 0; i < letters.length; ++i) {
-    if (letters[i] === 0 || letters[i] === 13 || letters[i] === 60) letters[i] += 128;
-  }
-  return Buffer.from(letters).toString("latin1");
-}
-
 const hashOf = (text: string): string => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
 export function escaped(text: string): string {

@@ -35,7 +35,7 @@ export class Camera {
   pose: CameraPose = { target: [0, 0, 0], distance: 10, azimuth: -1.2, elevation: 0.6, plan: false };
   width = 1;
   height = 1;
-  inset = 0; // CSS pixels at the left that the panel covers: the target is in the middle of the rest
+  insets = { left: 0, right: 0 }; // CSS pixels that panel and inspector cover: the target is in the middle of the rest
   radius = 10; // of the scene, for the depth range
   calm = false; // no flights: the user prefers reduced motion
   private flight: Flight | null = null;
@@ -62,7 +62,7 @@ export class Camera {
     const far = distance + this.radius * 4;
     const half = distance * kTan;
     const lens = plan ? orthographic(half * aspect, half, -far, far) : perspective(kFov, aspect, Math.max(distance * 0.01, far * 1e-5), far);
-    const shift = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, this.inset / this.width, 0, 0, 1]);
+    const shift = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, (this.insets.left - this.insets.right) / this.width, 0, 0, 1]);
     return multiply(shift, multiply(lens, view));
   }
 
@@ -97,7 +97,7 @@ export class Camera {
   }
 
   centre(): [number, number] {
-    return [(this.width + this.inset) / 2, this.height / 2];
+    return [(this.width + this.insets.left - this.insets.right) / 2, this.height / 2];
   }
 
   /** null behind the eye. */
@@ -126,13 +126,13 @@ export class Camera {
     looking.pose = { target, distance: 1, azimuth, elevation, plan };
     const { right, up, back } = looking.basis();
     const tanY = kTan * 0.9;
-    const tanX = (kTan * 0.9 * Math.max(this.width - this.inset, 50)) / this.height;
+    const tanX = (kTan * 0.9 * Math.max(this.width - this.insets.left - this.insets.right, 50)) / this.height;
     const needed = landmarks.map((p) => {
       const q = subtract(p, target);
       const aside = Math.max(Math.abs(dot(q, right)) / tanX, Math.abs(dot(q, up)) / tanY);
       return plan ? aside : aside + dot(q, back);
     });
-    const distance = quantile(Float64Array.from(needed).sort(), 0.965);
+    const distance = quantile(Float64Array.from(needed).sort(), 0.985);
     return { target, distance: clamp(distance || 1, kSmallest, kLargest), azimuth, elevation, plan };
   }
 

@@ -1,4 +1,4 @@
-// From the data blocks of the page to a Scene: septets, zlib, columns (schema/view.md). Parts are unpacked side by side, and
+// From the data blocks of the page to a Scene: base64, zlib, columns (schema/view.md). Parts are unpacked side by side, and
 // the browser is let in between, so that the bar moves.
 
 import {
@@ -6,7 +6,7 @@ import {
 } from "./columns";
 import { type Edges, type Header, type Keyframes, type Keypoints, type Points, type Scene, type SceneMap, Status, birthOf } from "./scene";
 
-/** A part of a column. `take` gives its text, once: the page drops it there, to need its memory once only. */
+/** A part of a column. `take` gives its base64 text, once: the page drops it there, to need its memory once only. */
 export interface Block {
   name: string;
   part: number;
@@ -96,7 +96,7 @@ async function unpackAll(blocks: Block[], progress: Progress): Promise<Columns> 
 
 async function unpack(block: Block): Promise<Uint8Array> {
   try {
-    const packed = fromSeptets(block.take());
+    const packed = fromBase64(block.take());
     const stream = new Blob([packed as BlobPart]).stream().pipeThrough(new DecompressionStream("deflate"));
     return new Uint8Array(await new Response(stream).arrayBuffer());
   } catch (error) {
@@ -105,22 +105,12 @@ async function unpack(block: Block): Promise<Uint8Array> {
   }
 }
 
-/** Seven bits a letter, low first; the letters 0, 13 and 60, which markup would not leave as they are, stand 128 higher. */
-export function fromSeptets(text: string): Uint8Array {
-  const letters = text.length;
-  const bytes = new Uint8Array(Math.floor((letters * 7) / 8));
-  let bits = 0;
-  let held = 0;
-  let at = 0;
-  for (let i = 0; i < letters; ++i) {
-    bits |= (text.charCodeAt(i) & 127) << held;
-    held += 7;
-    if (held >= 8) {
-      bytes[at++] = bits & 255;
-      bits >>>= 8;
-      held -= 8;
-    }
-  }
+export function fromBase64(text: string): Uint8Array {
+  const native = (Uint8Array as unknown as { fromBase64?: (text: string) => Uint8Array }).fromBase64;
+  if (native) return native.call(Uint8Array, text);
+  const characters = atob(text);
+  const bytes = new Uint8Array(characters.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = characters.charCodeAt(i);
   return bytes;
 }
 

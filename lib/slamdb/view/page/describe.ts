@@ -4,7 +4,8 @@ import { counted, durationText, rounded } from "./format";
 import type { Model, Selection } from "./model";
 import { type Scene, errorOf, hasPose, idText, isHiddenPoint, mapOfKeyframe, mapOfPoint } from "./scene";
 import type { Stage } from "./stage";
-import type { Vec3 } from "./maths";
+import { pointsSeenBy } from "./highlights";
+import { type Vec3, distance, quantile } from "./maths";
 
 export const keyframeName = (scene: Scene, row: number): string => `kf ${idText(scene.keyframes.ids[row])}`;
 export const pointName = (scene: Scene, row: number): string => `mp ${idText(scene.points.ids[row])}`;
@@ -50,8 +51,16 @@ export function visit(model: Model, stage: Stage, selection: NonNullable<Selecti
   model.select(selection);
   const place = placeOf(model, selection);
   if (!place) return;
-  stage.camera.flyNear(place, Math.max(stage.frustumDepth * 9, 1e-3), performance.now());
+  stage.camera.flyNear(place, surroundings(model, stage, selection, place), performance.now());
   stage.request();
+}
+
+/** How far about a place one wants to see: a keyframe with what it looks at. */
+function surroundings(model: Model, stage: Stage, selection: NonNullable<Selection>, place: Vec3): number {
+  const usual = Math.max(stage.frustumDepth * 9, 1e-3);
+  if (selection.kind === "point") return usual;
+  const away = pointsSeenBy(model, selection.row).filter((row) => !isHiddenPoint(model.scene, row)).map((row) => distance(place, model.frames.point(row)));
+  return Math.max(usual, Math.min(usual * 4, quantile(Float64Array.from(away).sort(), 0.5) * 0.8));
 }
 
 export function summary(scene: Scene): string {

@@ -24,10 +24,11 @@ export function isSoftware(gl: Gl): boolean {
 
 type Value = number | number[] | Float32Array;
 
-/** A linked program and its uniforms by name. */
+/** A program and its uniforms by name. It is asked for nothing before it is used, so that programs are compiled side by side, and while data
+ * is read. */
 export class Program {
   private readonly program: WebGLProgram;
-  private readonly places = new Map<string, { place: WebGLUniformLocation; type: number }>();
+  private places: Map<string, { place: WebGLUniformLocation; type: number }> | null = null;
 
   constructor(private readonly gl: Gl, vertex: string, fragment: string) {
     this.program = gl.createProgram()!;
@@ -39,15 +40,22 @@ export class Program {
       gl.deleteShader(shader);
     }
     gl.linkProgram(this.program);
+  }
+
+  private linked(): Map<string, { place: WebGLUniformLocation; type: number }> {
+    if (this.places) return this.places;
+    const { gl } = this;
     if (!gl.getProgramParameter(this.program, gl.LINK_STATUS) && !gl.isContextLost()) {
       const logs = gl.getAttachedShaders(this.program)!.map((shader) => gl.getShaderInfoLog(shader));
       throw new NoWebGl(`The graphics driver refused a shader: ${[gl.getProgramInfoLog(this.program), ...logs].join(" ")}`);
     }
+    const places = (this.places = new Map());
     const count = gl.getProgramParameter(this.program, gl.ACTIVE_UNIFORMS) as number;
     for (let i = 0; i < count; ++i) {
       const { name, type } = gl.getActiveUniform(this.program, i)!;
-      this.places.set(name, { place: gl.getUniformLocation(this.program, name)!, type });
+      places.set(name, { place: gl.getUniformLocation(this.program, name)!, type });
     }
+    return places;
   }
 
   use(values: Record<string, Value>): void {
@@ -57,8 +65,9 @@ export class Program {
 
   set(values: Record<string, Value>): void {
     const { gl } = this;
+    const places = this.linked();
     for (const [name, value] of Object.entries(values)) {
-      const uniform = this.places.get(name);
+      const uniform = places.get(name);
       if (!uniform) continue; // optimised away
       const { place, type } = uniform;
       if (type === gl.FLOAT) gl.uniform1f(place, value as number);

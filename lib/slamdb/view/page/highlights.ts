@@ -4,7 +4,7 @@ import { type Theme, statusColour } from "./colours";
 import { addFrustum, frustum, imagePlane, isDrawnKeyframe } from "./keyframes";
 import { type Vec3, add, cross, length, normalized, scale, subtract } from "./maths";
 import type { Model } from "./model";
-import { Status, birthOf, hasPose, isHiddenPoint, mapOfKeyframe, mapOfPoint } from "./scene";
+import { type Scene, Status, birthOf, hasPose, isHiddenPoint, mapOfKeyframe, mapOfPoint } from "./scene";
 import { Lines, Marks } from "./shapes";
 import { kPaint } from "./theme";
 
@@ -43,10 +43,16 @@ function lightPoint(model: Model, row: number, lit: Lit, theme: Theme, depth: nu
   }
 }
 
-/** Rows of the points that a keyframe sees, by the points' own word. */
+let lastSeen: { scene: Scene; keyframe: number; points: number[] } | null = null;
+
+/** Rows of the points that a keyframe sees, by the points' own word. The last answer is kept: several ask for the same. */
 export function pointsSeenBy(model: Model, keyframe: number): number[] {
-  const map = mapOfKeyframe(model.scene, keyframe);
-  return model.scene.points.seen.seenBy(keyframe, map.first_point, map.first_point + map.points);
+  const { scene } = model;
+  if (lastSeen?.scene !== scene || lastSeen.keyframe !== keyframe) {
+    const map = mapOfKeyframe(scene, keyframe);
+    lastSeen = { scene, keyframe, points: scene.points.seen.seenBy(keyframe, map.first_point, map.first_point + map.points) };
+  }
+  return lastSeen.points;
 }
 
 function lightKeyframe(model: Model, row: number, lit: Lit, theme: Theme, depth: number): void {

@@ -27,7 +27,7 @@ export function usualFrustum(scene: Scene, extent: number): number {
     for (let i = 1; i < rows.length; ++i) steps.push(distance(keyframeCentre(scene, rows[i - 1]), keyframeCentre(scene, rows[i])));
   }
   const step = quantile(Float64Array.from(steps).sort(), 0.5);
-  return clamp(step * 1.1, extent * 0.003, extent * 0.022);
+  return clamp(step * 2.2, extent * 0.008, extent * 0.03);
 }
 
 /** Rows of a map's keyframes that have a place, in the order of time. */

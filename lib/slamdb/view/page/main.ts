@@ -13,7 +13,7 @@ import { buildPanel } from "./panel";
 import { Pointer } from "./pointer";
 import { buildScaleBar } from "./scale_bar";
 import type { Scene } from "./scene";
-import { Stage } from "./stage";
+import { type Drawing, Stage, openDrawing } from "./stage";
 import { resolvedTheme } from "./theme";
 import { buildTimeline } from "./timeline";
 import { buildActions, buildToolbar } from "./toolbar";
@@ -56,10 +56,10 @@ function notice(text: string): void {
   noticeTimer = setTimeout(() => (place.hidden = true), 6000) as unknown as number;
 }
 
-function assemble(scene: Scene): { model: Model; stage: Stage; start: () => void } {
+function assemble(drawing: Drawing, scene: Scene): { model: Model; stage: Stage; start: () => void } {
   const model = new Model(scene);
   const pose = readAddress(model, location.hash);
-  const stage = new Stage(byId("view") as HTMLCanvasElement, model);
+  const stage = new Stage(drawing, model);
   const motion = matchMedia("(prefers-reduced-motion: reduce)");
   stage.camera.calm = motion.matches;
   motion.addEventListener("change", () => (stage.camera.calm = motion.matches));
@@ -79,11 +79,16 @@ function start(model: Model, stage: Stage, pose: typeof stage.camera.pose | null
     scaleBar();
     tape.place();
   };
-  const fit = (): void => stage.resize(innerWidth, innerHeight, panel.inset());
+  const fit = (): void => {
+    const inspector = byId("inspector");
+    const covered = inspector.hidden || innerWidth <= 900 ? 0 : innerWidth - inspector.getBoundingClientRect().left;
+    stage.resize(innerWidth, innerHeight, panel.inset(), covered);
+  };
   const panel = buildPanel(model, stage, fit);
   const actions = buildActions(model, stage, tape, notice);
   buildToolbar(model, stage, tape, actions);
   buildInspector(model, stage);
+  model.on(["selection"], fit);
   const timeline = buildTimeline(model, stage);
   listenToKeys({ model, stage, tape, timeline, actions, togglePanel: panel.toggle });
   new Pointer(model, stage, tape);
@@ -96,9 +101,12 @@ function start(model: Model, stage: Stage, pose: typeof stage.camera.pose | null
 
 async function main(): Promise<void> {
   document.documentElement.dataset.theme = resolvedTheme("auto");
+  const drawing = openDrawing(byId("view") as HTMLCanvasElement);
   const scene = await readScene(pageBlocks(), showProgress);
-  const { model, stage, start } = assemble(scene);
+
+  const { model, stage, start } = assemble(drawing, scene);
   await stage.upload(breathe);
+
   start();
   byId("loading").hidden = true;
   stage.request();

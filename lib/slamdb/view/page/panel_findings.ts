@@ -17,7 +17,7 @@ export function buildFindingsSection(model: Model, stage: Stage): HTMLElement | 
   const list = h("ol", { class: "findings", "aria-label": "Findings" });
   let page = -1;
   const refresh = (): void => {
-    const total = grouped(findings.length + leftOut);
+    const total = grouped(findings.length);
     at.textContent = model.finding < 0 ? total : `${grouped(model.finding + 1)} of ${total}`;
     const wanted = Math.floor(Math.max(0, model.finding) / kListed);
     if (wanted !== page) {
@@ -34,7 +34,7 @@ export function buildFindingsSection(model: Model, stage: Stage): HTMLElement | 
     iconButton("back", "Finding before", () => stepFinding(model, stage, -1), { class: "icon small", "aria-keyshortcuts": "Shift+N" }), at,
     iconButton("forward", "Next finding", () => stepFinding(model, stage, 1), { class: "icon small", "aria-keyshortcuts": "N" }));
   return section(`Findings (${grouped(findings.length + leftOut)})`, true, steps, list,
-    leftOut > 0 ? h("p", { class: "quiet" }, `${grouped(leftOut)} more are not in the page.`) : null);
+    leftOut > 0 ? h("p", { class: "quiet" }, `${grouped(leftOut)} more are not in the page: slamdb check lists all.`) : null);
 }
 
 function fill(list: HTMLElement, findings: Finding[], page: number, visit: (index: number) => void): void {

@@ -56,7 +56,7 @@ export function buildLayers(model: Model): HTMLElement {
     model.changed("size");
   });
   const hasWeights = model.scene.covisibility.count > 0;
-  const weight = hasWeights ? slider("Covisible from", { min: 15, max: 300, step: 5, value: settings.minWeight }, (value) => `${value} pts`, (value) => {
+  const weight = hasWeights ? slider("Weight from", { min: 15, max: 300, step: 5, value: settings.minWeight }, (value) => String(value), (value) => {
     settings.minWeight = value;
     settings.layers.covisibility = true;
     model.changed("size", "layers");

@@ -28,14 +28,17 @@ void main() {
   result = id;
 }`;
 
+export const pickProgram = (gl: Gl): Program => new Program(gl, kVertex, kFragment);
+
 export class Picker {
-  private readonly program: Program;
   private readonly target: WebGLFramebuffer;
   private readonly pixels = new Uint32Array(kSide * kSide);
   lastMs = 0;
 
-  constructor(private readonly gl: Gl, private readonly scene: Scene, private readonly cloud: PointCloud, private readonly shapes: ShapePrograms) {
-    this.program = new Program(gl, kVertex, kFragment);
+  constructor(
+    private readonly gl: Gl, private readonly program: Program, private readonly scene: Scene, private readonly cloud: PointCloud,
+    private readonly shapes: ShapePrograms,
+  ) {
     this.target = gl.createFramebuffer()!;
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     for (const [format, attachment] of [[gl.R32UI, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]] as const) {

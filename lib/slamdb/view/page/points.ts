@@ -84,6 +84,8 @@ void main() {
   result = vec4(colour * rim, cover);
 }`;
 
+export const pointProgram = (gl: Gl): Program => new Program(gl, kVertex, kFragment);
+
 interface MapBuffers {
   map: SceneMap;
   array: WebGLVertexArrayObject;
@@ -106,12 +108,10 @@ export interface PointLook {
 }
 
 export class PointCloud {
-  private readonly program: Program;
   private readonly buffers: MapBuffers[] = [];
   private readonly palette: WebGLTexture;
 
-  constructor(private readonly gl: Gl, private readonly scene: Scene, private readonly frames: Frames) {
-    this.program = new Program(gl, kVertex, kFragment);
+  constructor(private readonly gl: Gl, private readonly program: Program, private readonly scene: Scene, private readonly frames: Frames) {
     this.palette = gl.createTexture()!;
   }
 

@@ -3,14 +3,14 @@
 import { Camera, widestAzimuth } from "./camera";
 import { type Shading, type Theme, palette, shade } from "./colours";
 import { type EdgeLayer, buildEdges } from "./edges";
-import { FrameClock, type Gl, isSoftware, openContext } from "./gl";
+import { FrameClock, type Gl, type Program, isSoftware, openContext } from "./gl";
 import { buildGrid, gridStep } from "./grid";
 import { buildFindings, buildLit, buildMoves } from "./highlights";
 import { buildCentres, buildFrusta, buildTrajectory, usualFrustum } from "./keyframes";
 import { type Vec3, distance } from "./maths";
 import type { LayerName, Model, Selection, Topic } from "./model";
-import { Picker } from "./pick";
-import { PointCloud, type PointLook, kAllBirths } from "./points";
+import { Picker, pickProgram } from "./pick";
+import { PointCloud, type PointLook, kAllBirths, pointProgram } from "./points";
 import { birthOf } from "./scene";
 import { Layer, Lines, Marks, ShapePrograms } from "./shapes";
 import { kPaint, resolvedTheme, unit } from "./theme";
@@ -21,7 +21,22 @@ const kRestAfter = 140;
 const kLineLayers = ["grid", "covisibility", "tree", "loops", "merges", "frusta", "trajectory", "moves", "lit", "rays", "tape"] as const;
 const kMarkLayers = ["centres", "points", "keypoints", "rings", "findings", "finding", "tapeEnds"] as const;
 
+/** What draws; made before there is anything to draw. */
+export interface Drawing {
+  canvas: HTMLCanvasElement;
+  gl: Gl;
+  points: Program;
+  pick: Program;
+  shapes: ShapePrograms;
+}
+
+export function openDrawing(canvas: HTMLCanvasElement): Drawing {
+  const gl = openContext(canvas);
+  return { canvas, gl, points: pointProgram(gl), shapes: new ShapePrograms(gl), pick: pickProgram(gl) };
+}
+
 export class Stage {
+  readonly canvas: HTMLCanvasElement;
   readonly gl: Gl;
   readonly camera = new Camera();
   readonly cloud: PointCloud;
@@ -45,13 +60,15 @@ export class Stage {
   private extent = 1;
   private gridCell = 0;
 
-  constructor(readonly canvas: HTMLCanvasElement, readonly model: Model) {
-    const gl = (this.gl = openContext(canvas));
+  constructor(drawing: Drawing, readonly model: Model) {
+    const { canvas, gl } = drawing;
+    this.canvas = canvas;
+    this.gl = gl;
     this.software = isSoftware(gl);
     this.theme = resolvedTheme(model.settings.theme);
-    this.cloud = new PointCloud(gl, model.scene, model.frames);
-    this.shapes = new ShapePrograms(gl);
-    this.picker = new Picker(gl, model.scene, this.cloud, this.shapes);
+    this.cloud = new PointCloud(gl, drawing.points, model.scene, model.frames);
+    this.shapes = drawing.shapes;
+    this.picker = new Picker(gl, drawing.pick, model.scene, this.cloud, this.shapes);
     this.clock = new FrameClock(gl);
     this.movingBudget = this.software ? 150_000 : 1_500_000;
     for (const name of kLineLayers) this.layers[name] = new Layer(gl, "lines");
@@ -160,11 +177,12 @@ export class Stage {
     return this.camera.framed(landmarks, plan ? azimuth - 0.3 : azimuth, plan ? Math.PI / 2 : 0.62, plan);
   }
 
-  resize(width: number, height: number, inset: number): void {
+  resize(width: number, height: number, left: number, right: number): void {
     this.pixelRatio = Math.min(devicePixelRatio || 1, this.software ? 1.5 : 3);
     const w = Math.max(1, Math.round(width * this.pixelRatio)), h = Math.max(1, Math.round(height * this.pixelRatio));
     if (this.canvas.width !== w || this.canvas.height !== h) [this.canvas.width, this.canvas.height] = [w, h];
-    [this.camera.width, this.camera.height, this.camera.inset] = [Math.max(1, width), Math.max(1, height), inset];
+    [this.camera.width, this.camera.height] = [Math.max(1, width), Math.max(1, height)];
+    this.camera.insets = { left, right };
     this.request();
   }
 
@@ -284,7 +302,7 @@ export class Stage {
     if (shown("keypoints")) shapes.draw(layers.keypoints, { size: 2.6 * px });
     shapes.draw(layers.rings, { size: 19 * px, ring: 2 * px });
     if (shown("findings")) {
-      shapes.draw(layers.findings, { size: 11 * px, ring: 2 * px });
+      shapes.draw(layers.findings, { size: 9 * px, ring: 1.7 * px });
       shapes.draw(layers.finding, { size: 24 * px, ring: 3 * px });
     }
     shapes.draw(layers.tape, { size: 2.2 * px });

@@ -23,11 +23,13 @@ export function buildActions(model: Model, stage: Stage, tape: Tape, notice: (te
   const plan = (): void => {
     const { pose } = stage.camera;
     if (!pose.plan) {
-      // The same place and scale, seen from straight above.
-      const { azimuth } = stage.home(true);
-      stage.camera.flyTo({ ...pose, azimuth, elevation: Math.PI / 2, plan: true }, performance.now());
+      // The same place and scale, seen from straight above; all of it where all of it was seen.
+      const home = stage.home(true);
+      const overview = pose.distance > home.distance * 0.6;
+      stage.camera.flyTo(overview ? home : { ...pose, azimuth: home.azimuth, elevation: Math.PI / 2, plan: true }, performance.now());
     } else {
-      stage.camera.flyTo({ ...pose, elevation: 0.62, plan: false }, performance.now());
+      const home = stage.home();
+      stage.camera.flyTo(pose.distance > home.distance * 0.6 ? home : { ...pose, elevation: home.elevation, plan: false }, performance.now());
     }
     stage.moved();
   };
