@@ -8,7 +8,7 @@ import { dirname, join } from "node:path";
 const kHere = dirname(fileURLToPath(import.meta.url));
 
 /** Of the checkout: bundles lie in build/view_page, the page in lib/slamdb/view/page. */
-export const kRoot = process.env.SLAMDB_ROOT ?? join(kHere, "../..");
+export const kRoot = process.env.SLAMDB_ROOT ?? join(kHere, "../../..");
 export const kPageFolder = join(kRoot, "lib/slamdb/view/page");
 
 const hashOf = (text: string): string => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;

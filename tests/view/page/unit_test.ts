@@ -14,7 +14,7 @@ import { octahedral } from "../../../lib/slamdb/view/page/inspector";
 import { compose, distance, rotate, turnAboutZ, turnBetween, type Vec3 } from "../../../lib/slamdb/view/page/maths";
 import { Model } from "../../../lib/slamdb/view/page/model";
 import { countStatuses } from "../../../lib/slamdb/view/page/panel_diff";
-import { kKeyframeBit, frustum, usualFrustum } from "../../../lib/slamdb/view/page/keyframes";
+import { buildTrajectory, isBreak, kKeyframeBit, frustum, usualFrustum } from "../../../lib/slamdb/view/page/keyframes";
 import { nearestNumber, selectionOf } from "../../../lib/slamdb/view/page/pick";
 import { inOrder, rowOfIndex } from "../../../lib/slamdb/view/page/points";
 import { scaleOf } from "../../../lib/slamdb/view/page/scale_bar";
@@ -165,7 +165,7 @@ test("quaternions turn as matrices do", () => {
 function cameraAt(): Camera {
   const camera = new Camera();
   [camera.width, camera.height] = [800, 600];
-  camera.pose = { target: [1, 2, 3], distance: 10, azimuth: 0, elevation: 0, plan: false };
+  camera.pose = { target: [1, 2, 3], distance: 10, azimuth: 0, elevation: 0, plan: false, aside: 0 };
   return camera;
 }
 
@@ -176,8 +176,10 @@ test("camera: the target is in the middle, up is up, right is right", () => {
   assert.ok(camera.project([1, 2, 4])!.y < 300, "z is up");
   assert.ok(camera.project([1, 3, 3])!.x > 400, "seen from x, y is at the right");
   assert.equal(camera.project([12, 2, 3]), null, "behind the eye");
-  camera.insets = { left: 200, right: 0 };
+  camera.inset = 200;
   near(camera.project([1, 2, 3])!.x, 500, 1e-3);
+  camera.pose.aside = 300;
+  near(camera.project([1, 2, 3])!.x, 350, 1e-3);
 });
 
 test("camera: zoom keeps what is under the pixel, in plan exactly", () => {
@@ -397,7 +399,7 @@ test("the address holds what is seen, and survives nonsense", async () => {
   model.frames.visible[1] = false;
   model.frames.offsets[0].splice(0, 4, 1.5, 0, -2, 30);
   model.selection = { kind: "point", row: 42 };
-  const pose = { target: [1, 2, 3] as Vec3, distance: 5, azimuth: 0.5, elevation: 1, plan: true };
+  const pose = { target: [1, 2, 3] as Vec3, distance: 5, azimuth: 0.5, elevation: 1, plan: true, aside: 290 };
   const address = writeAddress(model, pose);
   const other = new Model(model.scene);
   assert.deepEqual(readAddress(other, `#${address}`), pose);
@@ -422,4 +424,17 @@ test("the timeline shows nothing at 0, all at the end", async () => {
   assert.equal(shown(10), 4000);
   assert.ok(shown(5) > shown(4) && shown(4) > 0);
   assert.ok(mapOfKeyframe(model.scene, 3).index === 0);
+});
+
+test("the trajectory breaks where the camera did not go", async () => {
+  const plain = hall({ keyframes: 10, points: 10 });
+  plain.keyframes.origin = Int32Array.from([0, 0, 0, 0, 0, 1, 1, 1, 1, 1]);
+  const model = new Model(await read(plain));
+  assert.equal(isBreak(model.scene, 3, 4), false);
+  assert.equal(isBreak(model.scene, 4, 5), true);
+  assert.equal(buildTrajectory(model, "dark").count, 8);
+  const lost = hall({ keyframes: 100, points: 100 });
+  lost.keyframes.time.set(Array.from({ length: 50 }, (_, i) => 3600 + i), 50);
+  lost.keyframes.pose.set([7, 0, 0], 7 * 49);
+  assert.equal(isBreak(await read(lost), 49, 50), true);
 });

@@ -11,7 +11,7 @@ const short = (value: number): string => String(Number(value.toPrecision(6)));
 export function writeAddress(model: Model, pose: CameraPose): string {
   const { settings, selection, frames, scene } = model;
   const parts: [string, string][] = [
-    ["c", [pose.azimuth, pose.elevation, pose.distance, ...pose.target].map(short).join(",") + (pose.plan ? ",plan" : "")],
+    ["c", [pose.azimuth, pose.elevation, pose.distance, ...pose.target, pose.aside].map(short).join(",") + (pose.plan ? ",plan" : "")],
     ["m", settings.colour],
     ["l", kLayers.map((layer) => (settings.layers[layer] ? "1" : "0")).join("")],
   ];
@@ -75,10 +75,10 @@ export function readAddress(model: Model, hash: string): CameraPose | null {
 
 function readPose(text: string): CameraPose | null {
   const parts = text.split(",");
-  const numbers = parts.slice(0, 6).map(Number);
-  if (numbers.length !== 6 || !numbers.every(Number.isFinite) || !(numbers[2] > 0)) return null;
-  const [azimuth, elevation, distance, x, y, z] = numbers;
-  return { azimuth, elevation, distance, target: [x, y, z], plan: parts[6] === "plan" };
+  const numbers = parts.slice(0, 7).map(Number);
+  if (numbers.length !== 7 || !numbers.every(Number.isFinite) || !(numbers[2] > 0)) return null;
+  const [azimuth, elevation, distance, x, y, z, aside] = numbers;
+  return { azimuth, elevation, distance, target: [x, y, z], aside, plan: parts[7] === "plan" };
 }
 
 /** Follows the model: the address is written when things rest. */

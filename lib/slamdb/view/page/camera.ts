@@ -10,6 +10,7 @@ export interface CameraPose {
   azimuth: number; // radians, of the eye as seen from the target
   elevation: number;
   plan: boolean;
+  aside: number; // CSS pixels at the right that the inspector covers: flights to a selection show it beside that
 }
 
 export interface Projected {
@@ -32,10 +33,10 @@ interface Flight {
 }
 
 export class Camera {
-  pose: CameraPose = { target: [0, 0, 0], distance: 10, azimuth: -1.2, elevation: 0.6, plan: false };
+  pose: CameraPose = { target: [0, 0, 0], distance: 10, azimuth: -1.2, elevation: 0.6, plan: false, aside: 0 };
   width = 1;
   height = 1;
-  insets = { left: 0, right: 0 }; // CSS pixels that panel and inspector cover: the target is in the middle of the rest
+  inset = 0; // CSS pixels at the left that the panel covers: the target is in the middle of the rest
   radius = 10; // of the scene, for the depth range
   calm = false; // no flights: the user prefers reduced motion
   private flight: Flight | null = null;
@@ -62,7 +63,7 @@ export class Camera {
     const far = distance + this.radius * 4;
     const half = distance * kTan;
     const lens = plan ? orthographic(half * aspect, half, -far, far) : perspective(kFov, aspect, Math.max(distance * 0.01, far * 1e-5), far);
-    const shift = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, (this.insets.left - this.insets.right) / this.width, 0, 0, 1]);
+    const shift = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, (this.inset - this.pose.aside) / this.width, 0, 0, 1]);
     return multiply(shift, multiply(lens, view));
   }
 
@@ -97,7 +98,7 @@ export class Camera {
   }
 
   centre(): [number, number] {
-    return [(this.width + this.insets.left - this.insets.right) / 2, this.height / 2];
+    return [(this.width + this.inset - this.pose.aside) / 2, this.height / 2];
   }
 
   /** null behind the eye. */
@@ -123,17 +124,17 @@ export class Camera {
   framed(landmarks: Vec3[], azimuth: number, elevation: number, plan = false): CameraPose {
     const target = middle(landmarks);
     const looking = new Camera();
-    looking.pose = { target, distance: 1, azimuth, elevation, plan };
+    looking.pose = { target, distance: 1, azimuth, elevation, plan, aside: 0 };
     const { right, up, back } = looking.basis();
     const tanY = kTan * 0.9;
-    const tanX = (kTan * 0.9 * Math.max(this.width - this.insets.left - this.insets.right, 50)) / this.height;
+    const tanX = (kTan * 0.9 * Math.max(this.width - this.inset, 50)) / this.height;
     const needed = landmarks.map((p) => {
       const q = subtract(p, target);
       const aside = Math.max(Math.abs(dot(q, right)) / tanX, Math.abs(dot(q, up)) / tanY);
       return plan ? aside : aside + dot(q, back);
     });
-    const distance = quantile(Float64Array.from(needed).sort(), 0.985);
-    return { target, distance: clamp(distance || 1, kSmallest, kLargest), azimuth, elevation, plan };
+    const distance = quantile(Float64Array.from(needed).sort(), 0.99);
+    return { target, distance: clamp(distance || 1, kSmallest, kLargest), azimuth, elevation, plan, aside: 0 };
   }
 
   flyTo(to: CameraPose, now: number, duration = 520): void {
@@ -149,9 +150,9 @@ export class Camera {
   }
 
   /** The same side, nearer: shows `target` with `radius` about it. */
-  flyNear(target: Vec3, radius: number, now: number): void {
+  flyNear(target: Vec3, radius: number, now: number, aside = this.pose.aside): void {
     const distance = Math.max(radius / kTan, kSmallest);
-    this.flyTo({ ...this.pose, target, distance: Math.min(distance, Math.max(this.pose.distance, distance * 0.5)) }, now);
+    this.flyTo({ ...this.pose, target, aside, distance: Math.min(distance, Math.max(this.pose.distance, distance * 0.5)) }, now);
   }
 
   stop(): void {
@@ -175,6 +176,7 @@ export class Camera {
       azimuth: mix(from.azimuth, to.azimuth, t),
       elevation: mix(from.elevation, to.elevation, t),
       plan: from.plan && to.plan,
+      aside: mix(from.aside, to.aside, t),
     };
     return true;
   }

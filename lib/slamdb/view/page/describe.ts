@@ -51,15 +51,17 @@ export function visit(model: Model, stage: Stage, selection: NonNullable<Selecti
   model.select(selection);
   const place = placeOf(model, selection);
   if (!place) return;
-  stage.camera.flyNear(place, surroundings(model, stage, selection, place), performance.now());
-  stage.request();
+  stage.flyNear(place, surroundings(model, stage, selection, place));
 }
 
-/** How far about a place one wants to see: a keyframe with what it looks at. */
+/** How far about a place one wants to see: a keyframe with what it looks at, a point with who sees it. */
 function surroundings(model: Model, stage: Stage, selection: NonNullable<Selection>, place: Vec3): number {
   const usual = Math.max(stage.frustumDepth * 9, 1e-3);
-  if (selection.kind === "point") return usual;
-  const away = pointsSeenBy(model, selection.row).filter((row) => !isHiddenPoint(model.scene, row)).map((row) => distance(place, model.frames.point(row)));
+  const { scene, frames } = model;
+  const others = selection.kind === "keyframe"
+    ? pointsSeenBy(model, selection.row).filter((row) => !isHiddenPoint(scene, row)).map((row) => frames.point(row))
+    : [...scene.points.seen.of(selection.row)].filter((row) => hasPose(scene, row)).map((row) => frames.keyframe(row));
+  const away = others.map((other) => distance(place, other));
   return Math.max(usual, Math.min(usual * 4, quantile(Float64Array.from(away).sort(), 0.5) * 0.8));
 }
 

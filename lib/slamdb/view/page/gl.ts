@@ -5,18 +5,27 @@ export type Gl = WebGL2RenderingContext;
 
 export class NoWebGl extends Error {}
 
-export function openContext(canvas: HTMLCanvasElement): Gl {
-  const gl = canvas.getContext("webgl2", { antialias: true, alpha: false, powerPreference: "high-performance" });
+export interface Context {
+  gl: Gl;
+  software: boolean; // a processor draws, not a graphics card
+  multisampled: boolean;
+}
+
+/** With several samples a pixel, but where a processor draws: that halves its frames. */
+export function openContext(canvas: HTMLCanvasElement): Context {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  const software = probe !== null && isSoftware(probe);
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  const gl = canvas.getContext("webgl2", { antialias: !software, alpha: false, powerPreference: "high-performance" });
   if (!gl) {
     throw new NoWebGl(
       "This browser cannot draw in 3D here: WebGL2 is missing or switched off. A current Firefox, Chrome, Edge or Safari has it; in a remote desktop or a virtual machine, software rendering may have to be allowed.",
     );
   }
-  return gl;
+  return { gl, software, multisampled: (gl.getParameter(gl.SAMPLES) as number) > 1 };
 }
 
-/** Whether a processor draws instead of a graphics card. */
-export function isSoftware(gl: Gl): boolean {
+function isSoftware(gl: Gl): boolean {
   const info = gl.getExtension("WEBGL_debug_renderer_info");
   const name = String(info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : gl.getParameter(gl.RENDERER));
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);

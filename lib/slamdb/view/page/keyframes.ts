@@ -4,6 +4,7 @@ import { type Rgb, category, statusColour, type Theme } from "./colours";
 import { drawnStatuses } from "./frames";
 import { type Vec3, add, clamp, distance, length, quantile, scale, subtract } from "./maths";
 import type { Model } from "./model";
+import { inOrder } from "./points";
 import { type HeaderCamera, type Scene, type SceneMap, KeyframeFlag, Status, birthOf, hasPose, keyframeCentre, mapOfKeyframe } from "./scene";
 import { Lines, Marks } from "./shapes";
 import { kPaint } from "./theme";
@@ -19,15 +20,40 @@ export function isDrawnKeyframe(model: Model, row: number): boolean {
   return (drawnStatuses(scene, map, settings.statuses) & (1 << (scene.keyframes.status?.[row] ?? 0))) !== 0;
 }
 
-/** Depth of a frustum that suits the scene: about the step from one keyframe to the next. */
-export function usualFrustum(scene: Scene, extent: number): number {
-  const steps: number[] = [];
-  for (const map of scene.maps) {
-    const rows = inTime(scene, map);
-    for (let i = 1; i < rows.length; ++i) steps.push(distance(keyframeCentre(scene, rows[i - 1]), keyframeCentre(scene, rows[i])));
+interface Steps {
+  length: number; // from one keyframe to the next, the median
+  time: number;
+}
+
+const stepsOf = new WeakMap<Scene, Steps>();
+
+function usualSteps(scene: Scene): Steps {
+  let steps = stepsOf.get(scene);
+  if (!steps) {
+    const lengths: number[] = [];
+    const times: number[] = [];
+    for (const map of scene.maps) {
+      const rows = inTime(scene, map);
+      for (let i = 1; i < rows.length; ++i) {
+        lengths.push(distance(keyframeCentre(scene, rows[i - 1]), keyframeCentre(scene, rows[i])));
+        times.push(scene.keyframes.time[rows[i]] - scene.keyframes.time[rows[i - 1]]);
+      }
+    }
+    steps = { length: quantile(Float64Array.from(lengths).sort(), 0.5), time: quantile(Float64Array.from(times).sort(), 0.5) };
+    stepsOf.set(scene, steps);
   }
-  const step = quantile(Float64Array.from(steps).sort(), 0.5);
-  return clamp(step * 2.2, extent * 0.008, extent * 0.03);
+  return steps;
+}
+
+/** Depth of a frustum that suits the scene: some steps from one keyframe to the next. */
+export const usualFrustum = (scene: Scene, extent: number): number => clamp(usualSteps(scene).length * 2.2, extent * 0.006, extent * 0.03);
+
+/** Whether the camera did not go from one to the other: another origin map, or far away after a long while. */
+export function isBreak(scene: Scene, from: number, to: number): boolean {
+  const { origin, time } = scene.keyframes;
+  if (origin[from] !== origin[to]) return true;
+  const usual = usualSteps(scene);
+  return time[to] - time[from] > usual.time * 30 && distance(keyframeCentre(scene, from), keyframeCentre(scene, to)) > usual.length * 5;
 }
 
 /** Rows of a map's keyframes that have a place, in the order of time. */
@@ -104,12 +130,14 @@ function keyframeColour(model: Model, map: SceneMap, row: number, theme: Theme, 
 export function buildFrusta(model: Model, theme: Theme, depth: number): Lines {
   const lines = new Lines();
   const { scene } = model;
-  for (let row = 0; row < scene.keyframes.count; ++row) {
-    if (!isDrawnKeyframe(model, row)) continue;
+  // Where they overlap much, each is fainter.
+  const alpha = 0.62 * clamp((usualSteps(scene).length * 2.5) / depth, 0.22, 1);
+  inOrder(scene.keyframes.count, (row) => {
+    if (!isDrawnKeyframe(model, row)) return;
     const colour = keyframeColour(model, mapOfKeyframe(scene, row), row, theme, kPaint[theme].frusta);
     const birth = birthOf(scene.keyframes.rank[row], scene.keyframes.count);
-    addFrustum(lines, frustum(model, row, depth), colour, 0.6, birth, kKeyframeBit + row);
-  }
+    addFrustum(lines, frustum(model, row, depth), colour, alpha, birth, kKeyframeBit + row);
+  });
   return lines;
 }
 
@@ -130,10 +158,13 @@ export function buildTrajectory(model: Model, theme: Theme): Lines {
   for (const map of scene.maps) {
     let last = -1;
     for (const row of inTime(scene, map)) {
-      if (!isDrawnKeyframe(model, row)) continue;
+      if (!isDrawnKeyframe(model, row)) {
+        last = -1;
+        continue;
+      }
       const colour = keyframeColour(model, map, row, theme, kPaint[theme].trajectory);
       const birth = birthOf(scene.keyframes.rank[row], scene.keyframes.count);
-      if (last >= 0) lines.add(frames.keyframe(last), frames.keyframe(row), colour, 1, birth, kKeyframeBit + row);
+      if (last >= 0 && !isBreak(scene, last, row)) lines.add(frames.keyframe(last), frames.keyframe(row), colour, 1, birth, kKeyframeBit + row);
       last = row;
     }
   }

@@ -114,7 +114,7 @@ function buildHelp(table: Key[]): void {
   const list = (entries: [string, string][]): HTMLElement =>
     h("dl", {}, ...entries.flatMap(([label, does]) => [h("dt", {}, h("kbd", {}, label)), h("dd", {}, does)]));
   const keys = table.map(({ label, does }): [string, string] => [label, does]);
-  const half = Math.ceil(keys.length / 2);
+  const half = Math.ceil((keys.length + kGestures.length) / 2);
   refill(dialog,
     h("header", {}, h("h1", {}, "Keys and gestures"), iconButton("close", "Close", toggleHelp)),
     h("div", { class: "columns" }, list(keys.slice(0, half)), list(keys.slice(half)), list(kGestures)),

@@ -79,16 +79,11 @@ function start(model: Model, stage: Stage, pose: typeof stage.camera.pose | null
     scaleBar();
     tape.place();
   };
-  const fit = (): void => {
-    const inspector = byId("inspector");
-    const covered = inspector.hidden || innerWidth <= 900 ? 0 : innerWidth - inspector.getBoundingClientRect().left;
-    stage.resize(innerWidth, innerHeight, panel.inset(), covered);
-  };
+  const fit = (): void => stage.resize(innerWidth, innerHeight, panel.inset());
   const panel = buildPanel(model, stage, fit);
   const actions = buildActions(model, stage, tape, notice);
   buildToolbar(model, stage, tape, actions);
   buildInspector(model, stage);
-  model.on(["selection"], fit);
   const timeline = buildTimeline(model, stage);
   listenToKeys({ model, stage, tape, timeline, actions, togglePanel: panel.toggle });
   new Pointer(model, stage, tape);

@@ -59,6 +59,5 @@ function visitFinding(model: Model, stage: Stage, index: number): void {
   const place = findingPlace(model, index);
   if (!place) return;
   if (finding.kind === "point" || finding.kind === "keyframe") model.select({ kind: finding.kind, row: finding.row });
-  stage.camera.flyNear(place, Math.max(stage.frustumDepth * 9, 1e-3), performance.now());
-  stage.request();
+  stage.flyNear(place, Math.max(stage.frustumDepth * 9, 1e-3));
 }

@@ -18,7 +18,7 @@ export function layerRows(model: Model): Row[] {
   const { scene } = model;
   const edges = (["covisibility", "tree", "loops", "merges"] as const).map((layer) => edgeCount(scene, layer));
   const all: Row[] = [
-    { layer: "points", label: "Points", paint: "plain", count: scene.points.count },
+    { layer: "points", label: "Points", count: scene.points.count },
     { layer: "trajectory", label: "Trajectory", paint: "trajectory" },
     { layer: "frusta", label: "Keyframes", paint: "frusta", count: scene.keyframes.count },
     { layer: "covisibility", label: "Covisibility", paint: "covisibility", count: edges[0] },
@@ -38,7 +38,7 @@ export function buildLayers(model: Model): HTMLElement {
   const { settings } = model;
   const boxes = layerRows(model).map(({ layer, label, paint, count }) => {
     const mark = swatch("transparent");
-    if (layer !== "points") mark.classList.add("line");
+    mark.classList.add("line");
     const recolour = (): void => {
       mark.style.background = paint ? css(kPaint[resolvedTheme(settings.theme)][paint]) : "transparent";
     };

@@ -2,7 +2,7 @@
 // beginning of a buffer is an even sample of the map: while the view moves, as much is drawn as the card manages in time.
 
 import { type Frames, drawnStatuses } from "./frames";
-import { type Gl, Program, pointAttributes } from "./gl";
+import { type Context, type Gl, Program, pointAttributes } from "./gl";
 import { matrixOf } from "./maths";
 import { type Scene, type SceneMap, kLastBirth } from "./scene";
 
@@ -75,11 +75,12 @@ void main() {
 const kFragment = `
 flat in vec3 colour;
 flat in float pixels;
+uniform float cover_from;
 out vec4 result;
 void main() {
   float r = length(gl_PointCoord * 2.0 - 1.0);
   float cover = pixels < 2.5 ? 1.0 : clamp((1.0 - r) * pixels * 0.5 + 0.5, 0.0, 1.0);
-  if (cover <= 0.05) discard;
+  if (cover <= cover_from) discard;
   float rim = pixels > 3.5 ? 1.0 - 0.28 * smoothstep(0.45, 1.0, r) : 1.0;
   result = vec4(colour * rim, cover);
 }`;
@@ -108,11 +109,13 @@ export interface PointLook {
 }
 
 export class PointCloud {
+  private readonly gl: Gl;
   private readonly buffers: MapBuffers[] = [];
   private readonly palette: WebGLTexture;
 
-  constructor(private readonly gl: Gl, private readonly program: Program, private readonly scene: Scene, private readonly frames: Frames) {
-    this.palette = gl.createTexture()!;
+  constructor(private readonly context: Context, private readonly program: Program, private readonly scene: Scene, private readonly frames: Frames) {
+    this.gl = context.gl;
+    this.palette = this.gl.createTexture()!;
   }
 
   /** In pieces, so that neither the browser nor the driver holds all points twice. */
@@ -195,7 +198,7 @@ export class PointCloud {
     gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
     gl.bindTexture(gl.TEXTURE_2D, this.palette);
     this.program.use({
-      palette: 0, background: look.background, glow: look.glow, fog: 0.72,
+      palette: 0, cover_from: this.context.multisampled ? 0.05 : 0.5, background: look.background, glow: look.glow, fog: 0.72,
       fog_begin: look.focus, fog_end: look.focus + look.radius * 2.6,
     });
     this.drawMaps(this.program, look);

@@ -186,6 +186,7 @@ export interface ShapeLook {
   opacity?: number;
   ring?: number;
   now?: number;
+  share?: number; // of the elements, from the first
 }
 
 /** Draws layers, and their numbers for picking. */
@@ -208,13 +209,14 @@ export class ShapePrograms {
     this.run(this.numbers[layer.kind], layer, look);
   }
 
-  private run(program: Program, layer: Layer, { size, opacity = 1, ring = 0, now = 1e9 }: ShapeLook): void {
+  private run(program: Program, layer: Layer, { size, opacity = 1, ring = 0, now = 1e9, share = 1 }: ShapeLook): void {
     const { gl } = this;
     if (layer.count === 0) return;
     program.use({ view_projection: this.viewProjection, viewport: this.viewport, width: size, size, opacity, ring, now });
+    const count = Math.ceil(layer.count * share);
     gl.bindVertexArray(layer.array);
-    if (layer.kind === "lines") gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, layer.count);
-    else gl.drawArrays(gl.POINTS, 0, layer.count);
+    if (layer.kind === "lines") gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+    else gl.drawArrays(gl.POINTS, 0, count);
     gl.bindVertexArray(null);
   }
 }

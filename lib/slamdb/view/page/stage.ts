@@ -3,7 +3,7 @@
 import { Camera, widestAzimuth } from "./camera";
 import { type Shading, type Theme, palette, shade } from "./colours";
 import { type EdgeLayer, buildEdges } from "./edges";
-import { FrameClock, type Gl, type Program, isSoftware, openContext } from "./gl";
+import { type Context, FrameClock, type Gl, type Program, openContext } from "./gl";
 import { buildGrid, gridStep } from "./grid";
 import { buildFindings, buildLit, buildMoves } from "./highlights";
 import { buildCentres, buildFrusta, buildTrajectory, usualFrustum } from "./keyframes";
@@ -16,23 +16,23 @@ import { Layer, Lines, Marks, ShapePrograms } from "./shapes";
 import { kPaint, resolvedTheme, unit } from "./theme";
 
 const kMovingMs = 26; // a frame, while the view moves
-const kRestMs = 1200; // a frame at rest, at most
+const kRestMs = 1500; // a frame at rest, at most
 const kRestAfter = 140;
 const kLineLayers = ["grid", "covisibility", "tree", "loops", "merges", "frusta", "trajectory", "moves", "lit", "rays", "tape"] as const;
 const kMarkLayers = ["centres", "points", "keypoints", "rings", "findings", "finding", "tapeEnds"] as const;
 
 /** What draws; made before there is anything to draw. */
-export interface Drawing {
+export interface Drawing extends Context {
   canvas: HTMLCanvasElement;
-  gl: Gl;
   points: Program;
   pick: Program;
   shapes: ShapePrograms;
 }
 
 export function openDrawing(canvas: HTMLCanvasElement): Drawing {
-  const gl = openContext(canvas);
-  return { canvas, gl, points: pointProgram(gl), shapes: new ShapePrograms(gl), pick: pickProgram(gl) };
+  const context = openContext(canvas);
+  const { gl } = context;
+  return { ...context, canvas, points: pointProgram(gl), shapes: new ShapePrograms(gl), pick: pickProgram(gl) };
 }
 
 export class Stage {
@@ -56,6 +56,7 @@ export class Stage {
   private movedAt = -1e9;
   private movingBudget: number;
   private share = 1;
+  private moving = false;
   private pointsPerMs = 0;
   private extent = 1;
   private gridCell = 0;
@@ -64,9 +65,9 @@ export class Stage {
     const { canvas, gl } = drawing;
     this.canvas = canvas;
     this.gl = gl;
-    this.software = isSoftware(gl);
+    this.software = drawing.software;
     this.theme = resolvedTheme(model.settings.theme);
-    this.cloud = new PointCloud(gl, drawing.points, model.scene, model.frames);
+    this.cloud = new PointCloud(drawing, drawing.points, model.scene, model.frames);
     this.shapes = drawing.shapes;
     this.picker = new Picker(gl, drawing.pick, model.scene, this.cloud, this.shapes);
     this.clock = new FrameClock(gl);
@@ -177,12 +178,20 @@ export class Stage {
     return this.camera.framed(landmarks, plan ? azimuth - 0.3 : azimuth, plan ? Math.PI / 2 : 0.62, plan);
   }
 
-  resize(width: number, height: number, left: number, right: number): void {
+  resize(width: number, height: number, inset: number): void {
     this.pixelRatio = Math.min(devicePixelRatio || 1, this.software ? 1.5 : 3);
     const w = Math.max(1, Math.round(width * this.pixelRatio)), h = Math.max(1, Math.round(height * this.pixelRatio));
     if (this.canvas.width !== w || this.canvas.height !== h) [this.canvas.width, this.canvas.height] = [w, h];
-    [this.camera.width, this.camera.height] = [Math.max(1, width), Math.max(1, height)];
-    this.camera.insets = { left, right };
+    [this.camera.width, this.camera.height, this.camera.inset] = [Math.max(1, width), Math.max(1, height), inset];
+    this.request();
+  }
+
+  /** Flies to a place, and shows `radius` about it beside the inspector. */
+  flyNear(place: Vec3, radius: number): void {
+    const inspector = document.getElementById("inspector");
+    const covered = !inspector || inspector.hidden || innerWidth <= 900 ? 0 : innerWidth - inspector.getBoundingClientRect().left;
+    this.camera.flyNear(place, radius, performance.now(), covered);
+    this.model.changed("camera");
     this.request();
   }
 
@@ -205,8 +214,9 @@ export class Stage {
 
   private frame(): void {
     const begin = performance.now();
-    const moving = this.camera.tick(begin) || begin - this.movedAt < kRestAfter;
-    if (this.camera.flying) this.model.changed("camera");
+    const flown = this.camera.tick(begin);
+    const moving = this.moving = flown || begin - this.movedAt < kRestAfter;
+    if (flown) this.model.changed("camera");
     this.dirty = this.camera.flying;
     this.share = this.shareNow(moving);
     const sent = this.model.scene.points.count * this.share;
@@ -218,7 +228,8 @@ export class Stage {
 
   private frameDone(moving: boolean, sent: number): void {
     const ms = this.clock.lastMs;
-    if (sent > 20000) this.pointsPerMs = sent / Math.max(ms, 1);
+    // The first frame pays for the start of the card; later ones may be held up by others: the best counts, and fades.
+    if (sent > 20000 && this.frames > 1) this.pointsPerMs = Math.max(sent / Math.max(ms, 1), this.pointsPerMs * 0.9);
     if (moving) {
       const factor = Math.min(1.3, Math.max(0.5, kMovingMs / Math.max(ms, 4)));
       this.movingBudget = Math.min(Math.max(this.movingBudget * factor, 20_000), Math.max(this.model.scene.points.count, 20_000) * 1.3);
@@ -237,6 +248,11 @@ export class Stage {
     const budget = Math.min(1, this.movingBudget / Math.max(this.model.scene.points.count, 1));
     if (moving) return budget;
     return Math.min(this.restShare(), Math.max(budget, this.frames === 0 ? budget : this.share * 4));
+  }
+
+  /** Of very many frusta some are left out while the view moves. */
+  private movingFrusta(): number {
+    return Math.min(1, (this.software ? 250 : 20_000) / Math.max(1, this.model.scene.keyframes.count));
   }
 
   private pointLook(): PointLook {
@@ -279,7 +295,7 @@ export class Stage {
     if (shown("covisibility")) shapes.draw(layers.covisibility, { size: 1 * px, now });
     if (shown("tree")) shapes.draw(layers.tree, { size: 1.4 * px, now });
     if (shown("moves")) shapes.draw(layers.moves, { size: 1.4 * px, now });
-    if (shown("frusta")) shapes.draw(layers.frusta, { size: 1.1 * px, now });
+    if (shown("frusta")) shapes.draw(layers.frusta, { size: 1.1 * px, now, share: this.moving ? this.movingFrusta() : 1 });
     // Through the points, faintly: where one has been is never lost to sight.
     for (const through of [true, false]) {
       if (through) gl.disable(gl.DEPTH_TEST);
@@ -353,6 +369,7 @@ export class Stage {
   /** A picture of what is seen, with all points, as PNG. */
   async picture(): Promise<Blob> {
     this.share = 1;
+    this.moving = false;
     this.draw();
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be made."))), "image/png");
