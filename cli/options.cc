@@ -79,7 +79,7 @@ void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const st
 }
 
 void RequireOutput(const std::string& output) {
-  if (output.empty()) RefuseUsage("OUTPUT is missing; -o/--output names it too");
+  if (output.empty()) RefuseUsage("the output is missing; -o/--output names it");
 }
 
 void AddTarget(CLI::App& verb, TargetOptions& options) {

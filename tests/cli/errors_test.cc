@@ -143,7 +143,7 @@ TEST(Usage, BoostVersionOutOfRange) {
 TEST(Usage, IsSaidInOneWay) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"info"}, "FILE is missing"},
-      {{"convert", kTiny}, "OUTPUT is missing"},
+      {{"convert", kTiny}, "the output is missing"},
       {{"convert", kTiny, "a.osa", "--to"}, "--to: a value is missing"},
       {{"convert", kTiny, "a.osa", "--to", "tumm"}, "found 'tumm'; did you mean 'tum'?"},
       {{"convert", kTiny, "a.osa", "--map", "x"}, "--map: expected a number, found 'x'"},
