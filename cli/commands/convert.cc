@@ -237,7 +237,7 @@ void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   if ((!options.origin.empty() || options.most_points) && !IsOnGlobe(output))
     RefuseUsage("--origin and --most-points are for KML and GeoJSON" + is);
   RefuseIdleTarget(output, options.target);
-  if (options.long_bytes && !output.keeps_encoding) RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
+  if (options.long_bytes && !output.id.starts_with("orbslam3")) RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
 
 // The atlas as it is to be written, or an Error: the selection, the repairs that --sanitize asks for, what is refused.

@@ -143,7 +143,7 @@ TEST_F(Guard, OneOutputAlone) {
     line.insert(line.end(), {"--output", "other.osa"});
     const ProcessResult result = RunSlamdb(line);
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_THAT(result.err, HasSubstr("--output and OUTPUT exclude each other"));
+    EXPECT_THAT(result.err, HasSubstr("OUTPUT and --output exclude each other"));
     EXPECT_FALSE(fs::exists("out.osa") || fs::exists("other.osa"));
     ++verbs;
   }
