@@ -158,8 +158,8 @@ TEST(Usage, IsSaidInOneWay) {
 
 TEST(Usage, EveryVerbRefusesAnUnknownOption) {
   for (const char* verb :
-       {"info", "show", "dump", "check", "convert", "merge", "renumber", "reassign-origin", "synthesize", "list", "log",
-        "remove", "stats", "vacuum", "backup", "migrate", "completion", "version", "man"}) {
+       {"info", "show", "dump",   "check", "convert", "merge",  "renumber", "reassign-origin", "synthesize", "add",
+        "list", "log",  "remove", "stats", "vacuum",  "backup", "migrate",  "completion",      "version",    "man"}) {
     SCOPED_TRACE(verb);
     ExpectUsageError({verb, "--no-such-option"}, "unknown option '--no-such-option'");
   }
