@@ -90,10 +90,20 @@ std::vector<TimedPosition> PositionsOf(const Poses& poses) {
   return positions;
 }
 
+// Some of the poses, evenly spaced in the list: keyframes enough to find a time offset by, which takes time for each.
+std::vector<TimedPosition> Thinned(std::vector<TimedPosition> positions) {
+  constexpr std::size_t kEnough = 1'000;
+  const std::size_t step = std::max<std::size_t>(1, positions.size() / kEnough);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < positions.size(); i += step) positions[kept++] = positions[i];
+  positions.resize(kept);
+  return positions;
+}
+
 // Finds the clocks' offset and how far apart the poses of a pair may then be.
 double FindTimeOffset(PairedTrajectories& paired, bool with_scale, double most) {
   const TrajectoryAlignmentOptions options{.max_time_difference = most, .fit = {.with_scale = with_scale}};
-  const auto found = EstimateTimeOffset(PositionsOf(paired.estimate), PositionsOf(paired.reference), options);
+  const auto found = EstimateTimeOffset(Thinned(PositionsOf(paired.estimate)), PositionsOf(paired.reference), options);
   if (!found) return most;
   paired.time_offset = found->seconds;
   if (found->rival != found->seconds)
