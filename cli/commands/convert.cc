@@ -89,16 +89,29 @@ PointColor ColorAsked(const ConvertOptions& options) {
   return PointColor::kMap;
 }
 
-// Where on earth the maps are: as asked for, or as `transform` has kept it beside the input.
-std::optional<Geodetic> OriginOf(const ConvertOptions& options, const Atlas& atlas, Notices& notices) {
-  if (!options.origin.empty()) return ParseGeodetic(options.origin);
+bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id == "geojson"; }
+
+// Where on earth the maps are: as asked for, or as `transform` has kept it beside the input. Throws
+// CLI::ValidationError where nothing tells it.
+std::optional<Georeference> WhereOnEarth(const ConvertOptions& options, const Format& output, Notices& notices) {
+  if (!IsOnGlobe(output)) return std::nullopt;
+  if (!options.origin.empty()) return Georeference{ParseGeodetic(options.origin), {}};
   const std::optional<Georeference> found = FindGeoreference(options.input);
-  if (!found) return std::nullopt;
+  if (!found)
+    RefuseUsage(
+        "a " + std::string(output.title) +
+        " needs --origin LAT,LON,ALT, where the frame of the maps begins; `slamdb transform --georeference` finds "
+        "it, and keeps it in " +
+        GeoreferencePath(options.input));
   notices.Note("the origin is that of " + GeoreferencePath(options.input));
+  return found;
+}
+
+void WarnOfMapsElsewhere(const Atlas& atlas, const Georeference& where, Notices& notices) {
+  if (where.maps.empty()) return;  // as asked for
   for (const Map& map : atlas.maps)
-    if (std::ranges::find(found->maps, map.id) == found->maps.end() && !map.keyframes.empty())
+    if (std::ranges::find(where.maps, map.id) == where.maps.end() && !map.keyframes.empty())
       notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
-  return found->origin;
 }
 
 // Empty: as the output's suffix has it.
@@ -151,7 +164,6 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   return Finish({}, output, format, console, notices);
 }
 
-bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id == "geojson"; }
 bool HasColors(const Format& format) {
   return format.id == "ply" || format.id == "pcd" || format.id == "gltf" || format.id == "mcap";
 }
@@ -176,6 +188,9 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   RefuseIdleOptions(format, options);
   RefuseBinaryOnTerminal(output, format, options.ascii);
 
+  Notices notices;
+  const std::optional<Georeference> where = WhereOnEarth(options, format, notices);
+
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.selection = ParseSelection(options.selection);
   read.of<TrajectoryReadOptions>() = options.times.ForReading();
@@ -183,7 +198,6 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
   if (IsOfTrajectories(held, format, options))
     return ConvertPoses(held, output, format, read, WriteOptionsOf(options, read.selection, console), console);
-  Notices notices;
   Atlas atlas = ReadAtlas(held, read, &notices);
   Inputs inputs;
   inputs.Add(atlas);
@@ -195,8 +209,9 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
   if (read.selection.has_keyframe_range() && SubstanceOf(atlas).landmarks)
     notices.Warn("landmarks belong to no keyframe: the ranges of keyframes and times leave out none of them");
+  if (where) WarnOfMapsElsewhere(atlas, *where, notices);
   WriteOptions write = WriteOptionsOf(options, read.selection, console);
-  if (IsOnGlobe(format)) write.of<GeographicOptions>().origin = OriginOf(options, atlas, notices);
+  if (where) write.of<GeographicOptions>().origin = where->origin;
   WriteAtlas(atlas, output, write, &notices);
 
   const ExitCode finished = Finish(Summary(atlas, output), output, format, console, notices);
@@ -212,7 +227,7 @@ void BindViewerOptions(CLI::App& verb, ConvertOptions& options) {
           "What the colour of a point tells, in PLY, PCD, glTF and MCAP: map (by default), error, observations, "
           "height or age")
       ->type_name("WHAT")
-      ->check(CLI::IsMember(colors))
+      ->check(CLI::IsMember(colors).description({}))
       ->group(kGroup);
   verb.add_flag("--cameras", options.cameras, "Write cameras and their path into PLY too, as edges")->group(kGroup);
   verb.add_option("--origin", options.origin,
