@@ -149,8 +149,7 @@ void Warn(TrajectoryEvaluation& evaluation) {
   if (alignment.on_line)
     warnings.push_back(
         "the paired poses lie on one line, and do not determine the rotation about it: absolute errors of rotation "
-        "mean "
-        "little");
+        "mean little");
   if (const double share = evaluation.coverage.paired_share(); share < kFewPairs)
     warnings.push_back(detail::Concat("only ", evaluation.coverage.pairs, " of ",
                                       detail::Counted(evaluation.coverage.estimate_poses, "pose"),
@@ -200,9 +199,10 @@ std::string_view NameOf(AlignmentKind kind) {
 TrajectoryEvaluation EvaluateTrajectory(const Estimate& estimate, std::span<const TrajectoryPose> reference,
                                         const EvaluationOptions& options) {
   RequireOptions(options);
-  detail::PairedTrajectories paired = detail::PairPoses(estimate, reference, options);
   const AlignmentKind kind =
       options.alignment.value_or(estimate.open_scale ? AlignmentKind::kSim3 : AlignmentKind::kSe3);
+  const bool with_scale = kind == AlignmentKind::kSim3 || kind == AlignmentKind::kScale;
+  detail::PairedTrajectories paired = detail::PairPoses(estimate.poses, reference, with_scale, options);
   TrajectoryEvaluation evaluation;
   if (estimate.map) evaluation.maps = {estimate.map};
   evaluation.alignment = detail::Align(paired, kind, options);

@@ -114,21 +114,18 @@ double FindTimeOffset(PairedTrajectories& paired, bool with_scale, double most) 
 
 }  // namespace
 
-PairedTrajectories PairPoses(const Estimate& estimate, std::span<const TrajectoryPose> reference,
-                             const EvaluationOptions& options) {
+PairedTrajectories PairPoses(std::span<const TrajectoryPose> estimate, std::span<const TrajectoryPose> reference,
+                             bool with_scale, const EvaluationOptions& options) {
   PairedTrajectories paired;
   if (options.by_index) {
-    PairByIndex(paired, estimate.poses, reference);
+    PairByIndex(paired, estimate, reference);
     return paired;
   }
-  paired.estimate = InOrder(estimate.poses, "estimate", paired.warnings);
+  paired.estimate = InOrder(estimate, "estimate", paired.warnings);
   paired.reference = InOrder(reference, "truth", paired.warnings);
   if (AreFrameNumbers(paired.estimate) && AreFrameNumbers(paired.reference))
     paired.warnings.emplace_back("the times of both are frame numbers, so that seconds are frames");
   paired.time_offset = options.time_offset;
-  const AlignmentKind kind =
-      options.alignment.value_or(estimate.open_scale ? AlignmentKind::kSim3 : AlignmentKind::kSe3);
-  const bool with_scale = kind == AlignmentKind::kSim3 || kind == AlignmentKind::kScale;
   PairByTime(paired, options.estimate_time_offset ? FindTimeOffset(paired, with_scale, options.max_time_difference)
                                                   : options.max_time_difference);
   return paired;
