@@ -15,7 +15,7 @@ import { birthOf } from "./scene";
 import { Layer, Lines, Marks, ShapePrograms } from "./shapes";
 import { kPaint, resolvedTheme, unit } from "./theme";
 
-const kMovingMs = 26; // a frame, while the view moves
+const kMovingMs = { card: 24, software: 70 }; // a frame, while the view moves
 const kRestMs = 1500; // a frame at rest, at most
 const kRestAfter = 140;
 const kLineLayers = ["grid", "covisibility", "tree", "loops", "merges", "frusta", "trajectory", "moves", "lit", "rays", "tape"] as const;
@@ -231,7 +231,7 @@ export class Stage {
     // The first frame pays for the start of the card; later ones may be held up by others: the best counts, and fades.
     if (sent > 20000 && this.frames > 1) this.pointsPerMs = Math.max(sent / Math.max(ms, 1), this.pointsPerMs * 0.9);
     if (moving) {
-      const factor = Math.min(1.3, Math.max(0.5, kMovingMs / Math.max(ms, 4)));
+      const factor = Math.min(1.3, Math.max(0.5, kMovingMs[this.software ? "software" : "card"] / Math.max(ms, 4)));
       this.movingBudget = Math.min(Math.max(this.movingBudget * factor, 20_000), Math.max(this.model.scene.points.count, 20_000) * 1.3);
     }
     if (this.dirty) this.request();
