@@ -11,12 +11,11 @@ namespace slamdb::cli {
 // The list of verbs. A new verb is a file in commands/, a line in commands/commands.h and a line here.
 std::span<const Command* const> Commands() {
   static constexpr std::array kCommands = {
-      &kInfo,       &kShow,       &kDump,       &kCheck,          &kConvert,
-      &kSynthesize, &kVocabulary, &kExtract,    &kSplit,          &kCull,
-      &kShrink,     &kFragments,  &kMerge,      &kReassignOrigin, &kRenumber,
-      &kRepair,     &kRecover,    &kTransform,  &kDiff,           &kLandmarksCommand,
-      &kList,       &kLog,        &kRemove,     &kStats,          &kVacuum,
-      &kBackup,     &kMigrate,    &kCompletion, &kVersion,        &kMan,
+      &kInfo,           &kView,     &kShow,   &kDump,    &kCheck,     &kConvert,   &kSynthesize,
+      &kVocabulary,     &kExtract,  &kSplit,  &kCull,    &kShrink,    &kFragments, &kMerge,
+      &kReassignOrigin, &kRenumber, &kRepair, &kRecover, &kTransform, &kDiff,      &kLandmarksCommand,
+      &kList,           &kLog,      &kRemove, &kStats,   &kVacuum,    &kBackup,    &kMigrate,
+      &kCompletion,     &kVersion,  &kMan,
   };
   return kCommands;
 }

@@ -29,6 +29,7 @@ constexpr std::array kWords = {
     Word{"TrajectoryReadOptions::times", "--times"},
     Word{"migrate it first", "run `slamdb migrate`"},
     Word{"RecoverOptions::rig", "--cameras"},
+    Word{"keypoints `all`", "--keypoints all"},
     Word{"JoinOptions::force", "--force"},
     Word{"MergeOptions::force", "--force"},
     Word{"setting `Atlas::vocabulary`", "`slamdb vocabulary set`"},

@@ -8,7 +8,7 @@ shift || true
 
 packages=(g++ cmake ninja-build ccache pkg-config
   libeigen3-dev libboost-serialization-dev libsqlite3-dev libcli11-dev nlohmann-json3-dev libxxhash-dev libmd-dev zlib1g-dev
-  libopencv-core-dev
+  libopencv-core-dev esbuild
   libgtest-dev libgmock-dev sqlite3 mandoc)
 missing=()
 for package in "${packages[@]}"; do

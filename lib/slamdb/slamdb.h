@@ -92,3 +92,4 @@
 #include "slamdb/mrpt/landmark.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "slamdb/version.h"
+#include "slamdb/view/page.h"
