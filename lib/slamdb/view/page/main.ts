@@ -1,4 +1,3 @@
-<<<<<<< HEAD
 // The page of `slamdb view`: reads the data that lies in it, and puts picture and controls together.
 
 import { followModel, readAddress } from "./address";
@@ -115,9 +114,3 @@ async function main(): Promise<void> {
 }
 
 main().catch(fail);
-||||||| f8a6a26
-=======
-// To be replaced by the viewer.
-const header = document.querySelector('script[data-name="header"]');
-document.getElementById("view")!.textContent = header ? `${header.textContent!.length} letters of header` : "no data";
->>>>>>> i12-view
