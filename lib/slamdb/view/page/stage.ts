@@ -60,6 +60,7 @@ export class Stage {
   private pointsPerMs = 0;
   private extent = 1;
   private gridCell = 0;
+  private readonly staleEdges = new Set<EdgeLayer>();
 
   constructor(drawing: Drawing, readonly model: Model) {
     const { canvas, gl } = drawing;
@@ -133,8 +134,17 @@ export class Stage {
     layers.frusta.set(buildFrusta(model, theme, this.frustumDepth));
     layers.trajectory.set(buildTrajectory(model, theme));
     layers.centres.set(buildCentres(model, theme));
-    for (const name of ["covisibility", "tree", "loops", "merges"] as EdgeLayer[]) layers[name].set(buildEdges(model, name, theme));
+    for (const name of ["covisibility", "tree", "loops", "merges"] as const) this.staleEdges.add(name);
     this.rebuildLit();
+  }
+
+  /** Edges are many: those that are not shown are not built. */
+  private refreshEdges(): void {
+    for (const name of this.staleEdges) {
+      if (!this.model.settings.layers[name]) continue;
+      this.layers[name].set(buildEdges(this.model, name, this.theme));
+      this.staleEdges.delete(name);
+    }
   }
 
   private rebuildLit(): void {
@@ -281,6 +291,7 @@ export class Stage {
     shapes.viewProjection = this.camera.viewProjection();
     shapes.viewport = [canvas.width, canvas.height];
     this.refreshGrid();
+    this.refreshEdges();
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(...unit(kPaint[this.theme].background), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
