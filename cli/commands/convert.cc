@@ -193,7 +193,8 @@ void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
   RefuseIdleTarget(output, options.target);
-  if (options.long_bytes && !output.id.starts_with("orbslam3")) RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
+  if (options.long_bytes && !output.id.starts_with("orbslam3"))
+    RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
 
 // The atlas as it is to be written, or an Error: the selection, the repairs that --sanitize asks for, what is refused.
