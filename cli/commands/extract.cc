@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/part/extract.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "cli/commands/commands.h"
@@ -71,18 +72,21 @@ void RefuseContradictions(const ExtractVerbOptions& options) {
     RefuseUsage("--border complete-points would bring back what --except takes out; use smart or strict");
 }
 
+bool HasKeyframeIn(const Atlas& atlas, const Selection& selection) {
+  Selection times;
+  times.begin_time = selection.begin_time;
+  times.end_time = selection.end_time;
+  return std::ranges::any_of(atlas.maps, [&](const Map& map) {
+    return (!selection.map || map.id == *selection.map) &&
+           std::ranges::any_of(map.keyframes, [&](const KeyFrame& keyframe) { return times.Has(keyframe); });
+  });
+}
+
 // The time that was asked for, in that of the keyframes. Throws Error when none is in it.
 Selection SelectionIn(const Atlas& atlas, const ExtractVerbOptions& options) {
   const std::optional<TimeSpan> span = SpanOf(atlas, options.selection.map);
   const Selection selection = ParseSelection(options.selection, span);
-  Selection times;
-  times.begin_time = selection.begin_time;
-  times.end_time = selection.end_time;
-  for (const Map& map : atlas.maps)
-    if (!selection.map || map.id == *selection.map)
-      for (const KeyFrame& keyframe : map.keyframes)
-        if (times.Has(keyframe)) return selection;
-  if (options.selection.time.empty() || options.except) return selection;
+  if (options.selection.time.empty() || options.except || HasKeyframeIn(atlas, selection)) return selection;
   throw Error(ErrorKind::kNotFound, options.edit.input, "", NoKeyframeIn(selection, span));
 }
 

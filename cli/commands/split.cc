@@ -45,8 +45,9 @@ std::string OutputOf(const std::string& pattern, const std::string& part) {
 std::string PatternOf(const std::string& output, const std::string& to) {
   std::error_code missing;
   if (!output.ends_with('/') && !std::filesystem::is_directory(output, missing)) return output;
-  const std::string suffix = to.empty() ? ".osa" : std::string(FormatById(to).suffixes.front());
-  return output + (output.ends_with('/') ? "{}" : "/{}") + suffix;
+  const auto suffixes = FormatById(to.empty() ? "orbslam3" : to).suffixes;
+  return output + (output.ends_with('/') ? "{}" : "/{}") +
+         (suffixes.empty() ? std::string() : std::string(suffixes[0]));
 }
 
 // The names in stores, each of which is opened once.
