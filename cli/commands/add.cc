@@ -36,16 +36,18 @@ class Lines {
 
   void Print(const AddedAtlas& atlas) {
     if (atlas.result == AddResult::kFailed || console_.quiet()) return;
-    constexpr std::size_t kWordWidth = 11;  // "unchanged" and two spaces
-    const std::string word = std::string(dry_run_ && atlas.result != AddResult::kUnchanged ? "would be " : "") +
-                             std::string(NameOf(atlas.result));
-    std::string line = word + std::string(std::max<std::size_t>(word.size() + 2, kWordWidth) - word.size(), ' ');
-    line += detail::Visible(atlas.name);
-    line.resize(std::max(line.size() + 2, std::max(word.size() + 2, kWordWidth) + width_ + 2), ' ');
-    console_.Print(line + SummaryText(atlas.summary) + "\n");
+    const bool would_be = dry_run_ && atlas.result != AddResult::kUnchanged;
+    const std::string word = (would_be ? "would be " : "") + std::string(NameOf(atlas.result));
+    console_.Print(Padded(word, std::string_view(dry_run_ ? "would be replaced" : "unchanged").size()) +
+                   Padded(detail::Visible(atlas.name), width_) + SummaryText(atlas.summary) + "\n");
   }
 
  private:
+  static std::string Padded(std::string text, std::size_t width) {
+    text.resize(std::max(text.size(), width), ' ');
+    return text + "  ";
+  }
+
   static std::string SummaryText(const AtlasSummary& summary) {
     return Counted(summary.maps, "map") + ", " + Counted(summary.keyframes, "keyframe") + ", " +
            Counted(summary.points, "point") +

@@ -78,7 +78,7 @@ TEST(Summary, OfNothing) {
 
 TEST(Summary, AgreesWithTheStatistics) {
   for (const Sensor sensor : {Sensor::kMonocular, Sensor::kRgbd, Sensor::kFisheyeStereo}) {
-    const Atlas atlas = SynthesizeAtlas({.sensor = sensor, .maps = 2, .keyframes = 6, .points = 60, .features = 60});
+    const Atlas atlas = SynthesizeAtlas({.sensor = sensor, .maps = 2, .keyframes = 6, .points = 60, .features = 200});
     const AtlasSummary summary = Summarize(atlas);
     const AtlasStatistics statistics = ComputeStatistics(atlas);
     EXPECT_EQ(summary.keyframes, statistics.keyframes);

@@ -46,7 +46,8 @@ std::vector<StoreName> NamesByStem(const std::vector<AtlasInput>& inputs) {
       alike[names[i].name].push_back(i);
     }
     changed = false;
-    for (const auto& [name, places] : alike) {
+    for (const auto& entry : alike) {
+      const std::vector<std::size_t>& places = entry.second;
       const auto is_same = [&](std::size_t i) { return parts[i] == parts[places[0]]; };
       if (std::ranges::all_of(places, is_same)) continue;
       for (const std::size_t i : places)

@@ -113,7 +113,7 @@ TEST_F(StoreErrors, NotPossible) {
   Atlas atlas = SoundAtlas();
   atlas.maps[0].points[0].found_count = 1;
   SaveIn(path_, atlas);
-  EXPECT_EQ(KindOf([&] { MigrateStore(path_, {.back = true, .backup = false}); }), ErrorKind::kNotPossible);
+  EXPECT_EQ(KindOf([&] { MigrateBackTo(path_, 2); }), ErrorKind::kNotPossible);
 }
 
 // What a user reads does not name the command line.

@@ -46,7 +46,7 @@ class StoreSummary : public ::testing::Test {
 
 TEST_F(StoreSummary, ListTellsWhatTheAtlasSays) {
   const Atlas inertial = SynthesizeAtlas(
-      {.sensor = Sensor::kFisheyeStereo, .inertial = true, .keyframes = 5, .points = 40, .features = 60});
+      {.sensor = Sensor::kFisheyeStereo, .inertial = true, .keyframes = 5, .points = 40, .features = 200});
   for (const Atlas& atlas : {SoundAtlas(), OddAtlas(), inertial, Atlas()}) {
     SaveIn(path_, atlas);
     ExpectSame(Listed(), Summarize(atlas));
