@@ -296,9 +296,8 @@ constexpr Example kExamples[] = {
      "Keeps an atlas in a store; saving it again writes what changed."},
     {"slamdb convert lab.db#session_a a.osa --boost-version 15", "And back, for ORB-SLAM3 on Ubuntu 18.04."},
     {"slamdb convert crashed.osa safe.osa --sanitize", "Makes a file that ORB-SLAM3 loads of one that makes it crash."},
-    {"slamdb convert session_a.osa a.ply --color error --cameras",
-     "Points coloured by their reprojection error, with cameras and path as edges, for MeshLab."},
-    {"slamdb convert session_a.osa a.glb", "A scene for Blender and browsers; .mcap is for Foxglove."},
+    {"slamdb convert session_a.osa a.glb --color error",
+     "A scene for Blender and browsers, points coloured by reprojection error; .mcap is for Foxglove."},
     {"slamdb convert session_a.osa trajectory.txt --to tum --body", "Writes the keyframe poses, and says how many."},
 };
 
