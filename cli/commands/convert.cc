@@ -371,9 +371,8 @@ constexpr Example kExamples[] = {
     {"slamdb convert lab.db#session_a a.osa --boost-version ubuntu18.04",
      "And back, for ORB-SLAM3 on an older system."},
     {"slamdb convert crashed.osa safe.osa --sanitize", "Makes a file that ORB-SLAM3 loads of one that makes it crash."},
-    {"slamdb convert session_a.osa a.ply --color error --cameras",
-     "Points coloured by their reprojection error, with cameras and path as edges, for MeshLab."},
-    {"slamdb convert session_a.osa a.glb", "A scene for Blender and browsers; .mcap is for Foxglove."},
+    {"slamdb convert session_a.osa a.glb --color error",
+     "A scene for Blender and browsers, points coloured by reprojection error; .mcap is for Foxglove."},
     {"slamdb convert session_a.osa trajectory.txt --to tum --body", "Writes the keyframe poses, and says how many."},
 };
 

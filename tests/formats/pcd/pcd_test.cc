@@ -45,7 +45,7 @@ TEST(Pcd, WritesAscii) {
   ASSERT_EQ(cells.size(), 13U);
   float color = 0;
   std::from_chars(cells[6].data(), cells[6].data() + cells[6].size(), color);
-  EXPECT_EQ(std::bit_cast<std::uint32_t>(color), 0x1f77b4U);
+  EXPECT_EQ(std::bit_cast<std::uint32_t>(color), 0x3f90daU);
   cells[6] = "rgb";
   EXPECT_THAT(cells, ::testing::ElementsAre("0", "0", "2", "0", "0", "1", "rgb", "0.5", "4", "2", "2.5", "0", "10"));
 }
@@ -58,7 +58,7 @@ TEST(Pcd, WritesBinaryRowsWithoutPadding) {
   std::string expected;
   const auto add = [&expected](auto value) { expected.append(reinterpret_cast<const char*>(&value), sizeof value); };
   for (const float value : {0.F, 1.F, 0.F, 0.F, 0.F, 1.F}) add(value);
-  add(std::uint32_t{0xff7f0e}), add(0.5F), add(4.F), add(std::uint32_t{1}), add(0.F);
+  add(std::uint32_t{0xffa90e}), add(0.5F), add(4.F), add(std::uint32_t{1}), add(0.F);
   add(std::uint32_t{1}), add(std::uint32_t{20});
   EXPECT_EQ(rows.substr(2 * 52), expected);
 }
