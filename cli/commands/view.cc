@@ -169,6 +169,7 @@ ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
 }
 
 ExitCode RunView(ViewVerbOptions options, Console& console) {
+  RequireViewPage();
   if (options.page.diff && options.inputs.paths.size() != 2) RefuseUsage("--diff is of two atlases");
   const bool part = !ParseSelection(options.selection).everything();
   options.page.check = !options.no_check && !part;  // what was left out would be found missing
@@ -231,7 +232,7 @@ Run AddView(CLI::App& verb) {
 
 constexpr Example kExamples[] = {
     {"slamdb view lab.osa", "Writes lab.html, one file to look at and to send."},
-    {"slamdb view lab.osa -o map.html --open", "And opens it."},
+    {"slamdb view lab.osa -o map.html --title 'The lab in May'", "With a name of your own. --open opens it."},
     {"slamdb view a.osa b.osa --side-by-side -o both.html", "Two maps beside each other."},
     {"slamdb view lab.osa -v -O", "With findings of notes, which healthy files have."},
     {"slamdb view before.osa after.osa --diff -o diff.html", "What changed, in place."},

@@ -7,6 +7,7 @@
 #include <regex>
 #include <sstream>
 
+#include "slamdb/view/page.h"
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {
@@ -101,6 +102,7 @@ TEST(HelpExamples, Run) {
   const bool has_jq = RunProgram({"jq", "--version"}).exit_code == 0;
   int number = 0;
   for (const HelpExample& example : examples) {
+    if (example.verb == "view" && !HasViewPage()) continue;  // built without esbuild
     const std::string place = folder.Path(std::to_string(number++));
     // Links to what only writing in place would change, and copies of stores.
     ASSERT_EQ(RunShell(world.path().string(), "cp -al . '" + place +

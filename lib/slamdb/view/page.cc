@@ -250,11 +250,15 @@ class PageMaker {
 
 bool HasViewPage() { return !view::kPageTemplate.empty(); }
 
-ViewPage MakeViewPage(std::span<const ViewInput> inputs, const ViewOptions& options) {
+void RequireViewPage() {
   if (!HasViewPage())
     throw Error(ErrorKind::kUnsupported,
                 "this slamdb was built without the page of its viewer, for which esbuild was missing; install it "
                 "(`apt-get install esbuild`) and build slamdb again");
+}
+
+ViewPage MakeViewPage(std::span<const ViewInput> inputs, const ViewOptions& options) {
+  RequireViewPage();
   if (options.diff && inputs.size() != 2)
     throw Error(ErrorKind::kUsage, detail::Concat("a diff is of two atlases, and not of ", inputs.size()));
   return view::PageMaker(inputs, options).Make();

@@ -72,13 +72,15 @@ struct ViewPage {
 
 // Whether this library has the page built in; esbuild is what building it needs.
 [[nodiscard]] SLAMDB_EXPORT bool HasViewPage();
+// Throws Error (kUnsupported), saying what to install, when it has not.
+SLAMDB_EXPORT void RequireViewPage();
 
 // One self-contained HTML page with the points, keyframes and edges of all atlases, for browsers with WebGL 2.
 // It loads nothing, from nowhere: a content security policy in it forbids that, and all scripts but its own.
 // What atlases call things is in it as text alone. How the data lies in it: schema/view.md.
 // Atlases may hold anything; equal input gives equal bytes whatever the threads.
 //
-// Throws Error: kUnsupported when the library has no page; kUsage for a diff of other than two atlases.
+// Throws Error: kUnsupported as RequireViewPage; kUsage for a diff of other than two atlases.
 // Cost: linear. Thread-safe.
 [[nodiscard]] SLAMDB_EXPORT ViewPage MakeViewPage(std::span<const ViewInput> inputs, const ViewOptions& options = {});
 
