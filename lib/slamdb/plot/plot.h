@@ -43,7 +43,7 @@ struct PlotOptions {
   bool dark = false;      // light ink on a dark page
   bool together = false;  // all maps in one frame, which they share only when something aligned them; otherwise each
                           // map of a plan has a place of its own
-  std::string title;                     // above the picture; empty: none
+  std::string title;      // above the picture; empty: none
   std::vector<TimedPosition> reference;  // what PlotKind::kTrajectory is held against; empty: nothing
   TrajectoryAlignmentOptions alignment;  // onto it, but for the scale:
   std::optional<bool> with_scale;        // solve for it; nullopt: where a map has none of its own

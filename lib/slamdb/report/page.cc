@@ -30,7 +30,7 @@ void AppendNumbers(Html& html, const AtlasReport& report) {
   AppendNumber(html, "keyframes", Thousands(all.keyframes));
   AppendNumber(html, "points", Thousands(all.points));
   AppendNumber(html, "observations", Thousands(all.observations));
-  AppendNumber(html, "trajectory", Concat(detail::Digits(all.trajectory_length, 4), " m or units"));
+  AppendNumber(html, "trajectory, m or units", detail::Digits(all.trajectory_length, 4));
   AppendNumber(html, "time", report::DurationText(DurationOf(all)));
   AppendNumber(html, "loop and merge edges", Thousands(all.loop_edges + all.merge_edges));
   if (report.bytes) AppendNumber(html, "size", report::BytesText(*report.bytes));
