@@ -80,7 +80,7 @@ export class Program {
       if (!uniform) continue; // optimised away
       const { place, type } = uniform;
       if (type === gl.FLOAT) gl.uniform1f(place, value as number);
-      else if (type === gl.INT || type === gl.SAMPLER_2D) gl.uniform1i(place, value as number);
+      else if (type === gl.INT || type === gl.SAMPLER_2D || type === gl.UNSIGNED_INT_SAMPLER_2D) gl.uniform1i(place, value as number);
       else if (type === gl.UNSIGNED_INT) gl.uniform1ui(place, value as number);
       else if (type === gl.FLOAT_VEC2) gl.uniform2fv(place, value as number[]);
       else if (type === gl.FLOAT_VEC3) gl.uniform3fv(place, value as number[]);

@@ -5,7 +5,10 @@ import type { Rgb } from "./colours";
 import { type Gl, Program, pointAttributes } from "./gl";
 import type { Vec3 } from "./maths";
 
-const kLineBytes = 36; // a b, colour, birth, number
+// Lines lie in a texture, three texels each, and every six vertices fetch theirs: instances would do too, but where a processor draws each
+// costs as much as a call.
+const kLineBytes = 48; // a b, colour, birth, number, and three words of nothing
+const kLinesAcross = 512;
 const kMarkBytes = 24; // position, colour, birth, number
 
 /** Elements in the making: a buffer that grows. */
@@ -23,12 +26,7 @@ class Elements {
 
   /** The place of a new element, in 32-bit words. */
   grow(): number {
-    if ((this.count + 1) * this.stride > this.bytes.byteLength) {
-      const larger = new ArrayBuffer(this.bytes.byteLength * 2);
-      new Uint8Array(larger).set(this.octets);
-      this.bytes = larger;
-      this.view();
-    }
+    if ((this.count + 1) * this.stride > this.bytes.byteLength) this.reserve(this.bytes.byteLength * 2);
     return (this.count++ * this.stride) / 4;
   }
 
@@ -42,6 +40,19 @@ class Elements {
 
   used(): Uint8Array {
     return this.octets.subarray(0, this.count * this.stride);
+  }
+
+  /** Words of `rows` elements, of which the last may hold anything. */
+  padded(rows: number): Uint32Array {
+    if (rows * this.stride > this.bytes.byteLength) this.reserve(rows * this.stride);
+    return this.words.subarray(0, (rows * this.stride) / 4);
+  }
+
+  private reserve(size: number): void {
+    const larger = new ArrayBuffer(size);
+    new Uint8Array(larger).set(this.octets);
+    this.bytes = larger;
+    this.view();
   }
 
   private view(): void {
@@ -78,19 +89,25 @@ const kLineVertex = `
 uniform mat4 view_projection;
 uniform vec2 viewport; // pixels
 uniform float width, now;
-layout(location = 0) in vec3 from;
-layout(location = 1) in vec3 to;
-layout(location = 2) in vec4 paint;
-layout(location = 3) in float birth;
-layout(location = 4) in uint number;
+uniform highp usampler2D lines;
 out vec4 colour;
 out float side;
 flat out uint id;
 const float kNear = 1e-4;
 void main() {
-  colour = paint; id = number; side = 0.0;
+  int line = gl_VertexID / 6;
+  int corner = gl_VertexID % 6;
+  if (corner > 2) corner -= 2; // two triangles: 0 1 2 and 1 2 3
+  ivec2 at = ivec2(line % 512 * 3, line / 512);
+  uvec4 first = texelFetch(lines, at, 0);
+  uvec4 second = texelFetch(lines, at + ivec2(1, 0), 0);
+  vec3 from = uintBitsToFloat(first.xyz);
+  vec3 to = uintBitsToFloat(uvec3(first.w, second.xy));
+  colour = vec4(uvec4(second.z, second.z >> 8, second.z >> 16, second.z >> 24) & 255u) / 255.0;
+  id = texelFetch(lines, at + ivec2(2, 0), 0).x;
+  side = 0.0;
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-  if (birth > now) return;
+  if (uintBitsToFloat(second.w) > now) return;
   vec4 a = view_projection * vec4(from, 1.0);
   vec4 b = view_projection * vec4(to, 1.0);
   if (a.w < kNear && b.w < kNear) return;
@@ -102,8 +119,8 @@ void main() {
   float size = length(along);
   along = size > 1e-6 ? along / size : vec2(1.0, 0.0);
   vec2 across = vec2(-along.y, along.x);
-  float end = float(gl_VertexID & 1);
-  side = float(gl_VertexID >> 1) * 2.0 - 1.0;
+  float end = float(corner & 1);
+  side = float(corner >> 1) * 2.0 - 1.0;
   vec4 p = end == 0.0 ? a : b;
   vec2 offset = across * side * (width * 0.5 + 0.75) + along * (end * 2.0 - 1.0) * width * 0.35;
   gl_Position = vec4(p.xy + offset * 2.0 / viewport * p.w, p.zw);
@@ -154,30 +171,49 @@ export class Layer {
   count = 0;
   readonly array: WebGLVertexArrayObject;
   private readonly buffer: WebGLBuffer;
+  private readonly texture: WebGLTexture;
 
   constructor(private readonly gl: Gl, readonly kind: "lines" | "marks") {
     this.array = gl.createVertexArray()!;
     this.buffer = gl.createBuffer()!;
+    this.texture = gl.createTexture()!;
+    if (kind === "lines") return;
     gl.bindVertexArray(this.array);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
-    const at = kind === "lines" ? 24 : 12;
-    const position = { size: 3, type: gl.FLOAT };
     pointAttributes(gl, [
-      { location: 0, offset: 0, ...position },
-      ...(kind === "lines" ? [{ location: 1, offset: 12, ...position }] : []),
-      { location: 2, size: 4, type: gl.UNSIGNED_BYTE, offset: at, normalized: true },
-      { location: 3, size: 1, type: gl.FLOAT, offset: at + 4 },
-      { location: 4, size: 1, type: gl.UNSIGNED_INT, offset: at + 8, integer: true },
-    ], kind === "lines" ? kLineBytes : kMarkBytes, kind === "lines" ? 1 : 0);
+      { location: 0, size: 3, type: gl.FLOAT, offset: 0 },
+      { location: 2, size: 4, type: gl.UNSIGNED_BYTE, offset: 12, normalized: true },
+      { location: 3, size: 1, type: gl.FLOAT, offset: 16 },
+      { location: 4, size: 1, type: gl.UNSIGNED_INT, offset: 20, integer: true },
+    ], kMarkBytes);
     gl.bindVertexArray(null);
   }
 
   set(elements: Lines | Marks): this {
     const { gl } = this;
     this.count = elements.count;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, elements.used(), gl.DYNAMIC_DRAW);
+    if (this.kind === "marks") {
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, elements.used(), gl.DYNAMIC_DRAW);
+      return this;
+    }
+    const height = Math.max(1, Math.ceil(elements.count / kLinesAcross));
+    this.count = Math.min(elements.count, (gl.getParameter(gl.MAX_TEXTURE_SIZE) as number) * kLinesAcross);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    const rows = Math.min(height, gl.getParameter(gl.MAX_TEXTURE_SIZE) as number);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32UI, kLinesAcross * 3, rows, 0, gl.RGBA_INTEGER, gl.UNSIGNED_INT, elements.padded(rows * kLinesAcross));
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
     return this;
+  }
+
+  /** For a draw call: its data, and how many vertices an element has. */
+  bind(): number {
+    const { gl } = this;
+    gl.bindVertexArray(this.array);
+    if (this.kind === "marks") return 1;
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    return 6;
   }
 }
 
@@ -212,11 +248,10 @@ export class ShapePrograms {
   private run(program: Program, layer: Layer, { size, opacity = 1, ring = 0, now = 1e9, share = 1 }: ShapeLook): void {
     const { gl } = this;
     if (layer.count === 0) return;
-    program.use({ view_projection: this.viewProjection, viewport: this.viewport, width: size, size, opacity, ring, now });
+    program.use({ view_projection: this.viewProjection, viewport: this.viewport, lines: 0, width: size, size, opacity, ring, now });
     const count = Math.ceil(layer.count * share);
-    gl.bindVertexArray(layer.array);
-    if (layer.kind === "lines") gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
-    else gl.drawArrays(gl.POINTS, 0, count);
+    const vertices = layer.bind();
+    gl.drawArrays(layer.kind === "lines" ? gl.TRIANGLES : gl.POINTS, 0, count * vertices);
     gl.bindVertexArray(null);
   }
 }

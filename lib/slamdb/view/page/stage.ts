@@ -16,6 +16,7 @@ import { Layer, Lines, Marks, ShapePrograms } from "./shapes";
 import { kPaint, resolvedTheme, unit } from "./theme";
 
 const kMovingMs = { card: 24, software: 70 }; // a frame, while the view moves
+const kLeastMoving = 50_000; // points: fewer save no time, since all else is drawn too
 const kRestMs = 1500; // a frame at rest, at most
 const kRestAfter = 140;
 const kLineLayers = ["grid", "covisibility", "tree", "loops", "merges", "frusta", "trajectory", "moves", "lit", "rays", "tape"] as const;
@@ -242,7 +243,7 @@ export class Stage {
     if (sent > 20000 && this.frames > 1) this.pointsPerMs = Math.max(sent / Math.max(ms, 1), this.pointsPerMs * 0.9);
     if (moving) {
       const factor = Math.min(1.3, Math.max(0.5, kMovingMs[this.software ? "software" : "card"] / Math.max(ms, 4)));
-      this.movingBudget = Math.min(Math.max(this.movingBudget * factor, 20_000), Math.max(this.model.scene.points.count, 20_000) * 1.3);
+      this.movingBudget = Math.min(Math.max(this.movingBudget * factor, kLeastMoving), Math.max(this.model.scene.points.count, kLeastMoving) * 1.3);
     }
     if (this.dirty) this.request();
     else if (moving || this.share < this.restShare()) setTimeout(() => this.request(), moving ? kRestAfter : 0);
