@@ -34,8 +34,8 @@ std::string CovisibilityBytes(const Scene& scene) {
   for (std::uint32_t row = 0; row < partners.size(); ++row) {
     std::vector<Partner>& mine = partners[row];
     std::ranges::stable_sort(mine, {}, &Partner::row);
-    const auto rest = std::ranges::unique(mine, {}, &Partner::row);
-    mine.erase(rest.begin(), rest.end());
+    const auto same = [](const Partner& a, const Partner& b) { return a.row == b.row; };
+    mine.erase(std::unique(mine.begin(), mine.end(), same), mine.end());
     edges.Add(mine.size());
     std::uint32_t last = row;
     for (const Partner& partner : mine) {
@@ -59,8 +59,7 @@ std::string PairBytes(const Scene& scene, Column<KeyFrameId> KeyFrame::*list) {
     ++row;
   });
   std::ranges::sort(pairs);
-  const auto rest = std::ranges::unique(pairs);
-  pairs.erase(rest.begin(), rest.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   VarintColumn edges;
   std::int64_t last = 0;
   for (const auto& [first, second] : pairs) {

@@ -208,8 +208,7 @@ std::string SeenBytes(const Scene& scene) {
     }
     if (!std::ranges::is_sorted(rows, std::less_equal())) {  // files have them by id, which mostly is by row
       std::ranges::sort(rows);
-      const auto rest = std::ranges::unique(rows);
-      rows.erase(rest.begin(), rest.end());
+      rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
     }
     seen.Add(rows.size());
     if (rows.empty()) return;
