@@ -86,9 +86,9 @@ TEST_F(Pictures, ReportOfAFolderHasARowForWhatCannotBeRead) {
   WriteWholeFile((maps / "cut.osa").string(), ReadWholeFile(kAtlas).substr(0, 100'000));
   fs::copy_file(kAtlas, maps / "<b>bold<b>.osa");
   const ProcessResult result = RunSlamdb({"report", maps.string(), "-o", folder_ / "out", "--json"});
-  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.exit_code, 1) << result.err;
   const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(BreachOf(json, "report"), "");
+  EXPECT_EQ(BreachOf(json, "report.schema.json"), "");
   ASSERT_EQ(json.at("inputs").size(), 4U);
   EXPECT_THAT(json.at("inputs").at(1).at("failure").get<std::string>(), HasSubstr("truncated"));
   EXPECT_EQ(json.at("inputs").at(3).at("sound"), false);
@@ -115,7 +115,7 @@ TEST_F(Pictures, ReportOfAStoreHasAPageForEachAtlas) {
 TEST_F(Pictures, ReportOfAnEmptyFolderSaysSo) {
   fs::create_directory(folder_ / "none");
   const ProcessResult result = RunSlamdb({"report", folder_ / "none", "-o", folder_ / "out"});
-  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("no atlas"));
 }
 

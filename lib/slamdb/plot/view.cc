@@ -88,7 +88,9 @@ Color ColorOfPoints(const Scene& scene, const MapScene& map) {
 }
 
 // Of the picture of the points, to a pixel of the page. SVG is seen on dense screens, too.
-double PixelsOfPoints(const PlotOptions& options) { return options.format == PlotFormat::kPng ? options.scale : 1.5; }
+double PixelsOfPoints(const PlotOptions& options) {
+  return 1.5 * (options.format == PlotFormat::kPng ? options.scale : 1);
+}
 
 void DrawPoints(Canvas& canvas, const Scene& scene, const Cell& cell, ViewCounts& counts) {
   std::size_t points = 0;
