@@ -12,6 +12,7 @@
 #include "cli/options.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/many/inputs.h"
 
 namespace slamdb::cli {
 
@@ -29,34 +30,45 @@ struct Outcome {
 // Calls work(path, read options, notices) for every input, several at a time; an input that fails does not stop the
 // others. Outcomes are in the order of the inputs. One input alone has all threads and a progress bar of its own.
 template <class Result, class Work>
-std::vector<Outcome<Result>> ForEachInput(const InputOptions& inputs, Console& console, const Work& work) {
-  const std::vector<std::string>& paths = inputs.paths;
-  std::vector<Outcome<Result>> outcomes(paths.size());
-  ReadOptions options = MakeReadOptions(console, inputs.from);
+std::vector<Outcome<Result>> ForEachInput(const std::vector<AtlasInput>& inputs, const std::string& from,
+                                          Console& console, const Work& work) {
+  std::vector<Outcome<Result>> outcomes(inputs.size());
+  ReadOptions options = MakeReadOptions(console, from);
   const Progress progress = options.progress;
-  if (paths.size() > 1) {
+  if (inputs.size() > 1) {
     options.progress = console.MakeProgress(/*show=*/false);
-    options.threads = std::max(1, detail::ThreadCount(console.threads()) / static_cast<int>(paths.size()));
+    options.threads = std::max(1, detail::ThreadCount(console.threads()) / static_cast<int>(inputs.size()));
   }
   std::mutex mutex;
   std::size_t done = 0;
-  detail::ParallelFor(paths.size(), 1, console.threads(), [&](std::size_t begin, std::size_t end) {
+  detail::ParallelFor(inputs.size(), 1, console.threads(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Outcome<Result>& outcome = outcomes[i];
-      outcome.path = paths[i];
+      outcome.path = inputs[i].location.ToString();
+      outcome.error = InCommandWords(inputs[i].failure);
       try {
-        outcome.result = work(paths[i], options, outcome.notices);
+        if (outcome.ok()) outcome.result = work(outcome.path, options, outcome.notices);
+      } catch (const Interrupted&) {
+        throw;
       } catch (const std::exception& error) {
         outcome.error = InCommandWords(error.what());
       }
-      if (paths.size() == 1) continue;
+      if (inputs.size() == 1) continue;
       const std::lock_guard lock(mutex);
       ++done;
-      progress(std::to_string(done) + " of " + std::to_string(paths.size()),
-               static_cast<double>(done) / static_cast<double>(paths.size()));
+      progress(std::to_string(done) + " of " + std::to_string(inputs.size()),
+               static_cast<double>(done) / static_cast<double>(inputs.size()));
     }
   });
   return outcomes;
+}
+
+// The same for inputs that are an atlas each, as they were named.
+template <class Result, class Work>
+std::vector<Outcome<Result>> ForEachInput(const InputOptions& inputs, Console& console, const Work& work) {
+  std::vector<AtlasInput> atlases;
+  for (const std::string& path : inputs.paths) atlases.push_back({.location = path});
+  return ForEachInput<Result>(atlases, inputs.from, console, work);
 }
 
 // Tells what went wrong and what the readers had to say, each line with its path when there are several inputs. Returns

@@ -11,14 +11,21 @@ namespace slamdb::cli {
 // The list of verbs. A new verb is a file in commands/, a line in commands/commands.h and a line here.
 std::span<const Command* const> Commands() {
   static constexpr std::array kCommands = {
-      &kInfo,       &kShow,       &kDump,       &kCheck,          &kConvert,
-      &kSynthesize, &kVocabulary, &kExtract,    &kSplit,          &kCull,
-      &kShrink,     &kFragments,  &kMerge,      &kReassignOrigin, &kRenumber,
-      &kRepair,     &kRecover,    &kTransform,  &kDiff,           &kLandmarksCommand,
-      &kList,       &kLog,        &kRemove,     &kStats,          &kVacuum,
-      &kBackup,     &kMigrate,    &kCompletion, &kVersion,        &kMan,
+      &kInfo,     &kView,    &kShow,       &kDump,       &kPlot,           &kReport,
+      &kCheck,    &kConvert, &kSynthesize, &kVocabulary, &kExtract,        &kSplit,
+      &kCull,     &kShrink,  &kFragments,  &kMerge,      &kReassignOrigin, &kRenumber,
+      &kRepair,   &kRecover, &kTransform,  &kDiff,       &kEvaluate,       &kLandmarksCommand,
+      &kAdd,      &kList,    &kLog,        &kRemove,     &kStats,          &kVacuum,
+      &kBackup,   &kMigrate, &kHelp,       &kCompletion, &kVersion,        &kMan,
+      &kComplete,
   };
   return kCommands;
+}
+
+std::string_view TitleOf(Group group) {
+  static constexpr std::array<std::string_view, 7> kTitles = {
+      "look", "check and repair", "change", "combine", "convert", "store", "more"};
+  return kTitles[static_cast<std::size_t>(group)];
 }
 
 const Command* FindCommand(std::string_view name) {

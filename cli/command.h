@@ -24,6 +24,18 @@ enum class ExitCode : int {
 // What a verb does once its options are bound and parsed. Throws slamdb::Error.
 using Run = std::function<ExitCode(Console&)>;
 
+// The headings that the help lists verbs under, in its order.
+enum class Group {
+  kLook,     // what is in an atlas, and how atlases differ
+  kCheck,    // whether it is sound, and what mends it
+  kChange,   // one atlas, or parts of it
+  kCombine,  // several
+  kConvert,  // other formats, and atlases made of nothing
+  kStore,    // stores as a whole
+  kOther,    // slamdb itself
+};
+std::string_view TitleOf(Group group);  // "check and repair"
+
 struct Example {
   std::string_view command, meaning;
 };
@@ -31,7 +43,8 @@ struct Example {
 // One verb: everything its help, its manual page and the completion scripts say that is not an option.
 struct Command {
   std::string_view name;
-  std::string_view summary;         // one line
+  std::string_view summary;  // one line
+  Group group = Group::kOther;
   std::string_view description;     // paragraphs, separated by empty lines
   std::string_view done = "Done.";  // what exit code 0 means,
   std::string_view failed = "An input could not be read, or the output not be written.";  // 1,

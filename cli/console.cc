@@ -9,7 +9,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 
 #include "cli/options.h"
 #include "cli/report/layout.h"
@@ -47,23 +46,28 @@ void EndSoon(int signal) {
 
 void WriteError(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
-const char* ColourOf(std::string_view severity) {
-  if (severity == "error") return "\033[1;31m";
-  if (severity == "note") return "\033[1m";
-  return "\033[1;33m";
+Colour ColourOf(std::string_view severity) {
+  if (severity == "error") return Colour::kRed;
+  return severity == "note" ? Colour::kBold : Colour::kYellow;
 }
 
 }  // namespace
 
-Console::Console(ConsoleOptions options) : options_(options) {
+Console::Console(ConsoleOptions options)
+    : options_(options),
+      width_(PageWidth(STDOUT_FILENO)),
+      colour_(UsesColour(STDERR_FILENO, options.colour)),
+      paints_(UsesColour(STDOUT_FILENO, options.colour)) {
   const bool terminal = ::isatty(STDERR_FILENO) != 0;
-  colour_ = terminal && std::getenv("NO_COLOR") == nullptr;
   progress_ = options_.progress > 0 || (options_.progress == 0 && terminal && !options_.quiet);
 }
 
 Console::~Console() { ClearProgress(); }
 
-void Console::Print(std::string_view text) { PrintData(detail::VisibleText(text)); }
+void Console::Print(std::string_view text, Painter painter) {
+  const std::string visible = detail::VisibleText(text);
+  PrintData(paints_ && painter != nullptr ? painter(visible) : visible);
+}
 
 void Console::PrintData(std::string_view text) {
   ClearProgress();
@@ -103,10 +107,8 @@ void Console::PrintWritten(const std::string& output, const Notices& notices, co
 void Console::Diagnose(std::string_view severity, std::string_view text, bool show) {
   if (!show) return;
   ClearProgress();
-  std::string line = "slamdb: ";
-  if (colour_) line += ColourOf(severity);
-  line.append(severity).append(":");
-  if (colour_) line += "\033[0m";
+  const std::string label = std::string(severity) + ":";
+  std::string line = "slamdb: " + (colour_ ? Painted(label, ColourOf(severity)) : label);
   line.append(" ").append(detail::Visible(InCommandWords(text))).append("\n");
   const std::lock_guard lock(mutex_);
   WriteError(line);

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "cli/report/paint.h"
+#include "cli/terminal.h"
 #include "slamdb/base/notices.h"
 #include "slamdb/base/progress.h"
 
@@ -18,6 +20,7 @@ struct ConsoleOptions {
   bool verbose = false;  // findings of notes, timing and memory
   int threads = 0;       // 0: every core
   int progress = 0;      // 1 asked for, -1 forbidden, 0 on a terminal
+  ColourChoice colour = ColourChoice::kAuto;
 };
 
 // What Ctrl-C, SIGTERM and SIGHUP throw out of the library. No Error, so that nothing takes it for one of a file.
@@ -37,8 +40,8 @@ class Console {
   Console& operator=(const Console&) = delete;
 
   // A result for people: what would steer their terminal or hide is escaped (base/detail/visible.h). Throws Error when
-  // standard output cannot take it.
-  void Print(std::string_view text);
+  // standard output cannot take it. With colours where standard output has them and there is a painter.
+  void Print(std::string_view text, Painter painter = nullptr);
   // JSON, tables and files for programs, as they are. Throws Error likewise.
   void PrintData(std::string_view text);
 
@@ -72,6 +75,8 @@ class Console {
   int threads() const { return options_.threads; }
   bool quiet() const { return options_.quiet; }
   bool verbose() const { return options_.verbose; }
+  ColourChoice colour_choice() const { return options_.colour; }
+  std::size_t width() const { return width_; }  // columns of standard output
 
  private:
   void Diagnose(std::string_view severity, std::string_view text, bool show);
@@ -80,7 +85,8 @@ class Console {
 
   using Clock = std::chrono::steady_clock;
   ConsoleOptions options_;
-  bool colour_;
+  std::size_t width_;
+  bool colour_, paints_;  // on standard error, on standard output
   bool progress_;
   bool bar_shown_ = false;
   Clock::time_point start_ = Clock::now(), drawn_{};

@@ -13,6 +13,7 @@
 #include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 
@@ -46,12 +47,6 @@ std::string HoldsNothing(const Format& format, const Substance& atlas) {
   if (HasAny(format.writes, Content::kPoints) && atlas.landmarks)
     problem += "; `slamdb landmarks to-points` makes points of its landmarks";
   return problem;
-}
-
-// The file's name without the suffix of its format.
-std::string StemOf(const std::string& path) {
-  const std::string name = std::filesystem::path(path).filename().string();
-  return name.substr(0, name.size() - SuffixOf(name).size());
 }
 
 // The name of an atlas that its location tells; empty when it tells none.
@@ -91,14 +86,6 @@ void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::str
                 "would hold no " + what + ", though the input has some; nothing was written");
 }
 
-std::string SuffixOf(const std::string& path) {
-  std::string found = std::filesystem::path(path).extension().string();
-  for (const Format& format : Formats())
-    for (const std::string_view suffix : format.suffixes)
-      if (path.ends_with(suffix) && suffix.size() > found.size()) found = suffix;
-  return found;
-}
-
 std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to) {
   const Location target(output);
   if (output.empty() || output == "-" || !target.name.empty()) return output;
@@ -113,7 +100,7 @@ std::string NamedOutput(const std::string& input, const std::string& output, con
 
 void RequireOutput(const EditOptions& options) {
   if (options.output.empty() && !options.dry_run)
-    RefuseUsage("name an output, or say --dry-run to see only what would be done");
+    RefuseUsage("OUTPUT is missing; -o/--output names it too, and --dry-run does without");
 }
 
 std::string FormatToWrite(const Atlas& atlas, const Location& output, const std::string& to) {
@@ -126,6 +113,7 @@ void RefuseBadOutput(const EditOptions& options) {
   if (options.dry_run) return;
   const Location output = Location::Parse(options.output);
   const Format& format = FormatOfOutput(output, options.target.to);
+  RefuseIdleTarget(format, options.target);
   RefuseBinaryOnTerminal(output, format);
   if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
       !IsSpecialFile(output.path) && !format.named)
@@ -136,8 +124,7 @@ void AddEdit(CLI::App& verb, EditOptions& options, Writes output) {
   verb.add_option("INPUT", options.input, "The atlas: a file, STORE.db#NAME, or - for standard input")
       ->type_name("FILE")
       ->required();
-  Mark(verb.add_option("OUTPUT", options.output, "Where to: a file, STORE.db#NAME, or - for standard output"), output)
-      ->type_name("FILE");
+  AddOutputPlace(verb, options.output, output, kWhereTo);
   AddFrom(verb, options.from);
   AddEditTarget(verb, options);
   if (output == Writes::kPattern) return;  // each part has a file of its own, or a name

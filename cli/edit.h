@@ -65,9 +65,6 @@ std::string FormatToWrite(const Atlas& atlas, const Location& output, const std:
 // terminal.
 void RefuseBadOutput(const EditOptions& options);
 
-// The longest suffix of a format that the path ends with (`.keyframes.csv`), or what stands behind its last dot.
-std::string SuffixOf(const std::string& path);
-
 // An output in a store without a name gets that of the input: its name in a store, else the stem of its file. So a
 // second atlas comes to lie beside the first. Standard input, what is no file, and a stem that is no name of an atlas
 // (IsNameOfAtlas) name nothing.

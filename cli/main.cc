@@ -5,7 +5,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <new>
@@ -15,9 +17,12 @@
 #include "cli/guard.h"
 #include "cli/help/help.h"
 #include "cli/help/tree.h"
+#include "cli/help/usage.h"
 #include "cli/options.h"
+#include "cli/terminal.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/location.h"
 #include "slamdb/version.h"
 
 namespace slamdb::cli {
@@ -46,8 +51,8 @@ void AddCommonOptions(CLI::App& verb, ConsoleOptions& console) {
 void Bind(Program& program) {
   CLI::App& app = program.app;
   app.formatter(std::make_shared<HelpFormatter>());
-  app.set_help_flag("-h,--help", "Print this help")->group(kCommonGroup);
-  app.set_version_flag("--version", "slamdb " + std::string(Version()), "Print the version")->group(kCommonGroup);
+  app.set_help_flag("-h,--help", "Print help: -h a screen of it, --help all")->group(kCommonGroup);
+  app.set_version_flag("-V,--version", "slamdb " + std::string(Version()), "Print the version")->group(kCommonGroup);
   app.require_subcommand(1);
   for (const Command* command : Commands()) {
     CLI::App* verb = app.add_subcommand(std::string(command->name), std::string(command->summary));
@@ -63,30 +68,16 @@ CLI::App& NamedVerb(CLI::App& app) {
   return named.empty() ? app : NamedVerb(*named.front());
 }
 
-// The first word that nothing takes, with the word that was probably meant.
-std::string Explain(const CLI::App& verb, const std::string& word) {
-  std::vector<std::string> known;
-  const bool option = word.starts_with("-");
-  if (option)
-    for (const OptionEntry& entry : OptionsOf(verb)) known.insert(known.end(), entry.names.begin(), entry.names.end());
-  else
-    for (const CLI::App* inner : VerbsOf(verb)) known.push_back(inner->get_name());
-  const std::string kind = option ? "unknown option" : known.empty() ? "unexpected argument" : "unknown verb";
-  const std::string meant = DidYouMean(word.substr(0, word.find('=')), known);
-  return kind + " '" + word + "'" + (meant.empty() ? "" : "; did you mean '" + meant + "'?");
+int ReportUsage(const UsageProblem& problem) {
+  std::cerr << "slamdb: error: " << detail::VisibleText(problem.problem) << "\nTry: " << detail::Visible(problem.next)
+            << "\n";
+  return static_cast<int>(ExitCode::kUsage);
 }
 
 int ReportUsage(CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App& verb = NamedVerb(app);
-  std::string text = error.what();
   std::vector<std::string> rest = app.remaining(true);
   std::erase(rest, "--");
-  if (!rest.empty() && error.get_name() != "ValidationError" && error.get_name() != "ConversionError")
-    text = Explain(verb, rest.front());
-  else if (&verb == &app || (!VerbsOf(verb).empty()))
-    text = "a verb is missing";
-  std::cerr << "slamdb: error: " << detail::VisibleText(text) << "\nTry '" << FullName(verb) << " --help'.\n";
-  return static_cast<int>(ExitCode::kUsage);
+  return ReportUsage(ProblemOf(NamedVerb(app), error, rest));
 }
 
 // Runs the named verb. Everything that is thrown ends here.
@@ -112,14 +103,34 @@ int RunVerb(Program& program) {
   return static_cast<int>(compares ? ExitCode::kUsage : ExitCode::kFailed);
 }
 
-int Main(int argc, char** argv) {
+int PrintHelp(CLI::App& app, bool whole) {
+  std::cout << HelpText(NamedVerb(app), {whole, PageWidth(STDOUT_FILENO), UsesColour(STDOUT_FILENO)}) << std::flush;
+  return static_cast<int>(std::cout ? ExitCode::kDone : ExitCode::kFailed);
+}
+
+// What to do with a first word that is no verb: `slamdb lab.osa` shows what is in it.
+enum class FirstWord { kVerb, kAtlas, kUnknown };
+FirstWord Judge(const std::vector<std::string>& words) {
+  if (words.empty() || words.front().starts_with("-") || FindCommand(words.front()) != nullptr) return FirstWord::kVerb;
+  std::error_code ignored;
+  const bool there = std::filesystem::exists(Location::Parse(words.front()).path, ignored);
+  return there ? FirstWord::kAtlas : FirstWord::kUnknown;
+}
+
+int Main(std::vector<std::string> words) {
   Program program;
   Bind(program);
+  if (words.empty()) {
+    std::cerr << HelpText(program.app, {false, PageWidth(STDERR_FILENO), UsesColour(STDERR_FILENO)}) << "\n";
+    return ReportUsage({"a verb is missing", "slamdb --help"});
+  }
+  const FirstWord first = Judge(words);
+  if (first == FirstWord::kUnknown) return ReportUsage(ProblemOfVerb(program.app, words));
+  if (first == FirstWord::kAtlas) words.insert(words.begin(), "info");
   try {
-    program.app.parse(argc, argv);
+    program.app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
-    std::cout << HelpText(NamedVerb(program.app)) << std::flush;
-    return static_cast<int>(std::cout ? ExitCode::kDone : ExitCode::kFailed);
+    return PrintHelp(program.app, std::ranges::find(words, "--help") != words.end());
   } catch (const CLI::CallForVersion& version) {
     std::cout << version.what() << std::endl;
     return static_cast<int>(std::cout ? ExitCode::kDone : ExitCode::kFailed);
@@ -142,5 +153,5 @@ void FillStandardStreams() {
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_DFL);  // `slamdb dump | head` ends quietly, whatever the parent process ignores
   slamdb::cli::FillStandardStreams();
-  return slamdb::cli::Main(argc, argv);
+  return slamdb::cli::Main({argv + std::min(argc, 1), argv + argc});
 }

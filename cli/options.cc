@@ -5,67 +5,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/guard.h"
+#include "cli/boost_versions.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 
 namespace slamdb::cli {
 namespace {
 
 using detail::ParseNumber;
-
-// `A:B`, `A:` or `:B`; an end that is left out keeps its value in `first` and `last`.
-template <class Number>
-bool ParseRange(std::string_view text, Number& first, Number& last) {
-  const auto ends = detail::Split(text, ':');
-  if (ends.size() != 2 || text.size() == 1) return false;
-  const std::string_view left = ends[0], right = ends[1];
-  const auto a = ParseNumber<Number>(left), b = ParseNumber<Number>(right);
-  if ((!left.empty() && !a) || (!right.empty() && !b)) return false;
-  first = a.value_or(first);
-  last = b.value_or(last);
-  return first <= last;
-}
-
-std::optional<Eigen::Vector3f> ParseVector(std::string_view text) {
-  const auto numbers = detail::Split(text, ',');
-  if (numbers.size() != 3) return std::nullopt;
-  Eigen::Vector3f vector;
-  for (int i = 0; i < 3; ++i) {
-    const auto number = ParseNumber<float>(numbers[i]);
-    if (!number) return std::nullopt;
-    vector[i] = *number;
-  }
-  return vector;
-}
-
-// `x,y,z:x,y,z`, the corners of a box in either order.
-std::optional<Eigen::AlignedBox3f> ParseBox(std::string_view text) {
-  const auto corners = detail::Split(text, ':');
-  const auto a = ParseVector(corners.front()), b = ParseVector(corners.back());
-  if (corners.size() != 2 || !a || !b) return std::nullopt;
-  Eigen::AlignedBox3f box(*a);
-  return box.extend(*b);
-}
-
-std::string CheckKeyframes(const std::string& text) {
-  Selection selection;
-  if (ParseRange(text, selection.first_keyframe, selection.last_keyframe)) return {};
-  return "expected keyframe ids as FIRST:LAST, found '" + text + "'";
-}
-
-std::string CheckTime(const std::string& text) {
-  Selection selection;
-  if (ParseRange(text, selection.begin_time, selection.end_time)) return {};
-  return "expected seconds as BEGIN:END, found '" + text + "'";
-}
-
-std::string CheckBox(const std::string& text) {
-  return ParseBox(text) ? std::string() : "expected two corners as X,Y,Z:X,Y,Z, found '" + text + "'";
-}
 
 std::vector<std::string> FormatIds(bool reading) {
   std::vector<std::string> ids;
@@ -88,6 +39,13 @@ void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
           "--progress,!--no-progress", options.progress,
           "Show a progress bar on standard error; by default when that is a terminal and work takes over a second")
       ->group(kCommonGroup);
+  static const std::map<std::string, ColourChoice> kChoices = {
+      {"auto", ColourChoice::kAuto}, {"always", ColourChoice::kAlways}, {"never", ColourChoice::kNever}};
+  verb.add_option("--color", options.colour, "Colours; auto: on terminals, unless NO_COLOR is set or TERM is dumb")
+      ->type_name("WHEN")
+      ->transform(OneOf(kChoices))
+      ->default_str("auto")
+      ->group(kCommonGroup);
 }
 
 CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string& description) {
@@ -108,14 +66,20 @@ void AddOutput(CLI::App& verb, OutputOptions& options) {
   verb.add_flag("-O,--overwrite", options.overwrite, "Replace the output file if it is there");
 }
 
-void WriteOutput(const OutputOptions& options, std::string_view text, Console& console) {
-  if (options.path == "-") {
-    console.PrintData(text);
-    return;
-  }
+void WriteOutput(const OutputOptions& options, std::string_view text, Console& console, Painter painter) {
+  if (options.path == "-") return painter != nullptr ? console.Print(text, painter) : console.PrintData(text);
   AtomicFile file(options.path, {.overwrite = options.overwrite});
   file.Write(text);
   file.Commit();
+}
+
+void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const std::string& description) {
+  CLI::Option* place = Mark(verb.add_option("OUTPUT", output, description), writes)->type_name("FILE");
+  Mark(verb.add_option("-o,--output", output, "The same as OUTPUT"), writes)->type_name("FILE")->excludes(place);
+}
+
+void RequireOutput(const std::string& output) {
+  if (output.empty()) RefuseUsage("OUTPUT is missing; -o/--output names it too");
 }
 
 void AddTarget(CLI::App& verb, TargetOptions& options) {
@@ -124,6 +88,18 @@ void AddTarget(CLI::App& verb, TargetOptions& options) {
       ->check(CLI::IsMember(FormatIds(false)));
   verb.add_flag("-O,--overwrite", options.overwrite, "Replace the output if it is there");
   verb.add_flag("--no-sync", options.no_sync, "Do not wait for the disk: faster, but a power cut may lose the output");
+  verb.add_option(
+          "--boost-version", options.boost_version,
+          "The Boost that is to load the .osa file: a release (1.71), a system (ubuntu20.04, debian12, noetic), or a "
+          "version of its archive library (17); by default as it was read")
+      ->type_name("BOOST")
+      ->transform(CLI::Validator(ToBoostVersion, ""))
+      ->group(kArchiveGroup);
+}
+
+void RefuseIdleTarget(const Format& output, const TargetOptions& options) {
+  if (options.boost_version && !output.keeps_encoding)
+    RefuseUsage("--boost-version is for archives of ORB-SLAM3 only; the output is " + std::string(output.title));
 }
 
 void AddStore(CLI::App& verb, StoreVerbOptions& options) {
@@ -139,33 +115,6 @@ void AddWait(CLI::App& verb, double& wait) {
 }
 
 void AddJson(CLI::App& verb, bool& json) { verb.add_flag("--json", json, "Print JSON, for programs"); }
-
-void AddSelection(CLI::App& verb, SelectionOptions& options) {
-  constexpr const char* kGroup = "Selection";
-  verb.add_option("--map", options.map, "Only the map of this id")->type_name("ID")->group(kGroup);
-  verb.add_option("--keyframes", options.keyframes,
-                  "Only keyframes of these ids, both included; an end may be left out")
-      ->type_name("FIRST:LAST")
-      ->check(CheckKeyframes)
-      ->group(kGroup);
-  verb.add_option("--time", options.time, "Only keyframes of this time span in seconds, both ends included")
-      ->type_name("BEGIN:END")
-      ->check(CheckTime)
-      ->group(kGroup);
-  verb.add_option("--box", options.box, "Only points inside the box with these corners, in map coordinates")
-      ->type_name("X,Y,Z:X,Y,Z")
-      ->check(CheckBox)
-      ->group(kGroup);
-}
-
-Selection ParseSelection(const SelectionOptions& options) {
-  Selection selection;
-  if (options.map) selection.map = MapId(*options.map);
-  if (!options.keyframes.empty()) ParseRange(options.keyframes, selection.first_keyframe, selection.last_keyframe);
-  if (!options.time.empty()) ParseRange(options.time, selection.begin_time, selection.end_time);
-  if (!options.box.empty()) selection.box = ParseBox(options.box);
-  return selection;
-}
 
 void RefuseUsage(const std::string& problem) { throw CLI::ValidationError(problem); }
 
@@ -223,6 +172,7 @@ WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target, con
   WriteOptions options;
   options.format = target.to;
   options.of<StoreWriteOptions>() = {.provenance = provenance, .lock_timeout = wait};
+  options.of<Orbslam3WriteOptions>().boost_version = target.boost_version;
   options.overwrite = target.overwrite;
   options.sync = !target.no_sync;
   options.threads = console.threads();

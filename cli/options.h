@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "cli/guard.h"
 #include "cli/help/tree.h"
+#include "cli/selection.h"
 #include "slamdb/formats/format.h"
 
 // Options that more than one verb takes, spelled once. Each function binds and does nothing else.
@@ -35,15 +37,26 @@ struct OutputOptions {
   bool overwrite = false;
 };
 void AddOutput(CLI::App& verb, OutputOptions& options);
-void WriteOutput(const OutputOptions& options, std::string_view text, Console& console);
+void WriteOutput(const OutputOptions& options, std::string_view text, Console& console, Painter painter = nullptr);
 
-// --to FORMAT, -O/--overwrite and --no-sync, for verbs that write an atlas.
+// The positional OUTPUT and -o/--output, of which a command line has one. Which one there has to be says
+// RequireOutput.
+void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const std::string& description);
+constexpr const char* kWhereTo = "Where to: a file, STORE.db#NAME, or - for standard output";
+// Ends with exit code 2 when there is no output.
+void RequireOutput(const std::string& output);
+
+// --to FORMAT, -O/--overwrite, --no-sync and --boost-version, for verbs that write an atlas.
 struct TargetOptions {
   std::string to;
+  std::optional<std::uint32_t> boost_version;
   bool overwrite = false;
   bool no_sync = false;
 };
 void AddTarget(CLI::App& verb, TargetOptions& options);
+constexpr const char* kArchiveGroup = "ORB-SLAM3 files";
+// Ends with exit code 2 when they would be without effect on an output of the format.
+void RefuseIdleTarget(const Format& output, const TargetOptions& options);
 
 // The positional STORE, and --wait SECONDS, for the store's own verbs.
 struct StoreVerbOptions {
@@ -56,14 +69,6 @@ void AddWait(CLI::App& verb, double& wait);
 
 // --json.
 void AddJson(CLI::App& verb, bool& json);
-
-// --map, --keyframes A:B, --time A:B, --box.
-struct SelectionOptions {
-  std::optional<std::uint64_t> map;
-  std::string keyframes, time, box;
-};
-void AddSelection(CLI::App& verb, SelectionOptions& options);
-Selection ParseSelection(const SelectionOptions& options);
 
 // Ends with exit code 2: the options do not make sense together, which CLI11 cannot tell.
 [[noreturn]] void RefuseUsage(const std::string& problem);

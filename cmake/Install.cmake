@@ -21,6 +21,9 @@ install(FILES ${PROJECT_BINARY_DIR}/slamdbConfig.cmake ${PROJECT_BINARY_DIR}/sla
 # For builds without CMake: pkg-config --cflags --libs slamdb
 if(NOT BUILD_SHARED_LIBS)
   set(pc_static_libs " -lsqlite3 -lz -lmd -pthread")
+  if(SLAMDB_CAIRO)
+    string(APPEND pc_static_libs " -lcairo")
+  endif()
 endif()
 # Relative to the file itself, so that the whole may be moved.
 file(RELATIVE_PATH pc_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)

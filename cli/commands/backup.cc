@@ -18,6 +18,7 @@ struct BackupOptions {
 };
 
 ExitCode RunBackup(const BackupOptions& options, Console& console) {
+  RequireOutput(options.target);
   Store::Open(options.store.path, options.store.wait).Backup(options.target, options.overwrite);
   std::error_code ignored;
   if (!console.quiet())
@@ -29,8 +30,8 @@ ExitCode RunBackup(const BackupOptions& options, Console& console) {
 Run AddBackup(CLI::App& verb) {
   const auto options = std::make_shared<BackupOptions>();
   AddStore(verb, options->store);
-  Mark(verb.add_option("TARGET", options->target, "The copy to make"), Writes::kFile)->type_name("FILE")->required();
-  verb.add_flag("-O,--overwrite", options->overwrite, "Replace the target if it is there");
+  AddOutputPlace(verb, options->target, Writes::kFile, "The copy to make");
+  verb.add_flag("-O,--overwrite", options->overwrite, "Replace the output if it is there");
   return [options](Console& console) { return RunBackup(*options, console); };
 }
 
@@ -45,6 +46,7 @@ constexpr Example kExamples[] = {
 const Command kBackup = {
     .name = "backup",
     .summary = "copy a store, also while others write to it",
+    .group = Group::kStore,
     .description =
         R"(Copies a store as it is at this moment, with SQLite's online backup. Copying the file with cp while a program writes to it
 may give a damaged copy. A new copy has the permissions of the store.

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/checks/check.h"
 
-#include <cmath>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <optional>
 
 #include "cli/batch.h"
+#include "cli/check_options.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/help/help.h"
+#include "cli/many.h"
 #include "cli/options.h"
+#include "cli/report/paint.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kKeptFindings = 100;  // of each rule in reports for programs
 
 struct CheckVerbOptions {
-  InputOptions inputs;
+  ManyOptions many;
   OutputOptions output;
   std::string format = "text", vocabulary;
   bool json = false, list = false;
@@ -39,8 +39,7 @@ CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {
   CheckOptions check = options.check;
   check.threads = console.threads();
   check.max_findings = options.max_findings.value_or(kKeptFindings);
-  for (std::size_t i = 0; i < options.limits.size(); ++i)
-    if (!std::isnan(options.limits[i])) check.gates.push_back({std::string(ReadGates()[i].id), options.limits[i]});
+  check.gates = GatesOf(options.limits);
   return check;
 }
 
@@ -85,70 +84,39 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
     WriteOutput(options.output, Catalogue(format), console);
     return ExitCode::kDone;
   }
-  if (options.inputs.paths.empty()) throw CLI::RequiredError("FILE");
+  if (options.many.inputs.paths.empty()) throw CLI::RequiredError("FILE");
   if (format == "markdown") RefuseUsage("--format markdown is for --list");
   CheckOptions check = CheckOptionsOf(options, console);
   const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
   if (vocabulary) check.vocabulary_words = vocabulary->tree.word_count;
-  const auto outcomes = ForEachInput<CheckReport>(
-      options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
-        CheckOptions mine = check;
-        mine.threads = read.threads;
-        ReadOptions whole = read;
-        whole.needs = Content::kObservations | Content::kLandmarks;
-        const Atlas atlas = ReadAtlas(path, whole, &notices);
-        if (vocabulary) RefuseOtherVocabulary(path, atlas, *vocabulary, read.threads);
-        return CheckAtlas(atlas, mine);
-      });
+  const AtlasInputs inputs = FindInputs(options.many, console);
+  if (inputs.atlases.empty()) throw Error(ErrorKind::kNotFound, "there is no atlas to check");
+  const auto outcomes =
+      ForEachInput<CheckReport>(inputs.atlases, options.many.inputs.from, console,
+                                [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+                                  CheckOptions mine = check;
+                                  mine.threads = read.threads;
+                                  ReadOptions whole = read;
+                                  whole.needs = Content::kObservations | Content::kLandmarks;
+                                  const Atlas atlas = ReadAtlas(path, whole, &notices);
+                                  if (vocabulary) RefuseOtherVocabulary(path, atlas, *vocabulary, read.threads);
+                                  return CheckAtlas(atlas, mine);
+                                });
   std::vector<CheckedFile> files;
   for (const auto& outcome : outcomes)
     files.push_back(
         {.name = outcome.path, .report = outcome.result, .failure = outcome.error, .file = FileOfInput(outcome.path)});
-  WriteOutput(options.output, Rendered(files, options, format, console), console);
+  WriteOutput(options.output, Rendered(files, options, format, console), console,
+              format == "text" ? PaintFindings : nullptr);
   ExitCode code = ReportOutcomes(outcomes, console);
   for (const auto& outcome : outcomes)
     if (!outcome.result.ok()) code = ExitCode::kFailed;
   return code;
 }
 
-std::string CheckRuleId(const std::string& id) {
-  if (FindRule(id) != nullptr) return {};
-  std::vector<std::string> ids;
-  for (const Rule& rule : ReadRules()) ids.emplace_back(rule.id);
-  const std::string meant = DidYouMean(id, ids);
-  return "no rule '" + id + "'; " + (meant.empty() ? "--list shows them" : "did you mean '" + meant + "'?");
-}
-
-void BindRuleOptions(CLI::App& verb, CheckOptions& check) {
-  constexpr const char* kGroup = "Rules";
-  const auto rules = [&](const char* name, std::vector<std::string>& ids, const char* description) {
-    verb.add_option(name, ids, description)
-        ->type_name("RULE")
-        ->allow_extra_args(false)
-        ->check(CheckRuleId)
-        ->group(kGroup);
-  };
-  rules("--ignore", check.ignore, "Do not check this rule; may be given several times, as the next ones");
-  rules("--note", check.note, "Findings of this rule are notes");
-  rules("--warn", check.warn, "Findings of this rule are warnings");
-  rules("--error", check.error, "Findings of this rule are errors");
-  verb.add_flag("--strict", check.strict, "Warnings count as errors")->group(kGroup);
-}
-
-void BindGates(CLI::App& verb, std::vector<double>& limits) {
-  const auto gates = ReadGates();
-  limits.assign(gates.size(), std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i < gates.size(); ++i)
-    verb.add_option(
-            "--" + std::string(gates[i].id), limits[i],
-            std::string(gates[i].is_minimum ? "At least" : "At most") + " so many " + std::string(gates[i].title))
-        ->type_name("N")
-        ->group("Quality gates, whose breach is an error");
-}
-
 Run AddCheck(CLI::App& verb) {
   const auto options = std::make_shared<CheckVerbOptions>();
-  AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input")->required(false);
+  AddMany(verb, options->many)->required(false);
   verb.add_option("--format", options->format, "How to report; markdown is the table of --list for pages")
       ->type_name("FORMAT")
       ->check(CLI::IsMember({"text", "json", "junit", "sarif", "markdown"}))
@@ -163,13 +131,13 @@ Run AddCheck(CLI::App& verb) {
                   "another vocabulary is refused")
       ->type_name("FILE");
   verb.add_flag("--list", options->list, "List the rules with their severity, and check nothing");
-  BindRuleOptions(verb, options->check);
-  BindGates(verb, options->limits);
+  AddRules(verb, options->check);
+  AddGates(verb, options->limits);
   return [options](Console& console) { return RunCheck(*options, console); };
 }
 
 constexpr Example kExamples[] = {
-    {"slamdb check maps/*.osa", "Several atlases, one summary."},
+    {"slamdb check maps", "Every atlas in a folder, or in a store, and one summary; -r for folders in it."},
     {"slamdb check lab.osa --format sarif -o lab.sarif",
      "For a code host that shows findings; junit is for CI servers."},
     {"slamdb check lab.osa -v", "With notes, which are only counted otherwise; in reports of all formats."},
@@ -182,6 +150,7 @@ constexpr Example kExamples[] = {
 const Command kCheck = {
     .name = "check",
     .summary = "check the integrity of atlases",
+    .group = Group::kCheck,
     .description =
         R"(Holds every rule of a sound atlas against the inputs and tells what breaks them, where, and what ORB-SLAM3 does then. Errors
 crash a SLAM system or make it misbehave; warnings are unusual but usable; notes are normal in healthy files, and only

@@ -6,13 +6,13 @@
 // Each verb, defined in the file of its name.
 namespace slamdb::cli {
 
-extern const Command kInfo, kShow, kDump, kCheck, kConvert, kSynthesize, kVocabulary;
+extern const Command, kPlot, kReport kInfo, kView, kShow, kDump, kCheck, kConvert, kSynthesize, kVocabulary;
 extern const Command kMerge, kReassignOrigin, kRenumber;
 extern const Command kExtract, kSplit, kCull, kShrink, kFragments;
 extern const Command kRecover, kRepair;
-extern const Command kTransform, kDiff;
-extern const Command kList, kLog, kRemove, kStats, kVacuum, kBackup, kMigrate;
+extern const Command kTransform, kDiff, kEvaluate;
+extern const Command kAdd, kList, kLog, kRemove, kStats, kVacuum, kBackup, kMigrate;
 extern const Command kLandmarksCommand;
-extern const Command kCompletion, kVersion, kMan;
+extern const Command kHelp, kComplete, kCompletion, kVersion, kMan;
 
 }  // namespace slamdb::cli

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Completion scripts, made by walking the tree of verbs and options that CLI11 parses with.
+#include <algorithm>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/console.h"
 #include "cli/help/tree.h"
+#include "slamdb/checks/check.h"
 
 namespace slamdb::cli {
 namespace {
@@ -34,6 +36,24 @@ std::string PathOf(const CLI::App& app) {
   return space == std::string::npos ? std::string() : name.substr(space + 1);
 }
 
+// The values that an option or argument takes, if only these: also rules and verbs, whose names are data.
+std::vector<std::string> ChoicesOf(const OptionEntry& entry, const CLI::App& app) {
+  std::vector<std::string> choices = entry.choices;
+  if (entry.value == "RULE")
+    for (const Rule& rule : ReadRules()) choices.emplace_back(rule.id);
+  const CLI::App* program = &app;
+  while (program->get_parent() != nullptr) program = program->get_parent();
+  if (entry.value == "VERB")
+    for (const CLI::App* verb : VerbsOf(*program)) choices.push_back(verb->get_name());
+  return choices;
+}
+
+// Whether arguments are names of entities in the atlas before them.
+bool TakesEntities(const CLI::App& app) {
+  const auto entries = OptionsOf(app);
+  return std::ranges::any_of(entries, [](const OptionEntry& entry) { return entry.value == "ENTITY"; });
+}
+
 // The program, its verbs and theirs.
 void Collect(const CLI::App& app, std::vector<const CLI::App*>& apps) {
   apps.push_back(&app);
@@ -49,13 +69,13 @@ std::string BashCase(const CLI::App& app) {
   for (const OptionEntry& entry : OptionsOf(app)) {
     names.insert(names.end(), entry.names.begin(), entry.names.end());
     if (entry.positional()) {
-      arguments += (arguments.empty() ? "" : " ") + Joined(entry.choices);
+      arguments += (arguments.empty() ? "" : " ") + Joined(ChoicesOf(entry, app));
     } else if (!entry.value.empty()) {
       std::string pattern;
       for (const std::string& name : entry.names) pattern += (pattern.empty() ? "" : "|") + name;
-      const bool free = entry.choices.empty();
+      const std::string choices = Joined(ChoicesOf(entry, app));
       values +=
-          "        " + pattern + ") " + (free ? "files=1" : "words=" + Quoted(Joined(entry.choices))) + "; return ;;\n";
+          "        " + pattern + ") " + (choices.empty() ? "files=1" : "words=" + Quoted(choices)) + "; return ;;\n";
     }
   }
   std::string text = "    " + Quoted(PathOf(app)) + ")\n";
@@ -63,6 +83,7 @@ std::string BashCase(const CLI::App& app) {
   text += "      options=" + Quoted(Joined(names)) + "\n";
   if (!verbs.empty()) return text + "      words=" + Quoted(Joined(verbs)) + "\n      ;;\n";
   if (!arguments.empty()) text += "      words=" + Quoted(arguments) + "\n";
+  if (TakesEntities(app)) text += "      entities=1\n";
   return text + "      files=1\n      ;;\n";
 }
 
@@ -85,17 +106,31 @@ _slamdb() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
   if [[ $previous == '=' ]]; then previous=${COMP_WORDS[COMP_CWORD-2]}; fi
   if [[ $current == '=' ]]; then current=''; fi
-  local verb='' word index words='' options='' files=''
+  local verb='' word index words='' options='' files='' entities='' atlas=''
+  local -a names=()
   for ((index = 1; index < COMP_CWORD; index++)); do
     word=${COMP_WORDS[index]}
     case "${verb:+$verb }$word" in
       )" +
          paths + R"() verb=${verb:+$verb }$word ;;
+      *) if [[ -n $verb && -z $atlas && $word != -* ]]; then atlas=$word; fi ;;
     esac
   done
   _slamdb_choose
-  if [[ $current == -* ]]; then words=$options; files=''; fi
+  if [[ $current == -* ]]; then
+    words=$options; files=''
+  elif [[ -n $entities && -n $atlas ]]; then
+    mapfile -t names < <("${COMP_WORDS[0]}" complete "$atlas" "$current" 2>/dev/null); files=''
+    if [[ $current != */* ]]; then compopt -o nospace; fi
+  elif [[ $current == *'#'* ]]; then
+    mapfile -t names < <("${COMP_WORDS[0]}" complete "$current" 2>/dev/null); files=''
+  fi
   mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+  for word in "${names[@]}"; do  # out of files: never expanded, and quoted
+    if [[ $word != "$current"* ]]; then continue; fi
+    printf -v word %q "$word"
+    COMPREPLY+=("$word")
+  done
   if [[ -n $files ]]; then
     compopt -o filenames
     mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen -f -- "$current")
@@ -116,9 +151,12 @@ std::string ZshEscaped(std::string_view text) {
   return out;
 }
 
-std::string ZshAction(const OptionEntry& entry) {
+std::string ZshAction(const OptionEntry& entry, const CLI::App& app) {
+  const std::string choices = Joined(ChoicesOf(entry, app));
   return ":" + ZshEscaped(entry.value.empty() ? "value" : entry.value) + ":" +
-         (entry.choices.empty() ? "_files" : "(" + Joined(entry.choices) + ")");
+         (!choices.empty()          ? "(" + choices + ")"
+          : entry.value == "ENTITY" ? "_slamdb_entities"
+                                    : "_slamdb_atlases");
 }
 
 std::string ZshFunction(const CLI::App& app) {
@@ -126,12 +164,12 @@ std::string ZshFunction(const CLI::App& app) {
   std::replace(name.begin(), name.end(), ' ', '_');
   for (const OptionEntry& entry : OptionsOf(app)) {
     if (entry.positional()) {
-      text += " \\\n    " + Quoted((entry.repeated ? "*" : "") + ZshAction(entry));
+      text += " \\\n    " + Quoted((entry.repeated ? "*" : "") + ZshAction(entry, app));
       continue;
     }
     for (const std::string& option : entry.names)
       text += " \\\n    " + Quoted(option + "[" + ZshEscaped(entry.description) + "]" +
-                                   (entry.value.empty() ? std::string() : ZshAction(entry)));
+                                   (entry.value.empty() ? std::string() : ZshAction(entry, app)));
   }
   const auto verbs = VerbsOf(app);
   if (verbs.empty()) return name + "() {\n  _arguments -s -S" + text + "\n}\n\n";
@@ -149,7 +187,25 @@ std::string ZshFunction(const CLI::App& app) {
 std::string ZshScript(const CLI::App& program) {
   std::vector<const CLI::App*> apps;
   Collect(program, apps);
-  std::string text = "#compdef slamdb\n\n";
+  std::string text = R"zsh(#compdef slamdb
+
+# Files, and the atlases of a store behind its #.
+_slamdb_atlases() {
+  if [[ $PREFIX == *'#'* ]]; then
+    compadd -- ${(f)"$(slamdb complete "${(Q)PREFIX}" 2>/dev/null)"}
+  else
+    _files
+  fi
+}
+
+# Of the atlas that was named first.
+_slamdb_entities() {
+  local -a operands
+  operands=(${${words[2,-1]}:#-*})
+  compadd -S '' -- ${(f)"$(slamdb complete "${(Q)operands[1]}" "${(Q)PREFIX}" 2>/dev/null)"}
+}
+
+)zsh";
   for (const CLI::App* app : apps) text += ZshFunction(*app);
   return text + "if [[ $funcstack[1] == _slamdb ]]; then _slamdb \"$@\"; else compdef _slamdb slamdb; fi\n";
 }
@@ -170,13 +226,17 @@ std::string FishLines(const CLI::App& app) {
     text += start + " -f -a " + verb->get_name() + " -d " + Quoted(verb->get_description()) + "\n";
   for (const OptionEntry& entry : OptionsOf(app)) {
     if (entry.positional()) {
-      if (!entry.choices.empty()) text += start + " -f -a " + Quoted(Joined(entry.choices)) + "\n";
+      const std::string choices = Joined(ChoicesOf(entry, app));
+      if (!choices.empty()) text += start + " -f -a " + Quoted(choices) + "\n";
+      if (entry.value == "ENTITY") text += start + " -a '(__slamdb_entities)'\n";
+      if (entry.value == "FILE" || entry.value == "INPUT") text += start + " -a '(__slamdb_atlases)'\n";
       continue;
     }
     text += start;
     for (const std::string& name : entry.names)
       text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-    if (!entry.value.empty()) text += entry.choices.empty() ? " -r" : " -x -a " + Quoted(Joined(entry.choices));
+    const std::string choices = Joined(ChoicesOf(entry, app));
+    if (!entry.value.empty()) text += choices.empty() ? " -r" : " -x -a " + Quoted(choices);
     text += " -d " + Quoted(entry.description) + "\n";
   }
   return text;
@@ -185,7 +245,16 @@ std::string FishLines(const CLI::App& app) {
 std::string FishScript(const CLI::App& program) {
   std::vector<const CLI::App*> apps;
   Collect(program, apps);
-  std::string text = "# fish completion for slamdb\n";
+  std::string text = R"(# fish completion for slamdb
+function __slamdb_atlases
+    set -l word (commandline -ct)
+    string match -q '*#*' -- $word; and slamdb complete $word 2>/dev/null
+end
+function __slamdb_entities
+    set -l words (string match -v -- '-*' (commandline -opc))
+    test (count $words) -gt 2; and slamdb complete $words[3] (commandline -ct) 2>/dev/null
+end
+)";
   for (const CLI::App* app : apps) text += FishLines(*app);
   return text;
 }

@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <filesystem>
+#include <iostream>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/times.h"
+#include "cli/words.h"
+#include "slamdb/base/detail/json.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/geographic/options.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/trajectories.h"
@@ -26,20 +33,24 @@ struct ConvertOptions {
   TargetOptions target;
   SelectionOptions selection;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false;
-  bool mrpt_own_slots = false;
-  std::optional<std::uint32_t> boost_version;
+  bool mrpt_own_slots = false, json = false, dry_run = false;
+  std::string color, origin;
+  bool cameras = false;
+  std::optional<std::size_t> most_points;
   std::optional<int> long_bytes;
   double wait = kUsualWait;
 };
 
-void RefuseEmptySelection(const Atlas& atlas, const Selection& selection, const ConvertOptions& options) {
+void RefuseEmptySelection(const Atlas& atlas, const ReadOptions& read, const HeldSource& held,
+                          const ConvertOptions& options) {
+  const Selection& selection = read.selection;
   if (options.selection.map && atlas.maps.empty())
     throw Error(ErrorKind::kNotFound, options.input, "", "has no map " + std::to_string(*options.selection.map));
   const Substance selected = SubstanceOf(atlas, /*with_bad=*/true);
   if (selected.landmarks) return;
   if ((selection.has_keyframe_range() && !selected.keyframes) || (selection.box && !selected.points))
     throw Error(ErrorKind::kNotFound, options.input, "",
-                selected.keyframes ? "has no points in the box" : "has no keyframes in the range");
+                selected.keyframes ? "has no points in the box" : MissText(selection, held, read));
 }
 
 // What the reader had to leave out; WriteAtlas refuses what the target cannot hold.
@@ -55,18 +66,80 @@ bool CutsThroughMaps(Selection selection) {
   return !selection.everything();
 }
 
-std::string Summary(const Atlas& atlas, const Location& output) {
+// What is written, as it is told.
+struct Written {
+  std::optional<std::uint64_t> maps;  // of an atlas
   std::uint64_t keyframes = 0, points = 0, landmarks = 0;
+  std::optional<std::uint64_t> bytes;
+};
+
+Written WrittenOf(const Atlas& atlas) {
+  Written written{.maps = atlas.maps.size(), .bytes = {}};
   for (const Map& map : atlas.maps) {
-    keyframes += map.keyframes.size();
-    points += map.points.size();
-    landmarks += map.landmarks.size();
+    written.keyframes += map.keyframes.size();
+    written.points += map.points.size();
+    written.landmarks += map.landmarks.size();
   }
-  std::error_code ignored;
-  const std::uint64_t size = std::filesystem::file_size(output.path, ignored);
-  return "from " + Counted(atlas.maps.size(), "map") + ", " + Counted(keyframes, "keyframe") + ", " +
-         Counted(points, "point") + (landmarks == 0 ? "" : ", " + Counted(landmarks, "landmark")) +
-         (ignored ? "" : "; " + HumanBytes(size));
+  return written;
+}
+
+std::optional<std::uint64_t> SizeOf(const std::string& path) {
+  std::error_code unknown;
+  const std::uint64_t size = std::filesystem::file_size(path, unknown);
+  return unknown ? std::nullopt : std::optional(size);
+}
+
+std::string Summary(const Written& written) {
+  if (!written.maps) return {};
+  return "from " + Counted(*written.maps, "map") + ", " + Counted(written.keyframes, "keyframe") + ", " +
+         Counted(written.points, "point") +
+         (written.landmarks == 0 ? "" : ", " + Counted(written.landmarks, "landmark")) +
+         (written.bytes ? "; " + HumanBytes(*written.bytes) : "");
+}
+
+template <class Number>
+detail::Json NumberOrNull(const std::optional<Number>& number) {
+  return number ? detail::Json(*number) : detail::Json();
+}
+
+// As schema/convert.schema.json describes it.
+std::string JsonOf(const Written& written, const ReportFiles& files, const Format& format, const Notices& notices) {
+  detail::Json json = detail::ReportHead("convert", files);
+  json["format"] = format.id;
+  json["maps"] = NumberOrNull(written.maps);
+  json["keyframes"] = written.keyframes;
+  json["points"] = written.points;
+  json["landmarks"] = written.landmarks;
+  json["bytes"] = NumberOrNull(written.bytes);
+  json["warnings"] = json["losses"] = detail::Json::array();
+  for (const Notice& notice : notices.items())
+    if (notice.kind != Notice::Kind::kNote)
+      json[notice.kind == Notice::Kind::kLoss ? "losses" : "warnings"].push_back(notice.text);
+  return detail::JsonText(json);
+}
+
+constexpr std::pair<const char*, PointColor> kColors[] = {{"map", PointColor::kMap},
+                                                          {"error", PointColor::kError},
+                                                          {"observations", PointColor::kObservations},
+                                                          {"height", PointColor::kHeight},
+                                                          {"age", PointColor::kAge}};
+
+PointColor ColorAsked(const ConvertOptions& options) {
+  for (const auto& [name, color] : kColors)
+    if (options.color == name) return color;
+  return PointColor::kMap;
+}
+
+// Where on earth the maps are: as asked for, or as `transform` has kept it beside the input.
+std::optional<Geodetic> OriginOf(const ConvertOptions& options, const Atlas& atlas, Notices& notices) {
+  if (!options.origin.empty()) return ParseGeodetic(options.origin);
+  const std::optional<Georeference> found = FindGeoreference(options.input);
+  if (!found) return std::nullopt;
+  notices.Note("the origin is that of " + GeoreferencePath(options.input));
+  for (const Map& map : atlas.maps)
+    if (std::ranges::find(found->maps, map.id) == found->maps.end() && !map.keyframes.empty())
+      notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
+  return found->origin;
 }
 
 // Empty: as the output's suffix has it.
@@ -76,9 +149,10 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   WriteOptions write = MakeWriteOptions(console, options.target, "convert " + options.input, options.wait);
   write.format = FormatAsked(options);
   write.strict = options.strict;
-  write.of<Orbslam3WriteOptions>() = {.boost_version = options.boost_version, .long_bytes = options.long_bytes};
+  write.of<Orbslam3WriteOptions>().long_bytes = options.long_bytes;
   write.of<ExportOptions>().map = selection.map;
-  write.of<PointCloudOptions>().binary = !options.ascii;
+  write.of<PointCloudOptions>() = {.binary = !options.ascii, .color = ColorAsked(options), .cameras = options.cameras};
+  if (options.most_points) write.of<GeographicOptions>().most_points = *options.most_points;
   write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
   write.of<MrptWriteOptions>().own_slots = options.mrpt_own_slots;
   return write;
@@ -93,9 +167,30 @@ bool RepairForOrbslam3(Atlas& atlas, Console& console, Notices& notices) {
   return report.sound();
 }
 
-ExitCode Finish(const std::string& wrote, const Location& output, const Format& format, Console& console,
-                const Notices& notices) {
-  return FinishWriting(output, " (" + std::string(format.id) + ") " + wrote, console, notices);
+ExitCode Finish(Written written, const Location& output, const Format& format, const ConvertOptions& options,
+                Console& console, const Notices& notices) {
+  if (!options.dry_run) written.bytes = SizeOf(output.path);
+  const std::string details = " (" + std::string(format.id) + ") " + Summary(written);
+  if (!options.json && !options.dry_run) return FinishWriting(output, details, console, notices);
+  console.Report(notices);
+  const ReportFiles files{.input = options.input, .output = options.dry_run ? std::string() : output.ToString()};
+  const bool piped = !options.dry_run && IsStandardOutput(output.path);
+  if (options.json && piped)
+    std::cerr << InCommandWords(JsonOf(written, files, format, notices));
+  else if (options.json)
+    console.PrintData(InCommandWords(JsonOf(written, files, format, notices)));
+  else
+    console.Print("would write " + output.ToString() +
+                  (notices.written().empty() ? details : ": " + notices.written()) + "\n");
+  return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
+}
+
+// What writing would say, and how long the output would be where it is one file of its own.
+std::optional<std::uint64_t> TryToWrite(const Atlas& atlas, const Format& format, WriteOptions write,
+                                        Notices& notices) {
+  if (format.named) return std::nullopt;  // a store holds everything, and keeps what it has
+  write.format = format.id;
+  return EncodeAtlas(atlas, write, &notices).size();
 }
 
 // Null where nothing tells it.
@@ -112,73 +207,120 @@ bool IsOfTrajectories(const HeldSource& input, const Format& output, const Conve
 }
 
 ExitCode ConvertPoses(const HeldSource& input, const Location& output, const Format& format, const ReadOptions& read,
-                      const WriteOptions& write, Console& console) {
+                      const WriteOptions& write, const ConvertOptions& options, Console& console) {
   Notices notices;
-  ConvertTrajectory(input, output, read, write, &notices);
-  return Finish({}, output, format, console, notices);
+  Written written{.maps = {}, .bytes = {}};
+  if (options.dry_run) {
+    const Atlas atlas = ReadAtlas(input, read, &notices);
+    RefuseEmptySelection(atlas, read, input, options);
+    written.keyframes = WrittenOf(atlas).keyframes;
+    notices.Tell(Counted(written.keyframes, "pose"));
+  } else {
+    written.keyframes = ConvertTrajectory(input, output, read, write, &notices);
+  }
+  return Finish(written, output, format, options, console, notices);
+}
+
+bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id == "geojson"; }
+bool HasColors(const Format& format) {
+  return format.id == "ply" || format.id == "pcd" || format.id == "gltf" || format.id == "mcap";
 }
 
 // Options that would be without effect.
 void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
-  if ((options.boost_version || options.long_bytes) && !output.id.starts_with("orbslam3"))
-    RefuseUsage("--boost-version and --long-bytes are for archives of ORB-SLAM3" + is);
+  if (!options.color.empty() && !HasColors(output)) RefuseUsage("--color is for PLY, PCD, glTF and MCAP" + is);
+  if (options.cameras && output.id != "ply")
+    RefuseUsage("--cameras is for PLY" + is +
+                (HasColors(output) && output.id != "pcd" ? ", which always has them" : ""));
+  if ((!options.origin.empty() || options.most_points) && !IsOnGlobe(output))
+    RefuseUsage("--origin and --most-points are for KML and GeoJSON" + is);
+  RefuseIdleTarget(output, options.target);
+  if (options.long_bytes && !output.keeps_encoding) RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
 
-ExitCode RunConvert(const ConvertOptions& options, Console& console) {
-  const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
-  const Format& format = FormatOfOutput(output, FormatAsked(options));
-  RefuseIdleOptions(format, options);
-  RefuseBinaryOnTerminal(output, format, options.ascii);
-
-  ReadOptions read = MakeReadOptions(console, options.from, options.wait);
-  read.selection = ParseSelection(options.selection);
-  read.of<TrajectoryReadOptions>() = options.times.ForReading();
-  const HeldSource held = HoldInput(input, read);
-  if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
-  if (IsOfTrajectories(held, format, options))
-    return ConvertPoses(held, output, format, read, WriteOptionsOf(options, read.selection, console), console);
-  Notices notices;
+// The atlas as it is to be written, or an Error: the selection, the repairs that --sanitize asks for, what is refused.
+Atlas Prepare(const HeldSource& held, const ReadOptions& read, const Location& output, const Format& format,
+              const ConvertOptions& options, Console& console, Notices& notices, bool& sound) {
   Atlas atlas = ReadAtlas(held, read, &notices);
   Inputs inputs;
   inputs.Add(atlas);
-  const bool sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
-  RefuseEmptySelection(atlas, read.selection, options);
-  RefuseEmptyResult(atlas, inputs, output.ToString(), format, /*dry_run=*/false, notices);
+  sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
+  RefuseEmptySelection(atlas, read, held, options);
+  RefuseEmptyResult(atlas, inputs, output.ToString(), format, options.dry_run, notices);
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");
   if (read.selection.has_keyframe_range() && SubstanceOf(atlas).landmarks)
     notices.Warn("landmarks belong to no keyframe: the ranges of keyframes and times leave out none of them");
-  WriteAtlas(atlas, output, WriteOptionsOf(options, read.selection, console), &notices);
+  return atlas;
+}
 
-  const ExitCode finished = Finish(Summary(atlas, output), output, format, console, notices);
+ExitCode RunConvert(const ConvertOptions& options, Console& console) {
+  RequireOutput(options.output);
+  const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
+  const Format& format = FormatOfOutput(output, FormatAsked(options));
+  RefuseIdleOptions(format, options);
+  if (!options.dry_run) RefuseBinaryOnTerminal(output, format, options.ascii);
+
+  ReadOptions read = MakeReadOptions(console, options.from, options.wait);
+  read.of<TrajectoryReadOptions>() = options.times.ForReading();
+  const HeldSource held = HoldInput(input, read);
+  if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
+  read.selection = ParseSelection(options.selection, held, read);
+  WriteOptions write = WriteOptionsOf(options, read.selection, console);
+  if (IsOfTrajectories(held, format, options)) return ConvertPoses(held, output, format, read, write, options, console);
+  Notices notices;
+  bool sound = true;
+  const Atlas atlas = Prepare(held, read, output, format, options, console, notices, sound);
+  if (IsOnGlobe(format)) write.of<GeographicOptions>().origin = OriginOf(options, atlas, notices);
+  Written written = WrittenOf(atlas);
+  if (options.dry_run)
+    written.bytes = TryToWrite(atlas, format, write, notices);
+  else
+    WriteAtlas(atlas, output, write, &notices);
+  const ExitCode finished = Finish(written, output, format, options, console, notices);
   return sound ? finished : ExitCode::kFailed;
+}
+
+void BindViewerOptions(CLI::App& verb, ConvertOptions& options) {
+  constexpr const char* kGroup = "Pictures of maps";
+  std::vector<std::string> colors;
+  for (const auto& [name, color] : kColors) colors.emplace_back(name);
+  verb.add_option(
+          "--color", options.color,
+          "What the colour of a point tells, in PLY, PCD, glTF and MCAP: map (by default), error, observations, "
+          "height or age")
+      ->type_name("WHAT")
+      ->check(CLI::IsMember(colors))
+      ->group(kGroup);
+  verb.add_flag("--cameras", options.cameras, "Write cameras and their path into PLY too, as edges")->group(kGroup);
+  verb.add_option("--origin", options.origin,
+                  "Where on earth the frame of the maps begins, east, north and up, for KML and GeoJSON; by default as "
+                  "`slamdb transform --georeference` keeps it beside the atlas")
+      ->type_name("LAT,LON[,ALT]")
+      ->group(kGroup);
+  verb.add_option("--most-points", options.most_points,
+                  "Map points to write into KML and GeoJSON, evenly out of all: 10000 by default")
+      ->type_name("N")
+      ->group(kGroup);
 }
 
 void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
   verb.add_flag("--strict", options.strict,
                 "Refuse to write what does not hold all of the atlas, exports of points and poses too");
-  constexpr const char* kArchive = "ORB-SLAM3 files";
   verb.add_flag("--text", options.text, "Write a text archive: short for --to orbslam3-text")
       ->excludes(verb.get_option("--to"))
-      ->group(kArchive);
+      ->group(kArchiveGroup);
   verb.add_flag("--sanitize", options.sanitize,
                 "Repair what ORB-SLAM3 refuses or crashes on, as `slamdb repair` does, and zero uninitialised fields")
-      ->group(kArchive);
-  verb.add_option(
-          "--boost-version", options.boost_version,
-          "Version of the archive library to write for: 12 loads in Boost 1.58 and later, 18 in 1.73 and later; by "
-          "default as it was read")
-      ->type_name("N")
-      ->check(CLI::Range(10, 255).description({}))
-      ->group(kArchive);
+      ->group(kArchiveGroup);
   verb.add_option("--long-bytes", options.long_bytes,
                   "Bytes of a long where the file is to be read; 4 is for Windows and 32-bit ARM")
       ->type_name("N")
       ->check(CLI::IsMember({4, 8}))
-      ->group(kArchive);
+      ->group(kArchiveGroup);
   constexpr const char* kExport = "Points and trajectories";
   verb.add_flag("--ascii", options.ascii, "Write PLY and PCD as text")->group(kExport);
   verb.add_flag("--body", options.body, "Write trajectories of the body (IMU) frame instead of the camera's")
@@ -194,14 +336,14 @@ Run AddConvert(CLI::App& verb) {
   verb.add_option("INPUT", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
       ->type_name("FILE")
       ->required();
-  Mark(verb.add_option("OUTPUT", options->output, "Where to: a file, STORE.db#NAME, or - for standard output"),
-       Writes::kAtlas)
-      ->type_name("FILE")
-      ->required();
+  AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
   AddFrom(verb, options->from);
   AddTarget(verb, options->target);
   AddWait(verb, options->wait);
+  AddJson(verb, options->json);
+  verb.add_flag("--dry-run", options->dry_run, "Say what would be written and lost, and write nothing");
   BindFormatOptions(verb, *options);
+  BindViewerOptions(verb, *options);
   AddSelection(verb, options->selection);
   return [options](Console& console) { return RunConvert(*options, console); };
 }
@@ -209,8 +351,12 @@ Run AddConvert(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb convert session_a.osa lab.db#session_a",
      "Keeps an atlas in a store; saving it again writes what changed."},
-    {"slamdb convert lab.db#session_a a.osa --boost-version 15", "And back, for ORB-SLAM3 on Ubuntu 18.04."},
+    {"slamdb convert lab.db#session_a a.osa --boost-version ubuntu18.04",
+     "And back, for ORB-SLAM3 on an older system."},
     {"slamdb convert crashed.osa safe.osa --sanitize", "Makes a file that ORB-SLAM3 loads of one that makes it crash."},
+    {"slamdb convert session_a.osa a.ply --color error --cameras",
+     "Points coloured by their reprojection error, with cameras and path as edges, for MeshLab."},
+    {"slamdb convert session_a.osa a.glb", "A scene for Blender and browsers; .mcap is for Foxglove."},
     {"slamdb convert session_a.osa trajectory.txt --to tum --body", "Writes the keyframe poses, and says how many."},
 };
 
@@ -219,6 +365,7 @@ constexpr Example kExamples[] = {
 const Command kConvert = {
     .name = "convert",
     .summary = "write an atlas in another format, or as part",
+    .group = Group::kConvert,
     .description =
         R"(Reads an atlas and writes it in the format of the output. The input's format is told by its content, then by its suffix;
 the output's by its suffix; --from and --to override. 'slamdb version' lists the formats.

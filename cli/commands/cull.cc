@@ -112,6 +112,7 @@ constexpr Example kExamples[] = {
 const Command kCull = {
     .name = "cull",
     .summary = "remove redundant keyframes and poor points",
+    .group = Group::kChange,
     .description =
         R"(Removes points and keyframes by rules, and closes the rest as 'slamdb extract' does. Without rules it takes those that
 ORB-SLAM3's local mapping follows, for redundant keyframes and points with few observations; with rules, only those. The

@@ -199,6 +199,7 @@ constexpr Example kExamples[] = {
 const Command kDiff = {
     .name = "diff",
     .summary = "compare two atlases by what they mean",
+    .group = Group::kLook,
     .description =
         R"(Tells what was removed, added, moved, changed or renumbered from one atlas to the other. Entities are recognised by content,
 whatever their ids: keyframes by descriptors and time, points by descriptor and by who sees them where, maps by their

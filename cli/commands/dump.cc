@@ -4,6 +4,7 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/model/content.h"
 
 namespace slamdb::cli {
 namespace {
@@ -16,10 +17,13 @@ struct DumpOptions {
 
 ExitCode RunDump(const DumpOptions& options, Console& console) {
   ReadOptions read = MakeReadOptions(console, options.from);
-  read.selection = ParseSelection(options.selection);
+  const HeldSource held = HoldInput(options.input, read);
+  read.selection = ParseSelection(options.selection, held, read);
   Notices read_notices;
-  const Atlas atlas = ReadAtlas(options.input, read, &read_notices);
+  const Atlas atlas = ReadAtlas(held, read, &read_notices);
   console.Report(read_notices);
+  if (read.selection.has_keyframe_range() && !SubstanceOf(atlas, /*with_bad=*/true).keyframes)
+    console.Warn(options.input + ": " + MissText(read.selection, held, read));
   WriteOptions write;
   write.format = options.format;
   write.overwrite = options.output.overwrite;
@@ -58,6 +62,7 @@ constexpr Example kExamples[] = {
 const Command kDump = {
     .name = "dump",
     .summary = "print a whole atlas as ndjson or csv",
+    .group = Group::kLook,
     .description =
         R"(Prints everything that an atlas holds, as one JSON object per line (ndjson), or one kind of entity as a table (csv). Ids are
 whole numbers of up to 64 bits. For reading and for other programs; to keep an atlas, convert it.)",

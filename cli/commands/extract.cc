@@ -46,8 +46,7 @@ std::string CheckPolygon(const std::string& text) {
   return ParsePolygon(text).empty() ? "expected corners as 'X,Y X,Y X,Y ...', found '" + text + "'" : std::string();
 }
 
-SelectOptions SelectOptionsOf(const ExtractVerbOptions& options) {
-  const Selection selection = ParseSelection(options.selection);
+SelectOptions SelectOptionsOf(const ExtractVerbOptions& options, const Selection& selection) {
   SelectOptions select{.map = selection.map,
                        .first_keyframe = selection.first_keyframe,
                        .last_keyframe = selection.last_keyframe,
@@ -72,11 +71,26 @@ void RefuseContradictions(const ExtractVerbOptions& options) {
     RefuseUsage("--border complete-points would bring back what --except takes out; use smart or strict");
 }
 
+// The time that was asked for, in that of the keyframes. Throws Error when none is in it.
+Selection SelectionIn(const Atlas& atlas, const ExtractVerbOptions& options) {
+  const std::optional<TimeSpan> span = SpanOf(atlas, options.selection.map);
+  const Selection selection = ParseSelection(options.selection, span);
+  Selection times;
+  times.begin_time = selection.begin_time;
+  times.end_time = selection.end_time;
+  for (const Map& map : atlas.maps)
+    if (!selection.map || map.id == *selection.map)
+      for (const KeyFrame& keyframe : map.keyframes)
+        if (times.Has(keyframe)) return selection;
+  if (options.selection.time.empty() || options.except) return selection;
+  throw Error(ErrorKind::kNotFound, options.edit.input, "", NoKeyframeIn(selection, span));
+}
+
 ExitCode RunExtract(const ExtractVerbOptions& options, Console& console) {
   RefuseContradictions(options);
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const ExtractOptions extract{.part = SelectOptionsOf(options),
+  const ExtractOptions extract{.part = SelectOptionsOf(options, SelectionIn(atlas, options)),
                                .border = options.border,
                                .threads = console.threads(),
                                .progress = console.MakeProgress()};
@@ -137,7 +151,8 @@ Run AddExtract(CLI::App& verb) {
 
 constexpr Example kExamples[] = {
     {"slamdb extract atlas.osa one.osa --map 1", "One map of several; other maps and their cameras go."},
-    {"slamdb extract session.osa minute.osa --time 1403636580:1403636640", "One minute of a session."},
+    {"slamdb extract session.osa start.osa --time +0:+10",
+     "The first ten seconds; -10: are the last ten, and 1403636580:1403636640 is a minute of the clock."},
     {"slamdb extract session.osa lab.osa --polygon '-6,-6 6,-6 6,6 -6,6' --region cameras",
      "What was seen from inside a room, given as outline on the plan."},
     {"slamdb extract session.osa rest.osa --box -1,-2,0:1,0,3 --region points --except",
@@ -150,6 +165,7 @@ constexpr Example kExamples[] = {
 const Command kExtract = {
     .name = "extract",
     .summary = "write a part of an atlas as an atlas of its own",
+    .group = Group::kChange,
     .description =
         R"(Takes the keyframes that meet all that is asked for, and the points that they observe, out of an atlas. What leads
 out of the part is closed so that 'slamdb check' finds it as sound as the whole, and ORB-SLAM3 loads it: observations,

@@ -71,6 +71,7 @@ constexpr Example kExamples[] = {
 const Command kFragments = {
     .name = "fragments",
     .summary = "drop empty and small maps of an atlas, and order the others",
+    .group = Group::kChange,
     .description =
         R"(Every time ORB-SLAM3 loses track, and on every load, it opens a new map; those that never met the others again stay in the
 atlas as fragments. This verb lists the maps, drops the small ones and writes the rest. Ids stay as they are.

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+
 #include <memory>
 
 #include "cli/batch.h"
@@ -18,6 +20,7 @@ using nlohmann::ordered_json;
 struct InfoOptions {
   InputOptions inputs;
   bool json = false;
+  int plot = 0;  // 1 asked for, -1 forbidden, 0 where a terminal shows it
   std::string key;
 };
 
@@ -53,6 +56,13 @@ std::string ValueText(const ordered_json& value) {
   return value.is_string() ? value.get<std::string>() + "\n" : detail::JsonText(value);
 }
 
+// How many columns the plan of a map may take; 0: none is drawn.
+std::size_t PlanWidth(const InfoOptions& options, const Console& console) {
+  constexpr std::size_t kWidest = 60;
+  const bool drawn = options.plot > 0 || (options.plot == 0 && ::isatty(STDOUT_FILENO) != 0 && ShowsUnicode());
+  return drawn ? std::min(kWidest, console.width()) : 0;
+}
+
 ExitCode RunInfo(const InfoOptions& options, Console& console) {
   const auto outcomes = ForEachInput<AtlasInfo>(
       options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
@@ -68,7 +78,7 @@ ExitCode RunInfo(const InfoOptions& options, Console& console) {
     } else if (options.json) {
       console.PrintData(ToJson(outcome.result, several ? -1 : 2));
     } else {
-      console.Print((first ? "" : "\n") + InfoText(outcome.result));
+      console.Print((first ? "" : "\n") + InfoText(outcome.result, PlanWidth(options, console)), PaintHeadings);
     }
     first = false;
   }
@@ -79,6 +89,8 @@ Run AddInfo(CLI::App& verb) {
   const auto options = std::make_shared<InfoOptions>();
   AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input");
   AddJson(verb, options->json);
+  verb.add_flag("--plot,!--no-plot", options->plot,
+                "Draw the trajectory of each map as seen from above; by default on terminals of UTF-8");
   verb.add_option("-g,--get", options->key, "Print this value of the JSON only, such as maps.0.keyframes")
       ->type_name("KEY");
   return [options](Console& console) { return RunInfo(*options, console); };
@@ -96,10 +108,11 @@ constexpr Example kExamples[] = {
 const Command kInfo = {
     .name = "info",
     .summary = "show what is in an atlas",
+    .group = Group::kLook,
     .description =
         R"(Shows the header, the vocabulary, the cameras, and for each map: sensor, counts, how points are observed, extent,
 trajectory, graph, inertial state and ids; then what takes the space on disk. Lengths are in metres, or in units of the
-map where a monocular map has no scale.
+map where a monocular map has no scale. Terminals that show UTF-8 get a plan of each trajectory.
 
 --json prints one object for a file, and one object per line for several files; schema/info.schema.json describes it.
 Ids are whole numbers of up to 64 bits; null stands for none.)",

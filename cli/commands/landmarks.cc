@@ -205,6 +205,7 @@ constexpr Example kExamples[] = {
 const Command kLandmarksCommand = {
     .name = "landmarks",
     .summary = "make MRPT landmarks of map points, and map points of landmarks",
+    .group = Group::kConvert,
     .description =
         R"(MRPT keeps landmarks where ORB-SLAM3 keeps map points: positions with a covariance, a normal, when and how often they were
 seen, and features with descriptors. 'from-points' makes them of the points of an atlas. Their covariance is that of the

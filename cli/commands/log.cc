@@ -51,6 +51,7 @@ constexpr Example kExamples[] = {
 const Command kLog = {
     .name = "log",
     .summary = "show what was done to a store",
+    .group = Group::kStore,
     .description =
         "Shows the history of a store, or of one atlas (STORE.db#NAME): when it was saved or removed, by what, "
         "and how many rows that changed.",

@@ -41,7 +41,7 @@ ExitCode RunMan(const CLI::App& program, const ManOptions& options, Console& con
     console.PrintData(ManualPage(*verb));
     return ExitCode::kDone;
   }
-  RefuseUsage("no verb '" + options.verb + "'");
+  RefuseUsage("unknown verb '" + options.verb + "'");
 }
 
 Run AddMan(CLI::App& verb) {

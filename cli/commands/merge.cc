@@ -222,6 +222,7 @@ constexpr Example kExamples[] = {
 const Command kMerge = {
     .name = "merge",
     .summary = "bring several atlases into one",
+    .group = Group::kCombine,
     .description =
         R"(Brings the maps of all inputs into one atlas, side by side. The first input keeps its ids; those of each later one are
 moved out of the way, kind by kind, where they meet, and every reference moves along. Cameras that are the same become

@@ -52,6 +52,7 @@ constexpr Example kExamples[] = {
 const Command kMigrate = {
     .name = "migrate",
     .summary = "bring a store of an earlier slamdb up to date",
+    .group = Group::kStore,
     .description =
         R"(Brings the schema of a store to the version of this slamdb, in one transaction. Other verbs refuse a store of another
 version and say so. A store that is up to date is left alone, and one of a newer slamdb is refused. With --back the store

@@ -87,6 +87,7 @@ constexpr Example kExamples[] = {
 const Command kReassignOrigin = {
     .name = "reassign-origin",
     .summary = "change in which map keyframes were made",
+    .group = Group::kChange,
     .description =
         R"(ORB-SLAM3 keeps with each keyframe the id of the map in which it was made, which stays when maps are merged: it tells
 sessions apart. This verb sets, replaces, shifts or renumbers these ids, in the order --from-map, --set, --map, --shift,

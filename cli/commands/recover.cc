@@ -120,6 +120,7 @@ constexpr Example kExamples[] = {
 const Command kRecover = {
     .name = "recover",
     .summary = "save what is whole of a damaged file",
+    .group = Group::kCheck,
     .description =
         R"(Reads every keyframe and point that is whole in an ORB-SLAM3 file that was cut short or damaged, binary or text, or in a
 damaged store; finds again what the keyframes tell of what is lost: cameras, the next ids, and points that two of them saw,

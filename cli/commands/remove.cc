@@ -50,6 +50,7 @@ constexpr Example kExamples[] = {
 const Command kRemove = {
     .name = "remove",
     .summary = "remove an atlas from a store",
+    .group = Group::kStore,
     .description =
         "Removes atlases from a store. That cannot be undone; 'slamdb backup' copies a store. The file keeps its "
         "size until 'slamdb vacuum'.",

@@ -150,6 +150,7 @@ constexpr Example kExamples[] = {
 const Command kRenumber = {
     .name = "renumber",
     .summary = "give maps, keyframes, points, frames and cameras new ids",
+    .group = Group::kChange,
     .description =
         R"(Gives entities dense ids (0, 1, 2, ... or from --start), or adds an offset to them, and moves every reference along.
 Ids of entities long gone that are still named somewhere, such as the keyframe that made a point, get ids behind those

@@ -5,7 +5,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/help/help.h"
+#include "cli/help/usage.h"
 #include "cli/report/layout.h"
 #include "cli/words.h"
 #include "slamdb/base/error.h"
@@ -85,9 +85,8 @@ std::string CheckFixableRule(const std::string& id) {
   for (const Rule& rule : ReadRules()) ids.emplace_back(rule.id);
   const Rule* rule = FindRule(id);
   if (rule == nullptr) {
-    const std::string meant = DidYouMean(id, ids);
-    return "no rule '" + id + "'; " +
-           (meant.empty() ? "`slamdb check --list` shows them" : "did you mean '" + meant + "'?");
+    const std::string meant = MeantInstead(id, ids);
+    return "no rule '" + id + "'" + (meant.empty() ? "; `slamdb check --list` shows them" : meant);
   }
   return rule->fix ? std::string()
                    : InCommandWords("rule '" + id + "' has no repair: " + std::string(rule->fix.unfixable));
@@ -129,6 +128,7 @@ constexpr Example kExamples[] = {
 const Command kRepair = {
     .name = "repair",
     .summary = "repair what checks find",
+    .group = Group::kCheck,
     .description =
         R"(Applies the repairs of the rules that 'slamdb check' breaks, in the order of the catalogue, until nothing is left that can
 be repaired safely. Nothing is invented: a repair restores what another part of the atlas tells, or drops what leads

@@ -3,6 +3,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
+#include "cli/report/entity_text.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/detail/json.h"
 #include "slamdb/base/detail/text.h"
@@ -42,29 +43,35 @@ std::string CheckName(const std::string& text) {
   return "expected atlas, camera/ID, map/ID, kf/ID, mp/ID or landmark/ID, found '" + text + "'";
 }
 
-template <class List>
-void CollectFrom(const List& list, std::uint64_t id, std::vector<std::string>& found) {
+// An entity as JSON, and what its fields say together, for people.
+struct Found {
+  std::string json, summary;
+};
+
+template <class List, class Summary>
+void CollectFrom(const List& list, std::uint64_t id, std::vector<Found>& found, const Summary& summary) {
   for (const auto& entity : list)
-    if (entity.id.value() == id) found.push_back(ToJson(entity));
+    if (entity.id.value() == id) found.push_back({ToJson(entity), summary(entity)});
 }
 
-// As JSON, everything in the atlas that has the name: more than one when ids are not unique, as in damaged files.
-std::vector<std::string> FindAll(const Atlas& atlas, const Name& name) {
-  std::vector<std::string> found;
-  if (name.kind == "atlas") found.push_back(ToJson(atlas));
-  if (name.kind == "camera") CollectFrom(atlas.cameras, name.id, found);
-  if (name.kind == "map") CollectFrom(atlas.maps, name.id, found);
+// Everything in the atlas that has the name: more than one when ids are not unique, as in damaged files.
+std::vector<Found> FindAll(const Atlas& atlas, const Name& name) {
+  std::vector<Found> found;
+  const auto nothing = [](const auto&) { return std::string(); };
+  if (name.kind == "atlas") found.push_back({ToJson(atlas), {}});
+  if (name.kind == "camera") CollectFrom(atlas.cameras, name.id, found, nothing);
+  if (name.kind == "map") CollectFrom(atlas.maps, name.id, found, nothing);
   for (const Map& map : atlas.maps) {
-    if (name.kind == "kf") CollectFrom(map.keyframes, name.id, found);
-    if (name.kind == "mp") CollectFrom(map.points, name.id, found);
-    if (name.kind == "landmark") CollectFrom(map.landmarks, name.id, found);
+    if (name.kind == "kf")
+      CollectFrom(map.keyframes, name.id, found, [&](const KeyFrame& keyframe) { return WhereIs(keyframe, map); });
+    if (name.kind == "mp") CollectFrom(map.points, name.id, found, nothing);
+    if (name.kind == "landmark") CollectFrom(map.landmarks, name.id, found, nothing);
   }
   return found;
 }
 
 // ---- text for people: one line for each field, members of an object indented under its name
 
-constexpr std::size_t kNameColumns = 24;
 constexpr std::size_t kShownValues = 12;  // of a long list, unless --all
 
 bool IsPlainList(const ordered_json& value) {
@@ -110,10 +117,12 @@ void AppendField(std::string& out, const std::string& name, const ordered_json& 
   }
 }
 
-std::string EntityText(const std::string& json, bool all) {
-  std::string text;
-  AppendFields(text, ordered_json::parse(json), 0, all);
-  return text;
+std::string EntityText(const Found& found, bool all) {
+  ordered_json entity = ordered_json::parse(found.json);
+  const std::string folded = all ? std::string() : Fold(entity);
+  std::string text = found.summary;
+  AppendFields(text, entity, 0, all);
+  return text + folded;
 }
 
 ReadOptions ReadOptionsFor(const std::vector<Name>& names, const std::string& from, Console& console) {
@@ -131,17 +140,17 @@ ExitCode RunShow(const ShowOptions& options, Console& console) {
   console.Report(notices);
   ExitCode code = ExitCode::kDone;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::vector<std::string> found = FindAll(atlas, names[i]);
+    const std::vector<Found> found = FindAll(atlas, names[i]);
     if (found.empty()) {
       console.Fail(options.input + ": has no " + options.entities[i]);
       code = ExitCode::kFailed;
     }
-    for (const std::string& json : found) {
+    for (const Found& entity : found) {
       if (!options.json && (names.size() > 1 || found.size() > 1)) console.Print(options.entities[i] + "\n");
       if (options.json)
-        console.PrintData(json + "\n");
+        console.PrintData(entity.json + "\n");
       else
-        console.Print(EntityText(json, options.all));
+        console.Print(EntityText(entity, options.all));
     }
   }
   return code;
@@ -158,7 +167,7 @@ Run AddShow(CLI::App& verb) {
       ->required()
       ->check(CheckName);
   AddFrom(verb, options->from);
-  verb.add_flag("--all", options->all, "Show long lists whole");
+  verb.add_flag("--all", options->all, "Show long lists whole, and fields that do not apply");
   AddJson(verb, options->json);
   return [options](Console& console) { return RunShow(*options, console); };
 }
@@ -174,9 +183,11 @@ constexpr Example kExamples[] = {
 const Command kShow = {
     .name = "show",
     .summary = "show a keyframe, point, landmark, map or camera with all its fields",
+    .group = Group::kLook,
     .description =
-        R"(Shows single entities with every field that the file holds, by the names of schema/ndjson.md. The text for people shortens
-long lists; --all and --json do not. Where several entities have the id, as in damaged files, all of them are shown.)",
+        R"(Shows single entities with every field that the file holds, by the names of schema/ndjson.md. The text for people begins
+with where the camera is, shortens long lists and folds what does not apply (the IMU of a map without one, a second camera
+that is not there, empty lists); --all and --json do not. Where several entities have the id, as in damaged files, all of them are shown.)",
     .failed = "The file could not be read, or it has no such entity.",
     .examples = kExamples,
     .add = AddShow,

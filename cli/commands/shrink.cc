@@ -92,6 +92,7 @@ constexpr Example kExamples[] = {
 const Command kShrink = {
     .name = "shrink",
     .summary = "make an atlas small and keep the places it covers",
+    .group = Group::kChange,
     .description =
         R"(Keeps the keyframes that cover most places, as many as the target allows, and the points that they observe; the rest is
 closed as 'slamdb extract' does. Each keyframe of the input stands for its place; a place is covered when enough of the

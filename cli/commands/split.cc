@@ -13,6 +13,7 @@
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/many/names.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {
@@ -40,6 +41,14 @@ std::string OutputOf(const std::string& pattern, const std::string& part) {
   return location.path.substr(0, suffix) + "-" + part + location.path.substr(suffix);
 }
 
+// A folder becomes a pattern of files in it: `parts/` and `parts` that is there, `parts/{}.osa`.
+std::string PatternOf(const std::string& output, const std::string& to) {
+  std::error_code missing;
+  if (!output.ends_with('/') && !std::filesystem::is_directory(output, missing)) return output;
+  const std::string suffix = to.empty() ? ".osa" : std::string(FormatById(to).suffixes.front());
+  return output + (output.ends_with('/') ? "{}" : "/{}") + suffix;
+}
+
 // The names in stores, each of which is opened once.
 using StoredNames = std::map<std::string, std::vector<std::string>>;
 
@@ -58,6 +67,7 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
   StoredNames stored;
   for (const Part& part : parts) {
     const Location output = Location::Parse(OutputOf(options.edit.output, part.name));
+    if (output.name.empty()) RefuseIdleTarget(FormatOfOutput(output, options.edit.target.to), options.edit.target);
     detail::RefuseInput(output.path, output.name.empty() ? std::nullopt : detail::AtlasName(output.name));
     if (!options.edit.target.overwrite && IsThere(output, stored))
       throw Error(ErrorKind::kAlreadyExists, output.ToString(), "", "is there already; -O/--overwrite replaces it");
@@ -79,7 +89,8 @@ Atlas ReadWhole(const SplitVerbOptions& options, Console& console, Notices& noti
   return ReadAtlas(options.edit.input, MakeReadOptions(console, options.edit.from, options.edit.wait), &notices);
 }
 
-ExitCode RunSplit(const SplitVerbOptions& options, Console& console) {
+ExitCode RunSplit(SplitVerbOptions options, Console& console) {
+  options.edit.output = PatternOf(options.edit.output, options.edit.target.to);
   Notices notices;
   const Atlas atlas = ReadWhole(options, console, notices);
   const AtlasIndex index(atlas);
@@ -112,7 +123,7 @@ Run AddSplit(CLI::App& verb) {
   const auto options = std::make_shared<SplitVerbOptions>();
   AddEdit(verb, options->edit, Writes::kPattern);
   verb.get_option("OUTPUT")->description(
-      "Where to: a file or STORE.db#NAME; the name of each part goes in place of {}, or behind the name");
+      "Where to: a folder, a file or STORE.db#NAME; the name of each part goes in place of {}, or behind the name");
   verb.add_option("--by", options->split.by,
                   "One atlas per map, per session (map that keyframes were made in), or per "
                   "connected part of the covisibility graph")
@@ -130,6 +141,7 @@ Run AddSplit(CLI::App& verb) {
 
 constexpr Example kExamples[] = {
     {"slamdb split atlas.osa 'parts/{}.osa'", "Writes parts/map-0.osa, parts/map-1.osa, ..."},
+    {"slamdb split atlas.osa maps/", "The same into the folder maps, which is made."},
     {"slamdb split merged.osa lab.db#merged --by session",
      "Takes apart what was merged: lab.db#merged-session-0 and so on."},
     {"slamdb split atlas.osa big.osa --min-keyframes 20 --dry-run", "Which parts have 20 keyframes or more."},
@@ -140,6 +152,7 @@ constexpr Example kExamples[] = {
 const Command kSplit = {
     .name = "split",
     .summary = "write each map, session or component as an atlas of its own",
+    .group = Group::kChange,
     .description =
         R"(Writes one atlas for each map of an atlas, for each session (the map in which keyframes were made, which they keep
 when maps are merged), or for each connected part of the covisibility graph. Every part is closed like those of

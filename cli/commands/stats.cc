@@ -53,6 +53,7 @@ constexpr Example kExamples[] = {
 const Command kStats = {
     .name = "stats",
     .summary = "show what takes the space in a store",
+    .group = Group::kStore,
     .description = "Shows the size of a store's file, how much of it is free, and what each table takes.",
     .failed = "The store could not be read.",
     .examples = kExamples,

@@ -6,7 +6,6 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/error.h"
@@ -43,8 +42,10 @@ void ScaleTo(std::uint64_t bytes, SyntheticOptions& options) {
 }
 
 ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
+  RequireOutput(options.output);
   const Location output = Location::Parse(options.output);
   const Format& format = FormatOfOutput(output, options.target.to);
+  RefuseIdleTarget(format, options.target);
   RefuseBinaryOnTerminal(output, format);
   SyntheticOptions wanted = options.atlas;
   wanted.sensor = Sensors().at(options.sensor);
@@ -69,10 +70,7 @@ Run AddSynthesize(CLI::App& verb) {
   SyntheticOptions& atlas = options->atlas;
   std::vector<std::string> sensors;
   for (const auto& [name, sensor] : Sensors()) sensors.push_back(name);
-  Mark(verb.add_option("OUTPUT", options->output, "Where to: a file, STORE.db#NAME, or - for standard output"),
-       Writes::kAtlas)
-      ->type_name("FILE")
-      ->required();
+  AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
   AddTarget(verb, options->target);
   constexpr const char* kGroup = "The atlas";
   verb.add_option("--sensor", options->sensor, "What sees the world")
@@ -116,6 +114,7 @@ constexpr Example kExamples[] = {
 const Command kSynthesize = {
     .name = "synthesize",
     .summary = "make a sound atlas of any size and sensor",
+    .group = Group::kConvert,
     .description =
         R"(Makes an atlas as ORB-SLAM3 would have saved it, of a camera that goes round a room: poses, points, keypoints, descriptors,
 graph and counters are geometrically consistent, and 'slamdb check' finds nothing in it. Equal options give equal bytes.

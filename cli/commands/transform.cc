@@ -6,16 +6,16 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/reference.h"
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
 #include "cli/times.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/axes.h"
+#include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/frame/transform_atlas.h"
-#include "slamdb/formats/formats.h"
-#include "slamdb/formats/trajectories.h"
 
 namespace slamdb::cli {
 namespace {
@@ -47,25 +47,6 @@ void RefuseIdleOptions(const TransformVerbOptions& options) {
     if (is_given) RefuseUsage(std::string(option) + " is for --onto and --georeference only");
 }
 
-std::vector<TimedPosition> ReadReference(const TransformVerbOptions& options, Console& console, Notices& notices) {
-  ReadOptions read = MakeReadOptions(console);
-  read.features = FeatureColumns::kNone;
-  read.of<TrajectoryReadOptions>() = options.times.ForReading();
-  // Not by way of an atlas, whose single precision has no room for coordinates as UTM's.
-  const HeldSource held = HoldInput(options.onto, read);
-  const Format* format = FindFormatOfInput(held);
-  RefuseIdleTimes(format, options.times);
-  if (format != nullptr && IsTrajectory(*format)) {
-    std::vector<TimedPosition> positions;
-    read.format = format->id;  // in which order it has quaternions does not matter: they are not used
-    for (const TrajectoryPose& pose : ReadTrajectory(held, read, &notices))
-      positions.push_back({pose.timestamp, pose.position});
-    return positions;
-  }
-  const Atlas reference = ReadAtlas(held, read, &notices);
-  return NamingFile(options.onto, [&] { return TrajectoryOf(reference, options.body); });
-}
-
 FitOptions FitOf(const TransformVerbOptions& options) {
   FitOptions fit{.max_time_difference = options.max_dt,
                  .body = options.body,
@@ -81,7 +62,8 @@ Destination DestinationOf(const TransformVerbOptions& options, Console& console,
   if (options.scale) return Similarity3d{.scale = *options.scale};
   if (!options.axes.empty()) return Similarity3d{.rotation = ParseAxes(options.axes)};
   if (!options.gravity.empty()) return TurnUpright{kUpMethods.at(options.gravity)};
-  if (!options.onto.empty()) return OntoTrajectory{ReadReference(options, console, notices), FitOf(options)};
+  if (!options.onto.empty())
+    return OntoTrajectory{ReadReference(options.onto, options.times, options.body, console, notices), FitOf(options)};
   OntoEarth earth{
       .fixes = ReadFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices),
       .fit = FitOf(options)};
@@ -124,13 +106,13 @@ std::string TextOf(const TransformReport& report) {
 }
 
 // An .osa file has no place for where on earth its map is, so that stands in a file beside it.
-std::string GeoreferencePath(const TransformVerbOptions& options, Notices& notices) {
+std::string PathOfOrigin(const TransformVerbOptions& options, Notices& notices) {
   if (options.georeference.empty() || options.edit.dry_run) return {};
   if (options.edit.output == "-" || IsSpecialFile(options.edit.output)) {
     notices.Warn("standard output has no place for the origin; keep the report");
     return {};
   }
-  std::string path = options.edit.output + ".georeference.json";
+  std::string path = GeoreferencePath(options.edit.output);
   notices.Note("the origin is in " + path);
   return path;
 }
@@ -143,7 +125,7 @@ ExitCode RunTransform(const TransformVerbOptions& options, Console& console) {
       .to = DestinationOf(options, console, notices), .threads = console.threads(), .progress = console.MakeProgress()};
   for (const std::uint64_t id : options.maps) transform.maps.emplace_back(id);
   Atlas atlas = ReadInput(options.edit, console, notices);
-  SideFile georeference(GeoreferencePath(options, notices), options.edit);
+  SideFile georeference(PathOfOrigin(options, notices), options.edit);
   const TransformReport report = NamingFile(options.edit.input, [&] { return TransformAtlas(atlas, transform); });
   for (const MovedMap& moved : report.maps) {
     for (const std::string& warning : moved.warnings) notices.Warn(ToString(moved.map) + ": " + warning);
@@ -258,6 +240,7 @@ constexpr Example kExamples[] = {
 const Command kTransform = {
     .name = "transform",
     .summary = "move, turn, scale, align or georeference maps",
+    .group = Group::kChange,
     .description =
         R"(Moves maps into another world frame. Everything that has a length, a direction or a pose moves along, so that every point is
 seen at the same pixel as before: poses, points, normals, distance ranges, velocities, and with a change of scale the

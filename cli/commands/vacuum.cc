@@ -36,6 +36,7 @@ constexpr Example kExamples[] = {
 const Command kVacuum = {
     .name = "vacuum",
     .summary = "give free space of a store back to the disk",
+    .group = Group::kStore,
     .description =
         "Rewrites a store without its free pages. While it runs it needs as much free disk space as the store takes, "
         "once "

@@ -160,9 +160,12 @@ Vocabulary WantedVocabulary(const SetOptions& options, const Vocabulary& found) 
 
 ExitCode RunSet(const SetOptions& options, Console& console) {
   if (options.vocabulary.empty() && options.name.empty() && options.checksum.empty())
-    throw CLI::ValidationError("vocabulary set", "give --vocabulary, or --name and --checksum");
+    RefuseUsage("nothing to do: give --vocabulary, or --name and --checksum");
+  RequireOutput(options.output);
   const Location input(options.input), output(NamedOutput(options.input, options.output, options.target.to));
-  RefuseBinaryOnTerminal(output, FormatOfOutput(output, options.target.to));
+  const Format& format = FormatOfOutput(output, options.target.to);
+  RefuseIdleTarget(format, options.target);
+  RefuseBinaryOnTerminal(output, format);
   Notices notices;
   ReadOptions read = MakeReadOptions(console, options.from);
   read.needs = Content::kBagOfWords;
@@ -231,7 +234,7 @@ Run BindVerify(CLI::App& verb) {
 Run BindSet(CLI::App& verb) {
   const auto options = std::make_shared<SetOptions>();
   verb.add_option("INPUT", options->input, "The atlas")->type_name("FILE")->required();
-  Mark(verb.add_option("OUTPUT", options->output, "The copy to write"), Writes::kAtlas)->type_name("FILE")->required();
+  AddOutputPlace(verb, options->output, Writes::kAtlas, "The copy to write");
   CLI::Option* file = verb.add_option("--vocabulary", options->vocabulary, "Stamp the name and checksum of this file")
                           ->type_name("FILE");
   verb.add_option("--name", options->name, "Stamp this name")->type_name("NAME")->check(CheckName)->excludes(file);
@@ -287,6 +290,7 @@ constexpr Example kExamples[] = {
 const Command kVocabulary = {
     .name = "vocabulary",
     .summary = "show, verify or change the vocabulary that an atlas was made with",
+    .group = Group::kChange,
     .description =
         R"(An ORB-SLAM3 atlas names the vocabulary it was made with by file name and MD5, and ORB-SLAM3 refuses the whole atlas when
 the MD5 is not that of its own vocabulary file, even if the file differs in its spelling only. The words of the atlas are

@@ -2,27 +2,43 @@
 #include "cli/help/help.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "cli/help/tree.h"
-#include "cli/report/layout.h"
+#include "cli/report/paint.h"
 
 namespace slamdb::cli {
 namespace {
 
 constexpr std::size_t kTextColumn = 26;  // where descriptions of options start
+constexpr std::size_t kVerbColumn = 19;  // and those of verbs
+constexpr std::size_t kFewChoices = 6;   // which the short help lists
+
+std::string Heading(std::string title, const HelpStyle& style) {
+  if (!title.empty()) title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
+  title += ":";
+  return (style.whole ? "\n" : "") + (style.colour ? Painted(title, Colour::kBold) : title) + "\n";
+}
 
 // A heading with its description beside it, or below where it is too long.
-std::string Described(const std::string& heading, std::string_view description, std::size_t column = kTextColumn) {
-  std::string text = Wrapped(description, column);
+std::string Described(const std::string& heading, std::string_view description, const HelpStyle& style,
+                      std::size_t column = kTextColumn) {
+  std::string text = Wrapped(description, column, style.width);
   if (heading.size() + 4 > column || text.empty()) return "  " + heading + "\n" + text;
   text.replace(0, heading.size() + 2, "  " + heading);
   return text;
 }
 
-std::string DescriptionOf(const OptionEntry& entry) {
-  std::string text = entry.description;
-  if (!entry.choices.empty()) {
+// What a description says before it explains: up to `;`, `:` or the end of its first sentence.
+std::string FirstClause(const std::string& text) {
+  constexpr std::size_t kLeast = 12;  // `Where to:` says too little
+  std::size_t end = text.size();
+  for (const std::string_view mark : {"; ", ": ", ". "}) end = std::min(end, text.find(mark, kLeast));
+  return text.substr(0, end);
+}
+
+std::string DescriptionOf(const OptionEntry& entry, const HelpStyle& style) {
+  std::string text = style.whole ? entry.description : FirstClause(entry.description);
+  if (!entry.choices.empty() && (style.whole || entry.choices.size() <= kFewChoices)) {
     text += ": ";
     for (const std::string& choice : entry.choices) text += (&choice == entry.choices.data() ? "" : ", ") + choice;
   }
@@ -30,47 +46,99 @@ std::string DescriptionOf(const OptionEntry& entry) {
   return text;
 }
 
-std::string OptionsText(const CLI::App& app) {
+// `Every verb: -h -q -v --threads N`, which are the same everywhere.
+std::string CommonText(const std::vector<OptionEntry>& entries, const HelpStyle& style) {
+  std::string names;
+  for (const OptionEntry& entry : entries)
+    if (entry.group == kCommonGroup)
+      names += (names.empty() ? "" : "  ") + entry.names.front() + (entry.value.empty() ? "" : " " + entry.value);
+  return names.empty() ? std::string() : Heading(kCommonGroup, style) + Wrapped(names, 2, style.width);
+}
+
+std::string OptionsText(const CLI::App& app, const HelpStyle& style) {
   std::string text, heading;
-  for (const OptionEntry& entry : OptionsOf(app)) {
+  const std::vector<OptionEntry> entries = OptionsOf(app);
+  for (const OptionEntry& entry : entries) {
     const std::string group = entry.positional() ? "Arguments" : entry.group;
-    if (group != heading) text += "\n" + group + ":\n";
+    if (!style.whole && group == kCommonGroup) continue;
+    if (group != heading) text += Heading(group, style);
     heading = group;
-    text += Described(entry.Heading(), DescriptionOf(entry));
+    text += Described(entry.Heading(), DescriptionOf(entry, style), style);
+  }
+  return style.whole ? text : text + CommonText(entries, style);
+}
+
+// The verbs of a verb, each with what it does.
+std::string InnerVerbsText(const CLI::App& app, const HelpStyle& style) {
+  std::string text;
+  for (const CLI::App* verb : VerbsOf(app))
+    text += (text.empty() ? Heading("verbs", style) : "") +
+            Described(verb->get_name(), verb->get_description(), style, kVerbColumn);
+  return text;
+}
+
+// The verbs of the program in their groups: each with what it does, or the names alone.
+std::string GroupedVerbsText(const CLI::App& program, const HelpStyle& style) {
+  std::string text;
+  for (int i = 0; i <= static_cast<int>(Group::kOther); ++i) {
+    const auto group = static_cast<Group>(i);
+    std::string verbs, names;
+    for (const CLI::App* verb : VerbsOf(program)) {
+      const Command* command = FindCommand(verb->get_name());
+      if (command == nullptr || command->group != group) continue;
+      verbs += Described(verb->get_name(), verb->get_description(), style, kVerbColumn);
+      names += (names.empty() ? "" : "  ") + verb->get_name();
+    }
+    const std::string title(TitleOf(group));
+    if (names.empty()) continue;
+    text += style.whole ? Heading(title, style) + verbs : Described(title, names, style, kVerbColumn);
+  }
+  return style.whole ? text : "\n" + text;
+}
+
+std::string ExitCodesText(const Command& command, const HelpStyle& style) {
+  std::string text = Heading("exit codes", style);
+  for (const auto& [code, meaning] : ExitCodesOf(command))
+    text += Described(std::to_string(static_cast<int>(code)), meaning, style, 5);
+  return text;
+}
+
+std::string ExamplesText(const Command& command, const HelpStyle& style) {
+  constexpr std::size_t kFew = 2;
+  const std::size_t shown = style.whole ? command.examples.size() : std::min(kFew, command.examples.size());
+  std::string text = Heading("examples", style);
+  for (const Example& example : command.examples.first(shown)) {
+    text += "  $ " + std::string(example.command) + "\n";
+    if (style.whole) text += Wrapped(example.meaning, 6, style.width);
   }
   return text;
 }
 
-std::string VerbsText(const CLI::App& app) {
-  std::string text;
-  for (const CLI::App* verb : VerbsOf(app))
-    text += (text.empty() ? "\nVerbs:\n" : "") + Described(verb->get_name(), verb->get_description());
-  return text;
+std::string UsageText(const CLI::App& app, const HelpStyle& style) {
+  const bool is_program = app.get_parent() == nullptr;
+  const std::string usage = "Usage: ", indent(usage.size(), ' ');
+  std::string text = Wrapped(Synopsis(app), usage.size(), style.width);
+  text.replace(0, usage.size(), usage);
+  return is_program ? text + indent + "slamdb ATLAS\n" : text;
 }
 
-std::string ExitCodesText(const Command& command) {
-  std::string text = "\nExit codes:\n";
-  for (const auto& [code, meaning] : ExitCodesOf(command))
-    text += Described(std::to_string(static_cast<int>(code)), meaning, 5);
-  return text;
-}
-
-std::string ExamplesText(const Command& command) {
-  std::string text = "\nExamples:\n";
-  for (const Example& example : command.examples)
-    text += "  $ " + std::string(example.command) + "\n" + Wrapped(example.meaning, 6);
-  return text;
+std::string ProgramHelp(const CLI::App& program, const HelpStyle& style) {
+  return GroupedVerbsText(program, style) + (style.whole ? OptionsText(program, style) : std::string()) + "\n" +
+         Wrapped("'slamdb VERB -h' tells the options of a verb on a screen, 'slamdb help VERB' all about it" +
+                     std::string(style.whole ? ".\n" : ", 'slamdb --help' what each verb does.\n"),
+                 0, style.width);
 }
 
 }  // namespace
 
-std::string HelpText(const CLI::App& app) {
+std::string HelpText(const CLI::App& app, const HelpStyle& style) {
   const Command* command = CommandOf(app);
-  std::string text = FullName(app) + " - " + app.get_description() + "\n\nUsage: " + Synopsis(app) + "\n";
-  if (command != nullptr) text += "\n" + Wrapped(command->description);
-  text += VerbsText(app) + OptionsText(app);
-  if (command == nullptr) return text + "\n'slamdb VERB --help' tells more about a verb.\n";
-  return text + ExitCodesText(*command) + ExamplesText(*command);
+  std::string text = FullName(app) + " - " + app.get_description() + "\n\n" + UsageText(app, style);
+  if (command == nullptr) return text + ProgramHelp(app, style);
+  if (style.whole) text += "\n" + Wrapped(command->description, 0, style.width);
+  text += (style.whole ? "" : "\n") + InnerVerbsText(app, style) + OptionsText(app, style);
+  if (style.whole) return text + ExitCodesText(*command, style) + ExamplesText(*command, style);
+  return text + ExamplesText(*command, style) + "\n'" + FullName(app) + " --help' tells more.\n";
 }
 
 const Command* CommandOf(const CLI::App& app) {
@@ -87,40 +155,6 @@ std::vector<std::pair<ExitCode, std::string_view>> ExitCodesOf(const Command& co
   };
   if (!command.lossy.empty()) codes.emplace_back(ExitCode::kLossy, command.lossy);
   return codes;
-}
-
-namespace {
-
-// Edits that turn one word into the other: insert, delete, replace (Levenshtein).
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-}  // namespace
-
-std::string DidYouMean(std::string_view word, const std::vector<std::string>& known) {
-  std::string best;
-  std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
-  for (const std::string& candidate : known) {
-    const std::size_t distance = candidate.size() > word.size() && word.size() >= 3 && candidate.starts_with(word)
-                                     ? 1
-                                     : EditDistance(word, candidate);
-    if (distance < least) {
-      least = distance;
-      best = candidate;
-    }
-  }
-  return best;
 }
 
 }  // namespace slamdb::cli

@@ -154,7 +154,15 @@ Done, but something of the input is not in the output; standard error names it.
 .SH ENVIRONMENT
 .TP
 \fBNO_COLOR\fR
-When set, nothing is coloured. Otherwise colours are used on terminals only.
+When set, nothing is coloured. Otherwise colours are used on terminals only, if
+.B TERM
+is not
+.BR dumb ;
+.B \-\-color
+decides.
+.TP
+\fBCOLUMNS\fR
+How wide help is. By default as the terminal is.
 )";
 
 }  // namespace

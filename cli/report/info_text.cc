@@ -2,8 +2,12 @@
 #include "cli/report/info_text.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
+#include "cli/boost_versions.h"
 #include "cli/report/layout.h"
+#include "cli/report/plan.h"
 #include "slamdb/base/detail/visible.h"
 
 namespace slamdb::cli {
@@ -13,14 +17,6 @@ using enum Table::Align;
 
 std::string VectorText(const Eigen::Vector3f& vector) {
   return Short(vector.x()) + " " + Short(vector.y()) + " " + Short(vector.z());
-}
-
-// Durations for people: 75.2 -> "1 min 15 s".
-std::string DurationText(double seconds) {
-  if (seconds < 60) return Short(seconds, 3) + " s";
-  const auto whole = static_cast<std::uint64_t>(seconds + 0.5);
-  if (whole < 3600) return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
-  return Grouped(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
 }
 
 std::string SensorText(const MapStatistics& map) {
@@ -60,12 +56,38 @@ bool HasForeignOrigins(const MapStatistics& map) {
                      [&](const OriginCount& origin) { return origin.map != map.id.value(); });
 }
 
+// Of lengths: a lone camera leaves the scale open.
+std::string UnitOf(const MapStatistics& map) {
+  return map.sensor == MapSensor::kMonocular && !map.imu_initialized ? "units" : "m";
+}
+
 void AddShape(const MapStatistics& map, Table& table) {
   if (!map.bounding_box.isEmpty())
-    table.Add({"bounding box", VectorText(map.bounding_box.min()) + "  to  " + VectorText(map.bounding_box.max())});
-  table.Add({"trajectory", Short(map.trajectory_length) +
-                               (map.sensor == MapSensor::kMonocular && !map.imu_initialized ? " units" : " m") +
-                               " in " + DurationText(map.end_time - map.begin_time)});
+    table.Add({"bounding box", VectorText(map.bounding_box.min()) + "  to  " + VectorText(map.bounding_box.max()) +
+                                   " " + UnitOf(map) + ", world with " + (map.imu_initialized ? "z up" : "y down")});
+  table.Add({"trajectory",
+             Short(map.trajectory_length) + " " + UnitOf(map) + " in " + DatedDuration(map.begin_time, map.end_time)});
+}
+
+// On the plan right is x; up is y where the world has z up, else z, which the first camera looked along.
+std::string PlanOf(const MapStatistics& map, const std::vector<Eigen::Vector3f>& path, std::size_t width,
+                   std::size_t height) {
+  std::vector<Eigen::Vector2d> places;
+  for (const Eigen::Vector3f& place : path) places.emplace_back(place.x(), map.imu_initialized ? place.y() : place.z());
+  return PlanText(places, UnitOf(map) + (map.imu_initialized ? "; right x, up y" : "; right x, up z"), width, height);
+}
+
+// Maps that are drawn: by row, those with most keyframes.
+std::vector<bool> DrawnMaps(const AtlasInfo& report) {
+  constexpr std::size_t kMost = 6;
+  const std::vector<MapStatistics>& maps = report.statistics.maps;
+  std::vector<std::size_t> rows(maps.size());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  std::ranges::stable_sort(rows, std::greater(), [&](std::size_t row) { return maps[row].keyframes; });
+  rows.resize(std::min(rows.size(), kMost));
+  std::vector<bool> drawn(maps.size());
+  for (const std::size_t row : rows) drawn[row] = true;
+  return drawn;
 }
 
 std::string MapText(const MapStatistics& map) {
@@ -142,38 +164,16 @@ std::string PartsText(const std::vector<PartSize>& parts) {
 
 }  // namespace
 
-std::string BoostReleases(std::uint32_t version) {
-  switch (version) {
-    case 10:
-      return "Boost 1.53 to 1.55";
-    case 11:
-      return "Boost 1.56, 1.57";
-    case 12:
-      return "Boost 1.58";
-    case 13:
-      return "Boost 1.59";
-    case 14:
-      return "Boost 1.60 to 1.63";
-    case 15:
-      return "Boost 1.64, 1.65";
-    case 16:
-      return "Boost 1.66, 1.67";
-    case 17:
-      return "Boost 1.68 to 1.72";
-    case 18:
-      return "Boost 1.73 to 1.75";
-    case 19:
-      return "Boost 1.76 to 1.83";
-    case 20:
-      return "Boost 1.84, 1.85";
-    default:
-      return {};
-  }
-}
-
-std::string InfoText(const AtlasInfo& report) {
+std::string InfoText(const AtlasInfo& report, std::size_t plan_width) {
+  constexpr std::size_t kLines = 12, kFewer = 6;  // of one plan, and of each of several
   std::string text = detail::Visible(report.input) + "\n" + HeaderText(report);
-  for (const MapStatistics& map : report.statistics.maps) text += MapText(map);
+  const std::vector<MapStatistics>& maps = report.statistics.maps;
+  const std::vector<bool> drawn = DrawnMaps(report);
+  for (std::size_t row = 0; row < maps.size(); ++row) {
+    text += MapText(maps[row]);
+    if (plan_width > 0 && drawn[row] && row < report.paths.size())
+      text += PlanOf(maps[row], report.paths[row], plan_width, maps.size() > 1 ? kFewer : kLines);
+  }
   return text + PartsText(report.parts);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -68,6 +69,30 @@ std::string Percent(std::uint64_t part, std::uint64_t whole) {
   if (whole == 0 || part == 0) return "0%";
   const double percent = 100 * static_cast<double>(part) / static_cast<double>(whole);
   return percent < 1 ? "< 1%" : std::to_string(static_cast<int>(percent + 0.5)) + "%";
+}
+
+std::string DurationText(double seconds) {
+  if (seconds < 60) return Short(seconds, 3) + " s";
+  const auto whole = static_cast<std::uint64_t>(seconds + 0.5);
+  if (whole < 3600) return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
+  return Grouped(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
+}
+
+std::string DateText(double seconds) {
+  constexpr double kEarliest = 631152000, kLatest = 4102444800;  // 1990 and 2100: recordings of real cameras
+  if (!(seconds >= kEarliest && seconds < kLatest)) return {};
+  const auto whole = static_cast<std::int64_t>(seconds);
+  const std::chrono::year_month_day day(std::chrono::sys_days(std::chrono::days(whole / 86400)));
+  const auto two = [](std::uint64_t number) { return (number < 10 ? "0" : "") + std::to_string(number); };
+  const auto of_day = static_cast<std::uint64_t>(whole % 86400);
+  return detail::Concat(static_cast<int>(day.year()), "-", two(static_cast<unsigned>(day.month())), "-",
+                        two(static_cast<unsigned>(day.day())), " ", two(of_day / 3600), ":", two(of_day % 3600 / 60),
+                        ":", two(of_day % 60), " UTC");
+}
+
+std::string DatedDuration(double begin, double end) {
+  const std::string date = DateText(begin);
+  return DurationText(end - begin) + (date.empty() ? "" : " from " + date);
 }
 
 std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width) {

@@ -26,6 +26,15 @@ std::string Percent(std::uint64_t part, std::uint64_t whole);
 // A number in at most `digits` significant digits, without trailing zeros and locale.
 std::string Short(double number, int digits = 4);
 
+// Durations for people: 75.2 s -> "1 min 15 s".
+std::string DurationText(double seconds);
+
+// When it was, of seconds since 1970: "2014-06-24 19:02:59 UTC". Empty for what counts from elsewhere.
+std::string DateText(double seconds);
+
+// "17.9 s", with the date of the beginning where times tell one: "17.9 s from 2014-06-24 19:02:59 UTC".
+std::string DatedDuration(double begin, double end);
+
 // Breaks text into lines of at most `width` columns, each after `indent` spaces; an empty line separates paragraphs.
 // Lines that start with a space are kept as they are. Ends with a line feed unless the text is empty.
 std::string Wrapped(std::string_view text, std::size_t indent = 0, std::size_t width = kPageWidth);

@@ -26,7 +26,8 @@ endfunction()
 function(library_of include out)
   set(${out} "" PARENT_SCOPE)
   foreach(pair "nlohmann/=nlohmann_json::nlohmann_json" "sqlite3.h=SQLite::SQLite3" "zlib.h=ZLIB::ZLIB" "opencv2/=OpenCVCore::core"
-          "Eigen/=Eigen3::Eigen" "md5.h=md" "xxhash.h=md" "boost/=Boost::serialization" "CLI/=CLI11::CLI11" "ceres/=Ceres::ceres")
+          "Eigen/=Eigen3::Eigen" "md5.h=md" "sha2.h=md" "xxhash.h=md" "boost/=Boost::serialization" "CLI/=CLI11::CLI11" "ceres/=Ceres::ceres"
+          "cairo=cairo")
     string(REGEX MATCH "^(.*)=(.*)$" matched ${pair})
     string(FIND ${include} "${CMAKE_MATCH_1}" at)
     if(at EQUAL 0)

@@ -4,6 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
+#include "slamdb/base/detail/date_times.h"
 #include "tests/base/seconds_of_tables.h"
 
 namespace slamdb::detail {
@@ -54,6 +57,21 @@ TEST(ClockTimes, DatesOfTwoReadingsAreAnError) {
               AllOf(HasSubstr("2014-06-24 (ddmmyy)"), HasSubstr("2024-06-14 (yymmdd)"), HasSubstr("date [ddmmyy]")));
   EXPECT_THAT(Failure("date,time\n321399,190259.764\n"), HasSubstr("found '321399'"));
   EXPECT_THAT(Failure("date,time\n20140624,68579.764\n"), HasSubstr("hhmmss or 22:13:20 beside its date"));
+}
+
+TEST(DateTimeText, HasTheDigitsOfTheSeconds) {
+  EXPECT_EQ(DateTimeText(0), "1970-01-01T00:00:00Z");
+  EXPECT_EQ(DateTimeText(1403636579.763555), "2014-06-24T19:02:59.763555Z");
+  EXPECT_EQ(DateTimeText(951782400), "2000-02-29T00:00:00Z");
+  EXPECT_EQ(DateTimeText(-0.25), "1969-12-31T23:59:59.75Z");
+  EXPECT_EQ(DateTimeText(253402300799.0), "9999-12-31T23:59:59Z");
+  EXPECT_EQ(DateTimeText(-62135596800.0), "0001-01-01T00:00:00Z");
+}
+
+TEST(DateTimeText, IsNoneWhereTheYearHasNotFourDigits) {
+  for (const double seconds : {253402300800.0, -62135596801.0, 1.4e18, std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_EQ(DateTimeText(seconds), std::nullopt) << seconds;
 }
 
 }  // namespace

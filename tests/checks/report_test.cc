@@ -66,7 +66,7 @@ TEST(TextReport, GroupsByRuleErrorsFirst) {
 
 TEST(TextReport, NamesTheFilesThatFailAtTheEnd) {
   const std::string text = TextReport(Files());
-  EXPECT_THAT(text, EndsWith("\n3 files: 1 sound, 1 not sound, 1 not readable\n  " + Files()[0].name +
+  EXPECT_THAT(text, EndsWith("\n3 atlases: 1 sound, 1 not sound, 1 not readable\n  " + Files()[0].name +
                              ": 6 errors, 3 warnings, 3 notes: not sound\n  " + Files()[2].name + ": not readable\n"));
 }
 

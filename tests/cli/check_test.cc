@@ -99,7 +99,7 @@ TEST_F(Check, UnknownRuleIsAUsageError) {
 TEST_F(Check, NeedsAFile) {
   const ProcessResult result = RunSlamdb({"check"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("FILE is required"));
+  EXPECT_THAT(result.err, HasSubstr("FILE is missing"));
 }
 
 TEST_F(Check, SeveralFilesOneFailure) {
@@ -119,7 +119,7 @@ TEST_F(Check, SaysTheVerdictFirstAndNamesWhatFails) {
   EXPECT_THAT(one.out, Not(HasSubstr("note ")));
   EXPECT_THAT(RunSlamdb({"check", twice, "-v"}).out, HasSubstr("\n  note observation-slot (100)\n      map 0, mp "));
   const ProcessResult three = RunSlamdb({"check", Sound(), twice, In("missing.osa")});
-  EXPECT_THAT(three.out, HasSubstr("\n3 files: 1 sound, 1 not sound, 1 not readable\n  " + twice +
+  EXPECT_THAT(three.out, HasSubstr("\n3 atlases: 1 sound, 1 not sound, 1 not readable\n  " + twice +
                                    ": 1 error, 876 notes: not sound\n  " + In("missing.osa") + ": not readable\n"));
   EXPECT_EQ(RunSlamdb({"check", Sound(), "--quiet"}).out, "");
   EXPECT_THAT(RunSlamdb({"check", Sound(), twice, "--quiet"}).out, StartsWith(twice));

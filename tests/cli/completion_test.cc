@@ -59,6 +59,41 @@ TEST(Completion, BashOffersFilesWithBlanks) {
   EXPECT_EQ(BashOffers("slamdb info '" + (folder / "my") + "'", 3), (folder / "my map.osa") + "\n");
 }
 
+TEST(Completion, BashOffersRules) {
+  EXPECT_EQ(BashOffers("slamdb check --ignore map-listed", 4), "map-listed-once\n");
+  EXPECT_EQ(BashOffers("slamdb repair --rule map-listed", 4), "map-listed-once\n");
+  EXPECT_EQ(BashOffers("slamdb help vac", 3), "vacuum\n");
+}
+
+// Names out of files are offered as they are, and nothing in them is expanded.
+TEST(Completion, BashOffersAtlasesOfAStore) {
+  const TemporaryFolder folder;
+  const std::string tiny = SLAMDB_FIXTURES "/tiny/tiny.osa", store = folder / "lab.db";
+  for (const char* name : {"monday", "morning", "tuesday", "$(touch x)"})
+    ASSERT_EQ(RunSlamdb({"convert", tiny, store + "#" + name}).exit_code, 0);
+  EXPECT_EQ(BashOffers("'" SLAMDB_COMMAND "' info '" + store + "#mo'", 3), store + "#monday\n" + store + "#morning\n");
+  EXPECT_EQ(BashOffers("'" SLAMDB_COMMAND "' info '" + store + "#$'", 3), store + "#\\$\\(touch\\ x\\)\n");
+  EXPECT_EQ(RunSlamdb({"complete", store + "#tu"}).out, store + "#tuesday\n");
+}
+
+TEST(Completion, BashOffersEntities) {
+  const std::string tiny = SLAMDB_FIXTURES "/tiny/tiny.osa", show = "'" SLAMDB_COMMAND "' show '" + tiny + "' ";
+  EXPECT_EQ(BashOffers(show + "''", 4), "atlas\ncamera/\nmap/\nkf/\nmp/\nlandmark/\n");
+  EXPECT_EQ(BashOffers(show + "kf/", 4), "kf/0\nkf/1\n");
+  EXPECT_EQ(BashOffers(show + "kf/1", 4), "kf/1\n");
+  EXPECT_EQ(BashOffers(show + "atlas map/", 5), "map/0\n");
+  EXPECT_EQ(RunSlamdb({"complete", "none.osa", "kf/"}).exit_code, 1);
+}
+
+TEST(Completion, OtherShellsAskForNamesToo) {
+  for (const char* shell : {"zsh", "fish"}) {
+    const std::string script = RunSlamdb({"completion", shell}).out;
+    EXPECT_THAT(script, HasSubstr("slamdb complete ")) << shell;
+    EXPECT_THAT(script, HasSubstr("map-listed-once")) << shell;
+    EXPECT_THAT(script, HasSubstr("_slamdb_entities")) << shell;
+  }
+}
+
 TEST(Completion, ZshScriptParses) {
   const ProcessResult script = RunSlamdb({"completion", "zsh"});
   ASSERT_EQ(script.exit_code, 0);

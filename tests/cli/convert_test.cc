@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {
@@ -165,6 +166,105 @@ TEST(Convert, PathsWithBlanksAndQuotes) {
   EXPECT_EQ(RunSlamdb({"info", odd}).exit_code, 0);
   EXPECT_EQ(RunSlamdb({"convert", odd, folder / "out put.osa"}).exit_code, 0);
   EXPECT_EQ(ReadWholeFile(folder / "out put.osa"), ReadWholeFile(kTiny));
+}
+
+// The archive version in the header, and which names mean it.
+TEST(Convert, BoostVersionByName) {
+  const TemporaryFolder folder;
+  const std::pair<const char*, unsigned char> cases[] = {
+      {"1.53", 10},   {"1.57", 11},        {"1.58.0", 12},   {"ubuntu16.04", 12}, {"kinetic", 12}, {"1.59", 13},
+      {"1.63", 14},   {"ubuntu18.04", 15}, {"melodic", 15},  {"1.67", 16},        {"1.71", 17},    {"ubuntu20.04", 17},
+      {"noetic", 17}, {"debian11", 18},    {"debian12", 18}, {"humble", 18},      {"1.74.0", 18},  {"ubuntu24.04", 19},
+      {"jazzy", 19},  {"1.85", 20},        {"12", 12},       {"20", 20}};
+  for (const auto& [name, version] : cases) {
+    ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "out.osa", "-O", "--boost-version", name}).exit_code, 0) << name;
+    EXPECT_EQ(static_cast<unsigned char>(ReadWholeFile(folder / "out.osa").at(0x1e)), version) << name;
+  }
+  ASSERT_EQ(RunSlamdb({"extract", kTiny, folder / "part.osa", "--map", "0", "--boost-version", "focal"}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(folder / "part.osa").at(0x1e), 17) << "in every verb that writes one";
+  EXPECT_EQ(RunSlamdb({"extract", kTiny, folder / "part.db", "--map", "0", "--boost-version", "focal"}).exit_code, 2);
+}
+
+TEST(Convert, ReportsAsJsonAndDry) {
+  using nlohmann::json;
+  const TemporaryFolder folder;
+  const std::string out = folder / "out.osa";
+  json dry = json::parse(RunSlamdb({"convert", kTiny, out, "--json", "--dry-run"}).out);
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_EQ(BreachOf(dry, "convert.schema.json"), "");
+  EXPECT_TRUE(dry.at("output").is_null());
+  json wet = json::parse(RunSlamdb({"convert", kTiny, out, "--json"}).out);
+  EXPECT_EQ(BreachOf(wet, "convert.schema.json"), "");
+  EXPECT_EQ(wet.at("output"), out);
+  EXPECT_EQ(wet.at("bytes"), std::filesystem::file_size(out));
+  dry["output"] = out;
+  EXPECT_EQ(dry, wet);
+  EXPECT_EQ(wet.at("maps"), 1);
+  EXPECT_EQ(wet.at("keyframes"), 2);
+  EXPECT_EQ(wet.at("points"), 2);
+  const json poses = json::parse(RunSlamdb({"convert", kTiny, folder / "a.tum", "--json"}).out);
+  EXPECT_EQ(poses.at("format"), "tum");
+  const json again = json::parse(RunSlamdb({"convert", folder / "a.tum", folder / "b.tum", "--json", "--dry-run"}).out);
+  EXPECT_EQ(BreachOf(again, "convert.schema.json"), "");
+  EXPECT_TRUE(again.at("maps").is_null());
+  EXPECT_EQ(again.at("keyframes"), 2);
+  const json store = json::parse(RunSlamdb({"convert", kTiny, folder / "m.db", "--json", "--dry-run"}).out);
+  EXPECT_TRUE(store.at("bytes").is_null());
+  EXPECT_THAT(RunSlamdb({"convert", kTiny, out, "--dry-run"}).out, ::testing::StartsWith("would write "));
+}
+
+TEST(Convert, ColoursAndCamerasOfPoints) {
+  const TemporaryFolder folder;
+  const ProcessResult result =
+      RunSlamdb({"convert", kTiny, folder / "a.ply", "--color", "observations", "--cameras", "--ascii"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("note: colours tell observations from "));
+  EXPECT_THAT(result.out, HasSubstr(" poses\n"));
+  EXPECT_THAT(ReadWholeFile(folder / "a.ply"), HasSubstr("element edge "));
+}
+
+// What would have no effect.
+TEST(Convert, RefusesOptionsOfOtherViewers) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::vector<std::string>& options, const std::string& output, const char* problem) {
+    std::vector<std::string> words = {"convert", kTiny, folder / output};
+    words.insert(words.end(), options.begin(), options.end());
+    const ProcessResult result = RunSlamdb(words);
+    EXPECT_EQ(result.exit_code, 2) << output;
+    EXPECT_THAT(result.err, HasSubstr(problem));
+    EXPECT_FALSE(std::filesystem::exists(folder / output));
+  };
+  expect({"--color", "age"}, "a.tum", "--color is for PLY, PCD, glTF and MCAP only; the output is TUM trajectory");
+  expect({"--color", "rainbow"}, "a.ply", "--color");
+  expect({"--cameras"}, "a.pcd", "--cameras is for PLY only");
+  expect({"--cameras"}, "a.glb", "the output is glTF scene, which always has them");
+  expect({"--origin", "48,11"}, "a.glb", "--origin and --most-points are for KML and GeoJSON only");
+  expect({"--most-points", "5"}, "a.ply", "--origin and --most-points are for KML and GeoJSON only");
+  expect({"--origin", "north"}, "a.kml", "a place is LATITUDE,LONGITUDE[,ALTITUDE]");
+  expect({"--origin", "91,0"}, "a.kml", "a place is LATITUDE,LONGITUDE[,ALTITUDE]");
+  expect({}, "a.geojson", "--origin LAT,LON,ALT, which `slamdb transform --georeference` finds");
+}
+
+TEST(Convert, FindsTheOriginBesideTheInput) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(kTiny, folder / "enu.osa");
+  const auto convert = [&] { return RunSlamdb({"convert", folder / "enu.osa", folder / "a.geojson", "-O"}); };
+  WriteWholeFile(folder / "enu.osa.georeference.json",
+                 R"({"maps": [{"id": 0}], "georeference": {"latitude": 48.15, "longitude": 11.57, "altitude": 519}})");
+  const ProcessResult found = convert();
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_THAT(found.err, HasSubstr("note: the origin is that of " + (folder / "enu.osa.georeference.json")));
+  EXPECT_THAT(found.err, Not(HasSubstr("not georeferenced")));
+  EXPECT_THAT(ReadWholeFile(folder / "a.geojson"), HasSubstr("[11.57000"));
+  WriteWholeFile(folder / "enu.osa.georeference.json",
+                 R"({"maps": [{"id": 7}], "georeference": {"latitude": 48.15, "longitude": 11.57, "altitude": 519}})");
+  EXPECT_THAT(convert().err, HasSubstr("map 0 was not georeferenced"));
+  for (const char* broken :
+       {"{}", "[", R"({"maps": [], "georeference": {"latitude": 99, "longitude": 0, "altitude": 0}})",
+        R"({"maps": [{"id": -1}], "georeference": {"latitude": 9, "longitude": 0, "altitude": 0}})"}) {
+    WriteWholeFile(folder / "enu.osa.georeference.json", broken);
+    EXPECT_EQ(convert().exit_code, 1) << broken;
+  }
 }
 
 }  // namespace

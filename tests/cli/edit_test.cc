@@ -73,7 +73,7 @@ TEST_F(Edit, AnOutputThatIsThereIsRefusedBeforeTheWork) {
 }
 
 TEST_F(Edit, OptionsThatMakeNoSenseAreUsageErrors) {
-  ExpectRefused({"cull", input_}, "name an output", 2);
+  ExpectRefused({"cull", input_}, "OUTPUT is missing", 2);
   ExpectRefused({"extract", input_, output_}, "say which part", 2);
   ExpectRefused({"shrink", input_, output_}, "say how small", 2);
   ExpectRefused({"shrink", input_, output_, "--target-keyframes", "0"}, "expected a number above 0, found '0'", 2);
@@ -116,7 +116,8 @@ TEST_F(Edit, NothingLeftIsNoSuccess) {
   EXPECT_FALSE(std::filesystem::exists(output_));
   ExpectRefused({"convert", all_bad, folder_ / "x.keyframes.csv"}, "would hold no keyframes, " + lacks);
   ExpectRefused({"convert", input_, folder_ / "x.ply", "--box", "1e6,1e6,1e6:2e6,2e6,2e6"}, "has no points in the box");
-  ExpectRefused({"convert", input_, folder_ / "x.tum", "--time", "1:2"}, "has no keyframes in the range");
+  ExpectRefused({"convert", input_, folder_ / "x.tum", "--time", "1:2"},
+                "has no keyframe from 1 s to 2 s; its keyframes are from ");
   EXPECT_EQ(RunSlamdb({"check", all_bad}).exit_code, 1);
   EXPECT_THAT(RunSlamdb({"check", all_bad, "--json"}).out, HasSubstr("atlas-not-empty"));
   // What had nothing to lose is told only.

@@ -25,7 +25,7 @@ constexpr std::array kWorld = {
     "ln -s $FIXTURES/session_small_a/session_small_a.osa session_a.osa",
     "ln -s $FIXTURES/session_small_b/session_small_b.osa session_b.osa",
     "for name in session a before; do ln -s session_a.osa $name.osa; done",
-    "ln -s session_b.osa b.osa",
+    "for name in b robot1 robot2; do ln -s session_b.osa $name.osa; done",
     "ln -s $FIXTURES/mono_small_twice/mono_small_twice.osa saved_twice.osa",
     "slamdb cull session_a.osa after.osa -q",
     "slamdb renumber a.osa renumbered.osa --offset 100 -q",
@@ -70,8 +70,7 @@ std::vector<HelpExample> Examples() {
   std::istringstream help(RunSlamdb({"--help"}).out);
   bool in_list = false;
   for (std::string line; std::getline(help, line);) {
-    if (line == "Verbs:") in_list = true;
-    if (in_list && line.empty()) break;
+    if (line == "Look:" || line == "Common options:") in_list = line == "Look:";
     if (!in_list || line.size() < 3 || line[2] == ' ' || line[0] != ' ') continue;
     const std::string verb = line.substr(2, line.find(' ', 2) - 2);
     std::istringstream page(RunSlamdb({verb, "--help"}).out);

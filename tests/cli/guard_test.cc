@@ -108,6 +108,48 @@ TEST_F(Guard, NoOutputOfAnyVerbIsAnInput) {
   EXPECT_GT(pairs, 30);
 }
 
+// -o is guarded as the positional is, and does the same.
+TEST_F(Guard, NoOutputByOptionIsAnInput) {
+  int verbs = 0;
+  for (const Verb& verb : AllVerbs()) {
+    if (!verb.output_option || verb.name() == "split" || verb.name() == "synthesize" || verb.name() == "backup")
+      continue;
+    SCOPED_TRACE(verb.name());
+    std::vector<std::string> line = CommandLine(verb);
+    const auto output = std::ranges::find(line, "out.osa");
+    ASSERT_NE(output, line.end());
+    *output = "x/../a.osa";
+    line.insert(output, "-o");
+    const std::string input = verb.name() == "landmarks to-points" ? "landmarks.mrpt" : "a.osa";
+    *std::next(std::ranges::find(line, "-o")) = "x/../" + input;
+    std::ranges::replace(line, std::string("points.osa"), std::string("a.osa"));
+    line.push_back("-O");
+    const std::string before = ReadWholeFile(input);
+    const ProcessResult result = RunSlamdb(line);
+    EXPECT_EQ(result.exit_code, 1) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("never changed"));
+    EXPECT_EQ(ReadWholeFile(input), before);
+    ++verbs;
+  }
+  EXPECT_GE(verbs, 14);
+}
+
+TEST_F(Guard, OneOutputAlone) {
+  int verbs = 0;
+  for (const Verb& verb : AllVerbs()) {
+    if (!verb.output_option) continue;
+    SCOPED_TRACE(verb.name());
+    std::vector<std::string> line = CommandLine(verb);
+    line.insert(line.end(), {"--output", "other.osa"});
+    const ProcessResult result = RunSlamdb(line);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr("--output and OUTPUT exclude each other"));
+    EXPECT_FALSE(fs::exists("out.osa") || fs::exists("other.osa"));
+    ++verbs;
+  }
+  EXPECT_GE(verbs, 16);
+}
+
 TEST_F(Guard, NoTwoOutputsOfAnyVerbAreOneFile) {
   int pairs = 0;
   for (const Verb& verb : AllVerbs())
@@ -255,6 +297,9 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "WHAT",
       "X,Y,Z:X,Y,Z",
       "TEXT",
+      "BOOST",
+      "VERB",
+      "WORD",
       "'X,Y X,Y ...'",
       "T",  // a transform, which is also read from a file: entered when it is
       "SIZE:SIZE [b, kb(=1000b), kib(=1024b), ...]"};

@@ -3,7 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "cli/report/paint.h"
+#include "cli/report/plan.h"
 
 namespace slamdb::cli {
 namespace {
@@ -55,6 +60,43 @@ TEST(Layout, AlignsColumns) {
   table.Add({"long", "1,000"});
   table.Add({"é", ""});
   EXPECT_EQ(table.ToString(), " a         1\n long  1,000\n é\n");
+}
+
+TEST(Layout, DatesAndDurations) {
+  EXPECT_EQ(DateText(1403636579.76), "2014-06-24 19:02:59 UTC");
+  EXPECT_EQ(DateText(951827696), "2000-02-29 12:34:56 UTC");
+  EXPECT_EQ(DateText(12.5), "") << "counts from elsewhere";
+  EXPECT_EQ(DateText(std::numeric_limits<double>::quiet_NaN()), "");
+  EXPECT_EQ(DatedDuration(1403636579.76, 1403636597.66), "17.9 s from 2014-06-24 19:02:59 UTC");
+  EXPECT_EQ(DatedDuration(0, 75.2), "1 min 15 s");
+  EXPECT_EQ(DurationText(3600 * 30), "30 h 0 min");
+}
+
+// From the lower left corner to the upper right one: four dots in two letters.
+TEST(Plan, DrawsInDots) {
+  EXPECT_EQ(PlanText({{0, 0}, {1, 1}}, "m", 4, 1), "  \u2860\u280A\n  seen from above, 1 by 1 m\n");
+  EXPECT_EQ(PlanText({{5, 2}, {7, 2}}, "units", 4, 3), "  \u2809\u2809\n  seen from above, 2 by 0 units\n");
+}
+
+TEST(Plan, IsBounded) {
+  std::vector<Eigen::Vector2d> path;
+  for (int i = 0; i < 100; ++i) path.emplace_back(std::sin(i) * 1e6, std::cos(i) * 1e-3);
+  const std::string text = PlanText(path, "m", 30, 5);
+  EXPECT_LE(std::ranges::count(text, '\n'), 6);
+  EXPECT_EQ(PlanText({}, "m", 30, 5), "");
+  EXPECT_EQ(PlanText({{1, 1}}, "m", 30, 5), "");
+  EXPECT_EQ(PlanText({{1, 1}, {1, 1}}, "m", 30, 5), "") << "one place";
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(PlanText({{1, 1}, {none, 2}}, "m", 30, 5), "");
+  EXPECT_EQ(PlanText({{1, 1}, {2, 2}}, "m", 3, 5), "") << "no room";
+}
+
+TEST(Paint, ColoursHeadingsAndFindings) {
+  EXPECT_EQ(PaintHeadings("map 0  stereo\n  points  3\n"), "\033[1mmap 0\033[0m  stereo\n  points  3\n");
+  EXPECT_EQ(PaintFindings("a.osa: 1 error: not sound (3 rules checked)\n\n  error point-bad (2)\n"),
+            "a.osa: 1 error: \033[1;31mnot sound\033[0m (3 rules checked)\n\n  \033[1;31merror point-bad "
+            "(2)\033[0m\n");
+  EXPECT_EQ(PaintFindings("a.osa: sound, 3 notes\n"), "a.osa: \033[1;32msound\033[0m, 3 notes\n");
 }
 
 }  // namespace

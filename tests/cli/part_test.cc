@@ -99,7 +99,7 @@ TEST_F(PartVerbs, CullSaysWhatWent) {
   std::filesystem::remove(output_);
   Run({"cull", input_, "--dry-run"}, "cull.schema.json");
   ExpectRefused({"cull", input_, output_, "--redundant", "2"}, "between 0 and 1");
-  ExpectRefused({"cull", input_}, "name an output", 2);
+  ExpectRefused({"cull", input_}, "OUTPUT is missing", 2);
 }
 
 TEST_F(PartVerbs, ShrinkKeepsToItsTarget) {

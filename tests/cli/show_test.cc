@@ -50,6 +50,38 @@ TEST(Show, TextHasEveryField) {
   for (const auto& [field, value] : entity.items()) EXPECT_THAT(text, HasSubstr(field));
 }
 
+TEST(Show, BeginsWithWhereTheCameraIs) {
+  const std::string atlas = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+  const std::string text = RunSlamdb({"show", atlas, "kf/0"}).out;  // at the origin
+  EXPECT_EQ(text.find("camera at               0 0 0 m, world of map 0 with y down\n"
+                      "camera looks            0 degrees right of z, 0 up\n"
+                      "taken                   2014-06-24 19:02:59 UTC\n"),
+            0U)
+      << text.substr(0, 300);
+  EXPECT_EQ(RunSlamdb({"show", atlas, "kf/0", "--json"}).out.find("camera at"), std::string::npos);
+}
+
+TEST(Show, FoldsWhatDoesNotApply) {
+  const std::string atlas = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+  const std::string text = RunSlamdb({"show", atlas, "kf/5"}).out;
+  for (const char* name : {"preintegration", "imu_calibration", "right_camera", "right_grid", "undistorted", "(empty)"})
+    EXPECT_EQ(text.find(name), std::string::npos) << name;
+  for (const char* name : {"descriptors", "depth", "connections", "bag_of_words"}) EXPECT_THAT(text, HasSubstr(name));
+  EXPECT_THAT(text, HasSubstr(" fields folded: of an IMU that is not there, of a second camera, "));
+  EXPECT_THAT(text, HasSubstr("; --all shows them)\n"));
+  EXPECT_EQ(RunSlamdb({"show", atlas, "kf/5", "--all"}).out.find("folded"), std::string::npos);
+}
+
+TEST(Show, OfAnInertialMapFoldsNoImu) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"synthesize", folder / "a.osa", "--sensor", "fisheye", "--inertial", "--keyframes", "4", "-q"})
+                .exit_code,
+            0);
+  const std::string text = RunSlamdb({"show", folder / "a.osa", "kf/1"}).out;
+  for (const char* name : {"preintegration", "imu_calibration", "right_camera", "right_grid"})
+    EXPECT_THAT(text, HasSubstr(name));
+}
+
 TEST(Show, SeveralEntitiesAreNamed) {
   const ProcessResult result = RunSlamdb({"show", kTiny, "atlas", "map/0"});
   EXPECT_EQ(result.exit_code, 0) << result.err;

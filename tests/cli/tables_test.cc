@@ -367,7 +367,7 @@ TEST_F(Tables, OptionsWithoutEffectAreRefused) {
   expect({"transform", a, o, "--onto", In("a.tum"), "--times", "t.txt"}, "--times is for KITTI trajectories only");
   expect({"transform", a, o, "--onto", a, "--time-unit", "ns"}, "--time-unit is for trajectories only");
   expect({"convert", a, o, "--body"}, "--body is for trajectories only");
-  expect({"convert", a, In("idle.tum"), "--boost-version", "12"}, "--boost-version and --long-bytes are for archives");
+  expect({"convert", a, In("idle.tum"), "--boost-version", "12"}, "--boost-version is for archives of ORB-SLAM3 only");
   expect({"convert", a, In("idle.tum"), "--time-unit", "ns"}, "--time-unit is for trajectories only");
   expect({"convert", In("a.tum"), In("idle.kitti"), "--times", "t.txt"}, "--times is for KITTI trajectories only");
 }

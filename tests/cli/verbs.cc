@@ -18,9 +18,12 @@ namespace {
 // What a verb needs besides its files, to do something.
 const std::map<std::string, std::vector<std::string>>& More() {
   static const std::map<std::string, std::vector<std::string>> kMore = {
+      {"complete", {"a.osa", "kf/"}},
       {"completion", {"bash"}},
+      {"evaluate", {"--align", "none"}},
       {"extract", {"--map", "0"}},
       {"man", {"--folder", "pages"}},
+      {"plot", {"--format", "svg"}},
       {"reassign-origin", {"--compact"}},
       {"show", {"map/0"}},
       {"shrink", {"--target-keyframes", "2"}},
@@ -58,6 +61,8 @@ void Collect(CLI::App& app, std::vector<std::string> words, std::vector<Verb>& v
   if (!inner.empty()) return;
   Verb verb{.words = words};
   for (CLI::Option* option : app.get_options(cli::NamesFiles)) verb.files.push_back(FileOptionOf(*option));
+  if (app.get_option_no_throw("OUTPUT") != nullptr)
+    verb.output_option = std::erase_if(verb.files, [](const FileOption& file) { return file.name == "--output"; }) > 0;
   std::stable_partition(verb.files.begin(), verb.files.end(), [](const FileOption& file) { return file.positional; });
   verb.overwrites = app.get_option_no_throw("--overwrite") != nullptr;
   verbs.push_back(std::move(verb));
@@ -102,7 +107,7 @@ std::vector<std::pair<std::string, std::string>> TypesOfOptions() {
 
 std::string ValueOf(const Verb& verb, const FileOption& option) {
   if (!option.writes) return InputOf(verb.name(), option.name);
-  if (*option.writes != cli::Writes::kFile) return "out.osa";
+  if (*option.writes != cli::Writes::kFile) return option.name == "STORE" ? "out.db" : "out.osa";
   std::string name = option.name;
   name.erase(0, name.find_first_not_of('-'));
   return name + ".out";

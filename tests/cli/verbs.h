@@ -22,6 +22,7 @@ struct Verb {
   std::vector<std::string> words;  // {"vocabulary", "set"}
   std::vector<FileOption> files;   // positionals in their order, then options
   bool overwrites = false;         // has -O/--overwrite
+  bool output_option = false;      // -o/--output stands for the positional OUTPUT, and is left out of `files`
 
   std::string name() const;
 };

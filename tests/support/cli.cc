@@ -3,9 +3,13 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -45,6 +49,56 @@ ProcessResult RunProgram(const std::vector<std::string>& words, std::string_view
   result.exit_code = WaitFor(process);
   result.out = ReadWholeFile(out);
   result.err = ReadWholeFile(err);
+  return result;
+}
+
+namespace {
+
+// The master side of a new pseudo-terminal, or -1.
+int OpenTerminal(int columns) {
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (master < 0) return -1;
+  const winsize size{.ws_row = 50, .ws_col = static_cast<unsigned short>(columns), .ws_xpixel = 0, .ws_ypixel = 0};
+  if (::grantpt(master) == 0 && ::unlockpt(master) == 0 && ::ioctl(master, TIOCSWINSZ, &size) == 0) return master;
+  ::close(master);
+  return -1;
+}
+
+[[noreturn]] void BecomeOn(const std::string& terminal, const std::vector<std::string>& words) {
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  ::setsid();
+  const int side = ::open(terminal.c_str(), O_RDWR);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (side < 0 || ::dup2(side, stream) < 0) ::_exit(126);
+  ::execvp(arguments[0], arguments.data());
+  ::_exit(127);
+}
+
+}  // namespace
+
+std::optional<ProcessResult> RunOnTerminal(const std::vector<std::string>& words, int columns) {
+  const int master = OpenTerminal(columns);
+  if (master < 0) return std::nullopt;
+  const char* name = ::ptsname(master);
+  const std::string terminal = name == nullptr ? "" : name;
+  if (terminal.empty() || ::access(terminal.c_str(), R_OK | W_OK) != 0) {
+    ::close(master);
+    return std::nullopt;
+  }
+  const pid_t process = ::fork();
+  if (process == 0) BecomeOn(terminal, words);
+  ProcessResult result;
+  std::array<char, 4096> buffer{};
+  for (ssize_t got = 0; (got = ::read(master, buffer.data(), buffer.size())) != 0;) {
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) break;  // the other side is closed
+    result.out.append(buffer.data(), static_cast<std::size_t>(got));
+  }
+  result.exit_code = WaitFor(process);
+  ::close(master);
+  std::erase(result.out, '\r');
   return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,10 @@ ProcessResult RunSlamdb(const std::vector<std::string>& arguments, std::string_v
 
 // Runs any program the same way; exit code 127 when it is not installed.
 ProcessResult RunProgram(const std::vector<std::string>& words, std::string_view input = {});
+
+// Runs it on a terminal of its own, of so many columns, on which everything comes out in `out`. Nothing where the
+// system has no pseudo-terminals, as a bare chroot.
+std::optional<ProcessResult> RunOnTerminal(const std::vector<std::string>& words, int columns = 80);
 
 using slamdb::TemporaryFolder;
 

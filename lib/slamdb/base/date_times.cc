@@ -2,7 +2,10 @@
 #include "slamdb/base/detail/date_times.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
+#include <ctime>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -82,6 +85,15 @@ std::string SecondsText(std::int64_t seconds, std::string_view fraction) {
   return fraction.empty() ? std::to_string(seconds) : Concat(seconds, '.', fraction);
 }
 
+std::string DateTimeText(std::int64_t seconds) {
+  const std::time_t time = seconds;
+  std::tm parts{};
+  ::gmtime_r(&time, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
 std::optional<DateTime> ParseDateTime(std::string_view text, std::string_view date) {
   const bool apart = !date.empty();
   const auto day = TakeDay(apart ? date : text);
@@ -92,6 +104,28 @@ std::optional<DateTime> ParseDateTime(std::string_view text, std::string_view da
   const auto zone = has_zone ? TakeZone(text) : 0;
   if (!zone) return std::nullopt;
   return DateTime{SecondsText(*day * 86400 + time->seconds - *zone, time->fraction), has_zone};
+}
+
+std::optional<std::string> DateTimeText(double seconds) {
+  constexpr double kFirst = -62135596800, kEnd = 253402300800;  // of the year 1, of the year 9999
+  if (!(seconds >= kFirst && seconds < kEnd)) return std::nullopt;
+  const auto whole = static_cast<std::int64_t>(std::floor(seconds));
+  const std::chrono::sys_seconds time{std::chrono::seconds(whole)};
+  const auto day = std::chrono::floor<std::chrono::days>(time);
+  const std::chrono::year_month_day date(day);
+  const std::chrono::hh_mm_ss clock(time - day);
+  std::string fraction;
+  // Of times before 1970 the digits are of what is missing to the next second, so they are those of the difference.
+  AppendSeconds(fraction, seconds < 0 ? seconds - static_cast<double>(whole) : seconds);
+  const std::size_t point = fraction.find('.');
+  const auto digits = [](std::int64_t number, std::size_t count) {
+    std::string text = std::to_string(number);
+    return std::string(count - std::min(count, text.size()), '0') + text;
+  };
+  return Concat(digits(static_cast<int>(date.year()), 4), '-', digits(static_cast<unsigned>(date.month()), 2), '-',
+                digits(static_cast<unsigned>(date.day()), 2), 'T', digits(clock.hours().count(), 2), ':',
+                digits(clock.minutes().count(), 2), ':', digits(clock.seconds().count(), 2),
+                point == fraction.npos ? "" : fraction.substr(point), 'Z');
 }
 
 bool IsTimeOfDay(std::string_view text) { return TakeTimeOfDay(text).has_value(); }

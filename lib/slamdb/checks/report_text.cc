@@ -10,28 +10,25 @@ namespace {
 
 constexpr std::array kWorstFirst{Severity::kError, Severity::kWarning, Severity::kNote};
 
-std::string Counted(std::uint64_t count, std::string_view noun) {
-  return detail::Concat(std::to_string(count), " ", noun, count == 1 ? "" : "s");
-}
-
 // "1 error, 2 warnings, 530 notes"; kinds without any are left out.
 std::string Totals(const CheckReport& report) {
   std::string text;
   for (const Severity severity : kWorstFirst)
     if (const std::uint64_t count = report.Count(severity); count > 0)
-      text += (text.empty() ? "" : ", ") + Counted(count, ToString(severity));
+      text += (text.empty() ? "" : ", ") + detail::Counted(count, ToString(severity));
   return text;
 }
 
 // What is broken and where, and what comes of it. What should hold is in the catalogue.
 void AppendResult(const RuleResult& result, std::size_t shown, std::string& text) {
   text += detail::Concat("\n  ", result.severity, " ", result.id);
-  if (result.count > 1) text += detail::Concat(" (", result.count, ")");
+  if (result.count > 1) text += detail::Concat(" (", detail::Thousands(result.count), ")");
   text += "\n";
   shown = std::min(shown, result.findings.size());
   for (std::size_t i = 0; i < shown; ++i)
     text += detail::Concat("      ", ToString(result.findings[i].place), ": ", result.findings[i].message, "\n");
-  if (result.count > shown) text += detail::Concat("      ... and ", std::to_string(result.count - shown), " more\n");
+  if (result.count > shown)
+    text += detail::Concat("      ... and ", detail::Thousands(result.count - shown), " more\n");
   if (!result.consequence.empty()) text += detail::Concat("    ORB-SLAM3 ", result.consequence, "\n");
 }
 
@@ -40,8 +37,8 @@ void AppendFile(const CheckedFile& file, const TextReportOptions& options, std::
     text += detail::Concat(file.name, ": ", Verdict(file), "\n\n  ", file.failure, "\n");
     return;
   }
-  text +=
-      detail::Concat(file.name, ": ", Verdict(file), " (", Counted(file.report.checked.size(), "rule"), " checked)\n");
+  text += detail::Concat(file.name, ": ", Verdict(file), " (", detail::Counted(file.report.checked.size(), "rule"),
+                         " checked)\n");
   for (const Severity severity : kWorstFirst) {
     if (severity == Severity::kNote && !options.show_notes) continue;
     for (const RuleResult& result : file.report.results)
@@ -60,9 +57,9 @@ std::string Summary(std::span<const CheckedFile> files) {
   const auto sound = static_cast<std::size_t>(std::ranges::count_if(files, IsSound));
   const auto unreadable = static_cast<std::size_t>(
       std::ranges::count_if(files, [](const CheckedFile& file) { return !file.failure.empty(); }));
-  std::string text = detail::Concat(std::to_string(files.size()), " files: ", std::to_string(sound), " sound, ",
-                                    std::to_string(files.size() - sound - unreadable), " not sound");
-  if (unreadable > 0) text += detail::Concat(", ", std::to_string(unreadable), " not readable");
+  std::string text = detail::Concat(detail::Thousands(files.size()), " atlases: ", detail::Thousands(sound), " sound, ",
+                                    detail::Thousands(files.size() - sound - unreadable), " not sound");
+  if (unreadable > 0) text += detail::Concat(", ", detail::Thousands(unreadable), " not readable");
   text += "\n";
   for (const CheckedFile& file : files)
     if (!IsSound(file)) text += detail::Concat("  ", file.name, ": ", Verdict(file), "\n");

@@ -12,6 +12,9 @@
 #include "slamdb/formats/csv/detail/csv.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
+#include "slamdb/formats/geographic/detail/geographic.h"
+#include "slamdb/formats/gltf/detail/gltf.h"
+#include "slamdb/formats/mcap/detail/mcap.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -27,6 +30,7 @@ std::span<const Format> Formats() {
   static const std::array kFormats = {
       kOrbslam3Format,       kOrbslam3TextFormat,     detail::kStoreFormat,        detail::kMrptFormat,
       detail::kMrpt3Format,  detail::kMrptTextFormat, detail::kPlyFormat,          detail::kPcdFormat,
+      detail::kGltfFormat,   detail::kMcapFormat,     detail::kKmlFormat,          detail::kGeojsonFormat,
       detail::kNdjsonFormat, detail::kCsvFormat,      detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
       detail::kEurocFormat,  detail::kTumFormat,      detail::kKittiFormat,
   };
@@ -55,13 +59,13 @@ std::string Ids(bool (*has)(const Format&)) {
   return list;
 }
 
-// The same of their suffixes, each once.
+// The same of their suffixes: the first of each, which stands for the others.
 std::string SuffixesToWrite() {
   std::string list;
-  for (const Format& format : Formats())
-    for (const std::string_view suffix : format.suffixes)
-      if (CanWrite(format) && list.find(suffix) == std::string::npos)
-        list.append(list.empty() ? "" : ", ").append(suffix);
+  for (const Format& format : Formats()) {
+    if (!CanWrite(format) || format.suffixes.empty()) continue;
+    list.append(list.empty() ? "" : ", ").append(format.suffixes.front());
+  }
   return list;
 }
 
@@ -160,8 +164,8 @@ const Format& FormatOfSuffix(const Target& target) {
   RefuseImpossibleName(target.path);
   throw Error(ErrorKind::kUsage, target.path, "",
               Concat(target.name.empty() ? "" : "`#" + target.name + "` names an atlas of a store of this name, but ",
-                     "its suffix tells no format; use one of ", SuffixesToWrite(),
-                     ", or name the format by WriteOptions::format (", Ids(CanWrite), ")"));
+                     "its suffix tells no format; there are ", SuffixesToWrite(),
+                     "; or name the format by WriteOptions::format"));
 }
 
 }  // namespace

@@ -7,7 +7,9 @@
 #include <filesystem>
 
 #include "slamdb/formats/detail/choose.h"
+#include "slamdb/model/derive.h"
 #include "slamdb/model/detail/json.h"
+#include "slamdb/model/detail/path.h"
 
 namespace slamdb {
 namespace {
@@ -101,6 +103,12 @@ Json TotalsJson(const AtlasStatistics& totals) {
           {"trajectory_length", totals.trajectory_length}};
 }
 
+std::vector<Eigen::Vector3f> PathOf(const Map& map) {
+  std::vector<Eigen::Vector3f> path;
+  for (const KeyFrame* keyframe : detail::GoodByTime(map)) path.push_back(CameraCenter(*keyframe));
+  return path;
+}
+
 }  // namespace
 
 AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notices, bool header_only) {
@@ -124,7 +132,9 @@ AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notic
   info.next_ids = atlas.next_ids;
   info.cameras = atlas.cameras;
   info.repeated_maps = atlas.repeated_maps.size();
-  if (!header_only) info.statistics = ComputeStatistics(atlas, options.threads);
+  if (header_only) return info;
+  info.statistics = ComputeStatistics(atlas, options.threads);
+  for (const Map& map : atlas.maps) info.paths.push_back(PathOf(map));
   return info;
 }
 

@@ -24,6 +24,8 @@ struct AtlasInfo {
   std::uint64_t repeated_maps = 0;  // entries of the list of maps that are null or listed before
   AtlasStatistics statistics;       // empty when only the header was asked for
   std::vector<PartSize> parts;      // where the format can tell
+  // Of each map the camera centres of its good keyframes in order of time, world; with the statistics. Not in the JSON.
+  std::vector<std::vector<Eigen::Vector3f>> paths;
 };
 
 // Reads an atlas and describes it.

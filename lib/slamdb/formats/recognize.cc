@@ -32,7 +32,7 @@ ForeignFile DescribeDirectory(const std::string& path) {
             "not an atlas: this folder is a ROS 2 bag; run a SLAM system on it and give the atlas that it saves"};
   const auto atlas =
       std::find_if(names.begin(), names.end(), [](const std::string& name) { return name.ends_with(".osa"); });
-  std::string problem = "is a directory, expected an atlas file";
+  std::string problem = "is a directory, expected an atlas file; ListAtlases and CheckAtlas take all that is in it";
   if (atlas != names.end()) problem += "; did you mean " + (std::filesystem::path(path) / *atlas).string() + "?";
   return {ErrorKind::kUsage, std::move(problem)};
 }

@@ -5,10 +5,12 @@
 #include <array>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/trajectory/detail/pose_text.h"
+#include "slamdb/formats/trajectory/detail/poses.h"
 
 namespace slamdb {
 namespace {
@@ -41,6 +43,13 @@ detail::TrajectoryText Read(const HeldSource& held, const ReadOptions& options, 
   return detail::ReadTrajectoryText(source, Require(format, source.path).layout, options, notices);
 }
 
+// The number that a file tells: of a float the shortest decimal, of which a double holds more digits.
+double AsWritten(float value) {
+  std::string digits;
+  detail::AppendNumber(digits, value);
+  return detail::ParseNumber<double>(digits).value_or(value);
+}
+
 std::size_t CountPoses(const detail::TrajectoryText& maps) {
   std::size_t poses = 0;
   for (const detail::MapText& map : maps) poses += map.poses.size();
@@ -65,16 +74,42 @@ std::vector<TrajectoryPose> ReadTrajectory(const Location& location, const ReadO
 }
 
 std::vector<TrajectoryPose> ReadTrajectory(const HeldSource& held, const ReadOptions& options, Notices* notices) {
-  Notices unheard;
-  detail::TrajectoryText maps = Read(held, options, notices == nullptr ? unheard : *notices);
-  std::erase_if(maps, [](const detail::MapText& map) { return map.poses.empty(); });
+  std::vector<MapTrajectory> maps = ReadTrajectories(held, options, notices);
   if (maps.size() != 1)
     throw Error(ErrorKind::kNotPossible, held.source().path, "",
                 detail::Concat("must hold one trajectory, not ", maps.size()));
-  std::vector<TrajectoryPose> poses;
-  for (const detail::PoseText& pose : maps[0].poses)
-    poses.push_back({pose.timestamp, pose.translation, pose.quaternion});
-  return poses;
+  return std::move(maps.front().poses);
+}
+
+std::vector<MapTrajectory> ReadTrajectories(const HeldSource& held, const ReadOptions& options, Notices* notices) {
+  Notices unheard;
+  std::vector<MapTrajectory> maps;
+  for (const detail::MapText& text : Read(held, options, notices == nullptr ? unheard : *notices)) {
+    if (text.poses.empty()) continue;
+    MapTrajectory& map = maps.emplace_back(MapTrajectory{.map = text.id, .poses = {}});
+    map.poses.reserve(text.poses.size());
+    for (const detail::PoseText& pose : text.poses)
+      map.poses.push_back({pose.timestamp, pose.translation, pose.quaternion});
+  }
+  return maps;
+}
+
+std::vector<MapTrajectory> TrajectoriesOf(const Atlas& atlas, PoseFrame frame, Notices* notices) {
+  Notices unheard;
+  WriteOptions options;
+  options.of<TrajectoryOptions>().pose_frame = frame;
+  std::vector<MapTrajectory> maps;
+  for (const detail::MapTrajectory& trajectory :
+       detail::CollectTrajectories(atlas, Target(""), options, notices == nullptr ? unheard : *notices).maps) {
+    MapTrajectory& map = maps.emplace_back(MapTrajectory{.map = trajectory.map->id, .poses = {}});
+    map.poses.reserve(trajectory.poses.size());
+    for (const detail::TimedPose& pose : trajectory.poses) {
+      const Eigen::Vector4d rotation = pose.world_from_it.rotation.coeffs().unaryExpr(&AsWritten);
+      map.poses.push_back({pose.timestamp, pose.world_from_it.translation.unaryExpr(&AsWritten),
+                           Eigen::Quaterniond(rotation).normalized()});
+    }
+  }
+  return maps;
 }
 
 std::size_t ConvertTrajectory(const Location& input, const Location& output, const ReadOptions& read,

@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <vector>
 
 #include "slamdb/export.h"
+#include "slamdb/formats/export/options.h"
 #include "slamdb/formats/format.h"
+#include "slamdb/model/trajectory_pose.h"
 
-// Trajectories in double precision and with all their digits, past the atlas, which is single precision.
+// Trajectories in and out of files, and out of atlases.
 namespace slamdb {
-
-// world_from_camera at a time in seconds.
-struct TrajectoryPose {
-  double timestamp = 0;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-};
 
 // Whether files of the format are trajectories and nothing else: tum, euroc, kitti.
 [[nodiscard]] SLAMDB_EXPORT bool IsTrajectory(const Format& format);
@@ -30,6 +23,20 @@ struct TrajectoryPose {
 [[nodiscard]] SLAMDB_EXPORT std::vector<TrajectoryPose> ReadTrajectory(const HeldSource& held,
                                                                        const ReadOptions& options = {},
                                                                        Notices* notices = nullptr);
+
+// The same of a file that may hold several, each behind a line `# map ID`; those without poses are left out.
+[[nodiscard]] SLAMDB_EXPORT std::vector<MapTrajectory> ReadTrajectories(const HeldSource& held,
+                                                                        const ReadOptions& options = {},
+                                                                        Notices* notices = nullptr);
+
+// The trajectories of the maps of an atlas, by time, as they would be written to a file and read from it: keyframes
+// that are flagged bad or not finite, and maps without any other, are left out; numbers are those of the shortest
+// decimals of their floats, so that both have the same errors.
+//
+// Cost: O(n log n).
+[[nodiscard]] SLAMDB_EXPORT std::vector<MapTrajectory> TrajectoriesOf(const Atlas& atlas,
+                                                                      PoseFrame frame = PoseFrame::kCamera,
+                                                                      Notices* notices = nullptr);
 
 // Writes a trajectory as another one, with every digit that it has; of a selection what ReadOptions say.
 // Returns how many poses were written.

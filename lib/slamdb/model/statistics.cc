@@ -11,6 +11,7 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/map_extent.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -60,7 +61,8 @@ class MapCounter {
   MapStatistics Count() {
     CopyRecorded();
     CountKeyFrames();
-    GuessSensor();
+    result_.sensor = detail::SensorOf(map_);
+    result_.has_imu = detail::HasImu(map_);
     MeasureTrajectory();
     CountEdges();
     CountPoints();
@@ -94,41 +96,11 @@ class MapCounter {
     for (const auto& [map, count] : origins) result_.origins.push_back({map, count});
   }
 
-  void GuessSensor() {
-    std::size_t fisheye = 0, depth = 0, calibrated = 0;
-    for (const KeyFrame& keyframe : map_.keyframes) {
-      const Features& features = keyframe.features;
-      const auto is_measured = [](float right_x) { return right_x >= 0; };
-      if (features.is_fisheye_stereo()) ++fisheye;
-      // Where features were left out when reading, the baseline tells.
-      if (features.right_x.empty() ? keyframe.intrinsics.baseline_fx > 0
-                                   : std::any_of(features.right_x.begin(), features.right_x.end(), is_measured))
-        ++depth;
-      if (keyframe.imu_calibration.is_set) ++calibrated;
-    }
-    const std::size_t most = map_.keyframes.size() / 2;
-    result_.has_imu = map_.inertial || calibrated > most;
-    if (map_.keyframes.empty()) return;
-    result_.sensor = fisheye > most ? MapSensor::kFisheyeStereo
-                     : depth > most ? MapSensor::kStereoOrRgbd
-                                    : MapSensor::kMonocular;
-  }
-
   void MeasureTrajectory() {
-    std::vector<std::pair<double, const KeyFrame*>> by_time;
-    for (const KeyFrame& keyframe : map_.keyframes)
-      if (!keyframe.bad && std::isfinite(keyframe.timestamp)) by_time.emplace_back(keyframe.timestamp, &keyframe);
-    if (by_time.empty()) return;
-    std::stable_sort(by_time.begin(), by_time.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    result_.begin_time = by_time.front().first;
-    result_.end_time = by_time.back().first;
-    std::optional<Eigen::Vector3d> previous;
-    for (const auto& [time, keyframe] : by_time) {
-      const Eigen::Vector3f center = CameraCenter(*keyframe);
-      if (!center.allFinite()) continue;
-      if (previous) result_.trajectory_length += (center.cast<double>() - *previous).norm();
-      previous = center.cast<double>();
-    }
+    const detail::Trajectory trajectory = detail::TrajectoryOf(map_);
+    result_.begin_time = trajectory.begin_time;
+    result_.end_time = trajectory.end_time;
+    result_.trajectory_length = trajectory.length;
   }
 
   using Pair = std::pair<std::uint32_t, std::uint32_t>;  // rows of keyframes, the smaller first

@@ -31,9 +31,16 @@ constexpr double kConfidence = 0.9999;
 // Of the cross-covariance, second singular value to first: below it the points lie on one line, within a thousandth of
 // its length, and the rotation about that line is noise.
 constexpr double kLineRatio = 1e-6;
+// Of the spread of points to their distance from the origin: below it they are one place, which rounding spreads.
+constexpr double kPlaceRatio = 1e-10;
 
-// Least squares over some of the pairs; nullopt when they do not determine the transform.
-std::optional<Similarity3d> Solve(Points source, Points target, const Rows& rows, bool with_scale) {
+struct Solution {
+  Similarity3d target_from_source;
+  bool on_line = false;
+};
+
+// Least squares over some of the pairs; nullopt when they are in one place, which tells no rotation at all.
+std::optional<Solution> SolveAlsoLines(Points source, Points target, const Rows& rows, bool with_scale) {
   const auto count = static_cast<double>(rows.size());
   Eigen::Vector3d source_mean = Eigen::Vector3d::Zero(), target_mean = Eigen::Vector3d::Zero();
   for (const std::size_t row : rows) {
@@ -41,15 +48,19 @@ std::optional<Similarity3d> Solve(Points source, Points target, const Rows& rows
     target_mean += target[row] / count;
   }
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  double variance = 0;
+  double variance = 0, target_variance = 0;
   for (const std::size_t row : rows) {
-    const Eigen::Vector3d from_mean = source[row] - source_mean;
-    covariance += (target[row] - target_mean) * from_mean.transpose() / count;
+    const Eigen::Vector3d from_mean = source[row] - source_mean, target_from_mean = target[row] - target_mean;
+    covariance += target_from_mean * from_mean.transpose() / count;
     variance += from_mean.squaredNorm() / count;
+    target_variance += target_from_mean.squaredNorm() / count;
   }
+  const auto is_place = [](double squares, const Eigen::Vector3d& mean) {
+    return !(squares > kPlaceRatio * kPlaceRatio * mean.squaredNorm());
+  };
+  if (is_place(variance, source_mean) || is_place(target_variance, target_mean)) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d singular = svd.singularValues();
-  if (!(singular[1] > kLineRatio * singular[0])) return std::nullopt;
   const double handedness = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
   const Eigen::Vector3d signs(1, 1, handedness);
   Similarity3d result;
@@ -57,7 +68,13 @@ std::optional<Similarity3d> Solve(Points source, Points target, const Rows& rows
   result.rotation.normalize();
   if (with_scale) result.scale = singular.dot(signs) / variance;
   result.translation = target_mean - result.scale * (result.rotation * source_mean);
-  return result;
+  return Solution{result, !(singular[1] > kLineRatio * singular[0])};
+}
+
+// The same; nullopt also when they lie on one line.
+std::optional<Similarity3d> Solve(Points source, Points target, const Rows& rows, bool with_scale) {
+  const auto solution = SolveAlsoLines(source, target, rows, with_scale);
+  return solution && !solution->on_line ? std::optional(solution->target_from_source) : std::nullopt;
 }
 
 // Root mean square of `distance(row)` over the rows.
@@ -185,13 +202,13 @@ Rows PairsButGross(Points source, Points target, bool with_scale) {
   return 2 * rows.size() > source.size() ? rows : all;
 }
 
-Similarity3d SolveOrThrow(Points source, Points target, const Rows& rows, bool with_scale) {
-  const auto transform = Solve(source, target, rows, with_scale);
-  if (!transform || !(transform->scale > 0))
-    throw Error(ErrorKind::kNotPossible,
-                "the " + std::to_string(rows.size()) +
-                    " pairs of points lie on one line, or in one place: they do not determine a rotation");
-  return *transform;
+Solution SolveOrThrow(Points source, Points target, const Rows& rows, const UmeyamaOptions& options, bool accept_line) {
+  const auto solution = SolveAlsoLines(source, target, rows, options.with_scale);
+  if (!solution || (solution->on_line && !accept_line) || !(solution->target_from_source.scale > 0))
+    throw Error(ErrorKind::kNotPossible, "the " + std::to_string(rows.size()) + " pairs of points lie " +
+                                             (accept_line ? "" : "on one line, or ") +
+                                             "in one place: they do not determine a rotation");
+  return *solution;
 }
 
 void RequirePoints(Points source, Points target) {
@@ -218,12 +235,15 @@ UmeyamaResult SolveUmeyama(Points source, Points target, const UmeyamaOptions& o
   else if (options.leave_out_gross)
     rows = PairsButGross(source, target, options.with_scale);
   UmeyamaResult result;
-  result.target_from_source = SolveOrThrow(source, target, rows, options.with_scale);
+  const bool accept_line = options.accept_line && !robust && !options.leave_out_gross;
+  const Solution solution = SolveOrThrow(source, target, rows, options, accept_line);
+  result.target_from_source = solution.target_from_source;
+  result.on_line = solution.on_line;
   for (int round = 0; robust && round < kMostRefinements; ++round) {
     Rows again = RowsWithin(source, target, result.target_from_source, options.outlier_distance);
     if (again == rows || again.size() < kFewestPairs) break;
     rows = std::move(again);
-    result.target_from_source = SolveOrThrow(source, target, rows, options.with_scale);
+    result.target_from_source = SolveOrThrow(source, target, rows, options, accept_line).target_from_source;
   }
   for (std::size_t row = 0; row < source.size(); ++row)
     result.residuals.push_back(Residual(source, target, result.target_from_source, row));

@@ -19,6 +19,7 @@ struct UmeyamaOptions {
   bool leave_out_gross = false;  // without an outlier distance: pairs are left out that end up ten times farther apart
                                  // than the rest (robust scale of the least median of squares) and by more than a tenth
                                  // of how far the rest spreads
+  bool accept_line = false;      // without both: points on one line are solved too, with some rotation about it
 };
 
 struct UmeyamaResult {
@@ -27,6 +28,7 @@ struct UmeyamaResult {
   std::vector<std::uint8_t> inliers;  // 1: the pair was used
   double rms = 0;                     // of the inliers' residuals
   double spread = 0;                  // RMS distance of the inliers' targets from their mean
+  bool on_line = false;               // they lie on one line, with accept_line: the rotation about it means nothing
 };
 
 // The similarity that takes `source` points to `target` points with the least squared distance.

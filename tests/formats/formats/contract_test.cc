@@ -36,7 +36,7 @@ std::string Written(const Format& format, const Atlas& atlas, WriteOptions optio
   const TemporaryFolder folder;
   Notices notices;
   options.sync = false;
-  format.write(atlas, folder.Path("out"), options, notices);
+  format.write(atlas, folder.Path("out"), ForAnyFormat(options), notices);
   return ReadFile(folder.Path("out"));
 }
 
@@ -127,7 +127,7 @@ class EveryFormat : public ::testing::TestWithParam<std::string> {
 TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
   const TemporaryFolder folder;
   Notices notices;
-  format().write(LandmarkAtlas(), {folder.Path("out"), ""}, {}, notices);
+  format().write(LandmarkAtlas(), {folder.Path("out"), ""}, ForAnyFormat(), notices);
   const Probe probe = Probe::Of(folder.Path("out"));
   for (const Format& other : Formats())
     if (other.sniff != nullptr) {
@@ -138,7 +138,7 @@ TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
 TEST_P(EveryFormat, WritesAnEmptyAtlas) {
   const TemporaryFolder folder;
   Notices notices;
-  format().write({}, {folder.Path("out"), ""}, {}, notices);
+  format().write({}, {folder.Path("out"), ""}, ForAnyFormat(), notices);
   EXPECT_FALSE(notices.lossy());
   if (format().read == nullptr || ReadFile(folder.Path("out")).empty()) return;  // which no reader takes for an atlas
   const Atlas atlas = format().read({folder.Path("out"), ""}, {}, notices);
@@ -148,17 +148,19 @@ TEST_P(EveryFormat, WritesAnEmptyAtlas) {
 TEST_P(EveryFormat, WritesToStandardOutput) {
   if (is_store()) GTEST_SKIP() << "a database is no stream";
   Notices notices;
-  const std::string text = CaptureStandardOutput([&] { format().write(SmallAtlas(), {"-", ""}, {}, notices); });
+  const std::string text = CaptureStandardOutput([&] {
+    format().write(SmallAtlas(), {"-", ""}, ForAnyFormat(), notices);
+  });
   EXPECT_EQ(text, Written(format(), SmallAtlas()));
 }
 
 TEST_P(EveryFormat, ReadsAndWritesMemory) {
   if (is_store()) {
-    EXPECT_THAT(ProblemOf([&] { Encoded(format(), SmallAtlas()); }), HasSubstr("a store is a file"));
+    EXPECT_THAT(ProblemOf([&] { Encoded(format(), SmallAtlas(), ForAnyFormat()); }), HasSubstr("a store is a file"));
     EXPECT_THAT(ProblemOf([&] { Decoded(format(), "SQLite format 3"); }), HasSubstr("a store is a file"));
     return;
   }
-  const std::string bytes = Encoded(format(), LandmarkAtlas());
+  const std::string bytes = Encoded(format(), LandmarkAtlas(), ForAnyFormat());
   EXPECT_EQ(bytes, Written(format(), LandmarkAtlas()));
   if (format().read == nullptr) return;
   EXPECT_EQ(Encoded(format(), Decoded(format(), bytes)), bytes);
@@ -170,20 +172,23 @@ TEST_P(EveryFormat, OverwritesOnlyWhenTold) {
   const std::string path = folder.Make("out", "mine");
   Notices notices;
   EXPECT_THAT(ProblemOf([&] {
-                format().write(SmallAtlas(), {path, ""}, {}, notices);
+                format().write(SmallAtlas(), {path, ""}, ForAnyFormat(), notices);
               }),
               HasSubstr("is there already; WriteOptions::overwrite replaces it"));
   EXPECT_EQ(ReadFile(path), "mine");
-  format().write(SmallAtlas(), {path, ""}, {.overwrite = true}, notices);
+  format().write(SmallAtlas(), {path, ""}, ForAnyFormat({.overwrite = true}), notices);
   EXPECT_EQ(ReadFile(path), Written(format(), SmallAtlas()));
 }
 
 TEST_P(EveryFormat, LeavesNothingBehindWhenItFails) {
   const TemporaryFolder folder;
   Notices notices;
-  EXPECT_NE(ProblemOf([&] { format().write(SmallAtlas(), {folder.Path("no/such/folder/out"), ""}, {}, notices); }), "");
+  EXPECT_NE(ProblemOf([&] {
+              format().write(SmallAtlas(), {folder.Path("no/such/folder/out"), ""}, ForAnyFormat(), notices);
+            }),
+            "");
   if (is_store()) return;  // its transaction is undone, in a file that stays
-  WriteOptions options;
+  WriteOptions options = ForAnyFormat();
   options.progress = [](std::string_view, double) { throw Error(ErrorKind::kNotPossible, "stopped"); };
   try {
     format().write(SmallAtlas(), {folder.Path("out"), ""}, options, notices);

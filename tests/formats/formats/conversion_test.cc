@@ -7,6 +7,7 @@
 
 #include "slamdb/formats/formats.h"
 #include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/support/temporary_folder.h"
 
@@ -77,7 +78,7 @@ class Conversion : public ::testing::TestWithParam<FromTo> {};
 TEST_P(Conversion, GivesAFileOfThatFormat) {
   const auto& [from, to] = GetParam();
   const TemporaryFolder folder;
-  const WriteOptions options{.format = to, .sync = false};
+  const WriteOptions options = ForAnyFormat({.format = to, .sync = false});
   const Atlas atlas = ThroughFormat(SmallAtlas(), FormatById(from));
   WriteAtlas(atlas, folder.Path("b"), options);
   const Probe probe = Probe::Of(folder.Path("b"));

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "slamdb/formats/formats.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/support/temporary_folder.h"
 
@@ -70,9 +71,9 @@ TEST_P(DocumentedFormat, HasItsRowInTheTable) {
 TEST_P(DocumentedFormat, MakesItsFixture) {
   if (format().named) GTEST_SKIP() << "a store records when it was written; its own tests read those of every version";
   const std::string path = (fs::path(SLAMDB_FIXTURES) / "formats" / format().id).string();
-  const WriteOptions options{.format = GetParam()};
+  const WriteOptions options = ForAnyFormat({.format = GetParam()});
   if (std::getenv("SLAMDB_UPDATE_GOLDEN") != nullptr) {
-    WriteAtlas(LandmarkAtlas(), Location(path, {}), {.format = GetParam(), .overwrite = true});
+    WriteAtlas(LandmarkAtlas(), Location(path, {}), ForAnyFormat({.format = GetParam(), .overwrite = true}));
     fs::remove(path + ".times");
   }
   ASSERT_TRUE(fs::exists(path)) << path << " is missing; SLAMDB_UPDATE_GOLDEN=1 makes it";

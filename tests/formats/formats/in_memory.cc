@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/formats/formats/in_memory.h"
 
+#include "slamdb/formats/geographic/options.h"
+
 namespace slamdb {
 
 std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions& options, Notices& notices) {
@@ -15,6 +17,10 @@ std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions
 std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions& options) {
   Notices ignored;
   return Encoded(format, atlas, options, ignored);
+}
+
+WriteOptions ForAnyFormat(const WriteOptions& options) {
+  return options.With(GeographicOptions{.origin = Geodetic{48.15, 11.57, 519}});
 }
 
 Atlas Decoded(const Format& format, std::string_view bytes, const ReadOptions& options) {

@@ -13,4 +13,7 @@ std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions
 std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions& options = {});
 Atlas Decoded(const Format& format, std::string_view bytes, const ReadOptions& options = {});
 
+// Options that every format can be written with: KML and GeoJSON need to know where on earth the map is.
+WriteOptions ForAnyFormat(const WriteOptions& options = {});
+
 }  // namespace slamdb

@@ -7,6 +7,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/support/temporary_folder.h"
 
@@ -117,7 +118,7 @@ TEST(WriteAtlas, TellsWhatAnExportHolds) {
     if (!format.is_export) continue;
     SCOPED_TRACE(format.id);
     Notices notices;
-    WriteAtlas(OneMapAtlas(), folder.Path(format.id), {.format = std::string(format.id)}, &notices);
+    WriteAtlas(OneMapAtlas(), folder.Path(format.id), ForAnyFormat({.format = std::string(format.id)}), &notices);
     EXPECT_FALSE(notices.lossy());
     EXPECT_NE(notices.written(), "");
     EXPECT_FALSE(HasAll(format.writes, Content::kAtlas));

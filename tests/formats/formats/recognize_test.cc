@@ -127,7 +127,8 @@ TEST(RecognizeFolder, KnowsRos2Bags) {
 
 TEST(RecognizeFolder, NamesTheAtlasInIt) {
   const TemporaryFolder folder;
-  EXPECT_EQ(Problem(folder.Path("")), "is a directory, expected an atlas file");
+  EXPECT_EQ(Problem(folder.Path("")),
+            "is a directory, expected an atlas file; ListAtlases and CheckAtlas take all that is in it");
   EXPECT_EQ(Refusal(folder.Path("")).kind(), ErrorKind::kUsage);
   folder.Make("b.osa", ""), folder.Make("a.osa", "");
   EXPECT_THAT(Problem(folder.Path("")), HasSubstr("did you mean " + folder.Path("a.osa") + "?"));

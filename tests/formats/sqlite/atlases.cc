@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/synthetic/synthesize.h"
 
@@ -245,6 +246,11 @@ SaveReport SaveIn(const std::string& path, const Atlas& atlas, const std::string
 
 Atlas LoadFrom(const std::string& path, const std::string& name, const ReadOptions& options) {
   return Store::Open(path).Load(name, options);
+}
+
+void MigrateBackTo(const std::string& path, int version) {
+  for (int from = sqlite::NewestVersion(); from > version; --from)
+    sqlite::Migrate(path, {.back = true, .backup = false}, sqlite::Migrations().first(static_cast<std::size_t>(from)));
 }
 
 std::string Sql(const std::string& path, const std::string& sql) {

@@ -28,6 +28,9 @@ std::string FileBytes(const std::string& path);
 SaveReport SaveIn(const std::string& path, const Atlas& atlas, const std::string& name = "a");
 Atlas LoadFrom(const std::string& path, const std::string& name = "a", const ReadOptions& options = {});
 
+// Step by step, each as a slamdb of that version takes it; keeps no backup.
+void MigrateBackTo(const std::string& path, int version);
+
 // What `work` throws; empty when it throws nothing.
 template <class Work>
 std::string ErrorOf(Work work) {

@@ -97,7 +97,7 @@ class StoreLandmarksStep : public StoreLandmarks {
   MigrateReport Back() { return sqlite::Migrate(path_, {.back = true}, sqlite::Migrations().first(2)); }
   void SaveAsVersion2(const Atlas& atlas) {
     SaveIn(path_, atlas);
-    MigrateStore(path_, {.back = true, .backup = false});
+    MigrateBackTo(path_, 2);
   }
 };
 
@@ -109,9 +109,9 @@ TEST_F(StoreLandmarksStep, BackAndForth) {
   EXPECT_THAT(back.steps, ElementsAre("0002_landmarks.back"));
   EXPECT_EQ(back.backup, path_ + ".v2.bak");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM sqlite_schema WHERE name LIKE '%landmark%'"), "0");
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 1, this program needs 3"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 1, this program needs 4"));
   EXPECT_TRUE(Back().steps.empty());
-  EXPECT_THAT(MigrateStore(path_).steps, ElementsAre("0002_landmarks", "0003_tracking"));
+  EXPECT_THAT(MigrateStore(path_).steps, ElementsAre("0002_landmarks", "0003_tracking", "0004_summary"));
   EXPECT_EQ(FirstDifference(LoadFrom(path_), SoundAtlas()), "");
 }
 

@@ -27,6 +27,9 @@ class StoreTracking : public ::testing::Test {
     points[3].found_count = std::numeric_limits<std::int32_t>::min();
   }
 
+  // As a slamdb of version 3 goes back.
+  MigrateReport Back() { return sqlite::Migrate(path_, {.back = true}, sqlite::Migrations().first(3)); }
+
   TemporaryFolder folder_;
   std::string path_ = folder_ / "s.db";
   Atlas atlas_;
@@ -59,24 +62,26 @@ TEST_F(StoreTracking, DamageIsFound) {
 
 TEST_F(StoreTracking, OneStepBackAndForth) {
   SaveIn(path_, SoundAtlas());
-  const MigrateReport back = MigrateStore(path_, {.back = true});
+  MigrateBackTo(path_, 3);
+  const MigrateReport back = Back();
   EXPECT_EQ(back.from, 3);
   EXPECT_EQ(back.to, 2);
   EXPECT_THAT(back.steps, ElementsAre("0003_tracking.back"));
   EXPECT_EQ(back.backup, path_ + ".v3.bak");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM pragma_table_info('map_point') WHERE name LIKE '%\\_count' ESCAPE '\\'"),
             "1");  // observation_count
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 2, this program needs 3"));
-  EXPECT_TRUE(MigrateStore(path_, {.back = true}).steps.empty());
-  EXPECT_THAT(MigrateStore(path_).steps, ElementsAre("0003_tracking"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 2, this program needs 4"));
+  EXPECT_TRUE(Back().steps.empty());
+  EXPECT_THAT(MigrateStore(path_).steps, ElementsAre("0003_tracking", "0004_summary"));
   EXPECT_EQ(FirstDifference(LoadFrom(path_), SoundAtlas()), "");
 }
 
 TEST_F(StoreTracking, NoStepBackLosesAny) {
   const auto refused = [&](const Atlas& atlas) {
     SaveIn(path_, atlas);
-    EXPECT_THAT(ErrorOf([&] { MigrateStore(path_, {.back = true, .backup = false}); }),
-                HasSubstr("origins or counters"));
+    MigrateBackTo(path_, 3);
+    EXPECT_THAT(ErrorOf([&] { Back(); }), HasSubstr("origins or counters"));
+    MigrateStore(path_, {.backup = false});
     EXPECT_EQ(FirstDifference(LoadFrom(path_), atlas), "");
   };
   for (const auto member : {&MapPoint::visible_count, &MapPoint::found_count}) {
@@ -93,7 +98,7 @@ TEST_F(StoreTracking, NoStepBackLosesAny) {
 TEST_F(StoreTracking, AStoreOfTheVersionBeforeIsTakenOverUnchanged) {
   std::filesystem::copy_file(SLAMDB_FIXTURES "/store/version2.db", path_);
   const std::string hashes = Sql(path_, "SELECT sum(hash >> 8), sum(observations_hash >> 8) FROM map_point");
-  EXPECT_THAT(MigrateStore(path_, {.backup = false}).steps, ElementsAre("0003_tracking"));
+  EXPECT_THAT(MigrateStore(path_, {.backup = false}).steps, ElementsAre("0003_tracking", "0004_summary"));
   EXPECT_EQ(FirstDifference(LoadFrom(path_, "odd"), OddAtlas()), "");
   const SaveReport report = SaveIn(path_, OddAtlas(), "odd");
   EXPECT_EQ(report.Total().inserted + report.Total().deleted, 0U);

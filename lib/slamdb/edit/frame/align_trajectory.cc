@@ -8,9 +8,9 @@
 #include <string>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/time_offset.h"
+#include "slamdb/edit/frame/detail/unpaired.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb {
@@ -32,12 +32,6 @@ std::vector<TimedPosition> PositionsOf(const Map& map, bool body) {
     if (position.allFinite()) positions.push_back({keyframe.timestamp, position.cast<double>()});
   }
   return Sorted(positions);
-}
-
-std::string Span(const std::vector<TimedPosition>& positions) {
-  if (positions.empty()) return "no time at all";
-  return detail::Concat(detail::Fixed(positions.front().timestamp, 3), " to ",
-                        detail::Fixed(positions.back().timestamp, 3), " s");
 }
 
 ResidualStatistics StatisticsOf(std::vector<double> residuals) {
@@ -62,53 +56,19 @@ detail::TimeOffset OffsetOf(const std::vector<TimedPosition>& keyframes, const s
   return options.estimate_time_offset ? detail::EstimateTimeOffset(keyframes, samples, options).value_or(given) : given;
 }
 
-// The median of how far keyframes are from the nearest position in time.
-std::optional<double> NearestTimes(const std::vector<TimedPosition>& keyframes,
-                                   const std::vector<TimedPosition>& samples, double offset) {
-  if (keyframes.empty() || samples.empty()) return std::nullopt;
-  std::vector<double> distances;
-  for (const TimedPosition& keyframe : keyframes) {
-    const double time = keyframe.timestamp + offset;
-    const auto after = std::ranges::lower_bound(samples, time, {}, &TimedPosition::timestamp);
-    double distance = after == samples.end() ? INFINITY : after->timestamp - time;
-    if (after != samples.begin()) distance = std::min(distance, time - (after - 1)->timestamp);
-    distances.push_back(distance);
-  }
-  return detail::MedianOf(std::move(distances));
-}
-
-bool AreFrameNumbers(const std::vector<TimedPosition>& samples) {
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    if (samples[i].timestamp != static_cast<double>(i)) return false;
-  return samples.size() > 1;
-}
-
 // Names both time spans, and the offset that would lay one over the other.
 Error TooFewPairs(const Map& map, std::size_t pairs, const std::vector<TimedPosition>& keyframes,
                   const std::vector<TimedPosition>& samples, const TrajectoryAlignmentOptions& options) {
-  std::string problem = detail::Concat(map.id, ": ", pairs, " of ", detail::Counted(keyframes.size(), "keyframe"),
-                                       keyframes.size() == 1 ? " has" : " have",
-                                       " a reference position at their time, but three are needed: the map covers ",
-                                       Span(keyframes), ", the reference ", Span(samples));
-  if (options.time_offset != 0)
-    problem += detail::Concat(" by a clock that is ahead by ", detail::Fixed(options.time_offset, 3), " s");
-  const bool apart = !keyframes.empty() && !samples.empty() &&
-                     (keyframes.back().timestamp + options.time_offset < samples.front().timestamp ||
-                      samples.back().timestamp < keyframes.front().timestamp + options.time_offset);
-  if (AreFrameNumbers(samples))
-    problem +=
-        "; the reference's times are frame numbers, 0, 1, 2, ..., as a KITTI trajectory without times has them: give "
-        "TrajectoryReadOptions::times";
-  else if (apart)
-    problem += detail::Concat(
-        "; if the reference's clock is ahead by ",
-        detail::Fixed(samples.front().timestamp - keyframes.front().timestamp, 3),
-        " s, both begin at once: give FitOptions::time_offset, or let it be estimated (estimate_time_offset)");
-  else if (const auto nearest = NearestTimes(keyframes, samples, options.time_offset))
-    problem += detail::Concat("; half of the keyframes are ", detail::Digits(*nearest, 3),
-                              " s or more from the nearest position, ", "and FitOptions::max_time_difference allows ",
-                              detail::Digits(options.max_time_difference, 3), " s");
-  return Error(ErrorKind::kNotPossible, problem);
+  return {ErrorKind::kNotPossible,
+          detail::Concat(map.id, ": ", pairs, " of ", detail::Counted(keyframes.size(), "keyframe"),
+                         keyframes.size() == 1 ? " has" : " have",
+                         " a reference position at their time, but three are needed: ",
+                         detail::WhyUnpaired(keyframes, samples,
+                                             {.max_time_difference = options.max_time_difference,
+                                              .time_offset = options.time_offset,
+                                              .whole = "map",
+                                              .parts = "keyframes",
+                                              .options = "FitOptions"}))};
 }
 
 }  // namespace

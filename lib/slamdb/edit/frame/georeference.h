@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <limits>
 #include <optional>
 #include <string>
@@ -13,15 +11,10 @@
 #include "slamdb/base/time_unit.h"
 #include "slamdb/edit/frame/align_trajectory.h"
 #include "slamdb/export.h"
+#include "slamdb/model/geodetic.h"
+#include "slamdb/model/ids.h"
 
 namespace slamdb {
-
-// A place on or above the ellipsoid of WGS84.
-struct Geodetic {
-  double latitude = 0, longitude = 0;  // degrees, north and east positive
-  double altitude = 0;                 // metres above the ellipsoid
-  friend bool operator==(const Geodetic&, const Geodetic&) = default;
-};
 
 struct GpsFix {
   // Not a number: the receiver had no fix then, so that nothing is interpolated across that time.
@@ -32,29 +25,6 @@ struct GpsFix {
   Geodetic place;
 
   bool has_place() const { return place.latitude == place.latitude; }
-};
-
-// Whether latitude, longitude and altitude are of a place on earth.
-[[nodiscard]] SLAMDB_EXPORT bool IsPlace(const Geodetic& place);
-
-// Earth-centred, earth-fixed coordinates in metres (EPSG:4978), and back: to a micrometre from the ground up to orbits.
-[[nodiscard]] SLAMDB_EXPORT Eigen::Vector3d EcefFromGeodetic(const Geodetic& place);
-[[nodiscard]] SLAMDB_EXPORT Geodetic GeodeticFromEcef(const Eigen::Vector3d& ecef);
-
-// Local east, north, up coordinates in metres, on the plane that touches the ellipsoid's parallel surface at an origin.
-class SLAMDB_EXPORT LocalFrame {
- public:
-  // Throws Error (kUsage) when the origin is no place: a latitude beyond 90 degrees, or not finite.
-  explicit LocalFrame(const Geodetic& origin);
-
-  const Geodetic& origin() const { return origin_; }
-  Eigen::Vector3d FromGeodetic(const Geodetic& place) const;
-  Geodetic ToGeodetic(const Eigen::Vector3d& enu) const;
-
- private:
-  Geodetic origin_;
-  Eigen::Vector3d ecef_;
-  Eigen::Matrix3d enu_from_ecef_;
 };
 
 // How GPS fixes are read.
@@ -84,13 +54,22 @@ struct FixReadOptions {
 [[nodiscard]] SLAMDB_EXPORT std::vector<GpsFix> ReadFixes(const std::string& path, const FixReadOptions& options = {},
                                                           Notices* notices = nullptr);
 
-// `LAT,LON` or `LAT,LON,ALT`.
-//
-// Throws Error (kUsage).
-[[nodiscard]] SLAMDB_EXPORT Geodetic ParseGeodetic(std::string_view text);
-
 // The fixes as positions in the frame; not a number where a fix has no place.
 [[nodiscard]] SLAMDB_EXPORT std::vector<TimedPosition> PositionsIn(const LocalFrame& frame,
                                                                    const std::vector<GpsFix>& fixes);
+
+// Where on earth maps are, as `transform` writes it beside an atlas, which has no place for it.
+struct Georeference {
+  Geodetic origin;          // of their frame: east, north, up
+  std::vector<MapId> maps;  // that were moved into it
+};
+
+// `map.osa.georeference.json` of `map.osa`.
+[[nodiscard]] SLAMDB_EXPORT std::string GeoreferencePath(const std::string& atlas);
+
+// Reads that file of an atlas; nullopt where there is none.
+//
+// Throws Error when it cannot be read, or holds no origin.
+[[nodiscard]] SLAMDB_EXPORT std::optional<Georeference> FindGeoreference(const std::string& atlas);
 
 }  // namespace slamdb

@@ -1,59 +1,47 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/export/detail/points.h"
 
-#include <limits>
-
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/detail/rows.h"
 
 namespace slamdb::detail {
-namespace {
-
-constexpr std::uint64_t kLargestUnsigned32 = std::numeric_limits<std::uint32_t>::max();
-
-}  // namespace
-
-PointRows::PointRows(const Atlas& atlas, const Target& target, const WriteOptions& options)
+PointRows::PointRows(const Atlas& atlas, const Target& target, const WriteOptions& options, Positions positions)
     : maps_(ChooseMaps(atlas, options, target)) {
   std::size_t all = 0;
   for (const Map* map : maps_) all += map->points.size();
   rows_.reserve(all);
   for (std::uint32_t row = 0; row < maps_.size(); ++row) {
     reprojections_.emplace_back(atlas, *maps_[row]);
-    for (const MapPoint& point : maps_[row]->points)
-      if (!point.bad) rows_.push_back({&point, row});
+    begins_.push_back(rows_.size());
+    for (const MapPoint& point : maps_[row]->points) {
+      if (point.bad)
+        ++bad_;
+      else if (positions == Positions::kFinite && !point.position.allFinite())
+        ++not_finite_;
+      else
+        rows_.push_back({&point, row});
+    }
   }
-  bad_ = all - rows_.size();
+  begins_.push_back(rows_.size());
 }
 
 std::string PointRows::Summary() const { return CountWritten(rows_.size(), "point", bad_); }
 
-std::array<std::uint8_t, 3> ColorOfMap(MapId id) {
-  // The "Tableau 10" palette.
-  static constexpr std::array<std::array<std::uint8_t, 3>, 10> kColors = {{{31, 119, 180},
-                                                                           {255, 127, 14},
-                                                                           {44, 160, 44},
-                                                                           {214, 39, 40},
-                                                                           {148, 103, 189},
-                                                                           {140, 86, 75},
-                                                                           {227, 119, 194},
-                                                                           {127, 127, 127},
-                                                                           {188, 189, 34},
-                                                                           {23, 190, 207}}};
-  return kColors[id.value() % kColors.size()];
+void PointRows::WarnOfNotFinite(Notices& notices) const {
+  if (not_finite_ > 0) notices.Warn("left out because the position is not finite: " + Counted(not_finite_, "point"));
 }
 
 IdColumn ColumnForMapIds(const PointRows& points) {
   for (const Map* map : points.maps())
-    if (map->id.value() > kLargestUnsigned32) return IdColumn::kDouble;
+    if (!FitsUnsigned32(map->id.value())) return IdColumn::kDouble;
   return IdColumn::kUnsigned32;
 }
 
 IdColumn ColumnForPointIds(const PointRows& points) {
   for (std::size_t row = 0; row < points.size(); ++row)
-    if (points[row].point->id.value() > kLargestUnsigned32) return IdColumn::kDouble;
+    if (!FitsUnsigned32(points[row].point->id.value())) return IdColumn::kDouble;
   return IdColumn::kUnsigned32;
 }
 

@@ -6,6 +6,7 @@
 
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/export/detail/point_colors.h"
 #include "slamdb/formats/export/detail/points.h"
 #include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -37,17 +38,18 @@ std::string Header(std::size_t points, Columns columns, bool binary) {
 }
 
 // PCL keeps a colour as the float whose bits are 0x00RRGGBB, and takes a field `rgb` only of that type.
-float PackedColor(MapId map) {
-  const auto [red, green, blue] = ColorOfMap(map);
+float PackedColor(const Color& color) {
+  const auto [red, green, blue] = color;
   const auto bits = static_cast<std::uint32_t>(red << 16 | green << 8 | blue);
   return std::bit_cast<float>(bits);
 }
 
-void AppendBinaryRow(std::string& out, const PointRows& points, std::size_t row, Columns columns) {
+void AppendBinaryRow(std::string& out, const PointRows& points, const PointColors& colors, std::size_t row,
+                     Columns columns) {
   const MapPoint& point = *points[row].point;
   for (const float value : point.position) AppendRaw(out, value);
   for (const float value : point.normal) AppendRaw(out, value);
-  AppendRaw(out, PackedColor(points.map_id(points[row])));
+  AppendRaw(out, PackedColor(colors[row]));
   AppendRaw(out, point.min_distance);
   AppendRaw(out, point.max_distance);
   AppendRaw(out, static_cast<std::uint32_t>(point.observations.size()));
@@ -56,7 +58,7 @@ void AppendBinaryRow(std::string& out, const PointRows& points, std::size_t row,
   AppendRawId(out, point.id.value(), columns.point);
 }
 
-void AppendAsciiRow(std::string& out, const PointRows& points, std::size_t row) {
+void AppendAsciiRow(std::string& out, const PointRows& points, const PointColors& colors, std::size_t row) {
   const MapPoint& point = *points[row].point;
   const auto add = [&out](auto value) {
     AppendNumber(out, value);
@@ -64,7 +66,7 @@ void AppendAsciiRow(std::string& out, const PointRows& points, std::size_t row) 
   };
   for (const float value : point.position) add(value);
   for (const float value : point.normal) add(value);
-  add(PackedColor(points.map_id(points[row])));
+  add(PackedColor(colors[row]));
   add(point.min_distance);
   add(point.max_distance);
   add(point.observations.size());
@@ -78,18 +80,20 @@ void WritePcd(const Atlas& atlas, const Target& target, const WriteOptions& opti
   const bool binary = options.of<PointCloudOptions>().binary;
   AtomicFile file(target, FileOptions(options));
   const PointRows points(atlas, target, options);
+  const PointColors colors(points, options);
   WarnOfSeveralFrames(points.maps(), "the field `map` and the colour tell them apart", notices);
   const Columns columns{.map = ColumnForMapIds(points), .point = ColumnForPointIds(points)};
   file.Write(Header(points.size(), columns, binary));
   WriteRows(file, points.size(), kRowsPerBlock, options, [&](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) {
       if (binary)
-        AppendBinaryRow(out, points, row, columns);
+        AppendBinaryRow(out, points, colors, row, columns);
       else
-        AppendAsciiRow(out, points, row);
+        AppendAsciiRow(out, points, colors, row);
     }
   });
   file.Commit();
+  colors.Tell(notices);
   notices.Tell(points.Summary());
 }
 

@@ -6,6 +6,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
 
 namespace slamdb::sqlite {
@@ -94,6 +95,7 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
     RunStepBack(database, migrations.back());
   else
     RunMigrations(database, migrations);
+  if (report.to >= kFirstVersionWithSummaries) SaveMissingSummaries(database);
   RecordMigration(database, report);
   transaction.Commit();
   return report;

@@ -13,9 +13,6 @@
 // They throw nothing but std::bad_alloc.
 namespace slamdb {
 
-// As schema/list.schema.json describes it.
-[[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const StoredAtlas> atlases, const std::string& input = {});
-
 // As schema/log.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const HistoryEntry> entries, const std::string& input = {});
 

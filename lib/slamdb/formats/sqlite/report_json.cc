@@ -14,14 +14,6 @@ Json Head(std::string_view name, const std::string& input) {
   return json;
 }
 
-Json JsonOf(const StoredAtlas& atlas) {
-  return {{"name", atlas.name},           {"maps", atlas.maps},
-          {"keyframes", atlas.keyframes}, {"points", atlas.points},
-          {"landmarks", atlas.landmarks}, {"observations", atlas.observations},
-          {"bytes", atlas.bytes},         {"revision", atlas.revision},
-          {"saved_at", atlas.saved_at},   {"hash", detail::Hex(atlas.hash)}};
-}
-
 Json JsonOf(const HistoryEntry& entry) {
   return {{"at", entry.at},
           {"tool", entry.tool},
@@ -41,13 +33,6 @@ Json JsonOf(const HistoryEntry& entry) {
 }
 
 }  // namespace
-
-std::string ToJson(std::span<const StoredAtlas> atlases, const std::string& input) {
-  Json json = Head("list", input);
-  json["atlases"] = Json::array();
-  for (const StoredAtlas& atlas : atlases) json["atlases"].push_back(JsonOf(atlas));
-  return detail::JsonText(json);
-}
 
 std::string ToJson(std::span<const HistoryEntry> entries, const std::string& input) {
   Json json = Head("log", input);

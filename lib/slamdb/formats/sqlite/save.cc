@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
 #include "slamdb/model/detail/packing.h"
 
@@ -30,36 +31,22 @@ std::optional<std::int64_t> AtlasNamed(Database& database, const std::string& na
   return statement.Integer(0);
 }
 
-struct Totals {
-  std::int64_t keyframes = 0, points = 0, observations = 0;
-};
-
-Totals TotalsOf(const Atlas& atlas) {
-  Totals totals;
-  for (const Map& map : atlas.maps) {
-    totals.keyframes += static_cast<std::int64_t>(map.keyframes.size());
-    totals.points += static_cast<std::int64_t>(map.points.size());
-    for (const MapPoint& point : map.points)
-      totals.observations += static_cast<std::int64_t>(point.observations.size());
-  }
-  return totals;
-}
-
 // Writes the row of the atlas; revision counts on.
-std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas& atlas, std::int64_t hash,
-                        std::optional<std::int64_t> stored, ChangeCounter& changes) {
+std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas& atlas, const AtlasSummary& summary,
+                        std::int64_t hash, std::optional<std::int64_t> stored, ChangeCounter& changes) {
   Statement statement(
       database,
-      "INSERT INTO atlas VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 1, ?15, ?16, ?17, ?18, "
-      "?19, "
-      "?20) ON CONFLICT (row) DO UPDATE SET vocabulary_name = ?3, vocabulary_checksum = ?4, next_map = ?5, "
+      "INSERT INTO atlas (row, name, vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, "
+      "next_map_point, next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
+      "archive_size_bytes, revision, saved_at, maps, keyframes, points, observations, hash) "
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 1, ?15, ?16, ?17, ?18, ?19, ?20) "
+      "ON CONFLICT (row) DO UPDATE SET vocabulary_name = ?3, vocabulary_checksum = ?4, next_map = ?5, "
       "next_frame = ?6, next_keyframe = ?7, next_map_point = ?8, next_camera = ?9, next_initial_keyframe = ?10, "
       "archive_text = ?11, archive_boost_version = ?12, archive_long_bytes = ?13, archive_size_bytes = ?14, "
       "revision = revision + 1, saved_at = ?15, maps = ?16, keyframes = ?17, points = ?18, observations = ?19, hash = "
       "?20 "
       "RETURNING row",
       "table atlas");
-  const Totals totals = TotalsOf(atlas);
   const Counters& next = atlas.next_ids;
   const ArchiveEncoding& encoding = atlas.encoding;
   const std::string now = TimeOfDay();
@@ -74,10 +61,10 @@ std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas
     statement.Bind(column++, value);
   }
   statement.BindText(column++, now);
-  for (const std::int64_t value :
-       {static_cast<std::int64_t>(atlas.maps.size()), totals.keyframes, totals.points, totals.observations, hash}) {
-    statement.Bind(column++, value);
+  for (const std::uint64_t value : {summary.maps, summary.keyframes, summary.points, summary.observations}) {
+    statement.Bind(column++, ToColumn(value));
   }
+  statement.Bind(column++, hash);
   statement.Step();
   const std::int64_t row = statement.Integer(0);
   while (statement.Step()) {
@@ -292,7 +279,8 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
   const std::optional<std::int64_t> stored = AtlasNamed(database, name);
   report.replaced = stored.has_value();
   const bool may_differ = CamerasAndRepeatedEntriesMayDiffer(database, stored, hashes.Combined());
-  context.atlas = SaveHeader(database, name, atlas, hashes.Combined(), stored, changes);
+  const AtlasSummary summary = Summarize(atlas);
+  context.atlas = SaveHeader(database, name, atlas, summary, hashes.Combined(), stored, changes);
   const std::vector<std::int64_t> rows = SaveMapRows(context, atlas, hashes);
   if (may_differ) {
     SaveCameras(context, atlas);
@@ -305,6 +293,7 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
     SavePoints(context, rows[i], atlas.maps[i], hashes.maps[i]);
     SaveLandmarks(context, rows[i], atlas.maps[i], hashes.maps[i]);
   }
+  SaveSummary(database, context.atlas, summary);
   report.tables = changes.Take();
 }
 

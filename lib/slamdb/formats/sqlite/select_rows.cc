@@ -9,14 +9,6 @@ namespace {
 
 constexpr std::int64_t kLeastDetailsBytes = 256;  // of a sound keyframe.details; before memory is spent on its row
 
-// A condition on unsigned ids in a column of signed integers, with parameters ?3 and ?4.
-std::string IdCondition(const Selection& selection) {
-  constexpr std::uint64_t kSignBit = std::uint64_t{1} << 63;
-  if (selection.first_keyframe == 0 && selection.last_keyframe == std::numeric_limits<std::uint64_t>::max()) return "";
-  const bool wraps = selection.first_keyframe < kSignBit && selection.last_keyframe >= kSignBit;
-  return wraps ? " AND (id >= ?3 OR id <= ?4)" : " AND id BETWEEN ?3 AND ?4";
-}
-
 bool LimitsTime(const Selection& selection) {
   return selection.begin_time > -std::numeric_limits<double>::infinity() ||
          selection.end_time < std::numeric_limits<double>::infinity();
@@ -51,9 +43,16 @@ std::vector<std::int64_t> PointRowsByScan(Database& database, std::int64_t map, 
 
 }  // namespace
 
+std::string IdCondition(std::uint64_t first, std::uint64_t last) {
+  constexpr std::uint64_t kSignBit = std::uint64_t{1} << 63;
+  if (first == 0 && last == std::numeric_limits<std::uint64_t>::max()) return "";
+  const bool wraps = first < kSignBit && last >= kSignBit;
+  return wraps ? " AND (id >= ?3 OR id <= ?4)" : " AND id BETWEEN ?3 AND ?4";
+}
+
 std::vector<std::int64_t> KeyframeRows(Database& database, std::int64_t map, const Selection& selection) {
   // `+` keeps the row range from being the way in where an index on id or time is the better one.
-  const std::string ids = IdCondition(selection);
+  const std::string ids = IdCondition(selection.first_keyframe, selection.last_keyframe);
   const bool by_time = LimitsTime(selection);
   std::string sql = "SELECT row, length(details) FROM keyframe WHERE ";
   sql += ids.empty() && !by_time ? "row BETWEEN ?1 AND ?2" : "map = ?5 AND +row BETWEEN ?1 AND ?2";

@@ -55,29 +55,6 @@ std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
           {"landmarks", sum("length(features) + 144", "landmark", "landmark.row")}};
 }
 
-std::vector<StoredAtlas> ListAtlases(Database& database) {
-  Statement statement(database,
-                      "SELECT row, name, maps, keyframes, points, observations, revision, hash, saved_at, "
-                      "(SELECT count(*) FROM map JOIN landmark ON landmark.map = map.row WHERE map.atlas = atlas.row) "
-                      "FROM atlas ORDER BY name",
-                      "table atlas");
-  std::vector<StoredAtlas> atlases;
-  while (statement.Step()) {
-    StoredAtlas& atlas = atlases.emplace_back();
-    atlas.name = statement.Text(1);
-    atlas.maps = Unsigned(statement, 2);
-    atlas.keyframes = Unsigned(statement, 3);
-    atlas.points = Unsigned(statement, 4);
-    atlas.observations = Unsigned(statement, 5);
-    atlas.revision = Unsigned(statement, 6);
-    atlas.hash = Unsigned(statement, 7);
-    atlas.saved_at = statement.Text(8);
-    atlas.landmarks = Unsigned(statement, 9);
-    for (const PartSize& part : PartSizesOf(database, statement.Integer(0))) atlas.bytes += part.bytes;
-  }
-  return atlases;
-}
-
 std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& name) {
   Statement statement(
       database,

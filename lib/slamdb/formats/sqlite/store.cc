@@ -16,6 +16,7 @@
 #include "slamdb/formats/sqlite/detail/salvage.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/formats/sqlite/detail/statistics.h"
+#include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
 
 namespace slamdb {
@@ -248,6 +249,8 @@ const std::string& Store::path() const { return state_->database.path(); }
 std::vector<std::string> Store::Names() { return state_->Names(); }
 
 std::vector<StoredAtlas> Store::List() { return ListAtlases(state_->database); }
+
+std::vector<std::string> Store::Find(const MapQuery& query) { return FindAtlases(state_->database, query); }
 
 std::vector<HistoryEntry> Store::Log(const std::string& name) { return ReadHistory(state_->database, name); }
 

@@ -11,13 +11,14 @@
 
 #include "slamdb/export.h"
 #include "slamdb/formats/format.h"
+#include "slamdb/model/map_query.h"
+#include "slamdb/model/summary.h"
 
 namespace slamdb {
 
 // One atlas of a store.
-struct StoredAtlas {
+struct StoredAtlas : AtlasSummary {
   std::string name;
-  std::uint64_t maps = 0, keyframes = 0, points = 0, observations = 0, landmarks = 0;
   std::uint64_t bytes = 0;     // about what it takes in the file
   std::uint64_t revision = 0;  // counts the saves under this name, from 1
   std::uint64_t hash = 0;      // HashOf (model/digest.h) of it
@@ -109,6 +110,7 @@ class SLAMDB_EXPORT Store {
   const std::string& path() const;
   std::vector<std::string> Names();                             // ascending; without a look at what they name
   std::vector<StoredAtlas> List();                              // by name
+  std::vector<std::string> Find(const MapQuery& query);         // whose atlases match (model/map_query.h), ascending
   std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
 
   // The name to use where the user gave none: that of the only atlas.

@@ -7,9 +7,9 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <ctime>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/date_times.h"
 #include "slamdb/version.h"
 
 namespace slamdb::sqlite {
@@ -88,12 +88,7 @@ void CheckStillThere(Database& database) {
 std::string ToolName() { return detail::Concat("slamdb ", Version()); }
 
 std::string TimeOfDay() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm parts{};
-  ::gmtime_r(&now, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
+  return detail::DateTimeText(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now()));
 }
 
 }  // namespace slamdb::sqlite

@@ -15,22 +15,14 @@ namespace slamdb {
 namespace {
 
 using detail::AppendNumber;
+using detail::FitsNanoseconds;
+using detail::Nanoseconds;
 
 constexpr std::string_view kPoseHeader =
     "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []";
 constexpr std::string_view kInertialHeader =
     ", v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], "
     "b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]";
-
-// Rounds seconds to nanoseconds. Whole seconds and the rest are scaled apart, since their product with 1e9 has more
-// bits than a double.
-std::int64_t Nanoseconds(double seconds) {
-  const double whole = std::floor(seconds);
-  return static_cast<std::int64_t>(whole) * 1'000'000'000 + std::llround((seconds - whole) * 1e9);
-}
-
-// What 64 bits of nanoseconds reach: 292 years to both sides.
-bool FitsNanoseconds(double seconds) { return std::abs(seconds) < 9.2e9; }
 
 void AppendPose(std::string& out, const detail::PoseText& pose) {
   for (const std::string& number : pose.position) out.append(",").append(number);

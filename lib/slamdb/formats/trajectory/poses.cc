@@ -20,8 +20,8 @@ struct Census {
   std::size_t bad = 0, not_finite = 0, without_body = 0;
   Rounding rounding;
 
-  void Tell(PoseFrame frame, Notices& notices) const {
-    rounding.Tell("rounded again as they are written,", notices);
+  void Tell(PoseFrame frame, Rounded rounded, Notices& notices) const {
+    if (rounded == Rounded::kIsLoss) rounding.Tell("rounded again as they are written,", notices);
     if (not_finite > 0) notices.Warn("left out because pose or time is not finite: " + Counted(not_finite, "keyframe"));
     if (frame == PoseFrame::kBody && without_body > 0)
       notices.Warn("the camera frame stands in for the body frame, for want of IMU calibration: " +
@@ -55,6 +55,14 @@ MapTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
 
 }  // namespace
 
+// Whole seconds and the rest are scaled apart, since their product with 1e9 has more bits than a double.
+std::int64_t Nanoseconds(double seconds) {
+  const double whole = std::floor(seconds);
+  return static_cast<std::int64_t>(whole) * 1'000'000'000 + std::llround((seconds - whole) * 1e9);
+}
+
+bool FitsNanoseconds(double seconds) { return std::abs(seconds) < 9.2e9; }
+
 Eigen::Vector3d CenterOf(const KeyFrame& keyframe) {
   const Rigid3f& pose = keyframe.camera_from_world;
   return -(pose.rotation.cast<double>().normalized().conjugate() * pose.translation.cast<double>());
@@ -76,6 +84,13 @@ void Rounding::Tell(std::string_view what_happened, Notices& notices) const {
                       Digits(worst_, 2), ": ", Counted(poses_, "pose")));
 }
 
+std::vector<Eigen::Vector3f> CentersOf(const MapTrajectory& trajectory) {
+  std::vector<Eigen::Vector3f> centers;
+  centers.reserve(trajectory.poses.size());
+  for (const TimedPose& pose : trajectory.poses) centers.push_back(pose.world_from_it.translation);
+  return centers;
+}
+
 std::string Trajectories::Summary() const {
   std::size_t poses = 0;
   for (const MapTrajectory& map : maps) poses += map.poses.size();
@@ -83,7 +98,7 @@ std::string Trajectories::Summary() const {
 }
 
 Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
-                                 Notices& notices) {
+                                 Notices& notices, Rounded rounded) {
   const PoseFrame frame = options.of<TrajectoryOptions>().pose_frame;
   Trajectories trajectories;
   Census census;
@@ -92,7 +107,7 @@ Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const
     if (!trajectory.poses.empty()) trajectories.maps.push_back(std::move(trajectory));
   }
   trajectories.bad = census.bad;
-  census.Tell(frame, notices);
+  census.Tell(frame, rounded, notices);
   return trajectories;
 }
 

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slamdb/formats/ndjson/detail/append.h"
+#include "slamdb/formats/export/detail/json_appender.h"
 #include "slamdb/formats/ndjson/detail/names.h"
 #include "slamdb/model/fields.h"
 

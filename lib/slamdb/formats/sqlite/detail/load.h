@@ -71,6 +71,10 @@ void LoadCameras(Database& database, std::int64_t row, Atlas& atlas);
 std::vector<std::int64_t> RowsOfMaps(Database& database, std::int64_t atlas);
 Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row);
 
+// ` AND ...` on unsigned ids, both included, in the column `id` of signed integers, with parameters ?3 and ?4; empty
+// when all ids are meant.
+std::string IdCondition(std::uint64_t first, std::uint64_t last);
+
 // The rows of a map's keyframes and points that the selection wants, ascending.
 std::vector<std::int64_t> KeyframeRows(Database& database, std::int64_t map, const Selection& selection);
 std::vector<std::int64_t> PointRows(Database& database, std::int64_t map, const Selection& selection);

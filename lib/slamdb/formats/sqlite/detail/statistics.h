@@ -8,7 +8,6 @@
 
 namespace slamdb::sqlite {
 
-std::vector<StoredAtlas> ListAtlases(Database& database);
 std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& name);
 StoreStats ReadStatistics(Database& database);
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,9 @@ struct MapTrajectory {
   std::vector<TimedPose> poses;
 };
 
+// Where its cameras, or bodies, are.
+std::vector<Eigen::Vector3f> CentersOf(const MapTrajectory& trajectory);
+
 // The trajectories to write, one per chosen map, maps without poses left out.
 struct Trajectories {
   std::vector<MapTrajectory> maps;
@@ -32,10 +36,19 @@ struct Trajectories {
 };
 
 // Keyframes whose pose or time is not finite are left out with a warning. Warns when the body frame is asked for and a
-// keyframe has no IMU calibration, in which case camera and body are the same. Throws Error when ExportOptions::map is
-// no map.
+// keyframe has no IMU calibration, in which case camera and body are the same. Names as a loss what single precision
+// rounds visibly. Throws Error when ExportOptions::map is no map.
+enum class Rounded {
+  kIsLoss,   // of a trajectory, whose digits are compared
+  kIsTaken,  // of a picture
+};
 Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,
-                                 Notices& notices);
+                                 Notices& notices, Rounded rounded = Rounded::kIsLoss);
+
+// Seconds rounded to nanoseconds.
+std::int64_t Nanoseconds(double seconds);
+// What 64 bits of nanoseconds reach: 292 years to both sides.
+bool FitsNanoseconds(double seconds);
 
 // The camera's centre, as a keyframe of single precision has it.
 Eigen::Vector3d CenterOf(const KeyFrame& keyframe);

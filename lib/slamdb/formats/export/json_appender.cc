@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/ndjson/detail/append.h"
+#include "slamdb/formats/export/detail/json_appender.h"
 
 #include <cmath>
 

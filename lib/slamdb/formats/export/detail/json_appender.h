@@ -32,6 +32,17 @@ class JsonAppender {
     Value(value);
   }
 
+  // An id for every reader of JSON: a number up to 2^53, which all of them take, and text beyond; null: none.
+  template <class Entity>
+  void ExactField(std::string_view name, Id<Entity> id) {
+    constexpr std::uint64_t kExact = std::uint64_t{1} << 53;
+    Name(name);
+    if (id && id.value() > kExact)
+      Value(std::string_view(std::to_string(id.value())));
+    else
+      Value(id);
+  }
+
   // An array of what `get` takes from each element of `range`.
   template <class Range, class Get>
   void Array(std::string_view name, const Range& range, Get get) {

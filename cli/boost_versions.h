@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+// Which version of the archive library comes with which Boost, and which Boost with which system.
+namespace slamdb::cli {
+
+// The version that `17`, `1.71`, `ubuntu20.04` or `noetic` names; nothing when none is known by it.
+std::optional<std::uint32_t> BoostVersionByName(std::string_view name);
+
+// For ->transform(): the name becomes the version, or is refused with what there is.
+std::string ToBoostVersion(std::string& text);
+
+// The releases that write this version, "Boost 1.73 to 1.75", and none where none is known.
+std::string BoostReleases(std::uint32_t version);
+
+}  // namespace slamdb::cli

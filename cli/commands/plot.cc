@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/plot/plot.h"
+
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/options.h"
+#include "cli/reference.h"
+#include "slamdb/base/atomic_file.h"
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct PlotVerbOptions {
+  std::string input, from, output, with, format, kind;
+  bool overwrite = false, with_scale = false, without_scale = false;
+  SelectionOptions selection;
+  TimesOptions times;
+  PlotOptions plot;
+};
+
+// The name of the atlas without folder and suffix, as text for the file's name.
+std::string StemOf(const Location& input) {
+  return input.name.empty() ? std::filesystem::path(input.path).stem().string() : input.name;
+}
+
+std::string OutputOf(const PlotVerbOptions& options) {
+  if (!options.output.empty()) return options.output;
+  if (options.input == "-") RefuseUsage("name the picture of standard input with -o/--output");
+  const std::string suffix = options.format.empty() ? "svg" : options.format;
+  return StemOf(Location::Parse(options.input)) + "." + suffix;
+}
+
+PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
+  std::string format = options.format;
+  if (format.empty() && (output == "-" || IsSpecialFile(output))) format = "svg";
+  if (format.empty()) {
+    const std::string suffix = std::filesystem::path(output).extension().string();
+    if (suffix != ".svg" && suffix != ".png")
+      RefuseUsage("a plot is an .svg or a .png, which " + output + " does not say; --format does");
+    format = suffix.substr(1);
+  }
+  return format == "png" ? PlotFormat::kPng : PlotFormat::kSvg;
+}
+
+void RefuseIdleOptions(const PlotVerbOptions& options) {
+  if (!options.with.empty()) {
+    if (!options.kind.empty() && options.kind != NameOf(PlotKind::kTrajectory))
+      RefuseUsage("--with is for --kind trajectory, not for " + options.kind);
+    return;
+  }
+  const std::pair<const char*, bool> given[] = {{"--time-unit and --times", options.times.any()},
+                                                {"--with-scale", options.with_scale},
+                                                {"--without-scale", options.without_scale},
+                                                {"--body", options.plot.alignment.body},
+                                                {"--time-offset", options.plot.alignment.time_offset != 0}};
+  for (const auto& [option, is_given] : given)
+    if (is_given) RefuseUsage(std::string(option) + " is for --with only");
+}
+
+ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
+  RefuseIdleOptions(options);
+  const std::string output = OutputOf(options);
+  PlotOptions plot = options.plot;
+  plot.format = FormatOf(options, output);
+  if (plot.format == PlotFormat::kPng)
+    RefuseBinaryOnTerminal(Location(output, {}), {.title = "PNG", .kind = FileKind::kBinary});
+  AtomicFile file(output, {.overwrite = options.overwrite});  // what would fail at the end fails now
+  Notices notices;
+  if (!options.kind.empty()) plot.kind = *PlotKindByName(options.kind);
+  if (!options.with.empty()) {
+    plot.kind = PlotKind::kTrajectory;
+    plot.reference = ReadReference(options.with, options.times, plot.alignment.body, console, notices);
+  }
+  if (options.with_scale || options.without_scale) plot.with_scale = options.with_scale;
+  plot.threads = console.threads();
+  plot.title = options.input == "-" ? "" : StemOf(Location::Parse(options.input));
+  ReadOptions read = MakeReadOptions(console, options.from);
+  read.needs = Content::kPoses | Content::kPoints;
+  read.features = FeatureColumns::kGeometry;
+  read.selection = ParseSelection(options.selection);
+  const Atlas atlas = ReadAtlas(options.input, read, &notices);
+  const Plot picture = NamingFile(options.input, [&] { return DrawPlot(atlas, plot); });
+  file.Write(picture.bytes);
+  file.Commit();
+  notices.Tell(detail::Concat(NameOf(plot.kind), " of ", picture.text));
+  console.PrintWritten(output, notices);
+  console.Report(notices);
+  return ExitCode::kDone;
+}
+
+void BindLook(CLI::App& verb, PlotVerbOptions& options) {
+  constexpr const char* kGroup = "The picture";
+  std::vector<std::string> kinds;
+  for (const PlotKind kind : PlotKinds()) kinds.emplace_back(NameOf(kind));
+  verb.add_option("--kind", options.kind, "What to draw; by default overview, and trajectory with --with")
+      ->type_name("KIND")
+      ->check(CLI::IsMember(kinds))
+      ->group(kGroup);
+  verb.add_option("--format", options.format, "By default as the suffix of the output says")
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember({"svg", "png"}))
+      ->group(kGroup);
+  verb.add_option("--width", options.plot.width, "Pixels; the height follows")
+      ->type_name("PIXELS")
+      ->check(CLI::Range(200, 4000).description({}))
+      ->capture_default_str()
+      ->group(kGroup);
+  verb.add_option("--scale", options.plot.scale, "Of a PNG: so many pixels for one of the width")
+      ->type_name("FACTOR")
+      ->check(CLI::Range(1.0, 4.0).description({}))
+      ->capture_default_str()
+      ->group(kGroup);
+  verb.add_flag("--dark", options.plot.dark, "Light ink on a dark page")->group(kGroup);
+  verb.add_flag("--together", options.plot.together,
+                "Draw all maps in one frame, for maps that something aligned; by default each has a place of its own")
+      ->group(kGroup);
+}
+
+void BindReference(CLI::App& verb, PlotVerbOptions& options) {
+  constexpr const char* kGroup = "For a trajectory beside a reference";
+  verb.add_option("--with", options.with,
+                  "Lay the trajectory onto this one (TUM, EuRoC, KITTI, another atlas) and colour it by its error")
+      ->type_name("FILE")
+      ->group(kGroup);
+  verb.add_option("--max-dt", options.plot.alignment.max_time_difference,
+                  "Seconds that a keyframe and a position may be apart")
+      ->type_name("SECONDS")
+      ->check(CheckNonNegative)
+      ->capture_default_str()
+      ->group(kGroup);
+  verb.add_option("--time-offset", options.plot.alignment.time_offset,
+                  "Seconds that the clock of the reference is ahead of the map's")
+      ->type_name("SECONDS")
+      ->group(kGroup);
+  CLI::Option* with_scale =
+      verb.add_flag("--with-scale", options.with_scale,
+                    "Solve for the scale too; by default only where the sensor leaves it open (one camera, no IMU)")
+          ->group(kGroup);
+  verb.add_flag("--without-scale", options.without_scale, "Keep the scale")->excludes(with_scale)->group(kGroup);
+  verb.add_flag("--body", options.plot.alignment.body, "The positions are those of the IMU, not of the camera")
+      ->group(kGroup);
+  AddTimes(verb, options.times, "the reference", kGroup);
+}
+
+Run AddPlot(CLI::App& verb) {
+  const auto options = std::make_shared<PlotVerbOptions>();
+  verb.add_option("FILE", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
+      ->type_name("FILE")
+      ->required();
+  AddFrom(verb, options->from);
+  Mark(verb.add_option("-o,--output", options->output,
+                       "Write to this file, an .svg or a .png; by default NAME.svg in this folder"),
+       Writes::kFile)
+      ->type_name("FILE");
+  verb.add_flag("-O,--overwrite", options->overwrite, "Replace the output file if it is there");
+  BindLook(verb, *options);
+  AddSelection(verb, options->selection);
+  BindReference(verb, *options);
+  return [options](Console& console) { return RunPlot(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb plot lab.osa",
+     "An overview, lab.svg: plan, side, track lengths, errors, covisibility, keyframes over time."},
+    {"slamdb plot lab.osa --kind plan --width 600 --dark -o lab_plan.png", "For a dark page, in pixels."},
+    {"slamdb plot lab.osa --with ground_truth.txt -o error.svg",
+     "How far the trajectory is from the truth, and where."},
+    {"slamdb plot lab.db#monday --kind covisibility -o -", "Of an atlas in a store, to standard output."},
+};
+
+}  // namespace
+
+const Command kPlot = {
+    .name = "plot",
+    .summary = "draw a map as a picture",
+    .group = Group::kLook,
+    .description =
+        R"(Draws an atlas for a paper, a page or a log, as SVG or PNG: from above and from the side, with points, trajectory, loop and
+merge edges on a metric grid; the covisibility of keyframes as a matrix; how many keyframes observe a point, and how many
+points a keyframe; the reprojection error over the image; keyframes over time with their gaps; the trajectory beside a
+reference, coloured by its error.
+
+Plans stand upright where the IMU tells which way is up; others show the plane of the trajectory's two largest spreads, and
+say so. The same input gives the same bytes. Colours are told apart by those who see red and green alike.)",
+    .failed = "An input could not be read, no map fits onto the reference, or the output not be written.",
+    .examples = kExamples,
+    .add = AddPlot,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/guard.h"
+#include "cli/options.h"
+#include "cli/page_server.h"
+#include "cli/report/info_text.h"
+#include "cli/report/layout.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/info.h"
+#include "slamdb/view/page.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct ViewVerbOptions {
+  InputOptions inputs;
+  SelectionOptions selection;
+  ViewOptions page;
+  std::string output;
+  bool overwrite = false, open = false, serve = false, side_by_side = false, no_check = false, json = false;
+  std::uint16_t port = 0;
+  double wait = kUsualWait;
+};
+
+const std::map<std::string, ViewKeypoints> kKeypoints = {{"auto", ViewKeypoints::kAuto},
+                                                         {"all", ViewKeypoints::kAll},
+                                                         {"matched", ViewKeypoints::kMatched},
+                                                         {"none", ViewKeypoints::kNone}};
+
+// `lab` of maps/lab.osa and of maps.db#lab.
+std::string StemOf(const std::string& input) {
+  const Location location = Location::Parse(input);
+  return location.name.empty() ? std::filesystem::path(location.path).stem().string() : location.name;
+}
+
+// Where the page goes; empty: nowhere, it is served.
+std::string OutputOf(const ViewVerbOptions& options) {
+  if (!options.output.empty() || options.serve) return options.output;
+  const std::string& first = options.inputs.paths.front();
+  const std::string stem = StemOf(first);
+  if (first == "-" || stem.empty()) RefuseUsage("nothing names the page: -o/--output does");
+  return stem + ".html";
+}
+
+// The lines of `slamdb info`, for the panel: a label, two blanks or more, what it says.
+std::vector<ViewFact> FactsOf(const AtlasInfo& info) {
+  std::vector<ViewFact> facts;
+  const std::string whole = InfoText(info);
+  std::string_view text = whole;
+  detail::TakeLine(text);  // the name of the file
+  while (!text.empty()) {
+    const std::string_view line = detail::Trimmed(detail::TakeLine(text));
+    const std::size_t gap = line.find("  ");
+    if (gap != std::string_view::npos)
+      facts.push_back({std::string(line.substr(0, gap)), std::string(detail::Trimmed(line.substr(gap)))});
+  }
+  return facts;
+}
+
+// The atlas `index` of the command line, as the page is told of it.
+ViewInput InputOf(const std::string& path, const Atlas& atlas, const Format& format) {
+  const auto facts = [&atlas, path, &format](const AtlasStatistics& statistics) {
+    AtlasInfo info{.input = path, .format_id = std::string(format.id), .format_title = std::string(format.title)};
+    if (format.keeps_encoding) info.encoding = atlas.encoding;
+    info.vocabulary = atlas.vocabulary;
+    info.next_ids = atlas.next_ids;
+    info.cameras = atlas.cameras;
+    info.repeated_maps = atlas.repeated_maps.size();
+    info.statistics = statistics;
+    return FactsOf(info);
+  };
+  return {.atlas = &atlas,
+          .name = std::filesystem::path(path).filename().string(),
+          .format = std::string(format.title),
+          .facts = facts};
+}
+
+struct ReadInputs {
+  std::vector<Atlas> atlases;
+  std::vector<ViewInput> inputs;
+};
+
+ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& notices) {
+  ReadOptions read = MakeReadOptions(console, options.inputs.from, options.wait);
+  read.selection = ParseSelection(options.selection);
+  read.needs = Content::kPoses | Content::kPoints;
+  if (!options.page.check && !options.page.diff) read.features = FeatureColumns::kGeometry;
+  ReadInputs result;
+  result.atlases.reserve(options.inputs.paths.size());  // inputs refer to them
+  for (const std::string& path : options.inputs.paths) {
+    const HeldSource held = HoldInput(path, read);
+    const Format& format = read.format.empty() ? *FindFormatOfInput(held) : FormatById(read.format);
+    result.atlases.push_back(ReadAtlas(held, read, &notices));
+    result.inputs.push_back(InputOf(path, result.atlases.back(), format));
+  }
+  return result;
+}
+
+// Starts a program with one argument, without a shell, and does not wait for it.
+bool Start(const std::string& program, const std::string& argument) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  std::string name = program, value = argument;
+  char* const words[] = {name.data(), value.data(), nullptr};
+  pid_t process = 0;
+  const int failure = ::posix_spawnp(&process, name.c_str(), &actions, &attributes, words, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return failure == 0;
+}
+
+// In the browser that $BROWSER names, or else the desktop's.
+void OpenInBrowser(const std::string& address, Console& console) {
+  std::vector<std::string> programs;
+  if (const char* named = std::getenv("BROWSER"); named != nullptr)
+    for (const std::string_view name : detail::Split(named, ':'))
+      if (!name.empty()) programs.emplace_back(name);
+  programs.insert(programs.end(), {"xdg-open", "open"});
+  for (const std::string& program : programs)
+    if (Start(program, address)) return;
+  console.Warn("no browser was found: BROWSER names one; open " + address + " in it");
+}
+
+void WritePage(const std::string& output, const ViewPage& page, AtomicFile& file, const ViewVerbOptions& options,
+               Console& console) {
+  file.Write(page.html);
+  file.Commit();
+  const ViewReport& report = page.report;
+  if (options.json && output != "-") {
+    console.PrintData(ToJson(report, options.inputs.paths, output));
+    return;
+  }
+  console.PrintWritten(output, {},
+                       ": " + Counted(report.maps, "map") + ", " + Counted(report.keyframes, "keyframe") + ", " +
+                           Counted(report.points, "point") + "; " + HumanBytes(report.bytes));
+}
+
+void Serve(ViewPage page, const ViewVerbOptions& options, Console& console) {
+  PageServer server(std::move(page.html), options.port);
+  console.Print("serving at " + server.url() + " until Ctrl-C\n");
+  std::fflush(stdout);
+  if (options.open) OpenInBrowser(server.url(), console);
+  server.Run([] { return Console::interrupted(); });
+}
+
+ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
+  ViewOptions page = options.page;
+  page.layout = options.side_by_side ? ViewLayout::kSideBySide : ViewLayout::kOverlay;
+  page.threads = console.threads();
+  page.progress = console.MakeProgress();
+  return page;
+}
+
+ExitCode RunView(ViewVerbOptions options, Console& console) {
+  if (options.page.diff && options.inputs.paths.size() != 2) RefuseUsage("--diff is of two atlases");
+  const bool part = !ParseSelection(options.selection).everything();
+  options.page.check = !options.no_check && !part;  // what was left out would be found missing
+  const std::string output = OutputOf(options);
+  std::optional<AtomicFile> file;  // before the work, so that what would fail at the end fails at once
+  if (!output.empty()) file.emplace(output, AtomicFileOptions{.overwrite = options.overwrite});
+  Notices notices;
+  ReadInputs read = ReadAll(options, console, notices);
+  if (part && !options.no_check) notices.Note("findings are those of whole atlases, and not in the page of a part");
+  ViewPage page = MakeViewPage(read.inputs, PageOptions(options, console));
+  for (const std::string& sentence : page.report.left_out) notices.Note("not in the page: " + sentence);
+  console.Report(notices);
+  if (file) WritePage(output, page, *file, options, console);
+  if (options.serve)
+    Serve(std::move(page), options, console);
+  else if (options.open)
+    OpenInBrowser(std::filesystem::absolute(output).string(), console);
+  return ExitCode::kDone;
+}
+
+void AddPageOptions(CLI::App& verb, ViewVerbOptions& options) {
+  constexpr const char* kGroup = "The page";
+  CLI::Option* diff =
+      verb.add_flag("--diff", options.page.diff, "Of two atlases: what the second added, removed, moved and changed");
+  verb.add_flag("--side-by-side", options.side_by_side, "Several atlases beside each other, not over each other")
+      ->group(kGroup);
+  verb.add_option("--title", options.page.title, "Title of the page; by default the names of the atlases")
+      ->type_name("TEXT")
+      ->group(kGroup);
+  verb.add_option("--keypoints", options.page.keypoints,
+                  "Keypoints to put into it; auto: all, or those that see a point, or none, as there is room for")
+      ->transform(OneOf(kKeypoints))
+      ->default_str("auto")
+      ->group(kGroup);
+  verb.add_flag("--normals", options.page.normals, "With the normals of points")->group(kGroup);
+  verb.add_flag("--no-check", options.no_check, "Without what 'slamdb check' finds")->group(kGroup);
+  diff->group(kGroup);
+}
+
+Run AddView(CLI::App& verb) {
+  const auto options = std::make_shared<ViewVerbOptions>();
+  AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input");
+  Mark(verb.add_option("-o,--output", options->output,
+                       "The page; by default the name of the first atlas with .html, in this folder"),
+       Writes::kFile)
+      ->type_name("FILE");
+  verb.add_flag("-O,--overwrite", options->overwrite, "Replace the page if it is there");
+  verb.add_flag("--open", options->open, "Open it in the browser, which BROWSER may name");
+  CLI::Option* serve =
+      verb.add_flag("--serve", options->serve, "Serve it to browsers on this machine instead of writing a file");
+  verb.add_option("--port", options->port, "Port to serve it at; by default one that is free")
+      ->type_name("N")
+      ->needs(serve);
+  verb.add_flag("--json", options->json, "Print JSON, for programs")->excludes(serve);
+  AddWait(verb, options->wait);
+  AddPageOptions(verb, *options);
+  AddSelection(verb, options->selection);
+  return [options](Console& console) { return RunView(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb view lab.osa", "Writes lab.html, one file to look at and to send."},
+    {"slamdb view lab.osa -o map.html --open", "And opens it."},
+    {"slamdb view a.osa b.osa --side-by-side -o both.html", "Two maps beside each other."},
+    {"slamdb view before.osa after.osa --diff -o diff.html", "What changed, in place."},
+    {"slamdb view lab.db#session_a --map 0 --keypoints none", "One map of an atlas in a store, small."},
+};
+
+}  // namespace
+
+const Command kView = {
+    .name = "view",
+    .summary = "write a page that shows atlases in a browser",
+    .group = Group::kLook,
+    .description =
+        R"(Writes one HTML file that shows the maps of one or several atlases in three dimensions: points, keyframes, trajectories and
+edges, what 'slamdb check' finds in place, and with --diff what changed. It holds all that it needs, loads nothing from
+anywhere, and opens from disk without a network. It holds the map, too: who gets the file has the map.
+
+--serve shows the page at an address of this machine, for a browser that opens no files, and ends with Ctrl-C. What is in
+the page, what it leaves out and how large it becomes: docs/view.md.)",
+    .failed = "An input could not be read, the page not be written, or slamdb was built without it.",
+    .examples = kExamples,
+    .add = AddView,
+};
+
+}  // namespace slamdb::cli

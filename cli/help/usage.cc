@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/help/usage.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "cli/command.h"
+#include "cli/help/tree.h"
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+
+namespace slamdb::cli {
+namespace {
+
+using detail::Concat;
+
+// What people type who know other tools, and the verbs that do it here, best first: the first that there is.
+struct OtherWord {
+  std::string_view typed;
+  std::array<std::string_view, 2> verbs;
+  std::string_view output = {};  // to write to, where none was typed
+  std::string_view more = {};    // what the command line needs besides
+};
+
+constexpr OtherWord kOtherWords[] = {
+    {"add", {"add", "convert"}, "maps.db"},
+    {"cat", {"dump"}},
+    {"combine", {"merge"}, {}, "-o both.osa"},
+    {"compare", {"diff"}},
+    {"copy", {"convert"}, "copy.osa"},
+    {"cp", {"convert"}, "copy.osa"},
+    {"crop", {"extract"}, "part.osa", "--box X,Y,Z:X,Y,Z"},
+    {"cut", {"extract"}, "part.osa", "--time +0:+10"},
+    {"delete", {"remove"}},
+    {"describe", {"info"}},
+    {"display", {"view", "info"}},
+    {"doctor", {"check"}},
+    {"draw", {"plot", "info"}},
+    {"evo", {"evaluate", "diff"}},
+    {"export", {"convert"}, "points.ply"},
+    {"fix", {"repair"}, "fixed.osa"},
+    {"history", {"log"}},
+    {"import", {"convert"}, "maps.db"},
+    {"inspect", {"info"}},
+    {"join", {"merge"}, {}, "-o joined.osa --join --transform b_in_a.txt"},
+    {"lint", {"check"}},
+    {"ls", {"list"}},
+    {"move", {"transform"}, "moved.osa", "--by 'tx ty tz qx qy qz qw'"},
+    {"open", {"view", "info"}},
+    {"print", {"dump"}},
+    {"prune", {"cull"}, "thin.osa"},
+    {"rename", {"renumber"}, "renumbered.osa"},
+    {"rescue", {"recover"}, "saved.osa"},
+    {"rm", {"remove"}},
+    {"salvage", {"recover"}, "saved.osa"},
+    {"save", {"convert"}, "maps.db"},
+    {"stat", {"info"}},
+    {"subset", {"extract"}, "part.osa", "--map 0"},
+    {"trajectory", {"convert"}, "poses.tum"},
+    {"upgrade", {"migrate"}},
+    {"validate", {"check"}},
+    {"verify", {"check"}},
+    {"viewer", {"view", "info"}},
+};
+
+// Options by the names that other tools give them.
+constexpr std::pair<std::string_view, std::string_view> kOtherOptions[] = {
+    {"--force", "--overwrite"},  {"-f", "--overwrite"},   {"-y", "--overwrite"},   {"--yes", "--overwrite"},
+    {"--format", "--to"},        {"--type", "--to"},      {"-n", "--dry-run"},     {"--out", "--output"},
+    {"--jobs", "--threads"},     {"-j", "--threads"},     {"--silent", "--quiet"}, {"--bbox", "--box"},
+    {"--simulate", "--dry-run"}, {"--colour", "--color"},
+};
+
+// Edits that turn one word into the other: insert, delete, replace (Levenshtein).
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+// As a shell takes it for one word.
+std::string ShellWord(const std::string& word) {
+  constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=./:,@%#";
+  if (!word.empty() && word.front() != '#' && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string out = "'";
+  for (const char letter : word) out += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  return out + "'";
+}
+
+std::string CommandLine(std::string_view verb, std::span<const std::string> words) {
+  std::string line = Concat("slamdb ", verb);
+  for (const std::string& word : words) line += " " + ShellWord(word);
+  return line;
+}
+
+// How many of the words are no options.
+std::size_t Operands(std::span<const std::string> words) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(words, [](const std::string& word) { return !word.starts_with("-") || word == "-"; }));
+}
+
+std::string_view VerbFor(const OtherWord& other) {
+  for (const std::string_view verb : other.verbs)
+    if (FindCommand(verb) != nullptr) return verb;
+  return {};
+}
+
+std::string LineFor(const OtherWord& other, std::span<const std::string> words) {
+  const std::string_view verb = VerbFor(other);
+  if (Operands(words) == 0) return Concat("slamdb ", verb, " --help");
+  std::string line = CommandLine(verb, words);
+  if (Operands(words) < 2 && !other.output.empty()) line += Concat(" ", other.output);
+  return other.more.empty() ? line : Concat(line, " ", other.more);
+}
+
+std::vector<std::string> NamesOf(const CLI::App& verb, bool options) {
+  std::vector<std::string> names;
+  if (options)
+    for (const OptionEntry& entry : OptionsOf(verb)) names.insert(names.end(), entry.names.begin(), entry.names.end());
+  else
+    for (const CLI::App* inner : VerbsOf(verb)) names.push_back(inner->get_name());
+  return names;
+}
+
+// The first word that nothing takes, with the word that was probably meant.
+std::string Explain(const CLI::App& verb, const std::string& word) {
+  const bool option = word.starts_with("-");
+  const std::vector<std::string> known = NamesOf(verb, option);
+  const std::string name = word.substr(0, word.find('='));
+  const std::string kind = option ? "unknown option" : known.empty() ? "unexpected argument" : "unknown verb";
+  for (const auto& [typed, here] : kOtherOptions)
+    if (typed == name && std::ranges::find(known, here) != known.end())
+      return Concat(kind, " '", word, "'; here it is ", here);
+  return kind + " '" + word + "'" + MeantInstead(name, known);
+}
+
+// `--to: xml not in {orbslam3,tum}` with the word that was probably meant.
+std::string NotOneOf(const std::string& text) {
+  constexpr std::string_view kNotIn = " not in {";
+  const std::size_t at = text.find(kNotIn), end = text.rfind('}');
+  if (at == std::string::npos || end == std::string::npos || end < at) return {};
+  const std::size_t colon = text.find(": ");
+  const std::size_t begin = colon < at ? colon + 2 : 0;
+  const std::string value = text.substr(begin, at - begin);
+  std::vector<std::string> words;
+  std::string list;
+  for (const std::string_view word :
+       detail::Split(std::string_view(text).substr(at + kNotIn.size(), end - at - kNotIn.size()), ',')) {
+    words.emplace_back(word);
+    list += Concat(list.empty() ? "" : ", ", word);
+  }
+  return Concat(text.substr(0, begin), "expected one of ", list, ", found '", value, "'", MeantInstead(value, words));
+}
+
+// `--boost-version: Value 3 not in range 10 to 255`.
+std::string NotInRange(const std::string& text) {
+  constexpr std::string_view kValue = ": Value ", kRange = " not in range ";
+  const std::size_t value = text.find(kValue), range = text.find(kRange);
+  if (value == std::string::npos || range == std::string::npos || range < value) return {};
+  const std::size_t begin = value + kValue.size();
+  return Concat(text.substr(0, value), ": expected a number from ", text.substr(range + kRange.size()), ", found '",
+                text.substr(begin, range - begin), "'");
+}
+
+// `Could not convert: --map = x`.
+std::string NoNumber(const std::string& text) {
+  constexpr std::string_view kConvert = "Could not convert: ", kIs = " = ";
+  const std::size_t is = text.find(kIs);
+  if (!text.starts_with(kConvert) || is == std::string::npos) return {};
+  return Concat(text.substr(kConvert.size(), is - kConvert.size()), ": expected a number, found '",
+                text.substr(is + kIs.size()), "'");
+}
+
+// In the words of the house: what was expected, and what was found.
+std::string Reworded(const CLI::ParseError& error) {
+  const std::string text = error.what(), kind = error.get_name();
+  if (kind == "ArgumentMismatch") {
+    const std::string name = text.substr(0, text.find(':'));
+    return text.find("required") != std::string::npos ? name + ": a value is missing" : text;
+  }
+  if (kind == "ExcludesError") {
+    constexpr std::string_view kExcludes = " excludes ";
+    const std::size_t at = text.find(kExcludes);
+    return at == std::string::npos
+               ? text
+               : Concat(text.substr(0, at), " and ", text.substr(at + kExcludes.size()), " exclude each other");
+  }
+  if (kind == "RequiredError") {
+    constexpr std::string_view kRequired = " is required";
+    return text.ends_with(kRequired) ? text.substr(0, text.size() - kRequired.size()) + " is missing" : text;
+  }
+  for (const auto& reword : {NotOneOf, NotInRange, NoNumber})
+    if (std::string said = reword(text); !said.empty()) return said;
+  return text;
+}
+
+}  // namespace
+
+std::string DidYouMean(std::string_view word, const std::vector<std::string>& known) {
+  std::string best;
+  std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const std::string& candidate : known) {
+    const std::size_t distance = candidate.size() > word.size() && word.size() >= 3 && candidate.starts_with(word)
+                                     ? 1
+                                     : EditDistance(word, candidate);
+    if (distance < least) {
+      least = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+std::string MeantInstead(std::string_view word, const std::vector<std::string>& known) {
+  const std::string meant = DidYouMean(word, known);
+  return meant.empty() ? std::string() : "; did you mean '" + meant + "'?";
+}
+
+UsageProblem ProblemOfVerb(const CLI::App& program, std::span<const std::string> words) {
+  const std::string& word = words.front();
+  const auto rest = words.subspan(1);
+  const auto other = std::ranges::find(kOtherWords, word, &OtherWord::typed);
+  if (other != std::end(kOtherWords) && !VerbFor(*other).empty())
+    return {Concat("unknown verb '", word, "'; here it is '", VerbFor(*other), "'"), LineFor(*other, rest)};
+  const std::string help = FullName(program) + " --help";
+  if (word.find_first_of("./#") != std::string::npos)
+    return {Concat(word, ": there is no such file, and no such verb"), help};
+  const std::vector<std::string> verbs = NamesOf(program, false);
+  const std::string meant = DidYouMean(word, verbs);
+  return {"unknown verb '" + word + "'" + MeantInstead(word, verbs), meant.empty() ? help : CommandLine(meant, rest)};
+}
+
+UsageProblem ProblemOf(const CLI::App& verb, const CLI::ParseError& error, const std::vector<std::string>& rest) {
+  const std::string next = FullName(verb) + " --help";
+  if (!rest.empty() && error.get_name() != "ValidationError" && error.get_name() != "ConversionError")
+    return {Explain(verb, rest.front()), next};
+  if (!VerbsOf(verb).empty()) return {"a verb is missing", next};
+  return {Reworded(error), next};
+}
+
+}  // namespace slamdb::cli

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/report/list_text.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include "cli/report/layout.h"
+#include "cli/words.h"
+#include "slamdb/formats/info.h"
+
+namespace slamdb::cli {
+namespace {
+
+using enum Table::Align;
+
+std::string SensorText(const ListedAtlas& atlas) {
+  std::string text;
+  for (const MapSensor sensor : atlas.summary.sensors)
+    text += (text.empty() ? "" : ", ") + std::string(sensor == MapSensor::kStereoOrRgbd    ? "stereo/RGB-D"
+                                                     : sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
+                                                                                           : "monocular");
+  return text + (atlas.summary.has_imu ? " + IMU" : "");
+}
+
+std::string LengthText(const ListedAtlas& atlas) {
+  if (!atlas.summary.begin_time) return {};
+  return Short(atlas.summary.trajectory_length) + (atlas.summary.is_metric ? " m" : " units");
+}
+
+std::string SpanText(const ListedAtlas& atlas) {
+  return atlas.summary.begin_time ? DurationText(atlas.summary.duration) : std::string();
+}
+
+// To the minute; empty when the times count from elsewhere.
+std::string BeginText(const ListedAtlas& atlas) {
+  constexpr std::size_t kToTheMinute = 16;
+  return atlas.summary.begin_time ? DateText(*atlas.summary.begin_time).substr(0, kToTheMinute) : std::string();
+}
+
+std::string SizeText(const ListedAtlas& atlas) { return atlas.bytes ? HumanBytes(*atlas.bytes) : std::string(); }
+
+std::string RevisionText(const ListedAtlas& atlas) {
+  return atlas.revision == 0 ? std::string() : Grouped(atlas.revision);
+}
+
+template <auto member>
+std::string CountText(const ListedAtlas& atlas) {
+  return Grouped(atlas.summary.*member);
+}
+
+template <auto member>
+std::string Text(const ListedAtlas& atlas) {
+  return atlas.*member;
+}
+
+struct Column {
+  ListKey key;
+  std::string_view word, heading;
+  Table::Align align;
+  std::string (*text)(const ListedAtlas&);
+  bool of_failed = false;  // known of one that could not be read, too
+};
+
+constexpr std::array kColumns = {
+    Column{ListKey::kName, "name", "NAME", kLeft, Text<&ListedAtlas::name>, true},
+    Column{ListKey::kInput, "input", "ATLAS", kLeft, Text<&ListedAtlas::input>, true},
+    Column{ListKey::kMaps, "maps", "MAPS", kRight, CountText<&AtlasSummary::maps>},
+    Column{ListKey::kSensor, "sensor", "SENSOR", kLeft, SensorText},
+    Column{ListKey::kKeyframes, "keyframes", "KEYFRAMES", kRight, CountText<&AtlasSummary::keyframes>},
+    Column{ListKey::kPoints, "points", "POINTS", kRight, CountText<&AtlasSummary::points>},
+    Column{ListKey::kObservations, "observations", "OBSERVATIONS", kRight, CountText<&AtlasSummary::observations>},
+    Column{ListKey::kLandmarks, "landmarks", "LANDMARKS", kRight, CountText<&AtlasSummary::landmarks>},
+    Column{ListKey::kLength, "length", "LENGTH", kRight, LengthText},
+    Column{ListKey::kSpan, "span", "SPAN", kRight, SpanText},
+    Column{ListKey::kDate, "date", "DATE (UTC)", kLeft, BeginText},
+    Column{ListKey::kSize, "size", "SIZE", kRight, SizeText, true},
+    Column{ListKey::kFormat, "format", "FORMAT", kLeft, Text<&ListedAtlas::format>, true},
+    Column{ListKey::kRevision, "revision", "REVISION", kRight, RevisionText},
+    Column{ListKey::kSaved, "saved", "SAVED", kLeft, Text<&ListedAtlas::saved_at>, true},
+    Column{ListKey::kVerdict, "verdict", "VERDICT", kLeft, Text<&ListedAtlas::verdict>, true},
+};
+
+const Column& ColumnOf(ListKey key) { return *std::ranges::find(kColumns, key, &Column::key); }
+
+std::string CellOf(const ListedAtlas& atlas, const Column& column) {
+  return atlas.failure.empty() || column.of_failed ? column.text(atlas) : std::string();
+}
+
+// Without the name of the atlas, which begins the line.
+std::string FailureText(const ListedAtlas& atlas) {
+  const std::string text = InCommandWords(atlas.failure);
+  return text.starts_with(atlas.input + ": ") ? text.substr(atlas.input.size() + 2) : text;
+}
+
+bool Differ(std::span<const ListedAtlas> atlases, std::string ListedAtlas::*member) {
+  return std::ranges::any_of(atlases, [&](const auto& atlas) { return atlas.*member != atlases[0].*member; });
+}
+
+bool AreOfOneStore(std::span<const ListedAtlas> atlases) {
+  const auto store_of = [](const ListedAtlas& atlas) { return atlas.input.substr(0, atlas.input.rfind('#')); };
+  return std::ranges::all_of(
+      atlases, [&](const ListedAtlas& atlas) { return atlas.revision > 0 && store_of(atlas) == store_of(atlases[0]); });
+}
+
+}  // namespace
+
+std::vector<std::string> ListKeyWords() {
+  std::vector<std::string> words;
+  for (const Column& column : kColumns) words.emplace_back(column.word);
+  return words;
+}
+
+ListKey ListKeyOf(std::string_view word) {
+  const auto found = std::ranges::find(kColumns, word, &Column::word);
+  if (found == kColumns.end()) throw std::out_of_range(std::string(word));
+  return found->key;
+}
+
+std::vector<ListKey> UsualColumns(std::span<const ListedAtlas> atlases) {
+  const bool of_store = AreOfOneStore(atlases);
+  const auto some = [&](const auto& has) { return std::ranges::any_of(atlases, has); };
+  std::vector<ListKey> columns = {of_store ? ListKey::kName : ListKey::kInput, ListKey::kMaps, ListKey::kSensor,
+                                  ListKey::kKeyframes, ListKey::kPoints};
+  if (some([](const auto& atlas) { return atlas.summary.landmarks > 0; })) columns.push_back(ListKey::kLandmarks);
+  columns.insert(columns.end(), {ListKey::kLength, ListKey::kSpan});
+  if (some([](const auto& atlas) { return !BeginText(atlas).empty(); })) columns.push_back(ListKey::kDate);
+  columns.push_back(ListKey::kSize);
+  if (!atlases.empty() && Differ(atlases, &ListedAtlas::format)) columns.push_back(ListKey::kFormat);
+  if (of_store) columns.insert(columns.end(), {ListKey::kRevision, ListKey::kSaved});
+  if (some([](const auto& atlas) { return !atlas.verdict.empty(); })) columns.push_back(ListKey::kVerdict);
+  return columns;
+}
+
+std::string ListText(std::span<const ListedAtlas> atlases, std::span<const ListKey> columns) {
+  std::vector<Table::Align> aligns;
+  std::vector<std::string> headings;
+  for (const ListKey key : columns) {
+    aligns.push_back(ColumnOf(key).align);
+    headings.emplace_back(ColumnOf(key).heading);
+  }
+  const bool failed = std::ranges::any_of(atlases, [](const auto& atlas) { return !atlas.failure.empty(); });
+  aligns.push_back(kLeft);
+  headings.emplace_back(failed ? "PROBLEM" : "");
+  Table table(aligns);
+  table.Add(headings);
+  for (const ListedAtlas& atlas : atlases) {
+    std::vector<std::string> cells;
+    for (const ListKey key : columns) cells.push_back(CellOf(atlas, ColumnOf(key)));
+    cells.push_back(FailureText(atlas));
+    table.Add(std::move(cells));
+  }
+  return table.ToString();
+}
+
+}  // namespace slamdb::cli

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/detail/hash.h"
+#include "slamdb/base/detail/json.h"
+#include "slamdb/formats/info.h"
+#include "slamdb/many/list.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Json;
+
+template <class Number>
+Json NumberOrNull(const std::optional<Number>& number) {
+  return number ? Json(*number) : Json();
+}
+
+void AddSummary(const AtlasSummary& summary, Json& json) {
+  json["maps"] = summary.maps;
+  json["sensors"] = Json::array();
+  for (const MapSensor sensor : summary.sensors) json["sensors"].push_back(NameOf(sensor));
+  json["imu"] = summary.has_imu;
+  json["metric"] = summary.is_metric;
+  json["keyframes"] = summary.keyframes;
+  json["points"] = summary.points;
+  json["landmarks"] = summary.landmarks;
+  json["observations"] = summary.observations;
+  json["trajectory_length"] = summary.trajectory_length;
+  json["begin_time"] = NumberOrNull(summary.begin_time);
+  json["end_time"] = NumberOrNull(summary.end_time);
+  json["duration_s"] = summary.duration;
+}
+
+Json JsonOf(const ListedAtlas& atlas) {
+  Json json = {{"input", atlas.input},
+               {"name", atlas.name},
+               {"format", detail::TextOrNull(atlas.format)},
+               {"bytes", NumberOrNull(atlas.bytes)},
+               {"saved_at", detail::TextOrNull(atlas.saved_at)}};
+  if (!atlas.failure.empty()) {
+    json["failure"] = atlas.failure;
+    return json;
+  }
+  AddSummary(atlas.summary, json);
+  if (atlas.revision > 0) json["revision"] = atlas.revision;
+  if (atlas.hash) json["hash"] = detail::Hex(*atlas.hash);
+  if (!atlas.findings) return json;
+  json["sound"] = atlas.ok();
+  json["severities"] = {
+      {"error", atlas.findings->errors}, {"warning", atlas.findings->warnings}, {"note", atlas.findings->notes}};
+  return json;
+}
+
+}  // namespace
+
+std::string ToJson(std::span<const ListedAtlas> atlases, const std::string& input) {
+  Json json = detail::ReportHead("list");
+  json["input"] = detail::TextOrNull(input);
+  json["atlases"] = Json::array();
+  for (const ListedAtlas& atlas : atlases) json["atlases"].push_back(JsonOf(atlas));
+  return detail::JsonText(json);
+}
+
+}  // namespace slamdb

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/statistics.h"
+
+// What statistics and summaries of a map have in common.
+namespace slamdb::detail {
+
+MapSensor SensorOf(const Map& map);
+// Calibrated keyframes, or the map says it is inertial.
+bool HasImu(const Map& map);
+// Monocular maps have a scale where the IMU gave them one.
+bool IsMetric(const Map& map, MapSensor sensor);
+
+// Of good keyframes with a finite timestamp, and through their finite camera centres by time.
+struct Trajectory {
+  bool empty = true;
+  double begin_time = 0, end_time = 0;  // seconds
+  double length = 0;                    // metres or map units
+};
+Trajectory TrajectoryOf(const Map& map);
+
+}  // namespace slamdb::detail

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slamdb/model/index.h"
+#include "slamdb/plot/detail/theme.h"
+#include "slamdb/plot/plot.h"
+
+// What plots have to show of an atlas, looked up once.
+namespace slamdb::plot {
+
+// The directions in which a map is looked at: right and forward on the plan, and up.
+struct Frame {
+  Eigen::Matrix3d axes_from_world = Eigen::Matrix3d::Identity();  // rows: right, forward, up
+  std::array<std::string, 3> names;                               // of the axes, without unit
+  std::string how;                                                // how it was found, for a caption
+};
+
+// A good keyframe with its camera at a finite place, and what it observes.
+struct Stop {
+  const KeyFrame* keyframe = nullptr;
+  std::uint32_t row = 0;  // in Map::keyframes
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  bool follows = false;  // on the stop before it, without a gap in time
+};
+
+struct MapScene {
+  const Map* map = nullptr;
+  std::string name;  // `map 0`
+  Color color;
+  bool metric = false;
+  std::vector<Stop> path;               // in order of time
+  std::vector<std::uint32_t> timed;     // rows of good keyframes with a finite time, in order of time
+  std::vector<std::uint32_t> observed;  // good points that each keyframe observes, by row
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> loops, merges;  // places in `path`, each pair once
+  Frame frame;
+};
+
+struct Scene {
+  const Atlas& atlas;
+  const PlotOptions& options;
+  const Theme& theme;
+  std::vector<MapScene> maps;  // that have keyframes or points; of very many, those with the most
+  std::size_t other_maps = 0;  // that are left out for that
+
+  std::size_t keyframes() const;
+  std::string unit() const;  // `m`, or `map units` where a map has no scale
+};
+
+Scene SceneOf(const Atlas& atlas, const PlotOptions& options);
+
+// How much longer than the median a time between keyframes is, at least, to count as a gap; and how long, in seconds.
+inline constexpr double kGapFactor = 8, kLeastGap = 1;
+
+// The time between keyframes that counts as a gap.
+double GapOf(const Map& map, const std::vector<std::uint32_t>& timed);
+
+// The plane of the two largest spreads of some places, and its normal on the side of `upper`; x and z of a camera's
+// frame where they have no two.
+Frame FrameOfSpreads(const std::vector<Eigen::Vector3d>& places, const Eigen::Vector3d& upper);
+
+// Up by inertia where there is some, and the plane of the two largest spreads of the path otherwise.
+Frame FrameOf(const Map& map, const std::vector<Stop>& path);
+
+}  // namespace slamdb::plot

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/plot/plot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
+#include "slamdb/plot/detail/panels.h"
+#include "slamdb/plot/detail/view.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Concat;
+using namespace plot;
+
+struct Kind {
+  PlotKind kind;
+  std::string_view name;
+  double (*height)(const Scene& scene, double width);
+  ViewCounts (*draw)(Canvas& canvas, const Scene& scene, const Box& box);
+};
+
+// A panel that counts nothing, as a Kind's function.
+template <void (*Draw)(Canvas&, const Scene&, const Box&)>
+ViewCounts Drawn(Canvas& canvas, const Scene& scene, const Box& box) {
+  Draw(canvas, scene, box);
+  return {};
+}
+
+template <View view>
+ViewCounts DrawnView(Canvas& canvas, const Scene& scene, const Box& box) {
+  return DrawView(canvas, scene, view, box);
+}
+template <View view>
+double ViewHeight(const Scene& scene, double width) {
+  return HeightOfView(scene, view, width);
+}
+
+double DiagramHeight(const Scene&, double width) { return std::clamp(0.42 * width, 180.0, 420.0); }
+double SquareHeight(const Scene&, double width) { return std::min(width, 640.0) + 54; }
+double PairHeight(const Scene&, double width) { return 0.5 * width; }
+double TimelineHeight(const Scene& scene, double) { return HeightOfTimeline(scene); }
+
+constexpr std::array kKinds = {
+    Kind{PlotKind::kOverview, "overview", HeightOfOverview, Drawn<DrawOverview>},
+    Kind{PlotKind::kPlan, "plan", ViewHeight<View::kPlan>, DrawnView<View::kPlan>},
+    Kind{PlotKind::kSide, "side", ViewHeight<View::kSide>, DrawnView<View::kSide>},
+    Kind{PlotKind::kCovisibility, "covisibility", SquareHeight, Drawn<DrawCovisibility>},
+    Kind{PlotKind::kTracks, "tracks", DiagramHeight, Drawn<DrawTracks>},
+    Kind{PlotKind::kObservations, "observations", DiagramHeight, Drawn<DrawObservations>},
+    Kind{PlotKind::kReprojection, "reprojection", PairHeight, Drawn<DrawReprojection>},
+    Kind{PlotKind::kTimeline, "timeline", TimelineHeight, Drawn<DrawTimeline>},
+    Kind{PlotKind::kTrajectory, "trajectory", HeightOfTrajectory, Drawn<DrawTrajectory>},
+};
+
+const Kind& KindOf(PlotKind kind) { return *std::ranges::find(kKinds, kind, &Kind::kind); }
+
+// `2 maps, 431 keyframes, 21,334 points, 52.3 m in 141 s`
+std::string Summary(const Scene& scene) {
+  std::size_t points = 0;
+  double length = 0, seconds = 0;
+  for (const MapScene& map : scene.maps) {
+    points += map.map->points.size();
+    for (std::size_t i = 1; i < map.path.size(); ++i) length += (map.path[i].center - map.path[i - 1].center).norm();
+    if (!map.timed.empty())
+      seconds += map.map->keyframes[map.timed.back()].timestamp - map.map->keyframes[map.timed.front()].timestamp;
+  }
+  return Concat(detail::Counted(scene.maps.size(), "map"), ", ", detail::Counted(scene.keyframes(), "keyframe"), ", ",
+                detail::Counted(points, "point"), ", ", detail::Digits(length, 3), " ", scene.unit(), " in ",
+                detail::Digits(seconds, 3), " s",
+                scene.other_maps == 0 ? "" : Concat("; ", detail::Counted(scene.other_maps, "map"), " not shown"));
+}
+
+void RequireSizes(const PlotOptions& options) {
+  constexpr int kLeast = 200, kMost = 4000;
+  if (options.width < kLeast || options.width > kMost)
+    throw Error(ErrorKind::kUsage, Concat("a plot is ", kLeast, " to ", kMost, " pixels wide, not ", options.width));
+  if (!(options.scale >= 1 && options.scale <= 4))
+    throw Error(ErrorKind::kUsage, Concat("a plot is scaled by 1 to 4, not by ", options.scale));
+}
+
+constexpr double kMargin = 14, kTitleHeight = 44;
+
+void DrawTitle(Canvas& canvas, const Scene& scene, const std::string& summary, double width) {
+  const TextStyle title{.color = scene.theme.ink, .size = 15, .bold = true};
+  std::string text = scene.options.title;
+  if (canvas.WidthOf(text, title) > width - 2 * kMargin) {
+    std::vector<std::size_t> ends;  // of letters; UTF-8 is cut between them
+    for (std::size_t i = 0; i < text.size(); ++i)
+      if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) ends.push_back(i);
+    while (!ends.empty() && canvas.WidthOf(text.substr(0, ends.back()) + "\u2026", title) > width - 2 * kMargin)
+      ends.pop_back();
+    text = text.substr(0, ends.empty() ? 0 : ends.back()) + "\u2026";
+  }
+  canvas.Text({kMargin, kMargin + 13}, text, title);
+  canvas.Text({kMargin, kMargin + 31}, summary, {.color = scene.theme.faint_ink, .size = 11});
+}
+
+}  // namespace
+
+std::string_view NameOf(PlotKind kind) { return KindOf(kind).name; }
+
+std::optional<PlotKind> PlotKindByName(std::string_view name) {
+  const auto found = std::ranges::find(kKinds, name, &Kind::name);
+  return found == kKinds.end() ? std::nullopt : std::optional(found->kind);
+}
+
+std::span<const PlotKind> PlotKinds() {
+  static constexpr auto kAll = [] {
+    std::array<PlotKind, kKinds.size()> all{};
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = kKinds[i].kind;
+    return all;
+  }();
+  return kAll;
+}
+
+bool CanPlot() { return CanDraw(); }
+
+Plot DrawPlot(const Atlas& atlas, const PlotOptions& options) {
+  RequireSizes(options);
+  const Scene scene = SceneOf(atlas, options);
+  const Kind& kind = KindOf(options.kind);
+  const std::string summary = Summary(scene);
+  const double top = options.title.empty() ? kMargin : kMargin + kTitleHeight;
+  const double width = options.width - 2 * kMargin;
+  const double height = std::ceil(kind.height(scene, width));
+  Plot result{.width = static_cast<double>(options.width), .height = top + height + kMargin, .text = summary};
+  Canvas canvas(result.width, result.height, options.format, options.scale);
+  canvas.Fill({0, 0, result.width, result.height}, scene.theme.paper);
+  if (!options.title.empty()) DrawTitle(canvas, scene, summary, result.width);
+  const ViewCounts counts = kind.draw(canvas, scene, {kMargin, top, width, height});
+  result.points = counts.points;
+  result.left_out = counts.left_out;
+  result.bytes =
+      canvas.Finish(kind.name, Concat(options.title.empty() ? "atlas" : options.title, ": ", kind.name), summary);
+  return result;
+}
+
+Plot DrawThumbnail(const Atlas& atlas, int width, int height) {
+  const PlotOptions options{.format = PlotFormat::kPng};
+  const Scene scene = SceneOf(atlas, options);
+  Plot result{.width = static_cast<double>(width), .height = static_cast<double>(height), .text = Summary(scene)};
+  Canvas canvas(width, height, PlotFormat::kPng, 1);
+  const ViewCounts counts = DrawView(canvas, scene, View::kPlan, {2, 2, width - 4.0, height - 4.0}, Detail::kBare);
+  result.points = counts.points;
+  result.bytes = canvas.Finish("thumbnail", "", "");
+  return result;
+}
+
+}  // namespace slamdb

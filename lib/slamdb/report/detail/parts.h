@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slamdb/report/detail/html.h"
+#include "slamdb/report/pages.h"
+
+// The parts that pages share.
+namespace slamdb::report {
+
+// `sound`, `not sound`, `not readable`: one word for the filter.
+std::string VerdictWord(const AtlasReport& report);
+// The verdict in its colour.
+void AppendVerdict(Html& html, const AtlasReport& report);
+
+// What a check found, by rule, errors first, each with what comes of it and what to do.
+void AppendFindings(Html& html, const CheckReport& report);
+
+// Every measure of the gates, and which of the limits it keeps.
+void AppendGates(Html& html, const AtlasReport& report);
+
+// For people: `1 min 15 s`, `33.4 MB`.
+std::string DurationText(double seconds);
+std::string BytesText(std::uint64_t bytes);
+
+}  // namespace slamdb::report

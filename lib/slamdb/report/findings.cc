@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/report/detail/parts.h"
+
+namespace slamdb::report {
+namespace {
+
+using detail::Concat;
+
+constexpr std::size_t kShown = 20;  // findings of each rule
+
+void AppendBadge(Html& html, Severity severity) {
+  switch (severity) {
+    case Severity::kError:
+      html << "<span class=\"badge error\">error</span> ";
+      break;
+    case Severity::kWarning:
+      html << "<span class=\"badge warning\">warning</span> ";
+      break;
+    case Severity::kNote:
+      html << "<span class=\"badge note\">note</span> ";
+  }
+}
+
+// What to do about it.
+std::string Advice(const RuleResult& result) {
+  if (!result.fix.empty()) return Concat("slamdb repair mends it (", result.fix, ").");
+  const Rule* rule = FindRule(result.id);
+  if (rule != nullptr && !rule->fix.unfixable.empty()) return Concat("There is no repair: ", rule->fix.unfixable, ".");
+  return rule == nullptr ? "A gate: the atlas has too much or too little of it." : "There is no repair for it.";
+}
+
+void AppendResult(Html& html, const RuleResult& result) {
+  html << (result.severity == Severity::kError ? Literal("<details open><summary>") : Literal("<details><summary>"));
+  AppendBadge(html, result.severity);
+  html << "<code>" << result.id << "</code> " << Concat("\u00d7", detail::Thousands(result.count))
+       << " <span class=\"faint\">should be: " << result.title << "</span></summary>";
+  if (!result.consequence.empty()) html << "<p>ORB-SLAM3 " << result.consequence << ".</p>";
+  html << "<p><strong>What to do:</strong> " << Advice(result) << "</p><ul>";
+  const std::size_t shown = std::min(kShown, result.findings.size());
+  for (std::size_t i = 0; i < shown; ++i)
+    html << "<li><code>" << ToString(result.findings[i].place) << "</code>: " << result.findings[i].message << "</li>";
+  html << "</ul>";
+  if (result.count > shown) html << "<p class=\"faint\">and " << detail::Thousands(result.count - shown) << " more</p>";
+  html << "</details>\n";
+}
+
+}  // namespace
+
+std::string VerdictWord(const AtlasReport& report) {
+  if (!report.checked.failure.empty()) return "not readable";
+  return report.checked.report.ok() ? "sound" : "not sound";
+}
+
+void AppendVerdict(Html& html, const AtlasReport& report) {
+  html << (VerdictWord(report) == "sound" ? Literal("<span class=\"badge good\">")
+                                          : Literal("<span class=\"badge error\">"))
+       << Verdict(report.checked) << "</span>";
+}
+
+void AppendFindings(Html& html, const CheckReport& report) {
+  html << "<h2>Findings</h2>\n";
+  if (report.results.empty())
+    html << "<p>None: " << detail::Counted(report.checked.size(), "rule") << " checked.</p>\n";
+  for (const Severity severity : {Severity::kError, Severity::kWarning, Severity::kNote})
+    for (const RuleResult& result : report.results)
+      if (result.severity == severity) AppendResult(html, result);
+}
+
+void AppendGates(Html& html, const AtlasReport& report) {
+  html << "<h2>Gates</h2>\n<div class=\"scroll\"><table>\n<tr><th>measure</th><th class=\"number\">value</th>"
+          "<th class=\"number\">limit</th><th>verdict</th></tr>\n";
+  for (const Gate& gate : ReadGates()) {
+    const auto limit = std::ranges::find(report.gates, gate.id, &GateLimit::gate);
+    const bool asked = limit != report.gates.end();
+    // Both bounds of one measure are two gates; without a limit the measure stands once.
+    const bool first = std::ranges::find(ReadGates(), gate.measure_name, &Gate::measure_name)->id == gate.id;
+    const bool other_asked = std::ranges::any_of(report.gates, [&](const GateLimit& other) {
+      const auto found = std::ranges::find(ReadGates(), other.gate, &Gate::id);
+      return found != ReadGates().end() && found->measure_name == gate.measure_name;
+    });
+    if (!asked && (!first || other_asked)) continue;
+    html << "<tr><td>" << std::string(gate.title) << "</td><td class=\"number\">"
+         << detail::Digits(gate.measure(report.checked.report.statistics), 6) << "</td><td class=\"number\">";
+    if (!asked) {
+      html << "</td><td class=\"faint\">no limit</td></tr>\n";
+      continue;
+    }
+    const bool broken = std::ranges::find(report.checked.report.results, GateRuleId(gate.id), &RuleResult::id) !=
+                        report.checked.report.results.end();
+    html << Concat(gate.is_minimum ? "at least " : "at most ", detail::Digits(limit->limit, 6)) << "</td><td>"
+         << (broken ? Literal("<span class=\"badge error\">not passed</span>")
+                    : Literal("<span class=\"badge good\">passed</span>"))
+         << "</td></tr>\n";
+  }
+  html << "</table></div>\n";
+}
+
+std::string DurationText(double seconds) {
+  constexpr double kMinute = 60;
+  if (!(seconds >= kMinute)) return Concat(detail::Digits(seconds, 3), " s");
+  const auto whole = static_cast<std::uint64_t>(std::min(seconds, 1e15) + 0.5);
+  if (whole < 3600) return Concat(whole / 60, " min ", whole % 60, " s");
+  return Concat(detail::Thousands(whole / 3600), " h ", whole % 3600 / 60, " min");
+}
+
+std::string BytesText(std::uint64_t bytes) {
+  constexpr std::array kUnits = {"bytes", "kB", "MB", "GB", "TB"};
+  auto value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+  return Concat(detail::Digits(value, 3), " ", kUnits[unit]);
+}
+
+}  // namespace slamdb::report

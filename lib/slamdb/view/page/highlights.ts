@@ -1,0 +1,131 @@
+// What is lit: the selection with its observers or its points, findings, and what a comparison says has moved.
+
+import { type Theme, statusColour } from "./colours";
+import { addFrustum, frustum, imagePlane, isDrawnKeyframe } from "./keyframes";
+import { type Vec3, add, cross, length, normalized, scale, subtract } from "./maths";
+import type { Model } from "./model";
+import { type Scene, Status, birthOf, hasPose, isHiddenPoint, mapOfKeyframe, mapOfPoint } from "./scene";
+import { Lines, Marks } from "./shapes";
+import { kPaint } from "./theme";
+
+/** The frustum of a selected keyframe is this much larger, so that its keypoints can be seen. */
+const kSelectedFrustum = 2.4;
+const kMostMoves = 100000;
+const kMostRays = 1500;
+
+export interface Lit {
+  lines: Lines; // frusta of who is lit
+  rays: Lines;
+  points: Marks;
+  keypoints: Marks;
+  rings: Marks; // about what is selected
+}
+
+export function buildLit(model: Model, theme: Theme, depth: number): Lit {
+  const lit: Lit = { lines: new Lines(), rays: new Lines(), points: new Marks(), keypoints: new Marks(), rings: new Marks() };
+  const { selection } = model;
+  if (selection?.kind === "point") lightPoint(model, selection.row, lit, theme, depth);
+  if (selection?.kind === "keyframe") lightKeyframe(model, selection.row, lit, theme, depth);
+  return lit;
+}
+
+function lightPoint(model: Model, row: number, lit: Lit, theme: Theme, depth: number): void {
+  const { scene, frames } = model;
+  const colour = kPaint[theme].selection;
+  if (isHiddenPoint(scene, row)) return;
+  const place = frames.point(row);
+  lit.points.add(place, colour);
+  lit.rings.add(place, colour);
+  for (const observer of scene.points.seen.of(row)) {
+    if (!isDrawnKeyframe(model, observer)) continue;
+    addFrustum(lit.lines, frustum(model, observer, depth * 1.15), colour, 0.95, 0, 0);
+    lit.rays.add(frames.keyframe(observer), place, colour, 0.5);
+  }
+}
+
+let lastSeen: { scene: Scene; keyframe: number; points: number[] } | null = null;
+
+/** Rows of the points that a keyframe sees, by the points' own word. The last answer is kept: several ask for the same. */
+export function pointsSeenBy(model: Model, keyframe: number): number[] {
+  const { scene } = model;
+  if (lastSeen?.scene !== scene || lastSeen.keyframe !== keyframe) {
+    const map = mapOfKeyframe(scene, keyframe);
+    lastSeen = { scene, keyframe, points: scene.points.seen.seenBy(keyframe, map.first_point, map.first_point + map.points) };
+  }
+  return lastSeen.points;
+}
+
+function lightKeyframe(model: Model, row: number, lit: Lit, theme: Theme, depth: number): void {
+  const { scene, frames } = model;
+  const colour = kPaint[theme].selection;
+  if (!hasPose(scene, row)) return;
+  const selected = frustum(model, row, depth * kSelectedFrustum);
+  addFrustum(lit.lines, selected, colour, 1, 0, 0);
+  lit.rings.add(selected.centre, colour);
+  const seen = pointsSeenBy(model, row).filter((point) => !isHiddenPoint(scene, point));
+  const rayStep = Math.ceil(seen.length / kMostRays);
+  seen.forEach((point, i) => {
+    const place = frames.point(point);
+    lit.points.add(place, colour);
+    if (i % rayStep === 0) lit.rays.add(selected.centre, place, colour, 0.13);
+  });
+  const { begin, x, y, point } = scene.keypoints;
+  const image = imagePlane(model, row, depth * kSelectedFrustum);
+  for (let i = begin[row]; i < begin[row + 1]; ++i) {
+    lit.keypoints.add(image.at(x[i] / 8, y[i] / 8), point[i] >= 0 ? colour : kPaint[theme].grid, point[i] >= 0 ? 1 : 0.6);
+  }
+}
+
+/** Rings about what findings name; the one that is looked at apart, since it is drawn larger. */
+export function buildFindings(model: Model, theme: Theme): { all: Marks; current: Marks } {
+  const all = new Marks();
+  const current = new Marks();
+  (model.scene.header.findings ?? []).forEach((_, index) => {
+    const place = findingPlace(model, index);
+    if (place) (index === model.finding ? current : all).add(place, kPaint[theme].finding);
+  });
+  return { all, current };
+}
+
+/** Where a finding is; null where it has no place that is drawn. */
+export function findingPlace(model: Model, index: number): Vec3 | null {
+  const finding = model.scene.header.findings?.[index];
+  if (!finding || finding.row < 0) return null;
+  const { scene, frames } = model;
+  if (finding.kind === "point" && finding.row < scene.points.count) {
+    return frames.shown(mapOfPoint(scene, finding.row)) && !isHiddenPoint(scene, finding.row) ? frames.point(finding.row) : null;
+  }
+  if (finding.kind === "keyframe" && finding.row < scene.keyframes.count) return isDrawnKeyframe(model, finding.row) ? frames.keyframe(finding.row) : null;
+  return null;
+}
+
+/** Arrows from where things were, in the left atlas, to where they are. */
+export function buildMoves(model: Model, theme: Theme): Lines {
+  const lines = new Lines();
+  const { scene, frames, settings } = model;
+  const { points, keyframes } = scene;
+  if (!scene.header.diff || (settings.statuses & (1 << Status.moved)) === 0) return lines;
+  const colour = statusColour(Status.moved, theme);
+  const step = Math.max(1, Math.ceil(points.count / kMostMoves));
+  for (let row = 0; points.moved && row < points.count; row += step) {
+    if (points.moved[row] < 0 || isHiddenPoint(scene, row) || !frames.shown(mapOfPoint(scene, row))) continue;
+    addArrow(lines, frames.point(points.moved[row]), frames.point(row), colour, points.birth[row]);
+  }
+  for (let row = 0; keyframes.moved && row < keyframes.count; ++row) {
+    const from = keyframes.moved[row];
+    if (from < 0 || !isDrawnKeyframe(model, row) || !hasPose(scene, from)) continue;
+    addArrow(lines, frames.keyframe(from), frames.keyframe(row), colour, birthOf(keyframes.rank[row], keyframes.count));
+  }
+  return lines;
+}
+
+function addArrow(lines: Lines, from: Vec3, to: Vec3, colour: [number, number, number], birth: number): void {
+  const along = subtract(to, from);
+  const size = length(along);
+  if (!(size > 0)) return;
+  lines.add(from, to, colour, 0.85, birth);
+  const aside = scale(normalized(cross(along, Math.abs(along[2]) > 0.9 * size ? [1, 0, 0] : [0, 0, 1])), size * 0.1);
+  const neck = subtract(to, scale(along, 0.28));
+  lines.add(add(neck, aside), to, colour, 0.85, birth);
+  lines.add(subtract(neck, aside), to, colour, 0.85, birth);
+}

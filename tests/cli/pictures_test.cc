@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The verbs plot and report at the process boundary.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/json_schema.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string kAtlas = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+const std::string kBroken = SLAMDB_FIXTURES "/mono_small_twice/mono_small_twice.osa";
+
+class Pictures : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const ProcessResult tried = RunSlamdb({"plot", kAtlas, "-o", folder_ / "try.svg"});
+    if (tried.err.find("built without Cairo") != std::string::npos) GTEST_SKIP() << "needs Cairo";
+    fs::remove(folder_ / "try.svg");
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(Pictures, PlotWritesAnOverviewNamedAsTheAtlas) {
+  const ProcessResult result = RunProgram(
+      {"bash", "-c", "cd '" + folder_.path().string() + "' && '" + SLAMDB_COMMAND + "' plot '" + kAtlas + "'"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, "wrote session_small_a.svg: overview of 1 map, 14 keyframes, 3,162 points, 5.25 m in 17.9 s\n");
+  EXPECT_THAT(folder_.Names(), ElementsAre("session_small_a.svg"));
+}
+
+TEST_F(Pictures, PlotTakesTheFormatFromTheSuffix) {
+  EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--kind", "plan", "-o", folder_ / "a.png"}).exit_code, 0);
+  EXPECT_THAT(ReadWholeFile(folder_ / "a.png"), StartsWith("\x89PNG"));
+  const ProcessResult other = RunSlamdb({"plot", kAtlas, "-o", folder_ / "a.pdf"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr(".svg or a .png"));
+  const ProcessResult piped = RunSlamdb({"plot", kAtlas, "--kind", "tracks", "-o", "-"});
+  EXPECT_EQ(piped.exit_code, 0);
+  EXPECT_THAT(piped.out, StartsWith("<?xml"));
+}
+
+TEST_F(Pictures, PlotReplacesNothingUnasked) {
+  ASSERT_EQ(RunSlamdb({"plot", kAtlas, "--kind", "side", "-o", folder_ / "a.svg"}).exit_code, 0);
+  const ProcessResult again = RunSlamdb({"plot", kAtlas, "--kind", "side", "-o", folder_ / "a.svg"});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--kind", "side", "-O", "-o", folder_ / "a.svg"}).exit_code, 0);
+}
+
+TEST_F(Pictures, PlotHoldsATrajectoryAgainstATruth) {
+  const std::string truth = SLAMDB_FIXTURES "/session_small_a/truth.txt";
+  const ProcessResult result = RunSlamdb({"plot", kAtlas, "--with", truth, "-o", folder_ / "error.svg"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("trajectory of 1 map"));
+  EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--with", truth, "--kind", "plan", "-o", folder_ / "x.svg"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--body", "-o", folder_ / "x.svg"}).exit_code, 2);
+}
+
+TEST_F(Pictures, ReportWritesOnePageOfOneAtlas) {
+  const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.html"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("wrote " + (folder_ / "lab.html")));
+  EXPECT_THAT(ReadWholeFile(folder_ / "lab.html"), HasSubstr("<svg "));
+}
+
+TEST_F(Pictures, ReportOfAGateThatIsNotPassedEndsWithOne) {
+  EXPECT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.html", "--min-keyframes", "10"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"report", kAtlas, "-O", "-o", folder_ / "lab.html", "--min-keyframes", "100"}).exit_code, 1);
+  EXPECT_THAT(ReadWholeFile(folder_ / "lab.html"), HasSubstr("not passed"));
+}
+
+TEST_F(Pictures, ReportOfAFolderHasARowForWhatCannotBeRead) {
+  const fs::path maps = folder_.path() / "maps";
+  fs::create_directory(maps);
+  fs::copy_file(kAtlas, maps / "good.osa");
+  fs::copy_file(kBroken, maps / "twice.osa");
+  WriteWholeFile((maps / "cut.osa").string(), ReadWholeFile(kAtlas).substr(0, 100'000));
+  fs::copy_file(kAtlas, maps / "<b>bold<b>.osa");
+  const ProcessResult result = RunSlamdb({"report", maps.string(), "-o", folder_ / "out", "--json"});
+  EXPECT_EQ(result.exit_code, 1);
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(BreachOf(json, "report"), "");
+  ASSERT_EQ(json.at("inputs").size(), 4U);
+  EXPECT_THAT(json.at("inputs").at(1).at("failure").get<std::string>(), HasSubstr("truncated"));
+  EXPECT_EQ(json.at("inputs").at(3).at("sound"), false);
+  EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/good.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/_b_bold_b_.html"));
+  const std::string index = ReadWholeFile(folder_ / "out/index.html");
+  EXPECT_THAT(index, HasSubstr("&lt;b&gt;bold"));
+  EXPECT_THAT(index, HasSubstr("truncated"));
+  EXPECT_EQ(RunSlamdb({"report", maps.string(), "-o", folder_ / "out"}).exit_code, 1);  // pages are there
+}
+
+TEST_F(Pictures, ReportOfAStoreHasAPageForEachAtlas) {
+  const std::string store = folder_ / "maps.db";
+  ASSERT_EQ(RunSlamdb({"convert", kAtlas, store + "#lab"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", kAtlas, store + "#index"}).exit_code, 0);
+  const ProcessResult result = RunSlamdb({"report", store, "-o", folder_ / "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(fs::exists(folder_ / "out/lab.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/index_.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
+}
+
+TEST_F(Pictures, ReportOfAnEmptyFolderSaysSo) {
+  fs::create_directory(folder_ / "none");
+  const ProcessResult result = RunSlamdb({"report", folder_ / "none", "-o", folder_ / "out"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("no atlas"));
+}
+
+}  // namespace
+}  // namespace slamdb::testing

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "slamdb/view/page.h"
+#include "tests/cli/json_schema.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class View : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!HasViewPage()) GTEST_SKIP() << "built without esbuild";
+    for (const char* name : {"a", "b"})
+      RunSlamdb({"synthesize", In(std::string(name) + ".osa"), "--keyframes", "8", "--points", "200", "--features",
+                 "200", "--maps", "2", "-q"});
+  }
+  std::string In(const std::string& name) const { return folder_ / name; }
+  ProcessResult RunHere(const std::string& command) const {
+    return RunProgram({"bash", "-c", "cd '" + In("") + "' && '" SLAMDB_COMMAND "' " + command});
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(View, WritesAPageNamedAsTheAtlas) {
+  const ProcessResult result = RunHere("view a.osa");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, StartsWith("wrote a.html: 2 maps, 16 keyframes, 400 points; "));
+  EXPECT_THAT(ReadWholeFile(In("a.html")), StartsWith("<!DOCTYPE html>"));
+  RunSlamdb({"convert", In("a.osa"), In("m.db#hall"), "-q"});
+  EXPECT_EQ(RunHere("view m.db").exit_code, 0);
+  EXPECT_TRUE(fs::exists(In("m.html")));
+  RunHere("view 'm.db#hall'");
+  EXPECT_TRUE(fs::exists(In("hall.html")));
+}
+
+TEST_F(View, ReplacesOnlyWhenAsked) {
+  WriteWholeFile(In("a.html"), "mine");
+  const ProcessResult refused = RunHere("view a.osa");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("a.html: is there already; -O/--overwrite replaces it"));
+  EXPECT_EQ(ReadWholeFile(In("a.html")), "mine");
+  EXPECT_EQ(RunHere("view a.osa -O").exit_code, 0);
+  const std::string atlas = ReadWholeFile(In("a.osa"));
+  EXPECT_EQ(RunHere("view a.osa -O -o a.osa").exit_code, 1) << "an input is no output";
+  EXPECT_EQ(ReadWholeFile(In("a.osa")), atlas);
+}
+
+TEST_F(View, JsonSaysWhatWasWritten) {
+  const ProcessResult result = RunSlamdb({"view", In("a.osa"), In("b.osa"), "-o", In("x.html"), "--json"});
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "view.schema.json"), "");
+  EXPECT_EQ(report.at("bytes"), fs::file_size(In("x.html")));
+  EXPECT_EQ(report.at("maps"), 4);
+  EXPECT_EQ(report.at("inputs").size(), 2U);
+}
+
+TEST_F(View, GoesToStandardOutput) {
+  const ProcessResult result = RunSlamdb({"view", In("a.osa"), "-o", "-"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, StartsWith("<!DOCTYPE html>"));
+  EXPECT_TRUE(result.out.ends_with("</html>\n"));
+  const ProcessResult piped = RunSlamdb({"view", "-", "-o", "-"}, ReadWholeFile(In("a.osa")));
+  EXPECT_EQ(piped.exit_code, 0) << piped.err;
+  EXPECT_EQ(RunSlamdb({"view", "-"}, ReadWholeFile(In("a.osa"))).exit_code, 2) << "nothing names the page";
+}
+
+TEST_F(View, APartIsNotChecked) {
+  const ProcessResult result = RunSlamdb({"view", In("a.osa"), "--map", "1", "-o", In("x.html"), "--json"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(json::parse(result.out).at("maps"), 1);
+  EXPECT_EQ(json::parse(result.out).at("findings"), 0);
+  EXPECT_THAT(result.err, HasSubstr("findings"));
+}
+
+TEST_F(View, WrongUseIsSaidAtOnce) {
+  EXPECT_EQ(RunSlamdb({"view"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "--keypoints", "some"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "--port", "80"}).exit_code, 2) << "without --serve";
+  EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "--diff", "-o", In("x.html")}).exit_code, 2) << "of one atlas";
+  EXPECT_EQ(RunSlamdb({"view", In("none.osa"), "-o", In("x.html")}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "-o", In("none/x.html")}).exit_code, 1);
+  EXPECT_FALSE(fs::exists(In("x.html")));
+}
+
+TEST_F(View, OpensTheBrowserThatIsNamed) {
+  WriteWholeFile(In("browser"), "#!/bin/sh\necho \"$1\" >'" + In("opened.part") + "'\nmv '" + In("opened.part") +
+                                    "' '" + In("opened") + "'\n");
+  fs::permissions(In("browser"), fs::perms::owner_all);
+  EXPECT_EQ(
+      RunProgram({"env", "BROWSER=" + In("browser"), SLAMDB_COMMAND, "view", In("a.osa"), "-o", In("x.html"), "--open"})
+          .exit_code,
+      0);
+  for (int i = 0; i < 200 && !fs::exists(In("opened")); ++i) ::usleep(50'000);
+  EXPECT_EQ(ReadWholeFile(In("opened")), In("x.html") + "\n");
+}
+
+TEST_F(View, ServesUntilCtrlC) {
+  const std::string out = In("out");
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT, 0600);
+  const std::string atlas = In("a.osa");
+  const char* words[] = {SLAMDB_COMMAND, "view", atlas.c_str(), "--serve", nullptr};
+  pid_t process = 0;
+  ASSERT_EQ(::posix_spawn(&process, words[0], &actions, nullptr, const_cast<char**>(words), environ), 0);
+  posix_spawn_file_actions_destroy(&actions);
+  std::string said;
+  for (int i = 0; i < 400 && said.find('\n') == std::string::npos; ++i) {
+    ::usleep(25'000);
+    if (fs::exists(out)) said = ReadWholeFile(out);
+  }
+  EXPECT_THAT(said, ContainsRegex("^serving at http://127.0.0.1:[0-9]+/ until Ctrl-C\n$"));
+  EXPECT_FALSE(fs::exists(In("a.html")));
+  ::kill(process, SIGINT);
+  int status = 0;
+  ::waitpid(process, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status)) << status;
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+}  // namespace
+}  // namespace slamdb::testing

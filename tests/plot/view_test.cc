@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where places of a map come to lie on the page.
+#include "slamdb/plot/detail/view.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/plot/picture.h"
+#include "tests/plot/worlds.h"
+
+namespace slamdb::plot {
+namespace {
+
+using slamdb::testing::AtlasOf;
+using slamdb::testing::MapAt;
+using slamdb::testing::Picture;
+using slamdb::testing::Pixel;
+using ::testing::SizeIs;
+
+TEST(Cell, HasTheSamePixelsToAMetreInBothDirections) {
+  Eigen::Matrix<double, 2, 3> axes;
+  axes << 1, 0, 0, 0, 0, 1;
+  // 10 by 5 with 6 % of 10 around it: 11.2 by 6.2 metres, of which the height decides.
+  const Cell cell = FitCell({0, 0, 1000, 500}, {0, 10}, {0, 5}, axes);
+  EXPECT_NEAR(cell.scale, 500 / 6.2, 1e-9);
+  EXPECT_NEAR(cell({5, 9, 2.5}).x(), 500, 1e-9);
+  EXPECT_NEAR(cell({5, 9, 2.5}).y(), 250, 1e-9);
+  EXPECT_NEAR(cell({0, 0, 0}).x(), 500 - 5 * 500 / 6.2, 1e-9);
+  EXPECT_NEAR(cell({0, 0, 5}).y(), 250 - 2.5 * 500 / 6.2, 1e-9);
+}
+
+TEST(RangeOfMost, LeavesOutWhatIsFarOff) {
+  std::vector<double> values{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  EXPECT_DOUBLE_EQ(RangeOfMost(values).high, 9);
+  values.back() = 1e30;
+  EXPECT_LT(RangeOfMost(values).high, 20);
+  EXPECT_GE(RangeOfMost(values).high, 8);
+  std::vector<double> none;
+  EXPECT_DOUBLE_EQ(RangeOfMost(none).size(), 0);
+}
+
+TEST(Frame, IsThePlaneOfTheTwoLargestSpreadsWithTheCamerasUpright) {
+  // Along z most, along x less; cameras have y down, so that up is -y.
+  const Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {2, 0, 5}, {0, 0.1F, 10}, {-2, 0, 20}}));
+  const Frame frame = SceneOf(atlas, {}).maps.at(0).frame;
+  EXPECT_GT(std::abs(frame.axes_from_world(0, 2)), 0.95);
+  EXPECT_LT(frame.axes_from_world(2, 1), -0.99);
+  EXPECT_NEAR(frame.axes_from_world.determinant(), 1, 1e-9);
+  EXPECT_THAT(frame.names[0], ::testing::HasSubstr("largest spread"));
+}
+
+TEST(Frame, StandsUprightWhereTheImuTells) {
+  const Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kStereo, .inertial = true, .keyframes = 12, .points = 200});
+  const Frame frame = SceneOf(atlas, {}).maps.at(0).frame;
+  EXPECT_EQ(frame.how, "up by gravity");
+  EXPECT_EQ(frame.names[0], "x");
+}
+
+TEST(Cells, AreOneForEachMapOfOneScaleOrOneForAll) {
+  Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {10, 0, 0}, {10, 0, 5}, {0, 0, 5}}));
+  atlas.maps.push_back(MapAt({{0, 0, 0}, {1, 0, 0}, {1, 0, 2}}));
+  const Box box{0, 0, 800, 400};
+  const std::vector<Cell> cells = LayCells(SceneOf(atlas, {}), View::kPlan, box);
+  ASSERT_THAT(cells, SizeIs(2));
+  EXPECT_DOUBLE_EQ(cells[0].scale, cells[1].scale);
+  EXPECT_LE(cells[0].box.right(), cells[1].box.left);
+  EXPECT_LE(cells[1].box.right(), box.right() + 1e-6);
+  const std::vector<Cell> one = LayCells(SceneOf(atlas, {.together = true}), View::kPlan, box);
+  ASSERT_THAT(one, SizeIs(1));
+  EXPECT_THAT(one[0].maps, SizeIs(2));
+}
+
+// Start, way and end of a path in their colours, at the pixels where they must be.
+TEST(Plan, DrawsKeyFramesWhereTheyAre) {
+  const Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {4, 0, 0}, {8, 0, 0}, {8, 0, 3}, {8, 0, 6}}));
+  const PlotOptions options{.kind = PlotKind::kPlan, .format = PlotFormat::kPng, .width = 600};
+  const Plot plot = DrawPlot(atlas, options);
+  const Picture picture = Picture::Of(plot.bytes);
+  const Scene scene = SceneOf(atlas, options);
+  const Box page{14, 14, 600 - 28, plot.height - 28};
+  const Box inside = page.Without(kYTickSpace, kHeadingHeight, 1, kTickSpace + kNameSpace);
+  const Cell cell = LayCells(scene, View::kPlan, inside).at(0);
+  const auto at = [&](const Eigen::Vector3d& place) {
+    const Spot spot = cell(place);
+    return picture.At(spot.x(), spot.y());
+  };
+  EXPECT_EQ(at({0, 0, 0}), Pixel(scene.theme.start));
+  EXPECT_EQ(at({8, 0, 6}), Pixel(scene.theme.end));
+  EXPECT_EQ(at({4, 0, 0}), Pixel(ColorOfKind(0)));
+  EXPECT_EQ(at({8, 0, 3}), Pixel(ColorOfKind(0)));
+  EXPECT_EQ(at({2, 0, 3.3}), Pixel(scene.theme.paper));
+}
+
+TEST(Plan, CountsPointsInsideAndThoseThatAreTooFarOff) {
+  Map map = MapAt({{0, 0, 0}, {4, 0, 0}, {8, 0, 0}, {8, 0, 6}});
+  for (int i = 0; i < 100; ++i) map.points.push_back(slamdb::testing::PointSeenBy(2, {0.08F * i, 0, 0.06F * i}));
+  map.points.push_back(slamdb::testing::PointSeenBy(2, {1e9F, 0, 0}));
+  map.points.push_back(slamdb::testing::PointSeenBy(2, {NAN, 0, 0}));
+  const Atlas atlas = AtlasOf(std::move(map));
+  const Plot plot = DrawPlot(atlas, {.kind = PlotKind::kPlan});
+  EXPECT_EQ(plot.points, 100);
+  EXPECT_EQ(plot.left_out, 2);
+}
+
+}  // namespace
+}  // namespace slamdb::plot
