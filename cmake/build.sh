@@ -15,7 +15,8 @@ shift || true
 
 # Each job needs only what it uses.
 case "$preset $*" in
-  "release slamdb_cli" | "release slamdb_manual" | "static "*) unasked='live map' ;;
+  "release slamdb_cli" | "release slamdb_manual") unasked='live map' ;;
+  "static "*) groups+=(static) ;;
   "release "*) groups+=(libraries packaging) ;;
   *) groups+=(libraries tests) ;;
 esac
