@@ -100,7 +100,7 @@ std::string NamedOutput(const std::string& input, const std::string& output, con
 
 void RequireOutput(const EditOptions& options) {
   if (options.output.empty() && !options.dry_run)
-    RefuseUsage("OUTPUT is missing; -o/--output names it too, and --dry-run does without");
+    RefuseUsage("the output is missing; -o/--output names it, and --dry-run does without");
 }
 
 std::string FormatToWrite(const Atlas& atlas, const Location& output, const std::string& to) {

@@ -79,7 +79,7 @@ void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const st
 }
 
 void RequireOutput(const std::string& output) {
-  if (output.empty()) RefuseUsage("OUTPUT is missing; -o/--output names it too");
+  if (output.empty()) RefuseUsage("the output is missing; -o/--output names it");
 }
 
 void AddTarget(CLI::App& verb, TargetOptions& options) {
@@ -98,7 +98,7 @@ void AddTarget(CLI::App& verb, TargetOptions& options) {
 }
 
 void RefuseIdleTarget(const Format& output, const TargetOptions& options) {
-  if (options.boost_version && !output.keeps_encoding)
+  if (options.boost_version && !output.id.starts_with("orbslam3"))
     RefuseUsage("--boost-version is for archives of ORB-SLAM3 only; the output is " + std::string(output.title));
 }
 

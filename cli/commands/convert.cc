@@ -130,16 +130,29 @@ PointColor ColorAsked(const ConvertOptions& options) {
   return PointColor::kMap;
 }
 
-// Where on earth the maps are: as asked for, or as `transform` has kept it beside the input.
-std::optional<Geodetic> OriginOf(const ConvertOptions& options, const Atlas& atlas, Notices& notices) {
-  if (!options.origin.empty()) return ParseGeodetic(options.origin);
+bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id == "geojson"; }
+
+// Where on earth the maps are: as asked for, or as `transform` has kept it beside the input. Throws
+// CLI::ValidationError where nothing tells it.
+std::optional<Georeference> WhereOnEarth(const ConvertOptions& options, const Format& output, Notices& notices) {
+  if (!IsOnGlobe(output)) return std::nullopt;
+  if (!options.origin.empty()) return Georeference{ParseGeodetic(options.origin), {}};
   const std::optional<Georeference> found = FindGeoreference(options.input);
-  if (!found) return std::nullopt;
+  if (!found)
+    RefuseUsage(
+        "a " + std::string(output.title) +
+        " needs --origin LAT,LON,ALT, where the frame of the maps begins; `slamdb transform --georeference` finds "
+        "it, and keeps it in " +
+        GeoreferencePath(options.input));
   notices.Note("the origin is that of " + GeoreferencePath(options.input));
+  return found;
+}
+
+void WarnOfMapsElsewhere(const Atlas& atlas, const Georeference& where, Notices& notices) {
+  if (where.maps.empty()) return;  // as asked for
   for (const Map& map : atlas.maps)
-    if (std::ranges::find(found->maps, map.id) == found->maps.end() && !map.keyframes.empty())
+    if (std::ranges::find(where.maps, map.id) == where.maps.end() && !map.keyframes.empty())
       notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
-  return found->origin;
 }
 
 // Empty: as the output's suffix has it.
@@ -221,7 +234,6 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   return Finish(written, output, format, options, console, notices);
 }
 
-bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id == "geojson"; }
 bool HasColors(const Format& format) {
   return format.id == "ply" || format.id == "pcd" || format.id == "gltf" || format.id == "mcap";
 }
@@ -237,7 +249,8 @@ void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   if ((!options.origin.empty() || options.most_points) && !IsOnGlobe(output))
     RefuseUsage("--origin and --most-points are for KML and GeoJSON" + is);
   RefuseIdleTarget(output, options.target);
-  if (options.long_bytes && !output.keeps_encoding) RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
+  if (options.long_bytes && !output.id.starts_with("orbslam3"))
+    RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
 
 // The atlas as it is to be written, or an Error: the selection, the repairs that --sanitize asks for, what is refused.
@@ -263,6 +276,8 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Format& format = FormatOfOutput(output, FormatAsked(options));
   RefuseIdleOptions(format, options);
   if (!options.dry_run) RefuseBinaryOnTerminal(output, format, options.ascii);
+  Notices notices;
+  const std::optional<Georeference> where = WhereOnEarth(options, format, notices);
 
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.of<TrajectoryReadOptions>() = options.times.ForReading();
@@ -271,10 +286,12 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   read.selection = ParseSelection(options.selection, held, read);
   WriteOptions write = WriteOptionsOf(options, read.selection, console);
   if (IsOfTrajectories(held, format, options)) return ConvertPoses(held, output, format, read, write, options, console);
-  Notices notices;
   bool sound = true;
   const Atlas atlas = Prepare(held, read, output, format, options, console, notices, sound);
-  if (IsOnGlobe(format)) write.of<GeographicOptions>().origin = OriginOf(options, atlas, notices);
+  if (where) {
+    WarnOfMapsElsewhere(atlas, *where, notices);
+    write.of<GeographicOptions>().origin = where->origin;
+  }
   Written written = WrittenOf(atlas);
   if (options.dry_run)
     written.bytes = TryToWrite(atlas, format, write, notices);
@@ -293,7 +310,7 @@ void BindViewerOptions(CLI::App& verb, ConvertOptions& options) {
           "What the colour of a point tells, in PLY, PCD, glTF and MCAP: map (by default), error, observations, "
           "height or age")
       ->type_name("WHAT")
-      ->check(CLI::IsMember(colors))
+      ->check(CLI::IsMember(colors).description({}))
       ->group(kGroup);
   verb.add_flag("--cameras", options.cameras, "Write cameras and their path into PLY too, as edges")->group(kGroup);
   verb.add_option("--origin", options.origin,

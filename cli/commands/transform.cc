@@ -249,6 +249,8 @@ baselines and depths. What the IMU measured stays metric.
 Each map of an atlas has a frame of its own. --by, --scale and --axes move all of them alike; --gravity, --onto and
 --georeference find a transform for each, so that --onto brings all maps into one frame. --map moves only some.
 
+`slamdb evaluate` says how good a map is there: errors of positions and rotations, absolute and relative, and coverage.
+
 Georeferencing writes the origin to OUTPUT.georeference.json too, since an atlas has no place for it.)",
     .failed = "An input could not be read, the transform is none or could not be found, or the output not be written.",
     .lossy = kOutputLossy,

@@ -162,6 +162,7 @@ void Serve(ViewPage page, const ViewVerbOptions& options, Console& console) {
 ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
   ViewOptions page = options.page;
   page.layout = options.side_by_side ? ViewLayout::kSideBySide : ViewLayout::kOverlay;
+  page.notes = console.verbose();
   page.threads = console.threads();
   page.progress = console.MakeProgress();
   return page;
@@ -232,6 +233,7 @@ constexpr Example kExamples[] = {
     {"slamdb view lab.osa", "Writes lab.html, one file to look at and to send."},
     {"slamdb view lab.osa -o map.html --open", "And opens it."},
     {"slamdb view a.osa b.osa --side-by-side -o both.html", "Two maps beside each other."},
+    {"slamdb view lab.osa -v -O", "With findings of notes, which healthy files have."},
     {"slamdb view before.osa after.osa --diff -o diff.html", "What changed, in place."},
     {"slamdb view lab.db#session_a --map 0 --keypoints none", "One map of an atlas in a store, small."},
 };

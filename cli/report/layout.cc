@@ -46,7 +46,7 @@ std::string Counted(std::uint64_t number, std::string_view one, std::string_view
 std::string Short(double number, int digits) {
   std::array<char, 64> text{};
   const auto [end, error] =
-      std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::general, digits);
+      std::to_chars(text.data(), text.data() + text.size(), number + 0.0, std::chars_format::general, digits);  // no -0
   return std::string(text.data(), end);
 }
 

@@ -240,9 +240,16 @@ TEST(Convert, RefusesOptionsOfOtherViewers) {
   expect({"--cameras"}, "a.glb", "the output is glTF scene, which always has them");
   expect({"--origin", "48,11"}, "a.glb", "--origin and --most-points are for KML and GeoJSON only");
   expect({"--most-points", "5"}, "a.ply", "--origin and --most-points are for KML and GeoJSON only");
-  expect({"--origin", "north"}, "a.kml", "a place is LATITUDE,LONGITUDE[,ALTITUDE]");
-  expect({"--origin", "91,0"}, "a.kml", "a place is LATITUDE,LONGITUDE[,ALTITUDE]");
-  expect({}, "a.geojson", "--origin LAT,LON,ALT, which `slamdb transform --georeference` finds");
+  expect({}, "a.geojson", "a GeoJSON map needs --origin LAT,LON,ALT");
+}
+
+TEST(Convert, RefusesAnOriginThatIsNoPlace) {
+  for (const char* origin : {"north", "91,0", "1,2,3,4"}) {
+    const ProcessResult result = RunSlamdb({"convert", kTiny, "-", "--to", "kml", "--origin", origin});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("a place is LATITUDE,LONGITUDE[,ALTITUDE]"));
+    EXPECT_EQ(result.out, "");
+  }
 }
 
 TEST(Convert, FindsTheOriginBesideTheInput) {

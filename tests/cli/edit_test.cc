@@ -73,7 +73,7 @@ TEST_F(Edit, AnOutputThatIsThereIsRefusedBeforeTheWork) {
 }
 
 TEST_F(Edit, OptionsThatMakeNoSenseAreUsageErrors) {
-  ExpectRefused({"cull", input_}, "OUTPUT is missing", 2);
+  ExpectRefused({"cull", input_}, "the output is missing", 2);
   ExpectRefused({"extract", input_, output_}, "say which part", 2);
   ExpectRefused({"shrink", input_, output_}, "say how small", 2);
   ExpectRefused({"shrink", input_, output_, "--target-keyframes", "0"}, "expected a number above 0, found '0'", 2);

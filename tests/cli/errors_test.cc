@@ -133,7 +133,7 @@ TEST(Usage, TooManyArguments) { ExpectUsageError({"convert", kTiny, "out.osa", "
 TEST(Usage, RangeThatIsNone) { ExpectUsageError({"dump", kTiny, "--keyframes", "9:2"}, "FIRST:LAST"); }
 TEST(Usage, BoxThatIsNone) { ExpectUsageError({"dump", kTiny, "--box", "1,2:3"}, "X,Y,Z:X,Y,Z"); }
 TEST(Usage, BoostVersionOutOfRange) {
-  for (const char* version : {"3", "21", "1.86", "1.52", "ubuntu26.04", "", "1", "1.x", "-1"})
+  for (const char* version : {"3", "21", "1.86", "1.52", "ubuntu26.04", "1", "1.x", "-1"})
     ExpectUsageError({"convert", kTiny, "out.osa", std::string("--boost-version=") + version},
                      "expected a release of Boost (1.53 to 1.85), a system (ubuntu16.04, ");
   ExpectUsageError({"convert", kTiny, "out.osa", "--boost-version", "ubunut20.04"}, "did you mean 'ubuntu20.04'?");
@@ -143,13 +143,13 @@ TEST(Usage, BoostVersionOutOfRange) {
 TEST(Usage, IsSaidInOneWay) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"info"}, "FILE is missing"},
-      {{"convert", kTiny}, "OUTPUT is missing"},
+      {{"convert", kTiny}, "the output is missing"},
       {{"convert", kTiny, "a.osa", "--to"}, "--to: a value is missing"},
       {{"convert", kTiny, "a.osa", "--to", "tumm"}, "found 'tumm'; did you mean 'tum'?"},
       {{"convert", kTiny, "a.osa", "--map", "x"}, "--map: expected a number, found 'x'"},
       {{"info", kTiny, "--threads", "-1"}, "--threads: expected a number from 0 to 1024, found '-1'"},
       {{"merge", kTiny, "-o", "a.osa", "--fuse"}, "--fuse requires --join"},
-      {{"convert", kTiny, "a.osa", "-o", "b.osa"}, "--output and OUTPUT exclude each other"},
+      {{"convert", kTiny, "a.osa", "-o", "b.osa"}, "exclude each other"},
       {{"convert", kTiny, "a.osa", "--force"}, "unknown option '--force'; here it is --overwrite"},
       {{"check", kTiny, "--ignore", "map-listed-twice"}, "did you mean 'map-listed-once'?"},
   };
@@ -158,8 +158,8 @@ TEST(Usage, IsSaidInOneWay) {
 
 TEST(Usage, EveryVerbRefusesAnUnknownOption) {
   for (const char* verb :
-       {"info", "show", "dump", "check", "convert", "merge", "renumber", "reassign-origin", "synthesize", "list", "log",
-        "remove", "stats", "vacuum", "backup", "migrate", "completion", "version", "man"}) {
+       {"info", "show", "dump",   "check", "convert", "merge",  "renumber", "reassign-origin", "synthesize", "add",
+        "list", "log",  "remove", "stats", "vacuum",  "backup", "migrate",  "completion",      "version",    "man"}) {
     SCOPED_TRACE(verb);
     ExpectUsageError({verb, "--no-such-option"}, "unknown option '--no-such-option'");
   }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -81,6 +82,25 @@ TEST_F(Evaluate, AgreesWithTransformOnto) {
   RunSlamdb({"transform", kAtlas, In("there.osa"), "--onto", kTruth});
   EXPECT_NEAR(Rmse({In("there.osa"), kTruth, "--align", "none"}), Rmse({kAtlas, kTruth}), 1e-6)
       << "what was moved there needs no alignment";
+}
+
+TEST_F(Evaluate, AgreesWithTransformOntoOnRealAtlases) {
+  const char *atlases = std::getenv("SLAMDB_ATLASES"), *meaning = std::getenv("SLAMDB_MEANING");
+  if (atlases == nullptr || meaning == nullptr) GTEST_SKIP() << "needs SLAMDB_ATLASES and SLAMDB_MEANING";
+  const std::filesystem::path truths = std::filesystem::path(meaning).parent_path() / "ground_truth";
+  for (const std::string name : {"session_a", "mono_small", "stereo_inertial", "multimap_rgbd", "fisheye_stereo"}) {
+    SCOPED_TRACE(name);
+    const std::string atlas = std::string(atlases) + "/" + name + ".osa", truth = truths / (name + "_frames.txt");
+    const ProcessResult onto = RunSlamdb({"transform", atlas, "--onto", truth, "--dry-run", "--json"});
+    ASSERT_EQ(onto.exit_code, 0) << onto.err;
+    const json moved = json::parse(onto.out)["maps"], report = Report({atlas, truth})["evaluations"];
+    ASSERT_EQ(report.size(), moved.size());
+    for (std::size_t map = 0; map < moved.size(); ++map) {
+      const double rmse = report[map]["absolute"]["translation"]["rmse"];
+      EXPECT_NEAR(moved[map]["alignment"]["residuals"]["rmse"], rmse, 1e-5 * rmse);
+      EXPECT_EQ(moved[map]["alignment"]["pairs"], report[map]["coverage"]["pairs"]);
+    }
+  }
 }
 
 TEST_F(Evaluate, LimitsThatAreBrokenEndWithOne) {

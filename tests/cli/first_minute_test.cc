@@ -71,7 +71,7 @@ TEST(OutputOption, WritesWhatThePositionalWrites) {
   ASSERT_EQ(RunSlamdb({"convert", "-o", folder / "b.osa", kTiny}).exit_code, 0);
   EXPECT_EQ(ReadWholeFile(folder / "a.osa"), ReadWholeFile(folder / "b.osa"));
   EXPECT_EQ(RunSlamdb({"extract", kTiny, "-o", folder / "c.osa", "--map", "0"}).exit_code, 0);
-  EXPECT_EQ(RunSlamdb({"synthesize", "-o", folder / "s.osa", "--keyframes", "4"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"synthesize", "-o", folder / "s.osa", "--keyframes", "4", "--points", "100"}).exit_code, 0);
   EXPECT_EQ(RunSlamdb({"convert", kTiny, "-o", folder / "m.db"}).exit_code, 0);
   EXPECT_EQ(RunSlamdb({"backup", folder / "m.db", "-o", folder / "copy.db"}).exit_code, 0);
   EXPECT_EQ(RunSlamdb({"info", folder / "copy.db#tiny"}).exit_code, 0) << "named as by the positional";
@@ -79,7 +79,8 @@ TEST(OutputOption, WritesWhatThePositionalWrites) {
 
 TEST(Split, IntoAFolder) {
   const TemporaryFolder folder;
-  ASSERT_EQ(RunSlamdb({"synthesize", folder / "a.osa", "--maps", "2", "--keyframes", "4"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"synthesize", folder / "a.osa", "--maps", "2", "--keyframes", "4", "--points", "100"}).exit_code,
+            0);
   ASSERT_EQ(RunSlamdb({"split", folder / "a.osa", folder / "new/parts/"}).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "new/parts/map-0.osa"));
   EXPECT_TRUE(std::filesystem::exists(folder / "new/parts/map-1.osa"));

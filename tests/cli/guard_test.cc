@@ -144,7 +144,7 @@ TEST_F(Guard, OneOutputAlone) {
     line.insert(line.end(), {"--output", "other.osa"});
     const ProcessResult result = RunSlamdb(line);
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_THAT(result.err, HasSubstr("--output and OUTPUT exclude each other"));
+    EXPECT_THAT(result.err, HasSubstr("OUTPUT and --output exclude each other"));
     EXPECT_FALSE(fs::exists("out.osa") || fs::exists("other.osa"));
     ++verbs;
   }
@@ -266,6 +266,7 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "BEGIN:END",
       "BITS",
       "DEGREES",
+      "DELTA",
       "DISTANCE",
       "FACTOR",
       "FIRST:LAST",
@@ -274,6 +275,7 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "FORMAT",
       "FRACTION",
       "FROM=TO,...",
+      "HOW",
       "ID",
       "ID,...",
       "INPUT",
@@ -284,9 +286,11 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "MB",
       "MD5",
       "METHOD",
+      "METRES",
       "N",
       "NAME",
       "ORDER",
+      "PERCENT",
       "PIXELS",
       "PURPOSE",
       "RULE",

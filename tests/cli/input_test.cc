@@ -114,10 +114,12 @@ TEST(Inputs, FifosMayBeTablesAndVocabulariesToo) {
 TEST(Inputs, AFifoWithoutAWriterIsAnError) {
   const TemporaryFolder folder;
   ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
-  const ProcessResult result = RunSlamdb({"info", folder / "fifo"});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("is a FIFO that nothing writes into"));
-  for (const char* verb : {"list", "stats", "vacuum"})
+  for (const char* verb : {"info", "list"}) {
+    const ProcessResult result = RunSlamdb({verb, folder / "fifo"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("is a FIFO that nothing writes into"));
+  }
+  for (const char* verb : {"stats", "vacuum"})
     EXPECT_THAT(RunSlamdb({verb, folder / "fifo"}).err, HasSubstr("a store is a file; it cannot be a FIFO")) << verb;
 }
 

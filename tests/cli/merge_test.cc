@@ -102,7 +102,7 @@ TEST_F(Merge, RefusesWhatDoesNotFit) {
   ExpectRefusal(with({"--join", "--transform", "0 0 0 0 0 0 1", "--maps", "7:"}), "has no map 7 to join");
   ExpectRefusal(with({"--transform", "0 0 0 0 0 0 1"}), "--join", 2);
   ExpectRefusal({"merge", Input("1"), Input("1"), "-o", At("out.osa"), "--on-conflict", "error"}, "again");
-  ExpectRefusal({"merge", Input("1"), Input("2")}, "OUTPUT is missing", 2);
+  ExpectRefusal({"merge", Input("1"), Input("2")}, "the output is missing", 2);
   EXPECT_THAT(RunSlamdb({"merge", Input("1"), Input("2"), "-o", Input("1"), "-O"}).err, HasSubstr("is the input"));
 }
 

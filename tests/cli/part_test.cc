@@ -69,7 +69,8 @@ TEST_F(PartVerbs, ExtractRefusesWhatIsNotThere) {
   ExpectRefused({"extract", input_, output_}, "say which part", 2);
   ExpectRefused({"extract", input_, output_, "--map", "7"}, "there is no map 7; there are 0, 1");
   ExpectRefused({"extract", input_, output_, "--keyframe", "3,999"}, "there is no keyframe 999");
-  ExpectRefused({"extract", input_, output_, "--time", "0:1"}, "nothing is selected");
+  ExpectRefused({"extract", input_, output_, "--time", "0:1"},
+                "has no keyframe from 0 s to 1 s; its keyframes are from ");
   ExpectRefused({"extract", input_, output_, "--polygon", "0,0 1,1"}, "three corners or more, found 2");
   ExpectRefused({"extract", input_, output_, "--polygon", "0,0 1"}, "expected corners", 2);
   ExpectRefused({"extract", input_, output_, "--map", "0", "--except", "--border", "complete-points"}, "bring back", 2);
@@ -99,7 +100,7 @@ TEST_F(PartVerbs, CullSaysWhatWent) {
   std::filesystem::remove(output_);
   Run({"cull", input_, "--dry-run"}, "cull.schema.json");
   ExpectRefused({"cull", input_, output_, "--redundant", "2"}, "between 0 and 1");
-  ExpectRefused({"cull", input_}, "OUTPUT is missing", 2);
+  ExpectRefused({"cull", input_}, "the output is missing", 2);
 }
 
 TEST_F(PartVerbs, ShrinkKeepsToItsTarget) {

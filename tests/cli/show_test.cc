@@ -74,7 +74,8 @@ TEST(Show, FoldsWhatDoesNotApply) {
 
 TEST(Show, OfAnInertialMapFoldsNoImu) {
   const TemporaryFolder folder;
-  ASSERT_EQ(RunSlamdb({"synthesize", folder / "a.osa", "--sensor", "fisheye", "--inertial", "--keyframes", "4", "-q"})
+  ASSERT_EQ(RunSlamdb({"synthesize", folder / "a.osa", "--sensor", "fisheye", "--inertial", "--keyframes", "4",
+                       "--points", "100", "-q"})
                 .exit_code,
             0);
   const std::string text = RunSlamdb({"show", folder / "a.osa", "kf/1"}).out;

@@ -163,7 +163,7 @@ TEST(StoreErrors, ReadingVerbsNeverMakeAStore) {
 }
 
 TEST(StoreErrors, FileThatIsNoStore) {
-  for (const char* verb : {"list", "log", "stats", "vacuum", "migrate"}) {
+  for (const char* verb : {"log", "stats", "vacuum", "migrate"}) {
     const ProcessResult result = RunSlamdb({verb, kTiny});
     EXPECT_EQ(result.exit_code, 1) << verb;
     EXPECT_THAT(result.err, HasSubstr("tiny.osa"));
@@ -182,6 +182,7 @@ TEST(StoreErrors, FilesThatAreKnownAreNamed) {
       {pointer, "Git LFS"}, {page, "web page"}, {packed, "zip"}, {kTiny, "an atlas of ORB-SLAM3"}};
   for (const auto& [file, what] : files)
     for (const std::vector<std::string>& command : CommandsOnStore(file, folder / "copy.db")) {
+      if (command[0] == "list" && file == kTiny) continue;  // which lists files, too
       SCOPED_TRACE(command[0] + " " + file);
       const ProcessResult result = RunSlamdb(command);
       EXPECT_EQ(result.exit_code, 1);

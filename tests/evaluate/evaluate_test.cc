@@ -189,7 +189,7 @@ TEST(Evaluate, ScaledQuaternionsAreRotations) {
 TEST(Evaluate, AnOpenScaleThatIsNotSolvedForIsTold) {
   const TrajectoryEvaluation evaluation =
       Evaluated(Moved(kTruth, {0.25, Eigen::Quaterniond::Identity(), {0, 0, 0}}), kTruth);
-  EXPECT_THAT(evaluation.warnings, Contains(AllOf(HasSubstr("4 times as long"), HasSubstr("sim3"))));
+  EXPECT_THAT(evaluation.warnings, Contains(AllOf(HasSubstr("4 times as far"), HasSubstr("sim3"))));
   EXPECT_THAT(Evaluated(kTruth, kTruth).warnings, Contains(HasSubstr("frame numbers")));  // 0, 1, 2, 3
 }
 

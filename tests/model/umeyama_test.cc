@@ -131,5 +131,21 @@ TEST(Umeyama, RefusesWhatDoesNotDetermineIt) {
               HasSubstr("agree"));
 }
 
+TEST(Umeyama, SolvesALineWhereAskedTo) {
+  Points line;
+  for (int i = 0; i < 10; ++i) line.emplace_back(i, 2 * i, -i);
+  const UmeyamaResult fit = SolveUmeyama(line, Moved(line, kTruth), {.accept_line = true});
+  EXPECT_TRUE(fit.on_line);
+  EXPECT_NEAR(fit.rms, 0, 1e-9) << "whatever the rotation about it";
+  EXPECT_NEAR(fit.target_from_source.scale, kTruth.scale, 1e-9);
+  EXPECT_FALSE(SolveUmeyama(RandomPoints(9, 1), RandomPoints(9, 1), {.accept_line = true}).on_line);
+  // One place that the origin's distance rounds, of which sim3 would make any scale.
+  const Points one(1000, Eigen::Vector3d(0.1, 0.2, 1e6));
+  const std::string message = MessageOf(one, RandomPoints(1000, 1), {.accept_line = true});
+  EXPECT_THAT(message, HasSubstr("in one place"));
+  EXPECT_EQ(message.find("line"), std::string::npos) << message;
+  EXPECT_THAT(MessageOf(line, line, {.leave_out_gross = true, .accept_line = true}), HasSubstr("one line"));
+}
+
 }  // namespace
 }  // namespace slamdb

@@ -92,7 +92,9 @@ TEST(Plan, DrawsKeyFramesWhereTheyAre) {
 
 TEST(Plan, CountsPointsInsideAndThoseThatAreTooFarOff) {
   Map map = MapAt({{0, 0, 0}, {4, 0, 0}, {8, 0, 0}, {8, 0, 6}});
-  for (int i = 0; i < 100; ++i) map.points.push_back(slamdb::testing::PointSeenBy(2, {0.08F * i, 0, 0.06F * i}));
+  for (int i = 0; i < 100; ++i)
+    map.points.push_back(
+        slamdb::testing::PointSeenBy(2, {0.08F * static_cast<float>(i), 0, 0.06F * static_cast<float>(i)}));
   map.points.push_back(slamdb::testing::PointSeenBy(2, {1e9F, 0, 0}));
   map.points.push_back(slamdb::testing::PointSeenBy(2, {NAN, 0, 0}));
   const Atlas atlas = AtlasOf(std::move(map));

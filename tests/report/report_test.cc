@@ -59,13 +59,13 @@ TEST(Markup, NamesAnInlineTextByItsSha256) {
 }
 
 TEST(ReportPage, HoldsNumbersPlotsFindingsAndGates) {
-  const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 8, .points = 1234});
+  const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 8, .points = 400});
   const std::string page = PageOf(atlas);
   EXPECT_THAT(page, HasSubstr("<span class=\"badge good\">sound"));
   EXPECT_THAT(page, HasSubstr("<dt>keyframes</dt><dd>16</dd>"));
   EXPECT_THAT(page, HasSubstr("map 1"));
   EXPECT_THAT(page, HasSubstr("keyframes in the atlas"));
-  if (CanPlot()) EXPECT_EQ(CountOf(page, "<svg "), 7U);
+  EXPECT_EQ(CountOf(page, "<svg "), CanPlot() ? 7U : 0U);
   EXPECT_EQ(CountOf(page, "<script"), 0U);
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
   EXPECT_THAT(page, Not(HasSubstr("unsafe")));

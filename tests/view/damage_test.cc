@@ -115,7 +115,7 @@ TEST_F(ViewDamage, FindingsStandAtWhatTheyAreOf) {
   for (const Twin& twin : Twins()) {
     Atlas broken = SoundAtlas(twin.base);
     twin.corrupt(broken);
-    const PageData page = DataOf(broken);
+    const PageData page = DataOf(broken, {.notes = true});
     const auto& findings = page.header.at("findings");
     EXPECT_TRUE(std::ranges::any_of(findings, [&](const auto& finding) { return finding.at("rule") == twin.rule; }))
         << twin.rule;
@@ -143,6 +143,15 @@ TEST_F(ViewDamage, FindingsOfBothAtlasesAreInTheirRows) {
   EXPECT_EQ(found->at("atlas"), 1);
   EXPECT_EQ(found->at("map"), sound.maps.size());
   EXPECT_EQ(found->at("row"), first + 8);
+}
+
+TEST_F(ViewDamage, NotesAreToldWhenAskedFor) {
+  map.keyframes[1].merge_scale = kNotANumber;  // uninitialised memory, as every healthy file has
+  EXPECT_THAT(DataOf(atlas).header.at("findings"), IsEmpty());
+  EXPECT_EQ(DataOf(atlas).header.at("findings_left_out"), 0);
+  const auto findings = DataOf(atlas, {.notes = true}).header.at("findings");
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].at("severity"), "note");
 }
 
 TEST_F(ViewDamage, FindingsAreCutOffAndCounted) {

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/checks/report.h"
 
 namespace slamdb {
@@ -34,11 +35,12 @@ void AppendResult(const RuleResult& result, std::size_t shown, std::string& text
 
 void AppendFile(const CheckedFile& file, const TextReportOptions& options, std::string& text) {
   if (!file.failure.empty()) {
-    text += detail::Concat(file.name, ": ", Verdict(file), "\n\n  ", file.failure, "\n");
+    text +=
+        detail::Concat(detail::Visible(file.name), ": ", Verdict(file), "\n\n  ", detail::Visible(file.failure), "\n");
     return;
   }
-  text += detail::Concat(file.name, ": ", Verdict(file), " (", detail::Counted(file.report.checked.size(), "rule"),
-                         " checked)\n");
+  text += detail::Concat(detail::Visible(file.name), ": ", Verdict(file), " (",
+                         detail::Counted(file.report.checked.size(), "rule"), " checked)\n");
   for (const Severity severity : kWorstFirst) {
     if (severity == Severity::kNote && !options.show_notes) continue;
     for (const RuleResult& result : file.report.results)
@@ -62,7 +64,7 @@ std::string Summary(std::span<const CheckedFile> files) {
   if (unreadable > 0) text += detail::Concat(", ", detail::Thousands(unreadable), " not readable");
   text += "\n";
   for (const CheckedFile& file : files)
-    if (!IsSound(file)) text += detail::Concat("  ", file.name, ": ", Verdict(file), "\n");
+    if (!IsSound(file)) text += detail::Concat("  ", detail::Visible(file.name), ": ", Verdict(file), "\n");
   return text;
 }
 

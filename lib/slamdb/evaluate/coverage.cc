@@ -29,7 +29,8 @@ double GapLimit(const Poses& reference, const std::vector<PairedTrajectories::Pa
 }  // namespace
 
 TrajectoryCoverage CoverageOf(const PairedTrajectories& paired) {
-  const auto& [estimate, reference, pairs, time_offset, warnings] = paired;
+  const Poses &estimate = paired.estimate, &reference = paired.reference;
+  const std::vector<PairedTrajectories::Pair>& pairs = paired.pairs;
   const std::vector<double> ways = WaysOf(reference);
   const auto [first_estimate, last_estimate] = std::ranges::minmax(estimate, {}, &TrajectoryPose::timestamp);
   const auto [first, last] = std::ranges::minmax(reference, {}, &TrajectoryPose::timestamp);
@@ -56,7 +57,7 @@ TrajectoryCoverage CoverageOf(const PairedTrajectories& paired) {
   for (const auto& [mine, truth] : pairs)
     coverage.largest_time_difference =
         std::max(coverage.largest_time_difference,
-                 std::abs(estimate[mine].timestamp + time_offset - reference[truth].timestamp));
+                 std::abs(estimate[mine].timestamp + paired.time_offset - reference[truth].timestamp));
   return coverage;
 }
 

@@ -132,22 +132,14 @@ void AddRelativeSeries(RelativeErrors& relative, const std::vector<PairedPose>& 
 
 // ---- warnings
 
-double SpreadOf(const std::vector<PairedPose>& poses) {
+// RMS distance of the paired positions of one side from their mean.
+double SpreadOf(const std::vector<PairedPose>& poses, Eigen::Vector3d PairedPose::*position) {
+  const auto count = static_cast<double>(poses.size());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const PairedPose& pose : poses) mean += pose.reference_position / static_cast<double>(poses.size());
+  for (const PairedPose& pose : poses) mean += pose.*position / count;
   double squares = 0;
-  for (const PairedPose& pose : poses) squares += (pose.reference_position - mean).squaredNorm();
-  return std::sqrt(squares / static_cast<double>(poses.size()));
-}
-
-// Lengths of the paths through the pairs, which tell a scale without any alignment.
-double LengthRatio(const std::vector<PairedPose>& poses) {
-  double estimate = 0, reference = 0;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    estimate += (poses[i].position - poses[i - 1].position).norm();
-    reference += (poses[i].reference_position - poses[i - 1].reference_position).norm();
-  }
-  return estimate > 0 ? reference / estimate : 1;
+  for (const PairedPose& pose : poses) squares += (pose.*position - mean).squaredNorm();
+  return std::sqrt(squares / count);
 }
 
 void Warn(TrajectoryEvaluation& evaluation) {
@@ -157,21 +149,19 @@ void Warn(TrajectoryEvaluation& evaluation) {
   if (alignment.on_line)
     warnings.push_back(
         "the paired poses lie on one line, and do not determine the rotation about it: absolute errors of rotation "
-        "mean "
-        "little");
+        "mean little");
   if (const double share = evaluation.coverage.paired_share(); share < kFewPairs)
     warnings.push_back(detail::Concat("only ", evaluation.coverage.pairs, " of ",
                                       detail::Counted(evaluation.coverage.estimate_poses, "pose"),
                                       " have a pose of the truth at their time"));
-  if (alignment.kind == AlignmentKind::kSe3 || alignment.kind == AlignmentKind::kSim3) {
-    if (const auto poor = PoorFitWarning(evaluation.absolute.translation.rmse, SpreadOf(evaluation.poses)))
-      warnings.push_back(*poor);
-  }
-  const double ratio = LengthRatio(evaluation.poses);
-  if (alignment.kind != AlignmentKind::kSim3 && alignment.kind != AlignmentKind::kScale &&
-      std::abs(std::log(ratio)) > std::log1p(kOtherScale))
-    warnings.push_back(detail::Concat("the path of the truth is ", detail::Digits(ratio, 3),
-                                      " times as long: the scale of the estimate may be open, which "
+  const double spread = SpreadOf(evaluation.poses, &PairedPose::reference_position);
+  if (alignment.kind == AlignmentKind::kSe3 || alignment.kind == AlignmentKind::kSim3)
+    if (const auto poor = PoorFitWarning(evaluation.absolute.translation.rmse, spread)) warnings.push_back(*poor);
+  const double ratio = spread / SpreadOf(evaluation.poses, &PairedPose::position);
+  if (alignment.kind != AlignmentKind::kSim3 && alignment.kind != AlignmentKind::kScale && ratio > 0 &&
+      std::abs(std::log(ratio)) > std::log1p(kOtherScale) && std::isfinite(ratio))
+    warnings.push_back(detail::Concat("the poses of the truth spread ", detail::Digits(ratio, 3),
+                                      " times as far: the scale of the estimate may be open, which "
                                       "EvaluationOptions::alignment sim3 solves for"));
   for (const RelativeErrors& relative : evaluation.relative)
     if (relative.errors.empty())
@@ -209,9 +199,10 @@ std::string_view NameOf(AlignmentKind kind) {
 TrajectoryEvaluation EvaluateTrajectory(const Estimate& estimate, std::span<const TrajectoryPose> reference,
                                         const EvaluationOptions& options) {
   RequireOptions(options);
-  detail::PairedTrajectories paired = detail::PairPoses(estimate, reference, options);
   const AlignmentKind kind =
       options.alignment.value_or(estimate.open_scale ? AlignmentKind::kSim3 : AlignmentKind::kSe3);
+  const bool with_scale = kind == AlignmentKind::kSim3 || kind == AlignmentKind::kScale;
+  detail::PairedTrajectories paired = detail::PairPoses(estimate.poses, reference, with_scale, options);
   TrajectoryEvaluation evaluation;
   if (estimate.map) evaluation.maps = {estimate.map};
   evaluation.alignment = detail::Align(paired, kind, options);

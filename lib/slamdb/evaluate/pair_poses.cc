@@ -90,10 +90,20 @@ std::vector<TimedPosition> PositionsOf(const Poses& poses) {
   return positions;
 }
 
+// Some of the poses, evenly spaced in the list: keyframes enough to find a time offset by, which takes time for each.
+std::vector<TimedPosition> Thinned(std::vector<TimedPosition> positions) {
+  constexpr std::size_t kEnough = 1'000;
+  const std::size_t step = std::max<std::size_t>(1, positions.size() / kEnough);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < positions.size(); i += step) positions[kept++] = positions[i];
+  positions.resize(kept);
+  return positions;
+}
+
 // Finds the clocks' offset and how far apart the poses of a pair may then be.
 double FindTimeOffset(PairedTrajectories& paired, bool with_scale, double most) {
   const TrajectoryAlignmentOptions options{.max_time_difference = most, .fit = {.with_scale = with_scale}};
-  const auto found = EstimateTimeOffset(PositionsOf(paired.estimate), PositionsOf(paired.reference), options);
+  const auto found = EstimateTimeOffset(Thinned(PositionsOf(paired.estimate)), PositionsOf(paired.reference), options);
   if (!found) return most;
   paired.time_offset = found->seconds;
   if (found->rival != found->seconds)
@@ -104,21 +114,18 @@ double FindTimeOffset(PairedTrajectories& paired, bool with_scale, double most) 
 
 }  // namespace
 
-PairedTrajectories PairPoses(const Estimate& estimate, std::span<const TrajectoryPose> reference,
-                             const EvaluationOptions& options) {
+PairedTrajectories PairPoses(std::span<const TrajectoryPose> estimate, std::span<const TrajectoryPose> reference,
+                             bool with_scale, const EvaluationOptions& options) {
   PairedTrajectories paired;
   if (options.by_index) {
-    PairByIndex(paired, estimate.poses, reference);
+    PairByIndex(paired, estimate, reference);
     return paired;
   }
-  paired.estimate = InOrder(estimate.poses, "estimate", paired.warnings);
+  paired.estimate = InOrder(estimate, "estimate", paired.warnings);
   paired.reference = InOrder(reference, "truth", paired.warnings);
   if (AreFrameNumbers(paired.estimate) && AreFrameNumbers(paired.reference))
     paired.warnings.emplace_back("the times of both are frame numbers, so that seconds are frames");
   paired.time_offset = options.time_offset;
-  const AlignmentKind kind =
-      options.alignment.value_or(estimate.open_scale ? AlignmentKind::kSim3 : AlignmentKind::kSe3);
-  const bool with_scale = kind == AlignmentKind::kSim3 || kind == AlignmentKind::kScale;
   PairByTime(paired, options.estimate_time_offset ? FindTimeOffset(paired, with_scale, options.max_time_difference)
                                                   : options.max_time_difference);
   return paired;

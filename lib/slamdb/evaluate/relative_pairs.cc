@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <ranges>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -105,8 +104,14 @@ std::optional<std::size_t> NearestBehind(const std::vector<double>& distances, s
                                          double tolerance) {
   const auto away = [&](std::size_t place) { return distances[place] - distances[from]; };
   const auto first_at_least = [&](std::size_t begin, std::size_t end, double least) {
-    const auto places = std::views::iota(begin, end);
-    return *std::ranges::partition_point(places, [&](std::size_t place) { return away(place) < least; });
+    while (begin < end) {
+      const std::size_t middle = begin + (end - begin) / 2;
+      if (away(middle) < least)
+        begin = middle + 1;
+      else
+        end = middle;
+    }
+    return begin;
   };
   const std::size_t behind = from + 1, count = distances.size();
   if (behind == count) return std::nullopt;

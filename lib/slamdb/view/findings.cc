@@ -38,10 +38,11 @@ void Locate(const SceneAtlas& atlas, const Place& place, PlacedFinding& finding)
 
 }  // namespace
 
-PlacedFindings PlaceFindings(const Scene& scene, const std::vector<CheckReport>& reports) {
+PlacedFindings PlaceFindings(const Scene& scene, const std::vector<CheckReport>& reports, Severity least) {
   PlacedFindings placed;
   for (std::size_t i = 0; i < reports.size(); ++i)
     for (const RuleResult& result : reports[i].results) {
+      if (result.severity < least) continue;
       placed.left_out += result.count - result.findings.size();
       for (const Finding& finding : result.findings) {
         placed.findings.push_back({.rule = result.id,

@@ -204,7 +204,7 @@ class PageMaker {
       header_.statistics.push_back(options_.check ? reports.back().statistics
                                                   : ComputeStatistics(atlas.atlas(), options_.threads));
     }
-    header_.findings = PlaceFindings(scene_, reports);
+    header_.findings = PlaceFindings(scene_, reports, options_.notes ? Severity::kNote : Severity::kWarning);
     steps_.Next();
   }
 

@@ -49,6 +49,7 @@ struct ViewOptions {
   ViewLayout layout = ViewLayout::kOverlay;
   bool normals = false;
   bool check = true;              // hold the rules against the atlases, and show what they find in place
+  bool notes = false;             // those of severity note, too, which healthy atlases have
   std::size_t max_findings = 50;  // shown of each rule
   bool diff = false;              // show what the second of two atlases changed of the first
   int threads = 0;                // 0: every core

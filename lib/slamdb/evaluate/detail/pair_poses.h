@@ -23,9 +23,11 @@ struct PairedTrajectories {
   std::vector<std::string> warnings;
 };
 
+// `with_scale`: a time offset that is sought may scale the estimate.
+//
 // Throws Error as EvaluateTrajectory, but that it finds no fault with few pairs.
-PairedTrajectories PairPoses(const Estimate& estimate, std::span<const TrajectoryPose> reference,
-                             const EvaluationOptions& options);
+PairedTrajectories PairPoses(std::span<const TrajectoryPose> estimate, std::span<const TrajectoryPose> reference,
+                             bool with_scale, const EvaluationOptions& options);
 
 // Why there are so few pairs, and what may help.
 std::string WhyFewPairs(const PairedTrajectories& paired, const EvaluationOptions& options);

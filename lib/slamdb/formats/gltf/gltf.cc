@@ -32,11 +32,11 @@ GltfCloud CloudOf(const PointRows& points, std::size_t map) {
 
 std::string DocumentOf(const PointRows& points, const Trajectories& trajectories,
                        const std::vector<Eigen::Vector3f>& upward, GltfDocument& document) {
-  auto next = trajectories.maps.begin();  // maps without poses are not in it
-  for (std::size_t map = 0; map < points.maps().size(); ++map) {
-    const bool has_poses = next != trajectories.maps.end() && next->map == points.maps()[map];
-    document.AddMap(points.maps()[map]->id, upward[map], CloudOf(points, map), has_poses ? *next : MapTrajectory{});
-    if (has_poses) ++next;
+  static const MapTrajectory kNoPoses{};
+  for (std::size_t row = 0; row < points.maps().size(); ++row) {
+    const Map& map = *points.maps()[row];
+    const MapTrajectory* trajectory = trajectories.Find(map);
+    document.AddMap(map.id, upward[row], CloudOf(points, row), trajectory == nullptr ? kNoPoses : *trajectory);
   }
   return document.Finish();
 }

@@ -26,7 +26,6 @@ constexpr std::size_t kRowsPerBlock = 8192;
 std::vector<McapMap> MapsOf(const PointRows& points, const Trajectories& trajectories) {
   std::vector<McapMap> maps;
   std::set<std::string> names;
-  auto next = trajectories.maps.begin();  // maps without poses are not in it
   std::size_t ignored = 0;
   for (std::size_t row = 0; row < points.maps().size(); ++row) {
     const Map* map = points.maps()[row];
@@ -34,9 +33,8 @@ std::vector<McapMap> MapsOf(const PointRows& points, const Trajectories& traject
     if (!names.insert(name).second) name = Concat(name, '_', row);
     McapMap& added = maps.emplace_back(McapMap{.row = row, .frame = std::move(name), .map = map});
     added.has_points = points.begins()[row] < points.begins()[row + 1];
-    if (next == trajectories.maps.end() || next->map != map) continue;
-    added.trajectory = &*next++;
-    added.begin = LogTime(added.trajectory->poses.front().timestamp, ignored);
+    added.trajectory = trajectories.Find(*map);
+    if (added.trajectory != nullptr) added.begin = LogTime(added.trajectory->poses.front().timestamp, ignored);
   }
   return maps;
 }
@@ -143,7 +141,7 @@ constexpr std::array<std::string_view, 1> kSuffixes = {".mcap"};
 }  // namespace
 
 const Format kMcapFormat = {.id = "mcap",
-                            .title = "MCAP recording",
+                            .title = "Foxglove recording (MCAP)",
                             .suffixes = kSuffixes,
                             .kind = FileKind::kBinary,
                             .chooses_maps = true,

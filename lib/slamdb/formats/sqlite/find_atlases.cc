@@ -2,11 +2,12 @@
 // Which atlases match a query, by indexes: keyframe_by_time and keyframe_by_id for each map, the R*Tree for all at
 // once.
 #include <algorithm>
-#include <cmath>
-#include <iterator>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/plan.h"
 #include "slamdb/formats/sqlite/detail/summary.h"
 
 namespace slamdb::sqlite {
@@ -48,23 +49,39 @@ void BindBall(Statement& statement, const MapQuery::Ball& ball) {
   statement.BindReal(4, ball.radius);
 }
 
-constexpr std::string_view kInBall = "(x - ?1) * (x - ?1) + (y - ?2) * (y - ?2) + (z - ?3) * (z - ?3) <= ?4 * ?4";
-
-// Points by the box around the ball, then by their distance.
-Rows MapsByPlace(Database& database, const MapQuery::Ball& ball) {
+// Of points the R*Tree has the place to the bit; whether one is bad is looked up until a map has a good one.
+Rows MapsOfPoints(Database& database, const MapQuery::Ball& ball) {
   Statement points(
       database,
-      "SELECT DISTINCT map FROM map_point_box AS box CROSS JOIN map_point ON map_point.row = box.row WHERE "
-      "max_x >= ?1 - ?4 AND min_x <= ?1 + ?4 AND max_y >= ?2 - ?4 AND min_y <= ?2 + ?4 AND max_z >= ?3 - "
-      "?4 AND min_z <= ?3 + ?4 AND bad = 0 AND " +
-          std::string(kInBall),
+      "SELECT row FROM map_point_box WHERE max_x >= ?1 - ?4 AND min_x <= ?1 + ?4 AND max_y >= ?2 - ?4 AND "
+      "min_y <= ?2 + ?4 AND max_z >= ?3 - ?4 AND min_z <= ?3 + ?4 AND (min_x - ?1) * (min_x - ?1) + (min_y "
+      "- ?2) * (min_y - ?2) + (min_z - ?3) * (min_z - ?3) <= ?4 * ?4",
       "table map_point_box");
   BindBall(points, ball);
-  Rows rows = RowsOf(points);
-  Statement landmarks(database, "SELECT DISTINCT map FROM landmark WHERE " + std::string(kInBall), "table landmark");
+  Statement is_good(database, "SELECT 1 FROM map_point WHERE row = ?1 AND bad = 0", "table map_point");
+  Rows maps;
+  while (points.Step()) {
+    const std::int64_t row = points.Integer(0);
+    if (maps.contains(MapOfRow(row))) continue;
+    if (is_good.Bind(1, row).Step()) maps.insert(MapOfRow(row));
+    is_good.Reset();
+  }
+  return maps;
+}
+
+Rows MapsOfLandmarks(Database& database, const MapQuery::Ball& ball) {
+  Statement landmarks(database,
+                      "SELECT DISTINCT map FROM landmark WHERE (x - ?1) * (x - ?1) + (y - ?2) * (y - ?2) + (z - ?3) * "
+                      "(z - ?3) <= ?4 * ?4",
+                      "table landmark");
   BindBall(landmarks, ball);
-  rows.merge(RowsOf(landmarks));
-  return rows;
+  return RowsOf(landmarks);
+}
+
+Rows MapsByPlace(Database& database, const MapQuery::Ball& ball) {
+  Rows maps = MapsOfPoints(database, ball);
+  maps.merge(MapsOfLandmarks(database, ball));
+  return maps;
 }
 
 void Intersect(std::optional<Rows>& maps, Rows others) {

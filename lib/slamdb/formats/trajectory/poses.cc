@@ -91,6 +91,11 @@ std::vector<Eigen::Vector3f> CentersOf(const MapTrajectory& trajectory) {
   return centers;
 }
 
+const MapTrajectory* Trajectories::Find(const Map& map) const {
+  const auto found = std::ranges::find(maps, &map, &MapTrajectory::map);
+  return found == maps.end() ? nullptr : &*found;
+}
+
 std::string Trajectories::Summary() const {
   std::size_t poses = 0;
   for (const MapTrajectory& map : maps) poses += map.poses.size();

@@ -25,8 +25,8 @@ struct PlacedFindings {
   std::uint64_t left_out = 0;
 };
 
-// `reports` are of the scene's atlases, in their order.
-PlacedFindings PlaceFindings(const Scene& scene, const std::vector<CheckReport>& reports);
+// `reports` are of the scene's atlases, in their order. What is less severe than `least` is passed over.
+PlacedFindings PlaceFindings(const Scene& scene, const std::vector<CheckReport>& reports, Severity least);
 
 // All that the page is told beside the columns.
 struct Header {

@@ -80,9 +80,11 @@ function lightKeyframe(model: Model, row: number, lit: Lit, theme: Theme, depth:
 export function buildFindings(model: Model, theme: Theme): { all: Marks; current: Marks } {
   const all = new Marks();
   const current = new Marks();
-  (model.scene.header.findings ?? []).forEach((_, index) => {
+  (model.scene.header.findings ?? []).forEach(({ severity }, index) => {
     const place = findingPlace(model, index);
-    if (place) (index === model.finding ? current : all).add(place, kPaint[theme].finding);
+    // Notes are normal in sound maps: they are marked, but raise no alarm.
+    const colour = severity === "note" ? kPaint[theme].grid : kPaint[theme].finding;
+    if (place) (index === model.finding ? current : all).add(place, colour);
   });
   return { all, current };
 }

@@ -38,7 +38,7 @@ export function buildPanel(model: Model, stage: Stage, resized: () => void): Pan
     h("header", {}, h("div", {}, h("h1", {}, header.title), h("p", { class: "sub", id: "summary" }, summary(model.scene))), fold),
     buildSearch(model, stage),
     h("div", { class: "scroll", tabindex: "-1" },
-      buildColour(model, stage), buildLayers(model), buildDifferences(model, stage), buildFindingsSection(model, stage), buildMaps(model),
+      buildColour(model, stage), buildDifferences(model, stage), buildLayers(model), buildFindingsSection(model, stage), buildMaps(model),
       buildStatistics(model), leftOut),
   );
   panel.hidden = false;

@@ -15,7 +15,7 @@ import { birthOf } from "./scene";
 import { Layer, Lines, Marks, ShapePrograms } from "./shapes";
 import { kPaint, resolvedTheme, unit } from "./theme";
 
-const kMovingMs = 26; // a frame, while the view moves
+const kMovingMs = { card: 24, software: 70 }; // a frame, while the view moves
 const kRestMs = 1500; // a frame at rest, at most
 const kRestAfter = 140;
 const kLineLayers = ["grid", "covisibility", "tree", "loops", "merges", "frusta", "trajectory", "moves", "lit", "rays", "tape"] as const;
@@ -60,6 +60,7 @@ export class Stage {
   private pointsPerMs = 0;
   private extent = 1;
   private gridCell = 0;
+  private readonly staleEdges = new Set<EdgeLayer>();
 
   constructor(drawing: Drawing, readonly model: Model) {
     const { canvas, gl } = drawing;
@@ -133,8 +134,17 @@ export class Stage {
     layers.frusta.set(buildFrusta(model, theme, this.frustumDepth));
     layers.trajectory.set(buildTrajectory(model, theme));
     layers.centres.set(buildCentres(model, theme));
-    for (const name of ["covisibility", "tree", "loops", "merges"] as EdgeLayer[]) layers[name].set(buildEdges(model, name, theme));
+    for (const name of ["covisibility", "tree", "loops", "merges"] as const) this.staleEdges.add(name);
     this.rebuildLit();
+  }
+
+  /** Edges are many: those that are not shown are not built. */
+  private refreshEdges(): void {
+    for (const name of this.staleEdges) {
+      if (!this.model.settings.layers[name]) continue;
+      this.layers[name].set(buildEdges(this.model, name, this.theme));
+      this.staleEdges.delete(name);
+    }
   }
 
   private rebuildLit(): void {
@@ -231,7 +241,7 @@ export class Stage {
     // The first frame pays for the start of the card; later ones may be held up by others: the best counts, and fades.
     if (sent > 20000 && this.frames > 1) this.pointsPerMs = Math.max(sent / Math.max(ms, 1), this.pointsPerMs * 0.9);
     if (moving) {
-      const factor = Math.min(1.3, Math.max(0.5, kMovingMs / Math.max(ms, 4)));
+      const factor = Math.min(1.3, Math.max(0.5, kMovingMs[this.software ? "software" : "card"] / Math.max(ms, 4)));
       this.movingBudget = Math.min(Math.max(this.movingBudget * factor, 20_000), Math.max(this.model.scene.points.count, 20_000) * 1.3);
     }
     if (this.dirty) this.request();
@@ -281,6 +291,7 @@ export class Stage {
     shapes.viewProjection = this.camera.viewProjection();
     shapes.viewport = [canvas.width, canvas.height];
     this.refreshGrid();
+    this.refreshEdges();
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(...unit(kPaint[this.theme].background), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);

@@ -36,5 +36,6 @@ ListPlan PlanList(std::span<const std::int64_t> ids, std::span<const StoredRow> 
 // Rows of a map's lists: map * 2^32 + place. Throws Error when a list has 2^32 entries or more.
 constexpr std::int64_t FirstRowOfMap(std::int64_t map) { return map << 32; }
 constexpr std::int64_t LastRowOfMap(std::int64_t map) { return (map << 32) + 0xffffffff; }
+constexpr std::int64_t MapOfRow(std::int64_t row) { return row >> 32; }
 
 }  // namespace slamdb::sqlite

@@ -32,7 +32,8 @@ struct Trajectories {
   std::vector<MapTrajectory> maps;
   std::size_t bad = 0;  // keyframes that are left out for that
 
-  std::string Summary() const;  // `221 poses, 3 bad ones left out`, for Notices::Tell
+  const MapTrajectory* Find(const Map& map) const;  // null: it has no poses
+  std::string Summary() const;                      // `221 poses, 3 bad ones left out`, for Notices::Tell
 };
 
 // Keyframes whose pose or time is not finite are left out with a warning. Warns when the body frame is asked for and a
