@@ -33,7 +33,7 @@ build=(cmake --build "build/$preset" ${1:+--target "$@"})
 steps=$("${build[@]}" -- -n | grep -c '^\[' || true)
 if [ "$steps" -gt 20 ]; then
   cores=$(nproc)
-  # 2.2 s of one core a step, see docs/install.md.
+  # 2.2 s of one busy core a step, see docs/install.md.
   printf 'Building build/%s: %d steps, at most some %d min on %d cores\n' "$preset" "$steps" $(((steps * 22 / 10 / cores + 59) / 60)) "$cores"
 fi
 # Ninja's own status on a terminal; otherwise a line a tenth of the way, and all that is no status.
