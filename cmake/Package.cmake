@@ -34,6 +34,10 @@ that SLAM systems save, among them ORB-SLAM3's atlas files, byte for byte.")
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libslamdb-dev)
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), libsqlite3-dev (>= 3.37), zlib1g-dev, libmd-dev")
+  if(SLAMDB_CAIRO)
+    string(APPEND CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS ", libcairo2-dev")
+    set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "fonts-dejavu-core")  # the typeface of plots
+  endif()
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS "libboost-serialization-dev, libslamdb-live-dev, slamdb")
   set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "map database for visual SLAM (library)
 A C++20 library that reads, checks, changes and writes the maps of SLAM

@@ -15,7 +15,8 @@ shift || true
 
 # Each job needs only what it uses.
 case "$preset $*" in
-  "release slamdb_cli" | "release slamdb_manual" | "static "*) ;;
+  "release slamdb_cli" | "release slamdb_manual") unasked='live map' ;;
+  "static "*) groups+=(static) ;;
   "release "*) groups+=(libraries packaging) ;;
   *) groups+=(libraries tests) ;;
 esac
@@ -26,14 +27,14 @@ if command -v ccache >/dev/null; then  # results of earlier builds serve every c
   # A folder that was begun without it goes on without it: another command line would compile everything anew.
   [ -f "build/$preset/CMakeCache.txt" ] || settings+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
-cmake --preset "$preset" "${settings[@]}" | sed -n 's/^-- \(.*building without.*\)/\1/p'
+cmake --preset "$preset" "${settings[@]}" | sed -n "/${unasked:-^$}/d; s/^-- \(.*building without.*\)/\1/p"
 
 build=(cmake --build "build/$preset" ${1:+--target "$@"})
 steps=$("${build[@]}" -- -n | grep -c '^\[' || true)
 if [ "$steps" -gt 20 ]; then
   cores=$(nproc)
-  # 2.2 s of one core a step, see docs/install.md.
-  printf 'Building build/%s: %d steps, about %d min on %d cores\n' "$preset" "$steps" $(((steps * 22 / 10 / cores + 59) / 60)) "$cores"
+  # 2.2 s of one busy core a step, see docs/install.md.
+  printf 'Building build/%s: %d steps, at most some %d min on %d cores\n' "$preset" "$steps" $(((steps * 22 / 10 / cores + 59) / 60)) "$cores"
 fi
 # Ninja's own status on a terminal; otherwise a line a tenth of the way, and all that is no status.
 if [ -t 1 ]; then

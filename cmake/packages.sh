@@ -13,6 +13,8 @@ declare -A packages=(
   # What cpack makes packages with.
   [packaging]="file dpkg-dev"
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 mandoc file dpkg-dev"
+  # What tells which libraries a static Cairo is made of.
+  [static]="pkg-config"
   # What .ci/run adds: another compiler and what looks at sources, a browser, clean systems to install into.
   [checkers]="clang clang-format clang-tidy libclang-rt-dev shellcheck xz-utils"
   [browser]="chromium"

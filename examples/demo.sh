@@ -12,7 +12,7 @@ missing=$(cmake/packages.sh --missing command pictures)
 if [ -x "$command" ]; then
   echo "  - brings $command up to date"
 else
-  echo "  - builds $command: about six minutes on two cores, once"
+  echo "  - builds $command: about seven minutes on two cores, once"
 fi
 echo "  - shows what it does, on real atlases of ORB-SLAM3: some seconds"
 echo
@@ -59,9 +59,10 @@ cat <<END
 back.osa is session_small_a.osa, and again.osa mono_small_twice.osa, byte for byte.
 
 What to try next, in $source:
-  $command info MAP.osa     # a map of yours
-  $command check MAP.osa    # will ORB-SLAM3 load it?
-  $command --help           # all verbs; each has examples in its own --help
+  $command info MAP.osa          # a map of yours
+  $command view --open MAP.osa   # look at it in a browser
+  $command check MAP.osa         # will ORB-SLAM3 load it?
+  $command --help                # all verbs; each has examples in its own --help
   cmake --install build/$preset --component command    # as root: command, man pages and completion, into /usr/local
-  tests/run.sh                          # all tests; reuses what was compiled here
+  tests/run.sh    # all tests; reuses what was compiled here
 END

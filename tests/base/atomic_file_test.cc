@@ -19,6 +19,7 @@
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/error.h"
 #include "tests/support/kind_of.h"
+#include "tests/support/needs_proc.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -89,6 +90,7 @@ TEST_F(AtomicFiles, GoIntoDevicesByLinksToo) {
 
 // As `-o /dev/stdout` in a shell that has sent it to a file: what was written there before stays.
 TEST_F(AtomicFiles, GoOnWhereAnOpenFileIs) {
+  SLAMDB_NEEDS_PROC();
   const int open = ::open(Path("log").c_str(), O_WRONLY | O_CREAT, 0600);
   ASSERT_EQ(::write(open, "before ", 7), 7);
   WriteInto("/dev/fd/" + std::to_string(open), "now ");

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "tests/support/cli.h"
+#include "tests/support/needs_proc.h"
 
 namespace slamdb::testing {
 namespace {
@@ -33,12 +34,14 @@ TEST(Completion, BashScriptParses) {
 }
 
 TEST(Completion, BashOffersVerbs) {
+  SLAMDB_NEEDS_PROC();
   EXPECT_THAT(BashOffers("slamdb ''", 2), HasSubstr("info\n"));
   EXPECT_EQ(BashOffers("slamdb conv", 2), "convert\n");
   EXPECT_EQ(BashOffers("slamdb vocabulary ver", 3), "verify\n");
 }
 
 TEST(Completion, BashOffersOptionsOfTheVerb) {
+  SLAMDB_NEEDS_PROC();
   const std::string offers = BashOffers("slamdb convert --", 3);
   EXPECT_THAT(offers, HasSubstr("--sanitize\n"));
   EXPECT_THAT(offers, HasSubstr("--overwrite\n"));
@@ -47,6 +50,7 @@ TEST(Completion, BashOffersOptionsOfTheVerb) {
 }
 
 TEST(Completion, BashOffersValuesOfAnOption) {
+  SLAMDB_NEEDS_PROC();
   EXPECT_EQ(BashOffers("slamdb convert --to orbslam3-", 4), "orbslam3-text\n");
   EXPECT_EQ(BashOffers("slamdb convert --to = orbslam3-", 5), "orbslam3-text\n");
   EXPECT_EQ(BashOffers("slamdb completion f", 3), "fish\n");
@@ -54,12 +58,14 @@ TEST(Completion, BashOffersValuesOfAnOption) {
 }
 
 TEST(Completion, BashOffersFilesWithBlanks) {
+  SLAMDB_NEEDS_PROC();
   const TemporaryFolder folder;
   WriteWholeFile(folder / "my map.osa", "");
   EXPECT_EQ(BashOffers("slamdb info '" + (folder / "my") + "'", 3), (folder / "my map.osa") + "\n");
 }
 
 TEST(Completion, BashOffersRules) {
+  SLAMDB_NEEDS_PROC();
   EXPECT_EQ(BashOffers("slamdb check --ignore map-listed", 4), "map-listed-once\n");
   EXPECT_EQ(BashOffers("slamdb repair --rule map-listed", 4), "map-listed-once\n");
   EXPECT_EQ(BashOffers("slamdb help vac", 3), "vacuum\n");
@@ -67,6 +73,7 @@ TEST(Completion, BashOffersRules) {
 
 // Names out of files are offered as they are, and nothing in them is expanded.
 TEST(Completion, BashOffersAtlasesOfAStore) {
+  SLAMDB_NEEDS_PROC();
   const TemporaryFolder folder;
   const std::string tiny = SLAMDB_FIXTURES "/tiny/tiny.osa", store = folder / "lab.db";
   for (const char* name : {"monday", "morning", "tuesday", "$(touch x)"})
@@ -77,6 +84,7 @@ TEST(Completion, BashOffersAtlasesOfAStore) {
 }
 
 TEST(Completion, BashOffersEntities) {
+  SLAMDB_NEEDS_PROC();
   const std::string tiny = SLAMDB_FIXTURES "/tiny/tiny.osa", show = "'" SLAMDB_COMMAND "' show '" + tiny + "' ";
   EXPECT_EQ(BashOffers(show + "''", 4), "atlas\ncamera/\nmap/\nkf/\nmp/\nlandmark/\n");
   EXPECT_EQ(BashOffers(show + "kf/", 4), "kf/0\nkf/1\n");

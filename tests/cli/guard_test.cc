@@ -18,6 +18,7 @@
 #include "slamdb/formats/sqlite/store.h"
 #include "tests/cli/verbs.h"
 #include "tests/support/cli.h"
+#include "tests/support/needs_proc.h"
 
 namespace slamdb::testing {
 namespace {
@@ -314,6 +315,7 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
 }
 
 TEST_F(Guard, StandardOutputIsNoInputEither) {
+  SLAMDB_NEEDS_PROC();
   const std::string before = ReadWholeFile("a.osa");
   const std::string command = std::string(SLAMDB_COMMAND) + " info a.osa >> a.osa";
   EXPECT_EQ(RunProgram({"sh", "-c", command}).exit_code, 1);
@@ -324,6 +326,7 @@ TEST_F(Guard, StandardOutputIsNoInputEither) {
 }
 
 TEST_F(Guard, WhatIsNoRegularFileIsWrittenIntoAndStays) {
+  SLAMDB_NEEDS_PROC();
   ASSERT_EQ(::mkfifo("pipe", 0600), 0);
   std::string got;
   std::thread reader([&] { got = ReadWholeFile("pipe"); });

@@ -11,6 +11,7 @@
 #include "slamdb/formats/trajectories.h"
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
+#include "tests/support/needs_proc.h"
 
 namespace slamdb::testing {
 namespace {
@@ -166,6 +167,7 @@ TEST_F(Tables, AReferenceFarFromTheOriginTurnsNothing) {
 
 // A stream keeps its digits, too: by way of an atlas it would turn the map.
 TEST_F(Tables, AReferenceFarFromTheOriginMayBeAStream) {
+  SLAMDB_NEEDS_PROC();
   const Eigen::Vector3d utm(465012.25, 5247013.5, 408);
   const std::string text = Rows([&](const TrajectoryPose& pose) {
     return Digits(pose.timestamp, 3) + " " + Place(pose, " ", utm) + " " + Turn(pose, " ");

@@ -28,7 +28,11 @@ try() {
   "${slamdb[@]}" convert -q work/maps.db#both work/back.osa
   cmp "$where/work/both.osa" "$where/work/back.osa"
   "${slamdb[@]}" convert -q work/both.osa work/points.ply
-  local status=0
+  local picture status=0
+  for picture in plot/svg view/html; do  # where they are built in
+    "${slamdb[@]}" "${picture%/*}" -q work/both.osa -o "work/both.${picture#*/}" 2>"$folder/log" || grep -q 'was built without' "$folder/log" ||
+      { cat "$folder/log"; fail "$picture"; }
+  done
   "${slamdb[@]}" recover -q work/cut.osa work/saved.osa 2>/dev/null || status=$?
   [ "$status" = 3 ] || fail "recover: exit status $status"
   (cd "$where/work" && sha256sum both.osa points.ply saved.osa) >"$folder/sums"
