@@ -27,6 +27,31 @@ std::vector<std::string> FormatIds(bool reading) {
 
 }  // namespace
 
+namespace {
+
+const std::map<std::string, ColourChoice> kColourChoices = {
+    {"auto", ColourChoice::kAuto}, {"always", ColourChoice::kAlways}, {"never", ColourChoice::kNever}};
+
+// A verb with a --color of its own takes these words in it too, and sees an empty one.
+void AddColour(CLI::App& verb, ColourChoice& colour) {
+  if (CLI::Option* own = verb.get_option_no_throw("--color")) {
+    own->transform([&colour](std::string word) {
+      const auto choice = kColourChoices.find(word);
+      if (choice == kColourChoices.end()) return word;
+      colour = choice->second;
+      return std::string();
+    });
+    return;
+  }
+  verb.add_option("--color", colour, "Colours; auto: on terminals, unless NO_COLOR is set or TERM is dumb")
+      ->type_name("WHEN")
+      ->transform(OneOf(kColourChoices))
+      ->default_str("auto")
+      ->group(kCommonGroup);
+}
+
+}  // namespace
+
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
   verb.add_flag("-q,--quiet", options.quiet, "Print no notes, warnings, losses and progress: the exit status tells")
       ->group(kCommonGroup);
@@ -39,13 +64,7 @@ void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
           "--progress,!--no-progress", options.progress,
           "Show a progress bar on standard error; by default when that is a terminal and work takes over a second")
       ->group(kCommonGroup);
-  static const std::map<std::string, ColourChoice> kChoices = {
-      {"auto", ColourChoice::kAuto}, {"always", ColourChoice::kAlways}, {"never", ColourChoice::kNever}};
-  verb.add_option("--color", options.colour, "Colours; auto: on terminals, unless NO_COLOR is set or TERM is dumb")
-      ->type_name("WHEN")
-      ->transform(OneOf(kChoices))
-      ->default_str("auto")
-      ->group(kCommonGroup);
+  AddColour(verb, options.colour);
 }
 
 CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string& description) {

@@ -303,12 +303,12 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
 
 void BindViewerOptions(CLI::App& verb, ConvertOptions& options) {
   constexpr const char* kGroup = "Pictures of maps";
-  std::vector<std::string> colors;
+  std::vector<std::string> colors{{}};  // empty: it was about the console, see AddConsoleOptions
   for (const auto& [name, color] : kColors) colors.emplace_back(name);
   verb.add_option(
           "--color", options.color,
           "What the colour of a point tells, in PLY, PCD, glTF and MCAP: map (by default), error, observations, "
-          "height or age")
+          "height or age; auto, always and never are about messages, as in other verbs")
       ->type_name("WHAT")
       ->check(CLI::IsMember(colors).description({}))
       ->group(kGroup);

@@ -13,8 +13,8 @@
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/many/names.h"
 #include "slamdb/formats/sqlite/store.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 namespace {
