@@ -2,10 +2,8 @@
 #include "slamdb/base/detail/date_times.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -83,15 +81,6 @@ std::optional<std::int64_t> DaysTo(int year, int month, int day) {
 
 std::string SecondsText(std::int64_t seconds, std::string_view fraction) {
   return fraction.empty() ? std::to_string(seconds) : Concat(seconds, '.', fraction);
-}
-
-std::string DateTimeText(std::int64_t seconds) {
-  const std::time_t time = seconds;
-  std::tm parts{};
-  ::gmtime_r(&time, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
 }
 
 std::optional<DateTime> ParseDateTime(std::string_view text, std::string_view date) {

@@ -66,7 +66,7 @@ void DescribeFile(const std::string& path, ListedAtlas& atlas) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
   atlas.bytes = static_cast<std::uint64_t>(status.st_size);
-  atlas.saved_at = detail::DateTimeText(status.st_mtime);
+  atlas.saved_at = detail::DateTimeText(static_cast<double>(status.st_mtime)).value_or("");
 }
 
 void Check(const Atlas& atlas, CheckOptions options, int threads, ListedAtlas& listed) {

@@ -17,9 +17,6 @@ std::optional<std::int64_t> DaysTo(int year, int month, int day);
 // Whole seconds and the digits behind their point, if there are any.
 std::string SecondsText(std::int64_t seconds, std::string_view fraction);
 
-// Seconds since 1970 as `2023-11-14T22:13:20Z`, UTC.
-SLAMDB_EXPORT std::string DateTimeText(std::int64_t seconds);
-
 struct DateTime {
   std::string seconds;  // since 1970
   bool has_zone = false;

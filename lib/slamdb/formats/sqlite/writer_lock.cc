@@ -88,7 +88,8 @@ void CheckStillThere(Database& database) {
 std::string ToolName() { return detail::Concat("slamdb ", Version()); }
 
 std::string TimeOfDay() {
-  return detail::DateTimeText(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now()));
+  return *detail::DateTimeText(
+      static_cast<double>(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
 }  // namespace slamdb::sqlite
