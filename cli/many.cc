@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/many.h"
 
+#include <algorithm>
+
 #include "cli/report/layout.h"
 
 namespace slamdb::cli {
@@ -33,7 +35,10 @@ AtlasInputs FindInputs(const ManyOptions& options, Console& console, double wait
   AtlasInputs found = FindAtlases(
       options.inputs.paths,
       {.recursive = options.recursive, .lock_timeout = wait, .progress = console.MakeProgress(/*show=*/false)});
-  if (const std::string left_out = LeftOut(found.skipped); !left_out.empty()) console.Note("left out " + left_out);
+  const auto is_atlas = [](const AtlasInput& input) { return input.failure.empty(); };
+  const std::string left_out = LeftOut(found.skipped);
+  // Where nothing was found, the failures say so.
+  if (!left_out.empty() && std::ranges::any_of(found.atlases, is_atlas)) console.Note("left out " + left_out);
   for (const std::string& store : found.empty_stores) console.Note(store + ": the store holds no atlas");
   return found;
 }

@@ -234,7 +234,6 @@ constexpr Example kExamples[] = {
     {"slamdb view lab.osa", "Writes lab.html, one file to look at and to send."},
     {"slamdb view lab.osa -o map.html --title 'The lab in May'", "With a name of your own. --open opens it."},
     {"slamdb view a.osa b.osa --side-by-side -o both.html", "Two maps beside each other."},
-    {"slamdb view lab.osa -v -O", "With findings of notes, which healthy files have."},
     {"slamdb view before.osa after.osa --diff -o diff.html", "What changed, in place."},
     {"slamdb view lab.db#session_a --map 0 --keypoints none", "One map of an atlas in a store, small."},
 };

@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "slamdb/base/detail/visible.h"
 #include "tests/support/corrupt.h"
 
 namespace slamdb {
@@ -47,7 +48,8 @@ TEST(Verdict, IsSaidFirst) {
   std::erase_if(noted.report.results, [](const RuleResult& result) { return result.severity == Severity::kError; });
   EXPECT_EQ(Verdict(noted), "sound, 3 warnings, 3 notes");
   const std::string text = TextReport(files);
-  EXPECT_EQ(text.substr(0, text.find('\n')), files[0].name + ": 6 errors, 3 warnings, 3 notes: not sound (" +
+  EXPECT_EQ(text.substr(0, text.find('\n')), detail::Visible(files[0].name) +
+                                                 ": 6 errors, 3 warnings, 3 notes: not sound (" +
                                                  std::to_string(ReadRules().size() + 1) + " rules checked)");
 }
 
@@ -66,8 +68,9 @@ TEST(TextReport, GroupsByRuleErrorsFirst) {
 
 TEST(TextReport, NamesTheFilesThatFailAtTheEnd) {
   const std::string text = TextReport(Files());
-  EXPECT_THAT(text, EndsWith("\n3 atlases: 1 sound, 1 not sound, 1 not readable\n  " + Files()[0].name +
-                             ": 6 errors, 3 warnings, 3 notes: not sound\n  " + Files()[2].name + ": not readable\n"));
+  EXPECT_THAT(text, EndsWith("\n3 atlases: 1 sound, 1 not sound, 1 not readable\n  " +
+                             detail::Visible(Files()[0].name) + ": 6 errors, 3 warnings, 3 notes: not sound\n  " +
+                             detail::Visible(Files()[2].name) + ": not readable\n"));
 }
 
 TEST(TextReport, ShowsNotesOnRequestOnly) {

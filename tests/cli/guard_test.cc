@@ -262,9 +262,12 @@ TEST_F(Guard, ATemporaryFileThatIsAnInputStays) {
 TEST(GuardedOptions, AreAllThatNameFiles) {
   static const std::set<std::string> kNoFiles = {
       "",
+      "'X,Y X,Y ...'",
       "AXES",
       "BEGIN:END",
       "BITS",
+      "BOOST",
+      "COLUMN,...",
       "DEGREES",
       "DELTA",
       "DISTANCE",
@@ -289,6 +292,7 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "METRES",
       "N",
       "NAME",
+      "N[..M]",
       "ORDER",
       "PERCENT",
       "PIXELS",
@@ -297,17 +301,19 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "SECONDS",
       "SHARE",
       "SIZE",
-      "TRANSFORM",
-      "UNIT",
-      "WHAT",
-      "X,Y,Z:X,Y,Z",
+      "SIZE:SIZE [b, kb(=1000b), kib(=1024b), ...]",
+      "T",
       "TEXT",
-      "BOOST",
+      "TRANSFORM",
+      "T[:T]",
+      "UNIT",
       "VERB",
+      "WHAT",
       "WORD",
-      "'X,Y X,Y ...'",
-      "T",  // a transform, which is also read from a file: entered when it is
-      "SIZE:SIZE [b, kb(=1000b), kib(=1024b), ...]"};
+      "X,Y,Z:X,Y,Z",
+      "X,Y,Z[,R]",
+      "[-]COLUMN,...",
+  };
   for (const auto& [verb, type] : TypesOfOptions())
     EXPECT_TRUE(type.find("FILE") != std::string::npos || type.find('{') != std::string::npos ||  // a list of words
                 kNoFiles.contains(type))

@@ -151,7 +151,11 @@ class Trial {
       const bool is_old = old != old_.end() && old->second == bytes,
                  is_new = made != new_.end() && made->second == bytes;
       const bool is_copy = old == old_.end() && made == new_.end() && IsOldContent(bytes);  // a second backup
-      EXPECT_TRUE(is_old || is_new || is_copy) << path << " is neither old nor new: " << bytes.size() << " bytes";
+      // A store is made before its first atlas is in it; the next save goes on with it.
+      const bool is_begun = path.ends_with(".db") && old == old_.end() && made != new_.end() &&
+                            (bytes.empty() || bytes.find("an empty database") != std::string::npos);
+      EXPECT_TRUE(is_old || is_new || is_copy || is_begun)
+          << path << " is neither old nor new: " << bytes.size() << " bytes";
     }
     for (const auto& [path, bytes] : old_) EXPECT_TRUE(now.contains(path)) << path << " is gone";
   }
