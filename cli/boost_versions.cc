@@ -27,10 +27,11 @@ struct System {
 };
 constexpr System kSystems[] = {
     {"ubuntu16.04", 58}, {"ubuntu18.04", 65}, {"ubuntu20.04", 71}, {"ubuntu22.04", 74}, {"ubuntu24.04", 83},
-    {"debian10", 67},    {"debian11", 74},    {"debian12", 74},    {"xenial", 58},      {"bionic", 65},
-    {"focal", 71},       {"jammy", 74},       {"noble", 83},       {"buster", 67},      {"bullseye", 74},
-    {"bookworm", 74},    {"kinetic", 58},     {"melodic", 65},     {"noetic", 71},      {"foxy", 71},
-    {"galactic", 71},    {"humble", 74},      {"iron", 74},        {"jazzy", 83},       {"kilted", 83},
+    {"debian9", 62},     {"debian10", 67},    {"debian11", 74},    {"debian12", 74},    {"debian13", 83},
+    {"stretch", 62},     {"trixie", 83},      {"xenial", 58},      {"bionic", 65},      {"focal", 71},
+    {"jammy", 74},       {"noble", 83},       {"buster", 67},      {"bullseye", 74},    {"bookworm", 74},
+    {"kinetic", 58},     {"melodic", 65},     {"noetic", 71},      {"foxy", 71},        {"galactic", 71},
+    {"humble", 74},      {"iron", 74},        {"jazzy", 83},       {"kilted", 83},
 };
 
 std::optional<std::uint32_t> VersionOfRelease(int minor) {

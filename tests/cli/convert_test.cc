@@ -172,10 +172,10 @@ TEST(Convert, PathsWithBlanksAndQuotes) {
 TEST(Convert, BoostVersionByName) {
   const TemporaryFolder folder;
   const std::pair<const char*, unsigned char> cases[] = {
-      {"1.53", 10},   {"1.57", 11},        {"1.58.0", 12},   {"ubuntu16.04", 12}, {"kinetic", 12}, {"1.59", 13},
-      {"1.63", 14},   {"ubuntu18.04", 15}, {"melodic", 15},  {"1.67", 16},        {"1.71", 17},    {"ubuntu20.04", 17},
-      {"noetic", 17}, {"debian11", 18},    {"debian12", 18}, {"humble", 18},      {"1.74.0", 18},  {"ubuntu24.04", 19},
-      {"jazzy", 19},  {"1.85", 20},        {"12", 12},       {"20", 20}};
+      {"1.53", 10},   {"1.57", 11},        {"1.58.0", 12},   {"ubuntu16.04", 12}, {"kinetic", 12},  {"1.59", 13},
+      {"1.63", 14},   {"ubuntu18.04", 15}, {"melodic", 15},  {"1.67", 16},        {"1.71", 17},     {"ubuntu20.04", 17},
+      {"noetic", 17}, {"debian11", 18},    {"debian13", 19}, {"stretch", 14},     {"debian12", 18}, {"humble", 18},
+      {"1.74.0", 18}, {"ubuntu24.04", 19}, {"jazzy", 19},    {"1.85", 20},        {"12", 12},       {"20", 20}};
   for (const auto& [name, version] : cases) {
     ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "out.osa", "-O", "--boost-version", name}).exit_code, 0) << name;
     EXPECT_EQ(static_cast<unsigned char>(ReadWholeFile(folder / "out.osa").at(0x1e)), version) << name;

@@ -99,7 +99,7 @@ void DrawCovisibility(Canvas& canvas, const Scene& scene, const Box& box) {
   canvas.Outline(inside, scene.theme.grid);
   DrawBorders(canvas, scene, inside);
   DrawColorBar(canvas, scene.theme, {inside.left, box.bottom() - kBarHeight, size, kBarHeight}, "1",
-               detail::Thousands(static_cast<std::uint64_t>(matrix.most())), "points shared");
+               detail::Thousands(static_cast<std::uint64_t>(matrix.most())), "covisibility weight");
 }
 
 }  // namespace slamdb::plot
