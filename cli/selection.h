@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/help/tree.h"
+#include "cli/ranges.h"
 #include "slamdb/formats/formats.h"
 
 // Which part of an atlas a verb works on.
@@ -15,13 +16,10 @@ namespace slamdb::cli {
 struct SelectionOptions {
   std::optional<std::uint64_t> map;
   std::string keyframes, time, box;
+
+  bool everything() const { return !map && keyframes.empty() && time.empty() && box.empty(); }
 };
 void AddSelection(CLI::App& verb, SelectionOptions& options);
-
-// When the keyframes were taken, in seconds.
-struct TimeSpan {
-  double begin = 0, end = 0;
-};
 
 // Of the keyframes of the atlas, or of one map, that have a time; nothing where none has one.
 std::optional<TimeSpan> SpanOf(const Atlas& atlas, std::optional<std::uint64_t> map = {});

@@ -3,17 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/many.h"
 #include "cli/options.h"
+#include "cli/ranges.h"
 #include "cli/report/layout.h"
 #include "cli/report/list_text.h"
 #include "cli/words.h"
-#include "slamdb/base/detail/date_times.h"
 #include "slamdb/base/detail/text.h"
 
 namespace slamdb::cli {
@@ -29,47 +28,6 @@ struct ListVerbOptions {
   double wait = kUsualWait;
 };
 
-// Seconds, a date with a time of day, or a day, which is all of its seconds: `2026-01-31T12:00:00Z`, `2026-01-31`.
-std::optional<MapQuery::Times> ParseMoment(const std::string& text) {
-  constexpr double kDay = 86400, kJustBefore = 1e-6;
-  if (const auto seconds = ParseNumber<double>(text)) return MapQuery::Times{*seconds, *seconds};
-  const auto moment = [](const std::string& date) {
-    const auto parsed = detail::ParseDateTime(date, {});
-    return parsed ? ParseNumber<double>(parsed->seconds) : std::nullopt;
-  };
-  if (const auto seconds = moment(text)) return MapQuery::Times{*seconds, *seconds};
-  const auto midnight = moment(text + "T00:00:00Z");
-  return midnight ? std::optional(MapQuery::Times{*midnight, *midnight + kDay - kJustBefore}) : std::nullopt;
-}
-
-// `T`, `A:B`, `A:` or `:B`. Times of day have colons too: the one that leaves a moment on both sides is meant.
-std::optional<MapQuery::Times> ParseTimes(const std::string& text) {
-  constexpr double kForEver = std::numeric_limits<double>::infinity();
-  const auto open = [&](const std::string& end) {
-    return end.empty() ? std::optional(MapQuery::Times{-kForEver, kForEver}) : ParseMoment(end);
-  };
-  if (auto moment = ParseMoment(text)) return moment;
-  for (std::size_t colon = text.find(':'); colon != std::string::npos; colon = text.find(':', colon + 1)) {
-    const auto from = open(text.substr(0, colon)), to = open(text.substr(colon + 1));
-    if (text != ":" && from && to && from->begin <= to->end) return MapQuery::Times{from->begin, to->end};
-  }
-  return std::nullopt;
-}
-
-// `N`, `N..M`, `N..`, `..M`, and with one colon as other verbs have it.
-std::optional<MapQuery::Ids> ParseIds(const std::string& text) {
-  MapQuery::Ids ids{0, std::numeric_limits<std::uint64_t>::max()};
-  if (const auto one = ParseNumber<std::uint64_t>(text)) return MapQuery::Ids{*one, *one};
-  const std::string separator = text.find("..") != std::string::npos ? ".." : ":";
-  const std::size_t at = text.find(separator);
-  if (at == std::string::npos || text == separator) return std::nullopt;
-  const std::string first = text.substr(0, at), last = text.substr(at + separator.size());
-  const auto from = first.empty() ? ids.first : ParseNumber<std::uint64_t>(first);
-  const auto to = last.empty() ? ids.last : ParseNumber<std::uint64_t>(last);
-  if (!from || !to || *from > *to) return std::nullopt;
-  return MapQuery::Ids{*from, *to};
-}
-
 // `X,Y,Z` or `X,Y,Z,R`.
 std::optional<MapQuery::Ball> ParseBall(const std::string& text) {
   constexpr double kUsualRadius = 1;
@@ -82,16 +40,6 @@ std::optional<MapQuery::Ball> ParseBall(const std::string& text) {
   if (numbers.size() == 3) numbers.push_back(kUsualRadius);
   if (numbers.size() != 4 || numbers[3] < 0) return std::nullopt;
   return MapQuery::Ball{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
-}
-
-std::string CheckTimes(const std::string& text) {
-  if (ParseTimes(text)) return {};
-  return "expected a time, or two as BEGIN:END, in seconds or as dates (2026-01-31, 2026-01-31T12:00:00Z), found '" +
-         text + "'";
-}
-
-std::string CheckIds(const std::string& text) {
-  return ParseIds(text) ? std::string() : "expected keyframe ids as N, N..M or N.., found '" + text + "'";
 }
 
 std::string CheckBall(const std::string& text) {
@@ -108,10 +56,15 @@ std::string CheckWord(const std::string& word) {
   return "'" + word + "' is none of " + known;
 }
 
+MapQuery::Times TimesOf(const std::string& range) {
+  const auto [begin, end] = ParseTimeRange(range).value().In({});
+  return {begin, end};
+}
+
 MapQuery QueryOf(const ListVerbOptions& options) {
   MapQuery query;
-  if (!options.time.empty()) query.times = ParseTimes(options.time);
-  if (!options.keyframes.empty()) query.keyframes = ParseIds(options.keyframes);
+  if (!options.time.empty()) query.times = TimesOf(options.time);
+  if (!options.keyframes.empty()) query.keyframes = ParseIdRange(options.keyframes);
   if (!options.near.empty()) query.near = ParseBall(options.near);
   return query;
 }
@@ -153,21 +106,13 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
 
 void BindQuery(CLI::App& verb, ListVerbOptions& options) {
   constexpr const char* kGroup = "What covers a place or a time; several at once must be met by one map";
-  verb.add_option("--time", options.time,
-                  "Maps that were made at this time, or in this span: seconds, or dates (2026-01-31, "
-                  "2026-01-31T12:00:00Z)")
-      ->type_name("T[:T]")
-      ->check(CheckTimes)
-      ->group(kGroup);
+  AddClockRange(verb, options.time, "Maps that were made at this time, or in part in this span")->group(kGroup);
   verb.add_option("--near", options.near,
                   "Maps with a point, or a landmark, at most R from this place in their world; R is 1 if left out")
       ->type_name("X,Y,Z[,R]")
       ->check(CheckBall)
       ->group(kGroup);
-  verb.add_option("--keyframes", options.keyframes, "Maps that have a keyframe of these ids")
-      ->type_name("N[..M]")
-      ->check(CheckIds)
-      ->group(kGroup);
+  AddIdRange(verb, options.keyframes, "Maps that have a keyframe of these ids")->group(kGroup);
 }
 
 Run AddList(CLI::App& verb) {

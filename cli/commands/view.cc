@@ -93,13 +93,13 @@ struct ReadInputs {
 
 ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console, options.inputs.from, options.wait);
-  read.selection = ParseSelection(options.selection);
   read.needs = Content::kPoses | Content::kPoints;
   if (!options.page.check && !options.page.diff) read.features = FeatureColumns::kGeometry;
   ReadInputs result;
   result.atlases.reserve(options.inputs.paths.size());  // inputs refer to them
   for (const std::string& path : options.inputs.paths) {
     const HeldSource held = HoldInput(path, read);
+    read.selection = ParseSelection(options.selection, held, read);
     const Format& format = read.format.empty() ? *FindFormatOfInput(held) : FormatById(read.format);
     result.atlases.push_back(ReadAtlas(held, read, &notices));
     result.inputs.push_back(InputOf(path, result.atlases.back(), format));
@@ -171,7 +171,7 @@ ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
 ExitCode RunView(ViewVerbOptions options, Console& console) {
   RequireViewPage();
   if (options.page.diff && options.inputs.paths.size() != 2) RefuseUsage("--diff is of two atlases");
-  const bool part = !ParseSelection(options.selection).everything();
+  const bool part = !options.selection.everything();
   options.page.check = !options.no_check && !part;  // what was left out would be found missing
   const std::string output = OutputOf(options);
   std::optional<AtomicFile> file;  // before the work, so that what would fail at the end fails at once

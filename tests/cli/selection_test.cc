@@ -84,11 +84,44 @@ TEST_F(Times, OfAMissTellWhichThereAre) {
       << "between two keyframes";
 }
 
+// The forms that `list` has too.
+TEST_F(Times, HaveOneGrammarInAllVerbs) {
+  EXPECT_THAT(Selected({"--time", "+2..-5"}), ElementsAre(2, 3, 4));
+  EXPECT_THAT(Selected({"--time", "1403636588.."}), ElementsAre(8, 9));
+  EXPECT_THAT(Selected({"--time", "..2014-06-24T19:03:01Z"}), ElementsAre(0, 1));
+  EXPECT_THAT(Selected({"--time", "2014-06-24T19:03:02Z:2014-06-24T19:03:04Z"}), ElementsAre(2, 3, 4));
+  EXPECT_THAT(Selected({"--time", "2014-06-24T19:03:07Z:-1"}), ElementsAre(7, 8));
+  EXPECT_THAT(Selected({"--time", "1403636583"}), ElementsAre(3));
+  EXPECT_THAT(Selected({"--time", "+0"}), ElementsAre(0));
+  EXPECT_EQ(Selected({"--time", "2014-06-24"}).size(), 10U) << "a day is all of it";
+  EXPECT_EQ(Selected({"--time", "2014-06-25:"}).size(), 0U);
+  EXPECT_THAT(Selected({"--keyframes", "1..2", "--map", "0"}), ElementsAre(2, 4));
+  EXPECT_THAT(Selected({"--keyframes", "..0"}), ElementsAre(0));
+  EXPECT_THAT(Selected({"--keyframes", "1", "--map", "0"}), ElementsAre(2));
+}
+
+TEST_F(Times, CountInPicturesToo) {
+  const ProcessResult plot = RunSlamdb({"plot", In("a.osa"), "-o", In("a.svg"), "--time", "+0:+6", "--map", "0"});
+  EXPECT_EQ(plot.exit_code, 0) << plot.err;
+  EXPECT_THAT(plot.out, HasSubstr("4 keyframes"));
+  const ProcessResult view = RunSlamdb({"view", In("a.osa"), "-o", In("a.html"), "--time", "+0:+6", "--map", "0"});
+  if (view.err.find("esbuild") == std::string::npos) {
+    EXPECT_EQ(view.exit_code, 0) << view.err;
+    EXPECT_THAT(view.out, HasSubstr("4 keyframes"));
+  }
+}
+
 TEST_F(Times, ThatAreNone) {
-  for (const char* time : {"9:2", "+9:+2", "-2:-9", "1", ":", "a:b", "1:2:3", "++1:", "+-1:"}) {
+  for (const char* time : {"9:2", "9..2", "+9:+2", "-2:-9", ":", "..", "a:b", "1:2:3", "++1:", "+-1:", "nan:", "noon",
+                           "2014-06-25:2014-06-24", "2014-13-01"}) {
     const ProcessResult result = RunSlamdb({"dump", In("a.osa"), "--time", time});
     EXPECT_EQ(result.exit_code, 2) << time;
-    EXPECT_THAT(result.err, HasSubstr("expected seconds as BEGIN:END, found '"));
+    EXPECT_THAT(result.err, HasSubstr("expected a time, or two as BEGIN:END"));
+  }
+  for (const char* ids : {"9:2", "9..2", ":", "..", "-1", "1.5", "a", "1:2:3"}) {
+    const ProcessResult result = RunSlamdb({"dump", In("a.osa"), "--keyframes", ids});
+    EXPECT_EQ(result.exit_code, 2) << ids;
+    EXPECT_THAT(result.err, HasSubstr("expected a keyframe id, or two as FIRST:LAST"));
   }
 }
 
