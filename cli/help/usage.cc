@@ -2,7 +2,6 @@
 #include "cli/help/usage.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 #include "cli/command.h"
@@ -15,53 +14,51 @@ namespace {
 
 using detail::Concat;
 
-// What people type who know other tools, and the verbs that do it here, best first: the first that there is.
+// What people type who know other tools, and the verb that does it here.
 struct OtherWord {
-  std::string_view typed;
-  std::array<std::string_view, 2> verbs;
+  std::string_view typed, verb;
   std::string_view output = {};  // to write to, where none was typed
   std::string_view more = {};    // what the command line needs besides
 };
 
 constexpr OtherWord kOtherWords[] = {
-    {"add", {"add", "convert"}, "maps.db"},
-    {"cat", {"dump"}},
-    {"combine", {"merge"}, {}, "-o both.osa"},
-    {"compare", {"diff"}},
-    {"copy", {"convert"}, "copy.osa"},
-    {"cp", {"convert"}, "copy.osa"},
-    {"crop", {"extract"}, "part.osa", "--box X,Y,Z:X,Y,Z"},
-    {"cut", {"extract"}, "part.osa", "--time +0:+10"},
-    {"delete", {"remove"}},
-    {"describe", {"info"}},
-    {"display", {"view", "info"}},
-    {"doctor", {"check"}},
-    {"draw", {"plot", "info"}},
-    {"evo", {"evaluate", "diff"}},
-    {"export", {"convert"}, "points.ply"},
-    {"fix", {"repair"}, "fixed.osa"},
-    {"history", {"log"}},
-    {"import", {"convert"}, "maps.db"},
-    {"inspect", {"info"}},
-    {"join", {"merge"}, {}, "-o joined.osa --join --transform b_in_a.txt"},
-    {"lint", {"check"}},
-    {"ls", {"list"}},
-    {"move", {"transform"}, "moved.osa", "--by 'tx ty tz qx qy qz qw'"},
-    {"open", {"view", "info"}},
-    {"print", {"dump"}},
-    {"prune", {"cull"}, "thin.osa"},
-    {"rename", {"renumber"}, "renumbered.osa"},
-    {"rescue", {"recover"}, "saved.osa"},
-    {"rm", {"remove"}},
-    {"salvage", {"recover"}, "saved.osa"},
-    {"save", {"convert"}, "maps.db"},
-    {"stat", {"info"}},
-    {"subset", {"extract"}, "part.osa", "--map 0"},
-    {"trajectory", {"convert"}, "poses.tum"},
-    {"upgrade", {"migrate"}},
-    {"validate", {"check"}},
-    {"verify", {"check"}},
-    {"viewer", {"view", "info"}},
+    {"cat", "dump"},
+    {"combine", "merge", {}, "-o both.osa"},
+    {"compare", "diff"},
+    {"copy", "convert", "copy.osa"},
+    {"cp", "convert", "copy.osa"},
+    {"crop", "extract", "part.osa", "--box X,Y,Z:X,Y,Z"},
+    {"cut", "extract", "part.osa", "--time +0:+10"},
+    {"delete", "remove"},
+    {"describe", "info"},
+    {"display", "view"},
+    {"doctor", "check"},
+    {"draw", "plot"},
+    {"evo", "evaluate"},
+    {"export", "convert", "points.ply"},
+    {"fix", "repair", "fixed.osa"},
+    {"history", "log"},
+    {"import", "add", "maps.db"},
+    {"inspect", "info"},
+    {"join", "merge", {}, "-o joined.osa --join --transform b_in_a.txt"},
+    {"lint", "check"},
+    {"ls", "list"},
+    {"move", "transform", "moved.osa", "--by 'tx ty tz qx qy qz qw'"},
+    {"open", "view"},
+    {"print", "dump"},
+    {"prune", "cull", "thin.osa"},
+    {"rename", "renumber", "renumbered.osa"},
+    {"rescue", "recover", "saved.osa"},
+    {"rm", "remove"},
+    {"salvage", "recover", "saved.osa"},
+    {"save", "add", "maps.db"},
+    {"stat", "info"},
+    {"subset", "extract", "part.osa", "--map 0"},
+    {"trajectory", "convert", "poses.tum"},
+    {"upgrade", "migrate"},
+    {"validate", "check"},
+    {"verify", "check"},
+    {"viewer", "view"},
 };
 
 // Options by the names that other tools give them.
@@ -108,16 +105,21 @@ std::size_t Operands(std::span<const std::string> words) {
       std::ranges::count_if(words, [](const std::string& word) { return !word.starts_with("-") || word == "-"; }));
 }
 
-std::string_view VerbFor(const OtherWord& other) {
-  for (const std::string_view verb : other.verbs)
-    if (FindCommand(verb) != nullptr) return verb;
-  return {};
+// `add` has the store first: the one that was typed, wherever it stands.
+std::string AddLine(const OtherWord& other, std::span<const std::string> words) {
+  std::vector<std::string> line(words.begin(), words.end());
+  const auto store = std::ranges::find_if(line, [](const std::string& word) { return word.ends_with(".db"); });
+  if (store == line.end() || Operands(words) < 2)
+    line.insert(line.begin(), std::string(other.output));
+  else
+    std::rotate(line.begin(), store, store + 1);
+  return CommandLine(other.verb, line);
 }
 
 std::string LineFor(const OtherWord& other, std::span<const std::string> words) {
-  const std::string_view verb = VerbFor(other);
-  if (Operands(words) == 0) return Concat("slamdb ", verb, " --help");
-  std::string line = CommandLine(verb, words);
+  if (Operands(words) == 0) return Concat("slamdb ", other.verb, " --help");
+  if (other.verb == "add") return AddLine(other, words);
+  std::string line = CommandLine(other.verb, words);
   if (Operands(words) < 2 && !other.output.empty()) line += Concat(" ", other.output);
   return other.more.empty() ? line : Concat(line, " ", other.more);
 }
@@ -229,8 +231,8 @@ UsageProblem ProblemOfVerb(const CLI::App& program, std::span<const std::string>
   const std::string& word = words.front();
   const auto rest = words.subspan(1);
   const auto other = std::ranges::find(kOtherWords, word, &OtherWord::typed);
-  if (other != std::end(kOtherWords) && !VerbFor(*other).empty())
-    return {Concat("unknown verb '", word, "'; here it is '", VerbFor(*other), "'"), LineFor(*other, rest)};
+  if (other != std::end(kOtherWords))
+    return {Concat("unknown verb '", word, "'; here it is '", other->verb, "'"), LineFor(*other, rest)};
   const std::string help = FullName(program) + " --help";
   if (word.find_first_of("./#") != std::string::npos)
     return {Concat(word, ": there is no such file, and no such verb"), help};
