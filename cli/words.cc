@@ -31,6 +31,7 @@ constexpr std::array kWords = {
          "give --time-offset, or --estimate-time-offset"},
     Word{"EvaluationOptions::alignment", "--align"},
     Word{"EvaluationOptions::by_index", "--by-index"},
+    Word{"EvaluationOptions::delta_tolerance", "--delta-tolerance"},
     Word{"EvaluationOptions::max_time_difference", "--max-dt"},
     Word{"the time unit of the read options", "--time-unit of `slamdb convert` and `slamdb transform`"},
     Word{"TrajectoryReadOptions::times", "--times"},

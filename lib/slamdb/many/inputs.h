@@ -43,15 +43,13 @@ struct FindAtlasesOptions {
 };
 
 // What each name stands for:
-//   a folder             its files that are atlases, in natural order (map2 before map10): with the suffix .osa,
-//   .osa.txt,
-//                        .slamdb or .mrpt, whatever they hold; with another suffix of a format that holds atlases (.db,
-//                        .ndjson, ...), or with none, when their content is an atlas. Stores stand for their atlases
-//   a store              all its atlases, in natural order
-//   STORE.db#lab_*       those whose names match: `*` any letters, `?` one, `[a-f]` one of them. A name that is there
-//   as
-//                        it was given is meant itself
-//   anything else        itself, there or not: reading it says what is wrong
+//   a folder       its files that are atlases, in natural order (map2 before map10): with the suffix .osa, .osa.txt,
+//                  .slamdb or .mrpt, whatever they hold; with another suffix of a format that holds atlases (.db,
+//                  .ndjson, ...), or with none, when their content is an atlas. Stores stand for their atlases
+//   a store        all its atlases, in natural order
+//   STORE.db#lab_* those whose names match: `*` any letters, `?` one, `[a-f]` one of them. A name that is there as it
+//                  was given is meant itself
+//   anything else  itself, there or not: reading it says what is wrong
 // Links are followed; a folder that was reached before, as by a link in a circle, is not entered again.
 // A folder without atlases, and what cannot be looked into, is an input with a failure.
 //

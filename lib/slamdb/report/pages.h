@@ -27,6 +27,7 @@ struct AtlasReport {
 // Looks at an atlas: checks it, and draws its thumbnail where plots can be drawn.
 //
 // Throws Error as CheckAtlas does.
+// Cost: what CheckAtlas costs; the thumbnail linear.
 [[nodiscard]] SLAMDB_EXPORT AtlasReport ReportOn(const Atlas& atlas, const std::string& name,
                                                  const CheckOptions& options = {});
 
