@@ -48,12 +48,15 @@ std::string CheckBall(const std::string& text) {
 
 std::string WithoutSign(const std::string& word) { return word.starts_with('-') ? word.substr(1) : word; }
 
-std::string CheckWord(const std::string& word) {
-  const std::vector<std::string> words = ListKeyWords();
-  if (std::ranges::count(words, WithoutSign(word)) > 0) return {};
+std::string KnownWords() {
   std::string known;
-  for (const std::string& one : words) known += (known.empty() ? "" : ", ") + one;
-  return "'" + word + "' is none of " + known;
+  for (const std::string& word : ListKeyWords()) known += (known.empty() ? "" : ", ") + word;
+  return known;
+}
+
+std::string CheckWord(const std::string& word) {
+  if (std::ranges::count(ListKeyWords(), WithoutSign(word)) > 0) return {};
+  return "'" + word + "' is none of " + KnownWords();
 }
 
 MapQuery::Times TimesOf(const std::string& range) {
@@ -125,10 +128,7 @@ Run AddList(CLI::App& verb) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CheckWord);
-  verb.add_option("--columns", options->columns,
-                  "Show these columns: any of name, input, maps, sensor, keyframes, "
-                  "points, observations, landmarks, length, span, date, size, format, "
-                  "revision, saved, verdict")
+  verb.add_option("--columns", options->columns, "Show these columns: any of " + KnownWords())
       ->type_name("COLUMN,...")
       ->delimiter(',')
       ->allow_extra_args(false)
