@@ -13,6 +13,8 @@
 namespace slamdb::cli {
 namespace {
 
+using detail::SecondsText;
+
 using detail::Concat;
 using detail::ParseNumber;
 
@@ -102,12 +104,6 @@ void SelectTimes(const Ends<Moment>& times, const std::optional<TimeSpan>& span,
   const TimeSpan known = span.value_or(TimeSpan());
   if (times.first) selection.begin_time = times.first->In(known);
   if (times.last) selection.end_time = times.last->In(known);
-}
-
-std::string SecondsText(double seconds) {
-  std::string text;
-  detail::AppendSeconds(text, seconds);
-  return text;
 }
 
 // The input once more, for its times alone.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/report/detail/parts.h"
@@ -97,22 +96,6 @@ void AppendGates(Html& html, const AtlasReport& report) {
          << "</td></tr>\n";
   }
   html << "</table></div>\n";
-}
-
-std::string DurationText(double seconds) {
-  constexpr double kMinute = 60;
-  if (!(seconds >= kMinute)) return Concat(detail::Digits(seconds, 3), " s");
-  const auto whole = static_cast<std::uint64_t>(std::min(seconds, 1e15) + 0.5);
-  if (whole < 3600) return Concat(whole / 60, " min ", whole % 60, " s");
-  return Concat(detail::Thousands(whole / 3600), " h ", whole % 3600 / 60, " min");
-}
-
-std::string BytesText(std::uint64_t bytes) {
-  constexpr std::array kUnits = {"bytes", "kB", "MB", "GB", "TB"};
-  auto value = static_cast<double>(bytes);
-  std::size_t unit = 0;
-  for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
-  return Concat(detail::Digits(value, 3), " ", kUnits[unit]);
 }
 
 }  // namespace slamdb::report

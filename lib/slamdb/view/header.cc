@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/edit/frame/gravity.h"
 #include "slamdb/formats/info.h"
@@ -158,12 +159,6 @@ Json DiffJson(const SceneDiff::Kind& kind) {
   return {{"added", kind.added}, {"removed", kind.removed}, {"moved", kind.moved}, {"changed", kind.changed}};
 }
 
-std::string SecondsText(double seconds) {
-  std::string text;
-  detail::AppendSeconds(text, seconds);
-  return text;
-}
-
 }  // namespace
 
 std::string HeaderJson(const Scene& scene, const Header& header) {
@@ -179,7 +174,7 @@ std::string HeaderJson(const Scene& scene, const Header& header) {
                {"findings", FindingsJson(header.findings.findings)},
                {"findings_left_out", header.findings.left_out},
                {"diff", nullptr},
-               {"origin_of_time", SecondsText(header.origin_of_time)},
+               {"origin_of_time", detail::SecondsText(header.origin_of_time)},
                {"left_out", header.left_out}};
   if (header.diff)
     json["diff"] = {{"left", 0},

@@ -18,8 +18,4 @@ void AppendFindings(Html& html, const CheckReport& report);
 // Every measure of the gates, and which of the limits it keeps.
 void AppendGates(Html& html, const AtlasReport& report);
 
-// For people: `1 min 15 s`, `33.4 MB`.
-std::string DurationText(double seconds);
-std::string BytesText(std::uint64_t bytes);
-
 }  // namespace slamdb::report
