@@ -10,6 +10,7 @@
 #include "cli/edit.h"
 #include "cli/many.h"
 #include "cli/options.h"
+#include "cli/words.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
@@ -124,7 +125,8 @@ class Reporting {
     AtlasReport report = ReportOn(atlas, path, check);
     report.bytes = BytesOf(path);
     report.page = one_ ? std::string() : pages_.at(path);
-    WritePage(PathOf(path), ReportPage(atlas, report, read.threads), options_.overwrite);
+    WritePage(PathOf(path), ReportPage(atlas, report, {.threads = read.threads, .wording = InCommandWords}),
+              options_.overwrite);
     return report;
   }
 
@@ -142,7 +144,7 @@ class Reporting {
 
   void Tell(const std::vector<AtlasReport>& reports) const {
     if (options_.json) {
-      console_.PrintData(ToJson(reports, options_.output));
+      console_.PrintData(InCommandWords(ToJson(reports, options_.output)));
       return;
     }
     for (const AtlasReport& report : reports)

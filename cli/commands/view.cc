@@ -15,6 +15,7 @@
 #include "cli/page_server.h"
 #include "cli/report/info_text.h"
 #include "cli/report/layout.h"
+#include "cli/words.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
@@ -148,6 +149,7 @@ void WritePage(const std::string& output, const ViewPage& page, AtomicFile& file
   }
   console.PrintWritten(output, {},
                        ": " + Counted(report.maps, "map") + ", " + Counted(report.keyframes, "keyframe") + ", " +
+  page.wording = InCommandWords;
                            Counted(report.points, "point") + "; " + HumanBytes(report.bytes));
 }
 

@@ -112,14 +112,14 @@ AtlasReport ReportOn(const Atlas& atlas, const std::string& name, const CheckOpt
   return report;
 }
 
-std::string ReportPage(const Atlas& atlas, const AtlasReport& report, int threads) {
+std::string ReportPage(const Atlas& atlas, const AtlasReport& report, const ReportPageOptions& options) {
   Html html;
   html << "<header><h1>" << report.checked.name << "</h1>";
   report::AppendVerdict(html, report);
   html << "</header>\n<main>\n";
   AppendNumbers(html, report);
-  AppendPlots(html, atlas, threads);
-  report::AppendFindings(html, report.checked.report);
+  AppendPlots(html, atlas, options.threads);
+  report::AppendFindings(html, report.checked.report, options.wording);
   report::AppendGates(html, report);
   AppendMaps(html, report.checked.report.statistics);
   AppendDetails(html, atlas);

@@ -141,12 +141,12 @@ Json OriginsJson(const std::vector<AtlasStatistics>& statistics) {
   return list;
 }
 
-Json FindingsJson(const std::vector<PlacedFinding>& findings) {
+Json FindingsJson(const std::vector<PlacedFinding>& findings, const Wording& wording) {
   Json list = Json::array();
   for (const PlacedFinding& finding : findings)
     list.push_back({{"rule", finding.rule},
                     {"severity", ToString(finding.severity)},
-                    {"text", Visible(finding.text)},
+                    {"text", Visible(Worded(finding.text, wording))},
                     {"atlas", finding.atlas},
                     {"map", finding.map},
                     {"kind", finding.kind},
@@ -171,7 +171,7 @@ std::string HeaderJson(const Scene& scene, const Header& header) {
                {"cameras", CamerasJson(scene)},
                {"error_max", Finite(header.error_max)},
                {"merged_from", OriginsJson(header.statistics)},
-               {"findings", FindingsJson(header.findings.findings)},
+               {"findings", FindingsJson(header.findings.findings, header.options.wording)},
                {"findings_left_out", header.findings.left_out},
                {"diff", nullptr},
                {"origin_of_time", detail::SecondsText(header.origin_of_time)},

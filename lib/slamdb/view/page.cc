@@ -154,8 +154,8 @@ class PageMaker {
     if (blocks) Append(blocks_, std::move(*blocks));
     steps_.Next();
     if (wanted == ViewKeypoints::kAuto && report_.keypoints < counts.all)
-      header_.left_out.push_back(Concat(Thousands(counts.all - report_.keypoints), " of ", Thousands(counts.all),
-                                        " keypoints, to keep the page small; keypoints `all` keeps them"));
+      LeaveOut(Concat(Thousands(counts.all - report_.keypoints), " of ", Thousands(counts.all),
+                      " keypoints, to keep the page small; keypoints `all` keeps them"));
   }
 
   void Check() {
@@ -171,13 +171,13 @@ class PageMaker {
     steps_.Next();
   }
 
+  void LeaveOut(const std::string& sentence) { header_.left_out.push_back(Worded(sentence, options_.wording)); }
+
   void TellLandmarks() {
     std::uint64_t landmarks = 0;
     for (const SceneAtlas& atlas : scene_.atlases())
       for (const Map& map : atlas.atlas().maps) landmarks += map.landmarks.size();
-    if (landmarks > 0)
-      header_.left_out.push_back(detail::Counted(landmarks, "landmark") +
-                                 " of MRPT; `MakePoints` makes points of them");
+    if (landmarks > 0) LeaveOut(detail::Counted(landmarks, "landmark") + " of MRPT; `MakePoints` makes points of them");
   }
 
   ViewPage Assemble(const std::vector<std::string>& header) {
