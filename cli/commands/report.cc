@@ -15,6 +15,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/many/names.h"
 #include "slamdb/report/pages.h"
 
 namespace slamdb::cli {
@@ -50,7 +51,7 @@ AtlasInputs AtlasesOf(const ManyOptions& many, Console& console) {
 
 // A name of a file out of any name; no two are the same.
 std::string PageOf(const Location& location, std::set<std::string>& taken) {
-  std::string stem = location.name.empty() ? fs::path(location.path).stem().string() : location.name;
+  std::string stem = NameOf(location);
   for (char& letter : stem)
     if (std::isalnum(static_cast<unsigned char>(letter)) == 0 && letter != '-' && letter != '_') letter = '_';
   constexpr std::size_t kMost = 100;
