@@ -138,10 +138,8 @@ void WritePage(const std::string& output, const ViewPage& page, AtomicFile& file
   file.Write(page.html);
   file.Commit();
   const ViewReport& report = page.report;
-  if (options.json && output != "-") {
-    console.PrintData(ToJson(report, options.inputs.paths, output));
-    return;
-  }
+  if (options.json)
+    return PrintReport(ToJson(report, options.inputs.paths, output), /*json=*/true, IsStandardOutput(output), console);
   console.PrintWritten(output, {},
                        ": " + Counted(report.maps, "map") + ", " + Counted(report.keyframes, "keyframe") + ", " +
   page.wording = InCommandWords;
