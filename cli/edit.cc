@@ -241,17 +241,21 @@ ExitCode FinishWriting(const Location& output, const std::string& details, Conso
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }
 
+void PrintReport(std::string_view report, bool json, bool piped, Console& console) {
+  if (!json && console.quiet()) return;
+  const std::string words = InCommandWords(report);
+  if (piped)
+    std::cerr << (json ? words : detail::VisibleText(words));
+  else if (json)
+    console.PrintData(words);
+  else
+    console.Print(words);
+}
+
 ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,
                     const Notices& notices) {
   console.Report(notices);
-  const bool piped = !options.dry_run && IsStandardOutput(options.output);
-  const std::string report = InCommandWords(options.json ? json : text);
-  if (piped)
-    std::cerr << (options.json ? report : detail::VisibleText(report));
-  else if (options.json)
-    console.PrintData(report);
-  else if (!console.quiet())
-    console.Print(report);
+  PrintReport(options.json ? json : text, options.json, !options.dry_run && IsStandardOutput(options.output), console);
   if (!options.json && !options.dry_run) console.PrintWritten(options.output, notices);
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
 }

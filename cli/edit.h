@@ -125,8 +125,11 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
 // Console::PrintWritten). Returns kLossy when they hold a loss.
 ExitCode FinishWriting(const Location& output, const std::string& details, Console& console, const Notices& notices);
 
-// Prints the report (JSON with --json, text otherwise; to standard error when the atlas itself goes to standard
-// output), where the output went, and the notices. Returns kLossy when they hold a loss.
+// Prints what a verb reports, as JSON or for people, in the words of the command: on standard output, or on standard
+// error where that is taken by what was written (`piped`). When quiet, JSON alone.
+void PrintReport(std::string_view report, bool json, bool piped, Console& console);
+
+// Prints the report (PrintReport), where the output went, and the notices. Returns kLossy when they hold a loss.
 ExitCode FinishEdit(std::string_view text, std::string_view json, const EditOptions& options, Console& console,
                     const Notices& notices);
 

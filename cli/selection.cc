@@ -13,6 +13,8 @@
 namespace slamdb::cli {
 namespace {
 
+using detail::SecondsText;
+
 using detail::Concat;
 using detail::ParseNumber;
 
@@ -47,12 +49,6 @@ void SelectTimes(const TimeRange& range, const std::optional<TimeSpan>& span, Se
   const TimeSpan times = range.In(span.value_or(TimeSpan()));
   selection.begin_time = times.begin;
   selection.end_time = times.end;
-}
-
-std::string SecondsText(double seconds) {
-  std::string text;
-  detail::AppendSeconds(text, seconds);
-  return text;
 }
 
 // The input once more, for its times alone.

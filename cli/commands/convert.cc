@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -11,7 +10,6 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/times.h"
-#include "cli/words.h"
 #include "slamdb/base/detail/json.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/georeference.h"
@@ -188,10 +186,8 @@ ExitCode Finish(Written written, const Location& output, const Format& format, c
   console.Report(notices);
   const ReportFiles files{.input = options.input, .output = options.dry_run ? std::string() : output.ToString()};
   const bool piped = !options.dry_run && IsStandardOutput(output.path);
-  if (options.json && piped)
-    std::cerr << InCommandWords(JsonOf(written, files, format, notices));
-  else if (options.json)
-    console.PrintData(InCommandWords(JsonOf(written, files, format, notices)));
+  if (options.json)
+    PrintReport(JsonOf(written, files, format, notices), /*json=*/true, piped, console);
   else
     console.Print("would write " + output.ToString() +
                   (notices.written().empty() ? details : ": " + notices.written()) + "\n");

@@ -2,7 +2,6 @@
 #include "slamdb/evaluate/evaluate.h"
 
 #include <algorithm>
-#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -13,10 +12,8 @@
 #include "cli/report/evaluate_text.h"
 #include "cli/report/layout.h"
 #include "cli/times.h"
-#include "cli/words.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/align_trajectory.h"
 #include "slamdb/evaluate/limits.h"
@@ -142,19 +139,13 @@ class OutputFile {
   std::optional<AtomicFile> file_;
 };
 
-void PrintReport(const EvaluationReport& report, const std::vector<std::string>& breaches, bool to_error,
-                 const EvaluateVerbOptions& options, Console& console) {
-  const std::string text = InCommandWords(options.json ? ToJson(report, {.input = options.estimate,
-                                                                         .reference = options.reference,
-                                                                         .breaches = breaches,
-                                                                         .with_errors = options.with_errors})
-                                                       : EvaluateText(report, console.verbose()));
-  if (to_error && (options.json || !console.quiet()))
-    std::cerr << (options.json ? text : detail::VisibleText(text));
-  else if (options.json)
-    console.PrintData(text);
-  else if (!console.quiet())
-    console.Print(text);
+std::string ReportText(const EvaluationReport& report, const std::vector<std::string>& breaches,
+                       const EvaluateVerbOptions& options, const Console& console) {
+  if (!options.json) return EvaluateText(report, console.verbose());
+  return ToJson(report, {.input = options.estimate,
+                         .reference = options.reference,
+                         .breaches = breaches,
+                         .with_errors = options.with_errors});
 }
 
 void TellWarnings(const EvaluationReport& report, Notices& notices) {
@@ -176,7 +167,8 @@ ExitCode RunEvaluate(EvaluateVerbOptions options, Console& console) {
   if (output.wanted()) output.Write(ErrorTable(report), console);
   if (aligned.wanted()) aligned.Write(AlignedTrajectory(report), console);
   console.Report(notices);
-  PrintReport(report, breaches, output.is_standard() || aligned.is_standard(), options, console);
+  PrintReport(ReportText(report, breaches, options, console), options.json,
+              output.is_standard() || aligned.is_standard(), console);
   for (const std::string& breach : breaches) console.Fail(breach);
   return breaches.empty() ? ExitCode::kDone : ExitCode::kFailed;
 }

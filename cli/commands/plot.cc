@@ -11,6 +11,7 @@
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 namespace {
@@ -23,16 +24,10 @@ struct PlotVerbOptions {
   PlotOptions plot;
 };
 
-// The name of the atlas without folder and suffix, as text for the file's name.
-std::string StemOf(const Location& input) {
-  return input.name.empty() ? std::filesystem::path(input.path).stem().string() : input.name;
-}
-
 std::string OutputOf(const PlotVerbOptions& options) {
   if (!options.output.empty()) return options.output;
   if (options.input == "-") RefuseUsage("name the picture of standard input with -o/--output");
-  const std::string suffix = options.format.empty() ? "svg" : options.format;
-  return StemOf(Location::Parse(options.input)) + "." + suffix;
+  return NameOf(Location(options.input)) + "." + (options.format.empty() ? "svg" : options.format);
 }
 
 PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
@@ -78,7 +73,7 @@ ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
   }
   if (options.with_scale || options.without_scale) plot.with_scale = options.with_scale;
   plot.threads = console.threads();
-  plot.title = options.input == "-" ? "" : StemOf(Location::Parse(options.input));
+  plot.title = options.input == "-" ? "" : NameOf(Location(options.input));
   ReadOptions read = MakeReadOptions(console, options.from);
   read.needs = Content::kPoses | Content::kPoints;
   read.features = FeatureColumns::kGeometry;

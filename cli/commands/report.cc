@@ -10,10 +10,12 @@
 #include "cli/edit.h"
 #include "cli/many.h"
 #include "cli/options.h"
+#include "cli/words.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/many/names.h"
 #include "slamdb/report/pages.h"
 
 namespace slamdb::cli {
@@ -49,7 +51,7 @@ AtlasInputs AtlasesOf(const ManyOptions& many, Console& console) {
 
 // A name of a file out of any name; no two are the same.
 std::string PageOf(const Location& location, std::set<std::string>& taken) {
-  std::string stem = location.name.empty() ? fs::path(location.path).stem().string() : location.name;
+  std::string stem = NameOf(location);
   for (char& letter : stem)
     if (std::isalnum(static_cast<unsigned char>(letter)) == 0 && letter != '-' && letter != '_') letter = '_';
   constexpr std::size_t kMost = 100;
@@ -124,7 +126,8 @@ class Reporting {
     AtlasReport report = ReportOn(atlas, path, check);
     report.bytes = BytesOf(path);
     report.page = one_ ? std::string() : pages_.at(path);
-    WritePage(PathOf(path), ReportPage(atlas, report, read.threads), options_.overwrite);
+    WritePage(PathOf(path), ReportPage(atlas, report, {.threads = read.threads, .wording = InCommandWords}),
+              options_.overwrite);
     return report;
   }
 
@@ -142,7 +145,7 @@ class Reporting {
 
   void Tell(const std::vector<AtlasReport>& reports) const {
     if (options_.json) {
-      console_.PrintData(ToJson(reports, options_.output));
+      console_.PrintData(InCommandWords(ToJson(reports, options_.output)));
       return;
     }
     for (const AtlasReport& report : reports)

@@ -15,9 +15,11 @@
 #include "cli/page_server.h"
 #include "cli/report/info_text.h"
 #include "cli/report/layout.h"
+#include "cli/words.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
+#include "slamdb/many/names.h"
 #include "slamdb/view/page.h"
 
 namespace slamdb::cli {
@@ -38,17 +40,11 @@ const std::map<std::string, ViewKeypoints> kKeypoints = {{"auto", ViewKeypoints:
                                                          {"matched", ViewKeypoints::kMatched},
                                                          {"none", ViewKeypoints::kNone}};
 
-// `lab` of maps/lab.osa and of maps.db#lab.
-std::string StemOf(const std::string& input) {
-  const Location location = Location::Parse(input);
-  return location.name.empty() ? std::filesystem::path(location.path).stem().string() : location.name;
-}
-
 // Where the page goes; empty: nowhere, it is served.
 std::string OutputOf(const ViewVerbOptions& options) {
   if (!options.output.empty() || options.serve) return options.output;
   const std::string& first = options.inputs.paths.front();
-  const std::string stem = StemOf(first);
+  const std::string stem = NameOf(Location(first));
   if (first == "-" || stem.empty()) RefuseUsage("nothing names the page: -o/--output does");
   return stem + ".html";
 }
@@ -142,12 +138,11 @@ void WritePage(const std::string& output, const ViewPage& page, AtomicFile& file
   file.Write(page.html);
   file.Commit();
   const ViewReport& report = page.report;
-  if (options.json && output != "-") {
-    console.PrintData(ToJson(report, options.inputs.paths, output));
-    return;
-  }
+  if (options.json)
+    return PrintReport(ToJson(report, options.inputs.paths, output), /*json=*/true, IsStandardOutput(output), console);
   console.PrintWritten(output, {},
                        ": " + Counted(report.maps, "map") + ", " + Counted(report.keyframes, "keyframe") + ", " +
+  page.wording = InCommandWords;
                            Counted(report.points, "point") + "; " + HumanBytes(report.bytes));
 }
 

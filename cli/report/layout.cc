@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <chrono>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -50,44 +49,10 @@ std::string Short(double number, int digits) {
   return std::string(text.data(), end);
 }
 
-std::string HumanBytes(std::uint64_t bytes) {
-  if (bytes < 1000) return std::to_string(bytes) + " B";
-  constexpr std::array<const char*, 6> kUnits = {" B", " kB", " MB", " GB", " TB", " PB"};
-  auto amount = static_cast<double>(bytes);
-  std::size_t unit = 0;
-  while (amount >= 999.5 && unit + 1 < kUnits.size()) {
-    amount /= 1000;
-    ++unit;
-  }
-  std::array<char, 32> text{};
-  const auto [end, error] =
-      std::to_chars(text.data(), text.data() + text.size(), amount, std::chars_format::fixed, amount < 99.95 ? 1 : 0);
-  return std::string(text.data(), end) + kUnits[unit];
-}
-
 std::string Percent(std::uint64_t part, std::uint64_t whole) {
   if (whole == 0 || part == 0) return "0%";
   const double percent = 100 * static_cast<double>(part) / static_cast<double>(whole);
   return percent < 1 ? "< 1%" : std::to_string(static_cast<int>(percent + 0.5)) + "%";
-}
-
-std::string DurationText(double seconds) {
-  if (seconds < 60) return Short(seconds, 3) + " s";
-  const auto whole = static_cast<std::uint64_t>(seconds + 0.5);
-  if (whole < 3600) return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
-  return Grouped(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
-}
-
-std::string DateText(double seconds) {
-  constexpr double kEarliest = 631152000, kLatest = 4102444800;  // 1990 and 2100: recordings of real cameras
-  if (!(seconds >= kEarliest && seconds < kLatest)) return {};
-  const auto whole = static_cast<std::int64_t>(seconds);
-  const std::chrono::year_month_day day(std::chrono::sys_days(std::chrono::days(whole / 86400)));
-  const auto two = [](std::uint64_t number) { return (number < 10 ? "0" : "") + std::to_string(number); };
-  const auto of_day = static_cast<std::uint64_t>(whole % 86400);
-  return detail::Concat(static_cast<int>(day.year()), "-", two(static_cast<unsigned>(day.month())), "-",
-                        two(static_cast<unsigned>(day.day())), " ", two(of_day / 3600), ":", two(of_day % 3600 / 60),
-                        ":", two(of_day % 60), " UTC");
 }
 
 std::string DatedDuration(double begin, double end) {

@@ -7,7 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/detail/amounts.h"
+
 namespace slamdb::cli {
+
+using detail::DateText;
+using detail::DurationText;
+using detail::HumanBytes;
 
 inline constexpr std::size_t kPageWidth = 96;  // columns of text for people
 
@@ -17,20 +23,11 @@ std::string Grouped(std::uint64_t number);
 // "1 map", "3 maps", with the number grouped.
 std::string Counted(std::uint64_t number, std::string_view one, std::string_view many = {});
 
-// 33424706 -> "33.4 MB"; powers of 1000.
-std::string HumanBytes(std::uint64_t bytes);
-
 // "39%", "< 1%".
 std::string Percent(std::uint64_t part, std::uint64_t whole);
 
 // A number in at most `digits` significant digits, without trailing zeros and locale.
 std::string Short(double number, int digits = 4);
-
-// Durations for people: 75.2 s -> "1 min 15 s".
-std::string DurationText(double seconds);
-
-// When it was, of seconds since 1970: "2014-06-24 19:02:59 UTC". Empty for what counts from elsewhere.
-std::string DateText(double seconds);
 
 // "17.9 s", with the date of the beginning where times tell one: "17.9 s from 2014-06-24 19:02:59 UTC".
 std::string DatedDuration(double begin, double end);

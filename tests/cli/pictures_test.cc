@@ -38,6 +38,17 @@ TEST_F(Pictures, PlotWritesAnOverviewNamedAsTheAtlas) {
   EXPECT_THAT(folder_.Names(), ElementsAre("session_small_a.svg"));
 }
 
+TEST_F(Pictures, AreNamedAsAListNamesTheAtlas) {
+  fs::copy_file(kAtlas, folder_.path() / "lab.osa.txt");
+  const ProcessResult result =
+      RunProgram({"bash", "-c",
+                  "cd '" + folder_.path().string() + "' && '" + SLAMDB_COMMAND + "' plot lab.osa.txt --kind tracks"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(fs::exists(folder_ / "lab.svg"));
+  ASSERT_EQ(RunSlamdb({"report", folder_.path().string(), "-o", folder_ / "out"}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "out/lab.html"));
+}
+
 TEST_F(Pictures, PlotTakesTheFormatFromTheSuffix) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--kind", "plan", "-o", folder_ / "a.png"}).exit_code, 0);
   EXPECT_THAT(ReadWholeFile(folder_ / "a.png"), StartsWith("\x89PNG"));

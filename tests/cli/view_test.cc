@@ -71,6 +71,31 @@ TEST_F(View, JsonSaysWhatWasWritten) {
   EXPECT_EQ(report.at("inputs").size(), 2U);
 }
 
+// As convert and evaluate do it: what goes to standard output is the page alone.
+TEST_F(View, JsonIsOnStandardErrorBesideAPage) {
+  const ProcessResult result = RunSlamdb({"view", In("a.osa"), "-o", "-", "--json"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(result.out.ends_with("</html>\n"));
+  const json report = json::parse(result.err);
+  EXPECT_EQ(BreachOf(report, "view.schema.json"), "");
+  EXPECT_EQ(report.at("bytes"), result.out.size());
+}
+
+TEST_F(View, TellsWhatIsLeftOutInTheWordsOfTheCommand) {
+  const std::string landmarks = SLAMDB_FIXTURES "/mrpt/landmarks.bin";
+  const ProcessResult result = RunSlamdb({"view", landmarks, "-o", In("x.html"), "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string left_out = json::parse(result.out).at("left_out").at(0).get<std::string>();
+  EXPECT_THAT(left_out, HasSubstr("`slamdb landmarks to-points` makes points of them"));
+  EXPECT_THAT(result.err, HasSubstr(left_out));
+}
+
+TEST_F(View, CallsAnAtlasWhatAListCallsIt) {
+  fs::copy_file(In("a.osa"), In("lab.osa.txt"));
+  EXPECT_EQ(RunHere("view lab.osa.txt").exit_code, 0);
+  EXPECT_TRUE(fs::exists(In("lab.html")));
+}
+
 TEST_F(View, GoesToStandardOutput) {
   const ProcessResult result = RunSlamdb({"view", In("a.osa"), "-o", "-"});
   EXPECT_EQ(result.exit_code, 0);

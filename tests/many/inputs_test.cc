@@ -180,6 +180,8 @@ TEST(Names, StemsAndSuffixes) {
   EXPECT_EQ(StemOf("m.keyframes.csv"), "m");
   EXPECT_EQ(StemOf("v1.2.osa"), "v1.2");
   EXPECT_EQ(StemOf("plain"), "plain");
+  EXPECT_EQ(NameOf(Location("maps/lab.osa.txt")), "lab");
+  EXPECT_EQ(NameOf(Location("maps.db", "lab.osa")), "lab.osa");
   EXPECT_EQ(SuffixOf("x.mrpt.gz"), ".mrpt.gz");
   EXPECT_EQ(SuffixOf("x.other"), ".other");
 }

@@ -8,6 +8,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/align_trajectory.h"
+#include "slamdb/plot/detail/axis.h"
 #include "slamdb/plot/detail/theme.h"
 #include "tests/plot/picture.h"
 #include "tests/plot/worlds.h"
@@ -17,6 +18,7 @@
 namespace slamdb::testing {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -76,6 +78,21 @@ TEST(Plot, NamesItsKinds) {
   EXPECT_EQ(PlotKindByName("plans"), std::nullopt);
   EXPECT_EQ(PlotKinds().size(), 9U);
   EXPECT_TRUE(CanPlot());
+}
+
+TEST(Plot, TellsItsTimeAsInfoDoes) {
+  Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}));
+  EXPECT_THAT(DrawPlot(atlas, {.kind = PlotKind::kTimeline}).text, EndsWith(" in 2 s"));
+  atlas.maps[0].keyframes.back().timestamp = 100 + 39'971;
+  EXPECT_THAT(DrawPlot(atlas, {.kind = PlotKind::kTimeline}).text, EndsWith(" in 11 h 6 min"));
+}
+
+// It has a line of its own, and is not set across the name of the axis.
+TEST(Timeline, HasRoomForWhatIsLeftOut) {
+  Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}));
+  const double without = DrawPlot(atlas, {.kind = PlotKind::kTimeline}).height;
+  atlas.maps[0].keyframes.back().timestamp = 100 + 112;
+  EXPECT_EQ(DrawPlot(atlas, {.kind = PlotKind::kTimeline}).height, without + plot::kNameSpace);
 }
 
 TEST(Plot, RefusesSizesThatMakeNoPicture) {

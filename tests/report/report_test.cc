@@ -36,26 +36,7 @@ Atlas BrokenBy(std::string_view rule) {
 }
 
 std::string PageOf(const Atlas& atlas, const CheckOptions& options = {}, const std::string& name = "lab.osa") {
-  return ReportPage(atlas, ReportOn(atlas, name, options), 1);
-}
-
-TEST(Markup, IsEscapedInTextsAndAttributes) {
-  EXPECT_EQ(detail::EscapedMarkup("a<b>&\"'c"), "a&lt;b&gt;&amp;&quot;&#39;c");
-  EXPECT_EQ(detail::EscapedMarkup("\x1b\n\xff"), "\\e\\n\\xff");
-}
-
-TEST(Markup, EncodesAsRfc4648Does) {
-  const auto encoded = [](std::string_view text) { return detail::Base64(std::as_bytes(std::span(text))); };
-  EXPECT_EQ(encoded(""), "");
-  EXPECT_EQ(encoded("f"), "Zg==");
-  EXPECT_EQ(encoded("fo"), "Zm8=");
-  EXPECT_EQ(encoded("foo"), "Zm9v");
-  EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(encoded("\xff\xfe"), "//4=");
-}
-
-TEST(Markup, NamesAnInlineTextByItsSha256) {
-  EXPECT_EQ(detail::PolicySource(""), "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='");
+  return ReportPage(atlas, ReportOn(atlas, name, options), {.threads = 1});
 }
 
 TEST(ReportPage, HoldsNumbersPlotsFindingsAndGates) {
@@ -88,6 +69,16 @@ TEST(ReportPage, SaysOfEachRuleWhatComesOfItAndWhatToDo) {
   EXPECT_THAT(page, HasSubstr(detail::EscapedMarkup(rule.consequence)));
   EXPECT_THAT(page, HasSubstr("slamdb repair mends it (" + std::string(rule.fix.name)));
   EXPECT_THAT(page, HasSubstr("which does not exist"));
+}
+
+TEST(ReportPage, SpeaksInTheWordsOfItsProgram) {
+  const Atlas atlas = BrokenBy("point-support");
+  const AtlasReport report = ReportOn(atlas, "lab.osa");
+  EXPECT_THAT(ReportPage(atlas, report), HasSubstr("`Cull` removes such points"));
+  const Wording loud = [](std::string_view sentence) { return "WORDED " + std::string(sentence); };
+  const std::string page = ReportPage(atlas, report, {.wording = loud});
+  EXPECT_THAT(page, HasSubstr("What to do:</strong> WORDED There is no repair"));
+  EXPECT_THAT(page, HasSubstr("</code>: WORDED "));
 }
 
 TEST(ReportPage, TellsWhichGatesWerePassed) {
@@ -159,7 +150,8 @@ TEST(ReportJson, HoldsWhatTheIndexHolds) {
 
 TEST(Reports, AreTheSameForTheSameAtlas) {
   const Atlas atlas = SynthesizeAtlas({.keyframes = 6, .points = 200});
-  EXPECT_EQ(ReportPage(atlas, ReportOn(atlas, "a", {.threads = 1}), 1), ReportPage(atlas, ReportOn(atlas, "a"), 3));
+  EXPECT_EQ(ReportPage(atlas, ReportOn(atlas, "a", {.threads = 1}), {.threads = 1}),
+            ReportPage(atlas, ReportOn(atlas, "a"), {.threads = 3}));
 }
 
 }  // namespace

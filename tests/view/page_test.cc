@@ -190,6 +190,20 @@ TEST_F(ViewPageOf, CamerasHaveTheImageOfTheirKeyframes) {
   EXPECT_TRUE(DataOf(moved).header.at("cameras").at(0).at("cy").is_null());
 }
 
+TEST_F(ViewPageOf, SpeaksInTheWordsOfItsProgram) {
+  Atlas with = atlas;
+  with.maps[0].landmarks.resize(2);
+  with.maps[0].points[0].observations = {};  // that point-observed finds
+  const Wording loud = [](std::string_view sentence) { return "WORDED " + std::string(sentence); };
+  const ViewPage page = PageOf(with, {.wording = loud});
+  EXPECT_THAT(page.report.left_out, Contains("WORDED 2 landmarks of MRPT; `MakePoints` makes points of them"));
+  const auto header = PageData(page.html).header;
+  EXPECT_THAT(header.at("left_out").get<std::vector<std::string>>(), Contains(StartsWith("WORDED ")));
+  ASSERT_FALSE(header.at("findings").empty());
+  for (const auto& finding : header.at("findings"))
+    EXPECT_THAT(finding.at("text").get<std::string>(), StartsWith("WORDED "));
+}
+
 TEST_F(ViewPageOf, AMergedMapSaysWhatItWasMadeOf) {
   EXPECT_THAT(DataOf(atlas).header.at("merged_from"), IsEmpty());
   Atlas merged = atlas;

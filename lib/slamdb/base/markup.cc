@@ -39,17 +39,22 @@ std::string EscapedMarkup(std::string_view text) {
 
 std::string Base64(Bytes bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t place) {
-      return place < bytes.size() ? std::to_integer<std::uint32_t>(bytes[place]) : 0U;
-    };
-    const std::uint32_t group = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
-    for (const int shift : {18, 12, 6, 0}) text += kDigits[group >> shift & 63];
+  std::string text((bytes.size() + 2) / 3 * 4, '=');
+  const auto* in = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  char* out = text.data();
+  std::size_t left = bytes.size();
+  for (; left >= 3; left -= 3, in += 3, out += 4) {
+    const std::uint32_t three = std::uint32_t{in[0]} << 16 | std::uint32_t{in[1]} << 8 | in[2];
+    out[0] = kDigits[three >> 18];
+    out[1] = kDigits[three >> 12 & 63];
+    out[2] = kDigits[three >> 6 & 63];
+    out[3] = kDigits[three & 63];
   }
-  for (std::size_t missing = (3 - bytes.size() % 3) % 3, place = text.size() - missing; place < text.size(); ++place)
-    text[place] = '=';
+  if (left == 0) return text;
+  const std::uint32_t rest = std::uint32_t{in[0]} << 16 | (left == 2 ? std::uint32_t{in[1]} << 8 : 0);
+  out[0] = kDigits[rest >> 18];
+  out[1] = kDigits[rest >> 12 & 63];
+  if (left == 2) out[2] = kDigits[rest >> 6 & 63];
   return text;
 }
 

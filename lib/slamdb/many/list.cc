@@ -89,9 +89,7 @@ class Lister {
 
   // Nothing when it does not match.
   std::optional<ListedAtlas> List(const AtlasInput& input) {
-    ListedAtlas atlas{.input = input.location.ToString(),
-                      .name = input.location.name.empty() ? StemOf(input.location.path) : input.location.name,
-                      .failure = input.failure};
+    ListedAtlas atlas{.input = input.location.ToString(), .name = NameOf(input.location), .failure = input.failure};
     bool matches = true;
     if (atlas.failure.empty()) {
       try {

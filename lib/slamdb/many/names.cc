@@ -20,4 +20,6 @@ std::string StemOf(const std::string& path) {
   return name.substr(0, name.size() - SuffixOf(name).size());
 }
 
+std::string NameOf(const Location& atlas) { return atlas.name.empty() ? StemOf(atlas.path) : atlas.name; }
+
 }  // namespace slamdb

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "slamdb/export.h"
+#include "slamdb/formats/location.h"
 
 namespace slamdb {
 
@@ -12,5 +13,8 @@ namespace slamdb {
 
 // The file's name without that suffix and its folders: what its atlas is called in a store.
 [[nodiscard]] SLAMDB_EXPORT std::string StemOf(const std::string& path);
+
+// What an atlas is called: `lab` of maps/lab.osa.txt and of maps.db#lab.
+[[nodiscard]] SLAMDB_EXPORT std::string NameOf(const Location& atlas);
 
 }  // namespace slamdb

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/plot/detail/panels.h"
@@ -70,7 +71,7 @@ std::string Summary(const Scene& scene) {
   }
   return Concat(detail::Counted(scene.maps.size(), "map"), ", ", detail::Counted(scene.keyframes(), "keyframe"), ", ",
                 detail::Counted(points, "point"), ", ", detail::Digits(length, 3), " ", scene.unit(), " in ",
-                detail::Digits(seconds, 3), " s",
+                detail::DurationText(seconds),
                 scene.other_maps == 0 ? "" : Concat("; ", detail::Counted(scene.other_maps, "map"), " not shown"));
 }
 

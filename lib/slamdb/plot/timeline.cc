@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/plot/detail/panels.h"
 
@@ -19,15 +20,6 @@ constexpr double kNameWidth = 56;
 struct Piece {
   Range seconds, pixels;
 };
-
-// For people: `4.2 s`, `12 min`, `2.3 h`, `5 days`.
-std::string Duration(double seconds) {
-  constexpr double kMinute = 60, kHour = 3600, kDay = 86400;
-  if (seconds < 2 * kMinute) return detail::Digits(seconds, 2) + " s";
-  if (seconds < 2 * kHour) return detail::Digits(seconds / kMinute, 2) + " min";
-  if (seconds < 2 * kDay) return detail::Digits(seconds / kHour, 2) + " h";
-  return detail::Digits(std::round(seconds / kDay), 4) + " days";
-}
 
 std::vector<double> TimesOf(const Scene& scene) {
   std::vector<double> times;
@@ -63,8 +55,7 @@ std::vector<Range> PiecesOf(const std::vector<double>& times) {
   return pieces;
 }
 
-std::vector<Piece> LayPieces(const std::vector<double>& times, double left, double right) {
-  std::vector<Range> ranges = PiecesOf(times);
+std::vector<Piece> LayPieces(std::vector<Range> ranges, double left, double right) {
   double total = 0;
   for (Range& range : ranges) {
     if (!(range.size() > 0)) range = {range.low - 0.5, range.high + 0.5};
@@ -86,6 +77,9 @@ double PixelOf(const std::vector<Piece>& pieces, double time) {
   return pieces.back().pixels.high;
 }
 
+// Below the strips: ticks, what was left out where something was, the name of the axis.
+double HeightOfFoot(std::size_t pieces) { return kTickSpace + (pieces > 1 ? 2 : 1) * kNameSpace; }
+
 double HeightOfStrip(const Scene& scene) {
   return std::clamp(360.0 / static_cast<double>(std::max<std::size_t>(scene.maps.size(), 1)), 12.0, 56.0);
 }
@@ -106,7 +100,7 @@ void DrawGaps(Canvas& canvas, const Scene& scene, const MapScene& map, const std
     if (to - from <= gap) continue;
     const double left = PixelOf(pieces, from), right = PixelOf(pieces, to);
     canvas.Fill({left, strip.top, right - left, strip.height}, scene.theme.mark.WithAlpha(0.14));
-    const std::string text = Duration(to - from);
+    const std::string text = detail::DurationText(to - from);
     if (canvas.WidthOf(text, style) + 4 < right - left && strip.height > 14)
       canvas.Text({(left + right) / 2, strip.center().y() + 4}, text, style);
   }
@@ -134,6 +128,8 @@ void DrawStrip(Canvas& canvas, const MapScene& map, const std::vector<Piece>& pi
 void DrawTimes(Canvas& canvas, const Scene& scene, const std::vector<Piece>& pieces, const Box& inside) {
   constexpr double kPixelsPerTick = 70;
   const Letters letters{scene.theme};
+  const TextStyle style = letters.Tick(Anchor::kMiddle);
+  double taken = inside.left - kNameWidth;  // by what was left out earlier
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
     const Range since{0, piece.seconds.size()};
@@ -141,13 +137,16 @@ void DrawTimes(Canvas& canvas, const Scene& scene, const std::vector<Piece>& pie
     for (const Tick& tick :
          TicksOf(since, NiceStep(since.size() * kPixelsPerTick / std::max(piece.pixels.size(), 1.0)))) {
       canvas.Line({scale(tick.value), inside.top}, {scale(tick.value), inside.bottom()}, scene.theme.grid);
-      canvas.Text({scale(tick.value), inside.bottom() + kTickSpace - 2}, tick.label, letters.Tick(Anchor::kMiddle));
+      canvas.Text({scale(tick.value), inside.bottom() + kTickSpace - 2}, tick.label, style);
     }
     if (i == 0) continue;
     const double middle = piece.pixels.low - kBreak / 2;
     canvas.Fill({middle - kBreak / 2 + 4, inside.top, kBreak - 8, inside.height}, scene.theme.grid);
-    canvas.Text({middle, inside.bottom() + kTickSpace + kNameSpace - 4},
-                Duration(piece.seconds.low - pieces[i - 1].seconds.high), letters.Tick(Anchor::kMiddle));
+    const std::string left_out = detail::DurationText(piece.seconds.low - pieces[i - 1].seconds.high);
+    const double half = canvas.WidthOf(left_out, style) / 2;
+    if (middle - half < taken) continue;
+    canvas.Text({middle, inside.bottom() + kTickSpace + kNameSpace - 4}, left_out, style);
+    taken = middle + half + 4;
   }
 }
 
@@ -155,7 +154,7 @@ void DrawTimes(Canvas& canvas, const Scene& scene, const std::vector<Piece>& pie
 
 double HeightOfTimeline(const Scene& scene) {
   return kHeadingHeight + HeightOfStrip(scene) * static_cast<double>(std::max<std::size_t>(scene.maps.size(), 1)) +
-         kTickSpace + kNameSpace;
+         HeightOfFoot(PiecesOf(TimesOf(scene)).size());
 }
 
 void DrawTimeline(Canvas& canvas, const Scene& scene, const Box& box) {
@@ -163,9 +162,9 @@ void DrawTimeline(Canvas& canvas, const Scene& scene, const Box& box) {
   const std::uint32_t most = MostObserved(scene);
   DrawHeading(canvas, scene.theme, box, "Keyframes over time",
               Concat("height: points observed, up to ", detail::Thousands(most)));
-  const Box inside = box.Without(kNameWidth, kHeadingHeight, 8, kTickSpace + kNameSpace);
-  const std::vector<double> times = TimesOf(scene);
-  const std::vector<Piece> pieces = LayPieces(times, inside.left, inside.right());
+  const std::vector<Range> ranges = PiecesOf(TimesOf(scene));
+  const Box inside = box.Without(kNameWidth, kHeadingHeight, 8, HeightOfFoot(ranges.size()));
+  const std::vector<Piece> pieces = LayPieces(ranges, inside.left, inside.right());
   DrawTimes(canvas, scene, pieces, inside);
   const double height = HeightOfStrip(scene);
   double top = inside.top;
@@ -181,7 +180,7 @@ void DrawTimeline(Canvas& canvas, const Scene& scene, const Box& box) {
     canvas.Text({inside.left - 8, strip.bottom() - 3}, map.name, name);
     top += height;
   }
-  canvas.Text({inside.center().x(), inside.bottom() + kTickSpace + kNameSpace - 4},
+  canvas.Text({inside.center().x(), inside.bottom() + HeightOfFoot(pieces.size()) - 4},
               pieces.size() > 1 ? "seconds since each beginning" : "seconds since the first keyframe",
               letters.Label(Anchor::kMiddle));
 }

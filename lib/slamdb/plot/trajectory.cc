@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/time_offset.h"
@@ -232,7 +233,7 @@ void DrawAlone(Canvas& canvas, const Scene& scene, const Box& box) {
     }
   }
   DrawColorBar(canvas, scene.theme, {inside.left, box.bottom() - kBarHeight, inside.width, kBarHeight - 2}, "0",
-               detail::Digits(longest, 3) + " s",
+               detail::DurationText(longest),
                scene.maps.size() > 1 ? "time since the first keyframe of each map" : "time since the first keyframe");
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/report/detail/parts.h"
@@ -33,16 +32,17 @@ std::string Advice(const RuleResult& result) {
   return rule == nullptr ? "A gate: the atlas has too much or too little of it." : "There is no repair for it.";
 }
 
-void AppendResult(Html& html, const RuleResult& result) {
+void AppendResult(Html& html, const RuleResult& result, const Wording& wording) {
   html << (result.severity == Severity::kError ? Literal("<details open><summary>") : Literal("<details><summary>"));
   AppendBadge(html, result.severity);
   html << "<code>" << result.id << "</code> " << Concat("\u00d7", detail::Thousands(result.count))
        << " <span class=\"faint\">should be: " << result.title << "</span></summary>";
   if (!result.consequence.empty()) html << "<p>ORB-SLAM3 " << result.consequence << ".</p>";
-  html << "<p><strong>What to do:</strong> " << Advice(result) << "</p><ul>";
+  html << "<p><strong>What to do:</strong> " << Worded(Advice(result), wording) << "</p><ul>";
   const std::size_t shown = std::min(kShown, result.findings.size());
   for (std::size_t i = 0; i < shown; ++i)
-    html << "<li><code>" << ToString(result.findings[i].place) << "</code>: " << result.findings[i].message << "</li>";
+    html << "<li><code>" << ToString(result.findings[i].place)
+         << "</code>: " << Worded(result.findings[i].message, wording) << "</li>";
   html << "</ul>";
   if (result.count > shown) html << "<p class=\"faint\">and " << detail::Thousands(result.count - shown) << " more</p>";
   html << "</details>\n";
@@ -61,13 +61,13 @@ void AppendVerdict(Html& html, const AtlasReport& report) {
        << Verdict(report.checked) << "</span>";
 }
 
-void AppendFindings(Html& html, const CheckReport& report) {
+void AppendFindings(Html& html, const CheckReport& report, const Wording& wording) {
   html << "<h2>Findings</h2>\n";
   if (report.results.empty())
     html << "<p>None: " << detail::Counted(report.checked.size(), "rule") << " checked.</p>\n";
   for (const Severity severity : {Severity::kError, Severity::kWarning, Severity::kNote})
     for (const RuleResult& result : report.results)
-      if (result.severity == severity) AppendResult(html, result);
+      if (result.severity == severity) AppendResult(html, result, wording);
 }
 
 void AppendGates(Html& html, const AtlasReport& report) {
@@ -97,22 +97,6 @@ void AppendGates(Html& html, const AtlasReport& report) {
          << "</td></tr>\n";
   }
   html << "</table></div>\n";
-}
-
-std::string DurationText(double seconds) {
-  constexpr double kMinute = 60;
-  if (!(seconds >= kMinute)) return Concat(detail::Digits(seconds, 3), " s");
-  const auto whole = static_cast<std::uint64_t>(std::min(seconds, 1e15) + 0.5);
-  if (whole < 3600) return Concat(whole / 60, " min ", whole % 60, " s");
-  return Concat(detail::Thousands(whole / 3600), " h ", whole % 3600 / 60, " min");
-}
-
-std::string BytesText(std::uint64_t bytes) {
-  constexpr std::array kUnits = {"bytes", "kB", "MB", "GB", "TB"};
-  auto value = static_cast<double>(bytes);
-  std::size_t unit = 0;
-  for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
-  return Concat(detail::Digits(value, 3), " ", kUnits[unit]);
 }
 
 }  // namespace slamdb::report

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/markup.h"
 #include "slamdb/report/detail/parts.h"
@@ -50,10 +51,10 @@ void AppendNumbers(Html& html, const AtlasReport& report) {
   AppendCount(html, all.keyframes);
   AppendCount(html, all.points);
   AppendNumber(html, all.trajectory_length, detail::Digits(all.trajectory_length, 4));
-  AppendNumber(html, seconds, report::DurationText(seconds));
+  AppendNumber(html, seconds, detail::DurationText(seconds));
   AppendNumber(html, count > 0 ? error / count : -1, count > 0 ? detail::Digits(error / count, 3) : "");
   if (report.bytes)
-    AppendNumber(html, static_cast<double>(*report.bytes), report::BytesText(*report.bytes));
+    AppendNumber(html, static_cast<double>(*report.bytes), detail::HumanBytes(*report.bytes));
   else
     AppendEmpty(html);
 }

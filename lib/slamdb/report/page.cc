@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/plot/plot.h"
 #include "slamdb/report/detail/parts.h"
@@ -31,9 +32,9 @@ void AppendNumbers(Html& html, const AtlasReport& report) {
   AppendNumber(html, "points", Thousands(all.points));
   AppendNumber(html, "observations", Thousands(all.observations));
   AppendNumber(html, "trajectory, m or units", detail::Digits(all.trajectory_length, 4));
-  AppendNumber(html, "time", report::DurationText(DurationOf(all)));
+  AppendNumber(html, "time", detail::DurationText(DurationOf(all)));
   AppendNumber(html, "loop and merge edges", Thousands(all.loop_edges + all.merge_edges));
-  if (report.bytes) AppendNumber(html, "size", report::BytesText(*report.bytes));
+  if (report.bytes) AppendNumber(html, "size", detail::HumanBytes(*report.bytes));
   html << "</dl>\n";
 }
 
@@ -61,7 +62,7 @@ void AppendMaps(Html& html, const AtlasStatistics& statistics) {
     AppendCell(html, map.reprojection_error.count == 0 ? "" : detail::Digits(map.reprojection_error.mean, 3));
     AppendCell(html, Thousands(map.components));
     AppendCell(html, detail::Digits(map.trajectory_length, 4));
-    AppendCell(html, report::DurationText(map.end_time - map.begin_time));
+    AppendCell(html, detail::DurationText(map.end_time - map.begin_time));
     html << "</tr>\n";
   }
   html << "</table></div>\n";
@@ -111,14 +112,14 @@ AtlasReport ReportOn(const Atlas& atlas, const std::string& name, const CheckOpt
   return report;
 }
 
-std::string ReportPage(const Atlas& atlas, const AtlasReport& report, int threads) {
+std::string ReportPage(const Atlas& atlas, const AtlasReport& report, const ReportPageOptions& options) {
   Html html;
   html << "<header><h1>" << report.checked.name << "</h1>";
   report::AppendVerdict(html, report);
   html << "</header>\n<main>\n";
   AppendNumbers(html, report);
-  AppendPlots(html, atlas, threads);
-  report::AppendFindings(html, report.checked.report);
+  AppendPlots(html, atlas, options.threads);
+  report::AppendFindings(html, report.checked.report, options.wording);
   report::AppendGates(html, report);
   AppendMaps(html, report.checked.report.statistics);
   AppendDetails(html, atlas);

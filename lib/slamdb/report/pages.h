@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/base/wording.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
@@ -31,11 +32,17 @@ struct AtlasReport {
 [[nodiscard]] SLAMDB_EXPORT AtlasReport ReportOn(const Atlas& atlas, const std::string& name,
                                                  const CheckOptions& options = {});
 
+struct ReportPageOptions {
+  int threads = 0;  // 0: every core
+  Wording wording;  // of findings, and of what to do; may be empty
+};
+
 // The page of an atlas.
 //
 // Throws Error as DrawPlot does.
 // Cost: linear.
-[[nodiscard]] SLAMDB_EXPORT std::string ReportPage(const Atlas& atlas, const AtlasReport& report, int threads = 0);
+[[nodiscard]] SLAMDB_EXPORT std::string ReportPage(const Atlas& atlas, const AtlasReport& report,
+                                                   const ReportPageOptions& options = {});
 
 // A table of all of them with their thumbnails, which can be sorted and filtered; names lead to the pages.
 [[nodiscard]] SLAMDB_EXPORT std::string ReportIndex(std::span<const AtlasReport> reports, const std::string& title);

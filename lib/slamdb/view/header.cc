@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/edit/frame/gravity.h"
 #include "slamdb/formats/info.h"
@@ -140,12 +141,12 @@ Json OriginsJson(const std::vector<AtlasStatistics>& statistics) {
   return list;
 }
 
-Json FindingsJson(const std::vector<PlacedFinding>& findings) {
+Json FindingsJson(const std::vector<PlacedFinding>& findings, const Wording& wording) {
   Json list = Json::array();
   for (const PlacedFinding& finding : findings)
     list.push_back({{"rule", finding.rule},
                     {"severity", ToString(finding.severity)},
-                    {"text", Visible(finding.text)},
+                    {"text", Visible(Worded(finding.text, wording))},
                     {"atlas", finding.atlas},
                     {"map", finding.map},
                     {"kind", finding.kind},
@@ -156,12 +157,6 @@ Json FindingsJson(const std::vector<PlacedFinding>& findings) {
 
 Json DiffJson(const SceneDiff::Kind& kind) {
   return {{"added", kind.added}, {"removed", kind.removed}, {"moved", kind.moved}, {"changed", kind.changed}};
-}
-
-std::string SecondsText(double seconds) {
-  std::string text;
-  detail::AppendSeconds(text, seconds);
-  return text;
 }
 
 }  // namespace
@@ -176,10 +171,10 @@ std::string HeaderJson(const Scene& scene, const Header& header) {
                {"cameras", CamerasJson(scene)},
                {"error_max", Finite(header.error_max)},
                {"merged_from", OriginsJson(header.statistics)},
-               {"findings", FindingsJson(header.findings.findings)},
+               {"findings", FindingsJson(header.findings.findings, header.options.wording)},
                {"findings_left_out", header.findings.left_out},
                {"diff", nullptr},
-               {"origin_of_time", SecondsText(header.origin_of_time)},
+               {"origin_of_time", detail::SecondsText(header.origin_of_time)},
                {"left_out", header.left_out}};
   if (header.diff)
     json["diff"] = {{"left", 0},

@@ -4,16 +4,14 @@
 // 3. The header (header.h) says what the rest means; markup, style and script stand round it all.
 #include "slamdb/view/page.h"
 
-#include <sha2.h>
-
 #include <array>
 #include <optional>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/json.h"
+#include "slamdb/base/detail/markup.h"
 #include "slamdb/base/detail/steps.h"
-#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/view/detail/encode.h"
 #include "slamdb/view/detail/header.h"
@@ -41,45 +39,10 @@ void Append(Columns& columns, Columns more) {
   columns.insert(columns.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-// How a content security policy names a script or a style that it allows.
-std::string PolicyHash(std::string_view text) {
-  SHA2_CTX state;
-  SHA256Init(&state);
-  SHA256Update(&state, reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  std::array<std::uint8_t, SHA256_DIGEST_LENGTH> digest{};
-  SHA256Final(digest.data(), &state);
-  return "'sha256-" + Base64({reinterpret_cast<const char*>(digest.data()), digest.size()}) + "'";
-}
-
 std::string Policy() {
-  return "default-src 'none'; script-src " + PolicyHash(kPageScript) + "; style-src " + PolicyHash(kPageStyle) +
+  return "default-src 'none'; script-src " + detail::PolicySource(kPageScript) + "; style-src " +
+         detail::PolicySource(kPageStyle) +
          "; img-src data: blob:; connect-src 'none'; base-uri 'none'; form-action 'none'";
-}
-
-std::string AsMarkup(std::string_view text) {
-  std::string markup;
-  for (const char letter : detail::Visible(text)) {
-    switch (letter) {
-      case '&':
-        markup += "&amp;";
-        break;
-      case '<':
-        markup += "&lt;";
-        break;
-      case '>':
-        markup += "&gt;";
-        break;
-      case '"':
-        markup += "&quot;";
-        break;
-      case '\'':
-        markup += "&#39;";
-        break;
-      default:
-        markup += letter;
-    }
-  }
-  return markup;
 }
 
 // The page in two halves, before and behind the data.
@@ -89,7 +52,7 @@ struct Frame {
 };
 
 Frame FrameOf(const std::string& title) {
-  const std::array<std::pair<std::string_view, std::string>, 4> values = {{{"{{TITLE}}", AsMarkup(title)},
+  const std::array<std::pair<std::string_view, std::string>, 4> values = {{{"{{TITLE}}", detail::EscapedMarkup(title)},
                                                                            {"{{CSP}}", Policy()},
                                                                            {"{{STYLE}}", std::string(kPageStyle)},
                                                                            {"{{SCRIPT}}", std::string(kPageScript)}}};
@@ -191,8 +154,8 @@ class PageMaker {
     if (blocks) Append(blocks_, std::move(*blocks));
     steps_.Next();
     if (wanted == ViewKeypoints::kAuto && report_.keypoints < counts.all)
-      header_.left_out.push_back(Concat(Thousands(counts.all - report_.keypoints), " of ", Thousands(counts.all),
-                                        " keypoints, to keep the page small; keypoints `all` keeps them"));
+      LeaveOut(Concat(Thousands(counts.all - report_.keypoints), " of ", Thousands(counts.all),
+                      " keypoints, to keep the page small; keypoints `all` keeps them"));
   }
 
   void Check() {
@@ -208,13 +171,13 @@ class PageMaker {
     steps_.Next();
   }
 
+  void LeaveOut(const std::string& sentence) { header_.left_out.push_back(Worded(sentence, options_.wording)); }
+
   void TellLandmarks() {
     std::uint64_t landmarks = 0;
     for (const SceneAtlas& atlas : scene_.atlases())
       for (const Map& map : atlas.atlas().maps) landmarks += map.landmarks.size();
-    if (landmarks > 0)
-      header_.left_out.push_back(detail::Counted(landmarks, "landmark") +
-                                 " of MRPT; `MakePoints` makes points of them");
+    if (landmarks > 0) LeaveOut(detail::Counted(landmarks, "landmark") + " of MRPT; `MakePoints` makes points of them");
   }
 
   ViewPage Assemble(const std::vector<std::string>& header) {

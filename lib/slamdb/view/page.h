@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "slamdb/base/progress.h"
+#include "slamdb/base/wording.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/statistics.h"
@@ -54,6 +55,7 @@ struct ViewOptions {
   bool diff = false;              // show what the second of two atlases changed of the first
   int threads = 0;                // 0: every core
   Progress progress;              // may be empty
+  Wording wording;                // of findings, and of what is left out; may be empty
 };
 
 // What a page holds.

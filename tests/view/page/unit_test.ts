@@ -378,7 +378,8 @@ test("words: numbers, lengths, times, ids", async () => {
   assert.deepEqual([0.9, 1, 4.9, 7, 0.03, 0].map(roundStep), [0.5, 1, 2, 5, 0.02, 1]);
   assert.deepEqual([0.002, 0.5, 2, 2000].map((step) => stepText(step, "m")), ["2 mm", "50 cm", "2 m", "2 km"]);
   assert.equal(stepText(0.5, "units"), "0.5 units");
-  assert.deepEqual([3.14159, 125, 7300].map(durationText), ["3.14 s", "2 min 5 s", "2 h 1 min"]);
+  assert.deepEqual([3.14159, 59.96, 100, 125, 179.7].map(durationText), ["3.14 s", "1 min 0 s", "1 min 40 s", "2 min 5 s", "3 min 0 s"]);
+  assert.deepEqual([3599.7, 7300, 39971, 3600 * 1234].map(durationText), ["1 h 0 min", "2 h 1 min", "11 h 6 min", "1,234 h 0 min"]);
   assert.deepEqual([7, null, -1].map(idText), ["7", "none", "none"]);
   const { pixels, text } = scaleOf(0.01, "m");
   assert.equal(text, "1 m"), near(pixels, 100, 1e-9);

@@ -13,13 +13,9 @@ std::string VerdictWord(const AtlasReport& report);
 void AppendVerdict(Html& html, const AtlasReport& report);
 
 // What a check found, by rule, errors first, each with what comes of it and what to do.
-void AppendFindings(Html& html, const CheckReport& report);
+void AppendFindings(Html& html, const CheckReport& report, const Wording& wording);
 
 // Every measure of the gates, and which of the limits it keeps.
 void AppendGates(Html& html, const AtlasReport& report);
-
-// For people: `1 min 15 s`, `33.4 MB`.
-std::string DurationText(double seconds);
-std::string BytesText(std::uint64_t bytes);
 
 }  // namespace slamdb::report

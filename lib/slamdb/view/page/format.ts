@@ -21,12 +21,13 @@ export function rounded(value: number, digits = 4): string {
 
 export const lengthText = (value: number, unit: string): string => `${rounded(value)} ${unit}`;
 
+/** 17.9 s, 1 min 15 s, 11 h 6 min: rounded before it is split, as DurationText of base/detail/amounts.h does. */
 export function durationText(seconds: number): string {
   if (!Number.isFinite(seconds)) return "unknown";
-  if (seconds < 120) return `${rounded(seconds, 3)} s`;
-  const minutes = Math.floor(seconds / 60);
-  if (minutes < 120) return `${minutes} min ${Math.round(seconds - minutes * 60)} s`;
-  return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  if (seconds < 59.95) return `${rounded(seconds, 3)} s`;
+  const whole = Math.round(seconds);
+  if (whole < 3600) return `${Math.floor(whole / 60)} min ${whole % 60} s`;
+  return `${grouped(Math.floor(whole / 3600))} h ${Math.floor((whole % 3600) / 60)} min`;
 }
 
 /** The largest of 1, 2, 5 times a power of ten that is not above `value`. */
