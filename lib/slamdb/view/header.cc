@@ -140,11 +140,23 @@ Json OriginsJson(const std::vector<AtlasStatistics>& statistics) {
   return list;
 }
 
-Json FindingsJson(const std::vector<PlacedFinding>& findings) {
+Json RulesJson(const std::vector<BrokenRule>& rules) {
   Json list = Json::array();
-  for (const PlacedFinding& finding : findings)
-    list.push_back({{"rule", finding.rule},
-                    {"severity", ToString(finding.severity)},
+  for (const BrokenRule& rule : rules)
+    list.push_back({{"id", rule.id},
+                    {"severity", ToString(rule.severity)},
+                    {"title", Visible(rule.title)},
+                    {"consequence", Visible(rule.consequence)},
+                    {"count", rule.count}});
+  return list;
+}
+
+Json FindingsJson(const PlacedFindings& placed) {
+  Json list = Json::array();
+  for (const PlacedFinding& finding : placed.findings)
+    list.push_back({{"rule", placed.rules[finding.rule].id},
+                    {"severity", ToString(placed.rules[finding.rule].severity)},
+                    {"place", finding.place},
                     {"text", Visible(finding.text)},
                     {"atlas", finding.atlas},
                     {"map", finding.map},
@@ -176,7 +188,8 @@ std::string HeaderJson(const Scene& scene, const Header& header) {
                {"cameras", CamerasJson(scene)},
                {"error_max", Finite(header.error_max)},
                {"merged_from", OriginsJson(header.statistics)},
-               {"findings", FindingsJson(header.findings.findings)},
+               {"rules", RulesJson(header.findings.rules)},
+               {"findings", FindingsJson(header.findings)},
                {"findings_left_out", header.findings.left_out},
                {"diff", nullptr},
                {"origin_of_time", SecondsText(header.origin_of_time)},

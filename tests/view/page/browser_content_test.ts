@@ -53,7 +53,7 @@ test("names of maps are text, never markup", { skip }, async () => {
   scene.atlases[0].name = evil;
   scene.atlases[0].maps[0].name = evil;
   scene.atlases[0].info = [{ label: evil, value: evil }];
-  scene.header = { findings: [{ rule: evil, severity: "error", text: evil, atlas: 0, map: 0, kind: "point", row: 3, id: "11" }], left_out: [evil] };
+  scene.header = { findings: [{ rule: evil, severity: "error", place: evil, text: evil, atlas: 0, map: 0, kind: "point", row: 3, id: "11" }], left_out: [evil] };
   const opened = await viewer.open(viewer.write(scene));
   assert.equal(await opened.page.title(), evil);
   assert.equal(await opened.page.locator("main img, main b").count(), 0);
@@ -83,8 +83,8 @@ test("a comparison: statuses, counts, arrows", { skip }, async () => {
 
 test("findings are red, and stepped through", { skip }, async () => {
   const scene = hall({ points: 500, keyframes: 12 });
-  const finding = { rule: "point-observed", severity: "error", text: "mp 25 is seen by nobody", atlas: 0, map: 0 };
-  scene.header = { findings: [{ ...finding, kind: "point", row: 10, id: "25" }, { ...finding, kind: "keyframe", row: 4, id: "12" }, { ...finding, kind: "map", row: -1, id: "0" }], findings_left_out: 1000 };
+  const finding = { rule: "point-observed", severity: "error", place: "map 0, mp 25", text: "is seen by nobody", atlas: 0, map: 0 };
+  scene.header = { findings: [{ ...finding, kind: "point", row: 10, id: "25" }, { ...finding, kind: "keyframe", row: 4, id: "12" }, { ...finding, rule: "map-known", place: "map 0", kind: "map", row: -1, id: "0" }], findings_left_out: 1000 };
   const opened = await viewer.open(viewer.write(scene));
   const red = share(await opened.picture(), isRed);
   assert.ok(red > 0.00005, String(red));
@@ -95,14 +95,20 @@ test("findings are red, and stepped through", { skip }, async () => {
   await opened.page.getByRole("button", { name: "Next finding" }).click();
   assert.deepEqual(await opened.selection(), { kind: "keyframe", row: 4 });
   assert.equal(await opened.page.locator(".steps .at").innerText(), "2 of 3");
-  assert.match(await opened.page.locator("#panel").innerText(), /1,000 more are not in the page/);
+  const words = (await opened.page.locator("#panel").innerText()).replace(/\s+/g, " ");
+  assert.match(words, /2 of 3 have a place in the picture. 1,000 more are not in the page/);
+  assert.match(words, /point-observed 2 errors In a sound atlas all is well. Here ORB-SLAM3 stumbles. map 0, mp 25 is seen by nobody/);
+  assert.equal(await opened.page.locator('#panel label:has([data-layer="findings"]) .count').innerText(), "2");
+  assert.equal(await opened.page.getByText("map 0is seen by nobody").count(), 0, "rules are folded");
+  await opened.page.keyboard.press("n");
+  assert.equal(await opened.page.locator('.findings [aria-pressed="true"]').innerText(), "map 0is seen by nobody", "and unfold as they are stepped to");
   await quietly(opened);
 });
 
 test("axe finds nothing, in dark and light, wide and narrow, with card and help", { skip }, async () => {
   const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
   const scene = withKeypoints(comparison());
-  scene.header = { ...scene.header, findings: ["error", "warning", "note"].map((severity) => ({ rule: "rule", severity, text: "text", atlas: 0, map: 0, kind: "point", row: 3, id: "3" })), left_out: ["Something is left out."] };
+  scene.header = { ...scene.header, findings: ["error", "warning", "note"].map((severity) => ({ rule: `rule-${severity}`, severity, place: "map 0, mp 3", text: "text", atlas: 0, map: 0, kind: "point", row: 3, id: "3" })), left_out: ["Something is left out."] };
   const file = viewer.write(scene);
   for (const look of [{ scheme: "dark" }, { scheme: "light" }, { scheme: "dark", width: 420, height: 760 }] as const) {
     const opened = await viewer.open(file, look);

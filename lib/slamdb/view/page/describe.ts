@@ -21,7 +21,7 @@ export function sinceBegin(scene: Scene, row: number): string {
 
 /** The time as it was recorded: the decimal digits of the origin are kept. */
 export function recordedTime(scene: Scene, row: number): string {
-  const origin = scene.header.origin_of_time ?? "0";
+  const origin = scene.header.origin_of_time;
   const [whole, digits = ""] = origin.split(".");
   const seconds = Number(`0.${digits || "0"}`) + scene.keyframes.time[row];
   const carry = Math.floor(seconds);

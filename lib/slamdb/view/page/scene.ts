@@ -5,21 +5,21 @@ import type { Quaternion, Vec3 } from "./maths";
 
 export interface HeaderMap {
   id: number | null;
-  name?: string;
-  sensor?: string;
+  name: string;
+  sensor: string;
   first_keyframe: number;
   keyframes: number;
   first_point: number;
   points: number;
   up: Vec3 | null;
-  statistics?: Record<string, number | null>;
+  statistics: Record<"trajectory_length" | "duration" | "mean_error" | "mean_observers" | "components", number | null>;
 }
 
 export interface HeaderAtlas {
   name: string;
-  format?: string;
-  sensor?: string;
-  info?: { label: string; value: string }[];
+  format: string;
+  sensor: string;
+  info: { label: string; value: string }[];
   maps: HeaderMap[];
 }
 
@@ -31,14 +31,24 @@ export interface HeaderCamera {
   fy: number | null;
   cx: number | null; // from the corner of the image, as keypoints are
   cy: number | null;
-  text?: string;
+  text: string;
 }
 
 export type FindingKind = "keyframe" | "point" | "map" | "atlas" | "camera";
 
-export interface Finding {
-  rule: string;
+/** A rule that found something. */
+export interface HeaderRule {
+  id: string;
   severity: string;
+  title: string; // what holds in a sound map
+  consequence: string; // where it does not
+  count: number; // of its findings, also of those that are not in the page
+}
+
+export interface Finding {
+  rule: string; // id of a HeaderRule
+  severity: string;
+  place: string; // map 0, mp 13362
   text: string;
   atlas: number;
   map: number;
@@ -51,17 +61,17 @@ export interface Header {
   version: number;
   generator: string;
   title: string;
-  fixed_part?: number;
-  layout?: "overlay" | "side-by-side"; // of several atlases, to begin with
+  layout: "overlay" | "side-by-side"; // of several atlases, to begin with
   atlases: HeaderAtlas[];
   cameras: HeaderCamera[];
   error_max: number;
-  merged_from?: { id: number; label: string }[];
-  findings?: Finding[];
-  findings_left_out?: number;
-  diff?: { left: number; right: number } | null;
-  origin_of_time?: string;
-  left_out?: string[];
+  merged_from: { id: number; label: string }[];
+  rules: HeaderRule[];
+  findings: Finding[]; // in the order of the rules
+  findings_left_out: number;
+  diff: { left: number; right: number } | null;
+  origin_of_time: string;
+  left_out: string[];
 }
 
 /** A map of the scene: its header, and where it stands in it. */
@@ -207,9 +217,8 @@ export const isMetric = (scene: Scene): boolean =>
 export const idText = (id: number | null): string => (id === null || id === -1 ? "none" : id < 0 ? String(BigInt.asUintN(64, BigInt(id))) : String(id));
 
 export function mapTitle(scene: Scene, map: SceneMap): string {
-  const name = map.name ? map.name : `map ${idText(map.id)}`;
-  return scene.header.atlases.length > 1 ? `${scene.header.atlases[map.atlas].name}: ${name}` : name;
+  return scene.header.atlases.length > 1 ? `${scene.header.atlases[map.atlas].name}: ${map.name}` : map.name;
 }
 
 export const originLabel = (scene: Scene, id: number): string =>
-  scene.header.merged_from?.find((from) => from.id === id)?.label ?? `map ${id}`;
+  scene.header.merged_from.find((from) => from.id === id)?.label ?? `map ${id}`;
