@@ -115,6 +115,19 @@ export class Opened {
     }, [kind, row] as const);
   }
 
+  /** Rows of points that are not in the part of the view that the panel leaves free. */
+  async outside(): Promise<number[]> {
+    return this.page.evaluate(() => {
+      const { stage, model } = (globalThis as PageGlobals).slamdbView;
+      const { camera } = stage;
+      const rows = Array.from({ length: model.scene.points.count }, (_, row) => row);
+      return rows.filter((row) => {
+        const at = camera.project(model.frames.point(row));
+        return !at || at.x < camera.inset || at.x > camera.width || at.y < 0 || at.y > camera.height;
+      });
+    });
+  }
+
   async selection(): Promise<{ kind: string; row: number } | null> {
     return this.page.evaluate(() => (globalThis as PageGlobals).slamdbView.model.selection);
   }

@@ -30,6 +30,8 @@ test("maps go off and on, apart, and are nudged", { skip }, async () => {
   const opened = await viewer.open(viewer.write(hall({ maps: 2, points: 1500 })));
   const own = await opened.picture();
   await opened.page.locator("[data-arrangement=maps]").click();
+  await opened.rest();
+  assert.deepEqual(await opened.outside(), [], "all of both is in the free part of the view");
   assert.ok(difference(own, await opened.picture()) > 0.01);
   await opened.page.locator("[data-arrangement=own]").click();
   const boxes = opened.page.locator(".map input[type=checkbox]");
