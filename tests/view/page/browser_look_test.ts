@@ -98,6 +98,25 @@ test("a picture is saved", { skip }, async () => {
   await quietly(opened);
 });
 
+test("in small windows nothing lies over anything else", { skip }, async () => {
+  const scene = hall({ title: Array.from({ length: 8 }, (_, i) => `session_small_${i}.osa`).join(", "), maps: 2 });
+  const file = viewer.write(scene);
+  for (const [width, height] of [[1024, 600], [800, 500], [420, 760]]) {
+    const opened = await viewer.open(file, { width, height });
+    if (width < 720) await opened.page.keyboard.press("h");
+    const cards = ["#panel", "#toolbar", "#timeline", "#scale"];
+    const boxes = await Promise.all(cards.map(async (card) => (await opened.page.locator(card).boundingBox())!));
+    boxes.forEach((a, i) => boxes.slice(0, i).forEach((b, j) => {
+      const apart = a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
+      assert.ok(apart, `${width} x ${height}: ${cards[i]} lies over ${cards[j]}: ${JSON.stringify([a, b])}`);
+    }));
+    const title = (await opened.page.locator("#panel h1").boundingBox())!;
+    assert.ok(title.height < 60, `the title is ${title.height} px high`);
+    await opened.screenshot(`small ${width}`);
+    await quietly(opened);
+  }
+});
+
 test("without motion, views jump", { skip }, async () => {
   const opened = await viewer.open(viewer.write(hall()), { reducedMotion: true });
   await opened.page.keyboard.press("p");
