@@ -21,7 +21,7 @@ test("the inspector shows fields, observers and ids; lit things are seen", { ski
   await card.getByRole("button", { name: "kf 3", exact: true }).click();
   await opened.rest();
   assert.deepEqual(await opened.selection(), { kind: "keyframe", row: 1 });
-  assert.match(await card.innerText(), /Keyframe 3[\s\S]*1403640000.25 s[\s\S]*60 keypoints[\s\S]*40 matched[\s\S]*covisible/);
+  assert.match(await card.innerText(), /Keyframe 3[\s\S]*1403640000.25 s[\s\S]*seen by it\s+\d+ points[\s\S]*60 keypoints[\s\S]*40 with a point[\s\S]*\d+ points say that this keyframe sees them; 40 are at a keypoint[\s\S]*2 covisible keyframes/);
   await opened.screenshot("inspector");
   // A click on a filled keypoint selects its point.
   const plane = card.locator("canvas.image-plane");
@@ -97,11 +97,11 @@ test("findings are red, and stepped through", { skip }, async () => {
   assert.equal(await opened.page.locator(".steps .at").innerText(), "2 of 3");
   const words = (await opened.page.locator("#panel").innerText()).replace(/\s+/g, " ");
   assert.match(words, /2 of 3 have a place in the picture. 1,000 more are not in the page/);
-  assert.match(words, /point-observed 2 errors In a sound atlas all is well. Here ORB-SLAM3 stumbles. map 0, mp 25 is seen by nobody/);
+  assert.match(words, /point-observed 2 errors In a sound atlas all is well. Here ORB-SLAM3 stumbles. map 0, mp 25: is seen by nobody/);
   assert.equal(await opened.page.locator('#panel label:has([data-layer="findings"]) .count').innerText(), "2");
-  assert.equal(await opened.page.getByText("map 0is seen by nobody").count(), 0, "rules are folded");
+  assert.equal(await opened.page.getByText("map 0: is seen by nobody").count(), 0, "rules are folded");
   await opened.page.keyboard.press("n");
-  assert.equal(await opened.page.locator('.findings [aria-pressed="true"]').innerText(), "map 0is seen by nobody", "and unfold as they are stepped to");
+  assert.equal(await opened.page.locator('.findings [aria-pressed="true"]').innerText(), "map 0: is seen by nobody", "and unfold as they are stepped to");
   await quietly(opened);
 });
 

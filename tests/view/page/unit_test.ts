@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Camera, widestAzimuth } from "../../../lib/slamdb/view/page/camera";
-import { kColourModes, legend, originNumbers, palette, scaleColour, shade } from "../../../lib/slamdb/view/page/colours";
+import { category, kColourModes, legend, originNumbers, palette, scaleColour, shade } from "../../../lib/slamdb/view/page/colours";
 import { DamagedData, Varints } from "../../../lib/slamdb/view/page/columns";
 import { fromBase64, readScene, type Block } from "../../../lib/slamdb/view/page/data";
 import { recordedTime, shortly, sinceBegin, summary } from "../../../lib/slamdb/view/page/describe";
@@ -18,10 +18,10 @@ import { buildTrajectory, isBreak, kKeyframeBit, frustum, usualFrustum } from ".
 import { nearestNumber, selectionOf } from "../../../lib/slamdb/view/page/pick";
 import { inOrder, rowOfIndex } from "../../../lib/slamdb/view/page/points";
 import { scaleOf } from "../../../lib/slamdb/view/page/scale_bar";
-import { errorOf, idText, mapOfKeyframe, mapOfPoint, pointPosition, type Scene } from "../../../lib/slamdb/view/page/scene";
+import { errorOf, idText, mapOfKeyframe, mapOfPoint, mapTitle, pointPosition, pointsSeenBy, type Scene } from "../../../lib/slamdb/view/page/scene";
 import { findIds } from "../../../lib/slamdb/view/page/search";
 import { readAddress, writeAddress } from "../../../lib/slamdb/view/page/address";
-import { findingPlace, pointsSeenBy } from "../../../lib/slamdb/view/page/highlights";
+import { findingPlace } from "../../../lib/slamdb/view/page/highlights";
 import { Bytes, columnsOf, pack, type PackedPart, type PlainScene } from "./encoder";
 import { comparison, hall, numbers, withKeypoints } from "./scenes";
 
@@ -92,7 +92,7 @@ test("who sees what, both ways", async () => {
   const model = new Model(await read(plain));
   for (const keyframe of [0, 13, 24, 25, 49]) {
     const wanted = Array.from({ length: 6000 }, (_, row) => row).filter((row) => plain.points.seen(row).includes(keyframe));
-    assert.deepEqual(pointsSeenBy(model, keyframe), wanted);
+    assert.deepEqual(pointsSeenBy(model.scene, keyframe), wanted);
   }
 });
 
@@ -318,6 +318,28 @@ test("colours: every mode has shades and a legend; scales rise in lightness", as
   for (const mode of ["height", "error"] as const) {
     for (let i = 1; i <= 20; ++i) assert.ok(light(scaleColour(mode, i / 20, "dark")) > light(scaleColour(mode, (i - 1) / 20, "dark")));
   }
+});
+
+test("colours: dozens of maps are told apart, on either background", () => {
+  for (const theme of ["dark", "light"] as const) {
+    const colours = Array.from({ length: 24 }, (_, index) => category(index, theme));
+    colours.forEach((a, i) => colours.slice(0, i).forEach((b, j) => assert.ok(distance(a, b) > 18, `${theme}: ${i} ${a} and ${j} ${b}`)));
+    for (const [r, g, b] of colours) {
+      const light = (0.2126 * r + 0.7152 * g + 0.0722 * b) / 255;
+      assert.ok(theme === "dark" ? light > 0.28 : light < 0.6, `${theme}: ${[r, g, b]}`);
+    }
+  }
+});
+
+test("several atlases: each has a clock of its own, and anew after a pause; one map goes by the name of its atlas", async () => {
+  const plain = hall({ maps: 3, keyframes: 4, points: 10 });
+  const [a, b, c] = plain.atlases[0].maps;
+  plain.atlases = [{ ...plain.atlases[0], name: "a.osa", maps: [a, b] }, { ...plain.atlases[0], name: "b.osa", maps: [c] }];
+  const day = 86400;
+  plain.keyframes.time.set([0, 1, 2, 3, 10, 11, day, day + 2, 0.5, 1.5, 2.5, 400 * day]);
+  const scene = await read(plain);
+  assert.deepEqual([0, 3, 5, 6, 7, 8, 10, 11].map((row) => sinceBegin(scene, row)), ["0 s", "3 s", "11 s", "0 s", "2 s", "0 s", "2 s", "0 s"]);
+  assert.deepEqual(scene.maps.map((map) => mapTitle(scene, map)), ["a.osa: map 0", "a.osa: map 1", "b.osa"]);
 });
 
 test("colours: what the shades say", async () => {

@@ -138,7 +138,7 @@ export function withoutStrangers(points: Vec3[]): Vec3[] {
     const sorted = Float64Array.from(points, (p) => p[axis]).sort();
     return [quantile(sorted, 0.05), quantile(sorted, 0.95)];
   });
-  const margin = 0.6 * Math.max(...ends.map(([low, high]) => high - low));
+  const margin = 0.3 * Math.max(...ends.map(([low, high]) => high - low));
   return points.filter((p) => ends.every(([low, high], axis) => p[axis] >= low - margin && p[axis] <= high + margin));
 }
 

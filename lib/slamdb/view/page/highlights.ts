@@ -4,7 +4,7 @@ import { type Theme, statusColour } from "./colours";
 import { addFrustum, frustum, imagePlane, isDrawnKeyframe } from "./keyframes";
 import { type Vec3, add, cross, length, normalized, scale, subtract } from "./maths";
 import type { Model } from "./model";
-import { type Finding, type Scene, Status, birthOf, hasPose, isHiddenPoint, mapOfKeyframe, mapOfPoint } from "./scene";
+import { type Finding, type Scene, Status, birthOf, hasPose, isHiddenPoint, mapOfPoint, pointsSeenBy } from "./scene";
 import { Lines, Marks } from "./shapes";
 import { kPaint } from "./theme";
 
@@ -43,18 +43,6 @@ function lightPoint(model: Model, row: number, lit: Lit, theme: Theme, depth: nu
   }
 }
 
-let lastSeen: { scene: Scene; keyframe: number; points: number[] } | null = null;
-
-/** Rows of the points that a keyframe sees, by the points' own word. The last answer is kept: several ask for the same. */
-export function pointsSeenBy(model: Model, keyframe: number): number[] {
-  const { scene } = model;
-  if (lastSeen?.scene !== scene || lastSeen.keyframe !== keyframe) {
-    const map = mapOfKeyframe(scene, keyframe);
-    lastSeen = { scene, keyframe, points: scene.points.seen.seenBy(keyframe, map.first_point, map.first_point + map.points) };
-  }
-  return lastSeen.points;
-}
-
 function lightKeyframe(model: Model, row: number, lit: Lit, theme: Theme, depth: number): void {
   const { scene, frames } = model;
   const colour = kPaint[theme].selection;
@@ -62,7 +50,7 @@ function lightKeyframe(model: Model, row: number, lit: Lit, theme: Theme, depth:
   const selected = frustum(model, row, depth * kSelectedFrustum);
   addFrustum(lit.lines, selected, colour, 1, 0, 0);
   lit.rings.add(selected.centre, colour);
-  const seen = pointsSeenBy(model, row).filter((point) => !isHiddenPoint(scene, point));
+  const seen = pointsSeenBy(scene, row).filter((point) => !isHiddenPoint(scene, point));
   const rayStep = Math.ceil(seen.length / kMostRays);
   seen.forEach((point, i) => {
     const place = frames.point(point);

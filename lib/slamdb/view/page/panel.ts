@@ -34,7 +34,7 @@ export function buildPanel(model: Model, stage: Stage, resized: () => void): Pan
   const leftOut = h("div", { class: "left-out" }, ...header.left_out.map((text) => h("p", {}, text)), h("p", {}, header.generator));
   refill(
     panel,
-    h("header", {}, h("div", {}, h("h1", {}, header.title), h("p", { class: "sub", id: "summary" }, summary(model.scene))), fold),
+    h("header", {}, h("div", {}, h("h1", { title: header.title }, header.title), h("p", { class: "sub", id: "summary" }, summary(model.scene))), fold),
     buildSearch(model, stage),
     h("div", { class: "scroll", tabindex: "-1" },
       buildColour(model, stage), buildDifferences(model, stage), buildLayers(model), buildFindingsSection(model, stage), buildMaps(model),

@@ -54,8 +54,8 @@ function buildRule(model: Model, stage: Stage, rule: HeaderRule): RuleList {
       begin = wanted;
       const last = Math.min(begin + kListed, end);
       refill(list, ...findings.slice(begin, last).map(({ place, text }, i) => {
-        const item = button(h("span", { class: "place" }, place), () => visitFinding(model, stage, begin + i));
-        item.append(text);
+        const item = button(h("span", { class: "place" }, `${place}:`), () => visitFinding(model, stage, begin + i));
+        item.append(` ${text}`);
         return h("li", {}, item);
       }));
       rest.textContent = last - begin < end - first ? `${grouped(begin - first + 1)} to ${grouped(last - first)} of ${grouped(end - first)}; stepping goes on.` : "";

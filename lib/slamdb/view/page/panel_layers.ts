@@ -57,10 +57,11 @@ export function buildLayers(model: Model): HTMLElement {
     model.changed("size");
   });
   const hasWeights = model.scene.covisibility.count > 0;
-  const weight = hasWeights ? slider("Weight from", { min: 15, max: 300, step: 5, value: settings.minWeight }, (value) => String(value), (value) => {
+  const weight = hasWeights ? slider("Shared points", { min: 15, max: 300, step: 5, value: settings.minWeight }, (value) => `${value}+`, (value) => {
     settings.minWeight = value;
     settings.layers.covisibility = true;
     model.changed("size", "layers");
   }) : null;
+  if (weight) weight.title = "Covisibility edges are drawn between keyframes that share at least as many points";
   return section("Layers", true, ...boxes, size, weight);
 }
