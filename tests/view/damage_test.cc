@@ -130,6 +130,22 @@ TEST_F(ViewDamage, FindingsStandAtWhatTheyAreOf) {
   }
 }
 
+TEST_F(ViewDamage, FindingsTellPlaceRuleAndConsequence) {
+  for (std::size_t i = 0; i < 3; ++i) map.points[i].reference = KeyFrameId(4711);
+  const PageData page = DataOf({&atlas, &atlas}, {.max_findings = 2});
+  const auto& rules = page.header.at("rules");
+  const auto rule = std::ranges::find_if(rules, [](const auto& found) { return found.at("count") == 6; });
+  ASSERT_NE(rule, rules.end()) << rules;
+  EXPECT_FALSE(rule->at("title").get<std::string>().empty());
+  EXPECT_FALSE(rule->at("consequence").get<std::string>().empty());
+  std::vector<std::string> places;
+  for (const auto& finding : page.header.at("findings"))
+    if (finding.at("rule") == rule->at("id")) places.push_back(finding.at("place"));
+  const std::string of_map = ToString(map.id) + ", ";
+  const std::string first = of_map + ToString(map.points[0].id), second = of_map + ToString(map.points[1].id);
+  EXPECT_THAT(places, ElementsAre(first, second, first, second)) << "of both atlases, one behind the other";
+}
+
 TEST_F(ViewDamage, FindingsOfBothAtlasesAreInTheirRows) {
   map.points[8].reference = KeyFrameId(4711);
   const Atlas& sound = SoundAtlas(Base::kTwoMaps);

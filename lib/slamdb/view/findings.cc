@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <functional>
 
 #include "slamdb/view/detail/header.h"
 
@@ -36,26 +37,43 @@ void Locate(const SceneAtlas& atlas, const Place& place, PlacedFinding& finding)
   }
 }
 
+// Rules that found something in any atlas, errors first, else as the catalogue has them.
+std::vector<BrokenRule> RulesOf(const std::vector<CheckReport>& reports, Severity least) {
+  std::vector<BrokenRule> rules;
+  for (const CheckReport& report : reports)
+    for (const RuleResult& result : report.results) {
+      if (result.severity < least) continue;
+      auto rule = std::ranges::find(rules, result.id, &BrokenRule::id);
+      if (rule == rules.end())
+        rule = rules.insert(
+            rules.end(),
+            {.id = result.id, .title = result.title, .consequence = result.consequence, .severity = result.severity});
+      rule->count += result.count;
+    }
+  std::ranges::stable_sort(rules, std::ranges::greater(), &BrokenRule::severity);
+  return rules;
+}
+
 }  // namespace
 
 PlacedFindings PlaceFindings(const Scene& scene, const std::vector<CheckReport>& reports, Severity least) {
-  PlacedFindings placed;
+  PlacedFindings placed{.rules = RulesOf(reports, least)};
   for (std::size_t i = 0; i < reports.size(); ++i)
     for (const RuleResult& result : reports[i].results) {
-      if (result.severity < least) continue;
+      const auto rule = std::ranges::find(placed.rules, result.id, &BrokenRule::id);
+      if (rule == placed.rules.end()) continue;
       placed.left_out += result.count - result.findings.size();
       for (const Finding& finding : result.findings) {
-        placed.findings.push_back({.rule = result.id,
+        placed.findings.push_back({.rule = std::size_t(rule - placed.rules.begin()),
+                                   .place = ToString(finding.place),
                                    .text = finding.message,
                                    .id = {},
-                                   .severity = result.severity,
                                    .kind = {},
                                    .atlas = i});
         Locate(scene.atlases()[i], finding.place, placed.findings.back());
       }
     }
-  std::ranges::stable_sort(placed.findings,
-                           [](const PlacedFinding& a, const PlacedFinding& b) { return a.severity > b.severity; });
+  std::ranges::stable_sort(placed.findings, std::ranges::less(), &PlacedFinding::rule);
   return placed;
 }
 

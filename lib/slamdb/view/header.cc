@@ -141,11 +141,23 @@ Json OriginsJson(const std::vector<AtlasStatistics>& statistics) {
   return list;
 }
 
-Json FindingsJson(const std::vector<PlacedFinding>& findings, const Wording& wording) {
+Json RulesJson(const std::vector<BrokenRule>& rules, const Wording& wording) {
   Json list = Json::array();
-  for (const PlacedFinding& finding : findings)
-    list.push_back({{"rule", finding.rule},
-                    {"severity", ToString(finding.severity)},
+  for (const BrokenRule& rule : rules)
+    list.push_back({{"id", rule.id},
+                    {"severity", ToString(rule.severity)},
+                    {"title", Visible(Worded(rule.title, wording))},
+                    {"consequence", Visible(Worded(rule.consequence, wording))},
+                    {"count", rule.count}});
+  return list;
+}
+
+Json FindingsJson(const PlacedFindings& placed, const Wording& wording) {
+  Json list = Json::array();
+  for (const PlacedFinding& finding : placed.findings)
+    list.push_back({{"rule", placed.rules[finding.rule].id},
+                    {"severity", ToString(placed.rules[finding.rule].severity)},
+                    {"place", finding.place},
                     {"text", Visible(Worded(finding.text, wording))},
                     {"atlas", finding.atlas},
                     {"map", finding.map},
@@ -171,7 +183,8 @@ std::string HeaderJson(const Scene& scene, const Header& header) {
                {"cameras", CamerasJson(scene)},
                {"error_max", Finite(header.error_max)},
                {"merged_from", OriginsJson(header.statistics)},
-               {"findings", FindingsJson(header.findings.findings, header.options.wording)},
+               {"rules", RulesJson(header.findings.rules, header.options.wording)},
+               {"findings", FindingsJson(header.findings, header.options.wording)},
                {"findings_left_out", header.findings.left_out},
                {"diff", nullptr},
                {"origin_of_time", detail::SecondsText(header.origin_of_time)},

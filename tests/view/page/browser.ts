@@ -1,8 +1,10 @@
 // A browser for tests: Debian's chromium with an empty folder of its own, drawing by software.
 
+import assert from "node:assert/strict";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { after } from "node:test";
 import { chromium, type BrowserContext, type Page } from "playwright-core";
 import type { Model } from "../../../lib/slamdb/view/page/model";
 import type { Stage } from "../../../lib/slamdb/view/page/stage";
@@ -113,6 +115,19 @@ export class Opened {
     }, [kind, row] as const);
   }
 
+  /** Rows of points that are not in the part of the view that the panel leaves free. */
+  async outside(): Promise<number[]> {
+    return this.page.evaluate(() => {
+      const { stage, model } = (globalThis as PageGlobals).slamdbView;
+      const { camera } = stage;
+      const rows = Array.from({ length: model.scene.points.count }, (_, row) => row);
+      return rows.filter((row) => {
+        const at = camera.project(model.frames.point(row));
+        return !at || at.x < camera.inset || at.x > camera.width || at.y < 0 || at.y > camera.height;
+      });
+    });
+  }
+
   async selection(): Promise<{ kind: string; row: number } | null> {
     return this.page.evaluate(() => (globalThis as PageGlobals).slamdbView.model.selection);
   }
@@ -136,3 +151,19 @@ export class Opened {
     return [...this.complaints.filter((text) => !/GPU stall due to ReadPixels|GL Driver Message/.test(text)), ...violations];
   }
 }
+
+/** One for all tests of a file; it ends with them. */
+export function viewerForTests(): Viewer {
+  const viewer = new Viewer();
+  after(() => viewer.close());
+  return viewer;
+}
+
+/** Ends the page, which must not have complained. */
+export async function quietly(opened: Opened): Promise<void> {
+  assert.deepEqual(await opened.end(), []);
+}
+
+export const near = (a: number, b: number, by: number): void => assert.ok(Math.abs(a - b) <= by, `${a} is not within ${by} of ${b}`);
+export const isRed = ([r, g, b]: [number, number, number]): boolean => r > 170 && g < 110 && b < 110;
+export const isPink = ([r, g, b]: [number, number, number]): boolean => r > 150 && g < 140 && b > 110 && r - g > 60;

@@ -139,20 +139,27 @@ function seenColumn(scene: PlainScene): Uint8Array {
   return out.done();
 }
 
+const kNoStatistics = { trajectory_length: null, duration: null, mean_error: null, mean_observers: null, components: null };
+
 function headerOf(scene: PlainScene): Uint8Array {
   let point = 0;
   let keyframe = 0;
   const atlases = scene.atlases.map((atlas) => ({
     info: [], format: "ORB-SLAM3 atlas", ...atlas,
     maps: atlas.maps.map((map) => {
-      const placed = { name: "", sensor: atlas.sensor, up: null, statistics: {}, ...map, first_point: point, first_keyframe: keyframe };
+      const placed = { name: `map ${map.id}`, sensor: atlas.sensor, up: null, statistics: kNoStatistics, ...map, first_point: point, first_keyframe: keyframe };
       point += map.points;
       keyframe += map.keyframes;
       return placed;
     }),
   }));
+  const findings = (scene.header?.findings ?? []) as { rule: string; severity: string }[];
+  const rules = [...new Set(findings.map(({ rule }) => rule))].map((id) => {
+    const found = findings.filter(({ rule }) => rule === id);
+    return { id, severity: found[0].severity, title: "all is well", consequence: "stumbles", count: found.length };
+  });
   const header = {
-    version: 1, generator: "slamdb test", title: scene.title, fixed_part: 0, layout: "overlay", atlases, cameras: scene.cameras, error_max: 8, merged_from: [], findings: [],
+    version: 1, generator: "slamdb test", title: scene.title, fixed_part: 0, layout: "overlay", atlases, cameras: scene.cameras.map((camera) => ({ text: camera.model, ...camera })), error_max: 8, merged_from: [], rules, findings: [],
     findings_left_out: 0, diff: null, origin_of_time: "1403640000.000000001", left_out: [], ...scene.header,
   };
   return new TextEncoder().encode(JSON.stringify(header));

@@ -20,7 +20,8 @@ node_modules/.bin/tsc -p "$page"
 node_modules/.bin/tsc -p .
 # As the command's build does it (lib/slamdb/view/CMakeLists.txt).
 esbuild "$page/main.ts" --bundle --minify --target=es2020 --charset=ascii --log-level=warning --outfile="$build/page.js"
-esbuild unit_test.ts browser_test.ts --bundle --platform=node --format=esm --target=node18 --log-level=warning \
+rm -f "$build"/*_test.mjs
+esbuild ./*_test.ts --bundle --platform=node --format=esm --target=node18 --log-level=warning \
   --external:playwright-core --outdir="$build" --out-extension:.js=.mjs
 [ -z "${SLAMDB:-}" ] || SLAMDB=$(realpath "$SLAMDB")
-PAGE_SCRIPT=$PWD/$build/page.js node --test --test-reporter=spec "$build/unit_test.mjs" "$build/browser_test.mjs"
+PAGE_SCRIPT=$PWD/$build/page.js node --test --test-reporter=spec "$build"/*_test.mjs

@@ -11,17 +11,25 @@
 
 namespace slamdb::view {
 
+// A rule that found something, as the check tells of it.
+struct BrokenRule {
+  std::string id, title, consequence;
+  Severity severity = Severity::kNote;
+  std::uint64_t count = 0;  // of all its findings in all atlases, also of those that are left out
+};
+
 // A finding of a check and where it is on the page.
 struct PlacedFinding {
-  std::string rule, text, id;
-  Severity severity = Severity::kNote;
-  std::string_view kind;  // keyframe, point, camera, map, atlas
+  std::size_t rule = 0;         // of PlacedFindings::rules
+  std::string place, text, id;  // place: as the check prints it
+  std::string_view kind;        // keyframe, point, camera, map, atlas
   std::size_t atlas = 0;
   std::int64_t map = -1, row = -1;  // of the scene; -1: none
 };
 
 struct PlacedFindings {
-  std::vector<PlacedFinding> findings;  // errors first
+  std::vector<BrokenRule> rules;        // errors first
+  std::vector<PlacedFinding> findings;  // in the order of the rules
   std::uint64_t left_out = 0;
 };
 

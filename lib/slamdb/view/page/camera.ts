@@ -120,21 +120,19 @@ export class Camera {
     return Number.isFinite(t) && t > 0 ? add(from, scale(ray, t)) : null;
   }
 
-  /** A pose that shows the landmarks from the given side, but for the few that lie far out. */
+  /** A pose that shows all landmarks from the given side, in the middle of what the panel leaves free. */
   framed(landmarks: Vec3[], azimuth: number, elevation: number, plan = false): CameraPose {
-    const target = middle(landmarks);
     const looking = new Camera();
-    looking.pose = { target, distance: 1, azimuth, elevation, plan, aside: 0 };
+    looking.pose = { target: [0, 0, 0], distance: 1, azimuth, elevation, plan, aside: 0 };
     const { right, up, back } = looking.basis();
     const tanY = kTan * 0.9;
     const tanX = (kTan * 0.9 * Math.max(this.width - this.inset, 50)) / this.height;
-    const needed = landmarks.map((p) => {
-      const q = subtract(p, target);
-      const aside = Math.max(Math.abs(dot(q, right)) / tanX, Math.abs(dot(q, up)) / tanY);
-      return plan ? aside : aside + dot(q, back);
-    });
-    const distance = quantile(Float64Array.from(needed).sort(), 0.99);
-    return { target, distance: clamp(distance || 1, kSmallest, kLargest), azimuth, elevation, plan, aside: 0 };
+    const across = spanFrom(landmarks, right, back, plan ? 0 : tanX);
+    const along = spanFrom(landmarks, up, back, plan ? 0 : tanY);
+    const depth = spanFrom(landmarks, back, back, 0);
+    const eye = Math.max(across.half / tanX, along.half / tanY); // in perspective: how far along `back`
+    const target = add(scale(right, across.middle), add(scale(up, along.middle), scale(back, depth.middle)));
+    return { target, distance: clamp((plan ? eye : eye - depth.middle) || 1, kSmallest, kLargest), azimuth, elevation, plan, aside: 0 };
   }
 
   flyTo(to: CameraPose, now: number, duration = 520): void {
@@ -180,6 +178,17 @@ export class Camera {
     };
     return true;
   }
+}
+
+/** Middle and half width of points along an axis, as an eye sees them whose sight widens by `tan` with each step from it. */
+function spanFrom(points: Vec3[], axis: Vec3, back: Vec3, tan: number): { middle: number; half: number } {
+  let low = Infinity, high = -Infinity;
+  for (const p of points) {
+    const at = dot(p, axis), nearer = tan * dot(p, back);
+    low = Math.min(low, at - nearer);
+    high = Math.max(high, at + nearer);
+  }
+  return points.length > 0 ? { middle: (low + high) / 2, half: (high - low) / 2 } : { middle: 0, half: 0 };
 }
 
 /** The middle of what most points are in. */

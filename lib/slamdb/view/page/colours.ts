@@ -3,7 +3,7 @@
 // and Ito, Color Universal Design), cut at the end that would vanish in the background.
 
 import { quantile, rotate } from "./maths";
-import { type Scene, birthOf, errorOf, isHiddenPoint, kStatusNames, mapTitle, originLabel } from "./scene";
+import { type Scene, birthOf, errorOf, isHiddenPoint, kStatusNames, mapTitle, originLabel, placePoint } from "./scene";
 import type { Frames } from "./frames";
 
 export type Rgb = [number, number, number]; // 0 .. 255
@@ -39,7 +39,28 @@ const kStatus: Record<Theme, Rgb[]> = {
   light: [[150, 156, 166], [0, 130, 95], [200, 75, 0], [0, 100, 180], [140, 120, 0]],
 };
 
-export const category = (index: number, theme: Theme): Rgb => kCategories[theme][index % kCategories[theme].length];
+/** The shade of what belongs to no category. */
+const kNoCategory = 255;
+
+/** Behind those that are told apart best, hues that lie as far from each other as they can, in two lightnesses. */
+export function category(index: number, theme: Theme): Rgb {
+  const chosen = kCategories[theme];
+  if (index === kNoCategory) return chosen[chosen.length - 1];
+  if (index < chosen.length) return chosen[index];
+  const more = index - chosen.length;
+  const lightness = theme === "dark" ? [0.8, 0.55] : [0.22, 0.4];
+  return fromHue((more * 137.508 + 205) % 360, 0.75, lightness[more % 2]);
+}
+
+/** HSL: hue in degrees, the others in 0 .. 1. */
+function fromHue(hue: number, saturation: number, lightness: number): Rgb {
+  const reach = saturation * Math.min(lightness, 1 - lightness);
+  return [0, 8, 4].map((n) => {
+    const k = (n + hue / 30) % 12;
+    return 255 * (lightness - reach * Math.max(-1, Math.min(k - 3, 9 - k, 1)));
+  }) as Rgb;
+}
+
 export const statusColour = (status: number, theme: Theme): Rgb => kStatus[theme][status] ?? kStatus[theme][0];
 export const css = (colour: Rgb): string => `rgb(${colour.map(Math.round).join(",")})`;
 
@@ -95,7 +116,7 @@ export function shade(scene: Scene, frames: Frames, mode: ColourMode): Shading {
       const number = originNumbers(scene);
       for (let row = 0; row < points.count; ++row) {
         const keyframe = points.reference[row];
-        shades[row] = keyframe < 0 ? 255 : (number.get(keyframes.origin[keyframe]) ?? 0) % 255;
+        shades[row] = keyframe < 0 ? kNoCategory : (number.get(keyframes.origin[keyframe]) ?? 0) % kNoCategory;
       }
       return result(true);
     }
@@ -134,16 +155,13 @@ function shadeHeight(scene: Scene, frames: Frames, shades: Uint8Array): Shading 
     // The third row of the turn: what of x, y and z goes up.
     const { rotation, translation } = frames.own[map.index];
     const up = [rotate(rotation, [1, 0, 0])[2], rotate(rotation, [0, 1, 0])[2], rotate(rotation, [0, 0, 1])[2]];
-    const { frames: blocks, x, y, z } = scene.points;
+    const place = new Float64Array(3);
     for (let row = map.first_point, end = row + map.points; row < end; ++row) {
-      const f = 6 * (map.firstBlock + ((row - map.first_point) >> 12));
-      const height =
-        translation[2] + up[0] * (blocks[f] + blocks[f + 3] * x[row]) + up[1] * (blocks[f + 1] + blocks[f + 4] * y[row]) +
-        up[2] * (blocks[f + 2] + blocks[f + 5] * z[row]);
+      placePoint(scene, map, row, place, 0);
+      const height = translation[2] + up[0] * place[0] + up[1] * place[1] + up[2] * place[2];
       shades[row] = Math.min(255, Math.max(0, (255 * (height - low)) / (high - low)));
     }
   }
-  for (const row of scene.points.far.keys()) shades[row] = Math.min(255, Math.max(0, (255 * (frames.pointHeight(row) - low)) / (high - low)));
   return { mode: "height", shades, categories: false, low, high };
 }
 

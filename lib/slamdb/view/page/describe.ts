@@ -2,9 +2,8 @@
 
 import { counted, durationText, rounded } from "./format";
 import type { Model, Selection } from "./model";
-import { type Scene, errorOf, hasPose, idText, isHiddenPoint, mapOfKeyframe, mapOfPoint } from "./scene";
+import { type Scene, errorOf, hasPose, idText, isHiddenPoint, mapOfKeyframe, mapOfPoint, pointsSeenBy } from "./scene";
 import type { Stage } from "./stage";
-import { pointsSeenBy } from "./highlights";
 import { type Vec3, distance, quantile } from "./maths";
 
 export const keyframeName = (scene: Scene, row: number): string => `kf ${idText(scene.keyframes.ids[row])}`;
@@ -13,15 +12,35 @@ export const pointName = (scene: Scene, row: number): string => `mp ${idText(sce
 export const nameOf = (scene: Scene, selection: NonNullable<Selection>): string =>
   selection.kind === "keyframe" ? keyframeName(scene, selection.row) : pointName(scene, selection.row);
 
-/** Since the first keyframe of the scene. */
+const kPause = 6 * 3600; // s without a keyframe: what follows is another recording
+const beginsOf = new WeakMap<Scene, Float64Array>();
+
+/** When the recording of each keyframe began: atlases have one each, or several that lie far apart. */
+function begins(scene: Scene): Float64Array {
+  let found = beginsOf.get(scene);
+  if (!found) {
+    const { time, byTime } = scene.keyframes;
+    found = new Float64Array(time.length);
+    const last = new Map<number, { begin: number; time: number }>(); // by atlas
+    for (const row of byTime) {
+      const { atlas } = mapOfKeyframe(scene, row);
+      const before = last.get(atlas);
+      found[row] = before && !(time[row] - before.time > kPause) ? before.begin : time[row];
+      last.set(atlas, { begin: found[row], time: time[row] });
+    }
+    beginsOf.set(scene, found);
+  }
+  return found;
+}
+
+/** Since the first keyframe of its recording. */
 export function sinceBegin(scene: Scene, row: number): string {
-  const { time, byTime } = scene.keyframes;
-  return durationText(time[row] - time[byTime[0]]);
+  return durationText(scene.keyframes.time[row] - begins(scene)[row]);
 }
 
 /** The time as it was recorded: the decimal digits of the origin are kept. */
 export function recordedTime(scene: Scene, row: number): string {
-  const origin = scene.header.origin_of_time ?? "0";
+  const origin = scene.header.origin_of_time;
   const [whole, digits = ""] = origin.split(".");
   const seconds = Number(`0.${digits || "0"}`) + scene.keyframes.time[row];
   const carry = Math.floor(seconds);
@@ -59,7 +78,7 @@ function surroundings(model: Model, stage: Stage, selection: NonNullable<Selecti
   const usual = Math.max(stage.frustumDepth * 9, 1e-3);
   const { scene, frames } = model;
   const others = selection.kind === "keyframe"
-    ? pointsSeenBy(model, selection.row).filter((row) => !isHiddenPoint(scene, row)).map((row) => frames.point(row))
+    ? pointsSeenBy(scene, selection.row).filter((row) => !isHiddenPoint(scene, row)).map((row) => frames.point(row))
     : [...scene.points.seen.of(selection.row)].filter((row) => hasPose(scene, row)).map((row) => frames.keyframe(row));
   const away = others.map((other) => distance(place, other));
   return Math.max(usual, Math.min(usual * 4, quantile(Float64Array.from(away).sort(), 0.5) * 0.8));

@@ -82,7 +82,7 @@ export class Frames {
     return this.visible[map.index];
   }
 
-  /** Some points and all keyframes of maps that are shown, for framing. */
+  /** Some points and keyframes of maps that are shown, without strangers: for framing. */
   landmarks(maps: number[] = this.scene.maps.map((map) => map.index)): Vec3[] {
     const asked = maps.filter((index) => this.visible[index]);
     return (asked.length > 0 ? asked : maps).flatMap((index) => {
@@ -114,21 +114,32 @@ export class Frames {
 
   private sample(map: SceneMap): Vec3[] {
     const { scene } = this;
-    const found: Vec3[] = [];
-    const take = (p: Vec3): void => {
+    const points: Vec3[] = [];
+    const centres: Vec3[] = [];
+    const take = (list: Vec3[], p: Vec3): void => {
       const upright = transform(this.own[map.index], p);
-      if (isFinitePoint(upright)) found.push(upright);
+      if (isFinitePoint(upright)) list.push(upright);
     };
     const share = Math.max(1, Math.ceil(scene.points.count / kSamples));
     for (let row = map.first_point; row < map.first_point + map.points; row += share) {
-      if (!isHiddenPoint(scene, row)) take(pointPosition(scene, map, row));
+      if (!isHiddenPoint(scene, row)) take(points, pointPosition(scene, map, row));
     }
     const step = Math.max(1, Math.ceil(scene.keyframes.count / kSamples));
     for (let row = map.first_keyframe; row < map.first_keyframe + map.keyframes; row += step) {
-      if (hasPose(scene, row)) take(keyframeCentre(scene, row));
+      if (hasPose(scene, row)) take(centres, keyframeCentre(scene, row));
     }
-    return found;
+    return [...withoutStrangers(points), ...withoutStrangers(centres)];
   }
+}
+
+/** Without those far out of the box of the most: a picture of all would show the others small. */
+export function withoutStrangers(points: Vec3[]): Vec3[] {
+  const ends = [0, 1, 2].map((axis) => {
+    const sorted = Float64Array.from(points, (p) => p[axis]).sort();
+    return [quantile(sorted, 0.05), quantile(sorted, 0.95)];
+  });
+  const margin = 0.3 * Math.max(...ends.map(([low, high]) => high - low));
+  return points.filter((p) => ends.every(([low, high], axis) => p[axis] >= low - margin && p[axis] <= high + margin));
 }
 
 /** Turns that take each map's up to z: gravity where the map knows it, else what its cameras hold up on average. Maps without

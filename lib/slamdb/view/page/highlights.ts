@@ -4,7 +4,7 @@ import { type Theme, statusColour } from "./colours";
 import { addFrustum, frustum, imagePlane, isDrawnKeyframe } from "./keyframes";
 import { type Vec3, add, cross, length, normalized, scale, subtract } from "./maths";
 import type { Model } from "./model";
-import { type Scene, Status, birthOf, hasPose, isHiddenPoint, mapOfKeyframe, mapOfPoint } from "./scene";
+import { type Finding, type Scene, Status, birthOf, hasPose, isHiddenPoint, mapOfPoint, pointsSeenBy } from "./scene";
 import { Lines, Marks } from "./shapes";
 import { kPaint } from "./theme";
 
@@ -43,18 +43,6 @@ function lightPoint(model: Model, row: number, lit: Lit, theme: Theme, depth: nu
   }
 }
 
-let lastSeen: { scene: Scene; keyframe: number; points: number[] } | null = null;
-
-/** Rows of the points that a keyframe sees, by the points' own word. The last answer is kept: several ask for the same. */
-export function pointsSeenBy(model: Model, keyframe: number): number[] {
-  const { scene } = model;
-  if (lastSeen?.scene !== scene || lastSeen.keyframe !== keyframe) {
-    const map = mapOfKeyframe(scene, keyframe);
-    lastSeen = { scene, keyframe, points: scene.points.seen.seenBy(keyframe, map.first_point, map.first_point + map.points) };
-  }
-  return lastSeen.points;
-}
-
 function lightKeyframe(model: Model, row: number, lit: Lit, theme: Theme, depth: number): void {
   const { scene, frames } = model;
   const colour = kPaint[theme].selection;
@@ -62,7 +50,7 @@ function lightKeyframe(model: Model, row: number, lit: Lit, theme: Theme, depth:
   const selected = frustum(model, row, depth * kSelectedFrustum);
   addFrustum(lit.lines, selected, colour, 1, 0, 0);
   lit.rings.add(selected.centre, colour);
-  const seen = pointsSeenBy(model, row).filter((point) => !isHiddenPoint(scene, point));
+  const seen = pointsSeenBy(scene, row).filter((point) => !isHiddenPoint(scene, point));
   const rayStep = Math.ceil(seen.length / kMostRays);
   seen.forEach((point, i) => {
     const place = frames.point(point);
@@ -80,7 +68,7 @@ function lightKeyframe(model: Model, row: number, lit: Lit, theme: Theme, depth:
 export function buildFindings(model: Model, theme: Theme): { all: Marks; current: Marks } {
   const all = new Marks();
   const current = new Marks();
-  (model.scene.header.findings ?? []).forEach(({ severity }, index) => {
+  model.scene.header.findings.forEach(({ severity }, index) => {
     const place = findingPlace(model, index);
     // Notes are normal in sound maps: they are marked, but raise no alarm.
     const colour = severity === "note" ? kPaint[theme].grid : kPaint[theme].finding;
@@ -89,16 +77,21 @@ export function buildFindings(model: Model, theme: Theme): { all: Marks; current
   return { all, current };
 }
 
+/** Whether a finding is of something that is drawn where its map is shown. */
+export function hasPlace(scene: Scene, { kind, row }: Finding): boolean {
+  if (row < 0) return false;
+  if (kind === "point") return row < scene.points.count && !isHiddenPoint(scene, row);
+  return kind === "keyframe" && row < scene.keyframes.count && hasPose(scene, row);
+}
+
 /** Where a finding is; null where it has no place that is drawn. */
 export function findingPlace(model: Model, index: number): Vec3 | null {
-  const finding = model.scene.header.findings?.[index];
-  if (!finding || finding.row < 0) return null;
   const { scene, frames } = model;
-  if (finding.kind === "point" && finding.row < scene.points.count) {
-    return frames.shown(mapOfPoint(scene, finding.row)) && !isHiddenPoint(scene, finding.row) ? frames.point(finding.row) : null;
-  }
-  if (finding.kind === "keyframe" && finding.row < scene.keyframes.count) return isDrawnKeyframe(model, finding.row) ? frames.keyframe(finding.row) : null;
-  return null;
+  const finding = scene.header.findings[index];
+  if (!hasPlace(scene, finding)) return null;
+  const { kind, row } = finding;
+  if (kind === "point") return frames.shown(mapOfPoint(scene, row)) ? frames.point(row) : null;
+  return isDrawnKeyframe(model, row) ? frames.keyframe(row) : null;
 }
 
 /** Arrows from where things were, in the left atlas, to where they are. */

@@ -1,7 +1,7 @@
 // The image of a keyframe as far as a map knows it: its keypoints, those with a map point filled.
 
 import { h } from "./dom";
-import { counted } from "./format";
+import { counted, grouped } from "./format";
 import type { Model } from "./model";
 import { kPaint } from "./theme";
 import type { Theme } from "./colours";
@@ -51,7 +51,7 @@ export function buildImagePlane(model: Model, row: number, theme: Theme, chosen:
     const i = nearestMatched(model, row, (event.clientX - box.left) * scale * 8, (event.clientY - box.top) * scale * 8, 12 * scale * 8);
     if (i >= 0) chosen(keypoints.point[i]);
   });
-  const key = h("p", { class: "key" }, h("span", {}, h("i", { class: "dot" }), `${matched} matched`), h("span", {}, h("i", { class: "dot hollow" }), `${end - begin - matched} not`));
+  const key = h("p", { class: "key" }, h("span", {}, h("i", { class: "dot" }), `${grouped(matched)} with a point`), h("span", {}, h("i", { class: "dot hollow" }), `${grouped(end - begin - matched)} without`));
   return { element: h("div", {}, canvas, key), matched, total: end - begin };
 }
 

@@ -4,11 +4,10 @@ import { nameOf, placeOf, recordedTime, shortly, sinceBegin, visit } from "./des
 import { type Partner, childrenOf, partnersOf } from "./edges";
 import { announce, button, byId, copyText, h, iconButton, refill, rows } from "./dom";
 import { counted, grouped, rounded } from "./format";
-import { pointsSeenBy } from "./highlights";
 import { buildImagePlane } from "./imageplane";
 import type { Vec3 } from "./maths";
 import type { Model, Selection } from "./model";
-import { KeyframeFlag, errorOf, idText, isHiddenPoint, kStatusNames, keyframeCentre, mapOfKeyframe, mapOfPoint, mapTitle, originLabel, pointPosition } from "./scene";
+import { KeyframeFlag, errorOf, idText, isHiddenPoint, kStatusNames, keyframeCentre, mapOfKeyframe, mapOfPoint, mapTitle, originLabel, pointPosition, pointsSeenBy } from "./scene";
 import type { Stage } from "./stage";
 
 const kListed = 48;
@@ -47,7 +46,7 @@ function chips(model: Model, stage: Stage, kind: "keyframe" | "point", list: Par
   const { scene } = model;
   const ids = kind === "keyframe" ? scene.keyframes.ids : scene.points.ids;
   const shown = list.slice(0, kListed).map(({ row, weight }) =>
-    button(idText(ids[row]), () => visit(model, stage, { kind, row }), { "aria-label": `${nameOf(scene, { kind, row })}${weight ? `, weight ${weight}` : ""}`, title: weight ? `weight ${weight}` : undefined }));
+    button(idText(ids[row]), () => visit(model, stage, { kind, row }), { "aria-label": `${nameOf(scene, { kind, row })}${weight ? `, ${counted(weight, "shared point")}` : ""}`, title: weight ? counted(weight, "shared point") : undefined }));
   const rest = list.length - shown.length;
   const copy = iconButton("copy", "Copy these ids", () => void copyText(list.map(({ row }) => ids[row]).join(" ")), { class: "icon small" });
   return h("div", { class: "chips" }, ...shown, rest > 0 ? h("span", { class: "quiet" }, `and ${grouped(rest)} more`) : null, list.length > 1 ? copy : null);
@@ -86,14 +85,14 @@ export function octahedral(x: number, y: number): Vec3 {
 function keyframeParts(model: Model, stage: Stage, row: number): Node[] {
   const { scene } = model;
   const { keyframes } = scene;
-  const seen = pointsSeenBy(model, row);
+  const seen = pointsSeenBy(scene, row);
   const image = buildImagePlane(model, row, stage.theme, (point) => model.select({ kind: "point", row: point }));
   const entries: Entries = [["map", mapTitle(scene, mapOfKeyframe(scene, row))], ["time", recordedTime(scene, row)], ["since begin", sinceBegin(scene, row)]];
   const flags = keyframes.flags[row];
   entries.push(["centre", flags & KeyframeFlag.noPose ? "not finite: not drawn" : `${vectorText(keyframeCentre(scene, row))} ${model.unit}`]);
   const camera = scene.header.cameras[keyframes.camera[row]];
-  entries.push(["camera", camera ? camera.text ?? `${keyframes.camera[row]}: ${camera.model}` : "none"]);
-  entries.push(["points", grouped(seen.length)], ["origin map", originLabel(scene, keyframes.origin[row])]);
+  entries.push(["camera", camera ? camera.text : "none"]);
+  entries.push(["seen by it", counted(seen.length, "point")], ["origin map", originLabel(scene, keyframes.origin[row])]);
   if (flags & KeyframeFlag.bad) entries.push(["state", "bad"]);
   if (keyframes.status) entries.push(["difference", kStatusNames[keyframes.status[row]] ?? "unknown"]);
   const parent = keyframes.parent[row];
@@ -106,7 +105,11 @@ function keyframeParts(model: Model, stage: Stage, row: number): Node[] {
   joined("merges", partnersOf(scene.merges, row));
   const parts: Node[] = [rows(entries)];
   if (image) parts.push(h("h3", {}, counted(image.total, "keypoint")), image.element);
+  // Observations that a point holds and the keyframe has lost, or that are of its right image.
+  if (image && image.matched !== seen.length) {
+    parts.push(h("p", { class: "quiet" }, `${counted(seen.length, "point")} say that this keyframe sees them; ${grouped(image.matched)} are at a keypoint shown here.`));
+  }
   const covisible = partnersOf(scene.covisibility, row);
-  if (covisible.length > 0) parts.push(h("h3", {}, `${grouped(covisible.length)} covisible`), chips(model, stage, "keyframe", covisible));
+  if (covisible.length > 0) parts.push(h("h3", {}, counted(covisible.length, "covisible keyframe")), chips(model, stage, "keyframe", covisible));
   return parts;
 }

@@ -79,7 +79,11 @@ function start(model: Model, stage: Stage, pose: typeof stage.camera.pose | null
     scaleBar();
     tape.place();
   };
-  const fit = (): void => stage.resize(innerWidth, innerHeight, panel.inset());
+  const fit = (): void => {
+    const inset = panel.inset();
+    document.documentElement.style.setProperty("--inset", `${inset}px`);
+    stage.resize(innerWidth, innerHeight, inset);
+  };
   const panel = buildPanel(model, stage, fit);
   const actions = buildActions(model, stage, tape, notice);
   buildToolbar(model, stage, tape, actions);

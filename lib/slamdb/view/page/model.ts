@@ -13,7 +13,7 @@ export type LayerName = (typeof kLayers)[number];
 export type Selection = { kind: "keyframe" | "point"; row: number } | null;
 
 /** What changed: whoever draws or lists it looks again. */
-export type Topic = "layers" | "colour" | "theme" | "frames" | "selection" | "time" | "size" | "camera" | "tape" | "finding";
+export type Topic = "layers" | "colour" | "theme" | "frames" | "selection" | "arrangement" | "time" | "size" | "camera" | "tape" | "finding";
 
 export interface Settings {
   colour: ColourMode;
@@ -38,8 +38,7 @@ export class Model {
     this.frames = new Frames(scene);
     this.settings = usualSettings(scene);
     this.unit = isMetric(scene) ? "m" : "units";
-    const apart = scene.header.layout ? scene.header.layout === "side-by-side" : scene.header.atlases.length > 1;
-    if (!scene.header.diff && apart && scene.header.atlases.length > 1) this.frames.arrangement = "atlases";
+    if (!scene.header.diff && scene.header.layout === "side-by-side" && scene.header.atlases.length > 1) this.frames.arrangement = "atlases";
     this.frames.update();
   }
 
@@ -71,6 +70,7 @@ export class Model {
   setArrangement(arrangement: Arrangement): void {
     this.frames.arrangement = arrangement;
     this.framesChanged();
+    this.changed("arrangement");
   }
 
   setVisible(map: number, visible: boolean): void {
@@ -98,7 +98,7 @@ export class Model {
 
 function usualSettings(scene: Scene): Settings {
   const { header, maps } = scene;
-  const colour: ColourMode = header.diff ? "status" : (header.merged_from?.length ?? 0) > 1 ? "origin" : maps.length > 1 ? "map" : "height";
+  const colour: ColourMode = header.diff ? "status" : header.merged_from.length > 1 ? "origin" : maps.length > 1 ? "map" : "height";
   return {
     colour, theme: "auto", pointSize: 1, frustumSize: 1, minWeight: 30, statuses: 0b11111, time: scene.keyframes.count,
     layers: {

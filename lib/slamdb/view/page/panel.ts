@@ -15,7 +15,6 @@ import type { Stage } from "./stage";
 export interface Panel {
   toggle: () => void;
   inset: () => number;
-  folded: () => boolean;
 }
 
 export function buildPanel(model: Model, stage: Stage, resized: () => void): Panel {
@@ -32,10 +31,10 @@ export function buildPanel(model: Model, stage: Stage, resized: () => void): Pan
     panel.classList.add("folded");
     fold.setAttribute("aria-expanded", "false");
   }
-  const leftOut = h("div", { class: "left-out" }, ...(header.left_out ?? []).map((text) => h("p", {}, text)), h("p", {}, header.generator));
+  const leftOut = h("div", { class: "left-out" }, ...header.left_out.map((text) => h("p", {}, text)), h("p", {}, header.generator));
   refill(
     panel,
-    h("header", {}, h("div", {}, h("h1", {}, header.title), h("p", { class: "sub", id: "summary" }, summary(model.scene))), fold),
+    h("header", {}, h("div", {}, h("h1", { title: header.title }, header.title), h("p", { class: "sub", id: "summary" }, summary(model.scene))), fold),
     buildSearch(model, stage),
     h("div", { class: "scroll", tabindex: "-1" },
       buildColour(model, stage), buildDifferences(model, stage), buildLayers(model), buildFindingsSection(model, stage), buildMaps(model),
@@ -44,7 +43,6 @@ export function buildPanel(model: Model, stage: Stage, resized: () => void): Pan
   panel.hidden = false;
   return {
     toggle,
-    folded: () => panel.classList.contains("folded"),
     inset: () => (narrow.matches || panel.classList.contains("folded") ? 0 : panel.getBoundingClientRect().right),
   };
 }

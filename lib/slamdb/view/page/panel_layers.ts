@@ -4,6 +4,7 @@ import { css } from "./colours";
 import { edgeCount } from "./edges";
 import { checkbox, h, section, slider, swatch } from "./dom";
 import { grouped, rounded } from "./format";
+import { hasPlace } from "./highlights";
 import type { LayerName, Model } from "./model";
 import { type Paint, kPaint, resolvedTheme } from "./theme";
 
@@ -25,7 +26,7 @@ export function layerRows(model: Model): Row[] {
     { layer: "tree", label: "Spanning tree", paint: "tree", count: edges[1] },
     { layer: "loops", label: "Loop edges", paint: "loops", count: edges[2] },
     { layer: "merges", label: "Merge edges", paint: "merges", count: edges[3] },
-    { layer: "findings", label: "Findings", paint: "finding", count: scene.header.findings?.length ?? 0 },
+    { layer: "findings", label: "Findings", paint: "finding", count: scene.header.findings.filter((finding) => hasPlace(scene, finding)).length },
     { layer: "moves", label: "Arrows of what moved" },
     { layer: "rays", label: "Lines of sight of the selection", paint: "selection" },
     { layer: "keypoints", label: "Keypoints of the selection", paint: "selection" },
@@ -56,10 +57,11 @@ export function buildLayers(model: Model): HTMLElement {
     model.changed("size");
   });
   const hasWeights = model.scene.covisibility.count > 0;
-  const weight = hasWeights ? slider("Weight from", { min: 15, max: 300, step: 5, value: settings.minWeight }, (value) => String(value), (value) => {
+  const weight = hasWeights ? slider("Shared points", { min: 15, max: 300, step: 5, value: settings.minWeight }, (value) => `${value}+`, (value) => {
     settings.minWeight = value;
     settings.layers.covisibility = true;
     model.changed("size", "layers");
   }) : null;
+  if (weight) weight.title = "Covisibility edges are drawn between keyframes that share at least as many points";
   return section("Layers", true, ...boxes, size, weight);
 }

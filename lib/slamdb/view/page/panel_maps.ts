@@ -28,7 +28,13 @@ function buildArrangement(model: Model): HTMLElement | null {
     refresh();
     return choice;
   });
-  return h("div", { class: "segments", role: "group", "aria-label": "Arrangement of maps" }, ...buttons);
+  const hint = h("p", { class: "quiet" }, "Every map lies in a frame of its own: unless they were aligned, it means nothing where they overlap.");
+  const explain = (): void => {
+    hint.hidden = scene.header.diff !== null || model.frames.arrangement !== "own";
+  };
+  model.on(["frames"], explain);
+  explain();
+  return h("div", {}, h("div", { class: "segments", role: "group", "aria-label": "Arrangement of maps" }, ...buttons), hint);
 }
 
 function buildMap(model: Model, map: SceneMap): HTMLElement {

@@ -12,14 +12,14 @@ export function buildStatistics(model: Model): HTMLElement {
   const parts: HTMLElement[] = [];
   for (const atlas of scene.header.atlases) {
     if (several) parts.push(h("h3", {}, atlas.name));
-    parts.push(...infoParts(atlas.info ?? []));
+    parts.push(...infoParts(atlas.info));
   }
   for (const map of scene.maps) {
     if (scene.maps.length > 1) parts.push(h("h3", {}, mapTitle(scene, map)));
     parts.push(rows(mapRows(model, map)));
   }
   for (const [index, camera] of scene.header.cameras.entries()) {
-    parts.push(h("h3", {}, `Camera ${index}`), h("p", {}, camera.text ?? `${camera.model} ${camera.width} \u00d7 ${camera.height}`));
+    parts.push(h("h3", {}, `Camera ${index}`), h("p", {}, camera.text));
   }
   return section("Statistics", false, ...parts);
 }
@@ -45,13 +45,12 @@ function infoParts(info: { label: string; value: string }[]): HTMLElement[] {
 }
 
 function mapRows(model: Model, map: SceneMap): [string, string][] {
-  const found: [string, string][] = [];
-  const sensor = map.sensor ?? model.scene.header.atlases[map.atlas].sensor;
-  if (sensor) found.push(["sensor", sensor]);
-  found.push(["keyframes", counted(map.keyframes, "keyframe")], ["points", counted(map.points, "point")]);
-  const { trajectory_length, duration, mean_error, mean_observers, components } = map.statistics ?? {};
-  const add = (label: string, value: number | null | undefined, text: (value: number) => string): void => {
-    if (typeof value === "number") found.push([label, text(value)]);
+  const found: [string, string][] = [
+    ["sensor", map.sensor], ["keyframes", counted(map.keyframes, "keyframe")], ["points", counted(map.points, "point")],
+  ];
+  const { trajectory_length, duration, mean_error, mean_observers, components } = map.statistics;
+  const add = (label: string, value: number | null, text: (value: number) => string): void => {
+    if (value !== null) found.push([label, text(value)]);
   };
   add("trajectory", trajectory_length, (value) => lengthText(value, model.unit));
   add("duration", duration, durationText);

@@ -4,7 +4,7 @@
 import { type Frames, drawnStatuses } from "./frames";
 import { type Context, type Gl, Program, pointAttributes } from "./gl";
 import { matrixOf } from "./maths";
-import { type Scene, type SceneMap, kLastBirth } from "./scene";
+import { type Scene, type SceneMap, kLastBirth, placePoint } from "./scene";
 
 /** The order of strides: bits of the number reversed, so that each fills the widest gap. */
 export const kStrides = [0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15];
@@ -136,18 +136,12 @@ export class PointCloud {
         { location: 2, size: 1, type: gl.UNSIGNED_SHORT, offset: 2 },
       ], 4);
       this.buffers.push({ map, array, looks });
-      const { frames, x, y, z, far } = scene.points;
       const staging = new Float32Array(Math.min(kChunk, map.points) * 3);
       let first = 0;
       let filled = 0;
       for (const offset of kStrides) {
         for (let local = offset; local < map.points; local += kCount) {
-          const row = map.first_point + local;
-          const f = 6 * (map.firstBlock + (local >> 12));
-          staging[filled * 3] = frames[f] + frames[f + 3] * x[row];
-          staging[filled * 3 + 1] = frames[f + 1] + frames[f + 4] * y[row];
-          staging[filled * 3 + 2] = frames[f + 2] + frames[f + 5] * z[row];
-          if (far.size > 0 && far.has(row)) staging.set(far.get(row)!, filled * 3);
+          placePoint(scene, map, map.first_point + local, staging, filled * 3);
           if (++filled === kChunk || first + filled === map.points) {
             gl.bindBuffer(gl.ARRAY_BUFFER, positions);
             gl.bufferSubData(gl.ARRAY_BUFFER, first * 12, staging, 0, filled * 3);

@@ -24,8 +24,8 @@ export function buildScaleBar(model: Model, stage: Stage): () => void {
   place.hidden = false;
   return () => {
     const { pixels, text } = scaleOf(stage.camera.unitsPerPixel(), model.unit);
-    const shown = stage.camera.pose.plan ? text : `${text} at the middle`;
-    if (label.textContent !== shown) label.textContent = shown;
+    if (label.textContent !== text) label.textContent = text;
+    place.title = stage.camera.pose.plan ? "The same everywhere in the plan view" : "In the middle of the view: what is nearer looks longer. In the plan view (P) it is the same everywhere.";
     bar.style.width = `${pixels}px`;
   };
 }

@@ -5,21 +5,21 @@ import type { Quaternion, Vec3 } from "./maths";
 
 export interface HeaderMap {
   id: number | null;
-  name?: string;
-  sensor?: string;
+  name: string;
+  sensor: string;
   first_keyframe: number;
   keyframes: number;
   first_point: number;
   points: number;
   up: Vec3 | null;
-  statistics?: Record<string, number | null>;
+  statistics: Record<"trajectory_length" | "duration" | "mean_error" | "mean_observers" | "components", number | null>;
 }
 
 export interface HeaderAtlas {
   name: string;
-  format?: string;
-  sensor?: string;
-  info?: { label: string; value: string }[];
+  format: string;
+  sensor: string;
+  info: { label: string; value: string }[];
   maps: HeaderMap[];
 }
 
@@ -31,14 +31,24 @@ export interface HeaderCamera {
   fy: number | null;
   cx: number | null; // from the corner of the image, as keypoints are
   cy: number | null;
-  text?: string;
+  text: string;
 }
 
 export type FindingKind = "keyframe" | "point" | "map" | "atlas" | "camera";
 
-export interface Finding {
-  rule: string;
+/** A rule that found something. */
+export interface HeaderRule {
+  id: string;
   severity: string;
+  title: string; // what holds in a sound map
+  consequence: string; // where it does not
+  count: number; // of its findings, also of those that are not in the page
+}
+
+export interface Finding {
+  rule: string; // id of a HeaderRule
+  severity: string;
+  place: string; // map 0, mp 13362
   text: string;
   atlas: number;
   map: number;
@@ -51,17 +61,17 @@ export interface Header {
   version: number;
   generator: string;
   title: string;
-  fixed_part?: number;
-  layout?: "overlay" | "side-by-side"; // of several atlases, to begin with
+  layout: "overlay" | "side-by-side"; // of several atlases, to begin with
   atlases: HeaderAtlas[];
   cameras: HeaderCamera[];
   error_max: number;
-  merged_from?: { id: number; label: string }[];
-  findings?: Finding[];
-  findings_left_out?: number;
-  diff?: { left: number; right: number } | null;
-  origin_of_time?: string;
-  left_out?: string[];
+  merged_from: { id: number; label: string }[];
+  rules: HeaderRule[];
+  findings: Finding[]; // in the order of the rules
+  findings_left_out: number;
+  diff: { left: number; right: number } | null;
+  origin_of_time: string;
+  left_out: string[];
 }
 
 /** A map of the scene: its header, and where it stands in it. */
@@ -166,12 +176,32 @@ function mapOfRow(maps: SceneMap[], row: number, first: "first_point" | "first_k
 export const mapOfPoint = (scene: Scene, row: number): SceneMap => mapOfRow(scene.maps, row, "first_point", "points");
 export const mapOfKeyframe = (scene: Scene, row: number): SceneMap => mapOfRow(scene.maps, row, "first_keyframe", "keyframes");
 
+/** Writes the position of a point, in the frame of its map, into `places` from `at` on. */
+export function placePoint(scene: Scene, map: SceneMap, row: number, places: Float32Array | Float64Array, at: number): void {
+  const { frames, x, y, z, far } = scene.points;
+  if (far.size > 0 && far.has(row)) return places.set(far.get(row)!, at);
+  const f = 6 * (map.firstBlock + Math.floor((row - map.first_point) / kBlockRows));
+  places[at] = frames[f] + frames[f + 3] * x[row];
+  places[at + 1] = frames[f + 1] + frames[f + 4] * y[row];
+  places[at + 2] = frames[f + 2] + frames[f + 5] * z[row];
+}
+
 /** In the frame of its map. */
 export function pointPosition(scene: Scene, map: SceneMap, row: number): Vec3 {
-  const { frames, x, y, z, far } = scene.points;
-  if (far.size > 0 && far.has(row)) return [...far.get(row)!];
-  const f = 6 * (map.firstBlock + Math.floor((row - map.first_point) / kBlockRows));
-  return [frames[f] + frames[f + 3] * x[row], frames[f + 1] + frames[f + 4] * y[row], frames[f + 2] + frames[f + 5] * z[row]];
+  const place = new Float64Array(3);
+  placePoint(scene, map, row, place, 0);
+  return [place[0], place[1], place[2]];
+}
+
+let lastSeen: { scene: Scene; keyframe: number; points: number[] } | null = null;
+
+/** Rows of the points that a keyframe sees, by the points' own word. The last answer is kept: several ask for the same. */
+export function pointsSeenBy(scene: Scene, keyframe: number): number[] {
+  if (lastSeen?.scene !== scene || lastSeen.keyframe !== keyframe) {
+    const map = mapOfKeyframe(scene, keyframe);
+    lastSeen = { scene, keyframe, points: scene.points.seen.seenBy(keyframe, map.first_point, map.first_point + map.points) };
+  }
+  return lastSeen.points;
 }
 
 export function keyframeCentre(scene: Scene, row: number): Vec3 {
@@ -207,9 +237,11 @@ export const isMetric = (scene: Scene): boolean =>
 export const idText = (id: number | null): string => (id === null || id === -1 ? "none" : id < 0 ? String(BigInt.asUintN(64, BigInt(id))) : String(id));
 
 export function mapTitle(scene: Scene, map: SceneMap): string {
-  const name = map.name ? map.name : `map ${idText(map.id)}`;
-  return scene.header.atlases.length > 1 ? `${scene.header.atlases[map.atlas].name}: ${name}` : name;
+  const { atlases } = scene.header;
+  const atlas = atlases[map.atlas];
+  if (atlases.length < 2) return map.name;
+  return atlas.maps.length > 1 ? `${atlas.name}: ${map.name}` : atlas.name;
 }
 
 export const originLabel = (scene: Scene, id: number): string =>
-  scene.header.merged_from?.find((from) => from.id === id)?.label ?? `map ${id}`;
+  scene.header.merged_from.find((from) => from.id === id)?.label ?? `map ${id}`;

@@ -95,6 +95,7 @@ export class Stage {
       this.rebuildAll();
     });
     on(["frames"], () => this.reframe());
+    on(["arrangement"], () => this.showAll());
     on(["size"], () => this.rebuildKeyframes());
     on(["selection"], () => this.rebuildLit());
     on(["finding"], () => this.rebuildFindings());
@@ -187,6 +188,12 @@ export class Stage {
     const landmarks = this.model.frames.landmarks();
     const azimuth = widestAzimuth(landmarks);
     return this.camera.framed(landmarks, plan ? azimuth - 0.3 : azimuth, plan ? Math.PI / 2 : 0.62, plan);
+  }
+
+  /** Flies to where all is seen, from the side from which it is widest. */
+  showAll(plan = this.camera.pose.plan): void {
+    this.camera.flyTo(this.home(plan), performance.now());
+    this.moved();
   }
 
   resize(width: number, height: number, inset: number): void {
@@ -335,10 +342,6 @@ export class Stage {
     }
     shapes.draw(layers.tape, { size: 2.2 * px });
     shapes.draw(layers.tapeEnds, { size: 8 * px });
-  }
-
-  get gridLength(): number {
-    return this.gridCell;
   }
 
   private refreshGrid(): void {

@@ -4,6 +4,7 @@ import { keyframeName, sinceBegin } from "./describe";
 import { byId, h, iconButton, iconOf, refill } from "./dom";
 import { clamp } from "./maths";
 import type { Model } from "./model";
+import { mapOfKeyframe } from "./scene";
 import type { Stage } from "./stage";
 
 export interface Timeline {
@@ -22,12 +23,14 @@ export function buildTimeline(model: Model, stage: Stage): Timeline {
   let begin = 0;
   const perSecond = total / clamp(total / 14, 3, 16);
 
+  // Recordings of different days follow each other: of several atlases the name is told.
+  const where = (row: number): string => (scene.header.atlases.length > 1 ? `${scene.header.atlases[mapOfKeyframe(scene, row).atlas].name}  \u00b7  ` : "");
   const show = (): void => {
     input.value = String(Math.round(settings.time));
     const at = Math.round(settings.time);
     const last = scene.keyframes.byTime[at - 1];
-    const text = at === 0 ? "before the first" : `${keyframeName(scene, last)}  \u00b7  ${sinceBegin(scene, last)}`;
-    output.textContent = text;
+    const text = at === 0 ? "before the first" : `${where(last)}${keyframeName(scene, last)}  \u00b7  ${sinceBegin(scene, last)}`;
+    output.textContent = output.title = text;
     input.setAttribute("aria-valuetext", `${at} of ${total} keyframes, ${text}`);
   };
   const setPlaying = (wanted: boolean): void => {

@@ -16,10 +16,6 @@ export interface Actions {
 }
 
 export function buildActions(model: Model, stage: Stage, tape: Tape, notice: (text: string) => void): Actions {
-  const fly = (plan: boolean): void => {
-    stage.camera.flyTo(stage.home(plan), performance.now());
-    stage.moved();
-  };
   const plan = (): void => {
     const { pose } = stage.camera;
     if (!pose.plan) {
@@ -38,7 +34,7 @@ export function buildActions(model: Model, stage: Stage, tape: Tape, notice: (te
     model.changed("theme");
   };
   return {
-    fit: () => fly(stage.camera.pose.plan), plan, measure: () => tape.toggle(), theme, help: () => toggleHelp(),
+    fit: () => stage.showAll(), plan, measure: () => tape.toggle(), theme, help: () => toggleHelp(),
     picture: () => void savePicture(model, stage).catch((error: Error) => notice(error.message)),
   };
 }
