@@ -175,6 +175,14 @@ export function pointPosition(scene: Scene, map: SceneMap, row: number): Vec3 {
 }
 
 export function keyframeCentre(scene: Scene, row: number): Vec3 {
+/** How far places that differ are apart in each direction; 0 for a point that is stored as it is. */
+export function pointStep(scene: Scene, map: SceneMap, row: number): Vec3 {
+  const { frames, far } = scene.points;
+  if (far.has(row)) return [0, 0, 0];
+  const f = 6 * (map.firstBlock + Math.floor((row - map.first_point) / kBlockRows));
+  return [frames[f + 3], frames[f + 4], frames[f + 5]];
+}
+
   const { pose } = scene.keyframes;
   return [pose[7 * row], pose[7 * row + 1], pose[7 * row + 2]];
 }
@@ -197,6 +205,10 @@ export function errorOf(scene: Scene, row: number): number | null {
 }
 
 /** The map's frame is in metres: told by its sensor. */
+/** px between two errors that differ, about that of a point; errors are stored by their square roots. */
+export const errorStep = (scene: Scene, row: number): number =>
+  scene.header.error_max * (2 * Math.max(1, scene.points.error[row]) - 1) / 254 ** 2;
+
 export const isMetric = (scene: Scene): boolean =>
   scene.maps.some((map) => {
     const sensor = map.sensor ?? scene.header.atlases[map.atlas].sensor ?? "";
