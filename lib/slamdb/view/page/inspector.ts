@@ -98,7 +98,7 @@ function keyframeParts(model: Model, stage: Stage, row: number): Node[] {
   const flags = keyframes.flags[row];
   entries.push(["centre", flags & KeyframeFlag.noPose ? "not finite: not drawn" : `${vectorText(keyframeCentre(scene, row))} ${model.unit}`]);
   const camera = scene.header.cameras[keyframes.camera[row]];
-  entries.push(["camera", camera ? camera.text ?? `${keyframes.camera[row]}: ${camera.model}` : "none"]);
+  entries.push(["camera", camera ? camera.text ?? `${idText(camera.id)}: ${camera.model}` : "none"]);
   entries.push(["points", grouped(seen.length)], ["origin map", originLabel(scene, keyframes.origin[row])]);
   if (flags & KeyframeFlag.bad) entries.push(["state", "bad"]);
   if (keyframes.status) entries.push(["difference", kStatusNames[keyframes.status[row]] ?? "unknown"]);

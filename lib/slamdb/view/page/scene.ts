@@ -24,6 +24,7 @@ export interface HeaderAtlas {
 }
 
 export interface HeaderCamera {
+  id: number | null;
   model: string;
   width: number;
   height: number;
@@ -174,7 +175,6 @@ export function pointPosition(scene: Scene, map: SceneMap, row: number): Vec3 {
   return [frames[f] + frames[f + 3] * x[row], frames[f + 1] + frames[f + 4] * y[row], frames[f + 2] + frames[f + 5] * z[row]];
 }
 
-export function keyframeCentre(scene: Scene, row: number): Vec3 {
 /** How far places that differ are apart in each direction; 0 for a point that is stored as it is. */
 export function pointStep(scene: Scene, map: SceneMap, row: number): Vec3 {
   const { frames, far } = scene.points;
@@ -183,6 +183,7 @@ export function pointStep(scene: Scene, map: SceneMap, row: number): Vec3 {
   return [frames[f + 3], frames[f + 4], frames[f + 5]];
 }
 
+export function keyframeCentre(scene: Scene, row: number): Vec3 {
   const { pose } = scene.keyframes;
   return [pose[7 * row], pose[7 * row + 1], pose[7 * row + 2]];
 }
@@ -204,11 +205,11 @@ export function errorOf(scene: Scene, row: number): number | null {
   return value === 0 ? null : scene.header.error_max * ((value - 1) / 254) ** 2;
 }
 
-/** The map's frame is in metres: told by its sensor. */
 /** px between two errors that differ, about that of a point; errors are stored by their square roots. */
 export const errorStep = (scene: Scene, row: number): number =>
   scene.header.error_max * (2 * Math.max(1, scene.points.error[row]) - 1) / 254 ** 2;
 
+/** The map's frame is in metres: told by its sensor. */
 export const isMetric = (scene: Scene): boolean =>
   scene.maps.some((map) => {
     const sensor = map.sensor ?? scene.header.atlases[map.atlas].sensor ?? "";
