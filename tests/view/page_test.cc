@@ -212,6 +212,8 @@ TEST_F(ViewPageOf, AMergedMapSaysWhatItWasMadeOf) {
   ASSERT_EQ(origins.size(), 2U);
   EXPECT_EQ(origins.at(1).at("id"), 7);
   EXPECT_EQ(origins.at(1).at("label"), "map 7, 1 keyframe");
+  const auto both = DataOf({&merged, &merged}).header.at("merged_from");
+  EXPECT_EQ(both.at(1).at("label"), "map 7") << "each atlas has keyframes of its own";
 }
 
 }  // namespace

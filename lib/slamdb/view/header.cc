@@ -137,7 +137,10 @@ Json OriginsJson(const std::vector<AtlasStatistics>& statistics) {
   Json list = Json::array();
   if (foreign)
     for (const auto& [id, count] : keyframes)
-      list.push_back({{"id", id}, {"label", detail::Concat("map ", id, ", ", detail::Counted(count, "keyframe"))}});
+      list.push_back({{"id", id},
+                      {"label", statistics.size() > 1  // each of them has its own
+                                    ? detail::Concat("map ", id)
+                                    : detail::Concat("map ", id, ", ", detail::Counted(count, "keyframe"))}});
   return list;
 }
 

@@ -149,3 +149,13 @@ test("what hinders is said in words", { skip }, async () => {
     await quietly(opened);
   }
 });
+
+test("statistics say the sensor once, and cameras by their ids", { skip }, async () => {
+  const scene = hall({ sensor: "stereo-or-rgbd" });
+  scene.atlases[0].info = [{ label: "map 0", value: "stereo or RGB-D with IMU" }, { label: "features", value: "12" }];
+  const opened = await viewer.open(viewer.write(scene));
+  const text = (await opened.page.locator("#panel").textContent()) ?? "";
+  assert.ok(text.includes("map 0: stereo or RGB-D with IMU") && !text.includes("stereo-or-rgbd"), text);
+  assert.ok(text.includes("Camera 2") && !text.includes("Camera 0"), text);
+  await quietly(opened);
+});

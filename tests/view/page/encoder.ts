@@ -15,7 +15,7 @@ export interface PlainMap {
 export interface PlainScene {
   title: string;
   atlases: { name: string; sensor: string; maps: PlainMap[]; info?: { label: string; value: string }[] }[];
-  cameras: { model: string; width: number; height: number; fx: number; fy: number; cx: number; cy: number; text?: string }[];
+  cameras: { id: number; model: string; width: number; height: number; fx: number; fy: number; cx: number; cy: number; text?: string }[];
   header?: Record<string, unknown>;
   points: {
     positions: Float32Array;

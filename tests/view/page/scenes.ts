@@ -57,7 +57,7 @@ export function hall({ title = "hall", keyframes = 40, points = 4000, maps = 1, 
       name: "hall.osa", sensor, info: [{ label: "format", value: "ORB-SLAM3 atlas" }],
       maps: Array.from({ length: maps }, (_, id) => ({ id, keyframes, points })),
     }],
-    cameras: [{ model: "pinhole", width: 640, height: 480, fx: 450, fy: 450, cx: 319.5, cy: 239.5 }],
+    cameras: [{ id: 2, model: "pinhole", width: 640, height: 480, fx: 450, fy: 450, cx: 319.5, cy: 239.5 }],
     points: {
       positions, reference, ids: Int32Array.from({ length: P }, (_, row) => row * 2 + 5), error: Uint8Array.from({ length: P }, (_, row) => 1 + (row % 200)),
       seen: (row) => Array.from({ length: observers }, (_, i) => reference[row] + i).filter((keyframe) => keyframe <= last(row)),

@@ -38,14 +38,10 @@ export function sinceBegin(scene: Scene, row: number): string {
   return durationText(scene.keyframes.time[row] - begins(scene)[row]);
 }
 
-/** The time as it was recorded: the decimal digits of the origin are kept. */
+/** The time as it was recorded: the sum is the double that was stored, and has its shortest digits. */
 export function recordedTime(scene: Scene, row: number): string {
-  const origin = scene.header.origin_of_time;
-  const [whole, digits = ""] = origin.split(".");
-  const seconds = Number(`0.${digits || "0"}`) + scene.keyframes.time[row];
-  const carry = Math.floor(seconds);
-  if (!/^-?\d+$/.test(whole) || !Number.isFinite(seconds)) return rounded(Number(origin) + scene.keyframes.time[row], 12);
-  return `${BigInt(whole) + BigInt(carry)}${(seconds - carry).toFixed(6).slice(1).replace(/0+$/, "").replace(/\.$/, "")} s`;
+  const seconds = Number(scene.header.origin_of_time) + scene.keyframes.time[row];
+  return Number.isFinite(seconds) ? `${seconds} s` : "unknown";
 }
 
 /** One line, for the pointer that rests on it. */

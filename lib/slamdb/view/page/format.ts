@@ -19,6 +19,13 @@ export function rounded(value: number, digits = 4): string {
   return String(Number(value.toPrecision(digits)));
 }
 
+/** What was stored in steps, without the digits that a step does not tell: 30.2345 in steps of 0.05 -> 30.2. */
+export function measured(value: number, step: number): number {
+  if (!(step > 0)) return value;
+  const place = Math.ceil(Math.log10(step));
+  return place < 0 ? Number(value.toFixed(Math.min(100, -place))) : Math.round(value / 10 ** place) * 10 ** place;
+}
+
 export const lengthText = (value: number, unit: string): string => `${rounded(value)} ${unit}`;
 
 /** 17.9 s, 1 min 15 s, 11 h 6 min: rounded before it is split, as DurationText of base/detail/amounts.h does. */

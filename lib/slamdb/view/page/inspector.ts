@@ -3,11 +3,11 @@
 import { nameOf, placeOf, recordedTime, shortly, sinceBegin, visit } from "./describe";
 import { type Partner, childrenOf, partnersOf } from "./edges";
 import { announce, button, byId, copyText, h, iconButton, refill, rows } from "./dom";
-import { counted, grouped, rounded } from "./format";
+import { counted, grouped, measured, rounded } from "./format";
 import { buildImagePlane } from "./imageplane";
 import type { Vec3 } from "./maths";
 import type { Model, Selection } from "./model";
-import { KeyframeFlag, errorOf, idText, isHiddenPoint, kStatusNames, keyframeCentre, mapOfKeyframe, mapOfPoint, mapTitle, originLabel, pointPosition, pointsSeenBy } from "./scene";
+import { type Scene, type SceneMap, KeyframeFlag, errorOf, errorStep, idText, isHiddenPoint, kStatusNames, keyframeCentre, mapOfKeyframe, mapOfPoint, mapTitle, originLabel, pointPosition, pointStep, pointsSeenBy } from "./scene";
 import type { Stage } from "./stage";
 
 const kListed = 48;
@@ -40,6 +40,12 @@ function heading(model: Model, stage: Stage, selection: NonNullable<Selection>):
     }, { class: "icon small", "aria-keyshortcuts": "Escape" }));
 }
 
+/** Where a point is, in the digits that the page has of it. */
+export function pointText(scene: Scene, map: SceneMap, row: number): string {
+  const step = pointStep(scene, map, row);
+  return vectorText(pointPosition(scene, map, row).map((value, axis) => measured(value, step[axis])) as Vec3);
+}
+
 const vectorText = (v: Vec3): string => v.map((value) => rounded(value)).join("  ");
 
 function chips(model: Model, stage: Stage, kind: "keyframe" | "point", list: Partner[]): HTMLElement {
@@ -62,8 +68,8 @@ function pointParts(model: Model, stage: Stage, row: number): Node[] {
   const error = errorOf(scene, row);
   const reference = points.reference[row];
   const entries: Entries = [["map", mapTitle(scene, map)]];
-  entries.push(["position", isHiddenPoint(scene, row) ? "not drawn: bad, or not finite" : `${vectorText(pointPosition(scene, map, row))} ${model.unit}`]);
-  entries.push(["reprojection", error === null ? "unknown" : `${rounded(error, 3)} px`]);
+  entries.push(["position", isHiddenPoint(scene, row) ? "not drawn: bad, or not finite" : `${pointText(scene, map, row)} ${model.unit}`]);
+  entries.push(["reprojection", error === null ? "unknown" : `${rounded(measured(error, errorStep(scene, row)), 3)} px`]);
   if (reference >= 0) {
     entries.push(["reference", chips(model, stage, "keyframe", plainly([reference]))]);
     entries.push(["first seen", sinceBegin(scene, reference)], ["origin map", originLabel(scene, scene.keyframes.origin[reference])]);

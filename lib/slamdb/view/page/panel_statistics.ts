@@ -1,6 +1,6 @@
 // The numbers of `info`, as it prints them.
 
-import { mapTitle } from "./scene";
+import { idText, mapTitle } from "./scene";
 import { h, rows, section } from "./dom";
 import { counted, durationText, lengthText, rounded } from "./format";
 import type { Model } from "./model";
@@ -18,8 +18,8 @@ export function buildStatistics(model: Model): HTMLElement {
     if (scene.maps.length > 1) parts.push(h("h3", {}, mapTitle(scene, map)));
     parts.push(rows(mapRows(model, map)));
   }
-  for (const [index, camera] of scene.header.cameras.entries()) {
-    parts.push(h("h3", {}, `Camera ${index}`), h("p", {}, camera.text));
+  for (const camera of scene.header.cameras) {
+    parts.push(h("h3", {}, `Camera ${idText(camera.id)}`), h("p", {}, camera.text));
   }
   return section("Statistics", false, ...parts);
 }
@@ -45,9 +45,9 @@ function infoParts(info: { label: string; value: string }[]): HTMLElement[] {
 }
 
 function mapRows(model: Model, map: SceneMap): [string, string][] {
-  const found: [string, string][] = [
-    ["sensor", map.sensor], ["keyframes", counted(map.keyframes, "keyframe")], ["points", counted(map.points, "point")],
-  ];
+  const found: [string, string][] = [];
+  if (model.scene.header.atlases[map.atlas].info.length === 0) found.push(["sensor", map.sensor]);
+  found.push(["keyframes", counted(map.keyframes, "keyframe")], ["points", counted(map.points, "point")]);
   const { trajectory_length, duration, mean_error, mean_observers, components } = map.statistics;
   const add = (label: string, value: number | null, text: (value: number) => string): void => {
     if (value !== null) found.push([label, text(value)]);

@@ -24,6 +24,7 @@ export interface HeaderAtlas {
 }
 
 export interface HeaderCamera {
+  id: number | null;
   model: string;
   width: number;
   height: number;
@@ -204,6 +205,14 @@ export function pointsSeenBy(scene: Scene, keyframe: number): number[] {
   return lastSeen.points;
 }
 
+/** How far places that differ are apart in each direction; 0 for a point that is stored as it is. */
+export function pointStep(scene: Scene, map: SceneMap, row: number): Vec3 {
+  const { frames, far } = scene.points;
+  if (far.has(row)) return [0, 0, 0];
+  const f = 6 * (map.firstBlock + Math.floor((row - map.first_point) / kBlockRows));
+  return [frames[f + 3], frames[f + 4], frames[f + 5]];
+}
+
 export function keyframeCentre(scene: Scene, row: number): Vec3 {
   const { pose } = scene.keyframes;
   return [pose[7 * row], pose[7 * row + 1], pose[7 * row + 2]];
@@ -225,6 +234,10 @@ export function errorOf(scene: Scene, row: number): number | null {
   const value = scene.points.error[row];
   return value === 0 ? null : scene.header.error_max * ((value - 1) / 254) ** 2;
 }
+
+/** px between two errors that differ, about that of a point; errors are stored by their square roots. */
+export const errorStep = (scene: Scene, row: number): number =>
+  scene.header.error_max * (2 * Math.max(1, scene.points.error[row]) - 1) / 254 ** 2;
 
 /** The map's frame is in metres: told by its sensor. */
 export const isMetric = (scene: Scene): boolean =>
