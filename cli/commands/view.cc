@@ -49,30 +49,20 @@ std::string OutputOf(const ViewVerbOptions& options) {
   return stem + ".html";
 }
 
-// The lines of `slamdb info`, for the panel: a label, two blanks or more, what it says.
+// What `slamdb info` says, for the panel.
 std::vector<ViewFact> FactsOf(const AtlasInfo& info) {
   std::vector<ViewFact> facts;
-  const std::string whole = InfoText(info);
-  std::string_view text = whole;
-  detail::TakeLine(text);  // the name of the file
-  while (!text.empty()) {
-    const std::string_view line = detail::Trimmed(detail::TakeLine(text));
-    const std::size_t gap = line.find("  ");
-    if (gap != std::string_view::npos)
-      facts.push_back({std::string(line.substr(0, gap)), std::string(detail::Trimmed(line.substr(gap)))});
+  for (const InfoSection& section : InfoSections(info)) {
+    if (!section.heading.label.empty()) facts.push_back({section.heading.label, section.heading.value});
+    for (const InfoRow& row : section.rows) facts.push_back({row.label, row.value});
   }
   return facts;
 }
 
-// The atlas `index` of the command line, as the page is told of it.
+// An atlas of the command line, as the page is told of it.
 ViewInput InputOf(const std::string& path, const Atlas& atlas, const Format& format) {
   const auto facts = [&atlas, path, &format](const AtlasStatistics& statistics) {
-    AtlasInfo info{.input = path, .format_id = std::string(format.id), .format_title = std::string(format.title)};
-    if (format.keeps_encoding) info.encoding = atlas.encoding;
-    info.vocabulary = atlas.vocabulary;
-    info.next_ids = atlas.next_ids;
-    info.cameras = atlas.cameras;
-    info.repeated_maps = atlas.repeated_maps.size();
+    AtlasInfo info = InfoOf(atlas, format, path);
     info.statistics = statistics;
     return FactsOf(info);
   };
@@ -96,9 +86,9 @@ ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& no
   for (const std::string& path : options.inputs.paths) {
     const HeldSource held = HoldInput(path, read);
     read.selection = ParseSelection(options.selection, held, read);
-    const Format& format = read.format.empty() ? *FindFormatOfInput(held) : FormatById(read.format);
-    result.atlases.push_back(ReadAtlas(held, read, &notices));
-    result.inputs.push_back(InputOf(path, result.atlases.back(), format));
+    result.atlases.push_back(ReadAtlas(held, read, &notices));  // throws where nothing tells the format
+    const Format* format = read.format.empty() ? FindFormatOfInput(held) : &FormatById(read.format);
+    result.inputs.push_back(InputOf(path, result.atlases.back(), *format));
   }
   return result;
 }
@@ -142,7 +132,6 @@ void WritePage(const std::string& output, const ViewPage& page, AtomicFile& file
     return PrintReport(ToJson(report, options.inputs.paths, output), /*json=*/true, IsStandardOutput(output), console);
   console.PrintWritten(output, {},
                        ": " + Counted(report.maps, "map") + ", " + Counted(report.keyframes, "keyframe") + ", " +
-  page.wording = InCommandWords;
                            Counted(report.points, "point") + "; " + HumanBytes(report.bytes));
 }
 
@@ -160,6 +149,7 @@ ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
   page.notes = console.verbose();
   page.threads = console.threads();
   page.progress = console.MakeProgress();
+  page.wording = InCommandWords;
   return page;
 }
 

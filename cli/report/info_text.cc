@@ -61,12 +61,13 @@ std::string UnitOf(const MapStatistics& map) {
   return map.sensor == MapSensor::kMonocular && !map.imu_initialized ? "units" : "m";
 }
 
-void AddShape(const MapStatistics& map, Table& table) {
+void AddShape(const MapStatistics& map, std::vector<InfoRow>& rows) {
   if (!map.bounding_box.isEmpty())
-    table.Add({"bounding box", VectorText(map.bounding_box.min()) + "  to  " + VectorText(map.bounding_box.max()) +
-                                   " " + UnitOf(map) + ", world with " + (map.imu_initialized ? "z up" : "y down")});
-  table.Add({"trajectory",
-             Short(map.trajectory_length) + " " + UnitOf(map) + " in " + DatedDuration(map.begin_time, map.end_time)});
+    rows.push_back({"bounding box", VectorText(map.bounding_box.min()) + "  to  " + VectorText(map.bounding_box.max()) +
+                                        " " + UnitOf(map) + ", world with " +
+                                        (map.imu_initialized ? "z up" : "y down")});
+  rows.push_back({"trajectory", Short(map.trajectory_length) + " " + UnitOf(map) + " in " +
+                                    DatedDuration(map.begin_time, map.end_time)});
 }
 
 // On the plan right is x; up is y where the world has z up, else z, which the first camera looked along.
@@ -90,29 +91,31 @@ std::vector<bool> DrawnMaps(const AtlasInfo& report) {
   return drawn;
 }
 
-std::string MapText(const MapStatistics& map) {
-  std::string text = "\nmap " + IdText(map.id) + "  " + SensorText(map) + "\n";
-  if (map.keyframes == 0 && map.points == 0) return text;
-  Table table({kLeft, kLeft}, 2);
-  table.Add({"keyframes", WithBad(map.keyframes, map.bad_keyframes)});
-  table.Add({"points", WithBad(map.points, map.bad_points)});
-  if (map.landmarks > 0) table.Add({"landmarks", Grouped(map.landmarks)});
-  table.Add({"features", Grouped(map.features)});
-  table.Add({"observations", Grouped(map.observations) + "; a point is seen by " + Short(map.observers.mean, 3) +
-                                 " keyframes, median " + Short(map.observers.median) + ", at most " +
-                                 Short(map.observers.max, 6)});
+InfoSection SectionOf(const MapStatistics& map) {
+  InfoSection section{.heading = {"map " + IdText(map.id), SensorText(map)}, .rows = {}};
+  if (map.keyframes == 0 && map.points == 0) return section;
+  std::vector<InfoRow>& rows = section.rows;
+  rows.push_back({"keyframes", WithBad(map.keyframes, map.bad_keyframes)});
+  rows.push_back({"points", WithBad(map.points, map.bad_points)});
+  if (map.landmarks > 0) rows.push_back({"landmarks", Grouped(map.landmarks)});
+  rows.push_back({"features", Grouped(map.features)});
+  rows.push_back({"observations", Grouped(map.observations) + "; a point is seen by " + Short(map.observers.mean, 3) +
+                                      " keyframes, median " + Short(map.observers.median) + ", at most " +
+                                      Short(map.observers.max, 6)});
   if (map.reprojection_error.count > 0)
-    table.Add({"reprojection", Short(map.reprojection_error.mean, 3) + " px on average, median " +
-                                   Short(map.reprojection_error.median, 3)});
-  table.Add({"covisibility", Counted(map.covisibility_edges, "edge") + " in " + Counted(map.components, "component")});
+    rows.push_back({"reprojection", Short(map.reprojection_error.mean, 3) + " px on average, median " +
+                                        Short(map.reprojection_error.median, 3)});
+  rows.push_back(
+      {"covisibility", Counted(map.covisibility_edges, "edge") + " in " + Counted(map.components, "component")});
   if (map.loop_edges + map.merge_edges > 0)
-    table.Add({"closures", Counted(map.loop_edges, "loop edge") + ", " + Counted(map.merge_edges, "merge edge")});
-  AddShape(map, table);
-  if (map.has_imu) table.Add({"inertial", InertialText(map)});
-  table.Add({"keyframe ids", "initial " + IdText(map.initial_keyframe) + ", lowest " + IdText(map.lowest_keyframe) +
-                                 ", largest " + std::to_string(map.largest_keyframe_id)});
-  if (HasForeignOrigins(map)) table.Add({"made in", OriginsText(map)});
-  return text + table.ToString();
+    rows.push_back({"closures", Counted(map.loop_edges, "loop edge") + ", " + Counted(map.merge_edges, "merge edge")});
+  AddShape(map, rows);
+  if (map.has_imu) rows.push_back({"inertial", InertialText(map)});
+  rows.push_back({"keyframe ids", "initial " + IdText(map.initial_keyframe) + ", lowest " +
+                                      IdText(map.lowest_keyframe) + ", largest " +
+                                      std::to_string(map.largest_keyframe_id)});
+  if (HasForeignOrigins(map)) rows.push_back({"made in", OriginsText(map)});
+  return section;
 }
 
 std::string CameraText(const Camera& camera) {
@@ -131,21 +134,28 @@ std::string ArchiveText(const ArchiveEncoding& encoding) {
   return text;
 }
 
-std::string HeaderText(const AtlasInfo& report) {
-  Table table({kLeft, kLeft}, 2);
-  table.Add({"format", report.format_title});
-  if (report.encoding) table.Add({"archive", ArchiveText(*report.encoding)});
-  if (report.bytes) table.Add({"size", HumanBytes(*report.bytes)});
+InfoSection HeaderOf(const AtlasInfo& report) {
+  InfoSection section;
+  std::vector<InfoRow>& rows = section.rows;
+  rows.push_back({"format", report.format_title});
+  if (report.encoding) rows.push_back({"archive", ArchiveText(*report.encoding)});
+  if (report.bytes) rows.push_back({"size", HumanBytes(*report.bytes)});
   if (!report.vocabulary.name.empty() || !report.vocabulary.checksum.empty())
-    table.Add({"vocabulary", report.vocabulary.name + "  MD5 " + report.vocabulary.checksum});
+    rows.push_back({"vocabulary", report.vocabulary.name + "  MD5 " + report.vocabulary.checksum});
   const Counters& next = report.next_ids;
-  table.Add({"next ids", "map " + std::to_string(next.map) + ", keyframe " + std::to_string(next.keyframe) +
-                             ", map point " + std::to_string(next.map_point) + ", frame " + std::to_string(next.frame) +
-                             ", camera " + std::to_string(next.camera)});
-  for (const Camera& camera : report.cameras) table.Add({"camera " + IdText(camera.id), CameraText(camera)});
+  rows.push_back({"next ids", "map " + std::to_string(next.map) + ", keyframe " + std::to_string(next.keyframe) +
+                                  ", map point " + std::to_string(next.map_point) + ", frame " +
+                                  std::to_string(next.frame) + ", camera " + std::to_string(next.camera)});
+  for (const Camera& camera : report.cameras) rows.push_back({"camera " + IdText(camera.id), CameraText(camera)});
   if (report.repeated_maps > 0)
-    table.Add({"list of maps", Counted(report.repeated_maps, "entry", "entries") +
-                                   " null or listed twice, which ORB-SLAM3 does not survive; see 'slamdb check'"});
+    rows.push_back({"list of maps", Counted(report.repeated_maps, "entry", "entries") +
+                                        " null or listed twice, which ORB-SLAM3 does not survive; see 'slamdb check'"});
+  return section;
+}
+
+std::string RowsText(const std::vector<InfoRow>& rows) {
+  Table table({kLeft, kLeft}, 2);
+  for (const InfoRow& row : rows) table.Add({row.label, row.value});
   return table.ToString();
 }
 
@@ -164,13 +174,21 @@ std::string PartsText(const std::vector<PartSize>& parts) {
 
 }  // namespace
 
+std::vector<InfoSection> InfoSections(const AtlasInfo& report) {
+  std::vector<InfoSection> sections = {HeaderOf(report)};
+  for (const MapStatistics& map : report.statistics.maps) sections.push_back(SectionOf(map));
+  return sections;
+}
+
 std::string InfoText(const AtlasInfo& report, std::size_t plan_width) {
   constexpr std::size_t kLines = 12, kFewer = 6;  // of one plan, and of each of several
-  std::string text = detail::Visible(report.input) + "\n" + HeaderText(report);
+  const std::vector<InfoSection> sections = InfoSections(report);
+  std::string text = detail::Visible(report.input) + "\n" + RowsText(sections.front().rows);
   const std::vector<MapStatistics>& maps = report.statistics.maps;
   const std::vector<bool> drawn = DrawnMaps(report);
   for (std::size_t row = 0; row < maps.size(); ++row) {
-    text += MapText(maps[row]);
+    const InfoSection& section = sections[row + 1];
+    text += "\n" + section.heading.label + "  " + section.heading.value + "\n" + RowsText(section.rows);
     if (plan_width > 0 && drawn[row] && row < report.paths.size())
       text += PlanOf(maps[row], report.paths[row], plan_width, maps.size() > 1 ? kFewer : kLines);
   }

@@ -82,8 +82,8 @@ TEST_F(View, JsonIsOnStandardErrorBesideAPage) {
 }
 
 TEST_F(View, TellsWhatIsLeftOutInTheWordsOfTheCommand) {
-  const std::string landmarks = SLAMDB_FIXTURES "/mrpt/landmarks.bin";
-  const ProcessResult result = RunSlamdb({"view", landmarks, "-o", In("x.html"), "--json"});
+  ASSERT_EQ(RunSlamdb({"landmarks", "from-points", In("a.osa"), In("m.db"), "-q"}).exit_code, 0);
+  const ProcessResult result = RunSlamdb({"view", In("m.db"), "-o", In("x.html"), "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::string left_out = json::parse(result.out).at("left_out").at(0).get<std::string>();
   EXPECT_THAT(left_out, HasSubstr("`slamdb landmarks to-points` makes points of them"));

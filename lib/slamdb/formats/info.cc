@@ -111,27 +111,33 @@ std::vector<Eigen::Vector3f> PathOf(const Map& map) {
 
 }  // namespace
 
+AtlasInfo InfoOf(const Atlas& atlas, const Format& format, const std::string& input) {
+  AtlasInfo info{.input = input, .format_id = std::string(format.id), .format_title = std::string(format.title)};
+  if (format.keeps_encoding) info.encoding = atlas.encoding;
+  info.vocabulary = atlas.vocabulary;
+  info.next_ids = atlas.next_ids;
+  info.cameras = atlas.cameras;
+  info.repeated_maps = atlas.repeated_maps.size();
+  return info;
+}
+
 AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notices, bool header_only) {
   const HeldSource held = detail::Hold({location.path, location.name}, options);
   const Format& found = detail::FormatToRead(held.source(), options);
-  AtlasInfo info{
-      .input = location.ToString(), .format_id = std::string(found.id), .format_title = std::string(found.title)};
+  std::vector<PartSize> parts;
   options.features = header_only ? FeatureColumns::kNone : FeatureColumns::kGeometry;
-  options.part_sizes = &info.parts;
+  options.part_sizes = &parts;
   Notices unheard;
   const Atlas atlas = detail::ReadInMemory(
       held.source(), [&] { return found.read(held.source(), options, notices == nullptr ? unheard : *notices); });
+  AtlasInfo info = InfoOf(atlas, found, location.ToString());
+  info.parts = std::move(parts);
   std::error_code unknown;
   const std::uint64_t size = std::filesystem::file_size(location.path, unknown);
   if (held.source().memory)
     info.bytes = held.source().memory->size();
   else if (!unknown)
     info.bytes = size;
-  if (found.keeps_encoding) info.encoding = atlas.encoding;
-  info.vocabulary = atlas.vocabulary;
-  info.next_ids = atlas.next_ids;
-  info.cameras = atlas.cameras;
-  info.repeated_maps = atlas.repeated_maps.size();
   if (header_only) return info;
   info.statistics = ComputeStatistics(atlas, options.threads);
   for (const Map& map : atlas.maps) info.paths.push_back(PathOf(map));

@@ -28,6 +28,9 @@ struct AtlasInfo {
   std::vector<std::vector<Eigen::Vector3f>> paths;
 };
 
+// The header of an atlas that was read from `input`, without statistics.
+[[nodiscard]] SLAMDB_EXPORT AtlasInfo InfoOf(const Atlas& atlas, const Format& format, const std::string& input);
+
 // Reads an atlas and describes it.
 // `header_only` leaves out the statistics, which take most of the time.
 //
