@@ -57,7 +57,7 @@ auto TakeEnds(std::string_view text, const Take& take) -> decltype(take(text, te
 
 constexpr const char* kForms = "seconds, or dates (2026-01-31, 2026-01-31T12:00:00Z)";
 constexpr const char* kOneEnd = "; an end may be left out";
-constexpr const char* kCounted = "+10 of them after the first keyframe, -10 before the last";
+constexpr const char* kCounted = "+10 for 10 s after the first keyframe, -10 for 10 s before the last";
 
 std::string CheckTimeRange(const std::string& text) {
   if (ParseTimeRange(text)) return {};
