@@ -62,7 +62,8 @@ class Lines {
 // `3 added, 1 unchanged; lab.db holds 4 atlases`.
 std::string Summary(const AddReport& report) {
   std::string text;
-  for (const AddResult result : {AddResult::kAdded, AddResult::kReplaced, AddResult::kUnchanged, AddResult::kFailed})
+  for (const AddResult result :
+       {AddResult::kAdded, AddResult::kReplaced, AddResult::kUnchanged, AddResult::kFailed, AddResult::kNotTried})
     if (const std::uint64_t count = report.Count(result); count > 0)
       text += (text.empty() ? "" : ", ") + Grouped(count) + " " + std::string(NameOf(result));
   return (text.empty() ? "nothing to add" : text) + "; " + report.store +
@@ -87,11 +88,18 @@ ExitCode RunAdd(const AddVerbOptions& options, Console& console) {
     if (!atlas.failure.empty()) console.Fail(InCommandWords(atlas.failure));
     if (!options.json) lines.Print(atlas);
   };
+  const auto tell = [&](const AddReport& report) {
+    if (options.json)
+      console.PrintData(InCommandWords(ToJson(report)));
+    else if (!console.quiet())
+      console.Print(Summary(report));
+  };
+  add.on_stopped = [&](const AddReport& report) {
+    tell(report);
+    console.Finish();  // before the signal, or the error, ends the program
+  };
   const AddReport report = AddToStore(options.store, inputs, add);
-  if (options.json)
-    console.PrintData(InCommandWords(ToJson(report)));
-  else if (!console.quiet())
-    console.Print(Summary(report));
+  tell(report);
   return report.ok() ? ExitCode::kDone : ExitCode::kFailed;
 }
 
@@ -135,11 +143,13 @@ const Command kAdd = {
     .group = Group::kStore,
     .description =
         R"(Saves atlases, also all of a folder or of another store, in a store, each under the name of its file. Where several files
-have the same name, those of their folders stand before it: monday_map, tuesday_map. An atlas that the store holds as it
-is, by its hash, is left as it is; another one of a name that is taken is refused unless -O saves it as the next revision.
+have the same name, those of their folders stand before it: monday_map, tuesday_map; and where these are the same, too,
+a number behind it: map, map-2. An atlas that the store holds as it is, by its hash, is left as it is, also under a name
+that its path gave it when other files were there; another one of a name that is taken is refused unless -O saves it as
+the next revision.
 
 Each atlas is saved in a transaction of its own while the next is read: what fails leaves the others in the store, and
-Ctrl-C, or a crash, whole atlases only.)",
+Ctrl-C, or a crash, whole atlases only. What ends early says how many atlases were added, and how many not tried.)",
     .done = "All atlases are in the store.",
     .failed = "Some atlas could not be read or saved; the others are in the store.",
     .examples = kExamples,

@@ -158,7 +158,7 @@ const Command kList = {
 are its files with the suffix of atlases (.osa, .db, .mrpt, ...), in natural order. What cannot be read is a line like
 others, with the reason.
 
-LENGTH is that of the trajectory, in metres, or in units of maps without scale; SPAN the time between the first and the
+LENGTH is that of the trajectory, in metres, or in units of maps without scale, `mixed` where an atlas has both; SPAN the time between the first and the
 last keyframe of each map, summed, DATE the first's, where times count from 1970. SIZE is that of the file, or about what
 an atlas takes in its store. Atlases of a store are named STORE.db#NAME on the command line.)",
     .failed = "An input could not be read, or --check found errors.",

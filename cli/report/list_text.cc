@@ -23,8 +23,15 @@ std::string SensorText(const ListedAtlas& atlas) {
   return text + (atlas.summary.has_imu ? " + IMU" : "");
 }
 
+// Whether maps with and without scale are in it, so that no sum of lengths tells anything.
+bool MixesUnits(const AtlasSummary& summary) {
+  return !summary.is_metric &&
+         std::ranges::any_of(summary.sensors, [](MapSensor sensor) { return sensor != MapSensor::kMonocular; });
+}
+
 std::string LengthText(const ListedAtlas& atlas) {
   if (!atlas.summary.begin_time) return {};
+  if (MixesUnits(atlas.summary)) return "mixed";
   return Short(atlas.summary.trajectory_length) + (atlas.summary.is_metric ? " m" : " units");
 }
 

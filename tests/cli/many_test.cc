@@ -235,6 +235,56 @@ TEST_F(Many, AKilledAddLeavesAStoreOfWholeAtlases) {
   }
 }
 
+TEST_F(Many, TwoAddsAtOnceToAStoreThatIsNotThere) {
+  for (int round = 0; round < 5; ++round) {
+    fs::remove(In("s.db"));
+    const ProcessResult both = RunProgram(
+        {"bash", "-c", "\"$0\" add -q \"$1\" \"$2\" & p=$!; \"$0\" add -q \"$1\" \"$2\"; a=$?; wait $p && exit $a",
+         SLAMDB_COMMAND, In("s.db"), Maps()});
+    EXPECT_EQ(both.exit_code, 0) << both.err;
+    EXPECT_EQ(NamesOf(List({In("s.db")})).size(), 4U);
+  }
+}
+
+TEST_F(Many, AnInterruptedAddSaysWhatItDid) {
+  for (int i = 0; i < 40; ++i) fs::copy_file(kTiny, In("maps/a") + std::to_string(i) + ".osa");
+  const ProcessResult stopped =
+      RunProgram({"bash", "-c",
+                  "\"$0\" add --json \"$1\" \"$2\" & p=$!; until [ -s \"$1\" ]; do sleep 0.01; done; kill -s INT $p; "
+                  "wait $p",
+                  SLAMDB_COMMAND, In("k.db"), Maps()});
+  if (stopped.exit_code == 0) GTEST_SKIP() << "it was faster";
+  const json report = json::parse(stopped.out);
+  EXPECT_EQ(BreachOf(report, "add.schema.json"), "");
+  EXPECT_EQ(report.at("added").get<int>() + report.at("not_tried").get<int>(), 44);
+  EXPECT_GT(report.at("not_tried"), 0);
+}
+
+TEST_F(Many, AFullDiskSaysWhatWasAdded) {
+  const ProcessResult full = RunProgram(
+      {"bash", "-c", "ulimit -f 3000; \"$0\" add \"$1\" \"$2\"/tiny2.osa \"$2\"", SLAMDB_COMMAND, In("k.db"), Maps()});
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_THAT(full.out, AllOf(HasSubstr("1 added, 1 failed, 3 not tried; " + In("k.db") + " holds 1 atlas")));
+}
+
+TEST_F(Many, ARowThatWasEditedIsAProblemOfTheList) {
+  ASSERT_EQ(RunSlamdb({"add", In("s.db"), Maps(), "-q"}).exit_code, 0);
+  if (RunProgram({"sqlite3", In("s.db"), "UPDATE atlas SET keyframes = 999999999, bytes = -1 WHERE name = 'tiny2'"})
+          .exit_code == 127)
+    GTEST_SKIP() << "no sqlite3";
+  const ProcessResult list = RunSlamdb({"list", In("s.db")});
+  EXPECT_EQ(list.exit_code, 1);
+  EXPECT_THAT(list.out, AllOf(HasSubstr("tells of 999999999 keyframes where at most"), Not(HasSubstr("PB"))));
+}
+
+TEST_F(Many, MetresAndUnitsAreNotSummed) {
+  ASSERT_EQ(
+      RunSlamdb({"merge", Maps() + "/session_small_a.osa", Maps() + "/mono_small_twice.osa", In("both.osa"), "-q"})
+          .exit_code,
+      0);
+  EXPECT_THAT(RunSlamdb({"list", In("both.osa"), "--columns", "length"}).out, HasSubstr("mixed"));
+}
+
 TEST_F(Many, CheckOfAFolderAndAStore) {
   ASSERT_EQ(RunSlamdb({"add", In("s.db"), Maps(), "-q"}).exit_code, 0);
   for (const std::string& where : {Maps(), In("s.db")}) {

@@ -143,12 +143,110 @@ TEST_F(AddTest, TheSameFileTwice) {
   EXPECT_THAT(Told(Add({In("a.osa"), In("a.osa")})), ElementsAre("added a", "unchanged a"));
 }
 
-TEST_F(AddTest, AnotherInputOfThisRunIsNeverReplaced) {
+TEST_F(AddTest, WhomNoFolderTellsApartGetsANumber) {
   Put("x/a.osa", 1);
   Put("x/a.osa.txt", 2);
-  const AddReport report = Add({In("x")}, {.overwrite = true});
-  EXPECT_THAT(Told(report), ElementsAre("added a", "failed a"));
-  EXPECT_THAT(report.atlases[1].failure, HasSubstr("another input was saved as 'a' just now"));
+  Put("x/a-2.osa", 3);
+  Put("x/y/a.osa", 4);
+  for (const bool overwrite : {false, true})
+    EXPECT_THAT(Told(Add({In("x")}, {.overwrite = overwrite})),
+                ElementsAre(overwrite ? "unchanged a-2" : "added a-2", overwrite ? "unchanged a" : "added a",
+                            overwrite ? "unchanged a-3" : "added a-3"));
+  EXPECT_EQ(HashOfStored("a"), HashOf(Made(1)));
+  EXPECT_EQ(HashOfStored("a-3"), HashOf(Made(2)));
+  store_ = In("deep.db");
+  EXPECT_THAT(Told(Add({In("x")}, {}, true)), ElementsAre("added a-2", "added x_a", "added x_a-2", "added y_a"))
+      << "no longer than it takes";
+}
+
+TEST_F(AddTest, NamesThatClashAreSettledBeforeAnythingIsRead) {
+  Put("k/a_b/c.osa", 1);
+  Put("k/a/b_c.osa", 2);
+  const AddOptions by_path{.name_from = AddOptions::NameFrom::kPath};
+  AddOptions again = by_path;
+  again.overwrite = true;
+  EXPECT_THAT(Told(Add({In("k")}, by_path, true)), ElementsAre("added a_b_c", "added a_b_c-2"));
+  EXPECT_THAT(Told(Add({In("k")}, again, true)), ElementsAre("unchanged a_b_c", "unchanged a_b_c-2"));
+  fs::remove(In("k/a/b_c.osa"));
+  EXPECT_THAT(Told(Add({In("k")}, again, true)), ElementsAre("unchanged a_b_c-2")) << "whoever is left";
+  EXPECT_THAT(Names(), ElementsAre("a_b_c", "a_b_c-2"));
+  EXPECT_EQ(HashOfStored("a_b_c"), HashOf(Made(2)));
+}
+
+TEST_F(AddTest, AnotherInputOfThisRunIsNeverReplaced) {
+  Put("a.osa", 1);
+  WriteAtlas(Made(2), In("one.db#a"), {.sync = false});
+  WriteAtlas(Made(1), store_ + "#a", {.sync = false});
+  AddOptions options{.overwrite = true};
+  options.on_done = [&](const AddedAtlas&) { WriteAtlas(Made(3), In("a.osa"), {.overwrite = true}); };
+  const AddReport report = Add({In("a.osa"), In("a.osa")}, options);  // which changes after it was read
+  EXPECT_EQ(report.atlases[0].result, AddResult::kUnchanged);
+  if (report.atlases[1].result != AddResult::kUnchanged) {  // it may have been read ahead
+    EXPECT_THAT(report.atlases[1].failure, HasSubstr("another input was saved as 'a' just now"));
+  }
+  EXPECT_EQ(HashOfStored("a"), HashOf(Made(1)));
+}
+
+TEST_F(AddTest, WhatIsThereKeepsItsNameWhenOthersCome) {
+  Put("maps/lab.osa", 1);
+  Add({In("maps")});
+  Put("maps/sub/lab.osa", 2);
+  const AddReport more = Add({In("maps")}, {}, true);
+  EXPECT_THAT(Told(more), ElementsAre("unchanged lab", "added sub_lab"));
+  EXPECT_THAT(TextOf(more.atlases[0].notices), HasSubstr("is in the store as 'lab' and keeps that name"));
+  fs::remove(In("maps/lab.osa"));
+  EXPECT_THAT(Told(Add({In("maps")}, {.overwrite = true}, true)), ElementsAre("unchanged sub_lab"));
+  Put("maps/lab.osa", 3);
+  EXPECT_THAT(Told(Add({In("maps")}, {.overwrite = true}, true)), ElementsAre("added maps_lab", "unchanged sub_lab"));
+  EXPECT_THAT(Names(), ElementsAre("lab", "maps_lab", "sub_lab"));
+}
+
+// Whose file is added by another program between the look at the store and the save.
+TEST_F(AddTest, WhatAnotherProgramAddedMeanwhileIsUnchanged) {
+  Put("maps/a.osa", 1);
+  for (const bool overwrite : {false, true}) {
+    fs::remove(store_);
+    Put("maps/a.osa", 1);
+    WriteAtlas(Made(9), store_ + "#other", {.sync = false});
+    AddOptions options{.overwrite = overwrite};
+    options.on_names = [&](const auto&) { Store::OpenForWriting(store_, {.sync = false}).Save("a", Made(1)); };
+    const AddReport report = Add({In("maps")}, options);
+    EXPECT_THAT(Told(report), ElementsAre("unchanged a"));
+    EXPECT_EQ(report.in_store, 2U);
+    EXPECT_EQ(Store::Open(store_).Log("a").size(), 1U);
+  }
+  fs::remove(store_);
+  AddOptions options{.overwrite = true};
+  WriteAtlas(Made(9), store_ + "#other", {.sync = false});
+  options.on_names = [&](const auto&) { Store::OpenForWriting(store_, {.sync = false}).Save("a", Made(2)); };
+  EXPECT_THAT(Told(Add({In("maps")}, options)), ElementsAre("replaced a"));
+}
+
+TEST_F(AddTest, TheStoreByAnotherPathIsRefused) {
+  Put("maps/a.osa", 1);
+  Add({In("maps")});
+  fs::create_symlink(store_, In("l.db"));
+  EXPECT_THAT(MessageOf([&] { Add({In("maps"), In("l.db")}); }), HasSubstr("is an input, too, as " + In("l.db")));
+  EXPECT_EQ(ErrorOf([&] { Add({store_}); }).kind(), ErrorKind::kUsage);
+  EXPECT_THAT(Told(Add({store_ + "#a"}, {.name = "twin"})), ElementsAre("added twin"));
+}
+
+TEST_F(AddTest, WhatEndsEarlySaysWhatItDid) {
+  for (const std::uint64_t i : {1U, 2U, 3U, 4U}) Put("maps/map" + std::to_string(i) + ".osa", i);
+  struct Stop {};
+  AddReport stopped;
+  AddOptions options;
+  std::size_t done = 0;
+  options.on_done = [&](const AddedAtlas&) { ++done; };
+  options.progress = [&](std::string_view, double) {
+    if (done == 2) throw Stop();
+  };
+  options.on_stopped = [&](const AddReport& report) { stopped = report; };
+  EXPECT_THROW(Add({In("maps")}, options), Stop);
+  EXPECT_THAT(Told(stopped), ElementsAre("added map1", "added map2", "not tried map3", "not tried map4"));
+  EXPECT_EQ(stopped.in_store, 2U);
+  EXPECT_FALSE(stopped.ok());
+  EXPECT_THAT(ToJson(stopped), HasSubstr("\"not_tried\": 2"));
 }
 
 TEST_F(AddTest, AtlasesOfStoresKeepTheirNames) {

@@ -63,6 +63,22 @@ class Adder {
 
   AddReport Run() {
     TellNames();
+    try {
+      AddAll();
+    } catch (...) {
+      for (std::size_t i = report_.atlases.size(); i < inputs_.size(); ++i)
+        report_.atlases.push_back(
+            {.input = inputs_[i].location.ToString(), .name = names_[i].name, .result = AddResult::kNotTried});
+      report_.in_store = held_.size();
+      if (options_.on_stopped) options_.on_stopped(report_);
+      throw;
+    }
+    report_.in_store = store_ ? store_->Names().size() : held_.size();  // others may have added some meanwhile
+    return std::move(report_);
+  }
+
+ private:
+  void AddAll() {
     detail::ReadAhead<Loaded> ahead(inputs_.size(), [this](std::size_t i) { return Read(i); });
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
       Report(i, 0);
@@ -71,11 +87,8 @@ class Adder {
       if (options_.on_done) options_.on_done(loaded.outcome);
       report_.atlases.push_back(std::move(loaded.outcome));
     }
-    report_.in_store = held_.size();
-    return std::move(report_);
   }
 
- private:
   void TellNames() const {
     if (!options_.on_names) return;
     std::vector<std::string> names;
@@ -101,7 +114,8 @@ class Adder {
       read.of<StoreReadOptions>().lock_timeout = options_.lock_timeout;
       loaded.atlas = ReadAtlas(input.location, read, &outcome.notices);
       outcome.summary = Summarize(loaded.atlas);
-      if (options_.dry_run || before_.contains(outcome.name)) outcome.hash = HashOf(loaded.atlas, read.threads);
+      if (options_.dry_run || before_.contains(outcome.name) || !DerivedNamesIn(before_, names_[i]).empty())
+        outcome.hash = HashOf(loaded.atlas, read.threads);
     } catch (const Error& error) {
       outcome.failure = error.what();
     }
@@ -110,24 +124,38 @@ class Adder {
 
   void Add(std::size_t i, Loaded& loaded) {
     AddedAtlas& outcome = loaded.outcome;
-    if (names_[i].with_folder)
-      outcome.notices.Note(Concat(outcome.input, ": is named '", outcome.name,
-                                  "', with its folder, as others would have the same name without"));
+    KeepNameInStore(i, loaded);
     if (const std::string_view lacks = SubstanceOf(loaded.atlas, /*with_bad=*/true).Lacks(); !lacks.empty())
       outcome.notices.Warn(Concat(outcome.input, ": holds no ", lacks));
     const bool taken = held_.contains(outcome.name);
     if (taken && outcome.hash == 0) outcome.hash = HashOf(loaded.atlas, options_.threads);
-    if (taken && held_[outcome.name] == outcome.hash) {
+    if (taken && held_[outcome.name] == outcome.hash)
       outcome.result = AddResult::kUnchanged;
-    } else if (const std::string problem = ProblemOf(outcome, taken); !problem.empty()) {
-      outcome.failure = problem;
-    } else {
-      if (!options_.dry_run) Save(i, loaded);
-      if (!outcome.failure.empty()) return;
+    else if (outcome.failure = ProblemOf(outcome, taken); !outcome.failure.empty())
+      return;
+    else if (options_.dry_run)
       outcome.result = taken ? AddResult::kReplaced : AddResult::kAdded;
-      held_[outcome.name] = outcome.hash;
-      mine_.insert(outcome.name);
-    }
+    else
+      Save(i, loaded);
+    if (!outcome.failure.empty()) return;
+    held_[outcome.name] = outcome.hash;
+    mine_.insert(outcome.name);
+  }
+
+  // Under which it is held as it is, though it would be called otherwise today: names depend on what else is there.
+  void KeepNameInStore(std::size_t i, Loaded& loaded) {
+    AddedAtlas& outcome = loaded.outcome;
+    const std::vector<std::string> names = DerivedNamesIn(held_, names_[i]);
+    if (!names.empty() && outcome.hash == 0) outcome.hash = HashOf(loaded.atlas, options_.threads);
+    const auto is_it = [&](const std::string& name) { return held_.at(name) == outcome.hash; };
+    const bool as_today = held_.contains(outcome.name) && is_it(outcome.name);
+    const auto same = std::ranges::find_if(names, is_it);
+    if (!as_today && same != names.end()) outcome.name = *same;
+    if (outcome.name != names_[i].name)
+      outcome.notices.Note(Concat(outcome.input, ": is in the store as '", outcome.name, "' and keeps that name"));
+    else if (names_[i].with_folder)
+      outcome.notices.Note(Concat(outcome.input, ": is named '", outcome.name,
+                                  "', with its folder, as others would have the same name without"));
   }
 
   // Why it cannot be saved under its name; empty: it can.
@@ -152,17 +180,22 @@ class Adder {
           report_.store,
           {.sync = options_.sync, .lock_timeout = options_.lock_timeout, .progress = options_.progress}));
     try {
-      outcome.hash = store_
-                         ->Save(outcome.name, loaded.atlas,
-                                {.provenance = Concat(options_.provenance, outcome.input),
-                                 .overwrite = options_.overwrite,
-                                 .verify = true,
-                                 .threads = options_.threads,
-                                 .progress = [&](std::string_view, double part) { Report(i, part); }})
-                         .hash;
+      const SaveReport saved = store_->Save(outcome.name, loaded.atlas,
+                                            {.provenance = Concat(options_.provenance, outcome.input),
+                                             .overwrite = options_.overwrite,
+                                             .keep_equal = true,
+                                             .verify = true,
+                                             .threads = options_.threads,
+                                             .progress = [&](std::string_view, double part) { Report(i, part); }});
+      outcome.hash = saved.hash;
+      outcome.result = saved.unchanged  ? AddResult::kUnchanged  // another program saved it meanwhile
+                       : saved.replaced ? AddResult::kReplaced
+                                        : AddResult::kAdded;
     } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kAlreadyExists && error.kind() != ErrorKind::kUsage) throw;
-      outcome.failure = error.what();  // others can still be saved
+      outcome.failure = error.what();
+      if (error.kind() == ErrorKind::kAlreadyExists || error.kind() == ErrorKind::kUsage) return;
+      report_.atlases.push_back(std::move(outcome));  // nor could others be saved
+      throw;
     }
   }
 
@@ -186,7 +219,12 @@ AddReport AddToStore(const std::string& store, const AtlasInputs& inputs, const 
   RequireStore(store, inputs, options);
   std::vector<AtlasInput> others = inputs.atlases;
   std::erase_if(others, [&](const AtlasInput& input) {
-    return !input.below.empty() && detail::IsSameFile(input.location.path, std::nullopt, store, std::nullopt);
+    if (!detail::IsSameFile(input.location.path, std::nullopt, store, std::nullopt)) return false;
+    if (input.below.empty() && options.name.empty())
+      throw Error(ErrorKind::kUsage, store, "",
+                  Concat("is an input, too, as ", input.location.path,
+                         ": leave that out; AddOptions::name gives a single atlas of it another name"));
+    return !input.below.empty();
   });
   return Adder(store, std::move(others), options).Run();
 }

@@ -12,6 +12,10 @@ using detail::Json;
 
 Json JsonOf(const AddedAtlas& atlas) {
   Json json = {{"input", atlas.input}, {"name", atlas.name}, {"result", NameOf(atlas.result)}};
+  if (atlas.result == AddResult::kNotTried) {
+    json["result"] = "not-tried";
+    return json;
+  }
   if (atlas.result == AddResult::kFailed) {
     json["failure"] = atlas.failure;
     return json;
@@ -27,7 +31,7 @@ Json JsonOf(const AddedAtlas& atlas) {
 }  // namespace
 
 std::string_view NameOf(AddResult result) {
-  constexpr std::array<std::string_view, 4> kNames = {"added", "replaced", "unchanged", "failed"};
+  constexpr std::array<std::string_view, 5> kNames = {"added", "replaced", "unchanged", "failed", "not tried"};
   return kNames.at(static_cast<std::size_t>(result));
 }
 
@@ -38,6 +42,7 @@ std::string ToJson(const AddReport& report) {
   for (const AddedAtlas& atlas : report.atlases) json["inputs"].push_back(JsonOf(atlas));
   for (const AddResult result : {AddResult::kAdded, AddResult::kReplaced, AddResult::kUnchanged, AddResult::kFailed})
     json[std::string(NameOf(result))] = report.Count(result);
+  json["not_tried"] = report.Count(AddResult::kNotTried);
   json["atlases"] = report.in_store;
   return detail::JsonText(json);
 }

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
+#include <utility>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/many/names.h"
 
 namespace slamdb::detail {
@@ -29,14 +32,16 @@ std::string Joined(const Parts& parts, std::size_t count) {
   return name;
 }
 
-// As many parts of each path, from its end, as make the names differ, where that can be.
+fs::path WholePath(const AtlasInput& input) {
+  std::error_code ignored;
+  return fs::absolute(input.location.path, ignored).lexically_normal();
+}
+
+// As many parts of each path, from its end, as make the names differ, where that can be. Paths whose names are the same
+// to the root get no longer ones by each other: `a_b/c` and `a/b_c`, `map.osa` and `map.osa.txt`.
 std::vector<StoreName> NamesByStem(const std::vector<AtlasInput>& inputs) {
   std::vector<Parts> parts;
-  for (const AtlasInput& input : inputs) {
-    std::error_code ignored;
-    const fs::path whole = fs::absolute(input.location.path, ignored).lexically_normal();
-    parts.push_back(PartsOf(whole, input.location.name));
-  }
+  for (const AtlasInput& input : inputs) parts.push_back(PartsOf(WholePath(input), input.location.name));
   std::vector<std::size_t> counts(inputs.size(), 1);
   std::vector<StoreName> names(inputs.size());
   for (bool changed = true; changed;) {
@@ -48,13 +53,32 @@ std::vector<StoreName> NamesByStem(const std::vector<AtlasInput>& inputs) {
     changed = false;
     for (const auto& entry : alike) {
       const std::vector<std::size_t>& places = entry.second;
-      const auto is_same = [&](std::size_t i) { return parts[i] == parts[places[0]]; };
-      if (std::ranges::all_of(places, is_same)) continue;
+      const auto whole = [&](std::size_t i) { return Joined(parts[i], parts[i].size()); };
+      if (std::ranges::all_of(places, [&](std::size_t i) { return whole(i) == whole(places[0]); })) continue;
       for (const std::size_t i : places)
         if (counts[i] < parts[i].size()) ++counts[i], changed = true;
     }
   }
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    for (std::size_t count = 1; count <= parts[i].size(); ++count) names[i].derived.push_back(Joined(parts[i], count));
   return names;
+}
+
+// Numbers those that still have the name of another path.
+void Number(const std::vector<AtlasInput>& inputs, std::vector<StoreName>& names) {
+  using Path = std::pair<fs::path, std::string>;
+  std::set<std::string> wanted;
+  for (const StoreName& name : names) wanted.insert(name.name);
+  std::map<std::string, Path> owners;
+  std::map<Path, std::string> numbered;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const Path path(WholePath(inputs[i]), inputs[i].location.name);
+    if (owners.emplace(names[i].name, path).first->second == path) continue;
+    std::string& name = numbered[path];
+    for (std::size_t number = 2; name.empty(); ++number)
+      if (std::string free = Concat(names[i].name, "-", number); wanted.insert(free).second) name = std::move(free);
+    names[i].name = name;
+  }
 }
 
 std::string NameByPath(const AtlasInput& input) {
@@ -65,13 +89,21 @@ std::string NameByPath(const AtlasInput& input) {
 
 }  // namespace
 
+bool IsNumbered(std::string_view name, std::string_view stem) {
+  if (!name.starts_with(stem)) return false;
+  name.remove_prefix(stem.size());
+  if (name.empty()) return true;
+  return name.size() > 1 && name[0] == '-' && name.find_first_not_of("0123456789", 1) == std::string_view::npos;
+}
+
 std::vector<StoreName> StoreNamesOf(const std::vector<AtlasInput>& inputs, const AddOptions& options) {
   if (!options.name.empty()) return std::vector<StoreName>(inputs.size(), {options.name});
   std::vector<StoreName> names;
   if (options.name_from == AddOptions::NameFrom::kStem)
     names = NamesByStem(inputs);
   else
-    for (const AtlasInput& input : inputs) names.push_back({NameByPath(input)});
+    for (const AtlasInput& input : inputs) names.push_back({NameByPath(input), false, {NameByPath(input)}});
+  Number(inputs, names);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     if (inputs[i].location.path == "-") names[i] = {};  // standard input has none
   return names;

@@ -4,9 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <functional>
+#include <thread>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/sqlite/detail/database.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb::store_test {
@@ -20,6 +23,21 @@ pid_t Child(const std::function<void()>& work) {
   const std::string error = ErrorOf(work);
   if (!error.empty()) static_cast<void>(::write(STDERR_FILENO, (error + "\n").data(), error.size() + 1));
   ::_exit(error.empty() ? 0 : 1);
+}
+
+TEST(StoreCrowd, AStoreThatIsBeingMadeIsWaitedFor) {
+  TemporaryFolder folder;
+  const std::string path = folder / "s.db";
+  sqlite::Database maker(path, sqlite::Access::kCreate, 5);
+  maker.UseLog();
+  maker.Execute("SELECT count(*) FROM sqlite_schema");  // opens the log
+  const auto moment = std::chrono::milliseconds(300);
+  std::thread later([&] {
+    std::this_thread::sleep_for(moment);
+    Store::OpenForWriting(path, {.sync = false});
+  });
+  EXPECT_EQ(ErrorOf([&] { Store::Open(path, 60); }), "");
+  later.join();
 }
 
 TEST(StoreCrowd, WritersAndReaders) {

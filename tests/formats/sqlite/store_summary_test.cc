@@ -98,6 +98,35 @@ TEST_F(StoreSummary, OneStepBackLosesNothing) {
   EXPECT_EQ(FirstDifference(LoadFrom(path_), OddAtlas()), "");
 }
 
+TEST_F(StoreSummary, ASecondStepBackIsRefused) {
+  SaveIn(path_, SoundAtlas());
+  MigrateStore(path_, {.back = true, .backup = false});
+  EXPECT_EQ(KindOf([&] { MigrateStore(path_, {.back = true}); }), ErrorKind::kNotPossible);
+  EXPECT_THAT(ErrorOf([&] { MigrateStore(path_, {.back = true, .dry_run = true}); }),
+              HasSubstr("is of version 3 and cannot go further back"));
+}
+
+TEST_F(StoreSummary, ARowThatCannotBeIsAProblem) {
+  SaveIn(path_, SoundAtlas());
+  EXPECT_EQ(Listed().problem, "");
+  for (const auto& [edit, problem] :
+       std::vector<std::pair<std::string, std::string>>{{"maps = 9", "9 maps where at most"},
+                                                        {"keyframes = 999999999", "999999999 keyframes where at most"},
+                                                        {"points = -1", "-1 points where at most"},
+                                                        {"landmarks = 77", "77 landmarks where at most 0 can be"},
+                                                        {"observations = -1", "a negative count of observations"},
+                                                        {"bytes = -1000", "a negative size"},
+                                                        {"trajectory_length = -5", "a trajectory of length -5"},
+                                                        {"trajectory_length = 9e999", "a trajectory of length inf"},
+                                                        {"duration = -1", "a duration of -1 s"},
+                                                        {"begin_time = -9e999", "a time that is not finite"}}) {
+    const std::string whole = Sql(path_, "DROP TABLE IF EXISTS kept; CREATE TABLE kept AS SELECT * FROM atlas");
+    Sql(path_, "UPDATE atlas SET " + edit);
+    EXPECT_THAT(Listed().problem, HasSubstr(problem)) << edit;
+    Sql(path_, "DELETE FROM atlas; INSERT INTO atlas SELECT * FROM kept; DROP TABLE kept");
+  }
+}
+
 // Every query finds in the store what it finds in memory.
 class StoreFind : public StoreSummary {
  protected:

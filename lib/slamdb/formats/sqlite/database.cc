@@ -78,7 +78,7 @@ std::string Explain(int code, int system_error, const std::string& message) {
     case SQLITE_LOCKED:
       return "locked by another program";
     case SQLITE_FULL:
-      return "the disk is full; the store is as it was";
+      return "the disk is full; the store is as it was before this change";
     case SQLITE_CANTOPEN:
       return "the file, or those that SQLite lays beside it, cannot be opened: " +
              (system_error == 0 ? "may its folder be written?" : std::generic_category().message(system_error));

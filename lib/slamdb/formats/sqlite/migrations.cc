@@ -81,6 +81,11 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
     report.from = VersionOf(database);
   }
   PlanSteps(options, migrations, report);
+  if (options.back && report.steps.empty())
+    throw Error(
+        ErrorKind::kNotPossible, path, "",
+        detail::Concat("is of version ", report.from, " and cannot go further back: this slamdb goes back from ",
+                       "its own version, ", migrations.back().number, ", alone"));
   if (!report.steps.empty() && options.back && migrations.back().back.empty())
     throw Error(ErrorKind::kNotPossible, path, "", "there is no way back from version " + std::to_string(report.from));
   if (!report.steps.empty() && options.back) TryStepBack(path, options, migrations.back());

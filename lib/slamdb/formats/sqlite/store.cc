@@ -10,6 +10,7 @@
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
+#include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
@@ -51,6 +52,21 @@ void CheckNotStandardStream(const std::string& path) {
 bool IsEmpty(Database& database) { return database.Integer("SELECT count(*) FROM sqlite_schema") == 0; }
 
 bool IsUnused(Database& database) { return IsEmpty(database) || database.Integer("SELECT count(*) FROM history") == 0; }
+
+// A log, and nothing in it yet: what a store is before its first transaction is committed.
+bool IsBeingMade(Database& database) {
+  if (database.is_image() || database.Integer("PRAGMA application_id") != 0 || !IsEmpty(database)) return false;
+  Statement mode(database, "PRAGMA journal_mode");
+  return mode.Step() && mode.Text(0) == "wal";
+}
+
+// Waits for who makes the store. The index of the log lies there while a program has it open; without one this may be
+// what a power cut left, or the moment before the index is made.
+void WaitUntilMade(Database& database, bool had_index) {
+  constexpr double kMoment = 0.1;
+  Waiting waiting(had_index ? database.lock_timeout() : std::min(kMoment, database.lock_timeout()));
+  for (int attempt = 0; IsBeingMade(database) && StillThere(database) && waiting.Pause(attempt);) ++attempt;
+}
 
 void CreateSchema(Database& database) {
   database.Execute(kNewFile);
@@ -115,6 +131,10 @@ struct Store::State {
 
   bool Has(const std::string& name) {
     return Statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step();
+  }
+  bool Holds(const std::string& name, std::int64_t hash) {
+    Statement statement(database, "SELECT 1 FROM atlas WHERE name = ?1 AND hash = ?2", "table atlas");
+    return statement.BindText(1, name).Bind(2, hash).Step();
   }
   // The row of an atlas, or an error that names those that there are.
   std::int64_t RowOf(const std::string& name) {
@@ -196,8 +216,11 @@ Store& Store::operator=(Store&&) noexcept = default;
 
 Store Store::Open(const std::string& path, double lock_timeout) {
   CheckNotStandardStream(path);
+  std::error_code ignored;
+  const bool had_index = std::filesystem::exists(FilesBeside(path).index, ignored);
   auto state = std::make_unique<State>(
       State{Database(path, Access::kRead, lock_timeout), {.sync = true, .lock_timeout = lock_timeout}, false});
+  WaitUntilMade(state->database, had_index);
   CheckIsStore(state->database, NewestVersion());
   return Store(std::move(state));
 }
@@ -283,6 +306,10 @@ SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const
   const bool was_edited =
       save_options.verify && save_options.overwrite && Has(name) && !IsWhole(name, save_options.threads);
   WriteTransaction transaction = Lock();
+  if (save_options.keep_equal && Holds(name, hashes.Combined())) {
+    transaction.Commit();
+    return {.hash = static_cast<std::uint64_t>(hashes.Combined()), .unchanged = true};
+  }
   if (!save_options.overwrite && Has(name))
     throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");

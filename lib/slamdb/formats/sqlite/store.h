@@ -23,6 +23,7 @@ struct StoredAtlas : AtlasSummary {
   std::uint64_t revision = 0;  // counts the saves under this name, from 1
   std::uint64_t hash = 0;      // HashOf (model/digest.h) of it
   std::string saved_at;        // UTC, `2026-01-31T12:00:00Z`
+  std::string problem;         // what its row says that cannot be, as of one that was edited in SQL; empty: nothing
 };
 
 // What happened to the rows of a table.
@@ -35,13 +36,15 @@ struct SaveReport {
   std::vector<TableChanges> tables;
   std::uint64_t hash = 0;  // HashOf the atlas
   bool replaced = false;   // an atlas of that name was there
+  bool unchanged = false;  // by `keep_equal`: it was there as it is, and nothing was written
 
   SLAMDB_EXPORT TableChanges Total() const;
 };
 
 struct SaveOptions {
-  std::string provenance;  // one line for the history: what made the atlas (`convert session_a.osa`)
-  bool overwrite = true;   // replace the atlas of that name; false: Error (kAlreadyExists), whoever was faster
+  std::string provenance;   // one line for the history: what made the atlas (`convert session_a.osa`)
+  bool overwrite = true;    // replace the atlas of that name; false: Error (kAlreadyExists), whoever was faster
+  bool keep_equal = false;  // an atlas of that name and hash stays as it is, also without `overwrite`
   bool verify = false;  // of an atlas that is replaced: rows that somebody edited are written anew too, at the cost of
                         // a load; false: rows whose recorded hash is that of the new ones stay, whatever they hold
   std::function<void()> before_commit;  // called when all rows are written, right before they are seen; may be empty
@@ -90,6 +93,8 @@ struct StoreOptions {
 class SLAMDB_EXPORT Store {
  public:
   // Opens to read: never changes the file, never makes one, works on read-only disks.
+  //
+  // A store that another program is making right now is waited for, as for a lock.
   //
   // Throws Error:
   //   kNotFound     it is missing
@@ -164,10 +169,10 @@ struct MigrateReport {
 };
 
 // Brings a store to the version of this library, or with `back` to the one before its own.
-// Nothing happens when it is there already.
+// Nothing happens when it is of this version already.
 //
 // Throws Error: kUnsupported for newer stores and the databases of others; kNotPossible when going back would lose
-// something.
+// something, or would be a second step back.
 SLAMDB_EXPORT MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options = {});
 
 }  // namespace slamdb

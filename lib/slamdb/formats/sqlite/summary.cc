@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/summary.h"
 
+#include <cmath>
 #include <optional>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/formats/sqlite/detail/statistics.h"
 
 namespace slamdb::sqlite {
 namespace {
+
+using slamdb::detail::Concat;
 
 // In the order of their bits in atlas.sensors.
 constexpr MapSensor kSensors[] = {MapSensor::kMonocular, MapSensor::kStereoOrRgbd, MapSensor::kFisheyeStereo};
@@ -40,6 +44,55 @@ std::uint64_t BytesOf(Database& database, std::int64_t atlas) {
   std::uint64_t bytes = 0;
   for (const PartSize& part : PartSizesOf(database, atlas)) bytes += part.bytes;
   return bytes;
+}
+
+// What rows can be there at most, by the highest of each map.
+class MostRows {
+ public:
+  explicit MostRows(Database& database)
+      : statement_(database,
+                   Concat("SELECT count(*), ", Most("keyframe"), ", ", Most("map_point"), ", ", Most("landmark"),
+                          " FROM map WHERE atlas = ?1"),
+                   "table map") {}
+
+  // What the row of the atlas says that cannot be; empty: nothing.
+  std::string ProblemOf(std::int64_t row, const StoredAtlas& atlas) {
+    statement_.Bind(1, row).Step();
+    int column = 0;
+    std::string problem;
+    const auto check = [&](std::string_view what, std::uint64_t told) {
+      const auto most = static_cast<std::uint64_t>(statement_.Integer(column++));
+      if (told > most && problem.empty())
+        problem = Concat(static_cast<std::int64_t>(told), " ", what, " where at most ", most, " can be");
+    };
+    check("maps", atlas.maps);
+    check("keyframes", atlas.keyframes);
+    check("points", atlas.points);
+    check("landmarks", atlas.landmarks);
+    statement_.Reset();
+    return problem;
+  }
+
+ private:
+  static std::string Most(std::string_view table) {
+    return Concat("coalesce(sum((SELECT max(row) + 1 FROM ", table,
+                  " WHERE row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295) - (map.row << 32)), 0)");
+  }
+
+  Statement statement_;
+};
+
+// As far as it can be told without the rows.
+std::string ProblemOf(const StoredAtlas& atlas) {
+  const auto is_negative = [](std::uint64_t count) { return static_cast<std::int64_t>(count) < 0; };
+  if (is_negative(atlas.observations)) return "a negative count of observations";
+  if (is_negative(atlas.bytes)) return "a negative size";
+  if (!(std::isfinite(atlas.trajectory_length) && atlas.trajectory_length >= 0))
+    return Concat("a trajectory of length ", atlas.trajectory_length);
+  if (!(std::isfinite(atlas.duration) && atlas.duration >= 0)) return Concat("a duration of ", atlas.duration, " s");
+  if (!std::isfinite(atlas.begin_time.value_or(0)) || !std::isfinite(atlas.end_time.value_or(0)))
+    return "a time that is not finite";
+  return {};
 }
 
 }  // namespace
@@ -81,6 +134,7 @@ std::vector<StoredAtlas> ListAtlases(Database& database) {
                       "FROM atlas ORDER BY name",
                       "table atlas");
   std::vector<StoredAtlas> atlases;
+  MostRows most(database);
   while (statement.Step()) {
     StoredAtlas& atlas = atlases.emplace_back();
     int column = 1;
@@ -92,17 +146,19 @@ std::vector<StoredAtlas> ListAtlases(Database& database) {
     atlas.saved_at = statement.Text(column++);
     if (statement.IsNull(column)) {
       atlas.bytes = BytesOf(database, statement.Integer(0));
-      continue;
+    } else {
+      atlas.sensors = SensorsOf(statement.Integer(column++));
+      atlas.has_imu = number() != 0;
+      atlas.is_metric = number() != 0;
+      atlas.landmarks = number();
+      atlas.trajectory_length = statement.Real(column++);
+      atlas.duration = statement.Real(column++);
+      atlas.begin_time = RealOrNone(statement, column++);
+      atlas.end_time = RealOrNone(statement, column++);
+      atlas.bytes = number();
     }
-    atlas.sensors = SensorsOf(statement.Integer(column++));
-    atlas.has_imu = number() != 0;
-    atlas.is_metric = number() != 0;
-    atlas.landmarks = number();
-    atlas.trajectory_length = statement.Real(column++);
-    atlas.duration = statement.Real(column++);
-    atlas.begin_time = RealOrNone(statement, column++);
-    atlas.end_time = RealOrNone(statement, column++);
-    atlas.bytes = number();
+    atlas.problem = most.ProblemOf(statement.Integer(0), atlas);
+    if (atlas.problem.empty()) atlas.problem = ProblemOf(atlas);
   }
   return atlases;
 }
