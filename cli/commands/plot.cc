@@ -6,6 +6,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/exports.h"
 #include "cli/options.h"
 #include "cli/reference.h"
 #include "slamdb/base/atomic_file.h"
@@ -32,7 +33,9 @@ std::string OutputOf(const PlotVerbOptions& options) {
   if (!options.output.empty()) return options.output;
   if (options.input == "-") RefuseUsage("name the picture of standard input with -o/--output");
   const std::string suffix = options.format.empty() ? "svg" : options.format;
-  return StemOf(Location::Parse(options.input)) + "." + suffix;
+  std::string picture = StemOf(Location::Parse(options.input)) + "." + suffix;
+  GuardDefaultName(picture);
+  return picture;
 }
 
 PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {

@@ -8,6 +8,7 @@
 #include "cli/check_options.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/exports.h"
 #include "cli/many.h"
 #include "cli/options.h"
 #include "slamdb/base/atomic_file.h"
@@ -61,6 +62,7 @@ std::string PageOf(const Location& location, std::set<std::string>& taken) {
 }
 
 void WritePage(const std::string& path, const std::string& page, bool overwrite) {
+  RefuseAtlas(path);
   AtomicFile file(path, {.overwrite = overwrite});
   file.Write(page);
   file.Commit();

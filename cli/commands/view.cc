@@ -10,6 +10,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/exports.h"
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/page_server.h"
@@ -50,7 +51,9 @@ std::string OutputOf(const ViewVerbOptions& options) {
   const std::string& first = options.inputs.paths.front();
   const std::string stem = StemOf(first);
   if (first == "-" || stem.empty()) RefuseUsage("nothing names the page: -o/--output does");
-  return stem + ".html";
+  std::string page = stem + ".html";
+  GuardDefaultName(page);
+  return page;
 }
 
 // The lines of `slamdb info`, for the panel: a label, two blanks or more, what it says.
