@@ -221,8 +221,8 @@ Run AddView(CLI::App& verb) {
       ->type_name("FILE");
   verb.add_flag("-O,--overwrite", options->overwrite, "Replace the page if it is there");
   verb.add_flag("--open", options->open, "Open it in the browser, which BROWSER may name");
-  CLI::Option* serve =
-      verb.add_flag("--serve", options->serve, "Serve it to browsers on this machine instead of writing a file");
+  CLI::Option* serve = verb.add_flag("--serve", options->serve,
+                                     "Serve it to browsers on this machine, and write it only where -o names a file");
   verb.add_option("--port", options->port, "Port to serve it at; by default one that is free")
       ->type_name("N")
       ->needs(serve);
