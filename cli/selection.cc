@@ -105,6 +105,8 @@ void SelectTimes(const Ends<Moment>& times, const std::optional<TimeSpan>& span,
 }
 
 std::string SecondsText(double seconds) {
+  constexpr double kNoTime = 1e15;  // which would only be long
+  if (std::abs(seconds) >= kNoTime) return detail::Digits(seconds);
   std::string text;
   detail::AppendSeconds(text, seconds);
   return text;

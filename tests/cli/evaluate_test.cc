@@ -206,6 +206,17 @@ TEST_F(Evaluate, RefusesWhatMakesNoSense) {
   EXPECT_EQ(Run({kAtlas}).exit_code, 2);
 }
 
+TEST_F(Evaluate, LargeNumbersAreShortAndSaidToBeLarge) {
+  const ProcessResult late = Run({kAtlas, kTruth, "--time-offset", "1e300"});
+  EXPECT_EQ(late.exit_code, 1);
+  EXPECT_THAT(late.err, HasSubstr("1e+300"));
+  EXPECT_LT(late.err.size(), 1000U);
+  std::string far;
+  for (const char* line : {"1 1e300 0 0", "2 0 1e300 0", "3 0 0 1e300"}) far += std::string(line) + " 0 0 0 1\n";
+  const ProcessResult large = Run({Write("far.txt", far), In("far.txt")});
+  EXPECT_THAT(large.err, HasSubstr("squares overflow"));
+}
+
 TEST_F(Evaluate, HostileTrajectoriesAreNoCrash) {
   for (const std::string text : {"", "# nothing\n", "1 2 3\n", "1 0 0 0 0 0 0 1\n", "nan nan nan nan nan nan nan nan\n",
                                  "1 0 0 0 0 0 0 0\n2 0 0 0 0 0 0 0\n3 0 0 0 0 0 0 0\n"}) {
