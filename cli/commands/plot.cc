@@ -9,6 +9,7 @@
 #include "cli/exports.h"
 #include "cli/options.h"
 #include "cli/reference.h"
+#include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/formats.h"
@@ -115,6 +116,7 @@ void BindLook(CLI::App& verb, PlotVerbOptions& options) {
       ->group(kGroup);
   verb.add_option("--scale", options.plot.scale, "Of a PNG: so many pixels for one of the width")
       ->type_name("FACTOR")
+      ->check(CheckFinite)
       ->check(CLI::Range(1.0, 4.0).description({}))
       ->capture_default_str()
       ->group(kGroup);
@@ -139,6 +141,7 @@ void BindReference(CLI::App& verb, PlotVerbOptions& options) {
   verb.add_option("--time-offset", options.plot.alignment.time_offset,
                   "Seconds that the clock of the reference is ahead of the map's")
       ->type_name("SECONDS")
+      ->check(CheckFinite)
       ->group(kGroup);
   CLI::Option* with_scale =
       verb.add_flag("--with-scale", options.with_scale,

@@ -200,6 +200,7 @@ TEST_F(Evaluate, RefusesWhatMakesNoSense) {
   EXPECT_EQ(code({"--errors"}), 2);
   EXPECT_EQ(code({"--max-ate-rmse", "-1"}), 2);
   EXPECT_EQ(code({"--by-index", "--time-offset", "3"}), 2);
+  EXPECT_EQ(code({"--time-offset", "nan"}), 2);
   EXPECT_EQ(code({"--by-index"}), 1) << "601 poses and 14";
   EXPECT_EQ(code({"--times", kTruth}), 2) << "the truth is not of KITTI";
   EXPECT_EQ(Run({kAtlas, In("nowhere.txt")}).exit_code, 1);

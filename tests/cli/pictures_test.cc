@@ -139,6 +139,10 @@ TEST_F(Pictures, ReportPagesDifferByMoreThanCapitals) {
   EXPECT_THAT(names, ElementsAre("index.html", "index_.html", "lab-2.html", "lab.html"));
 }
 
+TEST_F(Pictures, PlotRefusesNumbersThatAreNone) {
+  EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--scale", "nan", "-o", folder_ / "x.png"}).exit_code, 2);
+}
+
 TEST_F(Pictures, ReportOfAnEmptyFolderSaysSo) {
   fs::create_directory(folder_ / "none");
   const ProcessResult result = RunSlamdb({"report", folder_ / "none", "-o", folder_ / "out"});
