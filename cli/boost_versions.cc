@@ -56,7 +56,7 @@ std::optional<std::uint32_t> BoostVersionByName(std::string_view name) {
   const auto parts = detail::Split(name, '.');  // 1.71 and 1.71.0
   if (parts.front() == "1" && (parts.size() == 2 || parts.size() == 3)) {
     const auto minor = detail::ParseNumber<int>(parts[1]);
-    return minor ? VersionOfRelease(*minor) : std::nullopt;
+    return minor && parts[1] == std::to_string(*minor) ? VersionOfRelease(*minor) : std::nullopt;
   }
   const auto system = std::ranges::find(kSystems, name, &System::name);
   return system == std::end(kSystems) ? std::nullopt : VersionOfRelease(system->boost);

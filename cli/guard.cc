@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/exports.h"
 #include "cli/options.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
@@ -80,18 +81,21 @@ bool NamesFiles(const CLI::Option* option) {
 
 void GuardFiles(CLI::App& verb) {
   std::vector<NamedFile> outputs;
+  std::vector<std::string> exports;
   detail::KeepInputs();
   for (CLI::Option* option : verb.get_options(NamesFiles)) {
     const std::optional<Writes> writes = MarkOf(*option);
     for (const std::string& value : option->results()) {
       RefuseEmptyNames(*option, value);
       if (writes && *writes != Writes::kPattern) outputs.push_back(OutputOf(value, *writes));
+      if (writes && *writes == Writes::kFile) exports.push_back(value);
       if (writes) continue;
       const NamedFile input = NamedFile::Of(value, kStandardInput);
       detail::EnterInput(input.path, input.atlas);
     }
   }
   for (const NamedFile& output : outputs) detail::RefuseInput(output.path, output.atlas);
+  for (const std::string& path : exports) RefuseAtlas(path);
   RefuseTwins(outputs);
   detail::RefuseInput(kStandardOutput);  // where verbs speak
 }

@@ -32,10 +32,11 @@ namespace {
 const std::map<std::string, ColourChoice> kColourChoices = {
     {"auto", ColourChoice::kAuto}, {"always", ColourChoice::kAlways}, {"never", ColourChoice::kNever}};
 
-// A verb with a --color of its own takes these words in it too, and sees an empty one.
+// A verb with a --color of its own takes these words in it too, and sees an empty one in their place.
 void AddColour(CLI::App& verb, ColourChoice& colour) {
   if (CLI::Option* own = verb.get_option_no_throw("--color")) {
     own->transform([&colour](std::string word) {
+      if (word.empty()) RefuseUsage("--color: a word is missing");
       const auto choice = kColourChoices.find(word);
       if (choice == kColourChoices.end()) return word;
       colour = choice->second;

@@ -41,7 +41,11 @@ void AddIds(const List& list, const std::string& kind, std::set<std::uint64_t>& 
 // Names of entities of an atlas: `kf/1` -> `kf/1`, `kf/10`, ...; without a slash their kinds.
 std::vector<std::string> EntityNames(const std::string& input, const std::string& word) {
   const std::size_t slash = word.find('/');
-  if (slash == std::string::npos) return {"atlas", "camera/", "map/", "kf/", "mp/", "landmark/"};
+  if (slash == std::string::npos) {
+    std::vector<std::string> kinds = {"atlas", "camera/", "map/", "kf/", "mp/", "landmark/"};
+    std::erase_if(kinds, [&](const std::string& kind) { return !kind.starts_with(word); });
+    return kinds;
+  }
   ReadOptions read;
   read.features = FeatureColumns::kNone;
   const Atlas atlas = ReadAtlas(input, read);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -10,6 +11,8 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/times.h"
+#include "cli/values.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/json.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/georeference.h"
@@ -134,7 +137,13 @@ bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id ==
 // CLI::ValidationError where nothing tells it.
 std::optional<Georeference> WhereOnEarth(const ConvertOptions& options, const Format& output, Notices& notices) {
   if (!IsOnGlobe(output)) return std::nullopt;
-  if (!options.origin.empty()) return Georeference{ParseGeodetic(options.origin), {}};
+  if (!options.origin.empty()) {
+    const Geodetic origin = ParseGeodetic(options.origin);
+    if (std::abs(origin.longitude) > 180)
+      notices.Note(
+          detail::Concat("the longitude ", origin.longitude, " is written as ", std::remainder(origin.longitude, 360)));
+    return Georeference{origin, {}};
+  }
   const std::optional<Georeference> found = FindGeoreference(options.input);
   if (!found)
     RefuseUsage(
@@ -313,10 +322,12 @@ void BindViewerOptions(CLI::App& verb, ConvertOptions& options) {
                   "Where on earth the frame of the maps begins, east, north and up, for KML and GeoJSON; by default as "
                   "`slamdb transform --georeference` keeps it beside the atlas")
       ->type_name("LAT,LON[,ALT]")
+      ->check(CheckPlace)
       ->group(kGroup);
   verb.add_option("--most-points", options.most_points,
                   "Map points to write into KML and GeoJSON, evenly out of all: 10000 by default")
       ->type_name("N")
+      ->check(CheckNonNegative)
       ->group(kGroup);
 }
 

@@ -12,6 +12,7 @@
 #include "cli/report/evaluate_text.h"
 #include "cli/report/layout.h"
 #include "cli/times.h"
+#include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
@@ -193,6 +194,7 @@ void BindPairing(CLI::App& verb, EvaluateVerbOptions& options) {
   CLI::Option* offset = verb.add_option("--time-offset", evaluation.time_offset,
                                         "Seconds that the clock of the truth is ahead of the estimate's")
                             ->type_name("SECONDS")
+                            ->check(CheckFinite)
                             ->group(kGroup);
   CLI::Option* estimate_offset = verb.add_flag("--estimate-time-offset", evaluation.estimate_time_offset,
                                                "Find the time offset under which speeds and paths agree best")

@@ -6,8 +6,10 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/exports.h"
 #include "cli/options.h"
 #include "cli/reference.h"
+#include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/formats.h"
@@ -27,7 +29,9 @@ struct PlotVerbOptions {
 std::string OutputOf(const PlotVerbOptions& options) {
   if (!options.output.empty()) return options.output;
   if (options.input == "-") RefuseUsage("name the picture of standard input with -o/--output");
-  return NameOf(Location(options.input)) + "." + (options.format.empty() ? "svg" : options.format);
+  std::string picture = NameOf(Location(options.input)) + "." + (options.format.empty() ? "svg" : options.format);
+  GuardDefaultName(picture);
+  return picture;
 }
 
 PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
@@ -108,6 +112,7 @@ void BindLook(CLI::App& verb, PlotVerbOptions& options) {
       ->group(kGroup);
   verb.add_option("--scale", options.plot.scale, "Of a PNG: so many pixels for one of the width")
       ->type_name("FACTOR")
+      ->check(CheckFinite)
       ->check(CLI::Range(1.0, 4.0).description({}))
       ->capture_default_str()
       ->group(kGroup);
@@ -132,6 +137,7 @@ void BindReference(CLI::App& verb, PlotVerbOptions& options) {
   verb.add_option("--time-offset", options.plot.alignment.time_offset,
                   "Seconds that the clock of the reference is ahead of the map's")
       ->type_name("SECONDS")
+      ->check(CheckFinite)
       ->group(kGroup);
   CLI::Option* with_scale =
       verb.add_flag("--with-scale", options.with_scale,

@@ -8,11 +8,13 @@
 #include "cli/check_options.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/exports.h"
 #include "cli/many.h"
 #include "cli/options.h"
 #include "cli/words.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/many/names.h"
@@ -49,20 +51,26 @@ AtlasInputs AtlasesOf(const ManyOptions& many, Console& console) {
   return found;
 }
 
-// A name of a file out of any name; no two are the same.
+std::string Lower(std::string text) {
+  for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return text;
+}
+
+// A name of a file out of any name; no two are the same, where capitals do not count either.
 std::string PageOf(const Location& location, std::set<std::string>& taken) {
   std::string stem = NameOf(location);
   for (char& letter : stem)
     if (std::isalnum(static_cast<unsigned char>(letter)) == 0 && letter != '-' && letter != '_') letter = '_';
   constexpr std::size_t kMost = 100;
   stem = stem.substr(0, kMost);
-  if (stem.empty() || stem == "index") stem += "_";
+  if (stem.empty() || Lower(stem) == "index") stem += "_";
   std::string page = stem + ".html";
-  for (int again = 2; !taken.insert(page).second; ++again) page = detail::Concat(stem, "-", again, ".html");
+  for (int again = 2; !taken.insert(Lower(page)).second; ++again) page = detail::Concat(stem, "-", again, ".html");
   return page;
 }
 
 void WritePage(const std::string& path, const std::string& page, bool overwrite) {
+  RefuseAtlas(path);
   AtomicFile file(path, {.overwrite = overwrite});
   file.Write(page);
   file.Commit();
@@ -149,10 +157,10 @@ class Reporting {
       return;
     }
     for (const AtlasReport& report : reports)
-      console_.Print(report.checked.name + ": " + Verdict(report.checked) + "\n");
+      console_.Print(detail::Visible(report.checked.name + ": " + Verdict(report.checked)) + "\n");
     const bool written = !one_ || reports.front().checked.failure.empty();
     if (written && options_.output != "-")
-      console_.Print("wrote " + (one_ ? options_.output : (fs::path(options_.output) / "index.html").string()) + "\n");
+      console_.PrintWritten(one_ ? options_.output : (fs::path(options_.output) / "index.html").string(), {});
   }
 
   const ReportVerbOptions& options_;

@@ -56,12 +56,12 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   Atlas atlas = SynthesizeAtlas(wanted);
   if (vocabulary) RecomputeWords(atlas, vocabulary->tree, vocabulary->identity, {.threads = console.threads()});
   Notices notices;
+  if (!vocabulary) notices.Note("its words are of no vocabulary: --vocabulary makes them of one");
   WriteAtlas(atlas, output,
              MakeWriteOptions(console, options.target, "synthesize --seed " + std::to_string(wanted.seed)), &notices);
   return FinishWriting(output,
                        ": " + Counted(atlas.maps.size(), "map") + " of " + Counted(wanted.keyframes, "keyframe") +
-                           " and " + Counted(wanted.points, "point") +
-                           (vocabulary ? "" : "\nits words are of no vocabulary: --vocabulary makes them of one"),
+                           " and " + Counted(wanted.points, "point"),
                        console, notices);
 }
 

@@ -10,6 +10,7 @@
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
 #include "cli/times.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/axes.h"
@@ -187,6 +188,7 @@ void BindAlignment(CLI::App& verb, TransformVerbOptions& options) {
   CLI::Option* offset = verb.add_option("--time-offset", options.time_offset,
                                         "Seconds that the clock of the reference is ahead of the map's")
                             ->type_name("SECONDS")
+                            ->check(CheckFinite)
                             ->group(kGroup);
   verb.add_flag("--estimate-time-offset", options.estimate_time_offset,
                 "Find the time offset under which speeds and paths agree best")

@@ -10,6 +10,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/exports.h"
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/page_server.h"
@@ -46,7 +47,9 @@ std::string OutputOf(const ViewVerbOptions& options) {
   const std::string& first = options.inputs.paths.front();
   const std::string stem = NameOf(Location(first));
   if (first == "-" || stem.empty()) RefuseUsage("nothing names the page: -o/--output does");
-  return stem + ".html";
+  std::string page = stem + ".html";
+  GuardDefaultName(page);
+  return page;
 }
 
 // What `slamdb info` says, for the panel.
@@ -203,8 +206,8 @@ Run AddView(CLI::App& verb) {
       ->type_name("FILE");
   verb.add_flag("-O,--overwrite", options->overwrite, "Replace the page if it is there");
   verb.add_flag("--open", options->open, "Open it in the browser, which BROWSER may name");
-  CLI::Option* serve =
-      verb.add_flag("--serve", options->serve, "Serve it to browsers on this machine instead of writing a file");
+  CLI::Option* serve = verb.add_flag("--serve", options->serve,
+                                     "Serve it to browsers on this machine, and write it only where -o names a file");
   verb.add_option("--port", options->port, "Port to serve it at; by default one that is free")
       ->type_name("N")
       ->needs(serve);

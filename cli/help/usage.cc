@@ -187,6 +187,7 @@ std::string Reworded(const CLI::ParseError& error) {
   const std::string text = error.what(), kind = error.get_name();
   if (kind == "ArgumentMismatch") {
     const std::string name = text.substr(0, text.find(':'));
+    if (text.find("but received") != std::string::npos) return name + ": it is given more than once";
     return text.find("required") != std::string::npos ? name + ": a value is missing" : text;
   }
   if (kind == "ExcludesError") {

@@ -87,6 +87,8 @@ TEST(Completion, BashOffersEntities) {
   SLAMDB_NEEDS_PROC();
   const std::string tiny = SLAMDB_FIXTURES "/tiny/tiny.osa", show = "'" SLAMDB_COMMAND "' show '" + tiny + "' ";
   EXPECT_EQ(BashOffers(show + "''", 4), "atlas\ncamera/\nmap/\nkf/\nmp/\nlandmark/\n");
+  EXPECT_EQ(RunSlamdb({"complete", tiny, "zzz"}).out, "");
+  EXPECT_EQ(RunSlamdb({"complete", tiny, "ma"}).out, "map/\n");
   EXPECT_EQ(BashOffers(show + "kf/", 4), "kf/0\nkf/1\n");
   EXPECT_EQ(BashOffers(show + "kf/1", 4), "kf/1\n");
   EXPECT_EQ(BashOffers(show + "atlas map/", 5), "map/0\n");

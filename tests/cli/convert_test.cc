@@ -244,12 +244,29 @@ TEST(Convert, RefusesOptionsOfOtherViewers) {
 }
 
 TEST(Convert, RefusesAnOriginThatIsNoPlace) {
-  for (const char* origin : {"north", "91,0", "1,2,3,4"}) {
+  for (const char* origin : {"north", "0", "91,0", "nan,0", "1,2,3,4", "0,0,1e300"}) {
     const ProcessResult result = RunSlamdb({"convert", kTiny, "-", "--to", "kml", "--origin", origin});
-    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.exit_code, 2);
     EXPECT_THAT(result.err, HasSubstr("a place is LATITUDE,LONGITUDE[,ALTITUDE]"));
     EXPECT_EQ(result.out, "");
   }
+}
+
+TEST(Convert, SaysWhichLongitudeIsWritten) {
+  const ProcessResult result = RunSlamdb({"convert", kTiny, "-", "--to", "kml", "--origin", "1,181"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("note: the longitude 181 is written as -179"));
+}
+
+TEST(Convert, RefusesValuesThatAreNone) {
+  const TemporaryFolder folder;
+  const auto code = [&](const char* output, const char* option, const char* value) {
+    return RunSlamdb({"convert", kTiny, folder / output, option, value}).exit_code;
+  };
+  EXPECT_EQ(code("a.kml", "--most-points", "-1"), 2);
+  EXPECT_EQ(code("a.ply", "--color", ""), 2);
+  EXPECT_EQ(code("a.ply", "--color", "never"), 0);
+  EXPECT_EQ(code("a.osa", "--boost-version", "1.075"), 2);
 }
 
 TEST(Convert, FindsTheOriginBesideTheInput) {

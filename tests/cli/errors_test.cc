@@ -128,6 +128,9 @@ TEST(Usage, MistypedOption) { ExpectUsageError({"info", "--jsno", kTiny}, "did y
 TEST(Usage, UnknownShortOption) { ExpectUsageError({"info", "-Z", kTiny}, "unknown option '-Z'"); }
 TEST(Usage, MissingVerbOfVerb) { ExpectUsageError({"vocabulary"}, "a verb is missing"); }
 TEST(Usage, MissingOptionValue) { ExpectUsageError({"convert", kTiny, "out.osa", "--to"}, "--to"); }
+TEST(Usage, OptionGivenTwice) {
+  ExpectUsageError({"view", kTiny, "-o", "a", "-o", "b"}, "--output: it is given more than once");
+}
 TEST(Usage, UnknownFormat) { ExpectUsageError({"convert", kTiny, "out.osa", "--to", "xml"}, "xml"); }
 TEST(Usage, TooManyArguments) { ExpectUsageError({"convert", kTiny, "out.osa", "more.osa"}, "'more.osa'"); }
 TEST(Usage, RangeThatIsNone) { ExpectUsageError({"dump", kTiny, "--keyframes", "9:2"}, "FIRST:LAST"); }

@@ -200,10 +200,22 @@ TEST_F(Evaluate, RefusesWhatMakesNoSense) {
   EXPECT_EQ(code({"--errors"}), 2);
   EXPECT_EQ(code({"--max-ate-rmse", "-1"}), 2);
   EXPECT_EQ(code({"--by-index", "--time-offset", "3"}), 2);
+  EXPECT_EQ(code({"--time-offset", "nan"}), 2);
   EXPECT_EQ(code({"--by-index"}), 1) << "601 poses and 14";
   EXPECT_EQ(code({"--times", kTruth}), 2) << "the truth is not of KITTI";
   EXPECT_EQ(Run({kAtlas, In("nowhere.txt")}).exit_code, 1);
   EXPECT_EQ(Run({kAtlas}).exit_code, 2);
+}
+
+TEST_F(Evaluate, LargeNumbersAreShortAndSaidToBeLarge) {
+  const ProcessResult late = Run({kAtlas, kTruth, "--time-offset", "1e300"});
+  EXPECT_EQ(late.exit_code, 1);
+  EXPECT_THAT(late.err, HasSubstr("1e+300"));
+  EXPECT_LT(late.err.size(), 1000U);
+  std::string far;
+  for (const char* line : {"1 1e300 0 0", "2 0 1e300 0", "3 0 0 1e300"}) far += std::string(line) + " 0 0 0 1\n";
+  const ProcessResult large = Run({Write("far.txt", far), In("far.txt")});
+  EXPECT_THAT(large.err, HasSubstr("squares overflow"));
 }
 
 TEST_F(Evaluate, HostileTrajectoriesAreNoCrash) {

@@ -214,6 +214,41 @@ TEST_F(Guard, AStoreIsNeverReplacedByAFile) {
   }
 }
 
+TEST_F(Guard, AnAtlasIsNeverReplacedByWhatIsNone) {
+  const std::string before = ReadWholeFile("b.osa");
+  for (const std::vector<std::string>& line :
+       std::vector<std::vector<std::string>>{{"view", "a.osa", "-o", "b.osa", "-O"},
+                                             {"plot", "a.osa", "-o", "b.osa", "-O", "--format", "svg"},
+                                             {"report", "a.osa", "-o", "b.osa", "-O"},
+                                             {"check", "a.osa", "-o", "b.osa", "-O"}}) {
+    const ProcessResult result = RunSlamdb(line);
+    if (result.err.find("built without") != std::string::npos) continue;
+    EXPECT_EQ(result.exit_code, 1) << line[0];
+    EXPECT_THAT(result.err, HasSubstr("is an atlas, which only an atlas replaces")) << line[0];
+    EXPECT_EQ(ReadWholeFile("b.osa"), before) << line[0];
+  }
+  WriteWholeFile("old.txt", "1.5 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(RunSlamdb({"check", "a.osa", "-o", "old.txt", "-O"}).exit_code, 0) << "a trajectory is none";
+}
+
+// Of `b.osa` b.html and b.svg, which nobody named.
+TEST_F(Guard, ADefaultNameIsNoLink) {
+  const std::string before = ReadWholeFile("a.osa");
+  fs::create_symlink("a.osa", "b.svg");
+  fs::create_symlink("nowhere.html", "b.html");
+  for (const char* verb : {"view", "plot"})
+    for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{}, {"-O"}}) {
+      std::vector<std::string> line = {verb, "b.osa"};
+      line.insert(line.end(), more.begin(), more.end());
+      const ProcessResult result = RunSlamdb(line);
+      if (result.err.find("built without") != std::string::npos) continue;
+      EXPECT_EQ(result.exit_code, 1) << verb;
+      EXPECT_THAT(result.err, HasSubstr("is a symbolic link")) << verb;
+    }
+  EXPECT_EQ(ReadWholeFile("a.osa"), before);
+  EXPECT_FALSE(fs::exists("nowhere.html"));
+}
+
 // SQLite cannot read a store without what lies beside it, and takes what lies there for its own.
 TEST_F(Guard, WhatLiesBesideAStoreIsAPartOfIt) {
   const std::vector<std::vector<std::string>> lines = {{"check", "a.osa", "-o", "m.db-wal", "-O"},

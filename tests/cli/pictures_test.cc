@@ -2,8 +2,11 @@
 // The verbs plot and report at the process boundary.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
@@ -121,6 +124,34 @@ TEST_F(Pictures, ReportOfAStoreHasAPageForEachAtlas) {
   EXPECT_TRUE(fs::exists(folder_ / "out/lab.html"));
   EXPECT_TRUE(fs::exists(folder_ / "out/index_.html"));
   EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
+}
+
+TEST_F(Pictures, ReportShowsNamesInOneLine) {
+  fs::create_directory(folder_ / "maps");
+  fs::copy_file(kAtlas, folder_ / "maps/a\nb.osa: sound.osa");
+  const ProcessResult result = RunSlamdb({"report", folder_ / "maps", "-o", folder_ / "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(std::ranges::count(result.out, '\n'), 2) << result.out;
+  EXPECT_THAT(result.out, HasSubstr("a\\nb.osa"));
+}
+
+// Some file systems and archives take capitals for small letters.
+TEST_F(Pictures, ReportPagesDifferByMoreThanCapitals) {
+  const std::string store = folder_ / "maps.db";
+  for (const char* name : {"#lab", "#Lab", "#Index"})
+    ASSERT_EQ(RunSlamdb({"convert", kAtlas, store + name}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"report", store, "-o", folder_ / "out"}).exit_code, 0);
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_ / "out")) {
+    std::string name = entry.path().filename().string();
+    std::ranges::transform(name, name.begin(), [](unsigned char letter) { return std::tolower(letter); });
+    names.insert(name);
+  }
+  EXPECT_THAT(names, ElementsAre("index.html", "index_.html", "lab-2.html", "lab.html"));
+}
+
+TEST_F(Pictures, PlotRefusesNumbersThatAreNone) {
+  EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--scale", "nan", "-o", folder_ / "x.png"}).exit_code, 2);
 }
 
 TEST_F(Pictures, ReportOfAnEmptyFolderSaysSo) {

@@ -50,6 +50,9 @@ TEST(Limits, AreBrokenByWhatWasNotMeasured) {
   EvaluationReport report = Report();
   report.evaluations[0].relative[0].translation = {};
   EXPECT_THAT(BreachesOf(report, {.max_rpe_rmse = 100}), SizeIs(1));
+  report.evaluations[0].relative[0].errors.clear();
+  EXPECT_THAT(BreachesOf(report, {.max_rpe_rmse = 100}),
+              ElementsAre("map 2: the relative error over 1 frame has no pair of poses, and so holds no limit"));
   report.unevaluated.push_back({MapId(5), "too few pairs"});
   EXPECT_THAT(BreachesOf(report, {.max_ate_rmse = 100}),
               ElementsAre("map 5: could not be evaluated, and so holds no limit"));

@@ -122,6 +122,8 @@ TEST(Umeyama, RefusesWhatDoesNotDetermineIt) {
   Points line;
   for (int i = 0; i < 10; ++i) line.emplace_back(i, 2 * i, 1e-7 * (i % 3));
   EXPECT_THAT(MessageOf(line, line), HasSubstr("one line"));
+  const Points far = {{1e300, 0, 0}, {0, 1e300, 0}, {0, 0, 1e300}};
+  EXPECT_THAT(MessageOf(far, far), HasSubstr("squares overflow"));
   const Points one(5, Eigen::Vector3d(1, 2, 3));
   EXPECT_THAT(MessageOf(one, one), HasSubstr("in one place"));
   Points holed = RandomPoints(5, 1);

@@ -36,6 +36,8 @@ std::string DateText(double seconds) {
 }
 
 std::string SecondsText(double seconds) {
+  constexpr double kNoTime = 1e15;  // which would only be long
+  if (std::abs(seconds) >= kNoTime) return Digits(seconds);
   std::string text;
   AppendSeconds(text, seconds);
   return text;

@@ -22,6 +22,11 @@ class Judge {
     if (limit && !(measured >= *limit)) Tell(what, measured, unit, ", below the limit of ", *limit);
   }
 
+  // Nothing is measured, and so no limit held.
+  void Without(const std::optional<double>& limit, std::string_view what) {
+    if (limit) breaches_.push_back(detail::Concat(name_, what, " has no pair of poses, and so holds no limit"));
+  }
+
  private:
   void Tell(std::string_view what, double measured, std::string_view unit, std::string_view side, double limit) {
     breaches_.push_back(detail::Concat(name_, what, " is ", measured, unit, side, limit, unit));
@@ -49,8 +54,11 @@ std::vector<std::string> BreachesOf(const EvaluationReport& report, const Evalua
     judge.AtMost(absolute.rotation_degrees.rmse, limits.max_rotation_rmse, "the absolute error of rotations (rmse)",
                  " degrees");
     for (const RelativeErrors& relative : evaluation.relative)
-      judge.AtMost(relative.translation.rmse, limits.max_rpe_rmse,
-                   detail::Concat("the relative error over ", relative.delta, " (rmse)"), " m");
+      if (relative.errors.empty())
+        judge.Without(limits.max_rpe_rmse, detail::Concat("the relative error over ", relative.delta));
+      else
+        judge.AtMost(relative.translation.rmse, limits.max_rpe_rmse,
+                     detail::Concat("the relative error over ", relative.delta, " (rmse)"), " m");
     judge.AtLeast(100 * evaluation.coverage.paired_share(), limits.min_paired, "the share of poses that are paired",
                   "%");
     judge.AtLeast(100 * evaluation.coverage.duration_share(), limits.min_coverage,

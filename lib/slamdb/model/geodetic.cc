@@ -17,6 +17,7 @@ namespace {
 // WGS84 (NIMA TR8350.2): semi-major axis in metres, flattening.
 constexpr double kSemiMajor = 6378137.0, kFlattening = 1 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
+constexpr double kMostAltitude = 1e8;  // metres: beyond satellites, and no mistake for a number without a meaning
 constexpr double kDegree = std::numbers::pi / 180;
 
 // From the axis of the earth to the ellipsoid along the normal.
@@ -25,7 +26,8 @@ double NormalRadius(double sine) { return kSemiMajor / std::sqrt(1 - kEccentrici
 }  // namespace
 
 bool IsPlace(const Geodetic& place) {
-  return std::abs(place.latitude) <= 90 && std::abs(place.longitude) <= 360 && std::isfinite(place.altitude);
+  return std::abs(place.latitude) <= 90 && std::abs(place.longitude) <= 360 &&
+         std::abs(place.altitude) <= kMostAltitude;
 }
 
 Eigen::Vector3d EcefFromGeodetic(const Geodetic& place) {

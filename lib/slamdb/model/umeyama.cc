@@ -33,6 +33,8 @@ constexpr double kConfidence = 0.9999;
 constexpr double kLineRatio = 1e-6;
 // Of the spread of points to their distance from the origin: below it they are one place, which rounding spreads.
 constexpr double kPlaceRatio = 1e-10;
+// From the origin in each direction. Squares of squares still fit into a double.
+constexpr double kMostDistance = 1e70;
 
 struct Solution {
   Similarity3d target_from_source;
@@ -221,6 +223,10 @@ void RequirePoints(Points source, Points target) {
   const auto finite = [](const Eigen::Vector3d& point) { return point.allFinite(); };
   if (!std::ranges::all_of(source, finite) || !std::ranges::all_of(target, finite))
     throw Error(ErrorKind::kNotPossible, "a point to align by holds NaN or infinity");
+  const auto far = [](const Eigen::Vector3d& point) { return !(point.cwiseAbs().maxCoeff() <= kMostDistance); };
+  if (std::ranges::any_of(source, far) || std::ranges::any_of(target, far))
+    throw Error(ErrorKind::kNotPossible, detail::Concat("a point to align by is over ", kMostDistance,
+                                                        " from the origin, where sums of squares overflow"));
 }
 
 }  // namespace

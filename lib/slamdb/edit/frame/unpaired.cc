@@ -11,9 +11,14 @@
 namespace slamdb::detail {
 namespace {
 
+std::string Seconds(double seconds) {
+  constexpr double kNoTime = 1e15;  // which would only be long
+  return std::abs(seconds) < kNoTime ? Fixed(seconds, 3) : Digits(seconds);
+}
+
 std::string Span(const std::vector<TimedPosition>& positions) {
   if (positions.empty()) return "no time at all";
-  return Concat(Fixed(positions.front().timestamp, 3), " to ", Fixed(positions.back().timestamp, 3), " s");
+  return Concat(Seconds(positions.front().timestamp), " to ", Seconds(positions.back().timestamp), " s");
 }
 
 // The median of how far poses are from the nearest position in time.
@@ -37,7 +42,7 @@ std::string WhyUnpaired(const std::vector<TimedPosition>& poses, const std::vect
                         const Pairing& pairing) {
   const auto& [most, offset, whole, parts, options] = pairing;
   std::string why = Concat("the ", whole, " covers ", Span(poses), ", the reference ", Span(reference));
-  if (offset != 0) why += Concat(" by a clock that is ahead by ", Fixed(offset, 3), " s");
+  if (offset != 0) why += Concat(" by a clock that is ahead by ", Seconds(offset), " s");
   const bool apart = !poses.empty() && !reference.empty() &&
                      (poses.back().timestamp + offset < reference.front().timestamp ||
                       reference.back().timestamp < poses.front().timestamp + offset);
@@ -47,7 +52,7 @@ std::string WhyUnpaired(const std::vector<TimedPosition>& poses, const std::vect
         "TrajectoryReadOptions::times";
   else if (apart)
     why += Concat("; if the reference's clock is ahead by ",
-                  Fixed(reference.front().timestamp - poses.front().timestamp, 3), " s, both begin at once: give ",
+                  Seconds(reference.front().timestamp - poses.front().timestamp), " s, both begin at once: give ",
                   options, "::time_offset, or let it be estimated (estimate_time_offset)");
   else if (const auto nearest = NearestTimes(poses, reference, offset))
     why += Concat("; half of the ", parts, " are ", Digits(*nearest, 3), " s or more from the nearest position, and ",
