@@ -107,14 +107,6 @@ TEST(AlignToTrajectory, TellsWhyNothingFits) {
   EXPECT_THAT(MessageOf(map, line), AllOf(HasSubstr("map 0"), HasSubstr("one line")));
 }
 
-TEST(HasOpenScale, OnlyOfALoneCamera) {
-  EXPECT_TRUE(HasOpenScale(Walk(Sensor::kMonocular)));
-  EXPECT_FALSE(HasOpenScale(Walk(Sensor::kMonocular, true)));
-  EXPECT_FALSE(HasOpenScale(Walk(Sensor::kStereo)));
-  EXPECT_FALSE(HasOpenScale(Walk(Sensor::kRgbd)));
-  EXPECT_FALSE(HasOpenScale(Walk(Sensor::kFisheyeStereo)));
-}
-
 TEST(TrajectoryOf, IsThatOfTheOnlyMapWithKeyframes) {
   Atlas atlas;
   atlas.maps.push_back(Walk(Sensor::kRgbd));

@@ -117,12 +117,4 @@ std::vector<TimedPosition> TrajectoryOf(const Atlas& atlas, bool body) {
   return PositionsOf(*maps.front(), body);
 }
 
-bool HasOpenScale(const Map& map) {
-  if (map.imu_initialized) return false;
-  return std::ranges::none_of(map.keyframes, [](const KeyFrame& keyframe) {
-    return keyframe.features.is_fisheye_stereo() ||
-           std::ranges::any_of(keyframe.features.depth, [](float depth) { return depth > 0; });
-  });
-}
-
 }  // namespace slamdb

@@ -67,7 +67,4 @@ struct TrajectoryAlignment {
 // Cost: O(n log n).
 [[nodiscard]] SLAMDB_EXPORT std::vector<TimedPosition> TrajectoryOf(const Atlas& atlas, bool body = false);
 
-// Whether the sensor leaves the scale of a map open: one camera without depths and without an initialised IMU.
-[[nodiscard]] SLAMDB_EXPORT bool HasOpenScale(const Map& map);
-
 }  // namespace slamdb
