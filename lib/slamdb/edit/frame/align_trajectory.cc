@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -45,7 +46,7 @@ ResidualStatistics StatisticsOf(std::vector<double> residuals) {
     squares += residual * residual / count;
   }
   statistics.rmse = std::sqrt(squares);
-  statistics.median = residuals[residuals.size() / 2];
+  statistics.median = std::midpoint(residuals[(residuals.size() - 1) / 2], residuals[residuals.size() / 2]);
   statistics.max = residuals.back();
   return statistics;
 }

@@ -32,7 +32,7 @@ struct OutlierPair {
 
 // Of distances in units of the reference; all 0 when there are none.
 struct ResidualStatistics {
-  double rmse = 0, mean = 0, median = 0, max = 0;
+  double rmse = 0, mean = 0, median = 0, max = 0;  // the median of an even number is the mean of the two middle ones
 };
 
 struct TrajectoryAlignment {
