@@ -20,6 +20,7 @@
 #include "slamdb/evaluate/limits.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/trajectories.h"
+#include "slamdb/model/statistics.h"
 
 namespace slamdb::cli {
 namespace {
@@ -52,8 +53,7 @@ Input ReadAnAtlas(const HeldSource& held, const ReadOptions& read, bool body, No
     const Map& map = *std::ranges::find(atlas.maps, trajectory.map, &Map::id);
     input.has_imu |= std::ranges::any_of(
         map.keyframes, [](const KeyFrame& keyframe) { return bool{keyframe.imu_calibration.is_set}; });
-    input.trajectories.push_back(
-        {.map = map.id, .poses = std::move(trajectory.poses), .open_scale = HasOpenScale(map)});
+    input.trajectories.push_back({.map = map.id, .poses = std::move(trajectory.poses), .open_scale = !IsMetric(map)});
   }
   if (body && !input.has_imu)
     throw Error(ErrorKind::kNotPossible, held.source().path, "",

@@ -9,6 +9,7 @@
 #include "cli/report/layout.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/statistics.h"
 
 namespace slamdb::cli {
 namespace {
@@ -19,13 +20,6 @@ using nlohmann::ordered_json;
 std::string Line(std::string name, const std::string& value) {
   name.resize(std::max(kNameColumns, name.size() + 2), ' ');
   return name + value + "\n";
-}
-
-// A lone camera without IMU leaves the scale open.
-bool IsMetric(const KeyFrame& keyframe, const Map& map) {
-  const auto& right = keyframe.features.right_x;
-  return map.imu_initialized || keyframe.right_camera.has_value() ||
-         std::any_of(right.begin(), right.end(), [](float x) { return x >= 0; });
 }
 
 std::string Degrees(double radians) { return Short(std::abs(radians) * 180 / std::numbers::pi, 3); }
@@ -144,7 +138,7 @@ std::string WhereIs(const KeyFrame& keyframe, const Map& map) {
   std::string text;
   if (center.allFinite() && ahead.allFinite())
     text += Line("camera at", Concat(Short(center.x()), " ", Short(center.y()), " ", Short(center.z()),
-                                     IsMetric(keyframe, map) ? " m" : " units", ", world of map ", map.id.value(),
+                                     IsMetric(map) ? " m" : " units", ", world of map ", map.id.value(),
                                      map.imu_initialized ? " with z up" : " with y down")) +
             Line("camera looks", DirectionText(ahead, map.imu_initialized));
   const std::string date = DateText(keyframe.timestamp);

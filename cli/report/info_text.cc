@@ -56,10 +56,7 @@ bool HasForeignOrigins(const MapStatistics& map) {
                      [&](const OriginCount& origin) { return origin.map != map.id.value(); });
 }
 
-// Of lengths: a lone camera leaves the scale open.
-std::string UnitOf(const MapStatistics& map) {
-  return map.sensor == MapSensor::kMonocular && !map.imu_initialized ? "units" : "m";
-}
+std::string UnitOf(const MapStatistics& map) { return map.metric ? "m" : "units"; }
 
 void AddShape(const MapStatistics& map, std::vector<InfoRow>& rows) {
   if (!map.bounding_box.isEmpty())

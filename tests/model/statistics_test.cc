@@ -119,6 +119,7 @@ TEST(ComputeStatistics, TellsTheSensors) {
     MapSensor found;
   };
   for (const auto& [sensor, inertial, found] : {Expected{Sensor::kMonocular, false, MapSensor::kMonocular},
+                                                Expected{Sensor::kMonocular, true, MapSensor::kMonocular},
                                                 Expected{Sensor::kStereo, true, MapSensor::kStereoOrRgbd},
                                                 Expected{Sensor::kRgbd, false, MapSensor::kStereoOrRgbd},
                                                 Expected{Sensor::kFisheyeStereo, true, MapSensor::kFisheyeStereo}}) {
@@ -129,6 +130,8 @@ TEST(ComputeStatistics, TellsTheSensors) {
     const MapStatistics map = ComputeStatistics(atlas).maps[0];
     EXPECT_EQ(map.sensor, found);
     EXPECT_EQ(map.has_imu, inertial);
+    EXPECT_EQ(map.metric, sensor != Sensor::kMonocular || inertial);
+    EXPECT_EQ(IsMetric(atlas.maps[0]), map.metric);
     EXPECT_EQ(map.components, 1U);
     EXPECT_EQ(map.unprojectable, 0U);
     EXPECT_EQ(map.reprojection_error.count, map.observations);

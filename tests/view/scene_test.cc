@@ -217,6 +217,15 @@ TEST_F(ViewScene, SeveralAtlasesLieBehindEachOther) {
   EXPECT_EQ(page.Varints("keyframes/camera").back(), first.cameras.size() + 1);
 }
 
+TEST_F(ViewScene, SaysWhichMapsAreMetric) {
+  const auto metric = "/atlases/0/maps/0/metric"_json_pointer;
+  EXPECT_EQ(DataOf(SoundAtlas(Base::kMonocular)).header.at(metric), false);
+  EXPECT_EQ(DataOf(SoundAtlas(Base::kRgbd)).header.at(metric), true);
+  Atlas initialised = SoundAtlas(Base::kMonocular);
+  initialised.maps[0].imu_initialized = true;
+  EXPECT_EQ(DataOf(initialised).header.at(metric), true);
+}
+
 TEST_F(ViewScene, UpIsAgainstGravityWhereItIsKnown) {
   EXPECT_TRUE(DataOf(SoundAtlas(Base::kMonocular)).header.at("/atlases/0/maps/0/up"_json_pointer).is_null());
   const auto up = DataOf(SoundAtlas(Base::kInertial)).header.at("/atlases/0/maps/0/up"_json_pointer);

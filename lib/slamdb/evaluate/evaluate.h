@@ -68,7 +68,7 @@ struct EvaluationOptions {
 struct Estimate {
   MapId map;  // none: of no map
   std::vector<TrajectoryPose> poses;
-  bool open_scale = false;  // its sensor leaves the scale open, see HasOpenScale
+  bool open_scale = false;  // it has no scale of its own, see IsMetric
 };
 
 // Two poses of one time, and the error between them.

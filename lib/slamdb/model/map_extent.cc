@@ -8,7 +8,8 @@
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/path.h"
 
-namespace slamdb::detail {
+namespace slamdb {
+namespace detail {
 namespace {
 
 // Where features were left out when reading, the baseline tells.
@@ -37,7 +38,7 @@ bool HasImu(const Map& map) {
   return map.inertial || OfMost(map, [](const KeyFrame& keyframe) -> bool { return keyframe.imu_calibration.is_set; });
 }
 
-bool IsMetric(const Map& map, MapSensor sensor) { return sensor != MapSensor::kMonocular || map.imu_initialized; }
+bool IsMetricWith(MapSensor sensor, const Map& map) { return sensor != MapSensor::kMonocular || map.imu_initialized; }
 
 Trajectory TrajectoryOf(const Map& map) {
   const std::vector<const KeyFrame*> by_time = GoodByTime(map);
@@ -54,4 +55,8 @@ Trajectory TrajectoryOf(const Map& map) {
   return trajectory;
 }
 
-}  // namespace slamdb::detail
+}  // namespace detail
+
+bool IsMetric(const Map& map) { return detail::IsMetricWith(detail::SensorOf(map), map); }
+
+}  // namespace slamdb

@@ -18,6 +18,12 @@ enum class MapSensor {
   kFisheyeStereo,  // two cameras
 };
 
+// Whether lengths of a map are metres: every sensor but a lone camera tells them, and an initialised IMU does for that
+// one.
+//
+// Cost: linear in keyframes without depths.
+[[nodiscard]] SLAMDB_EXPORT bool IsMetric(const Map& map);
+
 // Of a set of numbers; all 0 when it is empty.
 struct Distribution {
   std::uint64_t count = 0;
@@ -37,6 +43,7 @@ struct MapStatistics {
   MapId id;
   MapSensor sensor = MapSensor::kUnknown;
   bool has_imu = false;  // calibrated keyframes, or the map says it is inertial
+  bool metric = false;   // see IsMetric
 
   std::uint64_t keyframes = 0, points = 0;  // all that are stored, the bad ones too
   std::uint64_t bad_keyframes = 0, bad_points = 0;

@@ -9,6 +9,7 @@
 #include "slamdb/base/detail/median.h"
 #include "slamdb/edit/frame/gravity.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/statistics.h"
 
 namespace slamdb::plot {
 namespace {
@@ -157,7 +158,7 @@ std::vector<const Map*> MapsToShow(const Atlas& atlas) {
 MapScene SceneOfMap(const Map& map, const Color& color) {
   const IdTable rows = KeyFrameTable(map);
   MapScene shown{.map = &map, .name = ToString(map.id), .color = color};
-  shown.metric = !HasOpenScale(map);
+  shown.metric = IsMetric(map);
   shown.timed = RowsByTime(map);
   shown.path = PathOf(map, shown.timed);
   shown.observed = CountObserved(map, rows);

@@ -9,6 +9,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/time_offset.h"
+#include "slamdb/evaluate/error_statistics.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/plot/detail/panels.h"
 #include "slamdb/plot/detail/view.h"
@@ -112,19 +113,10 @@ class ColoredLine {
   std::array<Segments, kAmountSteps> pieces_;
 };
 
-struct ErrorNumbers {
-  double rmse = 0, median = 0, max = 0;
-};
-
-ErrorNumbers NumbersOf(const std::vector<Compared>& stops) {
+ErrorStatistics StatisticsOf(const std::vector<Compared>& stops) {
   std::vector<double> errors;
-  double squares = 0;
-  for (const Compared& stop : stops) {
-    errors.push_back(stop.error());
-    squares += stop.error() * stop.error();
-  }
-  std::ranges::sort(errors);
-  return {std::sqrt(squares / static_cast<double>(errors.size())), errors[errors.size() / 2], errors.back()};
+  for (const Compared& stop : stops) errors.push_back(stop.error());
+  return ErrorStatisticsOf(std::move(errors));
 }
 
 Cell CellOf(const Comparison& comparison, const Box& box) {
@@ -187,7 +179,7 @@ void DrawErrors(Canvas& canvas, const Scene& scene, const Comparison& comparison
 
 void DrawComparison(Canvas& canvas, const Scene& scene, const Box& box) {
   const Comparison comparison = Compare(scene);
-  const ErrorNumbers numbers = NumbersOf(comparison.stops);
+  const ErrorStatistics numbers = StatisticsOf(comparison.stops);
   const std::string unit = " m";  // of the reference
   DrawHeading(
       canvas, scene.theme, box, "Trajectory and reference",

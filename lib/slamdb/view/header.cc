@@ -50,6 +50,7 @@ Json MapsJson(const SceneAtlas& atlas, const AtlasStatistics& statistics) {
     list.push_back({{"id", detail::JsonId(map.id)},
                     {"name", ToString(map.id)},
                     {"sensor", NameOf(statistics.maps[row].sensor)},
+                    {"metric", statistics.maps[row].metric},
                     {"first_keyframe", atlas.first_keyframe + atlas.numbered.FirstKeyFrame(row)},
                     {"keyframes", map.keyframes.size()},
                     {"first_point", atlas.first_point + atlas.numbered.FirstPoint(row)},

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "slamdb/base/error.h"
@@ -107,12 +108,20 @@ TEST(AlignToTrajectory, TellsWhyNothingFits) {
   EXPECT_THAT(MessageOf(map, line), AllOf(HasSubstr("map 0"), HasSubstr("one line")));
 }
 
-TEST(HasOpenScale, OnlyOfALoneCamera) {
-  EXPECT_TRUE(HasOpenScale(Walk(Sensor::kMonocular)));
-  EXPECT_FALSE(HasOpenScale(Walk(Sensor::kMonocular, true)));
-  EXPECT_FALSE(HasOpenScale(Walk(Sensor::kStereo)));
-  EXPECT_FALSE(HasOpenScale(Walk(Sensor::kRgbd)));
-  EXPECT_FALSE(HasOpenScale(Walk(Sensor::kFisheyeStereo)));
+// As `evaluate` has it.
+TEST(AlignToTrajectory, TheMedianOfAnEvenNumberIsBetweenTheTwoMiddleOnes) {
+  const Map map = Walk(Sensor::kRgbd);
+  std::vector<TimedPosition> reference = PathOf(map, kMove);
+  for (std::size_t i = 0; i < reference.size(); ++i)
+    reference[i].position.z() += (i % 2 == 0 ? 1e-3 : -1e-3) * static_cast<double>(i);
+  const TrajectoryAlignment alignment = AlignToTrajectory(map, reference, {});
+  ASSERT_EQ(alignment.inliers, 20U);
+  std::vector<double> residuals;
+  const std::vector<TimedPosition> laid = PathOf(map, alignment.reference_from_map);
+  for (std::size_t i = 0; i < laid.size(); ++i) residuals.push_back((laid[i].position - reference[i].position).norm());
+  std::ranges::sort(residuals);
+  ASSERT_GT(residuals[10] - residuals[9], 1e-6);
+  EXPECT_NEAR(alignment.residuals.median, (residuals[9] + residuals[10]) / 2, 1e-12);
 }
 
 TEST(TrajectoryOf, IsThatOfTheOnlyMapWithKeyframes) {

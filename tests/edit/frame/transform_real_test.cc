@@ -14,6 +14,7 @@
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/statistics.h"
 #include "tests/support/boost_reference/boost_reference.h"
 #include "tests/support/temporary_folder.h"
 
@@ -42,7 +43,7 @@ class RealMap : public ::testing::TestWithParam<Session> {
   }
 
   TrajectoryAlignment Align(const Map& map) const {
-    return AlignToTrajectory(map, truth_, {.fit = {.with_scale = HasOpenScale(map)}});
+    return AlignToTrajectory(map, truth_, {.fit = {.with_scale = !IsMetric(map)}});
   }
 
   Atlas atlas_;

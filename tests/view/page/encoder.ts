@@ -8,6 +8,7 @@ export interface PlainMap {
   points: number;
   up?: [number, number, number] | null;
   sensor?: string;
+  metric?: boolean;
   name?: string;
 }
 
@@ -147,7 +148,7 @@ function headerOf(scene: PlainScene): Uint8Array {
   const atlases = scene.atlases.map((atlas) => ({
     info: [], format: "ORB-SLAM3 atlas", ...atlas,
     maps: atlas.maps.map((map) => {
-      const placed = { name: `map ${map.id}`, sensor: atlas.sensor, up: null, statistics: kNoStatistics, ...map, first_point: point, first_keyframe: keyframe };
+      const placed = { name: `map ${map.id}`, sensor: atlas.sensor, metric: true, up: null, statistics: kNoStatistics, ...map, first_point: point, first_keyframe: keyframe };
       point += map.points;
       keyframe += map.keyframes;
       return placed;

@@ -18,7 +18,7 @@ import { buildTrajectory, isBreak, kKeyframeBit, frustum, usualFrustum } from ".
 import { nearestNumber, selectionOf } from "../../../lib/slamdb/view/page/pick";
 import { inOrder, rowOfIndex } from "../../../lib/slamdb/view/page/points";
 import { scaleOf } from "../../../lib/slamdb/view/page/scale_bar";
-import { errorOf, idText, mapOfKeyframe, mapOfPoint, mapTitle, pointPosition, pointsSeenBy, type Scene } from "../../../lib/slamdb/view/page/scene";
+import { errorOf, idText, mapOfKeyframe, mapOfPoint, mapTitle, pointPosition, pointsSeenBy, type Scene, unitOf } from "../../../lib/slamdb/view/page/scene";
 import { findIds } from "../../../lib/slamdb/view/page/search";
 import { readAddress, writeAddress } from "../../../lib/slamdb/view/page/address";
 import { findingPlace } from "../../../lib/slamdb/view/page/highlights";
@@ -396,6 +396,14 @@ test("edges: partners, the strongest first", async () => {
   const scene = await read(hall({ keyframes: 10 }));
   assert.deepEqual(partnersOf(scene.covisibility, 4), [{ row: 5, weight: 44 }, { row: 3, weight: 43 }]);
   assert.deepEqual(partnersOf(scene.loops, 0), [{ row: 9, weight: 0 }]);
+});
+
+test("lengths are in metres where every map says that it is metric, whatever its sensor is called", async () => {
+  const scene = await read(hall({ maps: 2, sensor: "monocular" }));
+  assert.equal(new Model(scene).unit, "m");
+  scene.maps[1].metric = false;
+  assert.equal(new Model(scene).unit, "units");
+  assert.deepEqual(scene.maps.map((map) => unitOf([map])), ["m", "units"]);
 });
 
 test("words: numbers, lengths, times, ids", async () => {

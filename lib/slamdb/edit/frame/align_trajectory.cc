@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -45,7 +46,7 @@ ResidualStatistics StatisticsOf(std::vector<double> residuals) {
     squares += residual * residual / count;
   }
   statistics.rmse = std::sqrt(squares);
-  statistics.median = residuals[residuals.size() / 2];
+  statistics.median = std::midpoint(residuals[(residuals.size() - 1) / 2], residuals[residuals.size() / 2]);
   statistics.max = residuals.back();
   return statistics;
 }
@@ -115,14 +116,6 @@ std::vector<TimedPosition> TrajectoryOf(const Atlas& atlas, bool body) {
   if (maps.size() != 1)
     throw Error(ErrorKind::kNotPossible, detail::Concat("must hold one trajectory, not ", maps.size()));
   return PositionsOf(*maps.front(), body);
-}
-
-bool HasOpenScale(const Map& map) {
-  if (map.imu_initialized) return false;
-  return std::ranges::none_of(map.keyframes, [](const KeyFrame& keyframe) {
-    return keyframe.features.is_fisheye_stereo() ||
-           std::ranges::any_of(keyframe.features.depth, [](float depth) { return depth > 0; });
-  });
 }
 
 }  // namespace slamdb

@@ -32,7 +32,7 @@ struct OutlierPair {
 
 // Of distances in units of the reference; all 0 when there are none.
 struct ResidualStatistics {
-  double rmse = 0, mean = 0, median = 0, max = 0;
+  double rmse = 0, mean = 0, median = 0, max = 0;  // the median of an even number is the mean of the two middle ones
 };
 
 struct TrajectoryAlignment {
@@ -66,8 +66,5 @@ struct TrajectoryAlignment {
 // Throws Error (kNotPossible) when there are several such maps, or none.
 // Cost: O(n log n).
 [[nodiscard]] SLAMDB_EXPORT std::vector<TimedPosition> TrajectoryOf(const Atlas& atlas, bool body = false);
-
-// Whether the sensor leaves the scale of a map open: one camera without depths and without an initialised IMU.
-[[nodiscard]] SLAMDB_EXPORT bool HasOpenScale(const Map& map);
 
 }  // namespace slamdb

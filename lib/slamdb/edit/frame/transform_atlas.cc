@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
 #include "slamdb/model/detail/json.h"
+#include "slamdb/model/statistics.h"
 
 namespace slamdb {
 namespace {
@@ -21,7 +22,7 @@ MovedMap LaidOnto(const Map& map, const std::vector<TimedPosition>& reference, c
                   double default_time_difference) {
   TrajectoryAlignmentOptions options{.max_time_difference = fit.max_time_difference.value_or(default_time_difference),
                                      .body = fit.body};
-  options.fit.with_scale = fit.with_scale.value_or(HasOpenScale(map));
+  options.fit.with_scale = fit.with_scale.value_or(!IsMetric(map));
   options.fit.outlier_distance = fit.outlier_distance.value_or(0);
   options.fit.leave_out_gross = !fit.outlier_distance;
   options.time_offset = fit.time_offset;

@@ -20,7 +20,7 @@ namespace slamdb {
 struct FitOptions {
   std::optional<double> max_time_difference;  // seconds; by default 0.02 for trajectories and 1 for GPS
   bool body = false;                          // the positions are those of the IMU, not of the camera
-  std::optional<bool> with_scale;             // by default only where the sensor leaves it open, see HasOpenScale
+  std::optional<bool> with_scale;             // by default only where the map has none of its own, see IsMetric
   // Pairs that end up farther apart are left out; units of the reference. By default gross outliers are
   // (UmeyamaOptions::leave_out_gross), and named in a warning; infinity keeps every pair.
   std::optional<double> outlier_distance;

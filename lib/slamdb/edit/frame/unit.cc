@@ -11,6 +11,4 @@ bool HasStereo(const Map& map) {
   });
 }
 
-bool IsMetric(const Map& map) { return map.imu_initialized || HasStereo(map); }
-
 }  // namespace slamdb::detail

@@ -7,6 +7,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/edit/frame/detail/unit.h"
+#include "slamdb/model/statistics.h"
 
 namespace slamdb::detail {
 namespace {

@@ -10,8 +10,8 @@ namespace slamdb::detail {
 MapSensor SensorOf(const Map& map);
 // Calibrated keyframes, or the map says it is inertial.
 bool HasImu(const Map& map);
-// Monocular maps have a scale where the IMU gave them one.
-bool IsMetric(const Map& map, MapSensor sensor);
+// IsMetric where the sensor is known.
+bool IsMetricWith(MapSensor sensor, const Map& map);
 
 // Of good keyframes with a finite timestamp, and through their finite camera centres by time.
 struct Trajectory {

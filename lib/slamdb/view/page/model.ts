@@ -2,7 +2,7 @@
 
 import type { ColourMode, Theme } from "./colours";
 import { type Arrangement, Frames } from "./frames";
-import { type Scene, birthOf, isMetric } from "./scene";
+import { type Scene, birthOf, unitOf } from "./scene";
 import { kAllBirths } from "./points";
 
 export const kLayers = [
@@ -37,7 +37,7 @@ export class Model {
   constructor(readonly scene: Scene) {
     this.frames = new Frames(scene);
     this.settings = usualSettings(scene);
-    this.unit = isMetric(scene) ? "m" : "units";
+    this.unit = unitOf(scene.maps);
     if (!scene.header.diff && scene.header.layout === "side-by-side" && scene.header.atlases.length > 1) this.frames.arrangement = "atlases";
     this.frames.update();
   }

@@ -1,6 +1,6 @@
 // The numbers of `info`, as it prints them.
 
-import { idText, mapTitle } from "./scene";
+import { idText, mapTitle, unitOf } from "./scene";
 import { h, rows, section } from "./dom";
 import { counted, durationText, lengthText, rounded } from "./format";
 import type { Model } from "./model";
@@ -52,7 +52,7 @@ function mapRows(model: Model, map: SceneMap): [string, string][] {
   const add = (label: string, value: number | null, text: (value: number) => string): void => {
     if (value !== null) found.push([label, text(value)]);
   };
-  add("trajectory", trajectory_length, (value) => lengthText(value, model.unit));
+  add("trajectory", trajectory_length, (value) => lengthText(value, unitOf([map])));
   add("duration", duration, durationText);
   add("reprojection", mean_error, (value) => `${rounded(value, 3)} px on average`);
   add("observers", mean_observers, (value) => `${rounded(value, 3)} a point`);

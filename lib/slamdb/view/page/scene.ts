@@ -7,6 +7,7 @@ export interface HeaderMap {
   id: number | null;
   name: string;
   sensor: string;
+  metric: boolean; // lengths are metres
   first_keyframe: number;
   keyframes: number;
   first_point: number;
@@ -239,12 +240,8 @@ export function errorOf(scene: Scene, row: number): number | null {
 export const errorStep = (scene: Scene, row: number): number =>
   scene.header.error_max * (2 * Math.max(1, scene.points.error[row]) - 1) / 254 ** 2;
 
-/** The map's frame is in metres: told by its sensor. */
-export const isMetric = (scene: Scene): boolean =>
-  scene.maps.some((map) => {
-    const sensor = map.sensor ?? scene.header.atlases[map.atlas].sensor ?? "";
-    return !/mono/i.test(sensor) || /inertial|imu/i.test(sensor);
-  });
+/** Of lengths in all of these maps. */
+export const unitOf = (maps: SceneMap[]): string => (maps.every((map) => map.metric) ? "m" : "units");
 
 /** Ids are 64 bits; the largest is "none". */
 export const idText = (id: number | null): string => (id === null || id === -1 ? "none" : id < 0 ? String(BigInt.asUintN(64, BigInt(id))) : String(id));

@@ -9,7 +9,4 @@ namespace slamdb::detail {
 // Whether it was made with a stereo pair or a depth camera, whose baseline is the unit.
 bool HasStereo(const Map& map);
 
-// Whether lengths are metres: it has stereo or depth, or an initialised IMU.
-bool IsMetric(const Map& map);
-
 }  // namespace slamdb::detail
