@@ -10,6 +10,7 @@
 #include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/selected.h"
 #include "cli/times.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/json.h"
@@ -40,18 +41,6 @@ struct ConvertOptions {
   std::optional<int> long_bytes;
   double wait = kUsualWait;
 };
-
-void RefuseEmptySelection(const Atlas& atlas, const ReadOptions& read, const HeldSource& held,
-                          const ConvertOptions& options) {
-  const Selection& selection = read.selection;
-  if (options.selection.map && atlas.maps.empty())
-    throw Error(ErrorKind::kNotFound, options.input, "", "has no map " + std::to_string(*options.selection.map));
-  const Substance selected = SubstanceOf(atlas, /*with_bad=*/true);
-  if (selected.landmarks) return;
-  if ((selection.has_keyframe_range() && !selected.keyframes) || (selection.box && !selected.points))
-    throw Error(ErrorKind::kNotFound, options.input, "",
-                selected.keyframes ? "has no points in the box" : MissText(selection, held, read));
-}
 
 // What the reader had to leave out; WriteAtlas refuses what the target cannot hold.
 void RefuseLosses(const Notices& notices) {
@@ -225,7 +214,7 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   Written written{.maps = {}, .bytes = {}};
   if (options.dry_run) {
     const Atlas atlas = ReadAtlas(input, read, &notices);
-    RefuseEmptySelection(atlas, read, input, options);
+    RefuseEmptySelection(atlas, options.input, input, read);
     written.keyframes = WrittenOf(atlas).keyframes;
     notices.Tell(Counted(written.keyframes, "pose"));
   } else {
@@ -260,7 +249,7 @@ Atlas Prepare(const HeldSource& held, const ReadOptions& read, const Location& o
   Inputs inputs;
   inputs.Add(atlas);
   sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
-  RefuseEmptySelection(atlas, read, held, options);
+  RefuseEmptySelection(atlas, options.input, held, read);
   RefuseEmptyResult(atlas, inputs, output.ToString(), format, options.dry_run, notices);
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))

@@ -8,6 +8,7 @@
 #include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/reference.h"
+#include "cli/selected.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/formats.h"
@@ -82,8 +83,9 @@ ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
   ReadOptions read = MakeReadOptions(console, options.from);
   read.needs = Content::kPoses | Content::kPoints;
   read.features = FeatureColumns::kGeometry;
-  read.selection = ParseSelection(options.selection);
-  const Atlas atlas = ReadAtlas(options.input, read, &notices);
+  const HeldSource held = HoldInput(options.input, read);
+  read.selection = ParseSelection(options.selection, held, read);
+  const Atlas atlas = ReadPartToShow(options.input, held, read, notices);
   const Plot picture = NamingFile(options.input, [&] { return DrawPlot(atlas, plot); });
   file.Write(picture.bytes);
   file.Commit();

@@ -15,6 +15,7 @@
 #include "cli/page_server.h"
 #include "cli/report/info_text.h"
 #include "cli/report/layout.h"
+#include "cli/selected.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
@@ -93,15 +94,16 @@ struct ReadInputs {
 
 ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& notices) {
   ReadOptions read = MakeReadOptions(console, options.inputs.from, options.wait);
-  read.selection = ParseSelection(options.selection);
   read.needs = Content::kPoses | Content::kPoints;
   if (!options.page.check && !options.page.diff) read.features = FeatureColumns::kGeometry;
   ReadInputs result;
   result.atlases.reserve(options.inputs.paths.size());  // inputs refer to them
   for (const std::string& path : options.inputs.paths) {
+    read.selection = {};
     const HeldSource held = HoldInput(path, read);
+    read.selection = ParseSelection(options.selection, held, read);
     const Format& format = read.format.empty() ? *FindFormatOfInput(held) : FormatById(read.format);
-    result.atlases.push_back(ReadAtlas(held, read, &notices));
+    result.atlases.push_back(ReadPartToShow(path, held, read, notices));
     result.inputs.push_back(InputOf(path, result.atlases.back(), format));
   }
   return result;
@@ -171,7 +173,7 @@ ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
 ExitCode RunView(ViewVerbOptions options, Console& console) {
   RequireViewPage();
   if (options.page.diff && options.inputs.paths.size() != 2) RefuseUsage("--diff is of two atlases");
-  const bool part = !ParseSelection(options.selection).everything();
+  const bool part = SelectsPart(options.selection);
   options.page.check = !options.no_check && !part;  // what was left out would be found missing
   const std::string output = OutputOf(options);
   std::optional<AtomicFile> file;  // before the work, so that what would fail at the end fails at once
