@@ -15,6 +15,7 @@
 #include "cli/words.h"
 #include "slamdb/base/detail/json.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/align_trajectory.h"
 #include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/export/options.h"
@@ -137,8 +138,16 @@ std::optional<Georeference> WhereOnEarth(const ConvertOptions& options, const Fo
   return found;
 }
 
+// Nothing in the maps tells whether the frame is one on earth.
+void WarnOfFrames(const Atlas& atlas, Notices& notices) {
+  notices.Warn(
+      "the frame of the maps is taken as east, north and up in metres from --origin; `slamdb transform --georeference` "
+      "makes it so");
+  for (const Map& map : atlas.maps)
+    if (HasOpenScale(map)) notices.Warn(ToString(map.id) + " has no scale, of one camera: its sizes are not in metres");
+}
+
 void WarnOfMapsElsewhere(const Atlas& atlas, const Georeference& where, Notices& notices) {
-  if (where.maps.empty()) return;  // as asked for
   for (const Map& map : atlas.maps)
     if (std::ranges::find(where.maps, map.id) == where.maps.end() && !map.keyframes.empty())
       notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
@@ -278,7 +287,10 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   bool sound = true;
   const Atlas atlas = Prepare(held, read, output, format, options, console, notices, sound);
   if (where) {
-    WarnOfMapsElsewhere(atlas, *where, notices);
+    if (where->maps.empty())  // as asked for
+      WarnOfFrames(atlas, notices);
+    else
+      WarnOfMapsElsewhere(atlas, *where, notices);
     write.of<GeographicOptions>().origin = where->origin;
   }
   Written written = WrittenOf(atlas);
