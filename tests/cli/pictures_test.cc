@@ -120,6 +120,8 @@ TEST_F(Pictures, ReportOfAFolderHasARowForWhatCannotBeRead) {
   const std::string index = ReadWholeFile(folder_ / "out/index.html");
   EXPECT_THAT(index, HasSubstr("&lt;b&gt;bold"));
   EXPECT_THAT(index, HasSubstr("truncated"));
+  EXPECT_THAT(index, HasSubstr("<h1>maps</h1>")) << "as the folder is called";
+  EXPECT_THAT(ReadWholeFile(folder_ / "out/good.html"), HasSubstr("<a href=\"index.html\">"));
   EXPECT_EQ(RunSlamdb({"report", maps.string(), "-o", folder_ / "out"}).exit_code, 1);  // pages are there
 }
 
