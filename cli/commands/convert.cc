@@ -10,11 +10,13 @@
 #include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/selected.h"
 #include "cli/times.h"
 #include "cli/values.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/json.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/align_trajectory.h"
 #include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/export/options.h"
@@ -41,18 +43,6 @@ struct ConvertOptions {
   std::optional<int> long_bytes;
   double wait = kUsualWait;
 };
-
-void RefuseEmptySelection(const Atlas& atlas, const ReadOptions& read, const HeldSource& held,
-                          const ConvertOptions& options) {
-  const Selection& selection = read.selection;
-  if (options.selection.map && atlas.maps.empty())
-    throw Error(ErrorKind::kNotFound, options.input, "", "has no map " + std::to_string(*options.selection.map));
-  const Substance selected = SubstanceOf(atlas, /*with_bad=*/true);
-  if (selected.landmarks) return;
-  if ((selection.has_keyframe_range() && !selected.keyframes) || (selection.box && !selected.points))
-    throw Error(ErrorKind::kNotFound, options.input, "",
-                selected.keyframes ? "has no points in the box" : MissText(selection, held, read));
-}
 
 // What the reader had to leave out; WriteAtlas refuses what the target cannot hold.
 void RefuseLosses(const Notices& notices) {
@@ -155,8 +145,16 @@ std::optional<Georeference> WhereOnEarth(const ConvertOptions& options, const Fo
   return found;
 }
 
+// Nothing in the maps tells whether the frame is one on earth.
+void WarnOfFrames(const Atlas& atlas, Notices& notices) {
+  notices.Warn(
+      "the frame of the maps is taken as east, north and up in metres from --origin; `slamdb transform --georeference` "
+      "makes it so");
+  for (const Map& map : atlas.maps)
+    if (HasOpenScale(map)) notices.Warn(ToString(map.id) + " has no scale, of one camera: its sizes are not in metres");
+}
+
 void WarnOfMapsElsewhere(const Atlas& atlas, const Georeference& where, Notices& notices) {
-  if (where.maps.empty()) return;  // as asked for
   for (const Map& map : atlas.maps)
     if (std::ranges::find(where.maps, map.id) == where.maps.end() && !map.keyframes.empty())
       notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
@@ -230,7 +228,7 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   Written written{.maps = {}, .bytes = {}};
   if (options.dry_run) {
     const Atlas atlas = ReadAtlas(input, read, &notices);
-    RefuseEmptySelection(atlas, read, input, options);
+    RefuseEmptySelection(atlas, options.input, input, read);
     written.keyframes = WrittenOf(atlas).keyframes;
     notices.Tell(Counted(written.keyframes, "pose"));
   } else {
@@ -265,7 +263,7 @@ Atlas Prepare(const HeldSource& held, const ReadOptions& read, const Location& o
   Inputs inputs;
   inputs.Add(atlas);
   sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
-  RefuseEmptySelection(atlas, read, held, options);
+  RefuseEmptySelection(atlas, options.input, held, read);
   RefuseEmptyResult(atlas, inputs, output.ToString(), format, options.dry_run, notices);
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))
@@ -294,7 +292,10 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   bool sound = true;
   const Atlas atlas = Prepare(held, read, output, format, options, console, notices, sound);
   if (where) {
-    WarnOfMapsElsewhere(atlas, *where, notices);
+    if (where->maps.empty())  // as asked for
+      WarnOfFrames(atlas, notices);
+    else
+      WarnOfMapsElsewhere(atlas, *where, notices);
     write.of<GeographicOptions>().origin = where->origin;
   }
   Written written = WrittenOf(atlas);

@@ -9,6 +9,7 @@
 #include "cli/exports.h"
 #include "cli/options.h"
 #include "cli/reference.h"
+#include "cli/selected.h"
 #include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
@@ -83,7 +84,7 @@ ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
   read.features = FeatureColumns::kGeometry;
   const HeldSource held = HoldInput(options.input, read);
   read.selection = ParseSelection(options.selection, held, read);
-  const Atlas atlas = ReadAtlas(held, read, &notices);
+  const Atlas atlas = ReadPartToShow(options.input, held, read, notices);
   const Plot picture = NamingFile(options.input, [&] { return DrawPlot(atlas, plot); });
   file.Write(picture.bytes);
   file.Commit();

@@ -148,7 +148,10 @@ class Reporting {
 
   std::string Title() const {
     const std::vector<std::string>& named = options_.many.inputs.paths;
-    return named.size() == 1 ? named.front() : detail::Counted(named.size(), "input");
+    if (named.size() > 1) return detail::Counted(named.size(), "input");
+    std::error_code ignored;  // `.` and `maps/` are called as their folder is
+    const fs::path name = IsFolder(named.front()) ? fs::canonical(named.front(), ignored).filename() : fs::path();
+    return name.empty() ? named.front() : name.string();
   }
 
   void Tell(const std::vector<AtlasReport>& reports) const {

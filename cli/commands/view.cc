@@ -16,6 +16,7 @@
 #include "cli/page_server.h"
 #include "cli/report/info_text.h"
 #include "cli/report/layout.h"
+#include "cli/selected.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
@@ -87,9 +88,10 @@ ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& no
   ReadInputs result;
   result.atlases.reserve(options.inputs.paths.size());  // inputs refer to them
   for (const std::string& path : options.inputs.paths) {
+    read.selection = {};
     const HeldSource held = HoldInput(path, read);
     read.selection = ParseSelection(options.selection, held, read);
-    result.atlases.push_back(ReadAtlas(held, read, &notices));  // throws where nothing tells the format
+    result.atlases.push_back(ReadPartToShow(path, held, read, notices));  // throws where nothing tells the format
     const Format* format = read.format.empty() ? FindFormatOfInput(held) : &FormatById(read.format);
     result.inputs.push_back(InputOf(path, result.atlases.back(), *format));
   }
@@ -159,7 +161,7 @@ ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
 ExitCode RunView(ViewVerbOptions options, Console& console) {
   RequireViewPage();
   if (options.page.diff && options.inputs.paths.size() != 2) RefuseUsage("--diff is of two atlases");
-  const bool part = !options.selection.everything();
+  const bool part = SelectsPart(options.selection);
   options.page.check = !options.no_check && !part;  // what was left out would be found missing
   const std::string output = OutputOf(options);
   std::optional<AtomicFile> file;  // before the work, so that what would fail at the end fails at once

@@ -269,6 +269,15 @@ TEST(Convert, RefusesValuesThatAreNone) {
   EXPECT_EQ(code("a.osa", "--boost-version", "1.075"), 2);
 }
 
+TEST(Convert, WarnsThatAnOriginByHandTakesTheFrameAsOneOnEarth) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"synthesize", folder / "mono.osa", "--sensor", "monocular", "--keyframes", "6"}).exit_code, 0);
+  const ProcessResult result = RunSlamdb({"convert", folder / "mono.osa", folder / "a.kml", "--origin", "48.15,11.57"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("is taken as east, north and up in metres"));
+  EXPECT_THAT(result.err, HasSubstr("map 0 has no scale"));
+}
+
 TEST(Convert, FindsTheOriginBesideTheInput) {
   const TemporaryFolder folder;
   std::filesystem::copy_file(kTiny, folder / "enu.osa");
@@ -277,6 +286,7 @@ TEST(Convert, FindsTheOriginBesideTheInput) {
                  R"({"maps": [{"id": 0}], "georeference": {"latitude": 48.15, "longitude": 11.57, "altitude": 519}})");
   const ProcessResult found = convert();
   EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_THAT(found.err, Not(HasSubstr("is taken as")));
   EXPECT_THAT(found.err, HasSubstr("note: the origin is that of " + (folder / "enu.osa.georeference.json")));
   EXPECT_THAT(found.err, Not(HasSubstr("not georeferenced")));
   EXPECT_THAT(ReadWholeFile(folder / "a.geojson"), HasSubstr("[11.57000"));

@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 const std::string kAtlas = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
@@ -70,6 +71,27 @@ TEST_F(Pictures, PlotReplacesNothingUnasked) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--kind", "side", "-O", "-o", folder_ / "a.svg"}).exit_code, 0);
 }
 
+TEST_F(Pictures, PlotOfAPartShowsWhatItsKeyframesSaw) {
+  const ProcessResult part = RunSlamdb({"plot", kAtlas, "--time", ":+0", "-o", folder_ / "a.svg"});
+  ASSERT_EQ(part.exit_code, 0) << part.err;
+  EXPECT_THAT(part.out, HasSubstr("1 keyframe, "));
+  EXPECT_THAT(part.out, Not(HasSubstr("3,162 points")));
+}
+
+TEST_F(Pictures, PlotOfAPartOfNothingIsRefused) {
+  const std::pair<std::vector<std::string>, const char*> misses[] = {{{"--map", "7"}, "has no map 7"},
+                                                                     {{"--time", "0:10"}, "its keyframes are from"},
+                                                                     {{"--keyframes", "99999:"}, "has no keyframe of"}};
+  for (const auto& [words, problem] : misses) {
+    std::vector<std::string> line{"plot", kAtlas, "-o", folder_ / "a.svg"};
+    line.insert(line.end(), words.begin(), words.end());
+    const ProcessResult result = RunSlamdb(line);
+    EXPECT_EQ(result.exit_code, 1) << problem;
+    EXPECT_THAT(result.err, HasSubstr(problem));
+    EXPECT_FALSE(fs::exists(folder_ / "a.svg"));
+  }
+}
+
 TEST_F(Pictures, PlotHoldsATrajectoryAgainstATruth) {
   const std::string truth = SLAMDB_FIXTURES "/session_small_a/truth.txt";
   const ProcessResult result = RunSlamdb({"plot", kAtlas, "--with", truth, "-o", folder_ / "error.svg"});
@@ -112,6 +134,8 @@ TEST_F(Pictures, ReportOfAFolderHasARowForWhatCannotBeRead) {
   const std::string index = ReadWholeFile(folder_ / "out/index.html");
   EXPECT_THAT(index, HasSubstr("&lt;b&gt;bold"));
   EXPECT_THAT(index, HasSubstr("truncated"));
+  EXPECT_THAT(index, HasSubstr("<h1>maps</h1>")) << "as the folder is called";
+  EXPECT_THAT(ReadWholeFile(folder_ / "out/good.html"), HasSubstr("<a href=\"index.html\">"));
   EXPECT_EQ(RunSlamdb({"report", maps.string(), "-o", folder_ / "out"}).exit_code, 1);  // pages are there
 }
 

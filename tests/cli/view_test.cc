@@ -114,6 +114,31 @@ TEST_F(View, APartIsNotChecked) {
   EXPECT_THAT(result.err, HasSubstr("findings"));
 }
 
+TEST_F(View, OfAPartShowsWhatItsKeyframesSaw) {
+  const ProcessResult start = RunSlamdb({"view", In("a.osa"), "--time", ":+0", "-o", In("x.html"), "--json"});
+  ASSERT_EQ(start.exit_code, 0) << start.err;
+  const json report = json::parse(start.out);
+  EXPECT_GT(report.at("keyframes"), 0);
+  EXPECT_LT(report.at("keyframes"), 16);
+  EXPECT_GT(report.at("points"), 0);
+  EXPECT_LT(report.at("points"), 400);
+}
+
+TEST_F(View, RefusesAPartOfNothing) {
+  const std::pair<std::vector<std::string>, const char*> misses[] = {{{"--map", "7"}, "has no map 7"},
+                                                                     {{"--time", "-9:-5"}, "has no keyframe from"},
+                                                                     {{"--keyframes", "99:"}, "has no keyframe of"},
+                                                                     {{"--box", "90,90,90:91,91,91"}, "in the box"}};
+  for (const auto& [words, problem] : misses) {
+    std::vector<std::string> line{"view", In("a.osa"), "-o", In("x.html")};
+    line.insert(line.end(), words.begin(), words.end());
+    const ProcessResult result = RunSlamdb(line);
+    EXPECT_EQ(result.exit_code, 1) << problem;
+    EXPECT_THAT(result.err, HasSubstr(problem));
+    EXPECT_FALSE(fs::exists(In("x.html")));
+  }
+}
+
 TEST_F(View, WrongUseIsSaidAtOnce) {
   EXPECT_EQ(RunSlamdb({"view"}).exit_code, 2);
   EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "--keypoints", "some"}).exit_code, 2);

@@ -103,5 +103,29 @@ TEST(Plan, CountsPointsInsideAndThoseThatAreTooFarOff) {
   EXPECT_EQ(plot.left_out, 2);
 }
 
+TEST(Plan, OfAShortPathShowsThePointsFarFromIt) {
+  Map map = MapAt({{0, 0, 0}, {0.1F, 0, 0}, {0.1F, 0, 0.1F}});
+  for (int i = 0; i < 200; ++i)  // a wall ten metres away, a hundred times as far as the path is long
+    map.points.push_back(slamdb::testing::PointSeenBy(2, {0.05F * static_cast<float>(i) - 5, 0, 10}));
+  const Plot plot = DrawPlot(AtlasOf(std::move(map)), {.kind = PlotKind::kPlan});
+  EXPECT_EQ(plot.points, 200);
+  EXPECT_EQ(plot.left_out, 0);
+}
+
+TEST(Plan, SaysHowManyPointsAreOutside) {
+  const auto letters = [](float far) {
+    Map map = MapAt({{0, 0, 0}, {4, 0, 0}, {8, 0, 6}});
+    for (float i = 0; i < 100; ++i) map.points.push_back(slamdb::testing::PointSeenBy(2, {0.08F * i, 0, 0.06F * i}));
+    map.points.push_back(slamdb::testing::PointSeenBy(2, {far, 0, 0}));
+    return DrawPlot(AtlasOf(std::move(map)), {.kind = PlotKind::kPlan}).bytes;
+  };
+  const auto count = [](const std::string& svg) {
+    std::size_t uses = 0;
+    for (std::size_t at = svg.find("<use"); at != std::string::npos; at = svg.find("<use", at + 1)) ++uses;
+    return uses;
+  };
+  EXPECT_EQ(count(letters(1e6F)) - count(letters(4)), std::string("1 of 101 points outside").size());
+}
+
 }  // namespace
 }  // namespace slamdb::plot

@@ -46,7 +46,9 @@ TEST(ReportPage, HoldsNumbersPlotsFindingsAndGates) {
   EXPECT_THAT(page, HasSubstr("<dt>keyframes</dt><dd>16</dd>"));
   EXPECT_THAT(page, HasSubstr("map 1"));
   EXPECT_THAT(page, HasSubstr("<td>keyframes</td><td class=\"number\">16</td>"));
-  EXPECT_EQ(CountOf(page, "<svg "), CanPlot() ? 7U : 0U);
+  EXPECT_EQ(CountOf(page, "<div class=\"light\"><svg "), CanPlot() ? 7U : 0U);
+  EXPECT_EQ(CountOf(page, "<div class=\"dark\"><svg "), CanPlot() ? 7U : 0U);
+  EXPECT_THAT(page, Not(HasSubstr("invert("))) << "colours tell amounts";
   EXPECT_EQ(CountOf(page, "<script"), 0U);
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
   EXPECT_THAT(page, Not(HasSubstr("unsafe")));
@@ -87,6 +89,8 @@ TEST(ReportPage, TellsWhichGatesWerePassed) {
   EXPECT_THAT(page, HasSubstr("at least 5</td><td><span class=\"badge good\">passed"));
   EXPECT_THAT(page, HasSubstr("at most 10</td><td><span class=\"badge error\">not passed"));
   EXPECT_EQ(CountOf(page, "badge error\">not passed"), 1U);
+  EXPECT_EQ(CountOf(page, "<tr><td>keyframes</td>"), 1U) << "asked, so not among those without a limit";
+  EXPECT_THAT(PageOf(atlas), Not(HasSubstr("<th>verdict</th>"))) << "nothing was asked";
 }
 
 TEST(ReportPage, KeepsHostileTextsAsText) {

@@ -135,8 +135,8 @@ Plot DrawPlot(const Atlas& atlas, const PlotOptions& options) {
   const ViewCounts counts = kind.draw(canvas, scene, {kMargin, top, width, height});
   result.points = counts.points;
   result.left_out = counts.left_out;
-  result.bytes =
-      canvas.Finish(kind.name, Concat(options.title.empty() ? "atlas" : options.title, ": ", kind.name), summary);
+  result.bytes = canvas.Finish(Concat(kind.name, options.dark ? "-dark" : ""),
+                               Concat(options.title.empty() ? "atlas" : options.title, ": ", kind.name), summary);
   return result;
 }
 

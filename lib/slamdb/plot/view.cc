@@ -283,13 +283,14 @@ void DrawFrameOfCell(Canvas& canvas, const Scene& scene, View view, const Cell& 
 
 namespace {
 
-// Of the corners of a cell the one where the fewest places lie below a box of that size; the lower right one of equals.
+// Of the corners of a cell but the upper left the one where the fewest places lie below a box of that size; the lower
+// right one of equals.
 Box EmptiestCorner(const Cell& cell, std::span<const Spot> busy, const Box& size, double margin) {
   const double left = cell.box.left + margin, right = cell.box.right() - margin - size.width;
   const double top = cell.box.top + margin, bottom = cell.box.bottom() - margin - size.height;
   Box best;
   std::size_t fewest = ~std::size_t{0};
-  for (const Spot& corner : {Spot(right, bottom), Spot(left, bottom), Spot(right, top), Spot(left, top)}) {
+  for (const Spot& corner : {Spot(right, bottom), Spot(left, bottom), Spot(right, top)}) {
     const Box box{corner.x(), corner.y(), size.width, size.height};
     const auto covered =
         static_cast<std::size_t>(std::ranges::count_if(busy, [&](const Spot& at) { return box.Has(at); }));
@@ -336,6 +337,18 @@ Spots BusyPlaces(const Scene& scene, const Cell& cell) {
   return places;
 }
 
+// How many points are not in the cell, in the corner that no scale bar takes.
+void DrawLeftOut(Canvas& canvas, const Theme& theme, const Cell& cell, const ViewCounts& counts) {
+  if (counts.left_out == 0) return;
+  const std::string text = Concat(detail::Thousands(counts.left_out), " of ",
+                                  detail::Counted(counts.points + counts.left_out, "point"), " outside");
+  const TextStyle style = Letters{theme}.Tick(Anchor::kStart);
+  const double width = canvas.WidthOf(text, style) + 8;
+  if (width > cell.box.width) return;
+  canvas.Fill({cell.box.left + 1, cell.box.top + 1, width, 17}, theme.paper.WithAlpha(0.85));
+  canvas.Text({cell.box.left + 5, cell.box.top + 13}, text, style);
+}
+
 }  // namespace
 
 ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& box, Detail detail) {
@@ -351,7 +364,11 @@ ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& bo
   }
   for (const Cell& cell : LayCells(scene, view, inside)) {
     if (!bare) DrawFrameOfCell(canvas, scene, view, cell);
-    DrawInside(canvas, scene, cell, bare, counts);
+    ViewCounts here;
+    DrawInside(canvas, scene, cell, bare, here);
+    if (!bare) DrawLeftOut(canvas, scene.theme, cell, here);
+    counts.points += here.points;
+    counts.left_out += here.left_out;
     if (!bare && (alone || cell.maps.front() + 1 == scene.maps.size()) && !scene.maps.empty())
       DrawScaleBar(canvas, scene.theme, cell, BusyPlaces(scene, cell), scene.unit());
   }

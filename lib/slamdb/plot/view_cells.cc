@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// 1. The extents of each map on the page: its path, and the points near it.
+// 1. The extents of each map on the page: its path, and all points but the few that are far from the rest.
 // 2. One cell for all maps, or a row of cells each behind the other, in as many rows as show them largest.
 #include <algorithm>
 #include <array>
@@ -44,7 +44,8 @@ Extents WithAir(const Range& x, const Range& y) {
   return {Grown(x, air), Grown(y, air)};
 }
 
-// Of the points: without the farthest hundredth at each end, and no farther from the path than eight times its size.
+// Of the points: without the farthest at each end, half a hundredth of them, and of those none that is far outside of
+// where most are.
 std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   std::array<std::vector<double>, 2> places;
   for (const MapPoint& point : map.map->points) {
@@ -56,10 +57,14 @@ std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   std::array<Range, 2> ranges{Range{1, 0}, Range{1, 0}};
   if (places[0].empty()) return ranges;
   constexpr double kBeyond = 1.25;  // all of them, where the outermost are not far from the rest
+  constexpr double kAround = 3;     // sizes of where most are
   for (int i = 0; i < 2; ++i) {
     const auto [low, high] = std::ranges::minmax(places[i]);
-    const Range all{low, high}, most{QuantileOf(places[i], 0.01), QuantileOf(places[i], 0.99)};
-    ranges[i] = all.size() <= kBeyond * most.size() ? all : most;
+    const Range all{low, high}, most{QuantileOf(places[i], 0.1), QuantileOf(places[i], 0.9)};
+    const Range near = Grown(most, kAround * most.size());
+    const Range nearly{std::max(QuantileOf(places[i], 0.005), near.low),
+                       std::min(QuantileOf(places[i], 0.995), near.high)};
+    ranges[i] = all.size() <= kBeyond * nearly.size() ? all : nearly;
   }
   return ranges;
 }
@@ -76,12 +81,8 @@ Extents ExtentsOf(const MapScene& map, const Axes& axes, Shown shown) {
   std::array<Range, 2> ranges = points;
   if (!map.path.empty()) {
     ranges = {RangeOfMost(places[0]), RangeOfMost(places[1])};
-    const double size = std::hypot(ranges[0].size(), ranges[1].size());
-    for (int i = 0; i < 2; ++i) {
-      if (points[i].size() < 0) continue;
-      const Range near = size > 0 ? Grown(ranges[i], 8 * size) : points[i];
-      ranges[i] = United(ranges[i], {std::max(points[i].low, near.low), std::min(points[i].high, near.high)});
-    }
+    for (int i = 0; i < 2; ++i)
+      if (points[i].size() >= 0) ranges[i] = United(ranges[i], points[i]);
   }
   if (ranges[0].size() < 0) ranges = {Range{-1, 1}, Range{-1, 1}};
   return WithAir(ranges[0], ranges[1]);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/report/detail/parts.h"
@@ -70,33 +71,58 @@ void AppendFindings(Html& html, const CheckReport& report, const Wording& wordin
       if (result.severity == severity) AppendResult(html, result, wording);
 }
 
-void AppendGates(Html& html, const AtlasReport& report) {
-  html << "<h2>Gates</h2>\n<div class=\"scroll\"><table>\n<tr><th>measure</th><th class=\"number\">value</th>"
+namespace {
+
+std::string MeasureText(double value) {
+  const bool is_count = value >= 0 && value < 1e15 && value == std::floor(value);
+  return is_count ? detail::Thousands(static_cast<std::uint64_t>(value)) : detail::Digits(value, 6);
+}
+
+void AppendMeasure(Html& html, const Gate& gate, const AtlasReport& report) {
+  html << "<tr><td>" << std::string(gate.title) << "</td><td class=\"number\">"
+       << MeasureText(gate.measure(report.checked.report.statistics)) << "</td>";
+}
+
+void AppendGatesAsked(Html& html, const AtlasReport& report) {
+  html << "<div class=\"scroll\"><table>\n<tr><th>measure</th><th class=\"number\">value</th>"
           "<th class=\"number\">limit</th><th>verdict</th></tr>\n";
   for (const Gate& gate : ReadGates()) {
     const auto limit = std::ranges::find(report.gates, gate.id, &GateLimit::gate);
-    const bool asked = limit != report.gates.end();
-    // Both bounds of one measure are two gates; without a limit the measure stands once.
-    const bool first = std::ranges::find(ReadGates(), gate.measure_name, &Gate::measure_name)->id == gate.id;
-    const bool other_asked = std::ranges::any_of(report.gates, [&](const GateLimit& other) {
-      const auto found = std::ranges::find(ReadGates(), other.gate, &Gate::id);
-      return found != ReadGates().end() && found->measure_name == gate.measure_name;
-    });
-    if (!asked && (!first || other_asked)) continue;
-    html << "<tr><td>" << std::string(gate.title) << "</td><td class=\"number\">"
-         << detail::Digits(gate.measure(report.checked.report.statistics), 6) << "</td><td class=\"number\">";
-    if (!asked) {
-      html << "</td><td class=\"faint\">no limit</td></tr>\n";
-      continue;
-    }
+    if (limit == report.gates.end()) continue;
     const bool broken = std::ranges::find(report.checked.report.results, GateRuleId(gate.id), &RuleResult::id) !=
                         report.checked.report.results.end();
-    html << Concat(gate.is_minimum ? "at least " : "at most ", detail::Digits(limit->limit, 6)) << "</td><td>"
+    AppendMeasure(html, gate, report);
+    html << "<td class=\"number\">" << Concat(gate.is_minimum ? "at least " : "at most ", MeasureText(limit->limit))
+         << "</td><td>"
          << (broken ? Literal("<span class=\"badge error\">not passed</span>")
                     : Literal("<span class=\"badge good\">passed</span>"))
          << "</td></tr>\n";
   }
   html << "</table></div>\n";
+}
+
+// Both bounds of one measure are two gates; without a limit the measure stands once.
+bool IsMeasureWithoutLimit(const Gate& gate, const AtlasReport& report) {
+  if (std::ranges::find(ReadGates(), gate.measure_name, &Gate::measure_name)->id != gate.id) return false;
+  return std::ranges::none_of(report.gates, [&](const GateLimit& limit) {
+    const auto found = std::ranges::find(ReadGates(), limit.gate, &Gate::id);
+    return found != ReadGates().end() && found->measure_name == gate.measure_name;
+  });
+}
+
+}  // namespace
+
+void AppendGates(Html& html, const AtlasReport& report) {
+  html << "<h2>Gates</h2>\n";
+  if (!report.gates.empty()) AppendGatesAsked(html, report);
+  html << "<details><summary>measures without a limit</summary><div class=\"scroll\"><table>\n"
+          "<tr><th>measure</th><th class=\"number\">value</th></tr>\n";
+  for (const Gate& gate : ReadGates()) {
+    if (!IsMeasureWithoutLimit(gate, report)) continue;
+    AppendMeasure(html, gate, report);
+    html << "</tr>\n";
+  }
+  html << "</table></div></details>\n";
 }
 
 }  // namespace slamdb::report

@@ -85,7 +85,11 @@ void AppendPlots(Html& html, const Atlas& atlas, int threads) {
   for (const PlotKind kind : PlotKinds()) {
     if (kind == PlotKind::kOverview || kind == PlotKind::kTrajectory) continue;
     html << "<figure>";
-    html.Drawn(ElementOf(DrawPlot(atlas, {.kind = kind, .width = 620, .threads = threads}).bytes));
+    for (const bool dark : {false, true}) {  // the style shows the one that suits the page
+      html << (dark ? Literal("<div class=\"dark\">") : Literal("<div class=\"light\">"));
+      html.Drawn(ElementOf(DrawPlot(atlas, {.kind = kind, .width = 620, .dark = dark, .threads = threads}).bytes));
+      html << "</div>";
+    }
     html << "</figure>\n";
   }
   html << "</div>\n";
@@ -119,7 +123,9 @@ AtlasReport ReportOn(const Atlas& atlas, const std::string& name, const CheckOpt
 
 std::string ReportPage(const Atlas& atlas, const AtlasReport& report, const ReportPageOptions& options) {
   Html html;
-  html << "<header><h1>" << report.checked.name << "</h1>";
+  html << "<header>";
+  if (!report.page.empty()) html << "<p><a href=\"index.html\">all atlases</a></p>";
+  html << "<h1>" << report.checked.name << "</h1>";
   report::AppendVerdict(html, report);
   html << "</header>\n<main>\n";
   AppendNumbers(html, report);
