@@ -278,10 +278,10 @@ TEST_F(Many, ARowThatWasEditedIsAProblemOfTheList) {
 }
 
 TEST_F(Many, MetresAndUnitsAreNotSummed) {
-  ASSERT_EQ(
-      RunSlamdb({"merge", Maps() + "/session_small_a.osa", Maps() + "/mono_small_twice.osa", In("both.osa"), "-q"})
-          .exit_code,
-      0);
+  ASSERT_EQ(RunSlamdb({"merge", Maps() + "/session_small_a.osa", Maps() + "/mono_small_twice.osa", "-o", In("both.osa"),
+                       "-q"})
+                .exit_code,
+            0);
   EXPECT_THAT(RunSlamdb({"list", In("both.osa"), "--columns", "length"}).out, HasSubstr("mixed"));
 }
 

@@ -124,9 +124,11 @@ class Lister {
     }
     if (!store.matching.contains(input.location.name)) return false;
     Describe(stored->second, atlas);
-    if (!stored->second.problem.empty())
+    if (!stored->second.problem.empty()) {
+      atlas.bytes.reset();  // which the same row tells
       throw Error(ErrorKind::kDamaged, atlas.input, "table atlas",
                   "tells of " + stored->second.problem + ": edited outside slamdb, or damaged");
+    }
     if (options_.check) Check(ReadAtlas(input.location, ReadOptionsOf()), *options_.check, threads_, atlas);
     return true;
   }

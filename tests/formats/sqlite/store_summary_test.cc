@@ -14,6 +14,7 @@ namespace slamdb::store_test {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 void ExpectSame(const AtlasSummary& stored, const AtlasSummary& expected) {
@@ -101,7 +102,6 @@ TEST_F(StoreSummary, OneStepBackLosesNothing) {
 TEST_F(StoreSummary, ASecondStepBackIsRefused) {
   SaveIn(path_, SoundAtlas());
   MigrateStore(path_, {.back = true, .backup = false});
-  EXPECT_EQ(KindOf([&] { MigrateStore(path_, {.back = true}); }), ErrorKind::kNotPossible);
   EXPECT_THAT(ErrorOf([&] { MigrateStore(path_, {.back = true, .dry_run = true}); }),
               HasSubstr("is of version 3 and cannot go further back"));
 }
@@ -120,7 +120,7 @@ TEST_F(StoreSummary, ARowThatCannotBeIsAProblem) {
                                                         {"trajectory_length = 9e999", "a trajectory of length inf"},
                                                         {"duration = -1", "a duration of -1 s"},
                                                         {"begin_time = -9e999", "a time that is not finite"}}) {
-    const std::string whole = Sql(path_, "DROP TABLE IF EXISTS kept; CREATE TABLE kept AS SELECT * FROM atlas");
+    Sql(path_, "DROP TABLE IF EXISTS kept; CREATE TABLE kept AS SELECT * FROM atlas");
     Sql(path_, "UPDATE atlas SET " + edit);
     EXPECT_THAT(Listed().problem, HasSubstr(problem)) << edit;
     Sql(path_, "DELETE FROM atlas; INSERT INTO atlas SELECT * FROM kept; DROP TABLE kept");
