@@ -36,7 +36,7 @@ const std::map<std::string, ColourChoice> kColourChoices = {
 void AddColour(CLI::App& verb, ColourChoice& colour) {
   if (CLI::Option* own = verb.get_option_no_throw("--color")) {
     own->transform([&colour](std::string word) {
-      if (word.empty()) RefuseUsage("--color: a word is missing");
+      if (word.empty()) RefuseUsage("a word is missing");
       const auto choice = kColourChoices.find(word);
       if (choice == kColourChoices.end()) return word;
       colour = choice->second;

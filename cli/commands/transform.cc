@@ -205,6 +205,7 @@ void BindAlignment(CLI::App& verb, TransformVerbOptions& options) {
   verb.add_option("--origin", options.origin,
                   "Origin of the georeferenced frame; by default the first fix near the others")
       ->type_name("LAT,LON[,ALT]")
+      ->check(CheckPlace)
       ->needs(verb.get_option("--georeference"))
       ->group(kGroup);
 }

@@ -119,6 +119,8 @@ TEST_F(Transform, BadInputGetsAClearErrorAndNoOutput) {
   expect({"--scale", "2", "--axes", "x,y,z"}, 2, "--axes");
   expect({"--json"}, 2, "--by");
   expect({"--scale", "2", "--origin", "1,2"}, 2, "--georeference");
+  expect({"--georeference", In("bad.csv"), "--origin", "91,0"}, 2, "a place is");
+  expect({"--onto", In("later.txt"), "--time-offset", "nan"}, 2, "a finite number");
 }
 
 TEST_F(Transform, DryRunWritesNothing) {
