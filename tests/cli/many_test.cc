@@ -250,7 +250,7 @@ TEST_F(Many, AnInterruptedAddSaysWhatItDid) {
   for (int i = 0; i < 40; ++i) fs::copy_file(kTiny, In("maps/a") + std::to_string(i) + ".osa");
   const ProcessResult stopped =
       RunProgram({"bash", "-c",
-                  "\"$0\" add --json \"$1\" \"$2\" & p=$!; until [ -s \"$1\" ]; do sleep 0.01; done; kill -s INT $p; "
+                  "\"$0\" add --json \"$1\" \"$2\" & p=$!; until [ -s \"$1\" ]; do sleep 0.01; done; kill -s TERM $p; "
                   "wait $p",
                   SLAMDB_COMMAND, In("k.db"), Maps()});
   if (stopped.exit_code == 0) GTEST_SKIP() << "it was faster";
