@@ -30,7 +30,10 @@ std::optional<TimeRange> ParseMoment(const std::string& text) {
   using From = Moment::From;
   if (const auto seconds = ParseNumber<double>(text))
     return At(text.starts_with('+') ? From::kFirst : text.starts_with('-') ? From::kLast : From::kClock, *seconds);
-  if (const auto seconds = SecondsOfDate(text)) return At(From::kClock, *seconds);
+  if (const auto seconds = SecondsOfDate(text)) {  // a whole second, as a day is a whole day
+    const bool has_fraction = text.find_first_of(".,", text.find(':')) != std::string::npos;
+    return TimeRange{{From::kClock, *seconds}, {From::kClock, has_fraction ? *seconds : *seconds + 1 - kJustBefore}};
+  }
   const auto midnight = SecondsOfDate(text + "T00:00:00Z");
   if (!midnight) return std::nullopt;
   return TimeRange{{From::kClock, *midnight}, {From::kClock, *midnight + kDay - kJustBefore}};

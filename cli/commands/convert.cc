@@ -26,6 +26,7 @@
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/formats/trajectory/options.h"
+#include "slamdb/model/statistics.h"
 
 namespace slamdb::cli {
 namespace {
@@ -151,7 +152,7 @@ void WarnOfFrames(const Atlas& atlas, Notices& notices) {
       "the frame of the maps is taken as east, north and up in metres from --origin; `slamdb transform --georeference` "
       "makes it so");
   for (const Map& map : atlas.maps)
-    if (HasOpenScale(map)) notices.Warn(ToString(map.id) + " has no scale, of one camera: its sizes are not in metres");
+    if (!IsMetric(map)) notices.Warn(ToString(map.id) + " has no scale, of one camera: its sizes are not in metres");
 }
 
 void WarnOfMapsElsewhere(const Atlas& atlas, const Georeference& where, Notices& notices) {
