@@ -14,6 +14,7 @@
 #include "slamdb/base/progress.h"
 #include "slamdb/base/report_files.h"
 #include "slamdb/base/time_unit.h"
+#include "slamdb/base/wording.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/checks/finding.h"
 #include "slamdb/checks/report.h"

@@ -271,7 +271,10 @@ TEST(Convert, RefusesValuesThatAreNone) {
 
 TEST(Convert, WarnsThatAnOriginByHandTakesTheFrameAsOneOnEarth) {
   const TemporaryFolder folder;
-  ASSERT_EQ(RunSlamdb({"synthesize", folder / "mono.osa", "--sensor", "monocular", "--keyframes", "6"}).exit_code, 0);
+  ASSERT_EQ(
+      RunSlamdb({"synthesize", folder / "mono.osa", "--sensor", "monocular", "--keyframes", "6", "--points", "100"})
+          .exit_code,
+      0);
   const ProcessResult result = RunSlamdb({"convert", folder / "mono.osa", folder / "a.kml", "--origin", "48.15,11.57"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.err, HasSubstr("is taken as east, north and up in metres"));

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/landmarks/landmarks.h"
@@ -224,7 +226,11 @@ void SetImu(Map& map, bool inertial, bool initialised) {
 }
 
 void MakeMonocular(Map& map) {
-  for (KeyFrame& keyframe : map.keyframes) keyframe.intrinsics.baseline_fx = keyframe.intrinsics.baseline = 0;
+  for (KeyFrame& keyframe : map.keyframes) {
+    keyframe.intrinsics.baseline_fx = keyframe.intrinsics.baseline = 0;
+    std::ranges::fill(keyframe.features.right_x, -1.0F);
+    std::ranges::fill(keyframe.features.depth, -1.0F);
+  }
 }
 
 TEST(Join, WarnsOfTheImuInEveryOrder) {

@@ -71,7 +71,7 @@ TEST_F(StoreTracking, OneStepBackAndForth) {
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM pragma_table_info('map_point') WHERE name LIKE '%\\_count' ESCAPE '\\'"),
             "1");  // observation_count
   EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 2, this program needs 4"));
-  EXPECT_TRUE(Back().steps.empty());
+  EXPECT_THAT(ErrorOf([&] { Back(); }), HasSubstr("cannot go further back"));
   EXPECT_THAT(MigrateStore(path_).steps, ElementsAre("0003_tracking", "0004_summary"));
   EXPECT_EQ(FirstDifference(LoadFrom(path_), SoundAtlas()), "");
 }
