@@ -7,10 +7,6 @@
 
 namespace slamdb::cli {
 
-bool SelectsPart(const SelectionOptions& options) {
-  return options.map || !options.keyframes.empty() || !options.time.empty() || !options.box.empty();
-}
-
 void RefuseEmptySelection(const Atlas& atlas, const std::string& name, const HeldSource& input,
                           const ReadOptions& read) {
   const Selection& selection = read.selection;

@@ -8,9 +8,6 @@
 // The part of an atlas that was asked for, once it is read.
 namespace slamdb::cli {
 
-// Whether a part was asked for.
-bool SelectsPart(const SelectionOptions& options);
-
 // Throws Error where nothing of the atlas is in the part that was asked for. `name` is that of the input.
 void RefuseEmptySelection(const Atlas& atlas, const std::string& name, const HeldSource& input,
                           const ReadOptions& read);

@@ -161,7 +161,7 @@ ViewOptions PageOptions(const ViewVerbOptions& options, Console& console) {
 ExitCode RunView(ViewVerbOptions options, Console& console) {
   RequireViewPage();
   if (options.page.diff && options.inputs.paths.size() != 2) RefuseUsage("--diff is of two atlases");
-  const bool part = SelectsPart(options.selection);
+  const bool part = !options.selection.everything();
   options.page.check = !options.no_check && !part;  // what was left out would be found missing
   const std::string output = OutputOf(options);
   std::optional<AtomicFile> file;  // before the work, so that what would fail at the end fails at once
