@@ -23,7 +23,8 @@ std::string Line(std::string name, const std::string& value) {
   return name + value + "\n";
 }
 
-std::string Degrees(double radians) { return Short(std::abs(radians) * 180 / std::numbers::pi, 3); }
+// To a hundredth.
+double Degrees(double radians) { return std::round(radians * 18000 / std::numbers::pi) / 100; }
 
 // Which way it looks: on the plan from x where z is up, else from z, and up or down.
 std::string DirectionText(const Eigen::Vector3d& ahead, const Eigen::Vector3d& up) {
@@ -32,10 +33,10 @@ std::string DirectionText(const Eigen::Vector3d& ahead, const Eigen::Vector3d& u
   const bool from_x = vertical == 2;
   const Eigen::Vector3d axis = from_x ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d level = axis - axis.dot(up) * up;
-  const double left = std::atan2(up.dot(level.cross(ahead)), level.dot(ahead));
-  const double rise = std::asin(std::clamp(ahead.dot(up), -1.0, 1.0));
-  return Concat(Degrees(left), left >= 0 ? " degrees left of " : " degrees right of ", from_x ? "x, " : "z, ",
-                Degrees(rise), rise >= 0 ? " up" : " down");
+  const double left = Degrees(std::atan2(up.dot(level.cross(ahead)), level.dot(ahead)));
+  const double rise = Degrees(std::asin(std::clamp(ahead.dot(up), -1.0, 1.0)));
+  return Concat(Short(std::abs(left), 3), left >= 0 ? " degrees left of " : " degrees right of ",
+                from_x ? "x, " : "z, ", Short(std::abs(rise), 3), rise >= 0 ? " up" : " down");
 }
 
 std::size_t CountFields(const ordered_json& value) {
