@@ -22,13 +22,13 @@ double DegreesBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
-// The same on every machine where nothing decides between a direction and the opposite one.
+// An axis or the opposite one, as the sign says; the same on every machine where nothing decides.
 Eigen::Vector3d Pointing(const Eigen::Vector3d& axis, double along) {
   constexpr double kDecides = 1e-6;
-  if (std::abs(along) > kDecides) return along < 0 ? Eigen::Vector3d(-axis) : axis;
   Eigen::Index largest = 0;
   axis.cwiseAbs().maxCoeff(&largest);
-  return axis[largest] < 0 ? Eigen::Vector3d(-axis) : axis;
+  const double sign = std::abs(along) > kDecides ? along : axis[largest];
+  return (sign < 0 ? Eigen::Vector3d(-axis) : axis) + Eigen::Vector3d::Zero();  // no negative zeros
 }
 
 // ---- Inertia
