@@ -188,8 +188,8 @@ merge edges on a metric grid; the covisibility of keyframes as a matrix; how man
 points a keyframe; the reprojection error over the image; keyframes over time with their gaps; the trajectory beside a
 reference, coloured by its error.
 
-Plans stand upright where the IMU tells which way is up; others show the plane of the trajectory's two largest spreads, and
-say so. The same input gives the same bytes. Colours are told apart by those who see red and green alike.)",
+Plans are level: which way is up is told by the IMU, or else by how the cameras were held, and the plan says so. The same
+input gives the same bytes. Colours are told apart by those who see red and green alike.)",
     .failed = "An input could not be read, no map fits onto the reference, or the output not be written.",
     .examples = kExamples,
     .add = AddPlot,

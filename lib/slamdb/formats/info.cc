@@ -69,6 +69,8 @@ Json MapJson(const MapStatistics& map) {
           {"merge_edges", map.merge_edges},
           {"components", map.components},
           {"largest_component", map.largest_component},
+          {"up", VectorJson(map.up.direction.cast<float>())},
+          {"up_method", NameOf(map.up.method)},
           {"bounding_box", BoxJson(map.bounding_box)},
           {"trajectory_length", map.trajectory_length},
           {"begin_time", map.begin_time},

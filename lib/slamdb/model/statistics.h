@@ -7,6 +7,7 @@
 
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb {
 
@@ -44,6 +45,7 @@ struct MapStatistics {
   MapSensor sensor = MapSensor::kUnknown;
   bool has_imu = false;  // calibrated keyframes, or the map says it is inertial
   bool metric = false;   // see IsMetric
+  Up up;                 // see UpOf
 
   std::uint64_t keyframes = 0, points = 0;  // all that are stored, the bad ones too
   std::uint64_t bad_keyframes = 0, bad_points = 0;

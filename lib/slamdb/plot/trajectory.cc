@@ -71,7 +71,7 @@ Frame FrameOfReference(const std::vector<Compared>& stops, const Eigen::Vector3d
   }
   std::vector<Eigen::Vector3d> places;
   for (const Compared& stop : stops) places.push_back(stop.reference);
-  return FrameOfSpreads(places, up);
+  return FrameOfSpreads({.direction = up}, places);
 }
 
 Comparison Compare(const Scene& scene) {
@@ -84,8 +84,7 @@ Comparison Compare(const Scene& scene) {
       options.fit.with_scale = scene.options.with_scale.value_or(!map.metric);
       const TrajectoryAlignment alignment = AlignToTrajectory(*map.map, scene.options.reference, options);
       AddStops(map, alignment, scene.options.reference, options, comparison.stops);
-      if (!up)
-        up = alignment.reference_from_map.rotation * Eigen::Vector3d(map.frame.axes_from_world.row(2).transpose());
+      if (!up) up = alignment.reference_from_map.rotation * Eigen::Vector3d(map.frame.axes_from_world.row(2));
     } catch (const Error& error) {
       problem = error;
       comparison.left_out.push_back(map.name);

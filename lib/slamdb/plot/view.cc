@@ -236,7 +236,7 @@ std::string RemarkOf(const Scene& scene) {
   if (scene.maps.empty()) return "there is no keyframe and no point";
   const std::string& how = scene.maps.front().frame.how;
   const bool alike = std::ranges::all_of(scene.maps, [&](const MapScene& map) { return map.frame.how == how; });
-  const std::string text = alike || scene.options.together ? how : "up by gravity or spread";
+  const std::string text = alike || scene.options.together ? how : "up as each map tells it";
   return scene.maps.size() > 1 && !scene.options.together ? text + ", each map in its own frame" : text;
 }
 

@@ -7,7 +7,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
-#include "slamdb/formats/export/detail/upward.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::detail {
 namespace {
@@ -52,7 +52,7 @@ PointColors::PointColors(const PointRows& points, const WriteOptions& options)
     : points_(points), by_(options.of<PointCloudOptions>().color) {
   if (by_ == PointColor::kMap) return;
   std::vector<Eigen::Vector3f> upward;
-  for (const Map* map : points.maps()) upward.push_back(UpwardAxis(*map));
+  for (const Up& up : UpsOf(points.maps())) upward.emplace_back(up.direction.cast<float>());
   values_.resize(points.size());
   ParallelFor(points.size(), kRowsPerBlock, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) values_[row] = ValueOf(points, row, by_, upward);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "slamdb/formats/export/detail/raw.h"
-#include "slamdb/formats/export/detail/upward.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::detail {
 namespace {
@@ -217,8 +217,9 @@ GltfDocument::Index GltfDocument::AddKeyFrames(const std::string& name, Index ma
   return nodes_.last();
 }
 
-void GltfDocument::AddMap(MapId id, const Eigen::Vector3f& upward, const GltfCloud& cloud,
+void GltfDocument::AddMap(MapId id, const Eigen::Vector3d& up, const GltfCloud& cloud,
                           const MapTrajectory& trajectory) {
+  static const Eigen::Quaterniond kYFromZ(std::sqrt(0.5), -std::sqrt(0.5), 0, 0);
   const std::string name = ToString(id);
   std::vector<Index> children;
   if (cloud.count > 0) children.push_back(AddPoints(name + " points", cloud));
@@ -227,7 +228,7 @@ void GltfDocument::AddMap(MapId id, const Eigen::Vector3f& upward, const GltfClo
   JsonAppender& json = nodes_.Add();
   json.BeginObject();
   json.Field("name", std::string_view(name));
-  json.Field("rotation", TurnOf(upward, Eigen::Vector3f::UnitY()).coeffs());
+  json.Field("rotation", Quaternionf((kYFromZ * UprightFromMap(up)).cast<float>()).coeffs());
   if (!children.empty()) json.Array("children", children);
   json.BeginObject("extras");
   json.ExactField("map", id);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "slamdb/model/index.h"
+#include "slamdb/model/up.h"
 #include "slamdb/plot/detail/theme.h"
 #include "slamdb/plot/plot.h"
 
@@ -61,11 +62,14 @@ inline constexpr double kGapFactor = 8, kLeastGap = 1;
 // The time between keyframes that counts as a gap.
 double GapOf(const Map& map, const std::vector<std::uint32_t>& timed);
 
-// The plane of the two largest spreads of some places, and its normal on the side of `upper`; x and z of a camera's
-// frame where they have no two.
-Frame FrameOfSpreads(const std::vector<Eigen::Vector3d>& places, const Eigen::Vector3d& upper);
+// The map turned upright: x and y of one whose z is up, x and z of one whose y is down.
+Frame UprightFrame(const Up& up);
 
-// Up by inertia where there is some, and the plane of the two largest spreads of the path otherwise.
-Frame FrameOf(const Map& map, const std::vector<Stop>& path);
+// Turned about up, so that the largest level spread of some places lies to the right; as it is where they have no two.
+Frame FrameOfSpreads(const Up& up, const std::vector<Eigen::Vector3d>& places);
+
+// Upright where the heading of the map's axes means something, with inertia or z up; by the spreads of the path
+// otherwise.
+Frame FrameOf(const Up& up, const std::vector<Stop>& path);
 
 }  // namespace slamdb::plot

@@ -36,7 +36,7 @@ class GltfDocument {
   explicit GltfDocument(std::size_t points) : points_size_(kPointStride * points) {}
 
   // Adds a map: points where there are some, the path and the cameras of the trajectory.
-  void AddMap(MapId id, const Eigen::Vector3f& upward, const GltfCloud& cloud, const MapTrajectory& trajectory);
+  void AddMap(MapId id, const Eigen::Vector3d& up, const GltfCloud& cloud, const MapTrajectory& trajectory);
 
   // Ends the document: the whole JSON.
   std::string Finish();
