@@ -32,10 +32,10 @@ GltfCloud CloudOf(const PointRows& points, std::size_t map) {
 
 std::string DocumentOf(const PointRows& points, const Trajectories& trajectories,
                        const std::vector<Eigen::Vector3f>& upward, GltfDocument& document) {
-  static const MapTrajectory kNoPoses{};
+  static const KeyFrameTrajectory kNoPoses{};
   for (std::size_t row = 0; row < points.maps().size(); ++row) {
     const Map& map = *points.maps()[row];
-    const MapTrajectory* trajectory = trajectories.Find(map);
+    const KeyFrameTrajectory* trajectory = trajectories.Find(map);
     document.AddMap(map.id, upward[row], CloudOf(points, row), trajectory == nullptr ? kNoPoses : *trajectory);
   }
   return document.Finish();

@@ -36,7 +36,7 @@ struct McapMap {
   std::size_t row = 0;  // of the maps that are written
   std::string frame;    // `map_0`
   const Map* map = nullptr;
-  const MapTrajectory* trajectory = nullptr;  // null: it has no poses
+  const KeyFrameTrajectory* trajectory = nullptr;  // null: it has no poses
   bool has_points = false;
   std::uint64_t begin = 0;  // its first keyframe
 };
