@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "slamdb/base/detail/concat.h"
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -101,6 +102,20 @@ TEST_F(Pictures, PlotHoldsATrajectoryAgainstATruth) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--body", "-o", folder_ / "x.svg"}).exit_code, 2);
 }
 
+// Where the truth has no pose at the time of a keyframe, as well: both take the nearest.
+TEST_F(Pictures, PlotTellsTheErrorOfEvaluate) {
+  const std::string truth = SLAMDB_FIXTURES "/session_small_a/truth.txt";
+  for (const std::string align : {"se3", "sim3"}) {
+    const std::vector<std::string> how{kAtlas, "--time-offset", "0.007", "--align", align};
+    std::vector<std::string> evaluate{"evaluate", truth, "--json"}, plot{"plot", "--with", truth, "-O", "-o", "-"};
+    evaluate.insert(evaluate.begin() + 1, how.begin(), how.end());
+    plot.insert(plot.end(), how.begin(), how.end());
+    const auto json = nlohmann::json::parse(RunSlamdb(evaluate).out);
+    const auto rmse = json.at("evaluations").at(0).at("absolute").at("translation").at("rmse").get<double>();
+    EXPECT_THAT(RunSlamdb(plot).out, HasSubstr("; rmse " + detail::Digits(rmse, 4) + " m<"));
+  }
+}
+
 TEST_F(Pictures, ReportWritesOnePageOfOneAtlas) {
   const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.html"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -147,7 +162,8 @@ TEST_F(Pictures, ReportOfAStoreHasAPageForEachAtlas) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(fs::exists(folder_ / "out/lab.html"));
   EXPECT_TRUE(fs::exists(folder_ / "out/index_.html"));
-  EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
+  const std::string index = ReadWholeFile(folder_ / "out/index.html");
+  EXPECT_THAT(index, HasSubstr(" MB</td>")) << "about what each takes in the store";
 }
 
 TEST_F(Pictures, ReportShowsNamesInOneLine) {
