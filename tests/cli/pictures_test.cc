@@ -39,7 +39,9 @@ TEST_F(Pictures, PlotWritesAnOverviewNamedAsTheAtlas) {
   const ProcessResult result = RunProgram(
       {"bash", "-c", "cd '" + folder_.path().string() + "' && '" + SLAMDB_COMMAND + "' plot '" + kAtlas + "'"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.out, "wrote session_small_a.svg: overview of 1 map, 14 keyframes, 3,162 points, 5.25 m in 17.9 s\n");
+  EXPECT_EQ(result.out,
+            "wrote session_small_a.svg: overview of 1 map, 14 keyframes, 3,162 points, 5.25 m in 17.9 s; 1 point "
+            "outside of the frame\n");
   EXPECT_THAT(folder_.Names(), ElementsAre("session_small_a.svg"));
 }
 

@@ -129,8 +129,9 @@ TEST(ReportIndex, HasARowForEachAndRunsOneScriptOnly) {
 }
 
 TEST(ReportIndex, TellsTheUnitOfEachRow) {
-  const std::vector<AtlasReport> reports{ReportOn(SynthesizeAtlas({.keyframes = 6, .points = 200}), "mono.osa"),
-                                         ReportOn(SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = 6}), "d.osa")};
+  const std::vector<AtlasReport> reports{
+      ReportOn(SynthesizeAtlas({.keyframes = 6, .points = 200}), "mono.osa"),
+      ReportOn(SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = 6, .points = 200}), "d.osa")};
   const std::string index = ReportIndex(reports, "maps");
   const std::size_t second = index.find("d.osa");
   EXPECT_THAT(index.substr(0, second), HasSubstr(" units</td>"));
@@ -139,7 +140,8 @@ TEST(ReportIndex, TellsTheUnitOfEachRow) {
 
 // The style shows the one that suits the page.
 TEST(ReportIndex, HasThumbnailsForLightAndDarkPages) {
-  const std::string index = ReportIndex(std::vector{ReportOn(SynthesizeAtlas({.keyframes = 6}), "a.osa")}, "maps");
+  const std::string index =
+      ReportIndex(std::vector{ReportOn(SynthesizeAtlas({.keyframes = 6, .points = 200}), "a.osa")}, "maps");
   EXPECT_EQ(CountOf(index, "class=\"light\" src=\"data:image/png;base64,"), CanPlot() ? 1U : 0U);
   EXPECT_EQ(CountOf(index, "class=\"dark\" src=\"data:image/png;base64,"), CanPlot() ? 1U : 0U);
 }

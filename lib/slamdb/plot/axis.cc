@@ -49,35 +49,35 @@ LegendEntry LineEntry(const std::string& word, const Color& color) {
 
 namespace {
 
-// Draws as many entries as there is room for between `left` and the right end of the box; returns where they begin.
+// Draws all entries, or the first ones and an ellipsis, between `left` and the right end of the box; returns where they
+// begin.
 double DrawLegend(Canvas& canvas, const Theme& theme, const Box& box, double left, Legend legend) {
   constexpr double kSign = 18, kBetween = 14;
   const TextStyle style = Letters{theme}.Tick(Anchor::kStart);
+  const LegendEntry ellipsis{"\u2026", nullptr};
   const auto width = [&](const LegendEntry& entry) {
     return (entry.draw ? kSign : 0) + canvas.WidthOf(entry.word, style) + kBetween;
   };
-  double all = -kBetween;
-  for (const LegendEntry& entry : legend) all += width(entry);
-  while (!legend.empty() && left + all > box.right()) {
-    const bool was_ellipsis = !legend.back().draw;
-    all -= width(legend.back());
-    legend.pop_back();
-    if (was_ellipsis && !legend.empty()) {
-      all -= width(legend.back());
-      legend.pop_back();
-    }
-    if (legend.empty()) break;
-    legend.push_back({"\u2026", nullptr});
-    all += width(legend.back());
+  const auto width_of = [&](std::size_t count) {
+    double sum = (count < legend.size() ? width(ellipsis) : 0) - kBetween;
+    for (std::size_t i = 0; i < count; ++i) sum += width(legend[i]);
+    return sum;
+  };
+  std::size_t shown = legend.size();
+  while (shown > 0 && left + width_of(shown) > box.right()) --shown;
+  if (shown == 0) return box.right();
+  const double begin = box.right() - width_of(shown);
+  if (shown < legend.size()) {
+    legend.resize(shown);
+    legend.push_back(ellipsis);
   }
-  if (legend.empty()) return box.right();
-  double at = box.right() - all;
+  double at = begin;
   for (const LegendEntry& entry : legend) {
     if (entry.draw) entry.draw(canvas, Spot(at + 7, box.top + 8));
     canvas.Text({at + (entry.draw ? kSign : 0), box.top + 12}, entry.word, style);
     at += width(entry);
   }
-  return box.right() - all;
+  return begin;
 }
 
 }  // namespace

@@ -150,8 +150,10 @@ void DrawBoth(Canvas& canvas, const Scene& scene, const Comparison& comparison, 
 }
 
 // What the error is, in the words of `slamdb evaluate`.
-std::string FiguresOf(const Laid& laid, const std::string& unit) {
+std::string FiguresOf(const Laid& laid, const std::string& unit, double width) {
+  constexpr double kLeastForAll = 560;
   const ErrorStatistics& numbers = laid.evaluation.absolute.translation;
+  if (width < kLeastForAll) return Concat("rmse ", detail::Digits(numbers.rmse, 4), " ", unit);
   return Concat("rmse ", detail::Digits(numbers.rmse, 4), " ", unit, ", median ", detail::Digits(numbers.median, 4),
                 " ", unit, ", max ", detail::Digits(numbers.max, 4), " ", unit, " of ",
                 detail::Counted(laid.poses().size(), "pair"));
@@ -180,7 +182,7 @@ void DrawErrors(Canvas& canvas, const Scene& scene, const Comparison& comparison
   const Diagram diagram = DrawDiagram(canvas, scene.theme, box, {0, std::max(end - begin, 1e-3)},
                                       {0, comparison.most > 0 ? 1.08 * comparison.most : 1},
                                       {.heading = "Error over time",
-                                       .remark = alone ? FiguresOf(comparison.laid.front(), unit) : "",
+                                       .remark = alone ? FiguresOf(comparison.laid.front(), unit, box.width) : "",
                                        .x_name = "seconds since the first pair",
                                        .y_name = "error (" + unit + ")",
                                        .legend = LegendOf(comparison)});

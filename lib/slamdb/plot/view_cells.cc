@@ -56,7 +56,7 @@ std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   }
   std::array<Range, 2> ranges{Range{1, 0}, Range{1, 0}};
   if (places[0].empty()) return ranges;
-  constexpr double kAround = 1, kRim = 0.05;  // of where most are, and of all but a thousandth
+  constexpr double kAround = 1, kRim = 0.05, kStretch = 1.25;  // of where most are, and of all but a thousandth
   for (int i = 0; i < 2; ++i) {
     const auto [low, high] = std::ranges::minmax(places[i]);
     const Range most{QuantileOf(places[i], 0.1), QuantileOf(places[i], 0.9)};
@@ -64,7 +64,8 @@ std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
     const Range nearly{std::max(QuantileOf(places[i], 0.001), near.low),
                        std::min(QuantileOf(places[i], 0.999), near.high)};
     const Range within = Grown(nearly, kRim * nearly.size());
-    ranges[i] = {std::max(low, within.low), std::min(high, within.high)};
+    ranges[i] = high - low <= kStretch * nearly.size() ? Range{low, high}
+                                                       : Range{std::max(low, within.low), std::min(high, within.high)};
   }
   return ranges;
 }
