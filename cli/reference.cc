@@ -12,13 +12,15 @@
 
 namespace slamdb::cli {
 
-Trajectories TrajectoriesOfAtlas(const Atlas& atlas, const std::string& path, bool body, Notices& notices) {
-  Trajectories trajectories{.path = path, .is_atlas = true};
+Trajectories TrajectoriesOfAtlas(const Atlas& atlas, const std::string& path, const Format* format, bool body,
+                                 Notices& notices) {
+  Trajectories trajectories{.path = path, .format = format, .is_atlas = format == nullptr || !IsTrajectory(*format)};
   for (MapTrajectory& trajectory : TrajectoriesOf(atlas, body ? PoseFrame::kBody : PoseFrame::kCamera, &notices)) {
     const Map& map = *std::ranges::find(atlas.maps, trajectory.map, &Map::id);
     trajectories.has_imu |= std::ranges::any_of(
         map.keyframes, [](const KeyFrame& keyframe) { return bool{keyframe.imu_calibration.is_set}; });
-    trajectories.list.push_back({.map = map.id, .poses = std::move(trajectory.poses), .open_scale = !IsMetric(map)});
+    trajectories.list.push_back(
+        {.map = map.id, .poses = std::move(trajectory.poses), .open_scale = trajectories.is_atlas && !IsMetric(map)});
   }
   if (body && !trajectories.has_imu)
     throw Error(ErrorKind::kNotPossible, path, "", "has no IMU calibration, so that nobody knows where its body is");
@@ -34,12 +36,8 @@ Trajectories ReadTrajectoriesOf(const std::string& path, const TrajectoriesOptio
   const HeldSource held = HoldInput(path, read);
   const Format* format = FindFormatOfInput(held);
   RefuseIdleTimes(format, options.times);
-  if (format == nullptr || !IsTrajectory(*format)) {
-    Trajectories trajectories =
-        TrajectoriesOfAtlas(ReadAtlas(held, read, &notices), held.source().path, options.body, notices);
-    trajectories.format = format;
-    return trajectories;
-  }
+  if (format == nullptr || !IsTrajectory(*format))
+    return TrajectoriesOfAtlas(ReadAtlas(held, read, &notices), held.source().path, format, options.body, notices);
   if (options.only_positions) read.format = format->id;
   Trajectories trajectories{.path = path, .format = format};
   for (MapTrajectory& trajectory : ReadTrajectories(held, read, &notices))

@@ -33,7 +33,9 @@ struct TrajectoriesOptions {
 // Ends with exit code 2 where options for times would be without effect.
 Trajectories ReadTrajectoriesOf(const std::string& path, const TrajectoriesOptions& options, Console& console,
                                 Notices& notices);
-Trajectories TrajectoriesOfAtlas(const Atlas& atlas, const std::string& path, bool body, Notices& notices);
+// Of an atlas that was read from a file of that format, which may be one of trajectories; null: it is not known.
+Trajectories TrajectoriesOfAtlas(const Atlas& atlas, const std::string& path, const Format* format, bool body,
+                                 Notices& notices);
 
 // The one that there is, or that of the map. Throws Error when there is not one.
 Estimate TakeOnly(Trajectories trajectories, std::optional<std::uint64_t> map = {});

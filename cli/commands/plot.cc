@@ -50,11 +50,13 @@ PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
 }
 
 // The figures of `slamdb evaluate`, of what is drawn.
-PlotReference HoldAgainstReference(const Atlas& atlas, const PlotVerbOptions& options, Console& console,
-                                   Notices& notices) {
-  Trajectories estimate = TrajectoriesOfAtlas(atlas, options.input, options.body, notices);
-  Trajectories truth = ReadTrajectoriesOf(
-      options.with, {.times = options.times, .body = options.body, .only_positions = true}, console, notices);
+PlotReference HoldAgainstReference(const Atlas& atlas, const Format* format, const PlotVerbOptions& options,
+                                   Console& console, Notices& notices) {
+  Trajectories estimate = TrajectoriesOfAtlas(atlas, options.input, format, options.body, notices);
+  const TrajectoriesOptions read{.times = options.times,
+                                 .body = options.body,
+                                 .only_positions = options.evaluation.alignment != AlignmentKind::kOrigin};
+  Trajectories truth = ReadTrajectoriesOf(options.with, read, console, notices);
   TellWhosePoses(estimate, truth, options.body, notices);
   Estimate reference = TakeOnly(std::move(truth));
   EvaluationOptions evaluation = options.evaluation;
@@ -88,7 +90,8 @@ ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
   const HeldSource held = HoldInput(options.input, read);
   read.selection = ParseSelection(options.selection, held, read);
   const Atlas atlas = ReadPartToShow(options.input, held, read, notices);
-  if (!options.with.empty()) plot.reference = HoldAgainstReference(atlas, options, console, notices);
+  if (!options.with.empty())
+    plot.reference = HoldAgainstReference(atlas, FindFormatOfInput(held), options, console, notices);
   const Plot picture = NamingFile(options.input, [&] { return DrawPlot(atlas, plot); });
   file.Write(picture.bytes);
   file.Commit();

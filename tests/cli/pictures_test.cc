@@ -116,6 +116,10 @@ TEST_F(Pictures, PlotTellsTheErrorOfEvaluate) {
     const auto rmse = json.at("evaluations").at(0).at("absolute").at("translation").at("rmse").get<double>();
     EXPECT_THAT(RunSlamdb(plot).out, HasSubstr("; rmse " + detail::Digits(rmse, 4) + " m<"));
   }
+  // A trajectory has its scale, though nothing in its atlas tells one.
+  ASSERT_EQ(RunSlamdb({"convert", kAtlas, folder_ / "path.tum"}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"plot", folder_ / "path.tum", "--with", truth, "-o", "-"}).out,
+              HasSubstr("; rmse 0.01763 m<"));
 }
 
 TEST_F(Pictures, ReportWritesOnePageOfOneAtlas) {
@@ -194,6 +198,7 @@ TEST_F(Pictures, ReportPagesDifferByMoreThanCapitals) {
 
 TEST_F(Pictures, PlotRefusesNumbersThatAreNone) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--scale", "nan", "-o", folder_ / "x.png"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--width", "200", "-o", folder_ / "x.png"}).exit_code, 2);
 }
 
 TEST_F(Pictures, ReportOfAnEmptyFolderSaysSo) {
