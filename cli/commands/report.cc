@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -17,6 +18,7 @@
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/names.h"
 #include "slamdb/report/pages.h"
 
@@ -82,11 +84,23 @@ void MakeFolder(const std::string& folder) {
   if (error) throw Error(ErrorKind::kPermission, folder, "", "cannot be made: " + error.message());
 }
 
-std::optional<std::uint64_t> BytesOf(const std::string& input) {
-  const Location location = Location::Parse(input);
-  std::error_code error;
-  const std::uint64_t bytes = fs::file_size(location.path, error);
-  return error || !location.name.empty() ? std::nullopt : std::optional(bytes);
+// By the name of each input: of a file its size, of an atlas in a store about what it takes there.
+std::map<std::string, std::uint64_t> SizesOf(const std::vector<AtlasInput>& inputs) {
+  std::map<std::string, std::uint64_t> sizes;
+  std::set<std::string> stores;
+  for (const AtlasInput& input : inputs) {
+    const Location& location = input.location;
+    std::error_code error;
+    const std::uint64_t bytes = fs::file_size(location.path, error);
+    if (location.name.empty() && !error) sizes[location.ToString()] = bytes;
+    if (location.name.empty() || !HoldsNamedAtlases(location.path) || !stores.insert(location.path).second) continue;
+    try {
+      for (const StoredAtlas& atlas : Store::Open(location.path).List())
+        sizes[Location(location.path, atlas.name).ToString()] = atlas.bytes;
+    } catch (const Error&) {  // which reading will tell
+    }
+  }
+  return sizes;
 }
 
 class Reporting {
@@ -95,7 +109,8 @@ class Reporting {
       : options_(options),
         console_(console),
         inputs_(AtlasesOf(options.many, console)),
-        one_(IsOnePage(options.many.inputs.paths, inputs_)) {
+        one_(IsOnePage(options.many.inputs.paths, inputs_)),
+        sizes_(SizesOf(inputs_.atlases)) {
     if (!one_) {
       std::set<std::string> taken;
       for (const AtlasInput& atlas : inputs_.atlases) pages_[atlas.location.ToString()] = PageOf(atlas.location, taken);
@@ -132,7 +147,7 @@ class Reporting {
     check.gates = GatesOf(options_.limits);
     check.threads = read.threads;
     AtlasReport report = ReportOn(atlas, path, check);
-    report.bytes = BytesOf(path);
+    if (const auto size = sizes_.find(path); size != sizes_.end()) report.bytes = size->second;
     report.page = one_ ? std::string() : pages_.at(path);
     WritePage(PathOf(path), ReportPage(atlas, report, {.threads = read.threads, .wording = InCommandWords}),
               options_.overwrite);
@@ -170,6 +185,7 @@ class Reporting {
   Console& console_;
   AtlasInputs inputs_;
   bool one_;
+  std::map<std::string, std::uint64_t> sizes_;
   std::map<std::string, std::string> pages_;
 };
 

@@ -126,4 +126,11 @@ std::string EvaluateText(const EvaluationReport& report, bool in_full) {
   return text;
 }
 
+void TellWarnings(const EvaluationReport& report, Notices& notices) {
+  for (const TrajectoryEvaluation& evaluation : report.evaluations) {
+    const std::string maps = MapsText(evaluation);
+    for (const std::string& warning : evaluation.warnings) notices.Warn((maps.empty() ? "" : maps + ": ") + warning);
+  }
+}
+
 }  // namespace slamdb::cli

@@ -19,12 +19,9 @@ std::string VectorText(const Eigen::Vector3f& vector) {
   return Short(vector.x()) + " " + Short(vector.y()) + " " + Short(vector.z());
 }
 
-std::string SensorText(const MapStatistics& map) {
-  std::string text = map.sensor == MapSensor::kStereoOrRgbd    ? "stereo or RGB-D"
-                     : map.sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
-                                                               : std::string(NameOf(map.sensor));
+std::string TextOfSensor(const MapStatistics& map) {
   if (map.keyframes == 0) return map.landmarks == 0 ? "empty" : Counted(map.landmarks, "landmark");
-  return map.has_imu ? text + " with IMU" : text;
+  return SensorText(map.sensor, map.has_imu);
 }
 
 std::string InertialText(const MapStatistics& map) {
@@ -90,7 +87,7 @@ std::vector<bool> DrawnMaps(const AtlasInfo& report) {
 }
 
 InfoSection SectionOf(const MapStatistics& map) {
-  InfoSection section{.heading = {"map " + IdText(map.id), SensorText(map)}, .rows = {}};
+  InfoSection section{.heading = {"map " + IdText(map.id), TextOfSensor(map)}, .rows = {}};
   if (map.keyframes == 0 && map.points == 0) return section;
   std::vector<InfoRow>& rows = section.rows;
   rows.push_back({"keyframes", WithBad(map.keyframes, map.bad_keyframes)});

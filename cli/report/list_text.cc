@@ -14,13 +14,11 @@ namespace {
 
 using enum Table::Align;
 
-std::string SensorText(const ListedAtlas& atlas) {
+std::string SensorsText(const ListedAtlas& atlas) {
   std::string text;
   for (const MapSensor sensor : atlas.summary.sensors)
-    text += (text.empty() ? "" : ", ") + std::string(sensor == MapSensor::kStereoOrRgbd    ? "stereo/RGB-D"
-                                                     : sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
-                                                                                           : "monocular");
-  return text + (atlas.summary.has_imu ? " + IMU" : "");
+    text += (text.empty() ? "" : ", ") + SensorText(sensor, /*has_imu=*/false);
+  return text + (atlas.summary.has_imu ? " with IMU" : "");
 }
 
 // Whether maps with and without scale are in it, so that no sum of lengths tells anything.
@@ -73,7 +71,7 @@ constexpr std::array kColumns = {
     Column{ListKey::kName, "name", "NAME", kLeft, Text<&ListedAtlas::name>, true},
     Column{ListKey::kInput, "input", "ATLAS", kLeft, Text<&ListedAtlas::input>, true},
     Column{ListKey::kMaps, "maps", "MAPS", kRight, CountText<&AtlasSummary::maps>},
-    Column{ListKey::kSensor, "sensor", "SENSOR", kLeft, SensorText},
+    Column{ListKey::kSensor, "sensor", "SENSOR", kLeft, SensorsText},
     Column{ListKey::kKeyframes, "keyframes", "KEYFRAMES", kRight, CountText<&AtlasSummary::keyframes>},
     Column{ListKey::kPoints, "points", "POINTS", kRight, CountText<&AtlasSummary::points>},
     Column{ListKey::kObservations, "observations", "OBSERVATIONS", kRight, CountText<&AtlasSummary::observations>},

@@ -122,8 +122,8 @@ TEST(Plan, DrawsKeyFramesWhereTheyAre) {
   };
   EXPECT_EQ(at({0, 0, 0}), Pixel(scene.theme.start));
   EXPECT_EQ(at({8, 0, 6}), Pixel(scene.theme.end));
-  EXPECT_EQ(at({4, 0, 0}), Pixel(ColorOfKind(0)));
-  EXPECT_EQ(at({8, 0, 3}), Pixel(ColorOfKind(0)));
+  EXPECT_EQ(at({4, 0, 0}), Pixel(ColorOfMap(MapId(0), false)));
+  EXPECT_EQ(at({8, 0, 3}), Pixel(ColorOfMap(MapId(0), false)));
   EXPECT_EQ(at({2, 0, 3.3}), Pixel(scene.theme.paper));
 }
 

@@ -2,15 +2,18 @@
 #include "slamdb/model/statistics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/edges.h"
 #include "slamdb/model/detail/map_extent.h"
 #include "slamdb/model/index.h"
 
@@ -105,30 +108,16 @@ class MapCounter {
     result_.trajectory_length = trajectory.length;
   }
 
-  using Pair = std::pair<std::uint32_t, std::uint32_t>;  // rows of keyframes, the smaller first
-
-  void AddPair(std::vector<Pair>& pairs, std::uint32_t from, KeyFrameId to) const {
-    const std::uint32_t other = index_.KeyFrameRow(row_, to);
-    if (other != kNoRow) pairs.emplace_back(std::min(from, other), std::max(from, other));
-  }
-
-  static std::uint64_t CountDistinct(std::vector<Pair>& pairs) {
-    std::sort(pairs.begin(), pairs.end());
-    return static_cast<std::uint64_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
-  }
-
   void CountEdges() {
-    std::vector<Pair> loops, merges;
+    const auto row_of = [&](KeyFrameId id) { return index_.KeyFrameRow(row_, id); };
+    result_.loop_edges = detail::EdgesOf(map_, &KeyFrame::loop_edges, row_of).size();
+    result_.merge_edges = detail::EdgesOf(map_, &KeyFrame::merge_edges, row_of).size();
     std::vector<std::uint32_t> root(map_.keyframes.size());
     std::iota(root.begin(), root.end(), 0U);
     for (std::uint32_t row = 0; row < map_.keyframes.size(); ++row) {
       const KeyFrame& keyframe = map_.keyframes[row];
-      for (const KeyFrameId other : keyframe.loop_edges) AddPair(loops, row, other);
-      for (const KeyFrameId other : keyframe.merge_edges) AddPair(merges, row, other);
       for (const Connection& connection : keyframe.connections) Join(root, row, connection.keyframe);
     }
-    result_.loop_edges = CountDistinct(loops);
-    result_.merge_edges = CountDistinct(merges);
     CountComponents(root);
   }
 
@@ -243,6 +232,11 @@ class MapCounter {
 };
 
 }  // namespace
+
+std::string SensorText(MapSensor sensor, bool has_imu) {
+  constexpr std::array<std::string_view, 4> kTexts = {"no keyframes", "monocular", "stereo or RGB-D", "fisheye stereo"};
+  return std::string(kTexts.at(static_cast<std::size_t>(sensor))) + (has_imu ? " with IMU" : "");
+}
 
 AtlasStatistics ComputeStatistics(const Atlas& atlas, int threads) {
   const AtlasIndex index(atlas);

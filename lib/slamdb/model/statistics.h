@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "slamdb/export.h"
@@ -18,6 +19,8 @@ enum class MapSensor {
   kStereoOrRgbd,   // one camera with depths: a file does not tell a rectified pair from a depth camera
   kFisheyeStereo,  // two cameras
 };
+// For people: `monocular`, `stereo or RGB-D with IMU`; `no keyframes`.
+[[nodiscard]] SLAMDB_EXPORT std::string SensorText(MapSensor sensor, bool has_imu);
 
 // Whether lengths of a map are metres: every sensor but a lone camera tells them, and an initialised IMU does for that
 // one.

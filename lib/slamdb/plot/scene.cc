@@ -6,9 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
 
-#include "slamdb/base/detail/median.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/edges.h"
+#include "slamdb/model/detail/gaps.h"
 #include "slamdb/model/statistics.h"
 
 namespace slamdb::plot {
@@ -47,21 +49,13 @@ std::vector<std::uint32_t> CountObserved(const Map& map, const IdTable& rows) {
   return counts;
 }
 
-using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
-Pairs EdgesOf(const std::vector<Stop>& path, const std::vector<std::uint32_t>& place_of_row, const IdTable& rows,
-              Column<KeyFrameId> KeyFrame::*edges) {
-  Pairs pairs;
-  for (std::uint32_t place = 0; place < path.size(); ++place) {
-    for (const KeyFrameId other : path[place].keyframe->*edges) {
-      const std::uint32_t row = rows.Find(other.value());
-      if (row == kNoRow || place_of_row[row] == kNoRow || place_of_row[row] == place) continue;
-      pairs.push_back(std::minmax(place, place_of_row[row]));
-    }
-  }
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
+// Those between keyframes that have a place, by it.
+detail::RowPairs EdgesOf(const Map& map, const std::vector<std::uint32_t>& place_of_row, const IdTable& rows,
+                         Column<KeyFrameId> KeyFrame::*list) {
+  detail::RowPairs edges = detail::EdgesOf(map, list, [&](KeyFrameId id) { return rows.Find(id.value()); });
+  for (auto& [from, to] : edges) std::tie(from, to) = std::minmax({place_of_row[from], place_of_row[to]});
+  std::erase_if(edges, [](const auto& edge) { return edge.second == kNoRow; });
+  return edges;
 }
 
 std::string HowText(UpMethod method) {
@@ -136,10 +130,9 @@ Frame FrameOf(const Up& up, const std::vector<Stop>& path) {
 }
 
 double GapOf(const Map& map, const std::vector<std::uint32_t>& timed) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < timed.size(); ++i)
-    steps.push_back(map.keyframes[timed[i]].timestamp - map.keyframes[timed[i - 1]].timestamp);
-  return std::max(kGapFactor * detail::MedianOf(std::move(steps)), kLeastGap);
+  std::vector<double> times;
+  for (const std::uint32_t row : timed) times.push_back(map.keyframes[row].timestamp);
+  return detail::GapBetween(times);
 }
 
 namespace {
@@ -160,17 +153,17 @@ std::vector<const Map*> MapsToShow(const Atlas& atlas) {
   return maps;
 }
 
-MapScene SceneOfMap(const Map& map, const Up& up, const Color& color) {
+MapScene SceneOfMap(const Map& map, const Up& up) {
   const IdTable rows = KeyFrameTable(map);
-  MapScene shown{.map = &map, .name = ToString(map.id), .color = color};
+  MapScene shown{.map = &map, .name = ToString(map.id)};
   shown.metric = IsMetric(map);
   shown.timed = RowsByTime(map);
   shown.path = PathOf(map, shown.timed);
   shown.observed = CountObserved(map, rows);
   std::vector<std::uint32_t> place_of_row(map.keyframes.size(), kNoRow);
   for (std::uint32_t i = 0; i < shown.path.size(); ++i) place_of_row[shown.path[i].row] = i;
-  shown.loops = EdgesOf(shown.path, place_of_row, rows, &KeyFrame::loop_edges);
-  shown.merges = EdgesOf(shown.path, place_of_row, rows, &KeyFrame::merge_edges);
+  shown.loops = EdgesOf(map, place_of_row, rows, &KeyFrame::loop_edges);
+  shown.merges = EdgesOf(map, place_of_row, rows, &KeyFrame::merge_edges);
   shown.frame = FrameOf(up, shown.path);
   return shown;
 }
@@ -178,18 +171,20 @@ MapScene SceneOfMap(const Map& map, const Up& up, const Color& color) {
 }  // namespace
 
 Scene SceneOf(const Atlas& atlas, const PlotOptions& options) {
-  Scene scene{.atlas = atlas, .options = options, .theme = options.dark ? Theme::Dark() : Theme::Light()};
+  Scene scene{.atlas = atlas};
   const std::vector<const Map*> maps = MapsToShow(atlas);
   const std::vector<Up> ups = UpsOf(maps, options.together);
-  constexpr double kLighter = 0.25;  // on a dark page
-  for (std::size_t row = 0; row < maps.size(); ++row) {
-    const Color color = ColorOfKind(row);
-    scene.maps.push_back(
-        SceneOfMap(*maps[row], ups[row], options.dark ? Mixed(color, scene.theme.ink, kLighter) : color));
-  }
+  for (std::size_t row = 0; row < maps.size(); ++row) scene.maps.push_back(SceneOfMap(*maps[row], ups[row]));
   for (const Map& map : atlas.maps) scene.other_maps += !map.keyframes.empty() || !map.points.empty() ? 1 : 0;
-  scene.other_maps -= maps.size();
+  scene.other_maps -= scene.maps.size();
+  Redress(scene, options);
   return scene;
+}
+
+void Redress(Scene& scene, const PlotOptions& options) {
+  scene.options = options;
+  scene.theme = options.dark ? Theme::Dark() : Theme::Light();
+  for (MapScene& map : scene.maps) map.color = ColorOfMap(map.map->id, options.dark);
 }
 
 std::size_t Scene::keyframes() const {

@@ -44,8 +44,8 @@ Extents WithAir(const Range& x, const Range& y) {
   return {Grown(x, air), Grown(y, air)};
 }
 
-// Of the points: without the farthest at each end, half a hundredth of them, and of those none that is far outside of
-// where most are.
+// Of all points, unless few of them would make the rest small: those stay outside that are far from where most are, or
+// stretch what all but a thousandth at each end take.
 std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   std::array<std::vector<double>, 2> places;
   for (const MapPoint& point : map.map->points) {
@@ -56,15 +56,16 @@ std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   }
   std::array<Range, 2> ranges{Range{1, 0}, Range{1, 0}};
   if (places[0].empty()) return ranges;
-  constexpr double kBeyond = 1.25;  // all of them, where the outermost are not far from the rest
-  constexpr double kAround = 3;     // sizes of where most are
+  constexpr double kAround = 1, kRim = 0.05, kStretch = 1.25;  // of where most are, and of all but a thousandth
   for (int i = 0; i < 2; ++i) {
     const auto [low, high] = std::ranges::minmax(places[i]);
-    const Range all{low, high}, most{QuantileOf(places[i], 0.1), QuantileOf(places[i], 0.9)};
+    const Range most{QuantileOf(places[i], 0.1), QuantileOf(places[i], 0.9)};
     const Range near = Grown(most, kAround * most.size());
-    const Range nearly{std::max(QuantileOf(places[i], 0.005), near.low),
-                       std::min(QuantileOf(places[i], 0.995), near.high)};
-    ranges[i] = all.size() <= kBeyond * nearly.size() ? all : nearly;
+    const Range nearly{std::max(QuantileOf(places[i], 0.001), near.low),
+                       std::min(QuantileOf(places[i], 0.999), near.high)};
+    const Range within = Grown(nearly, kRim * nearly.size());
+    ranges[i] = high - low <= kStretch * nearly.size() ? Range{low, high}
+                                                       : Range{std::max(low, within.low), std::min(high, within.high)};
   }
   return ranges;
 }

@@ -56,6 +56,13 @@ std::string VerdictWord(const AtlasReport& report) {
   return report.checked.report.ok() ? "sound" : "not sound";
 }
 
+std::string LengthText(const AtlasStatistics& statistics) {
+  const auto metric = std::ranges::count_if(statistics.maps, &MapStatistics::metric);
+  return Concat(detail::Digits(statistics.trajectory_length, 4), metric == std::ssize(statistics.maps) ? " m"
+                                                                 : metric == 0                         ? " units"
+                                                                               : " m and units");
+}
+
 void AppendVerdict(Html& html, const AtlasReport& report) {
   html << (VerdictWord(report) == "sound" ? Literal("<span class=\"badge good\">")
                                           : Literal("<span class=\"badge error\">"))

@@ -168,7 +168,8 @@ GltfDocument::Index GltfDocument::AddLines(const std::string& name, Index positi
   return meshes_.last();
 }
 
-GltfDocument::Index GltfDocument::AddPath(const std::string& name, Index material, const MapTrajectory& trajectory) {
+GltfDocument::Index GltfDocument::AddPath(const std::string& name, Index material,
+                                          const KeyFrameTrajectory& trajectory) {
   const std::vector<Eigen::Vector3f> centers = CentersOf(trajectory);
   const Index positions = AddPositions(AddTail(PositionBytes(centers), false), centers.size(), BoxOf(centers));
   return AddNode(name, AddLines(name, positions, std::nullopt, kLineStrip, material));
@@ -190,7 +191,7 @@ GltfDocument::Index GltfDocument::MeshOf(const Frustum& frustum, Index material)
 }
 
 GltfDocument::Index GltfDocument::AddKeyFrames(const std::string& name, Index material,
-                                               const MapTrajectory& trajectory) {
+                                               const KeyFrameTrajectory& trajectory) {
   const float depth = FrustumDepth(CentersOf(trajectory));
   const Index first = nodes_.count;
   for (const TimedPose& pose : trajectory.poses) {
@@ -218,7 +219,7 @@ GltfDocument::Index GltfDocument::AddKeyFrames(const std::string& name, Index ma
 }
 
 void GltfDocument::AddMap(MapId id, const Eigen::Vector3d& up, const GltfCloud& cloud,
-                          const MapTrajectory& trajectory) {
+                          const KeyFrameTrajectory& trajectory) {
   static const Eigen::Quaterniond kYFromZ(std::sqrt(0.5), -std::sqrt(0.5), 0, 0);
   const std::string name = ToString(id);
   std::vector<Index> children;

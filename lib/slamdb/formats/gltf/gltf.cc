@@ -32,10 +32,10 @@ GltfCloud CloudOf(const PointRows& points, std::size_t map) {
 
 std::string DocumentOf(const PointRows& points, const Trajectories& trajectories, const std::vector<Up>& ups,
                        GltfDocument& document) {
-  static const MapTrajectory kNoPoses{};
+  static const KeyFrameTrajectory kNoPoses{};
   for (std::size_t row = 0; row < points.maps().size(); ++row) {
     const Map& map = *points.maps()[row];
-    const MapTrajectory* trajectory = trajectories.Find(map);
+    const KeyFrameTrajectory* trajectory = trajectories.Find(map);
     document.AddMap(map.id, ups[row].direction, CloudOf(points, row), trajectory == nullptr ? kNoPoses : *trajectory);
   }
   return document.Finish();

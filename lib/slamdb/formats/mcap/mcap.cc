@@ -98,7 +98,7 @@ void WriteCloud(McapWriter& writer, const TimedMessage& message, const Cloud& cl
 
 void WarnOfTimes(const Trajectories& trajectories, Notices& notices) {
   std::size_t outside = 0;
-  for (const MapTrajectory& trajectory : trajectories.maps)
+  for (const KeyFrameTrajectory& trajectory : trajectories.maps)
     for (const TimedPose& pose : trajectory.poses) LogTime(pose.timestamp, outside);
   if (outside > 0)
     notices.Warn(

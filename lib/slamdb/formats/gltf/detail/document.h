@@ -36,7 +36,7 @@ class GltfDocument {
   explicit GltfDocument(std::size_t points) : points_size_(kPointStride * points) {}
 
   // Adds a map: points where there are some, the path and the cameras of the trajectory.
-  void AddMap(MapId id, const Eigen::Vector3d& up, const GltfCloud& cloud, const MapTrajectory& trajectory);
+  void AddMap(MapId id, const Eigen::Vector3d& up, const GltfCloud& cloud, const KeyFrameTrajectory& trajectory);
 
   // Ends the document: the whole JSON.
   std::string Finish();
@@ -60,8 +60,8 @@ class GltfDocument {
   using Index = std::size_t;
 
   Index AddPoints(const std::string& name, const GltfCloud& cloud);
-  Index AddPath(const std::string& name, Index material, const MapTrajectory& trajectory);
-  Index AddKeyFrames(const std::string& name, Index material, const MapTrajectory& trajectory);
+  Index AddPath(const std::string& name, Index material, const KeyFrameTrajectory& trajectory);
+  Index AddKeyFrames(const std::string& name, Index material, const KeyFrameTrajectory& trajectory);
   Index MeshOf(const Frustum& frustum, Index material);
   Index MaterialOf(MapId id);
   Index PointMaterial();
