@@ -89,10 +89,12 @@ ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& no
   result.atlases.reserve(options.inputs.paths.size());  // inputs refer to them
   for (const std::string& path : options.inputs.paths) {
     read.selection = {};
+    read.custom_format = nullptr;
     const HeldSource held = HoldInput(path, read);
+    const Format* format = read.format.empty() ? FindFormatOfInput(held) : &FormatById(read.format);
+    if (read.format.empty()) read.custom_format = format;  // told once
     read.selection = ParseSelection(options.selection, held, read);
     result.atlases.push_back(ReadPartToShow(path, held, read, notices));  // throws where nothing tells the format
-    const Format* format = read.format.empty() ? FindFormatOfInput(held) : &FormatById(read.format);
     result.inputs.push_back(InputOf(path, result.atlases.back(), *format));
   }
   return result;

@@ -118,7 +118,11 @@ ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
     if (options.json) report.push_back(ShownJson(outcome));
     if (!options.json) console.Print(ShownText(outcome));
   }
-  if (options.json) console.PrintData(detail::JsonText({{"report", "slamdb-vocabulary-2"}, {"inputs", report}}));
+  if (options.json) {
+    ordered_json json = detail::ReportHead("vocabulary");
+    json["inputs"] = std::move(report);
+    console.PrintData(detail::JsonText(json));
+  }
   return ReportOutcomes(outcomes, console);
 }
 

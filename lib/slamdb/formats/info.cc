@@ -147,10 +147,9 @@ AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notic
 }
 
 std::string ToJson(const AtlasInfo& info, int indent) {
-  Json json = detail::ReportHead("info");
-  json["input"] = detail::TextOrNull(info.input);
+  Json json = detail::ReportHead("info", info.input);
   json["format"] = info.format_id;
-  json["bytes"] = info.bytes ? Json(*info.bytes) : Json();
+  json["bytes"] = detail::NumberOrNull(info.bytes);
   if (info.encoding) json["encoding"] = detail::JsonOf(*info.encoding);
   json["vocabulary"] = detail::JsonOf(info.vocabulary);
   json["next_ids"] = detail::JsonOf(info.next_ids);

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/edges.h"
@@ -30,11 +31,9 @@ Distribution Describe(Column<T>& values) {
   distribution.count = values.size();
   if (values.empty()) return distribution;
   const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   distribution.mean = sum / static_cast<double>(values.size());
   distribution.max = static_cast<double>(*std::max_element(values.begin(), values.end()));
-  std::nth_element(values.begin(), middle, values.end());
-  distribution.median = static_cast<double>(*middle);
+  distribution.median = static_cast<double>(detail::ElementInOrder(values, values.size() / 2));
   return distribution;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/plot/detail/panels.h"
@@ -57,10 +58,7 @@ Box ImageOf(const std::vector<Sample>& samples) {
 double QuantileOf(const ImageErrors& errors, double share) {
   std::vector<float> values;
   for (const Sample& sample : errors.samples) values.push_back(sample.error);
-  if (values.empty()) return 0;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, place);
-  return *place;
+  return detail::QuantileOf(values, share);
 }
 
 double MeanOf(const ImageErrors& errors) {

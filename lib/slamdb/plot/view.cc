@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 
 namespace slamdb::plot {
 namespace {
@@ -70,9 +71,7 @@ class Density {
     for (const std::uint32_t count : counts_)
       if (count > 0) filled.push_back(count);
     if (filled.empty()) return 1;
-    const auto place = filled.begin() + static_cast<std::ptrdiff_t>(filled.size() - 1 - filled.size() / 100);
-    std::nth_element(filled.begin(), place, filled.end());
-    return *place;
+    return detail::ElementInOrder(filled, filled.size() - 1 - filled.size() / 100);
   }
 
   const Cell& cell_;

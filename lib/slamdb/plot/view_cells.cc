@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "slamdb/base/detail/median.h"
 #include "slamdb/plot/detail/view.h"
 
 namespace slamdb::plot {
@@ -30,12 +31,6 @@ Range United(const Range& a, const Range& b) { return {std::min(a.low, b.low), s
 
 Range Grown(const Range& range, double by) { return {range.low - by, range.high + by}; }
 
-double QuantileOf(std::vector<double>& values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
-}
-
 Extents WithAir(const Range& x, const Range& y) {
   const double size = std::max(x.size(), y.size());
   // Everything at one place: a millimetre around it, or what single precision can tell apart there.
@@ -59,10 +54,10 @@ std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   constexpr double kAround = 1, kRim = 0.05, kStretch = 1.25;  // of where most are, and of all but a thousandth
   for (int i = 0; i < 2; ++i) {
     const auto [low, high] = std::ranges::minmax(places[i]);
-    const Range most{QuantileOf(places[i], 0.1), QuantileOf(places[i], 0.9)};
+    const Range most{detail::QuantileOf(places[i], 0.1), detail::QuantileOf(places[i], 0.9)};
     const Range near = Grown(most, kAround * most.size());
-    const Range nearly{std::max(QuantileOf(places[i], 0.001), near.low),
-                       std::min(QuantileOf(places[i], 0.999), near.high)};
+    const Range nearly{std::max(detail::QuantileOf(places[i], 0.001), near.low),
+                       std::min(detail::QuantileOf(places[i], 0.999), near.high)};
     const Range within = Grown(nearly, kRim * nearly.size());
     ranges[i] = high - low <= kStretch * nearly.size() ? Range{low, high}
                                                        : Range{std::max(low, within.low), std::min(high, within.high)};

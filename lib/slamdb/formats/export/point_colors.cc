@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/up.h"
 
@@ -40,10 +41,10 @@ float ValueOf(const PointRows& points, std::size_t row, PointColor by, const std
   return 0;
 }
 
+// The nearest element, so that of a small cloud the ends are the least and the largest.
 float Percentile(std::vector<float>& values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
+  const long row = std::lround(share * static_cast<double>(values.size() - 1));
+  return ElementInOrder(values, static_cast<std::size_t>(row));
 }
 
 }  // namespace

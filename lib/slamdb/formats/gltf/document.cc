@@ -129,35 +129,26 @@ GltfDocument::Index GltfDocument::AddPoints(const std::string& name, const GltfC
   AppendAccessor(accessors_.Add(), view, 32, kUnsignedShort, cloud.count, "VEC4");
   AppendAccessor(accessors_.Add(), view, 40, kFloat, cloud.count, "SCALAR");
   AppendAccessor(accessors_.Add(), view, 44, kFloat, cloud.count, "SCALAR");
-  const Index material = PointMaterial();
-  JsonAppender& json = meshes_.Add();
-  json.BeginObject();
-  json.Field("name", std::string_view(name));
-  json.BeginArray("primitives");
-  json.BeginObject();
-  json.BeginObject("attributes");
-  Index accessor = first;
-  for (const std::string_view attribute :
-       {"POSITION", "NORMAL", "COLOR_0", "_ID", "_OBSERVATIONS", "_REPROJECTION_ERROR"})
-    json.Field(attribute, accessor++);
-  json.EndObject();
-  json.Field("mode", kPoints);
-  json.Field("material", material);
-  json.EndObject();
-  json.EndArray();
-  json.EndObject();
-  return AddNode(name, meshes_.last());
+  constexpr std::string_view kAttributes[] = {"POSITION", "NORMAL",        "COLOR_0",
+                                              "_ID",      "_OBSERVATIONS", "_REPROJECTION_ERROR"};
+  return AddNode(name, AddMesh(name, kAttributes, first, std::nullopt, kPoints, PointMaterial()));
 }
 
 GltfDocument::Index GltfDocument::AddLines(const std::string& name, Index positions, std::optional<Index> edges,
                                            int mode, Index material) {
+  constexpr std::string_view kAttributes[] = {"POSITION"};
+  return AddMesh(name, kAttributes, positions, edges, mode, material);
+}
+
+GltfDocument::Index GltfDocument::AddMesh(const std::string& name, std::span<const std::string_view> attributes,
+                                          Index accessor, std::optional<Index> edges, int mode, Index material) {
   JsonAppender& json = meshes_.Add();
   json.BeginObject();
   json.Field("name", std::string_view(name));
   json.BeginArray("primitives");
   json.BeginObject();
   json.BeginObject("attributes");
-  json.Field("POSITION", positions);
+  for (const std::string_view attribute : attributes) json.Field(attribute, accessor++);
   json.EndObject();
   if (edges) json.Field("indices", *edges);
   json.Field("mode", mode);

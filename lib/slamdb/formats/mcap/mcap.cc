@@ -148,6 +148,7 @@ const Format kMcapFormat = {.id = "mcap",
                             .suffixes = kSuffixes,
                             .kind = FileKind::kBinary,
                             .chooses_maps = true,
+                            .has_colors = true,
                             .is_export = true,
                             .writes = Content::kPoints | Content::kNormals | Content::kPoses | Content::kGraph |
                                       Content::kCameras | Content::kMaps,

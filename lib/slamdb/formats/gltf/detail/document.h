@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -69,6 +70,9 @@ class GltfDocument {
   Index AddTail(std::string_view bytes, bool indices);
   Index AddView(std::size_t offset, std::size_t bytes, std::size_t stride, bool indices);
   Index AddPositions(Index view, std::size_t count, const Eigen::AlignedBox3f& box);
+  // `accessor`: of the first attribute; those of the others follow it.
+  Index AddMesh(const std::string& name, std::span<const std::string_view> attributes, Index accessor,
+                std::optional<Index> edges, int mode, Index material);
   Index AddLines(const std::string& name, Index positions, std::optional<Index> edges, int mode, Index material);
   Index AddNode(const std::string& name, Index mesh);
 
