@@ -108,8 +108,9 @@ void Console::Diagnose(std::string_view severity, std::string_view text, bool sh
   if (!show) return;
   ClearProgress();
   const std::string label = std::string(severity) + ":";
+  const std::string said = InCommandWords(text);
   std::string line = "slamdb: " + (colour_ ? Painted(label, ColourOf(severity)) : label);
-  line.append(" ").append(detail::Visible(InCommandWords(text))).append("\n");
+  line.append(" ").append(detail::Visible(severity == "error" ? WithRemedy(said) : said)).append("\n");
   const std::lock_guard lock(mutex_);
   WriteError(line);
 }

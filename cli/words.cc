@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "slamdb/base/detail/concat.h"
+
 namespace slamdb::cli {
 namespace {
 
@@ -51,6 +53,7 @@ constexpr std::array kWords = {
     Word{"`Extract`", "`slamdb extract`"},
     Word{"`MakeLandmarks`", "`slamdb landmarks from-points`"},
     Word{"`MakePoints`", "`slamdb landmarks to-points`"},
+    Word{"`Formats` lists", "`slamdb version` lists"},
     Word{"`ReadRules`", "`slamdb check --list`"},
     Word{"`ReassignOrigins`", "`slamdb reassign-origin`"},
     Word{"`RecomputeWords`", "`slamdb vocabulary recompute`"},
@@ -67,6 +70,14 @@ std::string InCommandWords(std::string_view sentence) {
     for (std::size_t at = text.find(library); at != std::string::npos; at = text.find(library, at + command.size()))
       text.replace(at, library.size(), command);
   return text;
+}
+
+std::string WithRemedy(std::string_view sentence) {
+  const auto has = [&](std::string_view part) { return sentence.find(part) != sentence.npos; };
+  const bool damaged = has("is truncated") || has("the file is damaged");
+  const bool recovering = has("could be read whole") || has("slamdb recover");
+  const bool remedied = damaged && !recovering && has(", map ");  // the place in an ORB-SLAM3 file
+  return detail::Concat(sentence, remedied ? "; `slamdb recover` saves what is whole" : "");
 }
 
 }  // namespace slamdb::cli

@@ -10,4 +10,7 @@ namespace slamdb::cli {
 // `is there already; WriteOptions::overwrite replaces it` becomes `is there already; -O/--overwrite replaces it`.
 std::string InCommandWords(std::string_view sentence);
 
+// The sentence, and the verb that helps where it tells of an atlas that is cut or damaged.
+std::string WithRemedy(std::string_view sentence);
+
 }  // namespace slamdb::cli

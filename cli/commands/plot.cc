@@ -7,6 +7,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/options.h"
+#include "cli/output_name.h"
 #include "cli/reference.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
@@ -23,16 +24,11 @@ struct PlotVerbOptions {
   PlotOptions plot;
 };
 
-// The name of the atlas without folder and suffix, as text for the file's name.
-std::string StemOf(const Location& input) {
-  return input.name.empty() ? std::filesystem::path(input.path).stem().string() : input.name;
-}
-
 std::string OutputOf(const PlotVerbOptions& options) {
   if (!options.output.empty()) return options.output;
   if (options.input == "-") RefuseUsage("name the picture of standard input with -o/--output");
   const std::string suffix = options.format.empty() ? "svg" : options.format;
-  return StemOf(Location::Parse(options.input)) + "." + suffix;
+  return StemOfInput(options.input) + "." + suffix;
 }
 
 PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
@@ -78,7 +74,7 @@ ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
   }
   if (options.with_scale || options.without_scale) plot.with_scale = options.with_scale;
   plot.threads = console.threads();
-  plot.title = options.input == "-" ? "" : StemOf(Location::Parse(options.input));
+  plot.title = options.input == "-" ? "" : StemOfInput(options.input);
   ReadOptions read = MakeReadOptions(console, options.from);
   read.needs = Content::kPoses | Content::kPoints;
   read.features = FeatureColumns::kGeometry;
