@@ -138,7 +138,7 @@ void MoveVerbToFront(const CLI::App& app, std::vector<std::string>& words) {
   const auto is_answered = [](const std::string& word) {
     return word == "-h" || word == "--help" || word == "-V" || word == "--version" || word == "--";
   };
-  if (verb == words.begin() || verb == words.end() || std::any_of(words.begin(), verb, is_answered)) return;
+  if (!words.front().starts_with("-") || verb == words.end() || std::any_of(words.begin(), verb, is_answered)) return;
   auto last = verb + 1;
   if (FindCommand(*verb) != nullptr && last != words.end()) {
     const auto inner = VerbsOf(*app.get_subcommand(*verb));
