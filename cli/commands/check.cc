@@ -106,8 +106,10 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   for (const auto& outcome : outcomes)
     files.push_back(
         {.name = outcome.path, .report = outcome.result, .failure = outcome.error, .file = FileOfInput(outcome.path)});
-  WriteOutput(options.output, Rendered(files, options, format, console), console,
-              format == "text" ? PaintFindings : nullptr);
+  const bool said_below = format == "text" && options.output.path == "-" && files.size() == 1 && !outcomes.front().ok();
+  if (!said_below)
+    WriteOutput(options.output, Rendered(files, options, format, console), console,
+                format == "text" ? PaintFindings : nullptr);
   ExitCode code = ReportOutcomes(outcomes, console);
   for (const auto& outcome : outcomes)
     if (!outcome.result.ok()) code = ExitCode::kFailed;

@@ -97,7 +97,7 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
   SortAtlases(atlases, SortKeysOf(options.sort));
   if (options.json)
     console.PrintData(InCommandWords(ToJson(atlases, many.inputs.paths.size() == 1 ? many.inputs.paths[0] : "")));
-  else
+  else if (atlases.size() != 1 || atlases[0].failure.empty())
     console.Print(TextOf(atlases, options));
   const auto unreadable = static_cast<std::uint64_t>(
       std::ranges::count_if(atlases, [](const ListedAtlas& atlas) { return !atlas.failure.empty(); }));

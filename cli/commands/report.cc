@@ -11,6 +11,7 @@
 #include "cli/exports.h"
 #include "cli/many.h"
 #include "cli/options.h"
+#include "cli/output_name.h"
 #include "cli/words.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
@@ -39,9 +40,25 @@ bool IsFolder(const std::string& path) {
 }
 
 // One atlas that was named itself has one page, and needs no folder.
-bool IsOnePage(const std::vector<std::string>& named, const AtlasInputs& found) {
+bool IsOneAtlas(const std::vector<std::string>& named, const AtlasInputs& found) {
   return named.size() == 1 && !IsFolder(named.front()) && found.atlases.size() == 1 &&
          found.atlases.front().location.ToString() == named.front();
+}
+
+// `lab.html` of lab.osa, and the folder `report` of several.
+std::string OutputOf(const ReportVerbOptions& options, bool one_atlas) {
+  if (!options.output.empty()) return options.output;
+  const std::string& first = options.many.inputs.paths.front();
+  if (first == "-") RefuseUsage("nothing names the page: -o/--output does");
+  std::string output = one_atlas ? NameOf(Location(first)) + ".html" : "report";
+  GuardDefaultName(output);
+  return output;
+}
+
+void RequireFolderName(const std::string& output) {
+  if (!NamesFolder(output))
+    RefuseUsage(detail::Concat("several pages need a folder, and ", output, " names a file; name a folder, as ",
+                               fs::path(output).replace_extension().string(), "/"));
 }
 
 AtlasInputs AtlasesOf(const ManyOptions& many, Console& console) {
@@ -76,12 +93,6 @@ void WritePage(const std::string& path, const std::string& page, bool overwrite)
   file.Commit();
 }
 
-void MakeFolder(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw Error(ErrorKind::kPermission, folder, "", "cannot be made: " + error.message());
-}
-
 std::optional<std::uint64_t> BytesOf(const std::string& input) {
   const Location location = Location::Parse(input);
   std::error_code error;
@@ -95,12 +106,17 @@ class Reporting {
       : options_(options),
         console_(console),
         inputs_(AtlasesOf(options.many, console)),
-        one_(IsOnePage(options.many.inputs.paths, inputs_)) {
-    if (!one_) {
-      std::set<std::string> taken;
-      for (const AtlasInput& atlas : inputs_.atlases) pages_[atlas.location.ToString()] = PageOf(atlas.location, taken);
-      MakeFolder(options.output);
+        one_(IsOneAtlas(options.many.inputs.paths, inputs_)),
+        output_(OutputOf(options, one_)) {
+    if (one_ && !NamesFolder(output_)) {
+      RequirePageName(output_);
+      return;
     }
+    one_ = false;
+    RequireFolderName(output_);
+    std::set<std::string> taken;
+    for (const AtlasInput& atlas : inputs_.atlases) pages_[atlas.location.ToString()] = PageOf(atlas.location, taken);
+    MakeFolder(output_);
   }
 
   // Pages are written as soon as they are there, and only what the index needs is kept.
@@ -114,14 +130,14 @@ class Reporting {
     for (const AtlasReport& report : reports)
       if (!report.checked.failure.empty() || !report.checked.report.ok()) code = ExitCode::kFailed;
     if (!one_)
-      WritePage((fs::path(options_.output) / "index.html").string(), ReportIndex(reports, Title()), options_.overwrite);
+      WritePage((fs::path(output_) / "index.html").string(), ReportIndex(reports, Title()), options_.overwrite);
     Tell(reports);
     return code;
   }
 
  private:
   std::string PathOf(const std::string& atlas) const {
-    return one_ ? options_.output : (fs::path(options_.output) / pages_.at(atlas)).string();
+    return one_ ? output_ : (fs::path(output_) / pages_.at(atlas)).string();
   }
 
   AtlasReport Report(const std::string& path, const ReadOptions& read, Notices& notices) const {
@@ -156,20 +172,21 @@ class Reporting {
 
   void Tell(const std::vector<AtlasReport>& reports) const {
     if (options_.json) {
-      console_.PrintData(InCommandWords(ToJson(reports, options_.output)));
+      console_.PrintData(InCommandWords(ToJson(reports, output_)));
       return;
     }
     for (const AtlasReport& report : reports)
       console_.Print(detail::Visible(report.checked.name + ": " + Verdict(report.checked)) + "\n");
     const bool written = !one_ || reports.front().checked.failure.empty();
-    if (written && options_.output != "-")
-      console_.PrintWritten(one_ ? options_.output : (fs::path(options_.output) / "index.html").string(), {});
+    if (written && output_ != "-")
+      console_.PrintWritten(one_ ? output_ : (fs::path(output_) / "index.html").string(), {});
   }
 
   const ReportVerbOptions& options_;
   Console& console_;
   AtlasInputs inputs_;
-  bool one_;
+  bool one_;  // a page, without a folder
+  std::string output_;
   std::map<std::string, std::string> pages_;
 };
 
@@ -182,10 +199,10 @@ Run AddReport(CLI::App& verb) {
   const auto options = std::make_shared<ReportVerbOptions>();
   AddMany(verb, options->many);
   Mark(verb.add_option("-o,--output", options->output,
-                       "Write to this file; of a folder, a store or several atlases a folder, which is made"),
+                       "The page; of a folder, a store or several atlases the folder of the pages, which is made. By "
+                       "default the name of the atlas with .html, or report/"),
        Writes::kPattern)
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
   verb.add_flag("-O,--overwrite", options->overwrite, "Replace pages that are there");
   AddJson(verb, options->json);
   AddRules(verb, options->check);
@@ -194,7 +211,7 @@ Run AddReport(CLI::App& verb) {
 }
 
 constexpr Example kExamples[] = {
-    {"slamdb report lab.osa -o lab.html", "One page: numbers, plots, findings, gates."},
+    {"slamdb report lab.osa", "One page, lab.html: numbers, plots, findings, gates."},
     {"slamdb report maps/ -o report/", "A page for each atlas of a folder, and report/index.html to find them."},
     {"slamdb report lab.db -o report/ -O --min-keyframes 100 --max-reprojection-px 1.5",
      "All of a store, held against gates: what a pipeline keeps."},

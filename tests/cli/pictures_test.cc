@@ -178,6 +178,28 @@ TEST_F(Pictures, PlotRefusesNumbersThatAreNone) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--scale", "nan", "-o", folder_ / "x.png"}).exit_code, 2);
 }
 
+TEST_F(Pictures, ReportNamesItsPagesAsTheyAre) {
+  EXPECT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.png"}).exit_code, 2);
+  const ProcessResult several = RunSlamdb({"report", kAtlas, kBroken, "-o", folder_ / "two.html"});
+  EXPECT_EQ(several.exit_code, 2);
+  EXPECT_THAT(several.err, HasSubstr("two.html names a file; name a folder, as " + (folder_ / "two/")));
+  EXPECT_THAT(folder_.Names(), ElementsAre());
+  for (const char* folder : {"one/", "two"}) {
+    EXPECT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / folder}).exit_code, 0);
+    EXPECT_TRUE(fs::exists(folder_.path() / folder / "session_small_a.html")) << folder;
+  }
+}
+
+TEST_F(Pictures, ReportIsNamedAsTheAtlas) {
+  const std::string here = "cd '" + folder_.path().string() + "' && '" + SLAMDB_COMMAND + "' report '";
+  const ProcessResult one = RunProgram({"bash", "-c", here + kAtlas + "'"});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr("wrote session_small_a.html"));
+  RunProgram({"bash", "-c", here + kAtlas + "' '" + kBroken + "'"});
+  EXPECT_THAT(folder_.Names(), ElementsAre("report", "session_small_a.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "report/index.html"));
+}
+
 TEST_F(Pictures, ReportOfAnEmptyFolderSaysSo) {
   fs::create_directory(folder_ / "none");
   const ProcessResult result = RunSlamdb({"report", folder_ / "none", "-o", folder_ / "out"});
