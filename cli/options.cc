@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "cli/boost_versions.h"
+#include "cli/exports.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
@@ -117,9 +118,10 @@ void AddTarget(CLI::App& verb, TargetOptions& options) {
       ->group(kArchiveGroup);
 }
 
-void RefuseIdleTarget(const Format& output, const TargetOptions& options) {
-  if (options.boost_version && !output.id.starts_with("orbslam3"))
-    RefuseUsage("--boost-version is for archives of ORB-SLAM3 only; the output is " + std::string(output.title));
+void RefuseBadTarget(const Location& output, const Format& format, const TargetOptions& options) {
+  if (options.boost_version && !format.id.starts_with("orbslam3"))
+    RefuseUsage("--boost-version is for archives of ORB-SLAM3 only; the output is " + std::string(format.title));
+  if (format.is_export && output.name.empty()) RefuseAtlas(output.path);
 }
 
 void AddStore(CLI::App& verb, StoreVerbOptions& options) {

@@ -56,7 +56,9 @@ struct TargetOptions {
 void AddTarget(CLI::App& verb, TargetOptions& options);
 constexpr const char* kArchiveGroup = "ORB-SLAM3 files";
 // Ends with exit code 2 when they would be without effect on an output of the format.
-void RefuseIdleTarget(const Format& output, const TargetOptions& options);
+//
+// Throws Error when what is written is no atlas, and would replace one.
+void RefuseBadTarget(const Location& output, const Format& format, const TargetOptions& options);
 
 // The positional STORE, and --wait SECONDS, for the store's own verbs.
 struct StoreVerbOptions {

@@ -252,7 +252,6 @@ void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
                 (HasColors(output) && output.id != "pcd" ? ", which always has them" : ""));
   if ((!options.origin.empty() || options.most_points) && !IsOnGlobe(output))
     RefuseUsage("--origin and --most-points are for KML and GeoJSON" + is);
-  RefuseIdleTarget(output, options.target);
   if (options.long_bytes && !output.id.starts_with("orbslam3"))
     RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
@@ -279,6 +278,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
   const Format& format = FormatOfOutput(output, FormatAsked(options));
   RefuseIdleOptions(format, options);
+  RefuseBadTarget(output, format, options.target);
   if (!options.dry_run) RefuseBinaryOnTerminal(output, format, options.ascii);
   Notices notices;
   const std::optional<Georeference> where = WhereOnEarth(options, format, notices);

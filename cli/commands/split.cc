@@ -68,7 +68,8 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
   StoredNames stored;
   for (const Part& part : parts) {
     const Location output = Location::Parse(OutputOf(options.edit.output, part.name));
-    if (output.name.empty()) RefuseIdleTarget(FormatOfOutput(output, options.edit.target.to), options.edit.target);
+    if (output.name.empty())
+      RefuseBadTarget(output, FormatOfOutput(output, options.edit.target.to), options.edit.target);
     detail::RefuseInput(output.path, output.name.empty() ? std::nullopt : detail::AtlasName(output.name));
     if (!options.edit.target.overwrite && IsThere(output, stored))
       throw Error(ErrorKind::kAlreadyExists, output.ToString(), "", "is there already; -O/--overwrite replaces it");
