@@ -18,7 +18,8 @@ namespace slamdb::cli {
 
 constexpr double kUsualWait = 5;  // seconds, for another program that writes to a store
 
-// -q/--quiet -v/--verbose --threads --progress/--no-progress: every verb has them.
+// -q/--quiet -v/--verbose --threads --progress/--no-progress: every verb has them. From here on options of type N and
+// ID refuse what is no whole number, with a sign or without.
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options);
 
 // The positional FILE..., required unless the verb says otherwise, and --from FORMAT.

@@ -185,7 +185,7 @@ TEST(Usage, IsSaidInOneWay) {
       {{"convert", kTiny}, "the output is missing"},
       {{"convert", kTiny, "a.osa", "--to"}, "--to: a value is missing"},
       {{"convert", kTiny, "a.osa", "--to", "tumm"}, "found 'tumm'; did you mean 'tum'?"},
-      {{"convert", kTiny, "a.osa", "--map", "x"}, "--map: expected a number, found 'x'"},
+      {{"convert", kTiny, "a.osa", "--map", "x"}, "--map: expected a whole number, 0 or above, found 'x'"},
       {{"info", kTiny, "--json=x"}, "--json takes no value"},
       {{"view", kTiny, "--serve", "--port", "99999"}, "--port: expected a number from 0 to 65535, found '99999'"},
       {{"convert", kTiny, "a.x", "--to", "foxglove"}, "--to: unknown format 'foxglove'; what it reads is mcap"},
@@ -196,6 +196,32 @@ TEST(Usage, IsSaidInOneWay) {
       {{"check", kTiny, "--ignore", "map-listed-twice"}, "did you mean 'map-listed-once'?"},
   };
   for (const auto& [words, says] : cases) ExpectUsageError(words, says);
+}
+
+// CLI11 would take it for the largest number there is.
+TEST(Usage, NumbersWithoutSignHaveNone) {
+  const std::vector<std::string> cases[] = {
+      {"check", kTiny, "--max-findings"},
+      {"diff", kTiny, kTiny, "--max-listed"},
+      {"evaluate", kTiny, kTiny, "--map"},
+      {"evaluate", kTiny, kTiny, "--reference-map"},
+      {"extract", kTiny, "--dry-run", "--keyframe"},
+      {"extract", kTiny, "--dry-run", "--session"},
+      {"plot", kTiny, "--map"},
+      {"reassign-origin", kTiny, "--dry-run", "--set"},
+      {"synthesize", "none.osa", "--keyframes"},
+      {"synthesize", "none.osa", "--seed"},
+      {"transform", kTiny, "--dry-run", "--scale", "2", "--map"},
+  };
+  for (std::vector<std::string> words : cases)
+    for (const char* value : {"-1", "1.5"}) {
+      const std::string option = words.back();
+      std::vector<std::string> line = words;
+      line.emplace_back(value);
+      ExpectUsageError(line, option + ": expected a whole number, 0 or above, found '" + value + "'");
+    }
+  ExpectUsageError({"check", kTiny, "--max-reprojection-px", "-1"}, "expected 0 or a number above it, found '-1'");
+  EXPECT_THAT(RunSlamdb({"renumber", kTiny, "--dry-run", "--offset", "-1"}).err, HasSubstr("an offset of -1"));
 }
 
 TEST(Usage, OfAnOutputWithoutItsOption) {
