@@ -12,6 +12,7 @@
 #include "cli/ranges.h"
 #include "cli/report/layout.h"
 #include "cli/report/list_text.h"
+#include "cli/terminal.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/text.h"
 
@@ -82,7 +83,8 @@ std::string TextOf(const std::vector<ListedAtlas>& atlases, const ListVerbOption
   if (atlases.empty()) return QueryOf(options).everything() ? "no atlases\n" : "no atlas covers that\n";
   std::vector<ListKey> columns;
   for (const std::string& word : options.columns) columns.push_back(ListKeyOf(WithoutSign(word)));
-  return ListText(atlases, columns.empty() ? UsualColumns(atlases) : columns);
+  return columns.empty() ? ListText(atlases, UsualColumns(atlases), TerminalColumns(STDOUT_FILENO))
+                         : ListText(atlases, columns);
 }
 
 ExitCode RunList(const ListVerbOptions& options, Console& console) {
