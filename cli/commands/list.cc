@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "cli/batch.h"
 #include "cli/commands/commands.h"
 #include "cli/many.h"
 #include "cli/options.h"
@@ -96,16 +97,18 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
   list.threads = console.threads();
   list.progress = console.MakeProgress();
   std::vector<ListedAtlas> atlases = ListAtlases(inputs, list);
+  const bool one = atlases.size() == 1;
   SortAtlases(atlases, SortKeysOf(options.sort));
   if (options.json)
     console.PrintData(InCommandWords(ToJson(atlases, many.inputs.paths.size() == 1 ? many.inputs.paths[0] : "")));
-  else if (atlases.size() != 1 || atlases[0].failure.empty())
+  else if (!one || atlases[0].failure.empty())
     console.Print(TextOf(atlases, options));
   const auto unreadable = static_cast<std::uint64_t>(
       std::ranges::count_if(atlases, [](const ListedAtlas& atlas) { return !atlas.failure.empty(); }));
-  if (unreadable > 0 && atlases.size() == 1) console.Fail(InCommandWords(atlases[0].failure));
-  if (unreadable > 0 && atlases.size() > 1)
-    console.Fail(Grouped(unreadable) + " of " + Grouped(atlases.size()) + " could not be read");
+  if (one && unreadable > 0)
+    console.Fail(InCommandWords(atlases[0].failure));
+  else
+    FailUnreadable(unreadable, atlases.size(), console);
   return std::ranges::all_of(atlases, &ListedAtlas::ok) ? ExitCode::kDone : ExitCode::kFailed;
 }
 

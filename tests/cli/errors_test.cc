@@ -133,6 +133,18 @@ TEST(Errors, OfAFileThatIsNotThereTellTheOneMeant) {
   EXPECT_THAT(RunSlamdb({"info", folder.path().string()}).err, Not(HasSubstr("did you mean"))) << "one of two";
 }
 
+TEST(Errors, OfSeveralInputsAreToldOnce) {
+  for (const char* verb : {"check", "list"}) {
+    const ProcessResult result = RunSlamdb({verb, "/nowhere/none.osa", kTiny});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.out, HasSubstr("cannot open: No such file or directory")) << verb;
+    EXPECT_EQ(result.err, "slamdb: error: 1 of 2 could not be read\n") << verb;
+  }
+  const TemporaryFolder folder;
+  const ProcessResult filed = RunSlamdb({"check", "/nowhere/none.osa", kTiny, "-o", folder / "findings.txt"});
+  EXPECT_THAT(filed.err, HasSubstr("none.osa: cannot open")) << "where it is not seen";
+}
+
 TEST(Errors, OneBadInputOfSeveralDoesNotHideTheOthers) {
   const ProcessResult result = RunSlamdb({"info", "/nowhere/missing.osa", kTiny});
   EXPECT_EQ(result.exit_code, 1);
