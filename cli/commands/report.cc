@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <set>
 
 #include "cli/batch.h"
@@ -86,8 +88,14 @@ std::string PageOf(const Location& location, std::set<std::string>& taken) {
   return page;
 }
 
-void WritePage(const std::string& path, const std::string& page, bool overwrite) {
+// Before the work, so that what would fail at the end fails at once.
+void RefuseToReplace(const std::string& path, bool overwrite) {
   RefuseAtlas(path);
+  if (!overwrite && fs::exists(path) && !IsSpecialFile(path))
+    throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O/--overwrite replaces it");
+}
+
+void WritePage(const std::string& path, const std::string& page, bool overwrite) {
   AtomicFile file(path, {.overwrite = overwrite});
   file.Write(page);
   file.Commit();
@@ -110,6 +118,7 @@ class Reporting {
         output_(OutputOf(options, one_)) {
     if (one_ && !NamesFolder(output_)) {
       RequirePageName(output_);
+      RefuseToReplace(output_, options.overwrite);
       return;
     }
     one_ = false;
@@ -117,6 +126,8 @@ class Reporting {
     std::set<std::string> taken;
     for (const AtlasInput& atlas : inputs_.atlases) pages_[atlas.location.ToString()] = PageOf(atlas.location, taken);
     MakeFolder(output_);
+    for (const auto& [atlas, page] : pages_) RefuseToReplace(PathOf(atlas), options.overwrite);
+    RefuseToReplace(IndexPath(), options.overwrite);
   }
 
   // Pages are written as soon as they are there, and only what the index needs is kept.
@@ -124,13 +135,13 @@ class Reporting {
     const auto outcomes = ForEachInput<AtlasReport>(inputs_.atlases, options_.many.inputs.from, console_,
                                                     [&](const std::string& path, const ReadOptions& read,
                                                         Notices& notices) { return Report(path, read, notices); });
+    if (unwritten_) std::rethrow_exception(unwritten_);
     ExitCode code = ReportOutcomes(outcomes, console_);
     std::vector<AtlasReport> reports;
     for (const auto& outcome : outcomes) reports.push_back(outcome.ok() ? outcome.result : Failed(outcome));
     for (const AtlasReport& report : reports)
       if (!report.checked.failure.empty() || !report.checked.report.ok()) code = ExitCode::kFailed;
-    if (!one_)
-      WritePage((fs::path(output_) / "index.html").string(), ReportIndex(reports, Title()), options_.overwrite);
+    if (!one_) WritePage(IndexPath(), ReportIndex(reports, Title()), options_.overwrite);
     Tell(reports);
     return code;
   }
@@ -140,7 +151,9 @@ class Reporting {
     return one_ ? output_ : (fs::path(output_) / pages_.at(atlas)).string();
   }
 
-  AtlasReport Report(const std::string& path, const ReadOptions& read, Notices& notices) const {
+  std::string IndexPath() const { return (fs::path(output_) / "index.html").string(); }
+
+  AtlasReport Report(const std::string& path, const ReadOptions& read, Notices& notices) {
     ReadOptions whole = read;
     whole.needs = Content::kObservations | Content::kLandmarks;
     const Atlas atlas = ReadAtlas(path, whole, &notices);
@@ -150,8 +163,13 @@ class Reporting {
     AtlasReport report = ReportOn(atlas, path, check);
     report.bytes = BytesOf(path);
     report.page = one_ ? std::string() : pages_.at(path);
-    WritePage(PathOf(path), ReportPage(atlas, report, {.threads = read.threads, .wording = InCommandWords}),
-              options_.overwrite);
+    const std::string page = ReportPage(atlas, report, {.threads = read.threads, .wording = InCommandWords});
+    try {
+      WritePage(PathOf(path), page, options_.overwrite);
+    } catch (const Error&) {  // not one of the atlas
+      const std::lock_guard lock(mutex_);
+      unwritten_ = std::current_exception();
+    }
     return report;
   }
 
@@ -178,8 +196,7 @@ class Reporting {
     for (const AtlasReport& report : reports)
       console_.Print(detail::Visible(report.checked.name + ": " + Verdict(report.checked)) + "\n");
     const bool written = !one_ || reports.front().checked.failure.empty();
-    if (written && output_ != "-")
-      console_.PrintWritten(one_ ? output_ : (fs::path(output_) / "index.html").string(), {});
+    if (written && output_ != "-") console_.PrintWritten(one_ ? output_ : IndexPath(), {});
   }
 
   const ReportVerbOptions& options_;
@@ -188,6 +205,8 @@ class Reporting {
   bool one_;  // a page, without a folder
   std::string output_;
   std::map<std::string, std::string> pages_;
+  std::mutex mutex_;
+  std::exception_ptr unwritten_;  // why a page was not
 };
 
 ExitCode RunReport(const ReportVerbOptions& options, Console& console) {

@@ -190,6 +190,29 @@ TEST_F(Pictures, ReportNamesItsPagesAsTheyAre) {
   }
 }
 
+// It is the page that cannot be written, not the atlas that cannot be read.
+TEST_F(Pictures, ReportThatIsThereIsRefusedAtOnce) {
+  const auto refused = [&](const std::string& output, const std::string& there) {
+    const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / output});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(result.err, "slamdb: error: " + (folder_ / there) + ": is there already; -O/--overwrite replaces it\n");
+  };
+  ASSERT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.html"}).exit_code, 0);
+  refused("lab.html", "lab.html");
+  fs::create_directory(folder_ / "pages");
+  WriteWholeFile(folder_ / "pages/index.html", "mine");
+  refused("pages", "pages/index.html");
+  EXPECT_EQ(fs::exists(folder_ / "pages/session_small_a.html"), false);
+}
+
+TEST_F(Pictures, ReportThatCannotBeWrittenSaysSo) {
+  const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / "none/lab.html"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, HasSubstr("none"));
+}
+
 TEST_F(Pictures, ReportIsNamedAsTheAtlas) {
   const std::string here = "cd '" + folder_.path().string() + "' && '" + SLAMDB_COMMAND + "' report '";
   const ProcessResult one = RunProgram({"bash", "-c", here + kAtlas + "'"});
