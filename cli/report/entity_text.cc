@@ -137,7 +137,7 @@ std::string WhereIs(const KeyFrame& keyframe, const Map& map) {
       keyframe.camera_from_world.Normalized().rotation.conjugate().cast<double>() * Eigen::Vector3d::UnitZ();
   std::string text;
   if (center.allFinite() && ahead.allFinite())
-    text += Line("camera at", Concat(Short(center.x()), " ", Short(center.y()), " ", Short(center.z()),
+    text += Line("camera at", Concat(Rounded(center.x()), " ", Rounded(center.y()), " ", Rounded(center.z()),
                                      IsMetric(map) ? " m" : " units", ", world of map ", map.id.value(),
                                      map.imu_initialized ? " with z up" : " with y down")) +
             Line("camera looks", DirectionText(ahead, map.imu_initialized));

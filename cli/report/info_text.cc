@@ -16,7 +16,7 @@ namespace {
 using enum Table::Align;
 
 std::string VectorText(const Eigen::Vector3f& vector) {
-  return Short(vector.x()) + " " + Short(vector.y()) + " " + Short(vector.z());
+  return Rounded(vector.x()) + " " + Rounded(vector.y()) + " " + Rounded(vector.z());
 }
 
 std::string SensorText(const MapStatistics& map) {
@@ -63,7 +63,7 @@ void AddShape(const MapStatistics& map, std::vector<InfoRow>& rows) {
     rows.push_back({"bounding box", VectorText(map.bounding_box.min()) + "  to  " + VectorText(map.bounding_box.max()) +
                                         " " + UnitOf(map) + ", world with " +
                                         (map.imu_initialized ? "z up" : "y down")});
-  rows.push_back({"trajectory", Short(map.trajectory_length) + " " + UnitOf(map) + " in " +
+  rows.push_back({"trajectory", LengthText(map.trajectory_length, UnitOf(map)) + " in " +
                                     DatedDuration(map.begin_time, map.end_time)});
 }
 

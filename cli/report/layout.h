@@ -14,6 +14,8 @@ namespace slamdb::cli {
 using detail::DateText;
 using detail::DurationText;
 using detail::HumanBytes;
+using detail::LengthText;
+using detail::Rounded;
 
 inline constexpr std::size_t kPageWidth = 96;  // columns of text for people
 

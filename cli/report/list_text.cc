@@ -32,7 +32,7 @@ bool MixesUnits(const AtlasSummary& summary) {
 std::string LengthText(const ListedAtlas& atlas) {
   if (!atlas.summary.begin_time) return {};
   if (MixesUnits(atlas.summary)) return "mixed";
-  return Short(atlas.summary.trajectory_length) + (atlas.summary.is_metric ? " m" : " units");
+  return detail::LengthText(atlas.summary.trajectory_length, atlas.summary.is_metric ? "m" : "units");
 }
 
 std::string SpanText(const ListedAtlas& atlas) {

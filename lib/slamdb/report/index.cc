@@ -50,7 +50,7 @@ void AppendNumbers(Html& html, const AtlasReport& report) {
   AppendCount(html, all.maps.size());
   AppendCount(html, all.keyframes);
   AppendCount(html, all.points);
-  AppendNumber(html, all.trajectory_length, detail::Digits(all.trajectory_length, 4));
+  AppendNumber(html, all.trajectory_length, detail::Rounded(all.trajectory_length));
   AppendNumber(html, seconds, detail::DurationText(seconds));
   AppendNumber(html, count > 0 ? error / count : -1, count > 0 ? detail::Digits(error / count, 3) : "");
   if (report.bytes)

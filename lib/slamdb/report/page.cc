@@ -36,7 +36,7 @@ void AppendNumbers(Html& html, const AtlasReport& report) {
                metric == std::ssize(all.maps) ? Literal("trajectory, m")
                : metric == 0                  ? Literal("trajectory, units")
                                               : Literal("trajectory, m and units"),
-               detail::Digits(all.trajectory_length, 4));
+               detail::Rounded(all.trajectory_length));
   AppendNumber(html, "time", detail::DurationText(DurationOf(all)));
   AppendNumber(html, "loop and merge edges", Thousands(all.loop_edges + all.merge_edges));
   if (report.bytes) AppendNumber(html, "size", detail::HumanBytes(*report.bytes));
@@ -66,7 +66,7 @@ void AppendMaps(Html& html, const AtlasStatistics& statistics) {
     AppendCell(html, detail::Digits(map.observers.mean, 3));
     AppendCell(html, map.reprojection_error.count == 0 ? "" : detail::Digits(map.reprojection_error.mean, 3));
     AppendCell(html, Thousands(map.components));
-    AppendCell(html, Concat(detail::Digits(map.trajectory_length, 4), map.metric ? " m" : " units"));
+    AppendCell(html, detail::LengthText(map.trajectory_length, map.metric ? "m" : "units"));
     AppendCell(html, detail::DurationText(map.end_time - map.begin_time));
     html << "</tr>\n";
   }
