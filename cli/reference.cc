@@ -7,9 +7,9 @@
 
 namespace slamdb::cli {
 
-std::vector<TimedPosition> ReadReference(const std::string& path, const TimesOptions& times, bool body,
+std::vector<TimedPosition> ReadReference(const std::string& path, const TimesOptions& times, bool body, double wait,
                                          Console& console, Notices& notices) {
-  ReadOptions read = MakeReadOptions(console);
+  ReadOptions read = MakeReadOptions(console, {}, wait);
   read.features = FeatureColumns::kNone;
   read.of<TrajectoryReadOptions>() = times.ForReading();
   // Not by way of an atlas, whose single precision has no room for coordinates as UTM's.

@@ -15,7 +15,7 @@ class Console;
 // What a map is held against: the positions of a trajectory, or of the one map of another atlas, there of the body
 // (IMU) where that is asked for. Throws Error when the file holds no one trajectory, and ends with exit code 2 where
 // options for times would be without effect.
-std::vector<TimedPosition> ReadReference(const std::string& path, const TimesOptions& times, bool body,
+std::vector<TimedPosition> ReadReference(const std::string& path, const TimesOptions& times, bool body, double wait,
                                          Console& console, Notices& notices);
 
 }  // namespace slamdb::cli

@@ -106,10 +106,11 @@ EvaluationReport Evaluate(const EvaluateVerbOptions& options, Console& console, 
   Input estimate = ReadInput(options.estimate, {}, options, console, notices);
   Input truth = ReadInput(options.reference, options.times, options, console, notices);
   if (options.body && !IsAtlas(estimate) && !IsAtlas(truth)) RefuseUsage("--body is for atlases only");
-  if (!options.body && estimate.has_imu && !IsAtlas(truth) && truth.format->id == "euroc")
-    notices.Note(
-        "the truth of EuRoC is that of the IMU, and the poses here are those of the camera; --body compares the "
-        "IMU's");
+  if (!options.body && estimate.has_imu && !IsAtlas(truth))
+    notices.Note(truth.format->id == "euroc" ? "the truth of EuRoC is that of the IMU, and the poses here are those of "
+                                               "the camera; --body compares the IMU's"
+                                             : "the poses here are those of the camera; where the truth is that of the "
+                                               "IMU, --body compares the IMU's");
   KeepMaps(estimate.trajectories, options.maps, options.estimate);
   const std::vector<TrajectoryPose> reference = TruthOf(truth, options);
   EvaluationOptions evaluation = options.evaluation;

@@ -25,6 +25,7 @@ struct PlotVerbOptions {
   SelectionOptions selection;
   TimesOptions times;
   PlotOptions plot;
+  double wait = kUsualWait;
 };
 
 std::string OutputOf(const PlotVerbOptions& options) {
@@ -74,12 +75,12 @@ ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
   if (!options.kind.empty()) plot.kind = *PlotKindByName(options.kind);
   if (!options.with.empty()) {
     plot.kind = PlotKind::kTrajectory;
-    plot.reference = ReadReference(options.with, options.times, plot.alignment.body, console, notices);
+    plot.reference = ReadReference(options.with, options.times, plot.alignment.body, options.wait, console, notices);
   }
   if (options.with_scale || options.without_scale) plot.with_scale = options.with_scale;
   plot.threads = console.threads();
   plot.title = options.input == "-" ? "" : NameOf(Location(options.input));
-  ReadOptions read = MakeReadOptions(console, options.from);
+  ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.needs = Content::kPoses | Content::kPoints;
   read.features = FeatureColumns::kGeometry;
   const HeldSource held = HoldInput(options.input, read);
@@ -164,6 +165,7 @@ Run AddPlot(CLI::App& verb) {
   BindLook(verb, *options);
   AddSelection(verb, options->selection);
   BindReference(verb, *options);
+  AddWait(verb, options->wait);
   return [options](Console& console) { return RunPlot(*options, console); };
 }
 

@@ -53,6 +53,14 @@ TEST_F(Pictures, AreNamedAsAListNamesTheAtlas) {
   EXPECT_TRUE(fs::exists(folder_ / "out/lab.html"));
 }
 
+TEST_F(Pictures, PlotWaitsForStoresAsOtherVerbsDo) {
+  ASSERT_EQ(RunSlamdb({"convert", kAtlas, folder_ / "m.db#a"}).exit_code, 0);
+  EXPECT_EQ(
+      RunSlamdb({"plot", folder_ / "m.db#a", "--with", folder_ / "m.db#a", "--wait", "0", "-o", folder_ / "a.svg"})
+          .exit_code,
+      0);
+}
+
 TEST_F(Pictures, PlotTakesTheFormatFromTheSuffix) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--kind", "plan", "-o", folder_ / "a.png"}).exit_code, 0);
   EXPECT_THAT(ReadWholeFile(folder_ / "a.png"), StartsWith("\x89PNG"));
