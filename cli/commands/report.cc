@@ -91,7 +91,8 @@ std::string PageOf(const Location& location, std::set<std::string>& taken) {
 // Before the work, so that what would fail at the end fails at once.
 void RefuseToReplace(const std::string& path, bool overwrite) {
   RefuseAtlas(path);
-  if (!overwrite && fs::exists(path) && !IsSpecialFile(path))
+  std::error_code missing;
+  if (!overwrite && fs::exists(path, missing) && !IsSpecialFile(path))
     throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O/--overwrite replaces it");
 }
 

@@ -59,8 +59,8 @@ std::string Ids(bool (*has)(const Format&)) {
   return list;
 }
 
-// Suffixes that people try, and the nearest of a format. What
-// programs know by one that misleads, slamdb never writes.
+// Suffixes that people try, and the nearest that a format has. One that misleads is that of another format, by which
+// programs would take the file for what it is not.
 struct KindredSuffix {
   std::string_view tried, nearest;
   bool misleads = false;
