@@ -67,17 +67,19 @@ Estimate TakeOnly(Trajectories trajectories, std::optional<std::uint64_t> map) {
 
 void TellWhosePoses(const Trajectories& estimate, const Trajectories& truth, bool body, Notices& notices) {
   if (body && !estimate.is_atlas && !truth.is_atlas) RefuseUsage("--body is for atlases only");
-  if (!body && estimate.has_imu && !truth.is_atlas && truth.format->id == "euroc")
-    notices.Note(
-        "the truth of EuRoC is that of the IMU, and the poses here are those of the camera; --body compares the "
-        "IMU's");
+  if (!body && estimate.has_imu && !truth.is_atlas)
+    notices.Note(truth.format->id == "euroc" ? "the truth of EuRoC is that of the IMU, and the poses here are those of "
+                                               "the camera; --body compares the IMU's"
+                                             : "the poses here are those of the camera; where the truth is that of the "
+                                               "IMU, --body compares the IMU's");
 }
 
-std::vector<TimedPosition> ReadReference(const std::string& path, const TimesOptions& times, bool body,
+std::vector<TimedPosition> ReadReference(const std::string& path, const TimesOptions& times, bool body, double wait,
                                          Console& console, Notices& notices) {
   std::vector<TimedPosition> positions;
   for (const TrajectoryPose& pose :
-       TakeOnly(ReadTrajectoriesOf(path, {.times = times, .body = body, .only_positions = true}, console, notices))
+       TakeOnly(ReadTrajectoriesOf(path, {.times = times, .body = body, .only_positions = true, .wait = wait}, console,
+                                   notices))
            .poses)
     positions.push_back({pose.timestamp, pose.position});
   return positions;

@@ -35,7 +35,7 @@ Trajectories ReadTrajectoriesOf(const std::string& path, const TrajectoriesOptio
                                 Notices& notices);
 // Of an atlas that was read from a file of that format, which may be one of trajectories; null: it is not known.
 Trajectories TrajectoriesOfAtlas(const Atlas& atlas, const std::string& path, const Format* format, bool body,
-                                 Notices& notices);
+                                 double wait, Notices& notices);
 
 // The one that there is, or that of the map. Throws Error when there is not one.
 Estimate TakeOnly(Trajectories trajectories, std::optional<std::uint64_t> map = {});
@@ -46,7 +46,7 @@ void KeepMaps(Trajectories& trajectories, const std::vector<std::uint64_t>& maps
 void TellWhosePoses(const Trajectories& estimate, const Trajectories& truth, bool body, Notices& notices);
 
 // The positions of the only trajectory.
-std::vector<TimedPosition> ReadReference(const std::string& path, const TimesOptions& times, bool body,
+std::vector<TimedPosition> ReadReference(const std::string& path, const TimesOptions& times, bool body, double wait,
                                          Console& console, Notices& notices);
 
 // How the poses are paired, and laid onto the truth.

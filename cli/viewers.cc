@@ -48,13 +48,14 @@ void WarnOfMapsElsewhere(const Atlas& atlas, const Georeference& where, Notices&
 void AddViewerOptions(CLI::App& verb, ViewerOptions& options) {
   constexpr const char* kGroup = "Pictures of maps";
   std::vector<std::string> colors{{}};  // empty: it was about the console, see AddConsoleOptions
-  for (const auto& [name, color] : kColors) colors.emplace_back(name);
+  std::string words;
+  for (const auto& [name, color] : kColors) words += colors.emplace_back(name) + ",";
   verb.add_option(
           "--color", options.color,
-          "What the colour of a point tells, in PLY, PCD, glTF and MCAP: map (by default), error, observations, "
-          "height or age; auto, always and never are about messages, as in other verbs")
+          "What the colour of a point tells, in PLY, PCD, glTF and MCAP; by default map. auto, always and never are "
+          "about messages, as in other verbs")
       ->type_name("WHAT")
-      ->check(CLI::IsMember(colors).description({}))
+      ->check(CLI::IsMember(colors).description("{" + words + "auto,always,never}"))
       ->group(kGroup);
   verb.add_flag("--cameras", options.cameras, "Write cameras and their path into PLY too, as edges")->group(kGroup);
   verb.add_option("--origin", options.origin,

@@ -146,7 +146,6 @@ void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
   RefuseIdleViewerOptions(output, options.viewers);
-  RefuseIdleTarget(output, options.target);
   if (options.long_bytes && !output.id.starts_with("orbslam3"))
     RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
@@ -173,6 +172,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
   const Format& format = FormatOfOutput(output, FormatAsked(options));
   RefuseIdleOptions(format, options);
+  RefuseBadTarget(output, format, options.target);
   if (!options.dry_run) RefuseBinaryOnTerminal(output, format, options.ascii);
   Notices notices;
   const std::optional<Georeference> where = WhereOnEarth(options.viewers, options.input, format, notices);

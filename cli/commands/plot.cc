@@ -27,6 +27,7 @@ struct PlotVerbOptions {
   TimesOptions times;
   EvaluationOptions evaluation;
   PlotOptions plot;
+  double wait = kUsualWait;
 };
 
 std::string OutputOf(const PlotVerbOptions& options) {
@@ -55,7 +56,8 @@ PlotReference HoldAgainstReference(const Atlas& atlas, const Format* format, con
   Trajectories estimate = TrajectoriesOfAtlas(atlas, options.input, format, options.body, notices);
   const TrajectoriesOptions read{.times = options.times,
                                  .body = options.body,
-                                 .only_positions = options.evaluation.alignment != AlignmentKind::kOrigin};
+                                 .only_positions = options.evaluation.alignment != AlignmentKind::kOrigin,
+                                 .wait = options.wait};
   Trajectories truth = ReadTrajectoriesOf(options.with, read, console, notices);
   TellWhosePoses(estimate, truth, options.body, notices);
   Estimate reference = TakeOnly(std::move(truth));
@@ -84,7 +86,7 @@ ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
   if (!options.with.empty()) plot.kind = PlotKind::kTrajectory;
   plot.threads = console.threads();
   plot.title = options.input == "-" ? "" : NameOf(Location(options.input));
-  ReadOptions read = MakeReadOptions(console, options.from);
+  ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.needs = Content::kPoses | Content::kPoints;
   read.features = FeatureColumns::kGeometry;
   const HeldSource held = HoldInput(options.input, read);
@@ -160,6 +162,7 @@ Run AddPlot(CLI::App& verb) {
   BindLook(verb, *options);
   AddSelection(verb, options->selection);
   BindReference(verb, *options);
+  AddWait(verb, options->wait);
   return [options](Console& console) { return RunPlot(*options, console); };
 }
 

@@ -64,7 +64,8 @@ Destination DestinationOf(const TransformVerbOptions& options, Console& console,
   if (!options.axes.empty()) return Similarity3d{.rotation = ParseAxes(options.axes)};
   if (!options.gravity.empty()) return TurnUpright{kUpMethods.at(options.gravity)};
   if (!options.onto.empty())
-    return OntoTrajectory{ReadReference(options.onto, options.times, options.body, console, notices), FitOf(options)};
+    return OntoTrajectory{ReadReference(options.onto, options.times, options.body, options.edit.wait, console, notices),
+                          FitOf(options)};
   OntoEarth earth{
       .fixes = ReadFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices),
       .fit = FitOf(options)};

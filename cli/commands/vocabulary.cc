@@ -168,7 +168,7 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   RequireOutput(options.output);
   const Location input(options.input), output(NamedOutput(options.input, options.output, options.target.to));
   const Format& format = FormatOfOutput(output, options.target.to);
-  RefuseIdleTarget(format, options.target);
+  RefuseBadTarget(output, format, options.target);
   RefuseBinaryOnTerminal(output, format);
   Notices notices;
   ReadOptions read = MakeReadOptions(console, options.from);

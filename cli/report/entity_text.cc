@@ -145,7 +145,7 @@ std::string WhereIs(const KeyFrame& keyframe, const Map& map) {
   std::string text;
   if (center.allFinite() && ahead.allFinite())
     text += Line("camera at",
-                 Concat(Short(center.x()), " ", Short(center.y()), " ", Short(center.z()),
+                 Concat(Rounded(center.x()), " ", Rounded(center.y()), " ", Rounded(center.z()),
                         IsMetric(map) ? " m" : " units", ", world of map ", map.id.value(), " with ", FrameText(up))) +
             Line("camera looks", DirectionText(ahead, up.direction));
   const std::string date = DateText(keyframe.timestamp);

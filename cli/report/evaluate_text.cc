@@ -43,7 +43,7 @@ std::string PairsText(const TrajectoryCoverage& coverage, double time_offset) {
 std::string CoverageText(const TrajectoryCoverage& coverage) {
   std::string text = Share(coverage.duration_share()) + " of the truth's " +
                      Short(coverage.reference_end - coverage.reference_begin) + " s, " +
-                     Share(coverage.length_share()) + " of its " + Short(coverage.reference_length) + " m";
+                     Share(coverage.length_share()) + " of its " + LengthText(coverage.reference_length, "m");
   if (coverage.gaps.empty()) return text;
   const auto duration = [](const CoverageGap& gap) { return gap.end_time - gap.begin_time; };
   const CoverageGap& longest = *std::ranges::max_element(coverage.gaps, {}, duration);

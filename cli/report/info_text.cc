@@ -16,7 +16,7 @@ namespace {
 using enum Table::Align;
 
 std::string VectorText(const Eigen::Vector3f& vector) {
-  return Short(vector.x()) + " " + Short(vector.y()) + " " + Short(vector.z());
+  return Rounded(vector.x()) + " " + Rounded(vector.y()) + " " + Rounded(vector.z());
 }
 
 std::string TextOfSensor(const MapStatistics& map) {
@@ -59,7 +59,7 @@ void AddShape(const MapStatistics& map, std::vector<InfoRow>& rows) {
   if (!map.bounding_box.isEmpty())
     rows.push_back({"bounding box", VectorText(map.bounding_box.min()) + "  to  " + VectorText(map.bounding_box.max()) +
                                         " " + UnitOf(map) + ", world with " + FrameText(map.up)});
-  rows.push_back({"trajectory", Short(map.trajectory_length) + " " + UnitOf(map) + " in " +
+  rows.push_back({"trajectory", LengthText(map.trajectory_length, UnitOf(map)) + " in " +
                                     DatedDuration(map.begin_time, map.end_time)});
 }
 

@@ -56,6 +56,14 @@ TEST_F(Pictures, AreNamedAsAListNamesTheAtlas) {
   EXPECT_TRUE(fs::exists(folder_ / "out/lab.html"));
 }
 
+TEST_F(Pictures, PlotWaitsForStoresAsOtherVerbsDo) {
+  ASSERT_EQ(RunSlamdb({"convert", kAtlas, folder_ / "m.db#a"}).exit_code, 0);
+  EXPECT_EQ(
+      RunSlamdb({"plot", folder_ / "m.db#a", "--with", folder_ / "m.db#a", "--wait", "0", "-o", folder_ / "a.svg"})
+          .exit_code,
+      0);
+}
+
 TEST_F(Pictures, PlotTakesTheFormatFromTheSuffix) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--kind", "plan", "-o", folder_ / "a.png"}).exit_code, 0);
   EXPECT_THAT(ReadWholeFile(folder_ / "a.png"), StartsWith("\x89PNG"));
@@ -199,6 +207,51 @@ TEST_F(Pictures, ReportPagesDifferByMoreThanCapitals) {
 TEST_F(Pictures, PlotRefusesNumbersThatAreNone) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--scale", "nan", "-o", folder_ / "x.png"}).exit_code, 2);
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--width", "200", "-o", folder_ / "x.png"}).exit_code, 2);
+}
+
+TEST_F(Pictures, ReportNamesItsPagesAsTheyAre) {
+  EXPECT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.png"}).exit_code, 2);
+  const ProcessResult several = RunSlamdb({"report", kAtlas, kBroken, "-o", folder_ / "two.html"});
+  EXPECT_EQ(several.exit_code, 2);
+  EXPECT_THAT(several.err, HasSubstr("two.html names a file; name a folder, as " + (folder_ / "two/")));
+  EXPECT_THAT(folder_.Names(), ElementsAre());
+  for (const char* folder : {"one/", "two"}) {
+    EXPECT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / folder}).exit_code, 0);
+    EXPECT_TRUE(fs::exists(folder_.path() / folder / "session_small_a.html")) << folder;
+  }
+}
+
+// It is the page that cannot be written, not the atlas that cannot be read.
+TEST_F(Pictures, ReportThatIsThereIsRefusedAtOnce) {
+  const auto refused = [&](const std::string& output, const std::string& there) {
+    const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / output});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(result.err, "slamdb: error: " + (folder_ / there) + ": is there already; -O/--overwrite replaces it\n");
+  };
+  ASSERT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.html"}).exit_code, 0);
+  refused("lab.html", "lab.html");
+  fs::create_directory(folder_ / "pages");
+  WriteWholeFile(folder_ / "pages/index.html", "mine");
+  refused("pages", "pages/index.html");
+  EXPECT_EQ(fs::exists(folder_ / "pages/session_small_a.html"), false);
+}
+
+TEST_F(Pictures, ReportThatCannotBeWrittenSaysSo) {
+  const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / "none/lab.html"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, HasSubstr("none"));
+}
+
+TEST_F(Pictures, ReportIsNamedAsTheAtlas) {
+  const std::string here = "cd '" + folder_.path().string() + "' && '" + SLAMDB_COMMAND + "' report '";
+  const ProcessResult one = RunProgram({"bash", "-c", here + kAtlas + "'"});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr("wrote session_small_a.html"));
+  RunProgram({"bash", "-c", here + kAtlas + "' '" + kBroken + "'"});
+  EXPECT_THAT(folder_.Names(), ElementsAre("report", "session_small_a.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "report/index.html"));
 }
 
 TEST_F(Pictures, ReportOfAnEmptyFolderSaysSo) {

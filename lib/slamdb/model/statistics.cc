@@ -158,8 +158,7 @@ class MapCounter {
     observers.reserve(map_.points.size());
     for (const MapPoint& point : map_.points) {
       result_.largest_point_id = std::max(result_.largest_point_id, point.id.value());
-      for (const Observation& observation : point.observations)
-        result_.observations += static_cast<std::uint64_t>((observation.left >= 0) + (observation.right >= 0));
+      result_.observations += point.observations.size();
       if (point.bad) {
         ++result_.bad_points;
         continue;

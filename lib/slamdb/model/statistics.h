@@ -54,7 +54,7 @@ struct MapStatistics {
   std::uint64_t bad_keyframes = 0, bad_points = 0;
   std::uint64_t landmarks = 0;                    // of MRPT
   std::uint64_t features = 0;                     // sum of KeyFrame N
-  std::uint64_t observations = 0;                 // a keyframe that sees a point with both cameras counts 2
+  std::uint64_t observations = 0;                 // of points by keyframes
   std::uint64_t covisibility_edges = 0;           // each pair of keyframes once, whichever of them lists it
   std::uint64_t loop_edges = 0, merge_edges = 0;  // likewise
 
@@ -65,7 +65,7 @@ struct MapStatistics {
   Distribution observers;                         // keyframes that observe a good point
   std::vector<std::uint64_t> observer_histogram;  // good points by observers; the last of kHistogramSize: or more
   Distribution reprojection_error;                // pixels at full size, per observation that can be projected
-  std::uint64_t unprojectable = 0;                // observations behind the camera, dangling, or not finite
+  std::uint64_t unprojectable = 0;                // of each camera: behind it, dangling, or not finite
 
   std::uint64_t components = 0;         // connected parts of the covisibility graph of good keyframes
   std::uint64_t largest_component = 0;  // keyframes

@@ -58,9 +58,9 @@ std::string VerdictWord(const AtlasReport& report) {
 
 std::string LengthText(const AtlasStatistics& statistics) {
   const auto metric = std::ranges::count_if(statistics.maps, &MapStatistics::metric);
-  return Concat(detail::Digits(statistics.trajectory_length, 4), metric == std::ssize(statistics.maps) ? " m"
-                                                                 : metric == 0                         ? " units"
-                                                                               : " m and units");
+  return Concat(detail::Rounded(statistics.trajectory_length), metric == std::ssize(statistics.maps) ? " m"
+                                                               : metric == 0                         ? " units"
+                                                                                                     : " m and units");
 }
 
 void AppendVerdict(Html& html, const AtlasReport& report) {

@@ -53,7 +53,7 @@ void AppendMaps(Html& html, const AtlasStatistics& statistics) {
     AppendCell(html, detail::Digits(map.observers.mean, 3));
     AppendCell(html, map.reprojection_error.count == 0 ? "" : detail::Digits(map.reprojection_error.mean, 3));
     AppendCell(html, Thousands(map.components));
-    AppendCell(html, Concat(detail::Digits(map.trajectory_length, 4), map.metric ? " m" : " units"));
+    AppendCell(html, detail::LengthText(map.trajectory_length, map.metric ? "m" : "units"));
     AppendCell(html, detail::DurationText(map.end_time - map.begin_time));
     html << "</tr>\n";
   }
