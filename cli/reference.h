@@ -35,7 +35,7 @@ Trajectories ReadTrajectoriesOf(const std::string& path, const TrajectoriesOptio
                                 Notices& notices);
 // Of an atlas that was read from a file of that format, which may be one of trajectories; null: it is not known.
 Trajectories TrajectoriesOfAtlas(const Atlas& atlas, const std::string& path, const Format* format, bool body,
-                                 double wait, Notices& notices);
+                                 Notices& notices);
 
 // The one that there is, or that of the map. Throws Error when there is not one.
 Estimate TakeOnly(Trajectories trajectories, std::optional<std::uint64_t> map = {});

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/report/detail/parts.h"
 
