@@ -48,7 +48,7 @@ class Table {
   void Add(std::vector<std::string> cells);
   std::size_t WidthOf(std::size_t column) const;
   void Shorten(std::size_t column, std::size_t width);  // of longer cells the end is kept, behind "..."
-  void Drop(std::size_t column);  // leaves out a column that says nothing here
+  void Drop(std::size_t column);                        // leaves out a column that says nothing here
   bool empty() const { return rows_.empty(); }
   std::string ToString() const;
 

@@ -7,8 +7,8 @@
 
 #include "slamdb/export.h"
 
-// Lengths, durations, sizes and dates as people read them: the same words in every report, picture and page. The page of
-// `slamdb view` writes lengths and durations likewise (view/page/format.ts).
+// Lengths, durations, sizes and dates as people read them: the same words in every report, picture and page. The page
+// of `slamdb view` writes lengths and durations likewise (view/page/format.ts).
 namespace slamdb::detail {
 
 // Four significant digits, and whole numbers in groups beyond: `0.0123`, `30.23`, `12,345`.

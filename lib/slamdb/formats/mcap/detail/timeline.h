@@ -37,8 +37,8 @@ struct McapMap {
   std::size_t row = 0;  // of the maps that are written
   std::string frame;    // `map_0`
   const Map* map = nullptr;
-  const KeyFrameTrajectory* trajectory = nullptr;      // null: it has no poses
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // in the map's frame
+  const KeyFrameTrajectory* trajectory = nullptr;  // null: it has no poses
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();   // in the map's frame
   bool has_points = false;
   std::uint64_t begin = 0;  // its first keyframe
 };
