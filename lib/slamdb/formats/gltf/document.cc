@@ -220,7 +220,9 @@ void GltfDocument::AddMap(MapId id, const Eigen::Vector3d& up, const GltfCloud& 
   JsonAppender& json = nodes_.Add();
   json.BeginObject();
   json.Field("name", std::string_view(name));
-  json.Field("rotation", Quaternionf((kYFromZ * UprightFromMap(up)).cast<float>()).coeffs());
+  const Eigen::Vector4d turn = (kYFromZ * UprightFromMap(up)).coeffs();
+  const Eigen::Vector4d clean = (turn.array().abs() > 1e-9).select(turn, 0);  // what rounding leaves of nothing
+  json.Field("rotation", clean.cast<float>().eval());
   if (!children.empty()) json.Array("children", children);
   json.BeginObject("extras");
   json.ExactField("map", id);
