@@ -6,6 +6,8 @@
 //   slamdb::Atlas atlas = slamdb::ReadAtlas("map.osa");
 //   if (!slamdb::CheckAtlas(atlas).ok()) slamdb::RepairAtlas(atlas);
 //   slamdb::WriteAtlas(atlas, "maps.db#lab");
+#include "slamdb/align/align.h"
+#include "slamdb/align/place_index.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/column.h"
 #include "slamdb/base/error.h"
