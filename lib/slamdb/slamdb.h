@@ -7,7 +7,10 @@
 //   if (!slamdb::CheckAtlas(atlas).ok()) slamdb::RepairAtlas(atlas);
 //   slamdb::WriteAtlas(atlas, "maps.db#lab");
 #include "slamdb/align/align.h"
+#include "slamdb/align/align_all.h"
+#include "slamdb/align/join_aligned.h"
 #include "slamdb/align/place_index.h"
+#include "slamdb/align/report_json.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/column.h"
 #include "slamdb/base/error.h"

@@ -24,15 +24,27 @@ enum class AlignmentVerdict {
 // `aligned`, `doubtful`, `no-overlap`.
 [[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(AlignmentVerdict verdict);
 
+// One of the maps of an atlas. Refers to the atlas.
+struct MapRef {
+  const Atlas* atlas;
+  std::size_t map;  // row of Atlas::maps
+};
+
 struct AlignOptions {
-  int threads = 0;    // 0: every core
-  Progress progress;  // may be empty
+  bool own_vocabulary = false;  // do not trust the recorded bags of words to be of one vocabulary, though the names are
+  int threads = 0;              // 0: every core
+  Progress progress;            // may be empty
 };
 
 // Two keyframes that see the same, one of each map, and on how many points they agree.
 struct AlignedPair {
   KeyFrameId first, second;
   std::uint64_t inliers = 0;
+};
+
+// A point of each map that are the same thing.
+struct MatchedPoints {
+  MapPointId first, second;
 };
 
 // What the verdict rests on.
@@ -65,7 +77,8 @@ struct Alignment {
   Eigen::Matrix<double, 7, 7> covariance = Eigen::Matrix<double, 7, 7>::Zero();
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of the matched points, in the first map
   AlignmentEvidence evidence;
-  std::vector<AlignedPair> pairs;  // that agree, most inliers first
+  std::vector<AlignedPair> pairs;      // that agree, most inliers first
+  std::vector<MatchedPoints> matches;  // a point may be in several: maps hold many things twice
 };
 
 // Finds how two maps lie to each other that nobody aligned, from what their files hold: poses, keypoints, descriptors,
@@ -78,7 +91,6 @@ struct Alignment {
 // Throws Error (kNotPossible): a map has no keyframes with points that have descriptors.
 // Cost: below linear in the pairs of keyframes: about three comparisons for each keyframe of the second map at most.
 // After ORB-SLAM3's map merging (Campos et al., TRO 2021), with the verification that offline allows.
-[[nodiscard]] SLAMDB_EXPORT Alignment AlignMaps(const Atlas& first, std::size_t first_map, const Atlas& second,
-                                                std::size_t second_map, const AlignOptions& options = {});
+[[nodiscard]] SLAMDB_EXPORT Alignment AlignMaps(MapRef first, MapRef second, const AlignOptions& options = {});
 
 }  // namespace slamdb

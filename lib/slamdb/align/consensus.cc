@@ -18,9 +18,9 @@ bool Agree(const MapPair& pair, const Hypothesis& a, const Hypothesis& b) {
   const Similarity3d &one = a.first_from_second, &other = b.first_from_second;
   if (one.rotation.angularDistance(other.rotation) > kMostTurn) return false;
   if (std::abs(std::log(one.scale / other.scale)) > kMostLogScale) return false;
-  const double most = kMostShift * pair.first.median_depth();
+  const double most = kMostShift * pair.first.views.median_depth();
   const auto shift = [&](const Hypothesis& hypothesis) {
-    const Eigen::Vector3d& center = pair.second.views()[hypothesis.candidate.second].center;
+    const Eigen::Vector3d& center = pair.second.views.views()[hypothesis.candidate.second].center;
     return (one * center - other * center).norm();
   };
   return shift(a) <= most && shift(b) <= most;

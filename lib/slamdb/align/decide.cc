@@ -9,7 +9,7 @@
 namespace slamdb {
 namespace {
 
-constexpr double kCellShare = 0.75, kPoorCellShare = 0.70;
+constexpr double kCellShare = 0.85, kPoorCellShare = 0.75;
 constexpr double kFoundShare = 0.20, kPoorFoundShare = 0.15;
 constexpr double kExtent = 0.15;
 constexpr double kMostInFront = 0.15;
@@ -34,14 +34,9 @@ std::string_view NameOf(AlignmentVerdict verdict) {
 
 namespace detail {
 
-Alignment NothingAgrees(std::size_t candidates, bool own_vocabulary) {
-  Alignment alignment{.reason = "no two keyframes see the same"};
-  alignment.evidence.candidates = candidates;
-  alignment.evidence.own_vocabulary = own_vocabulary;
-  return alignment;
-}
+Alignment NothingAgrees() { return {.reason = "no two keyframes see the same"}; }
 
-void GiveVerdict(const MapViews& /*first*/, const MapViews& /*second*/, Alignment& alignment) {
+void GiveVerdict(Alignment& alignment) {
   const AlignmentEvidence& evidence = alignment.evidence;
   const auto say = [&](AlignmentVerdict verdict, std::string reason) {
     alignment.verdict = verdict;

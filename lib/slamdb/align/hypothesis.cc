@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <array>
-#include <unordered_map>
+#include <unordered_set>
 
 #include "slamdb/align/detail/visibility.h"
 #include "slamdb/model/index.h"
@@ -25,12 +25,12 @@ class OneEach {
 
   std::vector<PointMatch> Take() {
     std::ranges::stable_sort(offers_, {}, &Offered::bits);
-    std::unordered_map<std::uint32_t, bool> first, second;
+    std::unordered_set<std::uint32_t> first, second;
     std::vector<PointMatch> matches;
     for (const auto& [bits, match] : offers_) {
       if (first.contains(match.first.point) || second.contains(match.second.point)) continue;
-      first.emplace(match.first.point, true);
-      second.emplace(match.second.point, true);
+      first.insert(match.first.point);
+      second.insert(match.second.point);
       matches.push_back(match);
     }
     return matches;
@@ -44,11 +44,12 @@ class OneEach {
   std::vector<Offered> offers_;
 };
 
-// Points of `local` found in views of the other map, at keypoints that are points there.
+// Points of `local` found in the picture, or the pictures of a fisheye pair, that `there` is about, at keypoints that
+// are points of the other map.
 template <class Visit>
-void VisitFound(const MapViews& from, const LocalMap& local, const MapViews& to, std::span<const std::uint32_t> views,
+void VisitFound(const MapViews& from, const LocalMap& local, const MapViews& to, const LocalMap& there,
                 const Similarity3d& to_from_from, double radius, const Visit& visit) {
-  for (const std::uint32_t view : views)
+  for (std::uint32_t view = there.view; view <= to.LastViewOf(there.view); ++view)
     for (const LocalPoint& point : local.points) {
       const ViewedPoint& viewed = from.points()[point.point];
       const auto expected = Expect(to.views()[view], viewed, to_from_from, kLeastCosine);
@@ -61,23 +62,16 @@ void VisitFound(const MapViews& from, const LocalMap& local, const MapViews& to,
     }
 }
 
-std::vector<std::uint32_t> WithRight(const MapViews& map, std::uint32_t left) {
-  if (left + 1 < map.views().size() && map.views()[left + 1].right) return {left, left + 1};
-  return {left};
-}
-
 }  // namespace
 
-std::vector<PointMatch> SearchByTransform(const MapPair& pair, const LocalMap& first,
-                                          std::span<const std::uint32_t> first_views, const LocalMap& second,
-                                          std::span<const std::uint32_t> second_views,
+std::vector<PointMatch> SearchByTransform(const MapPair& pair, const LocalMap& first, const LocalMap& second,
                                           const Similarity3d& first_from_second, double radius) {
   OneEach matches;
-  VisitFound(pair.first, first, pair.second, second_views, first_from_second.Inverse(), radius,
+  VisitFound(pair.first.views, first, pair.second.views, second, first_from_second.Inverse(), radius,
              [&](const LocalPoint& own, const LocalPoint& other, int bits) {
                matches.Offer({own, other}, bits);
              });
-  VisitFound(pair.second, second, pair.first, first_views, first_from_second, radius,
+  VisitFound(pair.second.views, second, pair.first.views, first, first_from_second, radius,
              [&](const LocalPoint& own, const LocalPoint& other, int bits) {
                matches.Offer({other, own}, bits);
              });
@@ -85,25 +79,24 @@ std::vector<PointMatch> SearchByTransform(const MapPair& pair, const LocalMap& f
 }
 
 std::optional<Hypothesis> TryCandidate(const MapPair& pair, const Candidate& candidate, Search search) {
-  const LocalMap first = MakeLocalMap(pair.first, pair.first_nodes, candidate.first);
-  const LocalMap second = MakeLocalMap(pair.second, pair.second_nodes, candidate.second);
-  const std::vector<PointMatch> matches = MatchPoints(pair.first, first, pair.second, second, search);
+  const LocalMap first = MakeLocalMap(pair.first, candidate.first);
+  const LocalMap second = MakeLocalMap(pair.second, candidate.second);
+  const std::vector<PointMatch> matches = MatchPoints(pair.first.views, first, pair.second.views, second, search);
   const std::uint64_t seed = (std::uint64_t{candidate.first} << 32) | candidate.second;
   const auto found = pair.geometry.FindTransform(matches, kFewestToSolve, seed);
   if (!found) return std::nullopt;
   Hypothesis hypothesis{candidate, *found, pair.geometry.InliersOf(matches, *found)};
-  const std::vector<std::uint32_t> first_views = WithRight(pair.first, candidate.first),
-                                   second_views = WithRight(pair.second, candidate.second);
-  for (const double radius : kRadii) {
+  const auto refine = [&] {
     hypothesis.first_from_second =
         pair.geometry.Refine(hypothesis.inliers, hypothesis.first_from_second).first_from_second;
-    const std::vector<PointMatch> more =
-        SearchByTransform(pair, first, first_views, second, second_views, hypothesis.first_from_second, radius);
+  };
+  for (const double radius : kRadii) {
+    refine();
+    const auto more = SearchByTransform(pair, first, second, hypothesis.first_from_second, radius);
     hypothesis.inliers = pair.geometry.InliersOf(more, hypothesis.first_from_second);
     if (hypothesis.inliers.size() < kFewestToKeep) return std::nullopt;
   }
-  hypothesis.first_from_second =
-      pair.geometry.Refine(hypothesis.inliers, hypothesis.first_from_second).first_from_second;
+  refine();
   return hypothesis;
 }
 

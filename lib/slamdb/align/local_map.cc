@@ -3,6 +3,8 @@
 
 #include <unordered_set>
 
+#include "slamdb/align/detail/prepared_map.h"
+
 namespace slamdb::detail {
 
 NodeTable::NodeTable(const MapViews& map, const CommonWords& words, std::size_t map_number)
@@ -18,7 +20,8 @@ NodeTable::NodeTable(const MapViews& map, const CommonWords& words, std::size_t 
   }
 }
 
-LocalMap MakeLocalMap(const MapViews& map, const NodeTable& nodes, std::uint32_t view, std::size_t neighbours) {
+LocalMap MakeLocalMap(const PreparedMap& prepared, std::uint32_t view, std::size_t neighbours) {
+  const MapViews& map = prepared.views;
   LocalMap local{.view = view};
   std::unordered_set<std::uint32_t> taken;
   const auto take = [&](std::uint32_t from) {
@@ -27,15 +30,14 @@ LocalMap MakeLocalMap(const MapViews& map, const NodeTable& nodes, std::uint32_t
       const Sighting sighting{from, seen.keypoint};
       local.points.push_back({seen.point, sighting});
       local.descriptors.push_back(*map.points()[seen.point].descriptor);
-      local.nodes.push_back(nodes.Of(sighting));
+      local.nodes.push_back(prepared.nodes.Of(sighting));
     }
   };
-  const auto take_both = [&](std::uint32_t left) {
-    take(left);
-    if (left + 1 < map.views().size() && map.views()[left + 1].right) take(left + 1);
+  const auto take_all = [&](std::uint32_t left) {
+    for (std::uint32_t each = left; each <= map.LastViewOf(left); ++each) take(each);
   };
-  take_both(view);
-  for (const std::uint32_t neighbour : map.BestCovisibles(view, neighbours)) take_both(neighbour);
+  take_all(view);
+  for (const std::uint32_t neighbour : map.BestCovisibles(view, neighbours)) take_all(neighbour);
   return local;
 }
 

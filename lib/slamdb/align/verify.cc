@@ -21,7 +21,7 @@ constexpr double kRadius = 4;         // pixels at octave 0
 constexpr double kOwnRadius = 25;     // pixels: how near own points tell the depth of the picture
 constexpr double kDepthRatio = 1.15;
 constexpr std::uint64_t kFewestPoints = 30;  // that a view must see to count
-constexpr int kColumns = 6, kRows = 4;
+constexpr int kColumns = 3, kRows = 2;
 constexpr std::uint64_t kFewestInCell = 10;
 
 struct Cell {

@@ -8,6 +8,7 @@
 
 #include "slamdb/align/detail/fit.h"
 #include "slamdb/align/detail/local_map.h"
+#include "slamdb/align/detail/prepared_map.h"
 
 namespace slamdb::detail {
 
@@ -26,19 +27,16 @@ struct Hypothesis {
 
 // Two maps between which a transform is sought, with what the search needs of them.
 struct MapPair {
-  const MapViews &first, &second;
-  const NodeTable &first_nodes, &second_nodes;
+  const PreparedMap &first, &second;
   PairGeometry geometry;
 };
 
 // Matches the local maps of a candidate and verifies them; nullopt when too few agree.
 std::optional<Hypothesis> TryCandidate(const MapPair& pair, const Candidate& candidate, Search search);
 
-// More matches, sought where a transform says that they are: points seen from about each `view` of the first map in
-// the second's, and the other way round. Each point of either map is in one match at most.
-std::vector<PointMatch> SearchByTransform(const MapPair& pair, const LocalMap& first,
-                                          std::span<const std::uint32_t> first_views, const LocalMap& second,
-                                          std::span<const std::uint32_t> second_views,
+// More matches of two local maps, sought where a transform says that they are: the points of each in the picture that
+// the other is about. Each point of either is in one match at most.
+std::vector<PointMatch> SearchByTransform(const MapPair& pair, const LocalMap& first, const LocalMap& second,
                                           const Similarity3d& first_from_second, double radius);
 
 }  // namespace slamdb::detail

@@ -38,6 +38,7 @@ class NodeTable {
   std::vector<std::vector<std::uint32_t>> nodes_;  // by view and keypoint
 };
 
-LocalMap MakeLocalMap(const MapViews& map, const NodeTable& nodes, std::uint32_t view, std::size_t neighbours = 8);
+struct PreparedMap;
+LocalMap MakeLocalMap(const PreparedMap& map, std::uint32_t view, std::size_t neighbours = 8);
 
 }  // namespace slamdb::detail

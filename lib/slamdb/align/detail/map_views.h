@@ -51,6 +51,8 @@ struct View {
 
   Eigen::Vector3d CameraFromWorld(const Eigen::Vector3d& point) const { return rotation * point + translation; }
   double ScaleOf(std::int32_t octave) const;
+  // The direction that the camera looks in, in the world.
+  Eigen::Vector3d axis() const { return rotation.row(2).transpose(); }
 };
 
 // A map point as others look for it.
@@ -83,6 +85,10 @@ class MapViews {
   std::span<const ViewedPoint> points() const { return points_; }
   const KeyFrame& KeyFrameOf(const View& view) const { return map_->keyframes[view.keyframe]; }
 
+  // Of a left view: itself, or the right one of its pair.
+  std::uint32_t LastViewOf(std::uint32_t left) const {
+    return left + 1 < views_.size() && views_[left + 1].right ? left + 1 : left;
+  }
   // The left view of a keyframe's row, or kNoRow.
   std::uint32_t LeftView(std::uint32_t keyframe) const { return left_view_[keyframe]; }
   std::span<const Sighting> SightingsOf(std::uint32_t point) const {
