@@ -10,6 +10,7 @@
 #include "cli/command.h"
 #include "cli/console.h"
 #include "cli/options.h"
+#include "cli/report/layout.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/many/inputs.h"
@@ -71,18 +72,24 @@ std::vector<Outcome<Result>> ForEachInput(const InputOptions& inputs, Console& c
   return ForEachInput<Result>(atlases, inputs.from, console, work);
 }
 
-// Tells what went wrong and what the readers had to say, each line with its path when there are several inputs. Returns
-// kFailed when an input failed.
+// Of inputs whose results say why they could not be read.
+inline void FailUnreadable(std::uint64_t unreadable, std::uint64_t inputs, Console& console) {
+  if (unreadable > 0) console.Fail(Grouped(unreadable) + " of " + Grouped(inputs) + " could not be read");
+}
+
+// Tells what went wrong and what the readers had to say, each line with its path when there are several inputs; where
+// results say already what went wrong (`told`), only of how many. Returns kFailed when an input failed.
 template <class Result>
-ExitCode ReportOutcomes(const std::vector<Outcome<Result>>& outcomes, Console& console) {
-  ExitCode code = ExitCode::kDone;
+ExitCode ReportOutcomes(const std::vector<Outcome<Result>>& outcomes, Console& console, bool told = false) {
+  std::uint64_t failed = 0;
   for (const Outcome<Result>& outcome : outcomes) {
     console.Report(outcome.notices, outcomes.size() > 1 ? outcome.path + ": " : "");
     if (outcome.ok()) continue;
-    console.Fail(outcome.error);
-    code = ExitCode::kFailed;
+    if (!told) console.Fail(outcome.error);
+    ++failed;
   }
-  return code;
+  if (told) FailUnreadable(failed, outcomes.size(), console);
+  return failed > 0 ? ExitCode::kFailed : ExitCode::kDone;
 }
 
 }  // namespace slamdb::cli

@@ -40,12 +40,6 @@ std::optional<std::uint32_t> VersionOfRelease(int minor) {
   return found == std::end(kReleases) ? std::nullopt : std::optional(found->version);
 }
 
-std::string NamesOfSystems() {
-  std::string list;
-  for (const System& system : kSystems) list += Concat(list.empty() ? "" : ", ", system.name);
-  return list;
-}
-
 }  // namespace
 
 std::optional<std::uint32_t> BoostVersionByName(std::string_view name) {
@@ -58,19 +52,27 @@ std::optional<std::uint32_t> BoostVersionByName(std::string_view name) {
     const auto minor = detail::ParseNumber<int>(parts[1]);
     return minor && parts[1] == std::to_string(*minor) ? VersionOfRelease(*minor) : std::nullopt;
   }
-  const auto system = std::ranges::find(kSystems, name, &System::name);
+  const auto system = std::ranges::find_if(kSystems, [name](const System& known) {
+    return known.name == name || (known.name.starts_with("ubuntu") && known.name.substr(6) == name);  // 18.04
+  });
   return system == std::end(kSystems) ? std::nullopt : VersionOfRelease(system->boost);
+}
+
+std::vector<std::string> NamesOfSystems() {
+  std::vector<std::string> names;
+  for (const System& system : kSystems) names.emplace_back(system.name);
+  return names;
 }
 
 std::string ToBoostVersion(std::string& text) {
   const auto version = BoostVersionByName(text);
   if (!version) {
-    std::vector<std::string> names;
-    for (const System& system : kSystems) names.emplace_back(system.name);
     const Releases &oldest = kReleases[0], &newest = *(std::end(kReleases) - 1);
-    return Concat("expected a release of Boost (1.", oldest.first, " to 1.", newest.last, "), a system (",
-                  NamesOfSystems(), ") or a version of the archive library (", oldest.version, " to ", newest.version,
-                  "), found '", text, "'", MeantInstead(text, names));
+    return Concat("expected a release of Boost (1.", oldest.first, " to 1.", newest.last,
+                  "), a system (ubuntu20.04, debian12, noetic, "
+                  "and others of their kind) or a version of the archive library (",
+                  oldest.version, " to ", newest.version, "), found '", text, "'",
+                  MeantInstead(text, NamesOfSystems()));
   }
   text = std::to_string(*version);
   return {};

@@ -5,12 +5,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 // Which version of the archive library comes with which Boost, and which Boost with which system.
 namespace slamdb::cli {
 
 // The version that `17`, `1.71`, `ubuntu20.04` or `noetic` names; nothing when none is known by it.
 std::optional<std::uint32_t> BoostVersionByName(std::string_view name);
+
+// `ubuntu20.04`, `noetic` and so on, for completion.
+std::vector<std::string> NamesOfSystems();
 
 // For ->transform(): the name becomes the version, or is refused with what there is.
 std::string ToBoostVersion(std::string& text);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/help/usage.h"
+#include "cli/options.h"
 
 namespace slamdb::cli {
 namespace {
@@ -43,7 +44,8 @@ void AddGates(CLI::App& verb, std::vector<double>& limits) {
     verb.add_option(
             "--" + std::string(gates[i].id), limits[i],
             std::string(gates[i].is_minimum ? "At least" : "At most") + " so many " + std::string(gates[i].title))
-        ->type_name("N")
+        ->type_name("NUMBER")
+        ->check(CheckNonNegative)
         ->group("Quality gates, whose breach is an error");
 }
 

@@ -113,7 +113,7 @@ void RefuseBadOutput(const EditOptions& options) {
   if (options.dry_run) return;
   const Location output = Location::Parse(options.output);
   const Format& format = FormatOfOutput(output, options.target.to);
-  RefuseIdleTarget(format, options.target);
+  RefuseBadTarget(output, format, options.target);
   RefuseBinaryOnTerminal(output, format);
   if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
       !IsSpecialFile(output.path) && !format.named)

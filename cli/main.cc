@@ -74,28 +74,42 @@ int ReportUsage(const UsageProblem& problem) {
   return static_cast<int>(ExitCode::kUsage);
 }
 
-int ReportUsage(CLI::App& app, const CLI::ParseError& error) {
+int ReportUsage(CLI::App& app, const CLI::ParseError& error, const std::vector<std::string>& words) {
   std::vector<std::string> rest = app.remaining(true);
   std::erase(rest, "--");
-  return ReportUsage(ProblemOf(NamedVerb(app), error, rest));
+  return ReportUsage(ProblemOf(NamedVerb(app), error, words, rest));
+}
+
+// Of inputs that are not there, where a file beside them has nearly their name.
+void TellFilesMeant(CLI::App& verb, Console& console) {
+  for (CLI::Option* option : verb.get_options(NamesFiles)) {
+    if (MarkOf(*option)) continue;
+    for (const std::string& input : option->results())
+      if (const std::string meant = FileMeant(input); !meant.empty())
+        console.Note(input + " is not there; did you mean '" + meant + "'?");
+  }
 }
 
 // Runs the named verb. Everything that is thrown ends here.
-int RunVerb(Program& program) {
+int RunVerb(Program& program, const std::vector<std::string>& words) {
   Console console(program.console);
   const CLI::App* verb = program.app.get_subcommands().front();
   Console::CatchSignals();
   try {
     GuardFiles(NamedVerb(program.app));
     const ExitCode code = program.runs.at(verb)(console);
+    if (code == ExitCode::kFailed) TellFilesMeant(NamedVerb(program.app), console);
     console.Finish();
     return static_cast<int>(code);
   } catch (const CLI::ParseError& error) {
-    return ReportUsage(program.app, error);
+    return ReportUsage(program.app, error, words);
+  } catch (const WrongUsage& wrong) {
+    return ReportUsage(wrong.problem);
   } catch (const std::bad_alloc&) {
     console.Fail("out of memory");
   } catch (const std::exception& error) {
     console.Fail(error.what());
+    TellFilesMeant(NamedVerb(program.app), console);
   }
   Console::EndIfInterrupted();
   const Command* command = FindCommand(verb->get_name());
@@ -117,6 +131,24 @@ FirstWord Judge(const std::vector<std::string>& words) {
   return there ? FirstWord::kAtlas : FirstWord::kUnknown;
 }
 
+// Options that stand before the verb, or before an atlas alone, go behind it: `slamdb --quiet info lab.osa`.
+void MoveVerbToFront(const CLI::App& app, std::vector<std::string>& words) {
+  const auto is_of_program = [&](const std::string& word) {
+    return word == "--" || app.get_option_no_throw(word) != nullptr;  // --help, --version
+  };
+  if (!words.front().starts_with("-") || is_of_program(words.front())) return;
+  auto verb = std::ranges::find_if(words, [](const std::string& word) { return FindCommand(word) != nullptr; });
+  if (verb == words.end())
+    verb = std::ranges::find_if(words, [](const std::string& word) { return Judge({word}) == FirstWord::kAtlas; });
+  if (verb == words.end() || std::any_of(words.begin(), verb, is_of_program)) return;
+  auto last = verb + 1;
+  if (FindCommand(*verb) != nullptr && last != words.end()) {
+    const auto inner = VerbsOf(*app.get_subcommand(*verb));
+    if (std::ranges::count(inner, *last, &CLI::App::get_name) > 0) ++last;
+  }
+  std::rotate(words.begin(), verb, last);
+}
+
 int Main(std::vector<std::string> words) {
   Program program;
   Bind(program);
@@ -124,6 +156,7 @@ int Main(std::vector<std::string> words) {
     std::cerr << HelpText(program.app, {false, PageWidth(STDERR_FILENO), UsesColour(STDERR_FILENO)}) << "\n";
     return ReportUsage({"a verb is missing", "slamdb --help"});
   }
+  MoveVerbToFront(program.app, words);
   const FirstWord first = Judge(words);
   if (first == FirstWord::kUnknown) return ReportUsage(ProblemOfVerb(program.app, words));
   if (first == FirstWord::kAtlas) words.insert(words.begin(), "info");
@@ -135,9 +168,10 @@ int Main(std::vector<std::string> words) {
     std::cout << version.what() << std::endl;
     return static_cast<int>(std::cout ? ExitCode::kDone : ExitCode::kFailed);
   } catch (const CLI::ParseError& error) {
-    return ReportUsage(program.app, error);
+    return ReportUsage(program.app, error, words);
   }
-  return RunVerb(program);
+  if (const auto problem = ProblemOfOutput(NamedVerb(program.app), words)) return ReportUsage(*problem);
+  return RunVerb(program, words);
 }
 
 // Standard streams that were closed (`>&-`) get a descriptor of which reading and writing fails, so that no file that

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "cli/boost_versions.h"
+#include "cli/exports.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
@@ -53,6 +54,23 @@ void AddColour(CLI::App& verb, ColourChoice& colour) {
 
 }  // namespace
 
+namespace {
+
+// Of what is counted or has an id, CLI11 would take -1 for the largest number there is.
+std::string CheckWhole(const std::string& text) {
+  return ParseNumber<std::uint64_t>(text) ? std::string() : "expected a whole number, 0 or above, found '" + text + "'";
+}
+
+void RefuseSigns(CLI::App& verb) {
+  const auto is_unsigned = [](const CLI::Option* option) {
+    const std::string type = option->get_type_name();
+    return type == "N" || type == "ID" || type == "ID,...";
+  };
+  for (CLI::Option* option : verb.get_options(is_unsigned)) option->check(CheckWhole);
+}
+
+}  // namespace
+
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
   verb.add_flag("-q,--quiet", options.quiet, "Print no notes, warnings, losses and progress: the exit status tells")
       ->group(kCommonGroup);
@@ -66,6 +84,7 @@ void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
           "Show a progress bar on standard error; by default when that is a terminal and work takes over a second")
       ->group(kCommonGroup);
   AddColour(verb, options.colour);
+  RefuseSigns(verb);
 }
 
 CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string& description) {
@@ -117,9 +136,10 @@ void AddTarget(CLI::App& verb, TargetOptions& options) {
       ->group(kArchiveGroup);
 }
 
-void RefuseIdleTarget(const Format& output, const TargetOptions& options) {
-  if (options.boost_version && !output.id.starts_with("orbslam3"))
-    RefuseUsage("--boost-version is for archives of ORB-SLAM3 only; the output is " + std::string(output.title));
+void RefuseBadTarget(const Location& output, const Format& format, const TargetOptions& options) {
+  if (options.boost_version && !format.id.starts_with("orbslam3"))
+    RefuseUsage("--boost-version is for archives of ORB-SLAM3 only; the output is " + std::string(format.title));
+  if (format.is_export && output.name.empty()) RefuseAtlas(output.path);
 }
 
 void AddStore(CLI::App& verb, StoreVerbOptions& options) {

@@ -18,7 +18,8 @@ namespace slamdb::cli {
 
 constexpr double kUsualWait = 5;  // seconds, for another program that writes to a store
 
-// -q/--quiet -v/--verbose --threads --progress/--no-progress: every verb has them.
+// -q/--quiet -v/--verbose --threads --progress/--no-progress: every verb has them. From here on options of type N and
+// ID refuse what is no whole number, with a sign or without.
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options);
 
 // The positional FILE..., required unless the verb says otherwise, and --from FORMAT.
@@ -56,7 +57,9 @@ struct TargetOptions {
 void AddTarget(CLI::App& verb, TargetOptions& options);
 constexpr const char* kArchiveGroup = "ORB-SLAM3 files";
 // Ends with exit code 2 when they would be without effect on an output of the format.
-void RefuseIdleTarget(const Format& output, const TargetOptions& options);
+//
+// Throws Error when what is written is no atlas, and would replace one.
+void RefuseBadTarget(const Location& output, const Format& format, const TargetOptions& options);
 
 // The positional STORE, and --wait SECONDS, for the store's own verbs.
 struct StoreVerbOptions {

@@ -25,14 +25,6 @@ std::string_view Variable(const char* name) {
   return value == nullptr ? std::string_view() : value;
 }
 
-std::optional<std::size_t> ColumnsOf(int stream) {
-  if (const auto columns = detail::ParseNumber<std::size_t>(Variable("COLUMNS")); columns && *columns > 0)
-    return columns;
-  winsize size{};
-  if (::ioctl(stream, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return std::nullopt;
-  return size.ws_col;
-}
-
 }  // namespace
 
 bool UsesColour(int stream, ColourChoice choice) {
@@ -40,8 +32,16 @@ bool UsesColour(int stream, ColourChoice choice) {
   return ::isatty(stream) != 0 && Variable("NO_COLOR").empty() && Variable("TERM") != "dumb";
 }
 
+std::optional<std::size_t> TerminalColumns(int stream) {
+  if (const auto columns = detail::ParseNumber<std::size_t>(Variable("COLUMNS")); columns && *columns > 0)
+    return columns;
+  winsize size{};
+  if (::ioctl(stream, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return std::nullopt;
+  return size.ws_col;
+}
+
 std::size_t PageWidth(int stream) {
-  const auto columns = ColumnsOf(stream);
+  const auto columns = TerminalColumns(stream);
   return columns ? std::clamp(*columns, kNarrowest, kWidest) : kPageWidth;
 }
 

@@ -52,6 +52,7 @@ constexpr std::array kWords = {
     Word{"`Extract`", "`slamdb extract`"},
     Word{"`MakeLandmarks`", "`slamdb landmarks from-points`"},
     Word{"`MakePoints`", "`slamdb landmarks to-points`"},
+    Word{"`Formats` lists", "`slamdb version` lists"},
     Word{"`ReadRules`", "`slamdb check --list`"},
     Word{"`ReassignOrigins`", "`slamdb reassign-origin`"},
     Word{"`RecomputeWords`", "`slamdb vocabulary recompute`"},

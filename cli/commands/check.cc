@@ -106,9 +106,12 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   for (const auto& outcome : outcomes)
     files.push_back(
         {.name = outcome.path, .report = outcome.result, .failure = outcome.error, .file = FileOfInput(outcome.path)});
-  WriteOutput(options.output, Rendered(files, options, format, console), console,
-              format == "text" ? PaintFindings : nullptr);
-  ExitCode code = ReportOutcomes(outcomes, console);
+  const bool for_people = format == "text" && options.output.path == "-";
+  const bool one = files.size() == 1;
+  if (!for_people || !one || outcomes.front().ok())
+    WriteOutput(options.output, Rendered(files, options, format, console), console,
+                format == "text" ? PaintFindings : nullptr);
+  ExitCode code = ReportOutcomes(outcomes, console, /*told=*/for_people && !one);
   for (const auto& outcome : outcomes)
     if (!outcome.result.ok()) code = ExitCode::kFailed;
   return code;

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <memory>
 
+#include "cli/boost_versions.h"
 #include "cli/commands/commands.h"
 #include "cli/console.h"
 #include "cli/help/tree.h"
+#include "cli/report/list_text.h"
 #include "slamdb/checks/check.h"
 
 namespace slamdb::cli {
@@ -41,6 +43,10 @@ std::vector<std::string> ChoicesOf(const OptionEntry& entry, const CLI::App& app
   std::vector<std::string> choices = entry.choices;
   if (entry.value == "RULE")
     for (const Rule& rule : ReadRules()) choices.emplace_back(rule.id);
+  if (entry.value.find("COLUMN") != std::string::npos)
+    for (const std::string& word : ListKeyWords()) choices.push_back(word);
+  if (entry.value == "BOOST")
+    for (const std::string& name : NamesOfSystems()) choices.push_back(name);
   const CLI::App* program = &app;
   while (program->get_parent() != nullptr) program = program->get_parent();
   if (entry.value == "VERB")
@@ -52,6 +58,14 @@ std::vector<std::string> ChoicesOf(const OptionEntry& entry, const CLI::App& app
 bool TakesEntities(const CLI::App& app) {
   const auto entries = OptionsOf(app);
   return std::ranges::any_of(entries, [](const OptionEntry& entry) { return entry.value == "ENTITY"; });
+}
+
+// Whether arguments are more than words of a list.
+bool TakesFiles(const CLI::App& app) {
+  const auto entries = OptionsOf(app);
+  return std::ranges::any_of(entries, [&](const OptionEntry& entry) {
+    return entry.positional() && entry.value != "ENTITY" && ChoicesOf(entry, app).empty();
+  });
 }
 
 // The program, its verbs and theirs.
@@ -84,7 +98,7 @@ std::string BashCase(const CLI::App& app) {
   if (!verbs.empty()) return text + "      words=" + Quoted(Joined(verbs)) + "\n      ;;\n";
   if (!arguments.empty()) text += "      words=" + Quoted(arguments) + "\n";
   if (TakesEntities(app)) text += "      entities=1\n";
-  return text + "      files=1\n      ;;\n";
+  return text + (TakesFiles(app) ? "      files=1\n" : "") + "      ;;\n";
 }
 
 std::string BashScript(const CLI::App& program) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
-#include <vector>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
@@ -12,21 +11,16 @@
 #include "cli/report/layout.h"
 #include "cli/selected.h"
 #include "cli/times.h"
-#include "cli/values.h"
-#include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/json.h"
+#include "cli/viewers.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/frame/align_trajectory.h"
-#include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/repair/repair.h"
+#include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/geographic/options.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/formats/trajectory/options.h"
-#include "slamdb/model/statistics.h"
 
 namespace slamdb::cli {
 namespace {
@@ -36,11 +30,9 @@ struct ConvertOptions {
   TimesOptions times;
   TargetOptions target;
   SelectionOptions selection;
+  ViewerOptions viewers;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false;
   bool mrpt_own_slots = false, json = false, dry_run = false;
-  std::string color, origin;
-  bool cameras = false;
-  std::optional<std::size_t> most_points;
   std::optional<int> long_bytes;
   double wait = kUsualWait;
 };
@@ -58,107 +50,17 @@ bool CutsThroughMaps(Selection selection) {
   return !selection.everything();
 }
 
-// What is written, as it is told.
-struct Written {
-  std::optional<std::uint64_t> maps;  // of an atlas
-  std::uint64_t keyframes = 0, points = 0, landmarks = 0;
-  std::optional<std::uint64_t> bytes;
-};
-
-Written WrittenOf(const Atlas& atlas) {
-  Written written{.maps = atlas.maps.size(), .bytes = {}};
-  for (const Map& map : atlas.maps) {
-    written.keyframes += map.keyframes.size();
-    written.points += map.points.size();
-    written.landmarks += map.landmarks.size();
-  }
-  return written;
-}
-
 std::optional<std::uint64_t> SizeOf(const std::string& path) {
   std::error_code unknown;
   const std::uint64_t size = std::filesystem::file_size(path, unknown);
   return unknown ? std::nullopt : std::optional(size);
 }
 
-std::string Summary(const Written& written) {
-  if (!written.maps) return {};
-  return "from " + Counted(*written.maps, "map") + ", " + Counted(written.keyframes, "keyframe") + ", " +
-         Counted(written.points, "point") +
-         (written.landmarks == 0 ? "" : ", " + Counted(written.landmarks, "landmark")) +
-         (written.bytes ? "; " + HumanBytes(*written.bytes) : "");
-}
-
-template <class Number>
-detail::Json NumberOrNull(const std::optional<Number>& number) {
-  return number ? detail::Json(*number) : detail::Json();
-}
-
-// As schema/convert.schema.json describes it.
-std::string JsonOf(const Written& written, const ReportFiles& files, const Format& format, const Notices& notices) {
-  detail::Json json = detail::ReportHead("convert", files);
-  json["format"] = format.id;
-  json["maps"] = NumberOrNull(written.maps);
-  json["keyframes"] = written.keyframes;
-  json["points"] = written.points;
-  json["landmarks"] = written.landmarks;
-  json["bytes"] = NumberOrNull(written.bytes);
-  json["warnings"] = json["losses"] = detail::Json::array();
-  for (const Notice& notice : notices.items())
-    if (notice.kind != Notice::Kind::kNote)
-      json[notice.kind == Notice::Kind::kLoss ? "losses" : "warnings"].push_back(notice.text);
-  return detail::JsonText(json);
-}
-
-constexpr std::pair<const char*, PointColor> kColors[] = {{"map", PointColor::kMap},
-                                                          {"error", PointColor::kError},
-                                                          {"observations", PointColor::kObservations},
-                                                          {"height", PointColor::kHeight},
-                                                          {"age", PointColor::kAge}};
-
-PointColor ColorAsked(const ConvertOptions& options) {
-  for (const auto& [name, color] : kColors)
-    if (options.color == name) return color;
-  return PointColor::kMap;
-}
-
-bool IsOnGlobe(const Format& format) { return format.id == "kml" || format.id == "geojson"; }
-
-// Where on earth the maps are: as asked for, or as `transform` has kept it beside the input. Throws
-// CLI::ValidationError where nothing tells it.
-std::optional<Georeference> WhereOnEarth(const ConvertOptions& options, const Format& output, Notices& notices) {
-  if (!IsOnGlobe(output)) return std::nullopt;
-  if (!options.origin.empty()) {
-    const Geodetic origin = ParseGeodetic(options.origin);
-    if (std::abs(origin.longitude) > 180)
-      notices.Note(
-          detail::Concat("the longitude ", origin.longitude, " is written as ", std::remainder(origin.longitude, 360)));
-    return Georeference{origin, {}};
-  }
-  const std::optional<Georeference> found = FindGeoreference(options.input);
-  if (!found)
-    RefuseUsage(
-        "a " + std::string(output.title) +
-        " needs --origin LAT,LON,ALT, where the frame of the maps begins; `slamdb transform --georeference` finds "
-        "it, and keeps it in " +
-        GeoreferencePath(options.input));
-  notices.Note("the origin is that of " + GeoreferencePath(options.input));
-  return found;
-}
-
-// Nothing in the maps tells whether the frame is one on earth.
-void WarnOfFrames(const Atlas& atlas, Notices& notices) {
-  notices.Warn(
-      "the frame of the maps is taken as east, north and up in metres from --origin; `slamdb transform --georeference` "
-      "makes it so");
-  for (const Map& map : atlas.maps)
-    if (!IsMetric(map)) notices.Warn(ToString(map.id) + " has no scale, of one camera: its sizes are not in metres");
-}
-
-void WarnOfMapsElsewhere(const Atlas& atlas, const Georeference& where, Notices& notices) {
-  for (const Map& map : atlas.maps)
-    if (std::ranges::find(where.maps, map.id) == where.maps.end() && !map.keyframes.empty())
-      notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
+std::string Summary(const ConvertReport& report) {
+  if (!report.maps) return {};
+  return "from " + Counted(*report.maps, "map") + ", " + Counted(report.keyframes, "keyframe") + ", " +
+         Counted(report.points, "point") + (report.landmarks == 0 ? "" : ", " + Counted(report.landmarks, "landmark")) +
+         (report.bytes ? "; " + HumanBytes(*report.bytes) : "");
 }
 
 // Empty: as the output's suffix has it.
@@ -170,8 +72,7 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   write.strict = options.strict;
   write.of<Orbslam3WriteOptions>().long_bytes = options.long_bytes;
   write.of<ExportOptions>().map = selection.map;
-  write.of<PointCloudOptions>() = {.binary = !options.ascii, .color = ColorAsked(options), .cameras = options.cameras};
-  if (options.most_points) write.of<GeographicOptions>().most_points = *options.most_points;
+  SetViewerOptions(options.viewers, options.ascii, write);
   write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
   write.of<MrptWriteOptions>().own_slots = options.mrpt_own_slots;
   return write;
@@ -186,16 +87,17 @@ bool RepairForOrbslam3(Atlas& atlas, Console& console, Notices& notices) {
   return report.sound();
 }
 
-ExitCode Finish(Written written, const Location& output, const Format& format, const ConvertOptions& options,
-                Console& console, const Notices& notices) {
-  if (!options.dry_run) written.bytes = SizeOf(output.path);
-  const std::string details = " (" + std::string(format.id) + ") " + Summary(written);
+ExitCode Finish(ConvertReport report, const Location& output, const ConvertOptions& options, Console& console,
+                const Notices& notices) {
+  if (!options.dry_run) report.bytes = SizeOf(output.path);
+  report.Add(notices);
+  const std::string details = " (" + report.format + ") " + Summary(report);
   if (!options.json && !options.dry_run) return FinishWriting(output, details, console, notices);
   console.Report(notices);
   const ReportFiles files{.input = options.input, .output = options.dry_run ? std::string() : output.ToString()};
   const bool piped = !options.dry_run && IsStandardOutput(output.path);
   if (options.json)
-    PrintReport(JsonOf(written, files, format, notices), /*json=*/true, piped, console);
+    PrintReport(ToJson(report, files), /*json=*/true, piped, console);
   else
     console.Print("would write " + output.ToString() +
                   (notices.written().empty() ? details : ": " + notices.written()) + "\n");
@@ -226,33 +128,24 @@ bool IsOfTrajectories(const HeldSource& input, const Format& output, const Conve
 ExitCode ConvertPoses(const HeldSource& input, const Location& output, const Format& format, const ReadOptions& read,
                       const WriteOptions& write, const ConvertOptions& options, Console& console) {
   Notices notices;
-  Written written{.maps = {}, .bytes = {}};
+  ConvertReport report;
+  report.format = format.id;
   if (options.dry_run) {
     const Atlas atlas = ReadAtlas(input, read, &notices);
     RefuseEmptySelection(atlas, options.input, input, read);
-    written.keyframes = WrittenOf(atlas).keyframes;
-    notices.Tell(Counted(written.keyframes, "pose"));
+    report.keyframes = ConvertReportOf(atlas, format).keyframes;
+    notices.Tell(Counted(report.keyframes, "pose"));
   } else {
-    written.keyframes = ConvertTrajectory(input, output, read, write, &notices);
+    report.keyframes = ConvertTrajectory(input, output, read, write, &notices);
   }
-  return Finish(written, output, format, options, console, notices);
-}
-
-bool HasColors(const Format& format) {
-  return format.id == "ply" || format.id == "pcd" || format.id == "gltf" || format.id == "mcap";
+  return Finish(std::move(report), output, options, console, notices);
 }
 
 // Options that would be without effect.
 void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
-  if (!options.color.empty() && !HasColors(output)) RefuseUsage("--color is for PLY, PCD, glTF and MCAP" + is);
-  if (options.cameras && output.id != "ply")
-    RefuseUsage("--cameras is for PLY" + is +
-                (HasColors(output) && output.id != "pcd" ? ", which always has them" : ""));
-  if ((!options.origin.empty() || options.most_points) && !IsOnGlobe(output))
-    RefuseUsage("--origin and --most-points are for KML and GeoJSON" + is);
-  RefuseIdleTarget(output, options.target);
+  RefuseIdleViewerOptions(output, options.viewers);
   if (options.long_bytes && !output.id.starts_with("orbslam3"))
     RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
@@ -279,9 +172,10 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
   const Format& format = FormatOfOutput(output, FormatAsked(options));
   RefuseIdleOptions(format, options);
+  RefuseBadTarget(output, format, options.target);
   if (!options.dry_run) RefuseBinaryOnTerminal(output, format, options.ascii);
   Notices notices;
-  const std::optional<Georeference> where = WhereOnEarth(options, format, notices);
+  const std::optional<Georeference> where = WhereOnEarth(options.viewers, options.input, format, notices);
 
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.of<TrajectoryReadOptions>() = options.times.ForReading();
@@ -292,45 +186,14 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   if (IsOfTrajectories(held, format, options)) return ConvertPoses(held, output, format, read, write, options, console);
   bool sound = true;
   const Atlas atlas = Prepare(held, read, output, format, options, console, notices, sound);
-  if (where) {
-    if (where->maps.empty())  // as asked for
-      WarnOfFrames(atlas, notices);
-    else
-      WarnOfMapsElsewhere(atlas, *where, notices);
-    write.of<GeographicOptions>().origin = where->origin;
-  }
-  Written written = WrittenOf(atlas);
+  if (where) LayOnEarth(atlas, *where, write, notices);
+  ConvertReport report = ConvertReportOf(atlas, format);
   if (options.dry_run)
-    written.bytes = TryToWrite(atlas, format, write, notices);
+    report.bytes = TryToWrite(atlas, format, write, notices);
   else
     WriteAtlas(atlas, output, write, &notices);
-  const ExitCode finished = Finish(written, output, format, options, console, notices);
+  const ExitCode finished = Finish(std::move(report), output, options, console, notices);
   return sound ? finished : ExitCode::kFailed;
-}
-
-void BindViewerOptions(CLI::App& verb, ConvertOptions& options) {
-  constexpr const char* kGroup = "Pictures of maps";
-  std::vector<std::string> colors{{}};  // empty: it was about the console, see AddConsoleOptions
-  for (const auto& [name, color] : kColors) colors.emplace_back(name);
-  verb.add_option(
-          "--color", options.color,
-          "What the colour of a point tells, in PLY, PCD, glTF and MCAP: map (by default), error, observations, "
-          "height or age; auto, always and never are about messages, as in other verbs")
-      ->type_name("WHAT")
-      ->check(CLI::IsMember(colors).description({}))
-      ->group(kGroup);
-  verb.add_flag("--cameras", options.cameras, "Write cameras and their path into PLY too, as edges")->group(kGroup);
-  verb.add_option("--origin", options.origin,
-                  "Where on earth the frame of the maps begins, east, north and up, for KML and GeoJSON; by default as "
-                  "`slamdb transform --georeference` keeps it beside the atlas")
-      ->type_name("LAT,LON[,ALT]")
-      ->check(CheckPlace)
-      ->group(kGroup);
-  verb.add_option("--most-points", options.most_points,
-                  "Map points to write into KML and GeoJSON, evenly out of all: 10000 by default")
-      ->type_name("N")
-      ->check(CheckNonNegative)
-      ->group(kGroup);
 }
 
 void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
@@ -369,7 +232,7 @@ Run AddConvert(CLI::App& verb) {
   AddJson(verb, options->json);
   verb.add_flag("--dry-run", options->dry_run, "Say what would be written and lost, and write nothing");
   BindFormatOptions(verb, *options);
-  BindViewerOptions(verb, *options);
+  AddViewerOptions(verb, options->viewers);
   AddSelection(verb, options->selection);
   return [options](Console& console) { return RunConvert(*options, console); };
 }

@@ -7,20 +7,15 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/guard.h"
 #include "cli/options.h"
+#include "cli/reference.h"
 #include "cli/report/evaluate_text.h"
 #include "cli/report/layout.h"
-#include "cli/times.h"
 #include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/frame/align_trajectory.h"
 #include "slamdb/evaluate/limits.h"
-#include "slamdb/formats/formats.h"
-#include "slamdb/formats/trajectories.h"
-#include "slamdb/model/statistics.h"
 
 namespace slamdb::cli {
 namespace {
@@ -39,84 +34,23 @@ struct EvaluateVerbOptions {
   double wait = kUsualWait;
 };
 
-// A file with trajectories, or an atlas.
-struct Input {
-  std::vector<Estimate> trajectories;
-  const Format* format = nullptr;
-  bool has_imu = false;
-};
-
-Input ReadAnAtlas(const HeldSource& held, const ReadOptions& read, bool body, Notices& notices) {
-  Input input;
-  const Atlas atlas = ReadAtlas(held, read, &notices);
-  for (MapTrajectory& trajectory : TrajectoriesOf(atlas, body ? PoseFrame::kBody : PoseFrame::kCamera, &notices)) {
-    const Map& map = *std::ranges::find(atlas.maps, trajectory.map, &Map::id);
-    input.has_imu |= std::ranges::any_of(
-        map.keyframes, [](const KeyFrame& keyframe) { return bool{keyframe.imu_calibration.is_set}; });
-    input.trajectories.push_back({.map = map.id, .poses = std::move(trajectory.poses), .open_scale = !IsMetric(map)});
-  }
-  if (body && !input.has_imu)
-    throw Error(ErrorKind::kNotPossible, held.source().path, "",
-                "has no IMU calibration, so that nobody knows where its body is");
-  return input;
-}
-
-Input ReadInput(const std::string& path, const TimesOptions& times, const EvaluateVerbOptions& options,
-                Console& console, Notices& notices) {
-  ReadOptions read = MakeReadOptions(console, {}, options.wait);
-  read.features = FeatureColumns::kGeometry;  // depths tell whether the scale is open
-  read.of<TrajectoryReadOptions>() = times.ForReading();
-  const HeldSource held = HoldInput(path, read);
-  const Format* format = FindFormatOfInput(held);
-  RefuseIdleTimes(format, times);
-  Input input;
-  if (format != nullptr && IsTrajectory(*format)) {
-    for (MapTrajectory& trajectory : ReadTrajectories(held, read, &notices))
-      input.trajectories.push_back({.map = trajectory.map, .poses = std::move(trajectory.poses)});
-    if (input.trajectories.size() == 1) input.trajectories.front().map = MapId();
-  } else {
-    input = ReadAnAtlas(held, read, options.body, notices);
-  }
-  input.format = format;
-  return input;
-}
-
-bool IsAtlas(const Input& input) { return input.format == nullptr || !IsTrajectory(*input.format); }
-
-void KeepMaps(std::vector<Estimate>& trajectories, const std::vector<std::uint64_t>& maps, const std::string& path) {
-  if (maps.empty()) return;
-  for (const std::uint64_t map : maps)
-    if (std::ranges::find(trajectories, MapId(map), &Estimate::map) == trajectories.end())
-      throw Error(ErrorKind::kNotFound, path, "", detail::Concat("has no map ", map, " with a trajectory"));
-  std::erase_if(trajectories, [&](const Estimate& trajectory) {
-    return std::ranges::find(maps, trajectory.map.value()) == maps.end();
-  });
-}
-
-std::vector<TrajectoryPose> TruthOf(Input& input, const EvaluateVerbOptions& options) {
-  if (options.reference_map) KeepMaps(input.trajectories, {*options.reference_map}, options.reference);
-  if (input.trajectories.size() != 1)
-    throw Error(ErrorKind::kNotPossible, options.reference, "",
-                detail::Concat("must hold one trajectory, not ", input.trajectories.size(),
-                               input.trajectories.empty() ? "" : "; --reference-map chooses one"));
-  return std::move(input.trajectories.front().poses);
-}
-
 EvaluationReport Evaluate(const EvaluateVerbOptions& options, Console& console, Notices& notices) {
-  Input estimate = ReadInput(options.estimate, {}, options, console, notices);
-  Input truth = ReadInput(options.reference, options.times, options, console, notices);
-  if (options.body && !IsAtlas(estimate) && !IsAtlas(truth)) RefuseUsage("--body is for atlases only");
-  if (!options.body && estimate.has_imu && !IsAtlas(truth) && truth.format->id == "euroc")
-    notices.Note(
-        "the truth of EuRoC is that of the IMU, and the poses here are those of the camera; --body compares the "
-        "IMU's");
-  KeepMaps(estimate.trajectories, options.maps, options.estimate);
-  const std::vector<TrajectoryPose> reference = TruthOf(truth, options);
+  const TrajectoriesOptions read{.body = options.body, .wait = options.wait};
+  TrajectoriesOptions read_truth = read;
+  read_truth.times = options.times;
+  Trajectories estimate = ReadTrajectoriesOf(options.estimate, read, console, notices);
+  Trajectories truth = ReadTrajectoriesOf(options.reference, read_truth, console, notices);
+  TellWhosePoses(estimate, truth, options.body, notices);
+  KeepMaps(estimate, options.maps);
+  if (truth.list.size() > 1 && !options.reference_map)
+    throw Error(ErrorKind::kNotPossible, options.reference, "",
+                detail::Concat("must hold one trajectory, not ", truth.list.size(), "; --reference-map chooses one"));
+  const Estimate reference = TakeOnly(std::move(truth), options.reference_map);
   EvaluationOptions evaluation = options.evaluation;
   evaluation.threads = console.threads();
   evaluation.progress = console.MakeProgress();
   return NamingFile(options.estimate,
-                    [&] { return EvaluateTrajectories(std::move(estimate.trajectories), reference, evaluation); });
+                    [&] { return EvaluateTrajectories(std::move(estimate.list), reference.poses, evaluation); });
 }
 
 // Opened before the work, so that what would fail at the end fails at once.
@@ -149,13 +83,6 @@ std::string ReportText(const EvaluationReport& report, const std::vector<std::st
                          .with_errors = options.with_errors});
 }
 
-void TellWarnings(const EvaluationReport& report, Notices& notices) {
-  for (const TrajectoryEvaluation& evaluation : report.evaluations) {
-    const std::string maps = MapsText(evaluation);
-    for (const std::string& warning : evaluation.warnings) notices.Warn((maps.empty() ? "" : maps + ": ") + warning);
-  }
-}
-
 ExitCode RunEvaluate(EvaluateVerbOptions options, Console& console) {
   if (options.with_errors && !options.json) RefuseUsage("--errors is for --json only; --output writes them as CSV");
   if (!options.deltas.empty()) options.evaluation.deltas.clear();
@@ -183,44 +110,10 @@ std::string CheckDelta(const std::string& text) {
   }
 }
 
-void BindPairing(CLI::App& verb, EvaluateVerbOptions& options) {
-  constexpr const char* kGroup = "Pairs";
-  EvaluationOptions& evaluation = options.evaluation;
-  verb.add_option("--max-dt", evaluation.max_time_difference, "Seconds that the poses of a pair may be apart")
-      ->type_name("SECONDS")
-      ->check(CheckNonNegative)
-      ->capture_default_str()
-      ->group(kGroup);
-  CLI::Option* offset = verb.add_option("--time-offset", evaluation.time_offset,
-                                        "Seconds that the clock of the truth is ahead of the estimate's")
-                            ->type_name("SECONDS")
-                            ->check(CheckFinite)
-                            ->group(kGroup);
-  CLI::Option* estimate_offset = verb.add_flag("--estimate-time-offset", evaluation.estimate_time_offset,
-                                               "Find the time offset under which speeds and paths agree best")
-                                     ->excludes(offset)
-                                     ->group(kGroup);
-  verb.add_flag("--by-index", evaluation.by_index, "Pair the first pose with the first, whatever the times")
-      ->excludes(offset)
-      ->excludes(estimate_offset)
-      ->group(kGroup);
-  AddTimes(verb, options.times, "the truth", kGroup);
-}
-
 void BindErrors(CLI::App& verb, EvaluateVerbOptions& options) {
   constexpr const char* kGroup = "Errors";
   EvaluationOptions& evaluation = options.evaluation;
-  verb.add_option(
-          "--align", evaluation.alignment,
-          "How the estimate is laid onto the truth: none, origin (first pose onto first), scale, se3 or sim3; by "
-          "default sim3 for a map whose sensor leaves the scale open, and se3 else")
-      ->type_name("HOW")
-      ->transform(OneOf<AlignmentKind>({{"none", AlignmentKind::kNone},
-                                        {"origin", AlignmentKind::kOrigin},
-                                        {"scale", AlignmentKind::kScale},
-                                        {"se3", AlignmentKind::kSe3},
-                                        {"sim3", AlignmentKind::kSim3}}))
-      ->group(kGroup);
+  AddAlignment(verb, evaluation, kGroup);
   verb.add_option("--align-first", evaluation.align_first, "Align by the first so many pairs only")
       ->type_name("N")
       ->group(kGroup);
@@ -276,7 +169,7 @@ Run AddEvaluate(CLI::App& verb) {
   verb.add_flag("--joint", options->evaluation.joint,
                 "All maps are in one frame, and aligned and measured as one; by default each is by itself");
   verb.add_flag("--body", options->body, "Poses of atlases are those of the IMU, not of the camera");
-  BindPairing(verb, *options);
+  AddPairing(verb, options->evaluation, options->times, "Pairs");
   BindErrors(verb, *options);
   BindLimits(verb, options->limits);
   Mark(verb.add_option("-o,--output", options->output, "Write the errors of every pose to this file, as CSV"),

@@ -2,6 +2,7 @@
 #include "slamdb/edit/part/extract.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 
 #include "cli/commands/commands.h"
@@ -28,6 +29,9 @@ struct ExtractVerbOptions {
            !keyframes.empty() || !polygon.empty() || session || component || every > 1;
   }
 };
+
+const std::map<std::string, PlanPlane> kPlanes = {
+    {"auto", PlanPlane::kAuto}, {"xy", PlanPlane::kXy}, {"xz", PlanPlane::kXz}, {"yz", PlanPlane::kYz}};
 
 // `X,Y X,Y ...`, corners apart by spaces or semicolons. Empty when it is not that.
 std::vector<Eigen::Vector2f> ParsePolygon(std::string_view text) {
@@ -60,7 +64,7 @@ SelectOptions SelectOptionsOf(const ExtractVerbOptions& options, const Selection
                        .polygon = ParsePolygon(options.polygon),
                        .except = options.except};
   for (const std::uint64_t id : options.keyframes) select.keyframes.emplace_back(id);
-  if (options.plane != "auto") select.plane = options.plane == "xy" ? PlanPlane::kXy : PlanPlane::kXz;
+  select.plane = kPlanes.at(options.plane);
   if (options.region != "both") select.region = options.region == "cameras" ? RegionOf::kCameras : RegionOf::kPoints;
   return select;
 }
@@ -116,8 +120,9 @@ void AddParts(CLI::App& verb, ExtractVerbOptions& options) {
       ->type_name("'X,Y X,Y ...'")
       ->check(CheckPolygon)
       ->group(kGroup);
-  verb.add_option("--plane", options.plane, "The plane of the plan; auto: xy in maps with IMU, whose z is up, else xz")
-      ->check(CLI::IsMember({"auto", "xy", "xz"}))
+  verb.add_option("--plane", options.plane,
+                  "The plane of the plan; auto: of the two axes of the map that are nearest to level")
+      ->check(CLI::IsMember({"auto", "xy", "xz", "yz"}))
       ->capture_default_str()
       ->group(kGroup);
   verb.add_option("--region", options.region,

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <memory>
 
 #include "cli/commands/commands.h"
@@ -28,7 +29,10 @@ const CLI::App& FindVerb(const CLI::App& program, const std::vector<std::string>
       known.push_back(verb->get_name());
       if (verb->get_name() == name) next = verb;
     }
-    if (next == nullptr) RefuseUsage("unknown verb '" + name + "'" + MeantInstead(name, known));
+    if (next == nullptr && found == &program)
+      throw WrongUsage(ProblemOfVerb(program, std::array{name, std::string("--help")}));
+    if (next == nullptr)
+      throw WrongUsage({"unknown verb '" + name + "'" + MeantInstead(name, known), FullName(*found) + " --help"});
     found = next;
   }
   return *found;

@@ -6,12 +6,14 @@
 #include <memory>
 #include <optional>
 
+#include "cli/batch.h"
 #include "cli/commands/commands.h"
 #include "cli/many.h"
 #include "cli/options.h"
 #include "cli/ranges.h"
 #include "cli/report/layout.h"
 #include "cli/report/list_text.h"
+#include "cli/terminal.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/text.h"
 
@@ -82,7 +84,8 @@ std::string TextOf(const std::vector<ListedAtlas>& atlases, const ListVerbOption
   if (atlases.empty()) return QueryOf(options).everything() ? "no atlases\n" : "no atlas covers that\n";
   std::vector<ListKey> columns;
   for (const std::string& word : options.columns) columns.push_back(ListKeyOf(WithoutSign(word)));
-  return ListText(atlases, columns.empty() ? UsualColumns(atlases) : columns);
+  return columns.empty() ? ListText(atlases, UsualColumns(atlases), TerminalColumns(STDOUT_FILENO))
+                         : ListText(atlases, columns);
 }
 
 ExitCode RunList(const ListVerbOptions& options, Console& console) {
@@ -94,16 +97,18 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
   list.threads = console.threads();
   list.progress = console.MakeProgress();
   std::vector<ListedAtlas> atlases = ListAtlases(inputs, list);
+  const bool one = atlases.size() == 1;
   SortAtlases(atlases, SortKeysOf(options.sort));
   if (options.json)
     console.PrintData(InCommandWords(ToJson(atlases, many.inputs.paths.size() == 1 ? many.inputs.paths[0] : "")));
-  else
+  else if (!one || atlases[0].failure.empty())
     console.Print(TextOf(atlases, options));
   const auto unreadable = static_cast<std::uint64_t>(
       std::ranges::count_if(atlases, [](const ListedAtlas& atlas) { return !atlas.failure.empty(); }));
-  if (unreadable > 0 && atlases.size() == 1) console.Fail(InCommandWords(atlases[0].failure));
-  if (unreadable > 0 && atlases.size() > 1)
-    console.Fail(Grouped(unreadable) + " of " + Grouped(atlases.size()) + " could not be read");
+  if (one && unreadable > 0)
+    console.Fail(InCommandWords(atlases[0].failure));
+  else
+    FailUnreadable(unreadable, atlases.size(), console);
   return std::ranges::all_of(atlases, &ListedAtlas::ok) ? ExitCode::kDone : ExitCode::kFailed;
 }
 

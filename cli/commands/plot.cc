@@ -9,6 +9,7 @@
 #include "cli/exports.h"
 #include "cli/options.h"
 #include "cli/reference.h"
+#include "cli/report/evaluate_text.h"
 #include "cli/selected.h"
 #include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
@@ -21,10 +22,12 @@ namespace {
 
 struct PlotVerbOptions {
   std::string input, from, output, with, format, kind;
-  bool overwrite = false, with_scale = false, without_scale = false;
+  bool overwrite = false, body = false;
   SelectionOptions selection;
   TimesOptions times;
+  EvaluationOptions evaluation;
   PlotOptions plot;
+  double wait = kUsualWait;
 };
 
 std::string OutputOf(const PlotVerbOptions& options) {
@@ -47,23 +50,31 @@ PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
   return format == "png" ? PlotFormat::kPng : PlotFormat::kSvg;
 }
 
-void RefuseIdleOptions(const PlotVerbOptions& options) {
-  if (!options.with.empty()) {
-    if (!options.kind.empty() && options.kind != NameOf(PlotKind::kTrajectory))
-      RefuseUsage("--with is for --kind trajectory, not for " + options.kind);
-    return;
-  }
-  const std::pair<const char*, bool> given[] = {{"--time-unit and --times", options.times.any()},
-                                                {"--with-scale", options.with_scale},
-                                                {"--without-scale", options.without_scale},
-                                                {"--body", options.plot.alignment.body},
-                                                {"--time-offset", options.plot.alignment.time_offset != 0}};
-  for (const auto& [option, is_given] : given)
-    if (is_given) RefuseUsage(std::string(option) + " is for --with only");
+// The figures of `slamdb evaluate`, of what is drawn.
+PlotReference HoldAgainstReference(const Atlas& atlas, const Format* format, const PlotVerbOptions& options,
+                                   Console& console, Notices& notices) {
+  Trajectories estimate = TrajectoriesOfAtlas(atlas, options.input, format, options.body, notices);
+  const TrajectoriesOptions read{.times = options.times,
+                                 .body = options.body,
+                                 .only_positions = options.evaluation.alignment != AlignmentKind::kOrigin,
+                                 .wait = options.wait};
+  Trajectories truth = ReadTrajectoriesOf(options.with, read, console, notices);
+  TellWhosePoses(estimate, truth, options.body, notices);
+  Estimate reference = TakeOnly(std::move(truth));
+  EvaluationOptions evaluation = options.evaluation;
+  evaluation.deltas.clear();  // errors of motions are not drawn
+  evaluation.threads = console.threads();
+  EvaluationReport report = NamingFile(
+      options.input, [&] { return EvaluateTrajectories(std::move(estimate.list), reference.poses, evaluation); });
+  TellWarnings(report, notices);
+  for (const UnevaluatedMap& map : report.unevaluated)
+    notices.Warn(detail::Concat(map.map, ": left out: ", map.reason));
+  return {std::move(reference.poses), std::move(report), reference.open_scale ? "map units" : "m"};
 }
 
 ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
-  RefuseIdleOptions(options);
+  if (!options.with.empty() && !options.kind.empty() && options.kind != NameOf(PlotKind::kTrajectory))
+    RefuseUsage("--with is for --kind trajectory, not for " + options.kind);
   const std::string output = OutputOf(options);
   PlotOptions plot = options.plot;
   plot.format = FormatOf(options, output);
@@ -72,19 +83,17 @@ ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
   AtomicFile file(output, {.overwrite = options.overwrite});  // what would fail at the end fails now
   Notices notices;
   if (!options.kind.empty()) plot.kind = *PlotKindByName(options.kind);
-  if (!options.with.empty()) {
-    plot.kind = PlotKind::kTrajectory;
-    plot.reference = ReadReference(options.with, options.times, plot.alignment.body, console, notices);
-  }
-  if (options.with_scale || options.without_scale) plot.with_scale = options.with_scale;
+  if (!options.with.empty()) plot.kind = PlotKind::kTrajectory;
   plot.threads = console.threads();
   plot.title = options.input == "-" ? "" : NameOf(Location(options.input));
-  ReadOptions read = MakeReadOptions(console, options.from);
+  ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.needs = Content::kPoses | Content::kPoints;
   read.features = FeatureColumns::kGeometry;
   const HeldSource held = HoldInput(options.input, read);
   read.selection = ParseSelection(options.selection, held, read);
   const Atlas atlas = ReadPartToShow(options.input, held, read, notices);
+  if (!options.with.empty())
+    plot.reference = HoldAgainstReference(atlas, FindFormatOfInput(held), options, console, notices);
   const Plot picture = NamingFile(options.input, [&] { return DrawPlot(atlas, plot); });
   file.Write(picture.bytes);
   file.Commit();
@@ -108,7 +117,7 @@ void BindLook(CLI::App& verb, PlotVerbOptions& options) {
       ->group(kGroup);
   verb.add_option("--width", options.plot.width, "Pixels; the height follows")
       ->type_name("PIXELS")
-      ->check(CLI::Range(200, 4000).description({}))
+      ->check(CLI::Range(320, 4000).description({}))
       ->capture_default_str()
       ->group(kGroup);
   verb.add_option("--scale", options.plot.scale, "Of a PNG: so many pixels for one of the width")
@@ -125,29 +134,18 @@ void BindLook(CLI::App& verb, PlotVerbOptions& options) {
 
 void BindReference(CLI::App& verb, PlotVerbOptions& options) {
   constexpr const char* kGroup = "For a trajectory beside a reference";
-  verb.add_option("--with", options.with,
-                  "Lay the trajectory onto this one (TUM, EuRoC, KITTI, another atlas) and colour it by its error")
-      ->type_name("FILE")
-      ->group(kGroup);
-  verb.add_option("--max-dt", options.plot.alignment.max_time_difference,
-                  "Seconds that a keyframe and a position may be apart")
-      ->type_name("SECONDS")
-      ->check(CheckNonNegative)
-      ->capture_default_str()
-      ->group(kGroup);
-  verb.add_option("--time-offset", options.plot.alignment.time_offset,
-                  "Seconds that the clock of the reference is ahead of the map's")
-      ->type_name("SECONDS")
-      ->check(CheckFinite)
-      ->group(kGroup);
-  CLI::Option* with_scale =
-      verb.add_flag("--with-scale", options.with_scale,
-                    "Solve for the scale too; by default only where the sensor leaves it open (one camera, no IMU)")
+  CLI::Option* with =
+      verb.add_option("--with", options.with,
+                      "Lay the trajectory onto this one (TUM, EuRoC, KITTI, another atlas) as `slamdb evaluate` does, "
+                      "and colour it by its error")
+          ->type_name("FILE")
           ->group(kGroup);
-  verb.add_flag("--without-scale", options.without_scale, "Keep the scale")->excludes(with_scale)->group(kGroup);
-  verb.add_flag("--body", options.plot.alignment.body, "The positions are those of the IMU, not of the camera")
-      ->group(kGroup);
-  AddTimes(verb, options.times, "the reference", kGroup);
+  AddPairing(verb, options.evaluation, options.times, kGroup);
+  AddAlignment(verb, options.evaluation, kGroup);
+  verb.add_flag("--joint", options.evaluation.joint, "All maps are in one frame, and aligned as one")->group(kGroup);
+  verb.add_flag("--body", options.body, "Poses of atlases are those of the IMU, not of the camera")->group(kGroup);
+  const auto depends = [&](const CLI::Option* option) { return option->get_group() == kGroup && option != with; };
+  for (CLI::Option* option : verb.get_options(depends)) option->needs(with);
 }
 
 Run AddPlot(CLI::App& verb) {
@@ -164,6 +162,7 @@ Run AddPlot(CLI::App& verb) {
   BindLook(verb, *options);
   AddSelection(verb, options->selection);
   BindReference(verb, *options);
+  AddWait(verb, options->wait);
   return [options](Console& console) { return RunPlot(*options, console); };
 }
 
@@ -188,8 +187,8 @@ merge edges on a metric grid; the covisibility of keyframes as a matrix; how man
 points a keyframe; the reprojection error over the image; keyframes over time with their gaps; the trajectory beside a
 reference, coloured by its error.
 
-Plans stand upright where the IMU tells which way is up; others show the plane of the trajectory's two largest spreads, and
-say so. The same input gives the same bytes. Colours are told apart by those who see red and green alike.)",
+Plans are level: which way is up is told by the IMU, or else by how the cameras were held, and the plan says so. The same
+input gives the same bytes. Colours are told apart by those who see red and green alike.)",
     .failed = "An input could not be read, no map fits onto the reference, or the output not be written.",
     .examples = kExamples,
     .add = AddPlot,

@@ -71,7 +71,7 @@ Run AddReassign(CLI::App& verb) {
       ->type_name("FROM=TO,...")
       ->delimiter(',')
       ->check(CheckReplacement);
-  verb.add_option("--shift", options->origin.shift, "Add this to every origin; may be negative")->type_name("N");
+  verb.add_option("--shift", options->origin.shift, "Add this to every origin; may be negative")->type_name("[-]N");
   verb.add_flag("--compact", options->origin.compact, "Number the origins 0, 1, 2, ... in their order");
   return [options](Console& console) { return RunReassign(*options, console); };
 }

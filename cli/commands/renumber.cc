@@ -113,7 +113,7 @@ Run AddRenumber(CLI::App& verb) {
                     ->type_name("ID")
                     ->capture_default_str();
   auto* offset = verb.add_option("--offset", options->renumber.offset, "Add this to every id instead; may be negative")
-                     ->type_name("N")
+                     ->type_name("[-]N")
                      ->excludes(start);
   auto* order = verb.add_option("--order", options->renumber.order,
                                 "Order of dense ids: 'id' keeps that of the old ids, 'time' takes that of the images, "

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <exception>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <set>
 
 #include "cli/batch.h"
@@ -11,12 +14,14 @@
 #include "cli/exports.h"
 #include "cli/many.h"
 #include "cli/options.h"
+#include "cli/output_name.h"
 #include "cli/words.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/names.h"
 #include "slamdb/report/pages.h"
 
@@ -39,9 +44,25 @@ bool IsFolder(const std::string& path) {
 }
 
 // One atlas that was named itself has one page, and needs no folder.
-bool IsOnePage(const std::vector<std::string>& named, const AtlasInputs& found) {
+bool IsOneAtlas(const std::vector<std::string>& named, const AtlasInputs& found) {
   return named.size() == 1 && !IsFolder(named.front()) && found.atlases.size() == 1 &&
          found.atlases.front().location.ToString() == named.front();
+}
+
+// `lab.html` of lab.osa, and the folder `report` of several.
+std::string OutputOf(const ReportVerbOptions& options, bool one_atlas) {
+  if (!options.output.empty()) return options.output;
+  const std::string& first = options.many.inputs.paths.front();
+  if (first == "-") RefuseUsage("nothing names the page: -o/--output does");
+  std::string output = one_atlas ? NameOf(Location(first)) + ".html" : "report";
+  GuardDefaultName(output);
+  return output;
+}
+
+void RequireFolderName(const std::string& output) {
+  if (!NamesFolder(output))
+    RefuseUsage(detail::Concat("several pages need a folder, and ", output, " names a file; name a folder, as ",
+                               fs::path(output).replace_extension().string(), "/"));
 }
 
 AtlasInputs AtlasesOf(const ManyOptions& many, Console& console) {
@@ -69,24 +90,37 @@ std::string PageOf(const Location& location, std::set<std::string>& taken) {
   return page;
 }
 
-void WritePage(const std::string& path, const std::string& page, bool overwrite) {
+// Before the work, so that what would fail at the end fails at once.
+void RefuseToReplace(const std::string& path, bool overwrite) {
   RefuseAtlas(path);
+  std::error_code missing;
+  if (!overwrite && fs::exists(path, missing) && !IsSpecialFile(path))
+    throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O/--overwrite replaces it");
+}
+
+void WritePage(const std::string& path, const std::string& page, bool overwrite) {
   AtomicFile file(path, {.overwrite = overwrite});
   file.Write(page);
   file.Commit();
 }
 
-void MakeFolder(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw Error(ErrorKind::kPermission, folder, "", "cannot be made: " + error.message());
-}
-
-std::optional<std::uint64_t> BytesOf(const std::string& input) {
-  const Location location = Location::Parse(input);
-  std::error_code error;
-  const std::uint64_t bytes = fs::file_size(location.path, error);
-  return error || !location.name.empty() ? std::nullopt : std::optional(bytes);
+// By the name of each input: of a file its size, of an atlas in a store about what it takes there.
+std::map<std::string, std::uint64_t> SizesOf(const std::vector<AtlasInput>& inputs) {
+  std::map<std::string, std::uint64_t> sizes;
+  std::set<std::string> stores;
+  for (const AtlasInput& input : inputs) {
+    const Location& location = input.location;
+    std::error_code error;
+    const std::uint64_t bytes = fs::file_size(location.path, error);
+    if (location.name.empty() && !error) sizes[location.ToString()] = bytes;
+    if (location.name.empty() || !HoldsNamedAtlases(location.path) || !stores.insert(location.path).second) continue;
+    try {
+      for (const StoredAtlas& atlas : Store::Open(location.path).List())
+        sizes[Location(location.path, atlas.name).ToString()] = atlas.bytes;
+    } catch (const Error&) {  // which reading will tell
+    }
+  }
+  return sizes;
 }
 
 class Reporting {
@@ -95,12 +129,21 @@ class Reporting {
       : options_(options),
         console_(console),
         inputs_(AtlasesOf(options.many, console)),
-        one_(IsOnePage(options.many.inputs.paths, inputs_)) {
-    if (!one_) {
-      std::set<std::string> taken;
-      for (const AtlasInput& atlas : inputs_.atlases) pages_[atlas.location.ToString()] = PageOf(atlas.location, taken);
-      MakeFolder(options.output);
+        one_(IsOneAtlas(options.many.inputs.paths, inputs_)),
+        output_(OutputOf(options, one_)),
+        sizes_(SizesOf(inputs_.atlases)) {
+    if (one_ && !NamesFolder(output_)) {
+      RequirePageName(output_);
+      RefuseToReplace(output_, options.overwrite);
+      return;
     }
+    one_ = false;
+    RequireFolderName(output_);
+    std::set<std::string> taken;
+    for (const AtlasInput& atlas : inputs_.atlases) pages_[atlas.location.ToString()] = PageOf(atlas.location, taken);
+    MakeFolder(output_);
+    for (const auto& [atlas, page] : pages_) RefuseToReplace(PathOf(atlas), options.overwrite);
+    RefuseToReplace(IndexPath(), options.overwrite);
   }
 
   // Pages are written as soon as they are there, and only what the index needs is kept.
@@ -108,23 +151,25 @@ class Reporting {
     const auto outcomes = ForEachInput<AtlasReport>(inputs_.atlases, options_.many.inputs.from, console_,
                                                     [&](const std::string& path, const ReadOptions& read,
                                                         Notices& notices) { return Report(path, read, notices); });
+    if (unwritten_) std::rethrow_exception(unwritten_);
     ExitCode code = ReportOutcomes(outcomes, console_);
     std::vector<AtlasReport> reports;
     for (const auto& outcome : outcomes) reports.push_back(outcome.ok() ? outcome.result : Failed(outcome));
     for (const AtlasReport& report : reports)
       if (!report.checked.failure.empty() || !report.checked.report.ok()) code = ExitCode::kFailed;
-    if (!one_)
-      WritePage((fs::path(options_.output) / "index.html").string(), ReportIndex(reports, Title()), options_.overwrite);
+    if (!one_) WritePage(IndexPath(), ReportIndex(reports, Title()), options_.overwrite);
     Tell(reports);
     return code;
   }
 
  private:
   std::string PathOf(const std::string& atlas) const {
-    return one_ ? options_.output : (fs::path(options_.output) / pages_.at(atlas)).string();
+    return one_ ? output_ : (fs::path(output_) / pages_.at(atlas)).string();
   }
 
-  AtlasReport Report(const std::string& path, const ReadOptions& read, Notices& notices) const {
+  std::string IndexPath() const { return (fs::path(output_) / "index.html").string(); }
+
+  AtlasReport Report(const std::string& path, const ReadOptions& read, Notices& notices) {
     ReadOptions whole = read;
     whole.needs = Content::kObservations | Content::kLandmarks;
     const Atlas atlas = ReadAtlas(path, whole, &notices);
@@ -132,10 +177,15 @@ class Reporting {
     check.gates = GatesOf(options_.limits);
     check.threads = read.threads;
     AtlasReport report = ReportOn(atlas, path, check);
-    report.bytes = BytesOf(path);
+    if (const auto size = sizes_.find(path); size != sizes_.end()) report.bytes = size->second;
     report.page = one_ ? std::string() : pages_.at(path);
-    WritePage(PathOf(path), ReportPage(atlas, report, {.threads = read.threads, .wording = InCommandWords}),
-              options_.overwrite);
+    const std::string page = ReportPage(atlas, report, {.threads = read.threads, .wording = InCommandWords});
+    try {
+      WritePage(PathOf(path), page, options_.overwrite);
+    } catch (const Error&) {  // not one of the atlas
+      const std::lock_guard lock(mutex_);
+      unwritten_ = std::current_exception();
+    }
     return report;
   }
 
@@ -156,21 +206,24 @@ class Reporting {
 
   void Tell(const std::vector<AtlasReport>& reports) const {
     if (options_.json) {
-      console_.PrintData(InCommandWords(ToJson(reports, options_.output)));
+      console_.PrintData(InCommandWords(ToJson(reports, output_)));
       return;
     }
     for (const AtlasReport& report : reports)
       console_.Print(detail::Visible(report.checked.name + ": " + Verdict(report.checked)) + "\n");
     const bool written = !one_ || reports.front().checked.failure.empty();
-    if (written && options_.output != "-")
-      console_.PrintWritten(one_ ? options_.output : (fs::path(options_.output) / "index.html").string(), {});
+    if (written && output_ != "-") console_.PrintWritten(one_ ? output_ : IndexPath(), {});
   }
 
   const ReportVerbOptions& options_;
   Console& console_;
   AtlasInputs inputs_;
-  bool one_;
+  bool one_;  // a page, without a folder
+  std::string output_;
+  std::map<std::string, std::uint64_t> sizes_;
   std::map<std::string, std::string> pages_;
+  std::mutex mutex_;
+  std::exception_ptr unwritten_;  // why a page was not
 };
 
 ExitCode RunReport(const ReportVerbOptions& options, Console& console) {
@@ -182,10 +235,10 @@ Run AddReport(CLI::App& verb) {
   const auto options = std::make_shared<ReportVerbOptions>();
   AddMany(verb, options->many);
   Mark(verb.add_option("-o,--output", options->output,
-                       "Write to this file; of a folder, a store or several atlases a folder, which is made"),
+                       "The page; of a folder, a store or several atlases the folder of the pages, which is made. By "
+                       "default the name of the atlas with .html, or report/"),
        Writes::kPattern)
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
   verb.add_flag("-O,--overwrite", options->overwrite, "Replace pages that are there");
   AddJson(verb, options->json);
   AddRules(verb, options->check);
@@ -194,7 +247,7 @@ Run AddReport(CLI::App& verb) {
 }
 
 constexpr Example kExamples[] = {
-    {"slamdb report lab.osa -o lab.html", "One page: numbers, plots, findings, gates."},
+    {"slamdb report lab.osa", "One page, lab.html: numbers, plots, findings, gates."},
     {"slamdb report maps/ -o report/", "A page for each atlas of a folder, and report/index.html to find them."},
     {"slamdb report lab.db -o report/ -O --min-keyframes 100 --max-reprojection-px 1.5",
      "All of a store, held against gates: what a pipeline keeps."},

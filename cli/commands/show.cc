@@ -125,9 +125,10 @@ std::string EntityText(const Found& found, bool all) {
   return text + folded;
 }
 
-ReadOptions ReadOptionsFor(const std::vector<Name>& names, const std::string& from, Console& console) {
-  ReadOptions read = MakeReadOptions(console, from);
-  if (names.size() != 1 || names.front().kind != "kf") return read;
+// One keyframe alone, but for people, who are told how the map stands that it is in (WhereIs).
+ReadOptions ReadOptionsFor(const std::vector<Name>& names, const ShowOptions& options, Console& console) {
+  ReadOptions read = MakeReadOptions(console, options.from);
+  if (names.size() != 1 || names.front().kind != "kf" || !options.json) return read;
   read.selection.first_keyframe = read.selection.last_keyframe = names.front().id;
   return read;
 }
@@ -136,7 +137,7 @@ ExitCode RunShow(const ShowOptions& options, Console& console) {
   std::vector<Name> names;
   for (const std::string& entity : options.entities) names.push_back(*ParseName(entity));
   Notices notices;
-  const Atlas atlas = ReadAtlas(options.input, ReadOptionsFor(names, options.from, console), &notices);
+  const Atlas atlas = ReadAtlas(options.input, ReadOptionsFor(names, options, console), &notices);
   console.Report(notices);
   ExitCode code = ExitCode::kDone;
   for (std::size_t i = 0; i < names.size(); ++i) {

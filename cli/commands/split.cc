@@ -8,6 +8,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/output_name.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
 #include "slamdb/base/detail/run_files.h"
@@ -41,10 +42,9 @@ std::string OutputOf(const std::string& pattern, const std::string& part) {
   return location.path.substr(0, suffix) + "-" + part + location.path.substr(suffix);
 }
 
-// A folder becomes a pattern of files in it: `parts/` and `parts` that is there, `parts/{}.osa`.
+// A folder becomes a pattern of files in it: `parts/` and `parts`, `parts/{}.osa`.
 std::string PatternOf(const std::string& output, const std::string& to) {
-  std::error_code missing;
-  if (!output.ends_with('/') && !std::filesystem::is_directory(output, missing)) return output;
+  if (!NamesFolder(output)) return output;
   const auto suffixes = FormatById(to.empty() ? "orbslam3" : to).suffixes;
   return output + (output.ends_with('/') ? "{}" : "/{}") +
          (suffixes.empty() ? std::string() : std::string(suffixes[0]));
@@ -68,7 +68,8 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
   StoredNames stored;
   for (const Part& part : parts) {
     const Location output = Location::Parse(OutputOf(options.edit.output, part.name));
-    if (output.name.empty()) RefuseIdleTarget(FormatOfOutput(output, options.edit.target.to), options.edit.target);
+    if (output.name.empty())
+      RefuseBadTarget(output, FormatOfOutput(output, options.edit.target.to), options.edit.target);
     detail::RefuseInput(output.path, output.name.empty() ? std::nullopt : detail::AtlasName(output.name));
     if (!options.edit.target.overwrite && IsThere(output, stored))
       throw Error(ErrorKind::kAlreadyExists, output.ToString(), "", "is there already; -O/--overwrite replaces it");
@@ -76,12 +77,9 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
 }
 
 // Of one part: the pattern may have {} in the name of a folder.
-void MakeFolder(const EditOptions& edit) {
-  const std::filesystem::path folder = std::filesystem::path(edit.output).parent_path();
-  std::error_code error;
-  if (edit.dry_run || folder.empty() || std::filesystem::exists(folder, error)) return;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw Error(ErrorKind::kPermission, folder.string(), "", "cannot be made: " + error.message());
+void MakeFolderOf(const EditOptions& edit) {
+  const std::string folder = std::filesystem::path(edit.output).parent_path().string();
+  if (!edit.dry_run && !folder.empty()) MakeFolder(folder);
 }
 
 Atlas ReadWhole(const SplitVerbOptions& options, Console& console, Notices& notices) {
@@ -109,7 +107,7 @@ ExitCode RunSplit(SplitVerbOptions options, Console& console) {
     EditOptions edit = options.edit;
     edit.output = OutputOf(options.edit.output, part.name);
     edit.inputs = std::make_shared<Inputs>();  // a part may be as empty as its map
-    MakeFolder(edit);
+    MakeFolderOf(edit);
     WriteResult(own, edit, "split " + options.edit.input, console, notices);
     taken.push_back({.name = part.name, .output = FilesOf(edit).output, .counts = removed.after});
     table.Add({options.edit.dry_run ? part.name : edit.output, Grouped(removed.after.keyframes),
@@ -124,7 +122,8 @@ Run AddSplit(CLI::App& verb) {
   const auto options = std::make_shared<SplitVerbOptions>();
   AddEdit(verb, options->edit, Writes::kPattern);
   verb.get_option("OUTPUT")->description(
-      "Where to: a folder, a file or STORE.db#NAME; the name of each part goes in place of {}, or behind the name");
+      "Where to: a folder (a name without suffix), a file or STORE.db#NAME; the name of each part goes in place of {}, "
+      "or behind the name");
   verb.add_option("--by", options->split.by,
                   "One atlas per map, per session (map that keyframes were made in), or per "
                   "connected part of the covisibility graph")
@@ -142,7 +141,7 @@ Run AddSplit(CLI::App& verb) {
 
 constexpr Example kExamples[] = {
     {"slamdb split atlas.osa 'parts/{}.osa'", "Writes parts/map-0.osa, parts/map-1.osa, ..."},
-    {"slamdb split atlas.osa maps/", "The same into the folder maps, which is made."},
+    {"slamdb split atlas.osa maps", "The same into the folder maps, which is made."},
     {"slamdb split merged.osa lab.db#merged --by session",
      "Takes apart what was merged: lab.db#merged-session-0 and so on."},
     {"slamdb split atlas.osa big.osa --min-keyframes 20 --dry-run", "Which parts have 20 keyframes or more."},

@@ -45,7 +45,7 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   RequireOutput(options.output);
   const Location output = Location::Parse(options.output);
   const Format& format = FormatOfOutput(output, options.target.to);
-  RefuseIdleTarget(format, options.target);
+  RefuseBadTarget(output, format, options.target);
   RefuseBinaryOnTerminal(output, format);
   SyntheticOptions wanted = options.atlas;
   wanted.sensor = Sensors().at(options.sensor);

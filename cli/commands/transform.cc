@@ -31,10 +31,10 @@ struct TransformVerbOptions {
   std::vector<std::uint64_t> maps;
 };
 
-const std::map<std::string, UpMethod> kUpMethods = {{"auto", UpMethod::kAuto},
-                                                    {"inertia", UpMethod::kInertia},
-                                                    {"cameras", UpMethod::kCameras},
-                                                    {"path", UpMethod::kPath}};
+const std::map<std::string, std::optional<UpMethod>> kUpMethods = {{"auto", std::nullopt},
+                                                                   {"inertia", UpMethod::kInertia},
+                                                                   {"cameras", UpMethod::kCameras},
+                                                                   {"path", UpMethod::kPath}};
 
 // Options that would be without effect.
 void RefuseIdleOptions(const TransformVerbOptions& options) {
@@ -64,7 +64,8 @@ Destination DestinationOf(const TransformVerbOptions& options, Console& console,
   if (!options.axes.empty()) return Similarity3d{.rotation = ParseAxes(options.axes)};
   if (!options.gravity.empty()) return TurnUpright{kUpMethods.at(options.gravity)};
   if (!options.onto.empty())
-    return OntoTrajectory{ReadReference(options.onto, options.times, options.body, console, notices), FitOf(options)};
+    return OntoTrajectory{ReadReference(options.onto, options.times, options.body, options.edit.wait, console, notices),
+                          FitOf(options)};
   OntoEarth earth{
       .fixes = ReadFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices),
       .fit = FitOf(options)};
@@ -82,14 +83,14 @@ std::string AlignmentText(const TrajectoryAlignment& alignment) {
               : "\n  the reference's clock is ahead by " + detail::Fixed(alignment.time_offset, 4) + " s");
 }
 
-std::string UprightText(const Upright& upright) {
-  switch (upright.method) {
+std::string UpText(const Up& up) {
+  switch (up.method) {
     case UpMethod::kInertia:
-      return "up found by inertia: gravity is " + Short(upright.gravity) + " m/s^2";
+      return "up found by inertia: gravity is " + Short(up.gravity) + " m/s^2";
     case UpMethod::kCameras:
-      return "up found by the cameras, taken as level: they roll by " + Short(upright.spread) + " degrees (rms)";
+      return "up found by the cameras, taken as level: they roll by " + Short(up.spread) + " degrees (rms)";
     default:
-      return "up found by the path, taken as level: the cameras are " + Short(upright.spread) + " off a plane (rms)";
+      return "up found by the path, taken as level: the cameras are " + Short(up.off_path) + " off a plane (rms)";
   }
 }
 
@@ -101,7 +102,7 @@ std::string TextOf(const TransformReport& report) {
   for (const MovedMap& moved : report.maps) {
     text += ToString(moved.map) + ": " + SimilarityText(moved.target_from_source) + "\n";
     if (moved.alignment) text += "  " + AlignmentText(*moved.alignment) + "\n";
-    if (moved.upright) text += "  " + UprightText(*moved.upright) + "\n";
+    if (moved.up) text += "  " + UpText(*moved.up) + "\n";
   }
   return text;
 }
@@ -153,7 +154,7 @@ void BindMotions(CLI::App& verb, TransformVerbOptions& options) {
       verb.add_option(
               "--gravity", options.gravity,
               "Turn up to +z; which way is up is told by inertia, the cameras (held level) or their path (level "
-              "ground); auto: by inertia, or else the cameras")
+              "ground); auto: by inertia, or else the cameras, or else their path")
           ->type_name("METHOD")
           ->check(CLI::IsMember({"auto", "inertia", "cameras", "path"})),
       verb.add_option(

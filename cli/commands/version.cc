@@ -23,8 +23,9 @@ const char* DirectionOf(const Format& format) {
 
 ExitCode RunVersion(const VersionOptions& options, Console& console) {
   if (options.json) {
-    nlohmann::ordered_json report = {
-        {"report", "slamdb-version-2"}, {"version", Version()}, {"formats", nlohmann::ordered_json::array()}};
+    detail::Json report = detail::ReportHead("version");
+    report["version"] = Version();
+    report["formats"] = detail::Json::array();
     for (const Format& format : Formats())
       report["formats"].push_back(
           {{"id", format.id},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include "cli/exports.h"
 #include "cli/guard.h"
 #include "cli/options.h"
+#include "cli/output_name.h"
 #include "cli/page_server.h"
 #include "cli/report/info_text.h"
 #include "cli/report/layout.h"
@@ -44,6 +46,7 @@ const std::map<std::string, ViewKeypoints> kKeypoints = {{"auto", ViewKeypoints:
 
 // Where the page goes; empty: nowhere, it is served.
 std::string OutputOf(const ViewVerbOptions& options) {
+  if (!options.output.empty()) RequirePageName(options.output);
   if (!options.output.empty() || options.serve) return options.output;
   const std::string& first = options.inputs.paths.front();
   const std::string stem = NameOf(Location(first));
@@ -89,17 +92,19 @@ ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& no
   result.atlases.reserve(options.inputs.paths.size());  // inputs refer to them
   for (const std::string& path : options.inputs.paths) {
     read.selection = {};
+    read.custom_format = nullptr;
     const HeldSource held = HoldInput(path, read);
+    const Format* format = read.format.empty() ? FindFormatOfInput(held) : &FormatById(read.format);
+    if (read.format.empty()) read.custom_format = format;  // told once
     read.selection = ParseSelection(options.selection, held, read);
     result.atlases.push_back(ReadPartToShow(path, held, read, notices));  // throws where nothing tells the format
-    const Format* format = read.format.empty() ? FindFormatOfInput(held) : &FormatById(read.format);
     result.inputs.push_back(InputOf(path, result.atlases.back(), *format));
   }
   return result;
 }
 
-// Starts a program with one argument, without a shell, and does not wait for it.
-bool Start(const std::string& program, const std::string& argument) {
+// Starts a program with one argument, without a shell.
+std::optional<pid_t> Start(const std::string& program, const std::string& argument) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
@@ -113,7 +118,19 @@ bool Start(const std::string& program, const std::string& argument) {
   const int failure = ::posix_spawnp(&process, name.c_str(), &actions, &attributes, words, environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
-  return failure == 0;
+  return failure == 0 ? std::optional(process) : std::nullopt;
+}
+
+// The status it ends with, when it does soon: launchers do, and browsers stay.
+std::optional<int> StatusSoon(pid_t process) {
+  constexpr int kTries = 50;
+  constexpr useconds_t kPause = 20'000;
+  for (int i = 0; i < kTries && !Console::interrupted(); ++i) {
+    int status = 0;
+    if (::waitpid(process, &status, WNOHANG) != 0) return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+    ::usleep(kPause);
+  }
+  return std::nullopt;
 }
 
 // In the browser that $BROWSER names, or else the desktop's.
@@ -122,10 +139,20 @@ void OpenInBrowser(const std::string& address, Console& console) {
   if (const char* named = std::getenv("BROWSER"); named != nullptr)
     for (const std::string_view name : detail::Split(named, ':'))
       if (!name.empty()) programs.emplace_back(name);
+  const std::size_t named_programs = programs.size();
   programs.insert(programs.end(), {"xdg-open", "open"});
-  for (const std::string& program : programs)
-    if (Start(program, address)) return;
-  console.Warn("no browser was found: BROWSER names one; open " + address + " in it");
+  for (std::size_t i = 0; i < programs.size(); ++i) {
+    const std::optional<pid_t> process = Start(programs[i], address);
+    if (!process) {
+      if (i < named_programs) console.Warn(programs[i] + ", which BROWSER names, cannot be run");
+      continue;
+    }
+    console.Note("opening " + address + " with " + programs[i]);
+    const int status = StatusSoon(*process).value_or(0);
+    if (status == 0) return;
+    console.Warn(programs[i] + " ended with status " + std::to_string(status));
+  }
+  console.Warn("no browser was found that opens it: BROWSER names one; open " + address + " in it");
 }
 
 void WritePage(const std::string& output, const ViewPage& page, AtomicFile& file, const ViewVerbOptions& options,
@@ -212,6 +239,7 @@ Run AddView(CLI::App& verb) {
                                      "Serve it to browsers on this machine, and write it only where -o names a file");
   verb.add_option("--port", options->port, "Port to serve it at; by default one that is free")
       ->type_name("N")
+      ->check(CLI::Range(0, 65535).description({}))
       ->needs(serve);
   verb.add_flag("--json", options->json, "Print JSON, for programs")->excludes(serve);
   AddWait(verb, options->wait);

@@ -118,7 +118,11 @@ ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
     if (options.json) report.push_back(ShownJson(outcome));
     if (!options.json) console.Print(ShownText(outcome));
   }
-  if (options.json) console.PrintData(detail::JsonText({{"report", "slamdb-vocabulary-2"}, {"inputs", report}}));
+  if (options.json) {
+    ordered_json json = detail::ReportHead("vocabulary");
+    json["inputs"] = std::move(report);
+    console.PrintData(detail::JsonText(json));
+  }
   return ReportOutcomes(outcomes, console);
 }
 
@@ -164,7 +168,7 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   RequireOutput(options.output);
   const Location input(options.input), output(NamedOutput(options.input, options.output, options.target.to));
   const Format& format = FormatOfOutput(output, options.target.to);
-  RefuseIdleTarget(format, options.target);
+  RefuseBadTarget(output, format, options.target);
   RefuseBinaryOnTerminal(output, format);
   Notices notices;
   ReadOptions read = MakeReadOptions(console, options.from);

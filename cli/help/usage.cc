@@ -2,12 +2,15 @@
 #include "cli/help/usage.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 
 #include "cli/command.h"
+#include "cli/guard.h"
 #include "cli/help/tree.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
 namespace {
@@ -22,6 +25,10 @@ struct OtherWord {
 };
 
 constexpr OtherWord kOtherWords[] = {
+    {"align", "transform", "aligned.osa", "--onto reference.osa"},
+    {"ape", "evaluate"},
+    {"append", "merge", {}, "-o both.osa"},
+    {"ate", "evaluate"},
     {"cat", "dump"},
     {"combine", "merge", {}, "-o both.osa"},
     {"compare", "diff"},
@@ -31,30 +38,46 @@ constexpr OtherWord kOtherWords[] = {
     {"cut", "extract", "part.osa", "--time +0:+10"},
     {"delete", "remove"},
     {"describe", "info"},
+    {"df", "stats"},
     {"display", "view"},
     {"doctor", "check"},
+    {"downgrade", "convert", "older.osa", "--boost-version ubuntu20.04"},
     {"draw", "plot"},
     {"evo", "evaluate"},
+    {"evo_ape", "evaluate"},
+    {"evo_rpe", "evaluate"},
+    {"evo_traj", "evaluate"},
     {"export", "convert", "points.ply"},
+    {"find", "list"},
     {"fix", "repair", "fixed.osa"},
+    {"fsck", "check"},
+    {"gui", "view"},
     {"history", "log"},
     {"import", "add", "maps.db"},
     {"inspect", "info"},
     {"join", "merge", {}, "-o joined.osa --join --transform b_in_a.txt"},
     {"lint", "check"},
+    {"load", "info"},
     {"ls", "list"},
     {"move", "transform", "moved.osa", "--by 'tx ty tz qx qy qz qw'"},
     {"open", "view"},
+    {"png", "plot"},
     {"print", "dump"},
     {"prune", "cull", "thin.osa"},
+    {"query", "list"},
+    {"render", "view"},
     {"rename", "renumber", "renumbered.osa"},
     {"rescue", "recover", "saved.osa"},
     {"rm", "remove"},
+    {"rpe", "evaluate"},
     {"salvage", "recover", "saved.osa"},
     {"save", "add", "maps.db"},
+    {"serve", "view", {}, "--serve"},
+    {"simplify", "shrink", "small.osa", "--target-keyframes 100"},
     {"stat", "info"},
     {"subset", "extract", "part.osa", "--map 0"},
     {"trajectory", "convert", "poses.tum"},
+    {"trim", "extract", "part.osa", "--time +0:+10"},
     {"upgrade", "migrate"},
     {"validate", "check"},
     {"verify", "check"},
@@ -99,6 +122,34 @@ std::string CommandLine(std::string_view verb, std::span<const std::string> word
   return line;
 }
 
+bool IsThere(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+// Whether the verb has an -o that was not given, and no OUTPUT that would be in its place.
+bool MissesOutput(const CLI::App& verb) {
+  const CLI::Option* output = verb.get_option_no_throw("-o");
+  return output != nullptr && output->count() == 0 && verb.get_option_no_throw("OUTPUT") == nullptr;
+}
+
+// Whether a name is one to write to: pages and pictures always, tables and reports where nothing is there yet.
+bool LooksWritten(const std::string& word) {
+  constexpr std::string_view kAlways[] = {".html", ".htm", ".svg", ".png"};
+  constexpr std::string_view kNew[] = {".csv", ".json", ".ndjson", ".jsonl", ".xml", ".sarif"};
+  const std::string suffix = std::filesystem::path(word).extension().string();
+  return std::ranges::find(kAlways, suffix) != std::end(kAlways) ||
+         (std::ranges::find(kNew, suffix) != std::end(kNew) && !IsThere(word));
+}
+
+// The command line with -o before the word.
+std::string WithOutput(std::span<const std::string> words, const std::string& output) {
+  std::vector<std::string> line(words.begin(), words.end());
+  const auto at = std::ranges::find(line.rbegin(), line.rend(), output);
+  if (at != line.rend()) line.insert(at.base() - 1, "-o");
+  return CommandLine(line.front(), std::span(line).subspan(1));
+}
+
 // How many of the words are no options.
 std::size_t Operands(std::span<const std::string> words) {
   return static_cast<std::size_t>(
@@ -139,11 +190,21 @@ std::string Explain(const CLI::App& verb, const std::string& word) {
   const std::vector<std::string> known = NamesOf(verb, option);
   const std::string name = word.substr(0, word.find('='));
   const std::string kind = option ? "unknown option" : known.empty() ? "unexpected argument" : "unknown verb";
+  if (option && std::ranges::find(known, name) != known.end())
+    return Concat("'", word, "' stands before the verb that takes it; put it behind");
   for (const auto& [typed, here] : kOtherOptions)
     if (typed == name && std::ranges::find(known, here) != known.end())
       return Concat(kind, " '", word, "'; here it is ", here);
   return kind + " '" + word + "'" + MeantInstead(name, known);
 }
+
+// Programs by whose name people ask for the format that they read, and formats by another name.
+constexpr std::pair<std::string_view, std::string_view> kFormatsOf[] = {
+    {"blender", "gltf"},  {"cloudcompare", "ply"}, {"colmap", "ply"},       {"evo", "tum"},      {"excel", "csv"},
+    {"foxglove", "mcap"}, {"glb", "gltf"},         {"google-earth", "kml"}, {"json", "ndjson"},  {"meshlab", "ply"},
+    {"osa", "orbslam3"},  {"pandas", "csv"},       {"pcl", "pcd"},          {"qgis", "geojson"}, {"rviz", "mcap"},
+    {"sqlite", "store"},  {"threejs", "gltf"},
+};
 
 // `--to: xml not in {orbslam3,tum}` with the word that was probably meant.
 std::string NotOneOf(const std::string& text) {
@@ -160,6 +221,9 @@ std::string NotOneOf(const std::string& text) {
     words.emplace_back(word);
     list += Concat(list.empty() ? "" : ", ", word);
   }
+  for (const auto& [asked, format] : kFormatsOf)
+    if (asked == value && std::ranges::find(words, format) != words.end())
+      return Concat(text.substr(0, begin), "unknown format '", value, "'; what it reads is ", format);
   return Concat(text.substr(0, begin), "expected one of ", list, ", found '", value, "'", MeantInstead(value, words));
 }
 
@@ -173,17 +237,19 @@ std::string NotInRange(const std::string& text) {
                 text.substr(begin, range - begin), "'");
 }
 
-// `Could not convert: --map = x`.
-std::string NoNumber(const std::string& text) {
+// `Could not convert: --map = x`, and `--json = x` of a flag.
+std::string NotConverted(const CLI::App& verb, const std::string& text) {
   constexpr std::string_view kConvert = "Could not convert: ", kIs = " = ";
   const std::size_t is = text.find(kIs);
   if (!text.starts_with(kConvert) || is == std::string::npos) return {};
-  return Concat(text.substr(kConvert.size(), is - kConvert.size()), ": expected a number, found '",
-                text.substr(is + kIs.size()), "'");
+  const std::string name = text.substr(kConvert.size(), is - kConvert.size());
+  const CLI::Option* option = verb.get_option_no_throw(name);
+  if (option != nullptr && option->get_items_expected_max() == 0) return name + " takes no value";
+  return Concat(name, ": expected a number, found '", text.substr(is + kIs.size()), "'");
 }
 
 // In the words of the house: what was expected, and what was found.
-std::string Reworded(const CLI::ParseError& error) {
+std::string Reworded(const CLI::App& verb, const CLI::ParseError& error) {
   const std::string text = error.what(), kind = error.get_name();
   if (kind == "ArgumentMismatch") {
     const std::string name = text.substr(0, text.find(':'));
@@ -201,8 +267,8 @@ std::string Reworded(const CLI::ParseError& error) {
     constexpr std::string_view kRequired = " is required";
     return text.ends_with(kRequired) ? text.substr(0, text.size() - kRequired.size()) + " is missing" : text;
   }
-  for (const auto& reword : {NotOneOf, NotInRange, NoNumber})
-    if (std::string said = reword(text); !said.empty()) return said;
+  for (const std::string& said : {NotOneOf(text), NotInRange(text), NotConverted(verb, text)})
+    if (!said.empty()) return said;
   return text;
 }
 
@@ -235,6 +301,9 @@ UsageProblem ProblemOfVerb(const CLI::App& program, std::span<const std::string>
   if (other != std::end(kOtherWords))
     return {Concat("unknown verb '", word, "'; here it is '", other->verb, "'"), LineFor(*other, rest)};
   const std::string help = FullName(program) + " --help";
+  if (const std::string file = FileMeant(word); !file.empty())
+    return {Concat(word, ": there is no such file, and no such verb; did you mean '", file, "'?"),
+            CommandLine(ShellWord(file), rest)};
   if (word.find_first_of("./#") != std::string::npos)
     return {Concat(word, ": there is no such file, and no such verb"), help};
   const std::vector<std::string> verbs = NamesOf(program, false);
@@ -242,12 +311,55 @@ UsageProblem ProblemOfVerb(const CLI::App& program, std::span<const std::string>
   return {"unknown verb '" + word + "'" + MeantInstead(word, verbs), meant.empty() ? help : CommandLine(meant, rest)};
 }
 
-UsageProblem ProblemOf(const CLI::App& verb, const CLI::ParseError& error, const std::vector<std::string>& rest) {
+UsageProblem ProblemOf(const CLI::App& verb, const CLI::ParseError& error, std::span<const std::string> words,
+                       const std::vector<std::string>& rest) {
   const std::string next = FullName(verb) + " --help";
-  if (!rest.empty() && error.get_name() != "ValidationError" && error.get_name() != "ConversionError")
-    return {Explain(verb, rest.front()), next};
+  if (!rest.empty() && error.get_name() != "ValidationError" && error.get_name() != "ConversionError") {
+    const std::string& word = rest.front();
+    if (MissesOutput(verb) && LooksWritten(word))
+      return {Concat("unexpected argument '", word, "'; -o/--output names the output"), WithOutput(words, word)};
+    return {Explain(verb, word), next};
+  }
   if (!VerbsOf(verb).empty()) return {"a verb is missing", next};
-  return {Reworded(error), next};
+  return {Reworded(verb, error), next};
+}
+
+std::optional<UsageProblem> ProblemOfOutput(CLI::App& verb, std::span<const std::string> words) {
+  if (!MissesOutput(verb)) return std::nullopt;
+  const bool writes_atlas = MarkOf(*verb.get_option("-o")) == Writes::kAtlas;
+  for (const CLI::Option* option : verb.get_options(NamesFiles)) {
+    if (!option->get_positional() || option->count() < 2) continue;
+    const std::string& last = option->results().back();
+    if (!LooksWritten(last) && !(writes_atlas && !IsThere(Location::Parse(last).path) && last != "-")) continue;
+    return UsageProblem{Concat("the output is missing; ", last, " is one where -o/--output stands before it"),
+                        WithOutput(words, last)};
+  }
+  return std::nullopt;
+}
+
+std::string FileMeant(const std::string& path) {
+  namespace fs = std::filesystem;
+  constexpr std::size_t kMostLooked = 10'000;
+  const fs::path asked(path);
+  const std::string word = asked.filename().string();
+  if (word.size() < 3 || IsThere(Location::Parse(path).path)) return {};
+  const fs::path folder = asked.has_parent_path() ? asked.parent_path() : fs::path(".");
+  std::size_t least = std::max<std::size_t>(2, word.size() / 4), looked = 0;
+  std::vector<std::string> nearest;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (++looked > kMostLooked) return {};
+    const std::string name = entry->path().filename().string();
+    const std::size_t distance = entry->path().stem() == word ? 0 : EditDistance(word, name);
+    std::error_code ignored;
+    if (distance > least || !entry->is_regular_file(ignored)) continue;
+    const std::string file = (asked.parent_path() / name).string();
+    if (FindFormatOfInput(Location(file, {})) == nullptr) continue;
+    if (distance < least) nearest.clear();
+    least = distance;
+    nearest.push_back(file);
+  }
+  return nearest.size() == 1 ? nearest.front() : std::string();
 }
 
 }  // namespace slamdb::cli

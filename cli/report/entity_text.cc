@@ -10,6 +10,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/statistics.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::cli {
 namespace {
@@ -22,15 +23,20 @@ std::string Line(std::string name, const std::string& value) {
   return name + value + "\n";
 }
 
-std::string Degrees(double radians) { return Short(std::abs(radians) * 180 / std::numbers::pi, 3); }
+// To a hundredth.
+double Degrees(double radians) { return std::round(radians * 18000 / std::numbers::pi) / 100; }
 
-// Which way it looks, on the plan and up or down. World frames with IMU have z up, others y down (select.h).
-std::string DirectionText(const Eigen::Vector3d& ahead, bool z_up) {
-  const double turn = z_up ? std::atan2(ahead.y(), ahead.x()) : std::atan2(ahead.x(), ahead.z());
-  const double rise = std::asin(std::clamp(z_up ? ahead.z() : -ahead.y(), -1.0, 1.0));
-  const std::string_view side = z_up ? (turn >= 0 ? " degrees left of x, " : " degrees right of x, ")
-                                     : (turn >= 0 ? " degrees right of z, " : " degrees left of z, ");
-  return Concat(Degrees(turn), side, Degrees(rise), rise >= 0 ? " up" : " down");
+// Which way it looks: on the plan from x where z is up, else from z, and up or down.
+std::string DirectionText(const Eigen::Vector3d& ahead, const Eigen::Vector3d& up) {
+  Eigen::Index vertical = 0;
+  up.cwiseAbs().maxCoeff(&vertical);
+  const bool from_x = vertical == 2;
+  const Eigen::Vector3d axis = from_x ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d level = axis - axis.dot(up) * up;
+  const double left = Degrees(std::atan2(up.dot(level.cross(ahead)), level.dot(ahead)));
+  const double rise = Degrees(std::asin(std::clamp(ahead.dot(up), -1.0, 1.0)));
+  return Concat(Short(std::abs(left), 3), left >= 0 ? " degrees left of " : " degrees right of ",
+                from_x ? "x, " : "z, ", Short(std::abs(rise), 3), rise >= 0 ? " up" : " down");
 }
 
 std::size_t CountFields(const ordered_json& value) {
@@ -135,12 +141,13 @@ std::string WhereIs(const KeyFrame& keyframe, const Map& map) {
   const Eigen::Vector3f center = CameraCenter(keyframe);
   const Eigen::Vector3d ahead =
       keyframe.camera_from_world.Normalized().rotation.conjugate().cast<double>() * Eigen::Vector3d::UnitZ();
+  const Up up = UpOf(map);
   std::string text;
   if (center.allFinite() && ahead.allFinite())
-    text += Line("camera at", Concat(Short(center.x()), " ", Short(center.y()), " ", Short(center.z()),
-                                     IsMetric(map) ? " m" : " units", ", world of map ", map.id.value(),
-                                     map.imu_initialized ? " with z up" : " with y down")) +
-            Line("camera looks", DirectionText(ahead, map.imu_initialized));
+    text += Line("camera at",
+                 Concat(Rounded(center.x()), " ", Rounded(center.y()), " ", Rounded(center.z()),
+                        IsMetric(map) ? " m" : " units", ", world of map ", map.id.value(), " with ", FrameText(up))) +
+            Line("camera looks", DirectionText(ahead, up.direction));
   const std::string date = DateText(keyframe.timestamp);
   return date.empty() ? text : text + Line("taken", date);
 }

@@ -43,7 +43,7 @@ std::string PairsText(const TrajectoryCoverage& coverage, double time_offset) {
 std::string CoverageText(const TrajectoryCoverage& coverage) {
   std::string text = Share(coverage.duration_share()) + " of the truth's " +
                      Short(coverage.reference_end - coverage.reference_begin) + " s, " +
-                     Share(coverage.length_share()) + " of its " + Short(coverage.reference_length) + " m";
+                     Share(coverage.length_share()) + " of its " + LengthText(coverage.reference_length, "m");
   if (coverage.gaps.empty()) return text;
   const auto duration = [](const CoverageGap& gap) { return gap.end_time - gap.begin_time; };
   const CoverageGap& longest = *std::ranges::max_element(coverage.gaps, {}, duration);
@@ -124,6 +124,13 @@ std::string EvaluateText(const EvaluationReport& report, bool in_full) {
     text +=
         "\n" + (map.map ? ToString(map.map) : std::string("a trajectory")) + "\n  not evaluated: " + map.reason + "\n";
   return text;
+}
+
+void TellWarnings(const EvaluationReport& report, Notices& notices) {
+  for (const TrajectoryEvaluation& evaluation : report.evaluations) {
+    const std::string maps = MapsText(evaluation);
+    for (const std::string& warning : evaluation.warnings) notices.Warn((maps.empty() ? "" : maps + ": ") + warning);
+  }
 }
 
 }  // namespace slamdb::cli

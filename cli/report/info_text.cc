@@ -16,15 +16,12 @@ namespace {
 using enum Table::Align;
 
 std::string VectorText(const Eigen::Vector3f& vector) {
-  return Short(vector.x()) + " " + Short(vector.y()) + " " + Short(vector.z());
+  return Rounded(vector.x()) + " " + Rounded(vector.y()) + " " + Rounded(vector.z());
 }
 
-std::string SensorText(const MapStatistics& map) {
-  std::string text = map.sensor == MapSensor::kStereoOrRgbd    ? "stereo or RGB-D"
-                     : map.sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
-                                                               : std::string(NameOf(map.sensor));
+std::string TextOfSensor(const MapStatistics& map) {
   if (map.keyframes == 0) return map.landmarks == 0 ? "empty" : Counted(map.landmarks, "landmark");
-  return map.has_imu ? text + " with IMU" : text;
+  return SensorText(map.sensor, map.has_imu);
 }
 
 std::string InertialText(const MapStatistics& map) {
@@ -61,18 +58,19 @@ std::string UnitOf(const MapStatistics& map) { return map.metric ? "m" : "units"
 void AddShape(const MapStatistics& map, std::vector<InfoRow>& rows) {
   if (!map.bounding_box.isEmpty())
     rows.push_back({"bounding box", VectorText(map.bounding_box.min()) + "  to  " + VectorText(map.bounding_box.max()) +
-                                        " " + UnitOf(map) + ", world with " +
-                                        (map.imu_initialized ? "z up" : "y down")});
-  rows.push_back({"trajectory", Short(map.trajectory_length) + " " + UnitOf(map) + " in " +
+                                        " " + UnitOf(map) + ", world with " + FrameText(map.up)});
+  rows.push_back({"trajectory", LengthText(map.trajectory_length, UnitOf(map)) + " in " +
                                     DatedDuration(map.begin_time, map.end_time)});
 }
 
-// On the plan right is x; up is y where the world has z up, else z, which the first camera looked along.
+// On the plan right and up are x and y of the map turned upright: x and z of one with y down.
 std::string PlanOf(const MapStatistics& map, const std::vector<Eigen::Vector3f>& path, std::size_t width,
                    std::size_t height) {
+  const Eigen::Matrix3d axes = UprightFromMap(map.up.direction).toRotationMatrix();
   std::vector<Eigen::Vector2d> places;
-  for (const Eigen::Vector3f& place : path) places.emplace_back(place.x(), map.imu_initialized ? place.y() : place.z());
-  return PlanText(places, UnitOf(map) + (map.imu_initialized ? "; right x, up y" : "; right x, up z"), width, height);
+  for (const Eigen::Vector3f& place : path) places.emplace_back((axes * place.cast<double>()).head<2>());
+  const auto right = NearAxis(axes.row(0)), up = NearAxis(axes.row(1));
+  return PlanText(places, UnitOf(map) + (right && up ? "; right " + *right + ", up " + *up : ""), width, height);
 }
 
 // Maps that are drawn: by row, those with most keyframes.
@@ -89,7 +87,7 @@ std::vector<bool> DrawnMaps(const AtlasInfo& report) {
 }
 
 InfoSection SectionOf(const MapStatistics& map) {
-  InfoSection section{.heading = {"map " + IdText(map.id), SensorText(map)}, .rows = {}};
+  InfoSection section{.heading = {"map " + IdText(map.id), TextOfSensor(map)}, .rows = {}};
   if (map.keyframes == 0 && map.points == 0) return section;
   std::vector<InfoRow>& rows = section.rows;
   rows.push_back({"keyframes", WithBad(map.keyframes, map.bad_keyframes)});

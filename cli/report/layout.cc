@@ -91,10 +91,27 @@ void Table::Drop(std::size_t column) {
   for (auto& row : rows_) row.erase(row.begin() + place);
 }
 
-std::string Table::ToString() const {
-  std::vector<std::size_t> widths(columns_.size(), 0);
+std::size_t Table::WidthOf(std::size_t column) const {
+  std::size_t width = 0;
   for (const auto& row : rows_)
-    for (std::size_t c = 0; c < row.size() && c < widths.size(); ++c) widths[c] = std::max(widths[c], Columns(row[c]));
+    if (column < row.size()) width = std::max(width, Columns(row[column]));
+  return width;
+}
+
+void Table::Shorten(std::size_t column, std::size_t width) {
+  constexpr std::string_view kCut = "...";
+  for (auto& row : rows_) {
+    std::string_view end = row[column];
+    if (Columns(end) <= width) continue;
+    while (!end.empty() && Columns(end) + kCut.size() > width) end.remove_prefix(1);
+    while (!end.empty() && (end.front() & 0xC0) == 0x80) end.remove_prefix(1);  // not within a letter
+    row[column] = std::string(kCut).append(end);
+  }
+}
+
+std::string Table::ToString() const {
+  std::vector<std::size_t> widths(columns_.size());
+  for (std::size_t c = 0; c < widths.size(); ++c) widths[c] = WidthOf(c);
   std::string out;
   for (const auto& row : rows_) {
     std::string line(indent_, ' ');

@@ -14,6 +14,8 @@ namespace slamdb::cli {
 using detail::DateText;
 using detail::DurationText;
 using detail::HumanBytes;
+using detail::LengthText;
+using detail::Rounded;
 
 inline constexpr std::size_t kPageWidth = 96;  // columns of text for people
 
@@ -44,7 +46,9 @@ class Table {
   explicit Table(std::vector<Align> columns, std::size_t indent = 0) : columns_(std::move(columns)), indent_(indent) {}
   // Names in cells may be any: what would steer a terminal is escaped.
   void Add(std::vector<std::string> cells);
-  void Drop(std::size_t column);  // leaves out a column that says nothing here
+  std::size_t WidthOf(std::size_t column) const;
+  void Shorten(std::size_t column, std::size_t width);  // of longer cells the end is kept, behind "..."
+  void Drop(std::size_t column);                        // leaves out a column that says nothing here
   bool empty() const { return rows_.empty(); }
   std::string ToString() const;
 

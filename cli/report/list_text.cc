@@ -14,13 +14,11 @@ namespace {
 
 using enum Table::Align;
 
-std::string SensorText(const ListedAtlas& atlas) {
+std::string SensorsText(const ListedAtlas& atlas) {
   std::string text;
   for (const MapSensor sensor : atlas.summary.sensors)
-    text += (text.empty() ? "" : ", ") + std::string(sensor == MapSensor::kStereoOrRgbd    ? "stereo/RGB-D"
-                                                     : sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
-                                                                                           : "monocular");
-  return text + (atlas.summary.has_imu ? " + IMU" : "");
+    text += (text.empty() ? "" : ", ") + SensorText(sensor, /*has_imu=*/false);
+  return text + (atlas.summary.has_imu ? " with IMU" : "");
 }
 
 // Whether maps with and without scale are in it, so that no sum of lengths tells anything.
@@ -32,7 +30,7 @@ bool MixesUnits(const AtlasSummary& summary) {
 std::string LengthText(const ListedAtlas& atlas) {
   if (!atlas.summary.begin_time) return {};
   if (MixesUnits(atlas.summary)) return "mixed";
-  return Short(atlas.summary.trajectory_length) + (atlas.summary.is_metric ? " m" : " units");
+  return detail::LengthText(atlas.summary.trajectory_length, atlas.summary.is_metric ? "m" : "units");
 }
 
 std::string SpanText(const ListedAtlas& atlas) {
@@ -73,7 +71,7 @@ constexpr std::array kColumns = {
     Column{ListKey::kName, "name", "NAME", kLeft, Text<&ListedAtlas::name>, true},
     Column{ListKey::kInput, "input", "ATLAS", kLeft, Text<&ListedAtlas::input>, true},
     Column{ListKey::kMaps, "maps", "MAPS", kRight, CountText<&AtlasSummary::maps>},
-    Column{ListKey::kSensor, "sensor", "SENSOR", kLeft, SensorText},
+    Column{ListKey::kSensor, "sensor", "SENSOR", kLeft, SensorsText},
     Column{ListKey::kKeyframes, "keyframes", "KEYFRAMES", kRight, CountText<&AtlasSummary::keyframes>},
     Column{ListKey::kPoints, "points", "POINTS", kRight, CountText<&AtlasSummary::points>},
     Column{ListKey::kObservations, "observations", "OBSERVATIONS", kRight, CountText<&AtlasSummary::observations>},
@@ -110,6 +108,40 @@ bool AreOfOneStore(std::span<const ListedAtlas> atlases) {
       atlases, [&](const ListedAtlas& atlas) { return atlas.revision > 0 && store_of(atlas) == store_of(atlases[0]); });
 }
 
+// Columns that go where there is no room for all, the first of them first. Names are shortened before more goes.
+constexpr ListKey kLeastFirst[] = {ListKey::kFormat, ListKey::kRevision, ListKey::kSpan,
+                                   ListKey::kSensor, ListKey::kSaved,    ListKey::kDate,
+                                   ListKey::kMaps,   ListKey::kLength,   ListKey::kLandmarks};
+constexpr std::size_t kShortestName = 20;
+
+Table TableOf(std::span<const ListedAtlas> atlases, std::span<const ListKey> columns) {
+  std::vector<Table::Align> aligns;
+  std::vector<std::string> headings;
+  for (const ListKey key : columns) {
+    aligns.push_back(ColumnOf(key).align);
+    headings.emplace_back(ColumnOf(key).heading);
+  }
+  const bool failed = std::ranges::any_of(atlases, [](const auto& atlas) { return !atlas.failure.empty(); });
+  aligns.push_back(kLeft);
+  headings.emplace_back(failed ? "PROBLEM" : "");
+  Table table(aligns);
+  table.Add(headings);
+  for (const ListedAtlas& atlas : atlases) {
+    std::vector<std::string> cells;
+    for (const ListKey key : columns) cells.push_back(CellOf(atlas, ColumnOf(key)));
+    cells.push_back(FailureText(atlas));
+    table.Add(std::move(cells));
+  }
+  return table;
+}
+
+// Columns of text that the first columns of a table take; problems behind them may be as long as they are.
+std::size_t RoomFor(const Table& table, std::size_t columns) {
+  std::size_t room = 0;
+  for (std::size_t column = 0; column < columns; ++column) room += table.WidthOf(column) + (column == 0 ? 0 : 2);
+  return room;
+}
+
 }  // namespace
 
 std::vector<std::string> ListKeyWords() {
@@ -139,25 +171,24 @@ std::vector<ListKey> UsualColumns(std::span<const ListedAtlas> atlases) {
   return columns;
 }
 
-std::string ListText(std::span<const ListedAtlas> atlases, std::span<const ListKey> columns) {
-  std::vector<Table::Align> aligns;
-  std::vector<std::string> headings;
-  for (const ListKey key : columns) {
-    aligns.push_back(ColumnOf(key).align);
-    headings.emplace_back(ColumnOf(key).heading);
+std::string ListText(std::span<const ListedAtlas> atlases, std::vector<ListKey> columns,
+                     std::optional<std::size_t> width) {
+  Table table = TableOf(atlases, columns);
+  std::string left_out;
+  for (const ListKey least : kLeastFirst) {
+    if (!width || RoomFor(table, columns.size()) <= *width) break;
+    const auto column = std::ranges::find(columns, least);
+    if (column == columns.end()) continue;
+    table.Drop(static_cast<std::size_t>(column - columns.begin()));
+    columns.erase(column);
+    left_out.append(left_out.empty() ? "" : ", ").append(ColumnOf(least).word);
   }
-  const bool failed = std::ranges::any_of(atlases, [](const auto& atlas) { return !atlas.failure.empty(); });
-  aligns.push_back(kLeft);
-  headings.emplace_back(failed ? "PROBLEM" : "");
-  Table table(aligns);
-  table.Add(headings);
-  for (const ListedAtlas& atlas : atlases) {
-    std::vector<std::string> cells;
-    for (const ListKey key : columns) cells.push_back(CellOf(atlas, ColumnOf(key)));
-    cells.push_back(FailureText(atlas));
-    table.Add(std::move(cells));
+  if (const std::size_t room = RoomFor(table, columns.size()); width && room > *width) {
+    const std::size_t name = table.WidthOf(0), excess = room - *width;
+    table.Shorten(0, std::max(kShortestName, name - std::min(name, excess)));
   }
-  return table.ToString();
+  if (!left_out.empty()) left_out = "left out for want of room: " + left_out + "; --columns names what to show\n";
+  return table.ToString() + left_out;
 }
 
 }  // namespace slamdb::cli

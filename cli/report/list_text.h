@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,7 +22,9 @@ ListKey ListKeyOf(std::string_view word);
 // the whole of what they are called.
 std::vector<ListKey> UsualColumns(std::span<const ListedAtlas> atlases);
 
-// A line for each, with why it could not be read at its end.
-std::string ListText(std::span<const ListedAtlas> atlases, std::span<const ListKey> columns);
+// A line for each, with why it could not be read at its end. Where they do not fit into `width` columns of text, the
+// least important are left out, and named below.
+std::string ListText(std::span<const ListedAtlas> atlases, std::vector<ListKey> columns,
+                     std::optional<std::size_t> width = {});
 
 }  // namespace slamdb::cli

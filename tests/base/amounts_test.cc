@@ -8,6 +8,19 @@
 namespace slamdb::detail {
 namespace {
 
+TEST(LengthText, HasNoExponentWhereOneIsNotNeeded) {
+  EXPECT_EQ(LengthText(0.01234, "m"), "0.01234 m");
+  EXPECT_EQ(LengthText(30.2345, "m"), "30.23 m");
+  EXPECT_EQ(LengthText(9999.4, "m"), "9999 m");
+  EXPECT_EQ(LengthText(9999.5, "m"), "10,000 m");
+  EXPECT_EQ(LengthText(12345.67, "units"), "12,346 units");
+  EXPECT_EQ(LengthText(4.5e9, "m"), "4,500,000,000 m");
+  EXPECT_EQ(LengthText(1e18, "m"), "1e+18 m");
+  EXPECT_EQ(LengthText(-0.0, "m"), "0 m");
+  EXPECT_EQ(Rounded(-12345), "-12,345");
+  EXPECT_EQ(Rounded(std::numeric_limits<double>::quiet_NaN()), "nan");
+}
+
 TEST(DurationText, IsInSecondsMinutesOrHours) {
   EXPECT_EQ(DurationText(0), "0 s");
   EXPECT_EQ(DurationText(-0.0), "0 s");

@@ -105,7 +105,7 @@ TEST_F(Check, NeedsAFile) {
 TEST_F(Check, SeveralFilesOneFailure) {
   const ProcessResult result = RunSlamdb({"check", Sound(), In("missing.osa"), Sound()});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("missing.osa"));
+  EXPECT_THAT(result.out, HasSubstr("missing.osa: cannot open"));
   EXPECT_THAT(result.out, HasSubstr("sound.osa"));
 }
 

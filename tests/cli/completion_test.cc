@@ -54,6 +54,10 @@ TEST(Completion, BashOffersValuesOfAnOption) {
   EXPECT_EQ(BashOffers("slamdb convert --to orbslam3-", 4), "orbslam3-text\n");
   EXPECT_EQ(BashOffers("slamdb convert --to = orbslam3-", 5), "orbslam3-text\n");
   EXPECT_EQ(BashOffers("slamdb completion f", 3), "fish\n");
+  EXPECT_EQ(BashOffers("slamdb list --sort poi", 4), "points\n");
+  EXPECT_EQ(BashOffers("slamdb list --columns ver", 4), "verdict\n");
+  EXPECT_EQ(BashOffers("slamdb convert --color he", 4), "height\n");
+  EXPECT_EQ(BashOffers("slamdb convert --boost-version ubuntu20", 4), "ubuntu20.04\n");
   EXPECT_EQ(BashOffers("slamdb renumber --order ''", 4), "as-is\nid\ntime\n");
 }
 
@@ -62,6 +66,11 @@ TEST(Completion, BashOffersFilesWithBlanks) {
   const TemporaryFolder folder;
   WriteWholeFile(folder / "my map.osa", "");
   EXPECT_EQ(BashOffers("slamdb info '" + (folder / "my") + "'", 3), (folder / "my map.osa") + "\n");
+}
+
+TEST(Completion, BashOffersNoFilesWhereWordsAreAll) {
+  EXPECT_THAT(RunSlamdb({"completion", "bash"}).out, HasSubstr("words='bash zsh fish'\n      ;;"));
+  EXPECT_THAT(RunSlamdb({"completion", "bash"}).out, HasSubstr("files=1\n      ;;"));
 }
 
 TEST(Completion, BashOffersRules) {

@@ -158,6 +158,9 @@ TEST_F(Evaluate, TheBodyIsThatOfTheImu) {
   const ProcessResult camera = Run({In("imu.osa"), In("body.csv")});
   EXPECT_EQ(camera.exit_code, 0) << camera.err;
   EXPECT_THAT(camera.err, HasSubstr("--body"));
+  RunSlamdb({"convert", In("imu.osa"), In("body.tum"), "--body", "-q"});
+  EXPECT_THAT(Run({In("imu.osa"), In("body.tum")}).err, HasSubstr("where the truth is that of the IMU, --body"));
+  EXPECT_THAT(Run({kAtlas, kTruth}).err, Not(HasSubstr("--body"))) << "without an IMU";
   EXPECT_LT(Rmse({In("imu.osa"), In("body.csv"), "--body"}), 1e-6);
   EXPECT_THAT(Run({kAtlas, kTruth, "--body"}).err, HasSubstr("no IMU calibration"));
   EXPECT_EQ(Run({kTruth, kTruth, "--body"}).exit_code, 2);

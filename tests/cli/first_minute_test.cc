@@ -53,6 +53,11 @@ TEST(FirstWord, OfOtherToolsIsAnswered) {
       {{"compare", "a.osa", "b.osa"}, "slamdb diff a.osa b.osa"},
       {{"salvage", "a.osa"}, "slamdb recover a.osa saved.osa"},
       {{"upgrade", "lab.db"}, "slamdb migrate lab.db"},
+      {{"ate", "a.osa", "b.tum"}, "slamdb evaluate a.osa b.tum"},
+      {{"align", "a.osa"}, "slamdb transform a.osa aligned.osa --onto reference.osa"},
+      {{"downgrade", "a.osa"}, "slamdb convert a.osa older.osa --boost-version ubuntu20.04"},
+      {{"serve", "a.osa"}, "slamdb view a.osa --serve"},
+      {{"fsck", "a.osa"}, "slamdb check a.osa"},
       {{"validate"}, "slamdb check --help"},
       {{"inof", "a.osa"}, "slamdb info a.osa"},
       {{"chekc", "-v", "a.osa"}, "slamdb check -v a.osa"},
@@ -89,6 +94,9 @@ TEST(Split, IntoAFolder) {
   EXPECT_TRUE(std::filesystem::exists(folder / "new/parts/map-1.osa"));
   ASSERT_EQ(RunSlamdb({"split", folder / "a.osa", folder / "new", "--to", "ply"}).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "new/map-1.ply"));
+  const ProcessResult named = RunSlamdb({"split", folder / "a.osa", folder / "folder"});
+  EXPECT_EQ(named.exit_code, 0) << named.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "folder/map-0.osa")) << "a name without suffix is a folder";
 }
 
 const std::vector<std::string> kTerminal = {"env", "-u", "NO_COLOR", "-u", "COLUMNS", "TERM=xterm", "LC_ALL=C.UTF-8"};

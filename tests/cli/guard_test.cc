@@ -216,17 +216,27 @@ TEST_F(Guard, AStoreIsNeverReplacedByAFile) {
 
 TEST_F(Guard, AnAtlasIsNeverReplacedByWhatIsNone) {
   const std::string before = ReadWholeFile("b.osa");
+  for (const char* name : {"b.html", "map-0.osa"}) fs::create_symlink("b.osa", name);
   for (const std::vector<std::string>& line :
-       std::vector<std::vector<std::string>>{{"view", "a.osa", "-o", "b.osa", "-O"},
+       std::vector<std::vector<std::string>>{{"view", "a.osa", "-o", "b.html", "-O"},
                                              {"plot", "a.osa", "-o", "b.osa", "-O", "--format", "svg"},
-                                             {"report", "a.osa", "-o", "b.osa", "-O"},
-                                             {"check", "a.osa", "-o", "b.osa", "-O"}}) {
+                                             {"report", "a.osa", "-o", "b.html", "-O"},
+                                             {"check", "a.osa", "-o", "b.osa", "-O"},
+                                             {"convert", "a.osa", "b.osa", "-O", "--to", "ply"},
+                                             {"convert", "a.osa", "b.osa", "-O", "--to", "tum"},
+                                             {"extract", "a.osa", "b.osa", "-O", "--to", "csv", "--map", "0"},
+                                             {"split", "a.osa", "{}.osa", "-O", "--to", "ply"},
+                                             {"synthesize", "b.osa", "-O", "--to", "ply", "--keyframes", "4"},
+                                             {"vocabulary", "set", "a.osa", "b.osa", "-O", "--to", "ply", "--name", "v",
+                                              "--checksum", "0123456789abcdef0123456789abcdef"}}) {
     const ProcessResult result = RunSlamdb(line);
     if (result.err.find("built without") != std::string::npos) continue;
     EXPECT_EQ(result.exit_code, 1) << line[0];
     EXPECT_THAT(result.err, HasSubstr("is an atlas, which only an atlas replaces")) << line[0];
     EXPECT_EQ(ReadWholeFile("b.osa"), before) << line[0];
   }
+  EXPECT_EQ(RunSlamdb({"convert", "a.osa", "c.osa", "--to", "ply"}).exit_code, 0) << "nothing is there";
+  EXPECT_EQ(RunSlamdb({"convert", "a.osa", "c.osa", "--to", "tum", "-O"}).exit_code, 0) << "that is no atlas";
   WriteWholeFile("old.txt", "1.5 0 0 0 0 0 0 1\n");
   EXPECT_EQ(RunSlamdb({"check", "a.osa", "-o", "old.txt", "-O"}).exit_code, 0) << "a trajectory is none";
 }
@@ -306,6 +316,7 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "RULE",     "SECONDS",       "SHARE",        "SIZE",      "SIZE:SIZE [b, kb(=1000b), kib(=1024b), ...]",
       "T",        "TEXT",          "TRANSFORM",    "UNIT",      "VERB",
       "WHAT",     "WORD",          "X,Y,Z:X,Y,Z",  "X,Y,Z[,R]", "[-]COLUMN,...",
+      "[-]N",     "NUMBER",
   };
   for (const auto& [verb, type] : TypesOfOptions())
     EXPECT_TRUE(type.find("FILE") != std::string::npos || type.find('{') != std::string::npos ||  // a list of words

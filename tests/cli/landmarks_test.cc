@@ -181,7 +181,7 @@ TEST(Landmarks, AreShownAndListed) {
   ASSERT_EQ(shown.exit_code, 0) << shown.err;
   EXPECT_EQ(json::parse(shown.out)["seen_count"], 5);
   const ProcessResult listed = RunSlamdb({"list", folder / "both.db"});
-  EXPECT_THAT(listed.out, ContainsRegex("both +2 +stereo/RGB-D +[0-9]+ +[0-9,]+ +3,164 "));
+  EXPECT_THAT(listed.out, ContainsRegex("both +2 +stereo or RGB-D +[0-9]+ +[0-9,]+ +3,164 "));
   const ProcessResult merged = RunSlamdb({"merge", kMrpt, both, "-o", folder / "out.db", "--dry-run"});
   EXPECT_THAT(merged.out, ContainsRegex("result .* 3,166"));
 }

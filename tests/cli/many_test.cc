@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <sstream>
 
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
@@ -15,7 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -57,8 +60,8 @@ class Many : public ::testing::Test {
 TEST_F(Many, ListOfAFolder) {
   const ProcessResult text = RunSlamdb({"list", Maps()});
   EXPECT_EQ(text.exit_code, 0) << text.err;
-  EXPECT_THAT(text.out, AllOf(HasSubstr("SENSOR"), HasSubstr("stereo/RGB-D"), HasSubstr("5.253 m"), HasSubstr("17.9 s"),
-                              HasSubstr("2014-06-24 19:02")));
+  EXPECT_THAT(text.out, AllOf(HasSubstr("SENSOR"), HasSubstr("stereo or RGB-D"), HasSubstr("5.253 m"),
+                              HasSubstr("17.9 s"), HasSubstr("2014-06-24 19:02")));
   EXPECT_LT(text.out.find("tiny2.osa"), text.out.find("tiny10.osa"));
   const json report = List({Maps()});
   EXPECT_EQ(report.at("input"), Maps());
@@ -98,6 +101,40 @@ TEST_F(Many, ListOfWhatCannotBeReadIsALineAndAFailure) {
   const json report = List({Maps(), "--sort", "size"});
   EXPECT_EQ(NamesOf(report).front(), "broken") << "its size is known";
   EXPECT_TRUE(report.at("atlases")[0].contains("failure"));
+}
+
+TEST_F(Many, ListFitsTheTerminal) {
+  const auto list = [&](const std::string& columns, std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"env", "COLUMNS=" + columns, SLAMDB_COMMAND, "list", Maps()};
+    words.insert(words.end(), more.begin(), more.end());
+    return RunProgram(words).out;
+  };
+  const auto widest = [](const std::string& text) {
+    std::size_t most = 0;
+    std::istringstream lines(text.substr(0, text.find("left out")));
+    for (std::string line; std::getline(lines, line);) most = std::max(most, line.size());
+    return most;
+  };
+  const std::string whole = list("1000");
+  EXPECT_THAT(whole, AllOf(HasSubstr("SPAN"), Not(HasSubstr("left out"))));
+  const std::size_t width = widest(whole);
+  EXPECT_EQ(list(std::to_string(width)), whole) << "it fits";
+  const std::string narrower = list(std::to_string(width - 1));
+  EXPECT_THAT(narrower, AllOf(Not(HasSubstr("SPAN")), HasSubstr("SENSOR"),
+                              EndsWith("left out for want of room: span; --columns names what to show\n")));
+  const std::string narrow = list("60");
+  EXPECT_LE(widest(narrow), 60U) << narrow;
+  EXPECT_THAT(narrow, AllOf(HasSubstr("KEYFRAMES"), HasSubstr("\n..."), HasSubstr("session_small_a.osa")));
+  EXPECT_EQ(list("60", {"--columns", "input,span,sensor"}), list("1000", {"--columns", "input,span,sensor"}));
+}
+
+TEST_F(Many, ListCountsObservationsAsInfoDoes) {
+  for (const char* sensor : {"stereo", "fisheye"}) {
+    ASSERT_EQ(RunSlamdb({"synthesize", In("made.osa"), "--sensor", sensor, "-O", "-q"}).exit_code, 0);
+    const json info = json::parse(RunSlamdb({"info", In("made.osa"), "--json"}).out);
+    EXPECT_EQ(List({In("made.osa")}).at("atlases")[0].at("observations"), info.at("totals").at("observations"));
+    EXPECT_GT(info.at("totals").at("observations"), 0);
+  }
 }
 
 TEST_F(Many, ListChecks) {

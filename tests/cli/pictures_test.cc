@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "slamdb/base/detail/concat.h"
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -38,7 +39,9 @@ TEST_F(Pictures, PlotWritesAnOverviewNamedAsTheAtlas) {
   const ProcessResult result = RunProgram(
       {"bash", "-c", "cd '" + folder_.path().string() + "' && '" + SLAMDB_COMMAND + "' plot '" + kAtlas + "'"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.out, "wrote session_small_a.svg: overview of 1 map, 14 keyframes, 3,162 points, 5.25 m in 17.9 s\n");
+  EXPECT_EQ(result.out,
+            "wrote session_small_a.svg: overview of 1 map, 14 keyframes, 3,162 points, 5.25 m in 17.9 s; 1 point "
+            "outside of the frame\n");
   EXPECT_THAT(folder_.Names(), ElementsAre("session_small_a.svg"));
 }
 
@@ -51,6 +54,14 @@ TEST_F(Pictures, AreNamedAsAListNamesTheAtlas) {
   EXPECT_TRUE(fs::exists(folder_ / "lab.svg"));
   ASSERT_EQ(RunSlamdb({"report", folder_.path().string(), "-o", folder_ / "out"}).exit_code, 0);
   EXPECT_TRUE(fs::exists(folder_ / "out/lab.html"));
+}
+
+TEST_F(Pictures, PlotWaitsForStoresAsOtherVerbsDo) {
+  ASSERT_EQ(RunSlamdb({"convert", kAtlas, folder_ / "m.db#a"}).exit_code, 0);
+  EXPECT_EQ(
+      RunSlamdb({"plot", folder_ / "m.db#a", "--with", folder_ / "m.db#a", "--wait", "0", "-o", folder_ / "a.svg"})
+          .exit_code,
+      0);
 }
 
 TEST_F(Pictures, PlotTakesTheFormatFromTheSuffix) {
@@ -101,6 +112,24 @@ TEST_F(Pictures, PlotHoldsATrajectoryAgainstATruth) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--body", "-o", folder_ / "x.svg"}).exit_code, 2);
 }
 
+// Where the truth has no pose at the time of a keyframe, as well: both take the nearest.
+TEST_F(Pictures, PlotTellsTheErrorOfEvaluate) {
+  const std::string truth = SLAMDB_FIXTURES "/session_small_a/truth.txt";
+  for (const std::string align : {"se3", "sim3"}) {
+    const std::vector<std::string> how{kAtlas, "--time-offset", "0.007", "--align", align};
+    std::vector<std::string> evaluate{"evaluate", truth, "--json"}, plot{"plot", "--with", truth, "-O", "-o", "-"};
+    evaluate.insert(evaluate.begin() + 1, how.begin(), how.end());
+    plot.insert(plot.end(), how.begin(), how.end());
+    const auto json = nlohmann::json::parse(RunSlamdb(evaluate).out);
+    const auto rmse = json.at("evaluations").at(0).at("absolute").at("translation").at("rmse").get<double>();
+    EXPECT_THAT(RunSlamdb(plot).out, HasSubstr("; rmse " + detail::Digits(rmse, 4) + " m<"));
+  }
+  // A trajectory has its scale, though nothing in its atlas tells one.
+  ASSERT_EQ(RunSlamdb({"convert", kAtlas, folder_ / "path.tum"}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"plot", folder_ / "path.tum", "--with", truth, "-o", "-"}).out,
+              HasSubstr("; rmse 0.01763 m<"));
+}
+
 TEST_F(Pictures, ReportWritesOnePageOfOneAtlas) {
   const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.html"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -147,7 +176,8 @@ TEST_F(Pictures, ReportOfAStoreHasAPageForEachAtlas) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(fs::exists(folder_ / "out/lab.html"));
   EXPECT_TRUE(fs::exists(folder_ / "out/index_.html"));
-  EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
+  const std::string index = ReadWholeFile(folder_ / "out/index.html");
+  EXPECT_THAT(index, HasSubstr(" MB</td>")) << "about what each takes in the store";
 }
 
 TEST_F(Pictures, ReportShowsNamesInOneLine) {
@@ -176,6 +206,52 @@ TEST_F(Pictures, ReportPagesDifferByMoreThanCapitals) {
 
 TEST_F(Pictures, PlotRefusesNumbersThatAreNone) {
   EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--scale", "nan", "-o", folder_ / "x.png"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"plot", kAtlas, "--width", "200", "-o", folder_ / "x.png"}).exit_code, 2);
+}
+
+TEST_F(Pictures, ReportNamesItsPagesAsTheyAre) {
+  EXPECT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.png"}).exit_code, 2);
+  const ProcessResult several = RunSlamdb({"report", kAtlas, kBroken, "-o", folder_ / "two.html"});
+  EXPECT_EQ(several.exit_code, 2);
+  EXPECT_THAT(several.err, HasSubstr("two.html names a file; name a folder, as " + (folder_ / "two/")));
+  EXPECT_THAT(folder_.Names(), ElementsAre());
+  for (const char* folder : {"one/", "two"}) {
+    EXPECT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / folder}).exit_code, 0);
+    EXPECT_TRUE(fs::exists(folder_.path() / folder / "session_small_a.html")) << folder;
+  }
+}
+
+// It is the page that cannot be written, not the atlas that cannot be read.
+TEST_F(Pictures, ReportThatIsThereIsRefusedAtOnce) {
+  const auto refused = [&](const std::string& output, const std::string& there) {
+    const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / output});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(result.err, "slamdb: error: " + (folder_ / there) + ": is there already; -O/--overwrite replaces it\n");
+  };
+  ASSERT_EQ(RunSlamdb({"report", kAtlas, "-o", folder_ / "lab.html"}).exit_code, 0);
+  refused("lab.html", "lab.html");
+  fs::create_directory(folder_ / "pages");
+  WriteWholeFile(folder_ / "pages/index.html", "mine");
+  refused("pages", "pages/index.html");
+  EXPECT_EQ(fs::exists(folder_ / "pages/session_small_a.html"), false);
+}
+
+TEST_F(Pictures, ReportThatCannotBeWrittenSaysSo) {
+  const ProcessResult result = RunSlamdb({"report", kAtlas, "-o", folder_ / "none/lab.html"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, HasSubstr("none"));
+}
+
+TEST_F(Pictures, ReportIsNamedAsTheAtlas) {
+  const std::string here = "cd '" + folder_.path().string() + "' && '" + SLAMDB_COMMAND + "' report '";
+  const ProcessResult one = RunProgram({"bash", "-c", here + kAtlas + "'"});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr("wrote session_small_a.html"));
+  RunProgram({"bash", "-c", here + kAtlas + "' '" + kBroken + "'"});
+  EXPECT_THAT(folder_.Names(), ElementsAre("report", "session_small_a.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "report/index.html"));
 }
 
 TEST_F(Pictures, ReportOfAnEmptyFolderSaysSo) {

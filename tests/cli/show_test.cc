@@ -53,8 +53,8 @@ TEST(Show, TextHasEveryField) {
 TEST(Show, BeginsWithWhereTheCameraIs) {
   const std::string atlas = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
   const std::string text = RunSlamdb({"show", atlas, "kf/0"}).out;  // at the origin
-  EXPECT_EQ(text.find("camera at               0 0 0 m, world of map 0 with y down\n"
-                      "camera looks            0 degrees right of z, 0 up\n"
+  EXPECT_EQ(text.find("camera at               0 0 0 m, world of map 0 with y down (by cameras)\n"
+                      "camera looks            0 degrees left of z, 2.19 up\n"
                       "taken                   2014-06-24 19:02:59 UTC\n"),
             0U)
       << text.substr(0, 300);

@@ -95,6 +95,12 @@ TEST_F(Transform, AxesAndGravity) {
   const json report = json::parse(gravity.out);
   EXPECT_EQ(BreachOf(report, "transform.schema.json"), "");
   EXPECT_EQ(report["maps"][0]["upright"]["method"], "cameras");
+  const json levelled = json::parse(RunSlamdb({"info", In("level.osa"), "--json"}).out)["maps"][0];
+  EXPECT_EQ(levelled["up"], json({0, 0, 1}));
+  EXPECT_EQ(levelled["up_method"], "frame");
+  EXPECT_THAT(RunSlamdb({"info", In("level.osa")}).out, HasSubstr(", world with z up (by frame)\n"));
+  EXPECT_THAT(RunSlamdb({"info", In("a.osa")}).out, HasSubstr(", world with y down (by cameras)\n"));
+  EXPECT_THAT(RunSlamdb({"show", In("level.osa"), "kf/1"}).out, HasSubstr(" with z up (by frame)\n"));
 }
 
 TEST_F(Transform, BadInputGetsAClearErrorAndNoOutput) {

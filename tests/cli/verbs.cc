@@ -107,6 +107,7 @@ std::vector<std::pair<std::string, std::string>> TypesOfOptions() {
 
 std::string ValueOf(const Verb& verb, const FileOption& option) {
   if (!option.writes) return InputOf(verb.name(), option.name);
+  if (verb.name() == "view" || verb.name() == "report") return "page.html";
   if (*option.writes != cli::Writes::kFile) return option.name == "STORE" ? "out.db" : "out.osa";
   std::string name = option.name;
   name.erase(0, name.find_first_not_of('-'));

@@ -144,6 +144,10 @@ TEST_F(View, WrongUseIsSaidAtOnce) {
   EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "--keypoints", "some"}).exit_code, 2);
   EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "--port", "80"}).exit_code, 2) << "without --serve";
   EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "--diff", "-o", In("x.html")}).exit_code, 2) << "of one atlas";
+  const ProcessResult picture = RunSlamdb({"view", In("a.osa"), "-o", In("x.png")});
+  EXPECT_EQ(picture.exit_code, 2);
+  EXPECT_THAT(picture.err, HasSubstr("x.png does not say; name it " + In("x.html")));
+  EXPECT_FALSE(fs::exists(In("x.png")));
   EXPECT_EQ(RunSlamdb({"view", In("none.osa"), "-o", In("x.html")}).exit_code, 1);
   EXPECT_EQ(RunSlamdb({"view", In("a.osa"), "-o", In("none/x.html")}).exit_code, 1);
   EXPECT_FALSE(fs::exists(In("x.html")));
@@ -159,6 +163,24 @@ TEST_F(View, OpensTheBrowserThatIsNamed) {
       0);
   for (int i = 0; i < 200 && !fs::exists(In("opened")); ++i) ::usleep(50'000);
   EXPECT_EQ(ReadWholeFile(In("opened")), In("x.html") + "\n");
+}
+
+TEST_F(View, SaysWhatItOpensAndWhatItCannot) {
+  const auto open = [&](const std::string& browser) {
+    return RunProgram({"env", "BROWSER=" + browser, "PATH=/nowhere", SLAMDB_COMMAND, "view", In("a.osa"), "-o",
+                       In("x.html"), "-O", "--open"});
+  };
+  const ProcessResult missing = open("/nonexistent");
+  EXPECT_EQ(missing.exit_code, 0);
+  EXPECT_THAT(missing.err, HasSubstr("warning: /nonexistent, which BROWSER names, cannot be run"));
+  EXPECT_THAT(missing.err, HasSubstr("warning: no browser was found that opens it"));
+  const ProcessResult failing = open("/bin/false");
+  EXPECT_THAT(failing.err, HasSubstr("note: opening " + In("x.html") + " with /bin/false"));
+  EXPECT_THAT(failing.err, HasSubstr("warning: /bin/false ended with status 1"));
+  WriteWholeFile(In("stays"), "#!/bin/sh\nexec /bin/sleep 5\n");
+  fs::permissions(In("stays"), fs::perms::owner_all);
+  const ProcessResult staying = open(In("stays"));
+  EXPECT_EQ(staying.err, "slamdb: note: opening " + In("x.html") + " with " + In("stays") + "\n");
 }
 
 TEST_F(View, ServesUntilCtrlC) {

@@ -85,6 +85,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const StoredAtlas& atlas : Store::Open(store.path()).List()) fuzz::Require(!atlas.name.empty(), "names");
   });
   fuzz::MayRefuse([&] {
+    const MapQuery query{
+        .times = MapQuery::Times{0, 1e12}, .keyframes = MapQuery::Ids{0, 100}, .near = MapQuery::Ball{}};
+    fuzz::Require(Store::Open(store.path()).Find(query).size() <= 2, "what is found is there");
+  });
+  fuzz::MayRefuse([&] {
     Salvage salvage = SalvageAtlas(Location{store.path(), "one"}, options);
     fuzz::Require(!ToJson(RecoverSalvage(salvage, {.threads = 1})).empty(), "the losses can be told");
   });

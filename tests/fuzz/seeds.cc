@@ -7,6 +7,9 @@
 #include <string>
 
 #include "slamdb/base/file.h"
+#include "slamdb/edit/ids/id_map.h"
+#include "slamdb/edit/ids/renumber.h"
+#include "slamdb/edit/repair/journal.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
@@ -142,6 +145,24 @@ void WriteAtlases(const path& folder) {
     }
 }
 
+// Journals that lead from the atlas of fuzz_json.cc to what it is when fields and lists are changed, and ids for it.
+void WriteSeedsOfJson(const path& folder) {
+  const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 4, .points = 20, .features = 60, .threads = 1});
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Atlas changed = atlas;
+    fuzz::Mutate(changed, seed);
+    Journal journal;
+    try {
+      AppendChanges(changed, atlas, "map-listed-once", journal);
+    } catch (const Error&) {  // no journal brings entities back that are gone
+      continue;
+    }
+    WriteChanged(folder, "journal_" + std::to_string(seed), ToJson(journal));
+  }
+  const std::vector<IdMap> ids = {PlanRenumbering(atlas)};
+  WriteChanged(folder, "ids", IdMapsToJson(ids));
+}
+
 // Patches of a store, see fuzz_store.cc: one or a few bytes anywhere.
 void WriteStorePatches(const path& folder) {
   std::filesystem::create_directories(folder);
@@ -159,6 +180,7 @@ void WriteSeeds(const path& base) {
   WriteAtlases(base / "atlases");
   WriteSeedsOfFixtures(base);
   WriteSeedsOfTables(base / "table");
+  WriteSeedsOfJson(base / "json");
   const path archives = base / "orbslam3", blobs = base / "store_blobs";
   std::filesystem::create_directories(archives);
   std::filesystem::create_directories(blobs);

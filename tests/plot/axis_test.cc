@@ -49,7 +49,7 @@ TEST(Amounts, HaveThirtyTwoSteps) {
 TEST(Colors, AmountsGoFromDarkBlueToYellow) {
   EXPECT_NEAR(ColorOfAmount(0).blue, 0x54 / 255.0, 1e-9);
   EXPECT_NEAR(ColorOfAmount(1).red, 0xfd / 255.0, 1e-9);
-  EXPECT_EQ(ColorOfKind(0), ColorOfKind(7));
+  EXPECT_NE(ColorOfMap(MapId(0), false), ColorOfMap(MapId(0), true));
 }
 
 }  // namespace

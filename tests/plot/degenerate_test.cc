@@ -103,7 +103,7 @@ TEST_P(OddAtlas, IsDrawnAllTheSame) {
   const Atlas atlas = GetParam().make();
   for (const PlotKind kind : PlotKinds())
     for (const bool together : {false, true})
-      for (const int width : {200, 800}) {
+      for (const int width : {320, 800}) {
         const std::string svg = DrawPlot(atlas, {.kind = kind, .width = width, .together = together}).bytes;
         EXPECT_EQ(ProblemOfXml(svg), "") << NameOf(kind);
         EXPECT_THAT(svg, Not(HasSubstr("nan"))) << NameOf(kind);

@@ -3,11 +3,14 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <random>
 #include <thread>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/frame/align_trajectory.h"
+#include "slamdb/evaluate/evaluate.h"
+#include "slamdb/model/derive.h"
 #include "slamdb/plot/detail/axis.h"
 #include "slamdb/plot/detail/theme.h"
 #include "tests/plot/picture.h"
@@ -112,20 +115,94 @@ TEST(Plot, OfHundredThousandsOfPointsIsASmallFile) {
   EXPECT_LT(plot.bytes.size(), 1'000'000);
 }
 
-// A reference that is the path itself, moved, but for one place that is 3 m beside it in z.
-TEST(Trajectory, IsLaidOntoItsReference) {
-  const Map map = MapAt({{0, 0, 0}, {4, 0, 1}, {8, 0, 0}, {8, 0, 3}, {8, 1, 6}});
-  PlotOptions options{.kind = PlotKind::kTrajectory};
+// Poses of the path itself, moved.
+std::vector<TrajectoryPose> MovedPath(const Map& map) {
+  std::vector<TrajectoryPose> poses;
   for (const KeyFrame& keyframe : map.keyframes)
-    options.reference.push_back({keyframe.timestamp, (-keyframe.camera_from_world.translation).cast<double>() +
-                                                         Eigen::Vector3d(100, 200, 300)});
-  const Atlas atlas = AtlasOf(map);
-  const std::string exact = DrawPlot(atlas, options).bytes;
-  EXPECT_EQ(ProblemOfXml(exact), "");
-  options.reference[2].position.z() += 3;
-  EXPECT_NE(DrawPlot(atlas, options).bytes, exact);
-  for (TimedPosition& position : options.reference) position.timestamp += 1000;
-  EXPECT_EQ(KindOf([&] { static_cast<void>(DrawPlot(atlas, options)); }), ErrorKind::kNotPossible);
+    poses.push_back({keyframe.timestamp, CameraCenter(keyframe).cast<double>() + Eigen::Vector3d(100, 200, 300)});
+  return poses;
+}
+
+PlotOptions Against(const Map& map, std::vector<TrajectoryPose> reference) {
+  Estimate estimate{.map = map.id};
+  for (const KeyFrame& keyframe : map.keyframes)
+    estimate.poses.push_back({keyframe.timestamp, CameraCenter(keyframe).cast<double>()});
+  EvaluationReport report = EvaluateTrajectories({estimate}, reference);
+  return {.kind = PlotKind::kTrajectory,
+          .format = PlotFormat::kPng,
+          .reference = PlotReference{std::move(reference), std::move(report)}};
+}
+
+const Map& Walk() {
+  static const Map map = MapAt({{0, 0, 0}, {4, 0, 1}, {8, 0, 0}, {8, 0, 3}, {8, 1, 6}});
+  return map;
+}
+
+TEST(Trajectory, TellsTheErrorOfTheEvaluation) {
+  std::vector<TrajectoryPose> reference = MovedPath(Walk());
+  reference[2].position.z() += 3;
+  PlotOptions options = Against(Walk(), reference);
+  const double rmse = options.reference->evaluation.evaluations.at(0).absolute.translation.rmse;
+  ASSERT_GT(rmse, 0.1);
+  EXPECT_THAT(DrawPlot(AtlasOf(Walk()), options).text, HasSubstr("; rmse " + detail::Digits(rmse, 4) + " m"));
+  options.reference->unit = "map units";
+  options.format = PlotFormat::kSvg;
+  const Plot plot = DrawPlot(AtlasOf(Walk()), options);
+  EXPECT_THAT(plot.text, HasSubstr(detail::Digits(rmse, 4) + " map units"));
+  EXPECT_EQ(ProblemOfXml(plot.bytes), "");
+}
+
+TEST(Trajectory, DrawsTheReferenceWholeAndWhereTheTrajectoryBeginsAndEnds) {
+  std::vector<TrajectoryPose> reference = MovedPath(Walk());
+  const auto pixels_of = [&](const plot::Color& color) {
+    const Picture picture = Picture::Of(DrawPlot(AtlasOf(Walk()), Against(Walk(), reference)).bytes);
+    std::size_t count = 0;
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) count += picture.At(x, y) == Pixel(color) ? 1 : 0;
+    return count;
+  };
+  const plot::Theme& theme = plot::Theme::Light();
+  const std::size_t paired = pixels_of(theme.reference);
+  EXPECT_GT(pixels_of(theme.start), 80U);  // the mark, and the legend's
+  EXPECT_GT(pixels_of(theme.end), 100U);
+  for (int i = 1; i < 6; ++i)
+    reference.push_back({reference.back().timestamp + 1, reference.back().position + Eigen::Vector3d(-1, 0, 0)});
+  EXPECT_GT(pixels_of(theme.reference), paired + 200);
+}
+
+TEST(Trajectory, WithoutAnEvaluationIsRefused) {
+  PlotOptions options = Against(Walk(), MovedPath(Walk()));
+  options.reference->evaluation.evaluations.clear();
+  EXPECT_EQ(KindOf([&] { static_cast<void>(DrawPlot(AtlasOf(Walk()), options)); }), ErrorKind::kNotPossible);
+}
+
+TEST(Plots, OfOneAtlasAreThoseOfEachAlone) {
+  std::vector<PlotOptions> pictures;
+  for (const PlotKind kind : PlotKinds())
+    for (const bool dark : {false, true}) pictures.push_back({.kind = kind, .dark = dark});
+  const std::vector<Plot> plots = DrawPlots(Sample(), pictures);
+  ASSERT_EQ(plots.size(), pictures.size());
+  for (std::size_t i = 0; i < plots.size(); ++i)
+    EXPECT_EQ(plots[i].bytes, DrawPlot(Sample(), pictures[i]).bytes) << NameOf(pictures[i].kind);
+}
+
+// Track lengths, reprojection errors and covisibility are a row of 230 pixels and the space below it.
+TEST(Overview, LeavesOutDiagramsThatWouldBeEmptyAndPutsThemBelowEachOtherOnANarrowPage) {
+  const Atlas path = AtlasOf(Walk());
+  const auto rows = [&](const Atlas& atlas, int width) {
+    double rest = DrawPlot(atlas, {.width = width}).height + 28;
+    for (const PlotKind kind : {PlotKind::kPlan, PlotKind::kSide, PlotKind::kTimeline})
+      rest -= DrawPlot(atlas, {.kind = kind, .width = width}).height;
+    return static_cast<int>(std::lround(rest / 248));
+  };
+  EXPECT_EQ(rows(path, 800), 0);
+  EXPECT_EQ(rows(Sample(), 800), 1);
+  EXPECT_EQ(rows(Sample(), 600), 2);
+  EXPECT_EQ(rows(Sample(), 400), 3);
+}
+
+TEST(Thumbnail, HasColoursForADarkPage) {
+  EXPECT_NE(DrawThumbnail(Sample(), 240, 150).bytes, DrawThumbnail(Sample(), 240, 150, /*dark=*/true).bytes);
 }
 
 TEST(Thumbnail, IsASmallPictureWithoutWords) {

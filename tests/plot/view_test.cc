@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "slamdb/edit/frame/transform.h"
 #include "tests/plot/picture.h"
 #include "tests/plot/worlds.h"
 
@@ -38,14 +39,50 @@ TEST(RangeOfMost, LeavesOutWhatIsFarOff) {
   EXPECT_DOUBLE_EQ(RangeOfMost(none).size(), 0);
 }
 
-TEST(Frame, IsThePlaneOfTheTwoLargestSpreadsWithTheCamerasUpright) {
+TEST(Frame, IsLevelWithTheLargestSpreadToTheRight) {
   // Along z most, along x less; cameras have y down, so that up is -y.
   const Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {2, 0, 5}, {0, 0.1F, 10}, {-2, 0, 20}}));
   const Frame frame = SceneOf(atlas, {}).maps.at(0).frame;
   EXPECT_GT(std::abs(frame.axes_from_world(0, 2)), 0.95);
-  EXPECT_LT(frame.axes_from_world(2, 1), -0.99);
+  EXPECT_LT(frame.axes_from_world(2, 1), -0.999);
   EXPECT_NEAR(frame.axes_from_world.determinant(), 1, 1e-9);
-  EXPECT_THAT(frame.names[0], ::testing::HasSubstr("largest spread"));
+  EXPECT_THAT(frame.names[0], ::testing::HasSubstr("largest level spread"));
+  EXPECT_EQ(frame.how, "up by the cameras");
+}
+
+// A camera on its way down a stairwell: the two largest spreads of its path are those of a front view.
+TEST(Frame, IsAPlanWherePathsClimb) {
+  const Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {0, 4, 0.2F}, {0.1F, 8, 0}, {1, 12, 0.1F}}));
+  const Frame frame = SceneOf(atlas, {}).maps.at(0).frame;
+  EXPECT_LT(frame.axes_from_world(2, 1), -0.999);
+}
+
+TEST(Frame, OfPlacesOnALevelLineHasTheAxesOfTheMap) {
+  const Frame frame = SceneOf(AtlasOf(MapAt({{0, 0, 0}, {0, 0, 3}})), {}).maps.at(0).frame;
+  EXPECT_THAT(frame.names, ::testing::ElementsAre("x of the map", "z of the map", "\u2212y of the map"));
+}
+
+TEST(Frame, IsTheSameAfterTheMapWasMoved) {
+  Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {2, 0, 5}, {0, 1, 10}, {-2, 0, 20}}));
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(0.7, 0.5, -0.4, 0.2).normalized();
+  const Eigen::RowVector3d before = SceneOf(atlas, {}).maps.at(0).frame.axes_from_world.row(2);
+  TransformMap(atlas.maps[0], {1, turn, {1, 2, 3}});
+  const Eigen::RowVector3d after = SceneOf(atlas, {}).maps.at(0).frame.axes_from_world.row(2);
+  EXPECT_TRUE((turn * before.transpose()).isApprox(after.transpose(), 1e-5));
+}
+
+TEST(Frame, OfMapsDrawnTogetherHasOneUp) {
+  Atlas atlas = AtlasOf(MapAt({{0, 0, 0}, {2, 0, 5}, {0, 1, 10}, {-2, 0, 20}}));
+  atlas.maps.push_back(MapAt({{0, 0, 0}, {1, 0, 5}}));
+  TransformMap(atlas.maps[1], {1, Eigen::Quaterniond(0.7, 0.5, -0.4, 0.2).normalized()});
+  const auto ups = [&](bool together) {
+    const PlotOptions options{.together = together};
+    std::vector<Eigen::RowVector3d> rows;
+    for (const MapScene& map : SceneOf(atlas, options).maps) rows.emplace_back(map.frame.axes_from_world.row(2));
+    return rows;
+  };
+  EXPECT_FALSE(ups(false)[0].isApprox(ups(false)[1], 0.1));
+  EXPECT_TRUE(ups(true)[0].isApprox(ups(true)[1], 1e-9));
 }
 
 TEST(Frame, StandsUprightWhereTheImuTells) {
@@ -85,8 +122,8 @@ TEST(Plan, DrawsKeyFramesWhereTheyAre) {
   };
   EXPECT_EQ(at({0, 0, 0}), Pixel(scene.theme.start));
   EXPECT_EQ(at({8, 0, 6}), Pixel(scene.theme.end));
-  EXPECT_EQ(at({4, 0, 0}), Pixel(ColorOfKind(0)));
-  EXPECT_EQ(at({8, 0, 3}), Pixel(ColorOfKind(0)));
+  EXPECT_EQ(at({4, 0, 0}), Pixel(ColorOfMap(MapId(0), false)));
+  EXPECT_EQ(at({8, 0, 3}), Pixel(ColorOfMap(MapId(0), false)));
   EXPECT_EQ(at({2, 0, 3.3}), Pixel(scene.theme.paper));
 }
 

@@ -128,6 +128,24 @@ TEST(ReportIndex, HasARowForEachAndRunsOneScriptOnly) {
   EXPECT_THAT(index, HasSubstr("2 of 3 atlases are sound"));
 }
 
+TEST(ReportIndex, TellsTheUnitOfEachRow) {
+  const std::vector<AtlasReport> reports{
+      ReportOn(SynthesizeAtlas({.keyframes = 6, .points = 200}), "mono.osa"),
+      ReportOn(SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = 6, .points = 200}), "d.osa")};
+  const std::string index = ReportIndex(reports, "maps");
+  const std::size_t second = index.find("d.osa");
+  EXPECT_THAT(index.substr(0, second), HasSubstr(" units</td>"));
+  EXPECT_THAT(index.substr(second), HasSubstr(" m</td>"));
+}
+
+// The style shows the one that suits the page.
+TEST(ReportIndex, HasThumbnailsForLightAndDarkPages) {
+  const std::string index =
+      ReportIndex(std::vector{ReportOn(SynthesizeAtlas({.keyframes = 6, .points = 200}), "a.osa")}, "maps");
+  EXPECT_EQ(CountOf(index, "class=\"light\" src=\"data:image/png;base64,"), CanPlot() ? 1U : 0U);
+  EXPECT_EQ(CountOf(index, "class=\"dark\" src=\"data:image/png;base64,"), CanPlot() ? 1U : 0U);
+}
+
 // A browser runs the script only when its hash is that of the policy.
 TEST(ReportIndex, AllowsItsOwnScriptAndStyle) {
   const std::string index = ReportIndex({}, "none");

@@ -226,11 +226,15 @@ TEST_F(ViewScene, SaysWhichMapsAreMetric) {
   EXPECT_EQ(DataOf(initialised).header.at(metric), true);
 }
 
-TEST_F(ViewScene, UpIsAgainstGravityWhereItIsKnown) {
-  EXPECT_TRUE(DataOf(SoundAtlas(Base::kMonocular)).header.at("/atlases/0/maps/0/up"_json_pointer).is_null());
-  const auto up = DataOf(SoundAtlas(Base::kInertial)).header.at("/atlases/0/maps/0/up"_json_pointer);
-  ASSERT_EQ(up.size(), 3U);
-  EXPECT_NEAR(up[2].get<double>(), 1, 0.01);
+TEST_F(ViewScene, SaysWhichWayIsUp) {
+  const auto inertial = DataOf(SoundAtlas(Base::kInertial)).header.at("/atlases/0/maps/0"_json_pointer);
+  EXPECT_NEAR(inertial["up"][2].get<double>(), 1, 0.01);
+  EXPECT_EQ(inertial["up_method"], "inertia");
+  const auto monocular = DataOf(SoundAtlas(Base::kMonocular)).header.at("/atlases/0/maps/0"_json_pointer);
+  EXPECT_NEAR(monocular["up"][1].get<double>(), -1, 0.02);
+  EXPECT_EQ(monocular["up_method"], "cameras");
+  EXPECT_NEAR(monocular["upright"][0].get<double>(), -std::sqrt(0.5), 0.01) << "a quarter of a turn about x";
+  EXPECT_NEAR(monocular["upright"][3].get<double>(), std::sqrt(0.5), 0.01);
 }
 
 }  // namespace

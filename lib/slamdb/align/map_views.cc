@@ -10,10 +10,10 @@
 
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
-#include "slamdb/edit/frame/gravity.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
 #include "slamdb/model/statistics.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::detail {
 namespace {
@@ -59,6 +59,15 @@ void SetPose(View& view, const Rigid3f& camera_from_world) {
   view.center = -view.rotation.transpose() * view.translation;
 }
 
+// Against gravity where an IMU tells it: z, as ORB-SLAM3 has it, unless the map was turned since.
+std::optional<Eigen::Vector3d> UpByGravity(const Map& map) {
+  constexpr double kTurned = 0.9986;  // cosine of 3 degrees: more than the IMU's data is off by
+  const auto gravity = GravityByInertia(map);
+  if (!gravity || !gravity->allFinite() || gravity->isZero()) return std::nullopt;
+  const Eigen::Vector3d up = -gravity->normalized();
+  return up.z() > kTurned ? Eigen::Vector3d::UnitZ() : up;
+}
+
 }  // namespace
 
 KeypointCells::KeypointCells(std::span<const Keypoint> keypoints) : keypoints_(keypoints) {
@@ -92,7 +101,7 @@ double View::ScaleOf(std::int32_t octave) const {
 
 MapViews::MapViews(const Atlas& atlas, std::size_t map, int threads) : map_(&atlas.maps[map]) {
   metric_ = IsMetric(*map_);
-  up_ = UpByInertia(*map_);
+  up_ = UpByGravity(*map_);
   AddViews(atlas);
   AddPoints();
   AddSightings();

@@ -11,6 +11,15 @@
 
 namespace slamdb::detail {
 
+std::string Rounded(double amount) {
+  constexpr double kGroups = 9999.5, kMost = 1e15;  // between, four digits would be written with an exponent
+  const double size = std::abs(amount);
+  if (!(size >= kGroups && size < kMost)) return Digits(amount + 0.0, 4);  // no -0
+  return Concat(amount < 0 ? "-" : "", Thousands(static_cast<std::uint64_t>(size + 0.5)));
+}
+
+std::string LengthText(double length, std::string_view unit) { return Concat(Rounded(length), ' ', unit); }
+
 std::string DurationText(double seconds) {
   constexpr double kMinute = 59.95, kMost = 1e15;                     // from 59.95 on three digits would say 60 s
   if (!(seconds >= kMinute)) return Digits(seconds + 0.0, 3) + " s";  // no -0

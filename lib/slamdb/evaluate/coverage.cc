@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slamdb/base/detail/median.h"
+#include "slamdb/model/detail/gaps.h"
 
 namespace slamdb::detail {
 namespace {
-
-constexpr double kLeastGap = 1, kMedians = 5;  // seconds; how many times farther apart than usual
 
 // The way gone up to each pose.
 std::vector<double> WaysOf(const Poses& poses) {
@@ -20,10 +18,9 @@ std::vector<double> WaysOf(const Poses& poses) {
 }
 
 double GapLimit(const Poses& reference, const std::vector<PairedTrajectories::Pair>& pairs) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < pairs.size(); ++i)
-    steps.push_back(reference[pairs[i].reference].timestamp - reference[pairs[i - 1].reference].timestamp);
-  return std::max(kLeastGap, kMedians * MedianOf(std::move(steps)));
+  std::vector<double> times;
+  for (const PairedTrajectories::Pair& pair : pairs) times.push_back(reference[pair.reference].timestamp);
+  return GapBetween(times);
 }
 
 }  // namespace

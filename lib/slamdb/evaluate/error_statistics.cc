@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/base/detail/median.h"
+
 namespace slamdb {
 
 double PercentileOf(std::span<const double> sorted, double percent) {
   if (sorted.empty()) return ErrorStatistics::kNone;
-  const double place = percent / 100 * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return std::lerp(sorted[below], sorted[above], place - std::floor(place));
+  return detail::InterpolatedQuantileOf(sorted, percent / 100);
 }
 
 ErrorStatistics ErrorStatisticsOf(std::vector<double> errors) {

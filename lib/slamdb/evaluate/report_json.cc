@@ -114,8 +114,7 @@ Json JsonOf(const TrajectoryEvaluation& evaluation, bool with_errors) {
 }  // namespace
 
 std::string ToJson(const EvaluationReport& report, const EvaluationReportOptions& options) {
-  Json json = detail::ReportHead("evaluate");
-  json["input"] = detail::TextOrNull(options.input);
+  Json json = detail::ReportHead("evaluate", options.input);
   json["reference"] = detail::TextOrNull(options.reference);
   json["evaluations"] = Json::array();
   for (const TrajectoryEvaluation& evaluation : report.evaluations)

@@ -137,6 +137,8 @@ struct Format {
   bool named = false;           // a file holds several atlases, each under a name
   bool chooses_maps = false;    // writes the map of ExportOptions::map alone; others write all maps whatever it says
   bool keeps_encoding = false;  // reads and keeps ArchiveEncoding
+  bool has_colors = false;      // of points, as PointCloudOptions::color has them
+  bool is_on_globe = false;     // lays maps onto the earth, from GeographicOptions::origin on
   bool is_export = false;       // claims to hold points or poses, and no atlas: what it leaves out is no loss
   Content reads = Content::kNothing, writes = Content::kNothing;
   bool (*sniff)(const Probe&) = nullptr;  // by first bytes; null: by suffix only

@@ -59,14 +59,33 @@ std::string Ids(bool (*has)(const Format&)) {
   return list;
 }
 
-// The same of their suffixes: the first of each, which stands for the others.
-std::string SuffixesToWrite() {
-  std::string list;
-  for (const Format& format : Formats()) {
-    if (!CanWrite(format) || format.suffixes.empty()) continue;
-    list.append(list.empty() ? "" : ", ").append(format.suffixes.front());
-  }
-  return list;
+// Suffixes that people try, and the nearest that a format has. One that misleads is that of another format, by which
+// programs would take the file for what it is not.
+struct KindredSuffix {
+  std::string_view tried, nearest;
+  bool misleads = false;
+};
+constexpr KindredSuffix kKindred[] = {
+    {".gltf", ".glb", true}, {".kmz", ".kml", true},  {".obj", ".ply", true}, {".stl", ".ply", true},
+    {".las", ".ply", true},  {".bag", ".mcap", true}, {".db3", ".mcap"},      {".xyz", ".ply"},
+    {".json", ".ndjson"},    {".tsv", ".csv"},        {".gz", ".mrpt.gz"},    {".bin", ".osa"},
+};
+
+const KindredSuffix* FindKindred(const std::string& path) {
+  const auto kindred =
+      std::ranges::find(kKindred, Lower(std::filesystem::path(path).extension().string()), &KindredSuffix::tried);
+  return kindred == std::end(kKindred) ? nullptr : kindred;
+}
+
+// `slamdb convert a.osa b.gltf --to gltf`: other programs would not read it by that name.
+void RefuseMisleadingSuffix(const Format& format, const Target& target) {
+  const KindredSuffix* kindred = target.is_file() ? FindKindred(target.path) : nullptr;
+  if (kindred == nullptr || !kindred->misleads) return;
+  const std::string named = std::filesystem::path(target.path)
+                                .replace_extension(format.suffixes.empty() ? kindred->nearest : format.suffixes.front())
+                                .string();
+  throw Error(ErrorKind::kUsage, target.path, "",
+              Concat("a ", kindred->tried, " is something else than a ", format.title, "; name it ", named));
 }
 
 void RequireReadable(const Format& format, const std::string& path) {
@@ -162,10 +181,13 @@ const Format& FormatOfSuffix(const Target& target) {
                        "has no suffix to tell the format by; WriteOptions::format names it (", Ids(CanWrite), ")"));
   if (const Format* format = FormatBySuffix(target.path, CanWrite)) return *format;
   RefuseImpossibleName(target.path);
+  const KindredSuffix* kindred = FindKindred(target.path);
   throw Error(ErrorKind::kUsage, target.path, "",
               Concat(target.name.empty() ? "" : "`#" + target.name + "` names an atlas of a store of this name, but ",
-                     "its suffix tells no format; there are ", SuffixesToWrite(),
-                     "; or name the format by WriteOptions::format"));
+                     "its suffix tells no format; ",
+                     kindred == nullptr ? "others do, such as .osa, .db, .ply, .tum, .csv"
+                                        : Concat("the nearest is ", kindred->nearest),
+                     "; `Formats` lists all, and WriteOptions::format names one"));
 }
 
 }  // namespace
@@ -207,6 +229,7 @@ const Format& detail::FormatToWrite(const Target& target, const WriteOptions& op
   if (format == nullptr) format = options.format.empty() ? &FormatOfSuffix(target) : &FormatById(options.format);
   RequireWritable(*format, target.path);
   RequirePlain(*format, target.path, target.name);
+  if (options.custom_format == nullptr) RefuseMisleadingSuffix(*format, target);
   return *format;
 }
 

@@ -69,6 +69,8 @@ Json MapJson(const MapStatistics& map) {
           {"merge_edges", map.merge_edges},
           {"components", map.components},
           {"largest_component", map.largest_component},
+          {"up", VectorJson(map.up.direction.cast<float>())},
+          {"up_method", NameOf(map.up.method)},
           {"bounding_box", BoxJson(map.bounding_box)},
           {"trajectory_length", map.trajectory_length},
           {"begin_time", map.begin_time},
@@ -145,10 +147,9 @@ AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notic
 }
 
 std::string ToJson(const AtlasInfo& info, int indent) {
-  Json json = detail::ReportHead("info");
-  json["input"] = detail::TextOrNull(info.input);
+  Json json = detail::ReportHead("info", info.input);
   json["format"] = info.format_id;
-  json["bytes"] = info.bytes ? Json(*info.bytes) : Json();
+  json["bytes"] = detail::NumberOrNull(info.bytes);
   if (info.encoding) json["encoding"] = detail::JsonOf(*info.encoding);
   json["vocabulary"] = detail::JsonOf(info.vocabulary);
   json["next_ids"] = detail::JsonOf(info.next_ids);

@@ -30,10 +30,11 @@ ForeignFile DescribeDirectory(const std::string& path) {
   if (has("metadata.yaml"))
     return {ErrorKind::kUnsupported,
             "not an atlas: this folder is a ROS 2 bag; run a SLAM system on it and give the atlas that it saves"};
-  const auto atlas =
-      std::find_if(names.begin(), names.end(), [](const std::string& name) { return name.ends_with(".osa"); });
+  const auto is_atlas = [](const std::string& name) { return name.ends_with(".osa"); };
   std::string problem = "is a directory, expected an atlas file; ListAtlases and CheckAtlas take all that is in it";
-  if (atlas != names.end()) problem += "; did you mean " + (std::filesystem::path(path) / *atlas).string() + "?";
+  const auto atlas = std::find_if(names.begin(), names.end(), is_atlas);
+  const bool alone = atlas != names.end() && std::none_of(atlas + 1, names.end(), is_atlas);
+  if (alone) problem += "; did you mean " + (std::filesystem::path(path) / *atlas).string() + "?";
   return {ErrorKind::kUsage, std::move(problem)};
 }
 

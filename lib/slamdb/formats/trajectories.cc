@@ -99,7 +99,7 @@ std::vector<MapTrajectory> TrajectoriesOf(const Atlas& atlas, PoseFrame frame, N
   WriteOptions options;
   options.of<TrajectoryOptions>().pose_frame = frame;
   std::vector<MapTrajectory> maps;
-  for (const detail::MapTrajectory& trajectory :
+  for (const detail::KeyFrameTrajectory& trajectory :
        detail::CollectTrajectories(atlas, Target(""), options, notices == nullptr ? unheard : *notices).maps) {
     MapTrajectory& map = maps.emplace_back(MapTrajectory{.map = trajectory.map->id, .poses = {}});
     map.poses.reserve(trajectory.poses.size());

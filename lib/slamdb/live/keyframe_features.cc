@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
 #include "slamdb/live/detail/own.h"
 #include "slamdb/live/keyframe.h"
@@ -168,9 +169,7 @@ float KeyFrame::ComputeSceneMedianDepth(int q) {
   for (MapPoint* point : GetMapPointMatches())
     if (point != nullptr) depths.push_back((pose * point->GetWorldPos()).z());
   if (depths.empty() || q < 1) return -1;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>((depths.size() - 1) / static_cast<std::size_t>(q));
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return slamdb::detail::ElementInOrder(depths, (depths.size() - 1) / static_cast<std::size_t>(q));
 }
 
 }  // namespace slamdb::live

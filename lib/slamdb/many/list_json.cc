@@ -8,11 +8,7 @@ namespace slamdb {
 namespace {
 
 using detail::Json;
-
-template <class Number>
-Json NumberOrNull(const std::optional<Number>& number) {
-  return number ? Json(*number) : Json();
-}
+using detail::NumberOrNull;
 
 void AddSummary(const AtlasSummary& summary, Json& json) {
   json["maps"] = summary.maps;
@@ -53,8 +49,7 @@ Json JsonOf(const ListedAtlas& atlas) {
 }  // namespace
 
 std::string ToJson(std::span<const ListedAtlas> atlases, const std::string& input) {
-  Json json = detail::ReportHead("list");
-  json["input"] = detail::TextOrNull(input);
+  Json json = detail::ReportHead("list", input);
   json["atlases"] = Json::array();
   for (const ListedAtlas& atlas : atlases) json["atlases"].push_back(JsonOf(atlas));
   return detail::JsonText(json);

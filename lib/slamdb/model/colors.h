@@ -16,6 +16,10 @@ using Color = std::array<std::uint8_t, 3>;
 // Of what has no value.
 inline constexpr Color kNoColor = {128, 128, 128};
 
+// Of the edges of a map's graph.
+inline constexpr Color kCovisibilityColor = {148, 164, 162}, kSpanningTreeColor = {146, 218, 221},
+                       kLoopColor = {189, 31, 1}, kMergeColor = {131, 45, 182};
+
 // One of ten colours, by map id.
 // M. A. Petroff, "Accessible color sequences for data visualization", 2021.
 SLAMDB_EXPORT Color ColorOfMap(MapId id);

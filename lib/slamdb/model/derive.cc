@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "slamdb/base/detail/median.h"
+
 namespace slamdb {
 namespace {
 
@@ -204,14 +206,13 @@ std::size_t MostDistinctiveDescriptor(const std::vector<Descriptor>& descriptors
   const std::size_t count = descriptors.size();
   if (count <= 2) return 0;
   std::vector<int> distances(count);
-  const auto middle = static_cast<std::ptrdiff_t>((count - 1) / 2);
   std::size_t best = 0;
   int best_median = std::numeric_limits<int>::max();
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < count; ++j) distances[j] = HammingDistance(descriptors[i], descriptors[j]);
-    std::nth_element(distances.begin(), distances.begin() + middle, distances.end());
-    if (distances[static_cast<std::size_t>(middle)] < best_median) {
-      best_median = distances[static_cast<std::size_t>(middle)];
+    const int median = detail::ElementInOrder(distances, (count - 1) / 2);
+    if (median < best_median) {
+      best_median = median;
       best = i;
     }
   }

@@ -2,15 +2,19 @@
 #include "slamdb/model/statistics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/edges.h"
 #include "slamdb/model/detail/map_extent.h"
 #include "slamdb/model/index.h"
 
@@ -27,11 +31,9 @@ Distribution Describe(Column<T>& values) {
   distribution.count = values.size();
   if (values.empty()) return distribution;
   const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   distribution.mean = sum / static_cast<double>(values.size());
   distribution.max = static_cast<double>(*std::max_element(values.begin(), values.end()));
-  std::nth_element(values.begin(), middle, values.end());
-  distribution.median = static_cast<double>(*middle);
+  distribution.median = static_cast<double>(detail::ElementInOrder(values, values.size() / 2));
   return distribution;
 }
 
@@ -64,6 +66,7 @@ class MapCounter {
     result_.sensor = detail::SensorOf(map_);
     result_.metric = detail::IsMetricWith(result_.sensor, map_);
     result_.has_imu = detail::HasImu(map_);
+    result_.up = UpOf(map_);
     MeasureTrajectory();
     CountEdges();
     CountPoints();
@@ -104,30 +107,16 @@ class MapCounter {
     result_.trajectory_length = trajectory.length;
   }
 
-  using Pair = std::pair<std::uint32_t, std::uint32_t>;  // rows of keyframes, the smaller first
-
-  void AddPair(std::vector<Pair>& pairs, std::uint32_t from, KeyFrameId to) const {
-    const std::uint32_t other = index_.KeyFrameRow(row_, to);
-    if (other != kNoRow) pairs.emplace_back(std::min(from, other), std::max(from, other));
-  }
-
-  static std::uint64_t CountDistinct(std::vector<Pair>& pairs) {
-    std::sort(pairs.begin(), pairs.end());
-    return static_cast<std::uint64_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
-  }
-
   void CountEdges() {
-    std::vector<Pair> loops, merges;
+    const auto row_of = [&](KeyFrameId id) { return index_.KeyFrameRow(row_, id); };
+    result_.loop_edges = detail::EdgesOf(map_, &KeyFrame::loop_edges, row_of).size();
+    result_.merge_edges = detail::EdgesOf(map_, &KeyFrame::merge_edges, row_of).size();
     std::vector<std::uint32_t> root(map_.keyframes.size());
     std::iota(root.begin(), root.end(), 0U);
     for (std::uint32_t row = 0; row < map_.keyframes.size(); ++row) {
       const KeyFrame& keyframe = map_.keyframes[row];
-      for (const KeyFrameId other : keyframe.loop_edges) AddPair(loops, row, other);
-      for (const KeyFrameId other : keyframe.merge_edges) AddPair(merges, row, other);
       for (const Connection& connection : keyframe.connections) Join(root, row, connection.keyframe);
     }
-    result_.loop_edges = CountDistinct(loops);
-    result_.merge_edges = CountDistinct(merges);
     CountComponents(root);
   }
 
@@ -169,8 +158,7 @@ class MapCounter {
     observers.reserve(map_.points.size());
     for (const MapPoint& point : map_.points) {
       result_.largest_point_id = std::max(result_.largest_point_id, point.id.value());
-      for (const Observation& observation : point.observations)
-        result_.observations += static_cast<std::uint64_t>((observation.left >= 0) + (observation.right >= 0));
+      result_.observations += point.observations.size();
       if (point.bad) {
         ++result_.bad_points;
         continue;
@@ -242,6 +230,11 @@ class MapCounter {
 };
 
 }  // namespace
+
+std::string SensorText(MapSensor sensor, bool has_imu) {
+  constexpr std::array<std::string_view, 4> kTexts = {"no keyframes", "monocular", "stereo or RGB-D", "fisheye stereo"};
+  return std::string(kTexts.at(static_cast<std::size_t>(sensor))) + (has_imu ? " with IMU" : "");
+}
 
 AtlasStatistics ComputeStatistics(const Atlas& atlas, int threads) {
   const AtlasIndex index(atlas);

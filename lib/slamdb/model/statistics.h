@@ -3,10 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb {
 
@@ -17,6 +19,8 @@ enum class MapSensor {
   kStereoOrRgbd,   // one camera with depths: a file does not tell a rectified pair from a depth camera
   kFisheyeStereo,  // two cameras
 };
+// For people: `monocular`, `stereo or RGB-D with IMU`; `no keyframes`.
+[[nodiscard]] SLAMDB_EXPORT std::string SensorText(MapSensor sensor, bool has_imu);
 
 // Whether lengths of a map are metres: every sensor but a lone camera tells them, and an initialised IMU does for that
 // one.
@@ -44,12 +48,13 @@ struct MapStatistics {
   MapSensor sensor = MapSensor::kUnknown;
   bool has_imu = false;  // calibrated keyframes, or the map says it is inertial
   bool metric = false;   // see IsMetric
+  Up up;                 // see UpOf
 
   std::uint64_t keyframes = 0, points = 0;  // all that are stored, the bad ones too
   std::uint64_t bad_keyframes = 0, bad_points = 0;
   std::uint64_t landmarks = 0;                    // of MRPT
   std::uint64_t features = 0;                     // sum of KeyFrame N
-  std::uint64_t observations = 0;                 // a keyframe that sees a point with both cameras counts 2
+  std::uint64_t observations = 0;                 // of points by keyframes
   std::uint64_t covisibility_edges = 0;           // each pair of keyframes once, whichever of them lists it
   std::uint64_t loop_edges = 0, merge_edges = 0;  // likewise
 
@@ -60,7 +65,7 @@ struct MapStatistics {
   Distribution observers;                         // keyframes that observe a good point
   std::vector<std::uint64_t> observer_histogram;  // good points by observers; the last of kHistogramSize: or more
   Distribution reprojection_error;                // pixels at full size, per observation that can be projected
-  std::uint64_t unprojectable = 0;                // observations behind the camera, dangling, or not finite
+  std::uint64_t unprojectable = 0;                // of each camera: behind it, dangling, or not finite
 
   std::uint64_t components = 0;         // connected parts of the covisibility graph of good keyframes
   std::uint64_t largest_component = 0;  // keyframes

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -155,8 +156,7 @@ double MedianResidual(Points source, Points target, const Similarity3d& transfor
   std::vector<double> residuals;
   for (std::size_t row = 0; row < source.size(); ++row) residuals.push_back(Residual(source, target, transform, row));
   const std::size_t middle = std::max<std::size_t>(residuals.size() / 2, 3);
-  std::ranges::nth_element(residuals, residuals.begin() + static_cast<std::ptrdiff_t>(middle));
-  return residuals[middle];
+  return detail::ElementInOrder(residuals, middle);
 }
 
 double SpreadOf(Points points, const Rows& rows) {

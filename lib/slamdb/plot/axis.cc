@@ -43,15 +43,55 @@ std::vector<Tick> TicksOf(const Range& range, double step) {
   return ticks;
 }
 
+LegendEntry LineEntry(const std::string& word, const Color& color) {
+  return {word, [color](Canvas& canvas, const Spot& at) { canvas.Line(at - Spot(7, 0), at + Spot(6, 0), color, 2); }};
+}
+
+namespace {
+
+// Draws all entries, or the first ones and an ellipsis, between `left` and the right end of the box; returns where they
+// begin.
+double DrawLegend(Canvas& canvas, const Theme& theme, const Box& box, double left, Legend legend) {
+  constexpr double kSign = 18, kBetween = 14;
+  const TextStyle style = Letters{theme}.Tick(Anchor::kStart);
+  const LegendEntry ellipsis{"\u2026", nullptr};
+  const auto width = [&](const LegendEntry& entry) {
+    return (entry.draw ? kSign : 0) + canvas.WidthOf(entry.word, style) + kBetween;
+  };
+  const auto width_of = [&](std::size_t count) {
+    double sum = (count < legend.size() ? width(ellipsis) : 0) - kBetween;
+    for (std::size_t i = 0; i < count; ++i) sum += width(legend[i]);
+    return sum;
+  };
+  std::size_t shown = legend.size();
+  while (shown > 0 && left + width_of(shown) > box.right()) --shown;
+  if (shown == 0) return box.right();
+  const double begin = box.right() - width_of(shown);
+  if (shown < legend.size()) {
+    legend.resize(shown);
+    legend.push_back(ellipsis);
+  }
+  double at = begin;
+  for (const LegendEntry& entry : legend) {
+    if (entry.draw) entry.draw(canvas, Spot(at + 7, box.top + 8));
+    canvas.Text({at + (entry.draw ? kSign : 0), box.top + 12}, entry.word, style);
+    at += width(entry);
+  }
+  return begin;
+}
+
+}  // namespace
+
 void DrawHeading(Canvas& canvas, const Theme& theme, const Box& box, const std::string& heading,
-                 const std::string& remark) {
+                 const std::string& remark, const Legend& legend) {
   const Letters letters{theme};
   const Spot foot(box.left, box.top + 12);
   canvas.Text(foot, heading, letters.Heading());
-  if (remark.empty()) return;
   const double left = box.left + canvas.WidthOf(heading, letters.Heading()) + 8;
+  double right = DrawLegend(canvas, theme, box, left, legend);
+  if (right < box.right()) right -= 12;
   // What has no room beside the heading is left out rather than set across its neighbour.
-  if (left + canvas.WidthOf(remark, letters.Tick(Anchor::kStart)) > box.right() + 1) return;
+  if (remark.empty() || left + canvas.WidthOf(remark, letters.Tick(Anchor::kStart)) > right + 1) return;
   canvas.Text({left, foot.y()}, remark, letters.Tick(Anchor::kStart));
 }
 
@@ -66,7 +106,7 @@ Diagram DrawDiagram(Canvas& canvas, const Theme& theme, const Box& box, const Ra
                     const DiagramText& text) {
   constexpr double kPixelsPerXTick = 55, kPixelsPerYTick = 36;
   const Letters letters{theme};
-  DrawHeading(canvas, theme, box, text.heading, text.remark);
+  DrawHeading(canvas, theme, box, text.heading, text.remark, text.legend);
   Diagram diagram;
   diagram.inside = box.Without(kYTickSpace, kHeadingHeight, 4, kTickSpace + kNameSpace);
   const Box& inside = diagram.inside;

@@ -42,17 +42,16 @@ double ViewHeight(const Scene& scene, double width) {
 
 double DiagramHeight(const Scene&, double width) { return std::clamp(0.42 * width, 180.0, 420.0); }
 double SquareHeight(const Scene&, double width) { return std::min(width, 640.0) + 54; }
-double PairHeight(const Scene&, double width) { return 0.5 * width; }
 double TimelineHeight(const Scene& scene, double) { return HeightOfTimeline(scene); }
 
 constexpr std::array kKinds = {
-    Kind{PlotKind::kOverview, "overview", HeightOfOverview, Drawn<DrawOverview>},
+    Kind{PlotKind::kOverview, "overview", HeightOfOverview, DrawOverview},
     Kind{PlotKind::kPlan, "plan", ViewHeight<View::kPlan>, DrawnView<View::kPlan>},
     Kind{PlotKind::kSide, "side", ViewHeight<View::kSide>, DrawnView<View::kSide>},
     Kind{PlotKind::kCovisibility, "covisibility", SquareHeight, Drawn<DrawCovisibility>},
     Kind{PlotKind::kTracks, "tracks", DiagramHeight, Drawn<DrawTracks>},
     Kind{PlotKind::kObservations, "observations", DiagramHeight, Drawn<DrawObservations>},
-    Kind{PlotKind::kReprojection, "reprojection", PairHeight, Drawn<DrawReprojection>},
+    Kind{PlotKind::kReprojection, "reprojection", HeightOfReprojection, Drawn<DrawReprojection>},
     Kind{PlotKind::kTimeline, "timeline", TimelineHeight, Drawn<DrawTimeline>},
     Kind{PlotKind::kTrajectory, "trajectory", HeightOfTrajectory, Drawn<DrawTrajectory>},
 };
@@ -76,7 +75,7 @@ std::string Summary(const Scene& scene) {
 }
 
 void RequireSizes(const PlotOptions& options) {
-  constexpr int kLeast = 200, kMost = 4000;
+  constexpr int kLeast = 320, kMost = 4000;
   if (options.width < kLeast || options.width > kMost)
     throw Error(ErrorKind::kUsage, Concat("a plot is ", kLeast, " to ", kMost, " pixels wide, not ", options.width));
   if (!(options.scale >= 1 && options.scale <= 4))
@@ -85,19 +84,45 @@ void RequireSizes(const PlotOptions& options) {
 
 constexpr double kMargin = 14, kTitleHeight = 44;
 
+// Cut off at a letter, with an ellipsis.
+std::string Shortened(Canvas& canvas, std::string text, const TextStyle& style, double width) {
+  if (canvas.WidthOf(text, style) <= width) return text;
+  std::vector<std::size_t> ends;  // of letters; UTF-8 is cut between them
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) ends.push_back(i);
+  while (!ends.empty() && canvas.WidthOf(text.substr(0, ends.back()) + "\u2026", style) > width) ends.pop_back();
+  return text.substr(0, ends.empty() ? 0 : ends.back()) + "\u2026";
+}
+
 void DrawTitle(Canvas& canvas, const Scene& scene, const std::string& summary, double width) {
   const TextStyle title{.color = scene.theme.ink, .size = 15, .bold = true};
-  std::string text = scene.options.title;
-  if (canvas.WidthOf(text, title) > width - 2 * kMargin) {
-    std::vector<std::size_t> ends;  // of letters; UTF-8 is cut between them
-    for (std::size_t i = 0; i < text.size(); ++i)
-      if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) ends.push_back(i);
-    while (!ends.empty() && canvas.WidthOf(text.substr(0, ends.back()) + "\u2026", title) > width - 2 * kMargin)
-      ends.pop_back();
-    text = text.substr(0, ends.empty() ? 0 : ends.back()) + "\u2026";
-  }
-  canvas.Text({kMargin, kMargin + 13}, text, title);
-  canvas.Text({kMargin, kMargin + 31}, summary, {.color = scene.theme.faint_ink, .size = 11});
+  const TextStyle below{.color = scene.theme.faint_ink, .size = 11};
+  const double room = width - 2 * kMargin;
+  canvas.Text({kMargin, kMargin + 13}, Shortened(canvas, scene.options.title, title, room), title);
+  canvas.Text({kMargin, kMargin + 31}, Shortened(canvas, summary, below, room), below);
+}
+
+// One picture of a scene that has its options.
+Plot Draw(const Scene& scene) {
+  const PlotOptions& options = scene.options;
+  const Kind& kind = KindOf(options.kind);
+  std::string summary = Summary(scene);
+  if (options.kind == PlotKind::kTrajectory && options.reference) summary += "; " + ErrorText(scene);
+  const double top = options.title.empty() ? kMargin : kMargin + kTitleHeight;
+  const double width = options.width - 2 * kMargin;
+  const double height = std::ceil(kind.height(scene, width));
+  Plot result{.width = static_cast<double>(options.width), .height = top + height + kMargin, .text = summary};
+  Canvas canvas(result.width, result.height, options.format, options.scale);
+  canvas.Fill({0, 0, result.width, result.height}, scene.theme.paper);
+  if (!options.title.empty()) DrawTitle(canvas, scene, summary, result.width);
+  const ViewCounts counts = kind.draw(canvas, scene, {kMargin, top, width, height});
+  result.points = counts.points;
+  result.left_out = counts.left_out;
+  if (counts.left_out > 0)
+    result.text += Concat("; ", detail::Counted(counts.left_out, "point"), " outside of the frame");
+  result.bytes = canvas.Finish(Concat(kind.name, options.dark ? "-dark" : ""),
+                               Concat(options.title.empty() ? "atlas" : options.title, ": ", kind.name), result.text);
+  return result;
 }
 
 }  // namespace
@@ -121,28 +146,23 @@ std::span<const PlotKind> PlotKinds() {
 bool CanPlot() { return CanDraw(); }
 
 Plot DrawPlot(const Atlas& atlas, const PlotOptions& options) {
-  RequireSizes(options);
-  const Scene scene = SceneOf(atlas, options);
-  const Kind& kind = KindOf(options.kind);
-  const std::string summary = Summary(scene);
-  const double top = options.title.empty() ? kMargin : kMargin + kTitleHeight;
-  const double width = options.width - 2 * kMargin;
-  const double height = std::ceil(kind.height(scene, width));
-  Plot result{.width = static_cast<double>(options.width), .height = top + height + kMargin, .text = summary};
-  Canvas canvas(result.width, result.height, options.format, options.scale);
-  canvas.Fill({0, 0, result.width, result.height}, scene.theme.paper);
-  if (!options.title.empty()) DrawTitle(canvas, scene, summary, result.width);
-  const ViewCounts counts = kind.draw(canvas, scene, {kMargin, top, width, height});
-  result.points = counts.points;
-  result.left_out = counts.left_out;
-  result.bytes = canvas.Finish(Concat(kind.name, options.dark ? "-dark" : ""),
-                               Concat(options.title.empty() ? "atlas" : options.title, ": ", kind.name), summary);
-  return result;
+  return std::move(DrawPlots(atlas, std::span(&options, 1)).front());
 }
 
-Plot DrawThumbnail(const Atlas& atlas, int width, int height) {
-  const PlotOptions options{.format = PlotFormat::kPng};
-  const Scene scene = SceneOf(atlas, options);
+std::vector<Plot> DrawPlots(const Atlas& atlas, std::span<const PlotOptions> pictures) {
+  std::vector<Plot> plots;
+  for (const PlotOptions& options : pictures) RequireSizes(options);
+  if (pictures.empty()) return plots;
+  Scene scene = SceneOf(atlas, pictures.front());
+  for (const PlotOptions& options : pictures) {
+    Redress(scene, options);
+    plots.push_back(Draw(scene));
+  }
+  return plots;
+}
+
+Plot DrawThumbnail(const Atlas& atlas, int width, int height, bool dark) {
+  const Scene scene = SceneOf(atlas, {.format = PlotFormat::kPng, .dark = dark});
   Plot result{.width = static_cast<double>(width), .height = static_cast<double>(height), .text = Summary(scene)};
   Canvas canvas(width, height, PlotFormat::kPng, 1);
   const ViewCounts counts = DrawView(canvas, scene, View::kPlan, {2, 2, width - 4.0, height - 4.0}, Detail::kBare);

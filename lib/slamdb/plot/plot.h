@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "slamdb/base/progress.h"
-#include "slamdb/edit/frame/align_trajectory.h"
+#include "slamdb/evaluate/evaluate.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
@@ -35,19 +35,24 @@ enum class PlotKind {
 
 enum class PlotFormat { kSvg, kPng };
 
+// A truth, and how far trajectories of the atlas are from it.
+struct PlotReference {
+  std::vector<TrajectoryPose> poses;  // all of the truth
+  EvaluationReport evaluation;        // against it; errors are those that EvaluateTrajectories found
+  std::string unit = "m";             // of the truth
+};
+
 struct PlotOptions {
   PlotKind kind = PlotKind::kOverview;
   PlotFormat format = PlotFormat::kSvg;
-  int width = 800;        // pixels, 200 to 4000; the height follows
+  int width = 800;        // pixels, 320 to 4000; the height follows
   double scale = 1;       // of PNG: pixels for each pixel of the width, 1 to 4
   bool dark = false;      // light ink on a dark page
   bool together = false;  // all maps in one frame, which they share only when something aligned them; otherwise each
                           // map of a plan has a place of its own
   std::string title;      // above the picture; empty: none
-  std::vector<TimedPosition> reference;  // what PlotKind::kTrajectory is held against; empty: nothing
-  TrajectoryAlignmentOptions alignment;  // onto it, but for the scale:
-  std::optional<bool> with_scale;        // solve for it; nullopt: where a map has none of its own
-  int threads = 0;                       // 0: every core
+  std::optional<PlotReference> reference;  // what PlotKind::kTrajectory is held against; nullopt: nothing
+  int threads = 0;                         // 0: every core
 };
 
 struct Plot {
@@ -68,14 +73,19 @@ struct Plot {
 // Throws Error:
 //   kUnsupported  slamdb was built without Cairo
 //   kUsage        width or scale out of range
-//   kNotPossible  no map can be laid onto the reference
+//   kNotPossible  there is no evaluation beside the reference
 // Cost: linear in keyframes, points and observations; the size of the file is bounded by that of the page.
 // Thread-safe.
 [[nodiscard]] SLAMDB_EXPORT Plot DrawPlot(const Atlas& atlas, const PlotOptions& options = {});
 
-// A plan without words, as PNG of that many pixels.
+// Several pictures of one atlas, which is looked up and measured once for all of them.
 //
 // Throws Error as DrawPlot does.
-[[nodiscard]] SLAMDB_EXPORT Plot DrawThumbnail(const Atlas& atlas, int width, int height);
+[[nodiscard]] SLAMDB_EXPORT std::vector<Plot> DrawPlots(const Atlas& atlas, std::span<const PlotOptions> pictures);
+
+// A plan without words and paper, as PNG of that many pixels; `dark`: for a dark page.
+//
+// Throws Error as DrawPlot does.
+[[nodiscard]] SLAMDB_EXPORT Plot DrawThumbnail(const Atlas& atlas, int width, int height, bool dark = false);
 
 }  // namespace slamdb

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/plot/detail/panels.h"
@@ -22,10 +24,12 @@ constexpr std::size_t kGrain = 4096;
 void AddSamples(const MapPoint& point, const Reprojection& reprojection, std::vector<Sample>& samples) {
   if (point.bad) return;
   for (const Observation& observation : point.observations) {
-    const float error = reprojection.Of(point, observation).left;
-    if (!std::isfinite(error)) continue;
-    const Keypoint* keypoint = ObservedKeypoint(*reprojection.Find(observation.keyframe), observation.left);
-    if (std::isfinite(keypoint->x) && std::isfinite(keypoint->y)) samples.push_back({keypoint->x, keypoint->y, error});
+    const auto [left, right] = reprojection.Of(point, observation);
+    for (const auto& [error, row] : {std::pair(left, observation.left), std::pair(right, observation.right)}) {
+      if (!std::isfinite(error)) continue;
+      const Keypoint& keypoint = *ObservedKeypoint(*reprojection.Find(observation.keyframe), row);
+      if (std::isfinite(keypoint.x) && std::isfinite(keypoint.y)) samples.push_back({keypoint.x, keypoint.y, error});
+    }
   }
 }
 
@@ -54,10 +58,7 @@ Box ImageOf(const std::vector<Sample>& samples) {
 double QuantileOf(const ImageErrors& errors, double share) {
   std::vector<float> values;
   for (const Sample& sample : errors.samples) values.push_back(sample.error);
-  if (values.empty()) return 0;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, place);
-  return *place;
+  return detail::QuantileOf(values, share);
 }
 
 double MeanOf(const ImageErrors& errors) {
@@ -92,12 +93,14 @@ struct MeanGrid {
 
 }  // namespace
 
-ImageErrors ErrorsOf(const Scene& scene) {
-  ImageErrors errors;
-  for (const MapScene& map : scene.maps) {
-    const std::vector<Sample> own = SamplesOf(scene.atlas, *map.map, scene.options.threads);
-    errors.samples.insert(errors.samples.end(), own.begin(), own.end());
-  }
+const ImageErrors& Scene::errors() const {
+  if (errors_) return *errors_;
+  ImageErrors& errors = errors_.emplace();
+  for (std::uint32_t map = 0; map < maps.size(); ++map)
+    for (Sample sample : SamplesOf(atlas, *maps[map].map, options.threads)) {
+      sample.map = map;
+      errors.samples.push_back(sample);
+    }
   errors.image = ImageOf(errors.samples);
   return errors;
 }
@@ -106,7 +109,7 @@ void DrawReprojectionImage(Canvas& canvas, const Scene& scene, const ImageErrors
   constexpr double kBarHeight = 34;
   constexpr std::size_t kSquares = 40, kPixels = 12;
   const Letters letters{scene.theme};
-  DrawHeading(canvas, scene.theme, box, "Reprojection error", "mean over the left image");
+  DrawHeading(canvas, scene.theme, box, "Reprojection error", "mean over the image");
   const Box below = box.Without(0, kHeadingHeight, 0, kBarHeight + kTickSpace);
   const double pixels = std::min(below.width / errors.image.width, below.height / errors.image.height);
   const Box inside{below.left + (below.width - pixels * errors.image.width) / 2, below.top, pixels * errors.image.width,
@@ -140,9 +143,10 @@ void DrawReprojectionHistogram(Canvas& canvas, const Scene& scene, const ImageEr
   constexpr std::size_t kBins = 40;
   const double end = std::max(QuantileOf(errors, 0.99), 1e-3);
   Histogram histogram{.width = end / static_cast<double>(kBins)};
-  auto& counts = histogram.counts.emplace_back(kBins, 0);
+  histogram.counts.assign(std::max<std::size_t>(scene.maps.size(), 1), std::vector<std::uint64_t>(kBins, 0));
   for (const Sample& sample : errors.samples)
-    if (sample.error <= end) ++counts[std::min(static_cast<std::size_t>(sample.error / histogram.width), kBins - 1)];
+    if (sample.error <= end)
+      ++histogram.counts[sample.map][std::min(static_cast<std::size_t>(sample.error / histogram.width), kBins - 1)];
   const bool alone = box.width > 300;
   const Diagram diagram = DrawDiagram(canvas, scene.theme, box, {0, end},
                                       {0, 1.08 * static_cast<double>(std::max<std::uint64_t>(Tallest(histogram), 1))},
@@ -156,12 +160,26 @@ void DrawReprojectionHistogram(Canvas& canvas, const Scene& scene, const ImageEr
   DrawMark(canvas, scene.theme, diagram, MeanOf(errors), Concat("mean ", detail::Digits(MeanOf(errors), 3)));
 }
 
+namespace {
+
+constexpr double kGap = 24, kLeastBeside = 480, kLeastHeight = 240;
+
+bool IsBeside(double width) { return width >= kLeastBeside; }
+
+}  // namespace
+
+double HeightOfReprojection(const Scene&, double width) {
+  return IsBeside(width) ? std::max(0.5 * width, kLeastHeight) : 0.8 * width + kGap + kLeastHeight;
+}
+
 void DrawReprojection(Canvas& canvas, const Scene& scene, const Box& box) {
-  constexpr double kGap = 24;
-  const ImageErrors errors = ErrorsOf(scene);
-  const double half = (box.width - kGap) / 2;
-  DrawReprojectionImage(canvas, scene, errors, {box.left, box.top, half, box.height});
-  DrawReprojectionHistogram(canvas, scene, errors, {box.left + half + kGap, box.top, half, box.height});
+  const double half = (box.width - kGap) / 2, below = box.height - kLeastHeight;
+  const bool beside = IsBeside(box.width);
+  const Box image = beside ? Box{box.left, box.top, half, box.height} : Box{box.left, box.top, box.width, below - kGap};
+  const Box histogram = beside ? Box{box.left + half + kGap, box.top, half, box.height}
+                               : Box{box.left, box.top + below, box.width, kLeastHeight};
+  DrawReprojectionImage(canvas, scene, scene.errors(), image);
+  DrawReprojectionHistogram(canvas, scene, scene.errors(), histogram);
 }
 
 }  // namespace slamdb::plot

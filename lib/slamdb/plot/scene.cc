@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <tuple>
 
-#include "slamdb/base/detail/median.h"
-#include "slamdb/edit/frame/gravity.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/edges.h"
+#include "slamdb/model/detail/gaps.h"
 #include "slamdb/model/statistics.h"
 
 namespace slamdb::plot {
@@ -47,94 +49,90 @@ std::vector<std::uint32_t> CountObserved(const Map& map, const IdTable& rows) {
   return counts;
 }
 
-using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+// Those between keyframes that have a place, by it.
+detail::RowPairs EdgesOf(const Map& map, const std::vector<std::uint32_t>& place_of_row, const IdTable& rows,
+                         Column<KeyFrameId> KeyFrame::*list) {
+  detail::RowPairs edges = detail::EdgesOf(map, list, [&](KeyFrameId id) { return rows.Find(id.value()); });
+  for (auto& [from, to] : edges) std::tie(from, to) = std::minmax({place_of_row[from], place_of_row[to]});
+  std::erase_if(edges, [](const auto& edge) { return edge.second == kNoRow; });
+  return edges;
+}
 
-Pairs EdgesOf(const std::vector<Stop>& path, const std::vector<std::uint32_t>& place_of_row, const IdTable& rows,
-              Column<KeyFrameId> KeyFrame::*edges) {
-  Pairs pairs;
-  for (std::uint32_t place = 0; place < path.size(); ++place) {
-    for (const KeyFrameId other : path[place].keyframe->*edges) {
-      const std::uint32_t row = rows.Find(other.value());
-      if (row == kNoRow || place_of_row[row] == kNoRow || place_of_row[row] == place) continue;
-      pairs.push_back(std::minmax(place, place_of_row[row]));
-    }
+std::string HowText(UpMethod method) {
+  switch (method) {
+    case UpMethod::kInertia:
+      return "up by gravity";
+    case UpMethod::kFrame:
+      return "up by z of the map";
+    case UpMethod::kCameras:
+      return "up by the cameras";
+    case UpMethod::kPath:
+      return "up by the path";
+    case UpMethod::kConvention:
+      break;
   }
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
+  return "up by convention";
 }
 
-// Where most of the cameras have their upper side.
-Eigen::Vector3d UpperSide(const std::vector<Stop>& path) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Stop& stop : path) {
-    const Eigen::Vector3d down =
-        stop.keyframe->camera_from_world.Normalized().rotation.conjugate().cast<double>() * Eigen::Vector3d::UnitY();
-    if (down.allFinite()) sum -= down;
-  }
-  return sum;
+std::string AxisName(const Eigen::Vector3d& direction, std::string_view otherwise) {
+  const std::optional<std::string> axis = NearAxis(direction);
+  if (!axis) return std::string(otherwise);
+  return (axis->front() == '-' ? "\u2212" + axis->substr(1) : *axis) + " of the map";
 }
 
-// Towards a direction where that decides, or else so that its largest number is positive: the same on every machine.
-Eigen::Vector3d Pointing(const Eigen::Vector3d& axis, const Eigen::Vector3d& towards) {
-  constexpr double kDecides = 1e-3;
-  const double along = axis.dot(towards);
-  if (std::abs(along) > kDecides * towards.norm()) return along < 0 ? Eigen::Vector3d(-axis) : axis;
-  Eigen::Index largest = 0;
-  axis.cwiseAbs().maxCoeff(&largest);
-  return axis[largest] < 0 ? Eigen::Vector3d(-axis) : axis;
-}
-
-// Of a camera's first frame: x right, z forward, y down.
-Frame FrameOfCamera() {
-  Frame frame;
-  frame.axes_from_world << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  frame.names = {"x of the map", "z of the map", "\u2212y of the map"};
-  frame.how = "x and z of the map";
-  return frame;
+// The turn in the plane that brings the largest spread to the right; nullopt where there is none, or it is all of it.
+std::optional<Eigen::Matrix2d> TurnOfSpreads(const std::vector<Eigen::Vector2d>& places) {
+  constexpr double kLine = 1e-12;  // of squares: below it there is one spread alone
+  const auto count = static_cast<double>(places.size());
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& place : places) mean += place / count;
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& place : places) spread += (place - mean) * (place - mean).transpose() / count;
+  if (!spread.allFinite()) return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(spread);
+  if (!(solver.eigenvalues()[0] > kLine * solver.eigenvalues()[1])) return std::nullopt;
+  Eigen::Vector2d right = solver.eigenvectors().col(1);
+  if (right[std::abs(right.x()) < std::abs(right.y()) ? 1 : 0] < 0) right = -right;  // the same on every machine
+  return Eigen::Matrix2d{{right.x(), right.y()}, {-right.y(), right.x()}};
 }
 
 }  // namespace
 
-Frame FrameOfSpreads(const std::vector<Eigen::Vector3d>& places, const Eigen::Vector3d& upper) {
-  const auto count = static_cast<double>(places.size());
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& place : places) mean += place / count;
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& place : places) spread += (place - mean) * (place - mean).transpose() / count;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  constexpr double kLine = 1e-12;  // of squares: below it the second spread has no direction
-  if (!spread.allFinite() || solver.info() != Eigen::Success ||
-      !(solver.eigenvalues()[1] > kLine * solver.eigenvalues()[2]))
-    return FrameOfCamera();
-  const Eigen::Vector3d right = Pointing(solver.eigenvectors().col(2), Eigen::Vector3d::Zero());
-  const Eigen::Vector3d up = Pointing(solver.eigenvectors().col(0), upper);
+Frame UprightFrame(const Up& up) {
   Frame frame;
-  frame.axes_from_world << right.transpose(), up.cross(right).transpose(), up.transpose();
-  frame.names = {"largest spread of the trajectory", "second spread", "above that plane"};
-  frame.how = "plane of the trajectory\u2019s two largest spreads";
+  frame.axes_from_world = UprightFromMap(up.direction).toRotationMatrix();
+  if (NearAxis(up.direction) == "z")
+    frame.names = {"x", "y", "z, up"};
+  else
+    frame.names = {AxisName(frame.axes_from_world.row(0), "right"), AxisName(frame.axes_from_world.row(1), "forward"),
+                   AxisName(frame.axes_from_world.row(2), "up")};
+  frame.how = HowText(up.method);
   return frame;
+}
+
+Frame FrameOfSpreads(const Up& up, const std::vector<Eigen::Vector3d>& places) {
+  Frame frame = UprightFrame(up);
+  std::vector<Eigen::Vector2d> level;
+  for (const Eigen::Vector3d& place : places) level.emplace_back((frame.axes_from_world * place).head<2>());
+  const std::optional<Eigen::Matrix2d> turn = TurnOfSpreads(level);
+  if (!turn) return frame;
+  frame.axes_from_world.topRows<2>() = (*turn * frame.axes_from_world.topRows<2>()).eval();
+  frame.names = {"largest level spread of the trajectory", "second spread", "up"};
+  return frame;
+}
+
+Frame FrameOf(const Up& up, const std::vector<Stop>& path) {
+  const bool has_axes = up.method == UpMethod::kInertia || NearAxis(up.direction) == "z";
+  if (has_axes) return UprightFrame(up);
+  std::vector<Eigen::Vector3d> places;
+  for (const Stop& stop : path) places.push_back(stop.center);
+  return FrameOfSpreads(up, places);
 }
 
 double GapOf(const Map& map, const std::vector<std::uint32_t>& timed) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < timed.size(); ++i)
-    steps.push_back(map.keyframes[timed[i]].timestamp - map.keyframes[timed[i - 1]].timestamp);
-  return std::max(kGapFactor * detail::MedianOf(std::move(steps)), kLeastGap);
-}
-
-Frame FrameOf(const Map& map, const std::vector<Stop>& path) {
-  const auto up = UpByInertia(map);
-  if (!up || !up->allFinite()) {
-    std::vector<Eigen::Vector3d> places;
-    for (const Stop& stop : path) places.push_back(stop.center);
-    return FrameOfSpreads(places, UpperSide(path));
-  }
-  Frame frame;
-  frame.axes_from_world = Eigen::Quaterniond::FromTwoVectors(*up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  frame.names = {"x", "y", "z, up"};
-  frame.how = "up by gravity";
-  return frame;
+  std::vector<double> times;
+  for (const std::uint32_t row : timed) times.push_back(map.keyframes[row].timestamp);
+  return detail::GapBetween(times);
 }
 
 namespace {
@@ -155,34 +153,38 @@ std::vector<const Map*> MapsToShow(const Atlas& atlas) {
   return maps;
 }
 
-MapScene SceneOfMap(const Map& map, const Color& color) {
+MapScene SceneOfMap(const Map& map, const Up& up) {
   const IdTable rows = KeyFrameTable(map);
-  MapScene shown{.map = &map, .name = ToString(map.id), .color = color};
+  MapScene shown{.map = &map, .name = ToString(map.id)};
   shown.metric = IsMetric(map);
   shown.timed = RowsByTime(map);
   shown.path = PathOf(map, shown.timed);
   shown.observed = CountObserved(map, rows);
   std::vector<std::uint32_t> place_of_row(map.keyframes.size(), kNoRow);
   for (std::uint32_t i = 0; i < shown.path.size(); ++i) place_of_row[shown.path[i].row] = i;
-  shown.loops = EdgesOf(shown.path, place_of_row, rows, &KeyFrame::loop_edges);
-  shown.merges = EdgesOf(shown.path, place_of_row, rows, &KeyFrame::merge_edges);
-  shown.frame = FrameOf(map, shown.path);
+  shown.loops = EdgesOf(map, place_of_row, rows, &KeyFrame::loop_edges);
+  shown.merges = EdgesOf(map, place_of_row, rows, &KeyFrame::merge_edges);
+  shown.frame = FrameOf(up, shown.path);
   return shown;
 }
 
 }  // namespace
 
 Scene SceneOf(const Atlas& atlas, const PlotOptions& options) {
-  Scene scene{.atlas = atlas, .options = options, .theme = options.dark ? Theme::Dark() : Theme::Light()};
+  Scene scene{.atlas = atlas};
   const std::vector<const Map*> maps = MapsToShow(atlas);
-  constexpr double kLighter = 0.25;  // on a dark page
-  for (const Map* map : maps) {
-    const Color color = ColorOfKind(scene.maps.size());
-    scene.maps.push_back(SceneOfMap(*map, options.dark ? Mixed(color, scene.theme.ink, kLighter) : color));
-  }
+  const std::vector<Up> ups = UpsOf(maps, options.together);
+  for (std::size_t row = 0; row < maps.size(); ++row) scene.maps.push_back(SceneOfMap(*maps[row], ups[row]));
   for (const Map& map : atlas.maps) scene.other_maps += !map.keyframes.empty() || !map.points.empty() ? 1 : 0;
-  scene.other_maps -= maps.size();
+  scene.other_maps -= scene.maps.size();
+  Redress(scene, options);
   return scene;
+}
+
+void Redress(Scene& scene, const PlotOptions& options) {
+  scene.options = options;
+  scene.theme = options.dark ? Theme::Dark() : Theme::Light();
+  for (MapScene& map : scene.maps) map.color = ColorOfMap(map.map->id, options.dark);
 }
 
 std::size_t Scene::keyframes() const {

@@ -2,9 +2,10 @@
 #include "slamdb/plot/detail/theme.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+
+#include "slamdb/model/colors.h"
 
 namespace slamdb::plot {
 namespace {
@@ -13,9 +14,12 @@ constexpr Color Hex(std::uint32_t rgb) {
   return {((rgb >> 16) & 255) / 255.0, ((rgb >> 8) & 255) / 255.0, (rgb & 255) / 255.0, 1};
 }
 
+constexpr Color Of(const slamdb::Color& color) { return {color[0] / 255.0, color[1] / 255.0, color[2] / 255.0, 1}; }
+
 // Okabe and Ito, "Color Universal Design", 2008.
-constexpr Color kOrange = Hex(0xe69f00), kSkyBlue = Hex(0x56b4e9), kGreen = Hex(0x009e73), kBlue = Hex(0x0072b2),
-                kVermillion = Hex(0xd55e00), kPurple = Hex(0xcc79a7), kGrey = Hex(0x8a8f98);
+constexpr Color kOrange = Hex(0xe69f00), kGreen = Hex(0x009e73), kVermillion = Hex(0xd55e00);
+
+constexpr double kLighter = 0.25;  // on a dark page
 
 }  // namespace
 
@@ -30,8 +34,8 @@ const Theme& Theme::Light() {
                                 .faint_ink = Hex(0x59636e),
                                 .grid = Hex(0xe4e7eb),
                                 .points = Hex(0x4a5663),
-                                .loop = kVermillion,
-                                .merge = kPurple,
+                                .loop = Of(kLoopColor),
+                                .merge = Of(kMergeColor),
                                 .start = kGreen,
                                 .end = kVermillion,
                                 .reference = Hex(0x8a8f98),
@@ -40,33 +44,26 @@ const Theme& Theme::Light() {
 }
 
 const Theme& Theme::Dark() {
-  static constexpr Theme kDark{.paper = Hex(0x0d1117),
-                               .ink = Hex(0xe6edf3),
-                               .faint_ink = Hex(0x9aa4af),
-                               .grid = Hex(0x262c34),
-                               .points = Hex(0xb4bec9),
-                               .loop = kVermillion,
-                               .merge = kPurple,
-                               .start = kGreen,
-                               .end = kVermillion,
-                               .reference = Hex(0x8a8f98),
-                               .mark = kOrange};
+  static const Theme kDark{.paper = Hex(0x0d1117),
+                           .ink = Hex(0xe6edf3),
+                           .faint_ink = Hex(0x9aa4af),
+                           .grid = Hex(0x262c34),
+                           .points = Hex(0xb4bec9),
+                           .loop = Mixed(Of(kLoopColor), Hex(0xe6edf3), kLighter),
+                           .merge = Mixed(Of(kMergeColor), Hex(0xe6edf3), kLighter),
+                           .start = kGreen,
+                           .end = kVermillion,
+                           .reference = Hex(0x8a8f98),
+                           .mark = kOrange};
   return kDark;
 }
 
-Color ColorOfKind(std::size_t place) {
-  static constexpr std::array kColors = {kBlue, kOrange, kGreen, kPurple, kSkyBlue, kVermillion, kGrey};
-  return kColors[place % kColors.size()];
+Color ColorOfMap(MapId id, bool dark) {
+  const Color color = Of(slamdb::ColorOfMap(id));
+  return dark ? Mixed(color, Theme::Dark().ink, kLighter) : color;
 }
 
-Color ColorOfAmount(double amount) {
-  // viridis of matplotlib (Smith, van der Walt, Firing), at nine places.
-  static constexpr std::array kColors = {Hex(0x440154), Hex(0x472d7b), Hex(0x3b528b), Hex(0x2c728e), Hex(0x21918c),
-                                         Hex(0x28ae80), Hex(0x5ec962), Hex(0xaddc30), Hex(0xfde725)};
-  const double at = std::clamp(amount, 0.0, 1.0) * (kColors.size() - 1);
-  const auto place = std::min(static_cast<std::size_t>(at), kColors.size() - 2);
-  return Mixed(kColors[place], kColors[place + 1], at - static_cast<double>(place));
-}
+Color ColorOfAmount(double amount) { return Of(ColorOfShare(amount)); }
 
 double StepOfAmount(double amount) {
   if (std::isnan(amount)) return 0;

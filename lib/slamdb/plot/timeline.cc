@@ -85,7 +85,7 @@ double HeightOfStrip(const Scene& scene) {
 }
 
 std::uint32_t MostObserved(const Scene& scene) {
-  std::uint32_t most = 1;
+  std::uint32_t most = 0;
   for (const MapScene& map : scene.maps)
     for (const std::uint32_t row : map.timed) most = std::max(most, map.observed[row]);
   return most;
@@ -159,9 +159,9 @@ double HeightOfTimeline(const Scene& scene) {
 
 void DrawTimeline(Canvas& canvas, const Scene& scene, const Box& box) {
   const Letters letters{scene.theme};
-  const std::uint32_t most = MostObserved(scene);
+  const std::uint32_t observed = MostObserved(scene), most = std::max(observed, 1U);
   DrawHeading(canvas, scene.theme, box, "Keyframes over time",
-              Concat("height: points observed, up to ", detail::Thousands(most)));
+              observed == 0 ? "" : Concat("height: points observed, up to ", detail::Thousands(observed)));
   const std::vector<Range> ranges = PiecesOf(TimesOf(scene));
   const Box inside = box.Without(kNameWidth, kHeadingHeight, 8, HeightOfFoot(ranges.size()));
   const std::vector<Piece> pieces = LayPieces(ranges, inside.left, inside.right());

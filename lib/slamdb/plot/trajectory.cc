@@ -2,15 +2,14 @@
 // The trajectory, coloured by time; or laid onto a reference, coloured by its distance from it, which a diagram below
 // shows over time.
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
+#include <limits>
 
 #include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/frame/detail/time_offset.h"
-#include "slamdb/evaluate/error_statistics.h"
-#include "slamdb/model/derive.h"
+#include "slamdb/model/detail/gaps.h"
 #include "slamdb/plot/detail/panels.h"
 #include "slamdb/plot/detail/view.h"
 
@@ -21,47 +20,28 @@ using detail::Concat;
 
 constexpr double kDiagramHeight = 150, kBarHeight = 34;
 
-// A keyframe beside the place of the reference at its time.
-struct Compared {
-  double time;
-  Eigen::Vector3d at, reference;
-  bool follows;
+// A trajectory that was laid onto the reference.
+struct Laid {
+  const TrajectoryEvaluation& evaluation;
+  std::string name;
+  Color color;
 
-  double error() const { return (at - reference).norm(); }
+  const std::vector<PairedPose>& poses() const { return evaluation.poses; }
+  // Whether a pose is on the way from the one before it, and no gap is between.
+  bool Follows(std::size_t pose) const {
+    return pose > 0 && poses()[pose].timestamp - poses()[pose - 1].timestamp <= evaluation.coverage.gap_limit;
+  }
 };
 
 struct Comparison {
-  std::vector<Compared> stops;        // map by map
-  Frame frame;                        // of the reference
-  std::vector<std::string> left_out;  // maps that could not be laid onto it
+  const PlotReference& reference;
+  std::vector<Laid> laid;
+  Frame frame;  // of the reference
+  double most = 0;
 };
 
-std::vector<TimedPosition> PositionsOf(const MapScene& map, bool body) {
-  std::vector<TimedPosition> positions;
-  for (const Stop& stop : map.path) {
-    const Eigen::Vector3d at =
-        body ? Eigen::Vector3d(WorldFromBody(*stop.keyframe).translation.cast<double>()) : stop.center;
-    positions.push_back({stop.keyframe->timestamp, at});
-  }
-  return positions;
-}
-
-void AddStops(const MapScene& map, const TrajectoryAlignment& alignment, std::span<const TimedPosition> reference,
-              const TrajectoryAlignmentOptions& options, std::vector<Compared>& stops) {
-  std::vector<TimedPosition> sorted(reference.begin(), reference.end());
-  std::erase_if(sorted, [](const TimedPosition& sample) { return !std::isfinite(sample.timestamp); });
-  std::ranges::stable_sort(sorted, {}, &TimedPosition::timestamp);
-  const detail::Pairs pairs =
-      detail::PairsAt(PositionsOf(map, options.body), sorted, alignment.time_offset, options.max_time_difference);
-  const double gap = GapOf(*map.map, map.timed);
-  for (std::size_t i = 0; i < pairs.times.size(); ++i) {
-    const bool follows = i > 0 && pairs.times[i] - pairs.times[i - 1] <= gap;
-    stops.push_back({pairs.times[i], alignment.reference_from_map * pairs.source[i], pairs.target[i], follows});
-  }
-}
-
 // x and y of a reference whose z is up, as most have it; else its own spreads.
-Frame FrameOfReference(const std::vector<Compared>& stops, const Eigen::Vector3d& up) {
+Frame FrameOfReference(const std::vector<TrajectoryPose>& reference, const Eigen::Vector3d& up) {
   constexpr double kUpright = 0.98;  // cosine: the up of a map without inertia is rough
   if (up.z() > kUpright) {
     Frame frame;
@@ -70,30 +50,37 @@ Frame FrameOfReference(const std::vector<Compared>& stops, const Eigen::Vector3d
     return frame;
   }
   std::vector<Eigen::Vector3d> places;
-  for (const Compared& stop : stops) places.push_back(stop.reference);
-  return FrameOfSpreads(places, up);
+  for (const TrajectoryPose& pose : reference)
+    if (pose.position.allFinite()) places.push_back(pose.position);
+  return FrameOfSpreads({.direction = up}, places);
+}
+
+const MapScene* FindMap(const Scene& scene, const TrajectoryEvaluation& evaluation) {
+  if (evaluation.maps.empty()) return nullptr;
+  const auto found =
+      std::ranges::find(scene.maps, evaluation.maps.front(), [](const MapScene& map) { return map.map->id; });
+  return found == scene.maps.end() ? nullptr : &*found;
 }
 
 Comparison Compare(const Scene& scene) {
-  Comparison comparison;
-  std::optional<Error> problem;
-  std::optional<Eigen::Vector3d> up;
-  for (const MapScene& map : scene.maps) {
-    try {
-      TrajectoryAlignmentOptions options = scene.options.alignment;
-      options.fit.with_scale = scene.options.with_scale.value_or(!map.metric);
-      const TrajectoryAlignment alignment = AlignToTrajectory(*map.map, scene.options.reference, options);
-      AddStops(map, alignment, scene.options.reference, options, comparison.stops);
-      if (!up)
-        up = alignment.reference_from_map.rotation * Eigen::Vector3d(map.frame.axes_from_world.row(2).transpose());
-    } catch (const Error& error) {
-      problem = error;
-      comparison.left_out.push_back(map.name);
-    }
+  Comparison comparison{.reference = *scene.options.reference};
+  for (const TrajectoryEvaluation& evaluation : comparison.reference.evaluation.evaluations) {
+    const MapScene* map = FindMap(scene, evaluation);
+    const std::size_t maps = evaluation.maps.size();
+    comparison.laid.push_back({evaluation,
+                               map == nullptr ? std::string("trajectory")
+                               : maps == 1    ? map->name
+                                              : detail::Counted(maps, "map"),
+                               map == nullptr ? ColorOfMap(MapId(0), scene.options.dark) : map->color});
+    comparison.most = std::max(comparison.most, evaluation.absolute.translation.max);
   }
-  if (comparison.stops.empty())
-    throw problem.value_or(Error(ErrorKind::kNotPossible, "there is no map to lay onto the reference"));
-  comparison.frame = FrameOfReference(comparison.stops, *up);
+  if (comparison.laid.empty()) throw Error(ErrorKind::kNotPossible, "there is no evaluation beside the reference");
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  const TrajectoryEvaluation& first = comparison.laid.front().evaluation;
+  if (const MapScene* map = FindMap(scene, first))
+    up = first.alignment.reference_from_estimate.rotation *
+         Eigen::Vector3d(map->frame.axes_from_world.row(2).transpose());
+  comparison.frame = FrameOfReference(comparison.reference.poses, up);
   return comparison;
 }
 
@@ -113,96 +100,137 @@ class ColoredLine {
   std::array<Segments, kAmountSteps> pieces_;
 };
 
-ErrorStatistics StatisticsOf(const std::vector<Compared>& stops) {
-  std::vector<double> errors;
-  for (const Compared& stop : stops) errors.push_back(stop.error());
-  return ErrorStatisticsOf(std::move(errors));
-}
-
 Cell CellOf(const Comparison& comparison, const Box& box) {
   Eigen::Matrix<double, 2, 3> axes;
   axes << comparison.frame.axes_from_world.row(0), comparison.frame.axes_from_world.row(1);
   std::array<std::vector<double>, 2> places;
-  for (const Compared& stop : comparison.stops)
-    for (const Eigen::Vector3d& place : {stop.at, stop.reference}) {
-      const Eigen::Vector2d at = axes * place;
-      places[0].push_back(at.x());
-      places[1].push_back(at.y());
-    }
+  const auto add = [&](const Eigen::Vector3d& place) {
+    if (!place.allFinite()) return;
+    const Eigen::Vector2d at = axes * place;
+    places[0].push_back(at.x());
+    places[1].push_back(at.y());
+  };
+  for (const TrajectoryPose& pose : comparison.reference.poses) add(pose.position);
+  for (const Laid& laid : comparison.laid)
+    for (const PairedPose& pose : laid.poses()) add(pose.position);
   return FitCell(box, RangeOfMost(places[0]), RangeOfMost(places[1]), axes);
 }
 
-void DrawBoth(Canvas& canvas, const Scene& scene, const Comparison& comparison, const Cell& cell, double most) {
-  const Canvas::Clip clip(canvas, cell.box);
-  ColoredLine line;
-  Segments reference;
-  for (std::size_t i = 1; i < comparison.stops.size(); ++i) {
-    const Compared &from = comparison.stops[i - 1], &to = comparison.stops[i];
-    if (!to.follows) continue;
-    reference.emplace_back(cell(from.reference), cell(to.reference));
-    line.Add(cell(from.at), cell(to.at), (from.error() + to.error()) / 2 / most);
+// All of it, also where nothing is held against it; without the ways over gaps.
+void DrawReference(Canvas& canvas, const Theme& theme, std::vector<TrajectoryPose> poses, const Cell& cell) {
+  std::erase_if(poses, [](const TrajectoryPose& pose) { return !std::isfinite(pose.timestamp); });
+  std::ranges::stable_sort(poses, {}, &TrajectoryPose::timestamp);
+  std::vector<double> times;
+  for (const TrajectoryPose& pose : poses) times.push_back(pose.timestamp);
+  const double gap = detail::GapBetween(times);
+  Spots piece;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (i > 0 && times[i] - times[i - 1] > gap) {
+      canvas.Path(piece, theme.reference, 3.5);
+      piece.clear();
+    }
+    piece.push_back(cell(poses[i].position));
   }
-  canvas.Lines(reference, scene.theme.reference, 3.5);
-  line.Draw(canvas, 2);
+  canvas.Path(piece, theme.reference, 3.5);
 }
 
-void DrawErrors(Canvas& canvas, const Scene& scene, const Comparison& comparison, const Box& box, double rmse) {
-  double begin = comparison.stops.front().time, end = begin, most = 0;
-  for (const Compared& stop : comparison.stops) {
-    begin = std::min(begin, stop.time);
-    end = std::max(end, stop.time);
-    most = std::max(most, stop.error());
+void DrawBoth(Canvas& canvas, const Scene& scene, const Comparison& comparison, const Cell& cell) {
+  const Canvas::Clip clip(canvas, cell.box);
+  DrawReference(canvas, scene.theme, comparison.reference.poses, cell);
+  ColoredLine line;
+  for (const Laid& laid : comparison.laid)
+    for (std::size_t i = 1; i < laid.poses().size(); ++i) {
+      const PairedPose &from = laid.poses()[i - 1], &to = laid.poses()[i];
+      const double error = (from.translation_error + to.translation_error) / 2;
+      if (laid.Follows(i)) line.Add(cell(from.position), cell(to.position), error / std::max(comparison.most, 1e-12));
+    }
+  line.Draw(canvas, 2);
+  for (const Laid& laid : comparison.laid)
+    DrawEnds(canvas, scene.theme, cell(laid.poses().front().position), cell(laid.poses().back().position));
+}
+
+// What the error is, in the words of `slamdb evaluate`.
+std::string FiguresOf(const Laid& laid, const std::string& unit, double width) {
+  constexpr double kLeastForAll = 560;
+  const ErrorStatistics& numbers = laid.evaluation.absolute.translation;
+  if (width < kLeastForAll) return Concat("rmse ", detail::Digits(numbers.rmse, 4), " ", unit);
+  return Concat("rmse ", detail::Digits(numbers.rmse, 4), " ", unit, ", median ", detail::Digits(numbers.median, 4),
+                " ", unit, ", max ", detail::Digits(numbers.max, 4), " ", unit, " of ",
+                detail::Counted(laid.poses().size(), "pair"));
+}
+
+// The names of the trajectories where there are several, with what each has.
+Legend LegendOf(const Comparison& comparison) {
+  Legend legend;
+  if (comparison.laid.size() < 2) return legend;
+  for (const Laid& laid : comparison.laid)
+    legend.push_back(
+        LineEntry(Concat(laid.name, ": rmse ", detail::Digits(laid.evaluation.absolute.translation.rmse, 4), " ",
+                         comparison.reference.unit),
+                  laid.color));
+  return legend;
+}
+
+void DrawErrors(Canvas& canvas, const Scene& scene, const Comparison& comparison, const Box& box) {
+  double begin = std::numeric_limits<double>::infinity(), end = -begin;
+  for (const Laid& laid : comparison.laid) {
+    begin = std::min(begin, laid.poses().front().timestamp);
+    end = std::max(end, laid.poses().back().timestamp);
   }
-  const Diagram diagram =
-      DrawDiagram(canvas, scene.theme, box, {0, std::max(end - begin, 1e-3)}, {0, most > 0 ? 1.08 * most : 1},
-                  {.heading = "Error over time",
-                   .remark = "",
-                   .x_name = "seconds since the first pair",
-                   .y_name = "error (" + scene.unit() + ")"});
-  Segments line;
-  Spots lone;
-  for (std::size_t i = 0; i < comparison.stops.size(); ++i) {
-    const Compared& stop = comparison.stops[i];
-    const Spot at = diagram(stop.time - begin, stop.error());
-    if (stop.follows)
-      line.emplace_back(diagram(comparison.stops[i - 1].time - begin, comparison.stops[i - 1].error()), at);
-    else
-      lone.push_back(at);
+  const bool alone = comparison.laid.size() == 1;
+  const std::string& unit = comparison.reference.unit;
+  const Diagram diagram = DrawDiagram(canvas, scene.theme, box, {0, std::max(end - begin, 1e-3)},
+                                      {0, comparison.most > 0 ? 1.08 * comparison.most : 1},
+                                      {.heading = "Error over time",
+                                       .remark = alone ? FiguresOf(comparison.laid.front(), unit, box.width) : "",
+                                       .x_name = "seconds since the first pair",
+                                       .y_name = "error (" + unit + ")",
+                                       .legend = LegendOf(comparison)});
+  for (const Laid& laid : comparison.laid) {
+    Segments line;
+    Spots lone;
+    const auto spot = [&](const PairedPose& pose) { return diagram(pose.timestamp - begin, pose.translation_error); };
+    for (std::size_t i = 0; i < laid.poses().size(); ++i)
+      if (laid.Follows(i))
+        line.emplace_back(spot(laid.poses()[i - 1]), spot(laid.poses()[i]));
+      else
+        lone.push_back(spot(laid.poses()[i]));
+    canvas.Lines(line, laid.color, 1.4);
+    canvas.Dots(lone, 3, laid.color);
+    const double level = diagram.y(laid.evaluation.absolute.translation.rmse);
+    const Color& color = alone ? scene.theme.mark : laid.color;
+    canvas.Line({diagram.inside.left, level}, {diagram.inside.right(), level}, color, 1.2, 4);
+    if (alone)
+      canvas.Text({diagram.inside.right() - 3, level - 4}, "rmse",
+                  {.color = color, .size = 11, .anchor = Anchor::kEnd});
   }
-  canvas.Lines(line, scene.maps.front().color, 1.4);
-  canvas.Dots(lone, 3, scene.maps.front().color);
-  const double level = diagram.y(rmse);
-  canvas.Line({diagram.inside.left, level}, {diagram.inside.right(), level}, scene.theme.mark, 1.2, 4);
-  canvas.Text({diagram.inside.right() - 3, level - 4}, "rmse",
-              {.color = scene.theme.mark, .size = 11, .anchor = Anchor::kEnd});
 }
 
 void DrawComparison(Canvas& canvas, const Scene& scene, const Box& box) {
   const Comparison comparison = Compare(scene);
-  const ErrorStatistics numbers = StatisticsOf(comparison.stops);
-  const std::string unit = " m";  // of the reference
-  DrawHeading(
-      canvas, scene.theme, box, "Trajectory and reference",
-      Concat("rmse ", detail::Digits(numbers.rmse, 3), unit, ", median ", detail::Digits(numbers.median, 3), unit,
-             ", max ", detail::Digits(numbers.max, 3), unit, "; ", detail::Counted(comparison.stops.size(), "keyframe"),
-             comparison.left_out.empty() ? "" : Concat(" without ", comparison.left_out.size(), " maps")));
+  const std::string& unit = comparison.reference.unit;
+  Legend legend = LegendOfEnds(scene.theme);
+  legend.push_back(LineEntry("reference", scene.theme.reference));
+  DrawHeading(canvas, scene.theme, box, "Trajectory and reference", comparison.frame.how, legend);
   const Box plan{box.left, box.top, box.width, box.height - kDiagramHeight - kBarHeight - 16};
   const Cell cell = CellOf(comparison, plan.Without(kYTickSpace, kHeadingHeight, 1, kTickSpace + kNameSpace));
-  DrawMetricFrame(canvas, scene.theme, cell, {comparison.frame.names[0] + " (m)", comparison.frame.names[1] + " (m)"});
-  const double most = std::max(numbers.max, 1e-12);
-  DrawBoth(canvas, scene, comparison, cell, most);
+  const auto named = [&](int axis) { return Concat(comparison.frame.names.at(axis), " (", unit, ")"); };
+  DrawMetricFrame(canvas, scene.theme, cell, {named(0), named(1)});
+  DrawBoth(canvas, scene, comparison, cell);
   Spots busy;
-  for (const Compared& stop : comparison.stops) busy.push_back(cell(stop.at));
-  DrawScaleBar(canvas, scene.theme, cell, busy, "m");
+  for (const TrajectoryPose& pose : comparison.reference.poses) busy.push_back(cell(pose.position));
+  for (const Laid& laid : comparison.laid)
+    for (const PairedPose& pose : laid.poses()) busy.push_back(cell(pose.position));
+  DrawScaleBar(canvas, scene.theme, cell, busy, unit);
   const Box bar{box.left + kYTickSpace, plan.bottom() + 2, box.width - kYTickSpace, kBarHeight - 4};
-  DrawColorBar(canvas, scene.theme, bar, "0", detail::Digits(numbers.max, 2) + unit,
-               "error, along the trajectory; the reference in grey");
-  DrawErrors(canvas, scene, comparison, {box.left, box.bottom() - kDiagramHeight, box.width, kDiagramHeight},
-             numbers.rmse);
+  DrawColorBar(canvas, scene.theme, bar, "0", Concat(detail::Digits(comparison.most, 2), " ", unit),
+               "error, along the trajectory");
+  DrawErrors(canvas, scene, comparison, {box.left, box.bottom() - kDiagramHeight, box.width, kDiagramHeight});
 }
 
 void DrawAlone(Canvas& canvas, const Scene& scene, const Box& box) {
-  DrawHeading(canvas, scene.theme, box, "Trajectory", scene.maps.empty() ? "" : scene.maps.front().frame.how);
+  DrawHeading(canvas, scene.theme, box, "Trajectory", scene.maps.empty() ? "" : scene.maps.front().frame.how,
+              LegendOfEnds(scene.theme));
   const bool alone = scene.maps.size() <= 1 || scene.options.together;
   const Box inside =
       box.Without(alone ? kYTickSpace : 0, kHeadingHeight, 1, kBarHeight + (alone ? kTickSpace + kNameSpace : 4));
@@ -222,6 +250,7 @@ void DrawAlone(Canvas& canvas, const Scene& scene, const Box& box) {
           line.Add(cell(map.path[i - 1].center), cell(map.path[i].center),
                    (map.path[i].keyframe->timestamp - begin) / span);
       line.Draw(canvas, 2.2);
+      DrawEnds(canvas, scene.theme, cell(map.path.front().center), cell(map.path.back().center));
     }
   }
   DrawColorBar(canvas, scene.theme, {inside.left, box.bottom() - kBarHeight, inside.width, kBarHeight - 2}, "0",
@@ -233,12 +262,22 @@ void DrawAlone(Canvas& canvas, const Scene& scene, const Box& box) {
 
 double HeightOfTrajectory(const Scene& scene, double width) {
   const double plan = HeightOfView(scene, View::kPlan, width);
-  return scene.options.reference.empty() ? plan + kBarHeight
-                                         : kHeadingHeight + 0.62 * width + kBarHeight + kDiagramHeight + 16;
+  return !scene.options.reference ? plan + kBarHeight
+                                  : kHeadingHeight + 0.62 * width + kBarHeight + kDiagramHeight + 16;
+}
+
+std::string ErrorText(const Scene& scene) {
+  if (!scene.options.reference) return {};
+  const Comparison comparison = Compare(scene);
+  std::string text;
+  for (const Laid& laid : comparison.laid)
+    text += Concat(text.empty() ? "" : ", ", comparison.laid.size() > 1 ? laid.name + " " : "", "rmse ",
+                   detail::Digits(laid.evaluation.absolute.translation.rmse, 4), " ", comparison.reference.unit);
+  return text;
 }
 
 void DrawTrajectory(Canvas& canvas, const Scene& scene, const Box& box) {
-  if (scene.options.reference.empty())
+  if (!scene.options.reference)
     DrawAlone(canvas, scene, box);
   else
     DrawComparison(canvas, scene, box);

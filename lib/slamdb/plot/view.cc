@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 
 namespace slamdb::plot {
 namespace {
@@ -70,9 +71,7 @@ class Density {
     for (const std::uint32_t count : counts_)
       if (count > 0) filled.push_back(count);
     if (filled.empty()) return 1;
-    const auto place = filled.begin() + static_cast<std::ptrdiff_t>(filled.size() - 1 - filled.size() / 100);
-    std::nth_element(filled.begin(), place, filled.end());
-    return *place;
+    return detail::ElementInOrder(filled, filled.size() - 1 - filled.size() / 100);
   }
 
   const Cell& cell_;
@@ -157,47 +156,27 @@ void DrawPath(Canvas& canvas, const Scene& scene, const MapScene& map, const Cel
   DrawEdges(canvas, map, cell, map.merges, scene.theme.merge);
 }
 
-void DrawEnds(Canvas& canvas, const Scene& scene, const MapScene& map, const Cell& cell) {
-  if (map.path.empty()) return;
-  const auto mark = [&](const Spot& spot, double size, const Color& color) {
-    const Spot place[] = {spot};
-    canvas.Dots(place, size + 3, scene.theme.paper);
-    canvas.Dots(place, size, color);
-  };
-  const Spot end = cell(map.path.back().center), start = cell(map.path.front().center);
-  if (map.path.size() > 1) {
-    canvas.Fill({end.x() - 5.5, end.y() - 5.5, 11, 11}, scene.theme.paper);
-    canvas.Fill({end.x() - 4, end.y() - 4, 8, 8}, scene.theme.end);
-  }
-  mark(start, 9, scene.theme.start);
+void DrawDot(Canvas& canvas, const Spot& spot, double size, const Color& color) {
+  const Spot place[] = {spot};
+  canvas.Dots(place, size, color);
 }
 
-// What the signs mean, at the right of the heading.
-void DrawLegend(Canvas& canvas, const Scene& scene, const Box& box) {
-  const Theme& theme = scene.theme;
-  const TextStyle style = Letters{theme}.Tick(Anchor::kStart);
-  const double foot = box.top + 12;
-  double right = box.right();
-  const auto entry = [&](const std::string& word, const auto& draw) {
-    right -= canvas.WidthOf(word, style);
-    canvas.Text({right, foot}, word, style);
-    draw(Spot(right - 11, foot - 4));
-    right -= 32;
+void DrawSquare(Canvas& canvas, const Spot& middle, double size, const Color& color) {
+  canvas.Fill({middle.x() - size / 2, middle.y() - size / 2, size, size}, color);
+}
+
+// What the signs mean.
+Legend LegendOf(const Scene& scene) {
+  const auto has = [&](auto list) {
+    return std::ranges::any_of(scene.maps, [&](const MapScene& map) { return !(map.*list).empty(); });
   };
-  const auto has = [&](auto edges) {
-    return std::ranges::any_of(scene.maps, [&](const MapScene& map) { return !(map.*edges).empty(); });
-  };
-  const auto line = [&](const Color& color) {
-    return [&canvas, color](const Spot& at) { canvas.Line(at - Spot(7, 0), at + Spot(6, 0), color, 1.5); };
-  };
-  if (has(&MapScene::merges)) entry("merge edge", line(theme.merge));
-  if (has(&MapScene::loops)) entry("loop edge", line(theme.loop));
-  if (!has(&MapScene::path)) return;
-  entry("end", [&](const Spot& at) { canvas.Fill({at.x() - 3, at.y() - 4, 8, 8}, theme.end); });
-  entry("start", [&](const Spot& at) {
-    const Spot place[] = {at};
-    canvas.Dots(place, 9, theme.start);
-  });
+  Legend legend;
+  if (has(&MapScene::path)) legend = LegendOfEnds(scene.theme);
+  if (has(&MapScene::loops)) legend.push_back(LineEntry("loop edge", scene.theme.loop));
+  if (has(&MapScene::merges)) legend.push_back(LineEntry("merge edge", scene.theme.merge));
+  if (scene.options.together && scene.maps.size() > 1)  // else each stands above its cell
+    for (const MapScene& map : scene.maps) legend.push_back(LineEntry(map.name, map.color));
+  return legend;
 }
 
 // What the cell shows: metres to the right and up.
@@ -236,7 +215,7 @@ std::string RemarkOf(const Scene& scene) {
   if (scene.maps.empty()) return "there is no keyframe and no point";
   const std::string& how = scene.maps.front().frame.how;
   const bool alike = std::ranges::all_of(scene.maps, [&](const MapScene& map) { return map.frame.how == how; });
-  const std::string text = alike || scene.options.together ? how : "up by gravity or spread";
+  const std::string text = alike || scene.options.together ? how : "up as each map tells it";
   return scene.maps.size() > 1 && !scene.options.together ? text + ", each map in its own frame" : text;
 }
 
@@ -259,10 +238,27 @@ void DrawInside(Canvas& canvas, const Scene& scene, const Cell& cell, bool bare,
   DrawPoints(canvas, scene, cell, counts);
   for (const std::size_t map : cell.maps) DrawPath(canvas, scene, scene.maps[map], cell, bare);
   if (bare) return;
-  for (const std::size_t map : cell.maps) DrawEnds(canvas, scene, scene.maps[map], cell);
+  for (const std::size_t place : cell.maps) {
+    const std::vector<Stop>& path = scene.maps[place].path;
+    if (!path.empty()) DrawEnds(canvas, scene.theme, cell(path.front().center), cell(path.back().center));
+  }
 }
 
 }  // namespace
+
+void DrawEnds(Canvas& canvas, const Theme& theme, const Spot& start, const Spot& end) {
+  if (start != end) {
+    DrawSquare(canvas, end, 11, theme.paper);
+    DrawSquare(canvas, end, 8, theme.end);
+  }
+  DrawDot(canvas, start, 12, theme.paper);
+  DrawDot(canvas, start, 9, theme.start);
+}
+
+Legend LegendOfEnds(const Theme& theme) {
+  return {{"start", [&theme](Canvas& canvas, const Spot& at) { DrawDot(canvas, at, 9, theme.start); }},
+          {"end", [&theme](Canvas& canvas, const Spot& at) { DrawSquare(canvas, at, 8, theme.end); }}};
+}
 
 void DrawMetricFrame(Canvas& canvas, const Theme& theme, const Cell& cell, const std::array<std::string, 2>& names) {
   DrawGrid(canvas, theme, cell, /*with_ticks=*/true);
@@ -358,10 +354,9 @@ ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& bo
   const Box inside = bare    ? box
                      : alone ? box.Without(kYTickSpace, kHeadingHeight, 1, kTickSpace + kNameSpace)
                              : box.Without(0, kHeadingHeight, 0, 1);
-  if (!bare) {
-    DrawHeading(canvas, scene.theme, box, HeadingOf(view), RemarkOf(scene));
-    if (view == View::kPlan) DrawLegend(canvas, scene, box);
-  }
+  if (!bare)
+    DrawHeading(canvas, scene.theme, box, HeadingOf(view), RemarkOf(scene),
+                view == View::kPlan ? LegendOf(scene) : Legend());
   for (const Cell& cell : LayCells(scene, view, inside)) {
     if (!bare) DrawFrameOfCell(canvas, scene, view, cell);
     ViewCounts here;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "slamdb/base/detail/median.h"
 #include "slamdb/plot/detail/view.h"
 
 namespace slamdb::plot {
@@ -30,12 +31,6 @@ Range United(const Range& a, const Range& b) { return {std::min(a.low, b.low), s
 
 Range Grown(const Range& range, double by) { return {range.low - by, range.high + by}; }
 
-double QuantileOf(std::vector<double>& values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
-}
-
 Extents WithAir(const Range& x, const Range& y) {
   const double size = std::max(x.size(), y.size());
   // Everything at one place: a millimetre around it, or what single precision can tell apart there.
@@ -44,8 +39,8 @@ Extents WithAir(const Range& x, const Range& y) {
   return {Grown(x, air), Grown(y, air)};
 }
 
-// Of the points: without the farthest at each end, half a hundredth of them, and of those none that is far outside of
-// where most are.
+// Of all points, unless few of them would make the rest small: those stay outside that are far from where most are, or
+// stretch what all but a thousandth at each end take.
 std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   std::array<std::vector<double>, 2> places;
   for (const MapPoint& point : map.map->points) {
@@ -56,15 +51,16 @@ std::array<Range, 2> RangesOfPoints(const MapScene& map, const Axes& axes) {
   }
   std::array<Range, 2> ranges{Range{1, 0}, Range{1, 0}};
   if (places[0].empty()) return ranges;
-  constexpr double kBeyond = 1.25;  // all of them, where the outermost are not far from the rest
-  constexpr double kAround = 3;     // sizes of where most are
+  constexpr double kAround = 1, kRim = 0.05, kStretch = 1.25;  // of where most are, and of all but a thousandth
   for (int i = 0; i < 2; ++i) {
     const auto [low, high] = std::ranges::minmax(places[i]);
-    const Range all{low, high}, most{QuantileOf(places[i], 0.1), QuantileOf(places[i], 0.9)};
+    const Range most{detail::QuantileOf(places[i], 0.1), detail::QuantileOf(places[i], 0.9)};
     const Range near = Grown(most, kAround * most.size());
-    const Range nearly{std::max(QuantileOf(places[i], 0.005), near.low),
-                       std::min(QuantileOf(places[i], 0.995), near.high)};
-    ranges[i] = all.size() <= kBeyond * nearly.size() ? all : nearly;
+    const Range nearly{std::max(detail::QuantileOf(places[i], 0.001), near.low),
+                       std::min(detail::QuantileOf(places[i], 0.999), near.high)};
+    const Range within = Grown(nearly, kRim * nearly.size());
+    ranges[i] = high - low <= kStretch * nearly.size() ? Range{low, high}
+                                                       : Range{std::max(low, within.low), std::min(high, within.high)};
   }
   return ranges;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/report/detail/parts.h"
 
@@ -54,6 +55,13 @@ void AppendResult(Html& html, const RuleResult& result, const Wording& wording) 
 std::string VerdictWord(const AtlasReport& report) {
   if (!report.checked.failure.empty()) return "not readable";
   return report.checked.report.ok() ? "sound" : "not sound";
+}
+
+std::string LengthText(const AtlasStatistics& statistics) {
+  const auto metric = std::ranges::count_if(statistics.maps, &MapStatistics::metric);
+  return Concat(detail::Rounded(statistics.trajectory_length), metric == std::ssize(statistics.maps) ? " m"
+                                                               : metric == 0                         ? " units"
+                                                                                                     : " m and units");
 }
 
 void AppendVerdict(Html& html, const AtlasReport& report) {

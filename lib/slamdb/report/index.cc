@@ -50,7 +50,7 @@ void AppendNumbers(Html& html, const AtlasReport& report) {
   AppendCount(html, all.maps.size());
   AppendCount(html, all.keyframes);
   AppendCount(html, all.points);
-  AppendNumber(html, all.trajectory_length, detail::Digits(all.trajectory_length, 4));
+  AppendNumber(html, all.trajectory_length, report::LengthText(all));
   AppendNumber(html, seconds, detail::DurationText(seconds));
   AppendNumber(html, count > 0 ? error / count : -1, count > 0 ? detail::Digits(error / count, 3) : "");
   if (report.bytes)
@@ -59,12 +59,17 @@ void AppendNumbers(Html& html, const AtlasReport& report) {
     AppendEmpty(html);
 }
 
+void AppendThumbnail(Html& html, Literal theme, const std::string& png) {
+  html << "<img alt=\"\" width=\"120\" height=\"75\" class=\"" << theme << "\" src=\"data:image/png;base64,";
+  html.Drawn(detail::Base64(std::as_bytes(std::span(png))));
+  html << "\">";
+}
+
 void AppendRow(Html& html, const AtlasReport& report) {
   html << "<tr data-verdict=\"" << report::VerdictWord(report) << "\"><td>";
   if (!report.thumbnail.empty()) {
-    html << "<img alt=\"\" width=\"120\" height=\"75\" src=\"data:image/png;base64,";
-    html.Drawn(detail::Base64(std::as_bytes(std::span(report.thumbnail))));
-    html << "\">";
+    AppendThumbnail(html, "light", report.thumbnail);
+    AppendThumbnail(html, "dark", report.dark_thumbnail.empty() ? report.thumbnail : report.dark_thumbnail);
   }
   html << "</td>";
   AppendName(html, report);

@@ -31,24 +31,11 @@ void AppendNumbers(Html& html, const AtlasReport& report) {
   AppendNumber(html, "keyframes", Thousands(all.keyframes));
   AppendNumber(html, "points", Thousands(all.points));
   AppendNumber(html, "observations", Thousands(all.observations));
-  const auto metric = std::ranges::count_if(all.maps, &MapStatistics::metric);
-  AppendNumber(html,
-               metric == std::ssize(all.maps) ? Literal("trajectory, m")
-               : metric == 0                  ? Literal("trajectory, units")
-                                              : Literal("trajectory, m and units"),
-               detail::Digits(all.trajectory_length, 4));
+  AppendNumber(html, "trajectory", report::LengthText(all));
   AppendNumber(html, "time", detail::DurationText(DurationOf(all)));
   AppendNumber(html, "loop and merge edges", Thousands(all.loop_edges + all.merge_edges));
   if (report.bytes) AppendNumber(html, "size", detail::HumanBytes(*report.bytes));
   html << "</dl>\n";
-}
-
-std::string NameOfSensor(const MapStatistics& map) {
-  std::string name = map.sensor == MapSensor::kMonocular       ? "monocular"
-                     : map.sensor == MapSensor::kStereoOrRgbd  ? "stereo or RGB-D"
-                     : map.sensor == MapSensor::kFisheyeStereo ? "fisheye stereo"
-                                                               : "no keyframes";
-  return map.has_imu ? name + " with IMU" : name;
 }
 
 void AppendCell(Html& html, const std::string& value) { html << "<td class=\"number\">" << value << "</td>"; }
@@ -60,13 +47,13 @@ void AppendMaps(Html& html, const AtlasStatistics& statistics) {
           "<th class=\"number\">reprojection (px)</th><th class=\"number\">components</th>"
           "<th class=\"number\">trajectory</th><th class=\"number\">time</th></tr>\n";
   for (const MapStatistics& map : statistics.maps) {
-    html << "<tr><td>" << ToString(map.id) << "</td><td>" << NameOfSensor(map) << "</td>";
+    html << "<tr><td>" << ToString(map.id) << "</td><td>" << SensorText(map.sensor, map.has_imu) << "</td>";
     AppendCell(html, Thousands(map.keyframes));
     AppendCell(html, Thousands(map.points));
     AppendCell(html, detail::Digits(map.observers.mean, 3));
     AppendCell(html, map.reprojection_error.count == 0 ? "" : detail::Digits(map.reprojection_error.mean, 3));
     AppendCell(html, Thousands(map.components));
-    AppendCell(html, Concat(detail::Digits(map.trajectory_length, 4), map.metric ? " m" : " units"));
+    AppendCell(html, detail::LengthText(map.trajectory_length, map.metric ? "m" : "units"));
     AppendCell(html, detail::DurationText(map.end_time - map.begin_time));
     html << "</tr>\n";
   }
@@ -81,16 +68,18 @@ void AppendPlots(Html& html, const Atlas& atlas, int threads) {
     html << "<p class=\"faint\">Built without Cairo, which draws plots.</p>\n";
     return;
   }
-  html << "<h2>Plots</h2>\n<div class=\"plots\">\n";
+  std::vector<PlotOptions> pictures;
   for (const PlotKind kind : PlotKinds()) {
     if (kind == PlotKind::kOverview || kind == PlotKind::kTrajectory) continue;
-    html << "<figure>";
-    for (const bool dark : {false, true}) {  // the style shows the one that suits the page
-      html << (dark ? Literal("<div class=\"dark\">") : Literal("<div class=\"light\">"));
-      html.Drawn(ElementOf(DrawPlot(atlas, {.kind = kind, .width = 620, .dark = dark, .threads = threads}).bytes));
-      html << "</div>";
-    }
-    html << "</figure>\n";
+    for (const bool dark : {false, true})
+      pictures.push_back({.kind = kind, .width = 620, .dark = dark, .threads = threads});
+  }
+  const std::vector<Plot> plots = DrawPlots(atlas, pictures);
+  html << "<h2>Plots</h2>\n<div class=\"plots\">\n";
+  for (std::size_t i = 0; i < plots.size(); ++i) {  // the style shows the one of two that suits the page
+    html << (pictures[i].dark ? Literal("<div class=\"dark\">") : Literal("<figure><div class=\"light\">"));
+    html.Drawn(ElementOf(plots[i].bytes));
+    html << (pictures[i].dark ? Literal("</div></figure>") : Literal("</div>"));
   }
   html << "</div>\n";
 }
@@ -117,7 +106,10 @@ AtlasReport ReportOn(const Atlas& atlas, const std::string& name, const CheckOpt
   report.checked.name = name;
   report.checked.report = CheckAtlas(atlas, options);
   report.gates = options.gates;
-  if (CanPlot()) report.thumbnail = DrawThumbnail(atlas, 240, 150).bytes;
+  if (CanPlot()) {
+    report.thumbnail = DrawThumbnail(atlas, 240, 150).bytes;
+    report.dark_thumbnail = DrawThumbnail(atlas, 240, 150, /*dark=*/true).bytes;
+  }
   return report;
 }
 

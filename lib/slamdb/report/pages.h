@@ -20,8 +20,9 @@ namespace slamdb {
 struct AtlasReport {
   CheckedFile checked;                 // its name, what was found, or why it could not be read
   std::string page;                    // name of the file of its page, beside the index; empty: it has none
-  std::string thumbnail;               // PNG; empty: none
-  std::optional<std::uint64_t> bytes;  // size of its file
+  std::string thumbnail;               // PNG for a light page; empty: none
+  std::string dark_thumbnail;          // for a dark one; empty: the same
+  std::optional<std::uint64_t> bytes;  // size of its file, or about what it takes in its store
   std::vector<GateLimit> gates;        // that it was held against
 };
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/model/detail/edges.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -47,24 +49,21 @@ std::string CovisibilityBytes(const Scene& scene) {
   return edges.Take();
 }
 
-// Each pair once, whichever of the two lists the other.
 std::string PairBytes(const Scene& scene, Column<KeyFrameId> KeyFrame::*list) {
-  std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
-  std::int64_t row = 0;
+  detail::RowPairs pairs;
+  std::uint32_t row = 0;
   scene.ForEachKeyFrame([&](const SceneAtlas& atlas, std::uint32_t map, const KeyFrame& keyframe) {
-    for (const KeyFrameId id : keyframe.*list) {
-      const std::int64_t other = atlas.KeyFrameRow(map, id);
-      if (other >= 0 && other != row) pairs.push_back(std::minmax({row, other}));
-    }
+    for (const KeyFrameId id : keyframe.*list)
+      if (const std::int64_t other = atlas.KeyFrameRow(map, id); other >= 0)
+        pairs.push_back(std::minmax({row, static_cast<std::uint32_t>(other)}));
     ++row;
   });
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  detail::MakeDistinct(pairs);
   VarintColumn edges;
   std::int64_t last = 0;
   for (const auto& [first, second] : pairs) {
-    edges.AddSigned(first - last);
-    edges.AddSigned(second - first);
+    edges.AddSigned(std::int64_t{first} - last);
+    edges.AddSigned(std::int64_t{second} - first);
     last = first;
   }
   return edges.Take();

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/visible.h"
-#include "slamdb/edit/frame/gravity.h"
 #include "slamdb/formats/info.h"
 #include "slamdb/model/detail/json.h"
+#include "slamdb/model/up.h"
 #include "slamdb/version.h"
 
 namespace slamdb::view {
@@ -38,12 +39,13 @@ Json StatisticsJson(const MapStatistics& map) {
           {"components", map.components}};
 }
 
-Json UpJson(const Map& map) {
-  const auto up = UpByInertia(map);
-  return up && up->allFinite() ? detail::JsonOf(*up) : Json();
+Json UprightJson(const Up& up) {
+  const Eigen::Quaterniond turn = UprightFromMap(up.direction);
+  return {turn.x(), turn.y(), turn.z(), turn.w()};
 }
 
-Json MapsJson(const SceneAtlas& atlas, const AtlasStatistics& statistics) {
+// `ups` of its maps.
+Json MapsJson(const SceneAtlas& atlas, const AtlasStatistics& statistics, std::span<const Up> ups) {
   Json list = Json::array();
   for (std::uint32_t row = 0; row < atlas.atlas().maps.size(); ++row) {
     const Map& map = atlas.atlas().maps[row];
@@ -55,13 +57,21 @@ Json MapsJson(const SceneAtlas& atlas, const AtlasStatistics& statistics) {
                     {"keyframes", map.keyframes.size()},
                     {"first_point", atlas.first_point + atlas.numbered.FirstPoint(row)},
                     {"points", map.points.size()},
-                    {"up", UpJson(map)},
+                    {"up", detail::JsonOf(ups[row].direction)},
+                    {"up_method", NameOf(ups[row].method)},
+                    {"upright", UprightJson(ups[row])},
                     {"statistics", StatisticsJson(statistics.maps[row])}});
   }
   return list;
 }
 
-Json AtlasesJson(const Scene& scene, const std::vector<AtlasStatistics>& statistics) {
+// All maps of a comparison stand in one frame.
+Json AtlasesJson(const Scene& scene, const std::vector<AtlasStatistics>& statistics, bool is_diff) {
+  std::vector<const Map*> maps;
+  for (const SceneAtlas& atlas : scene.atlases())
+    for (const Map& map : atlas.atlas().maps) maps.push_back(&map);
+  const std::vector<Up> ups = UpsOf(maps, is_diff);
+  std::size_t first = 0;
   Json list = Json::array();
   for (std::size_t i = 0; i < scene.atlases().size(); ++i) {
     const SceneAtlas& atlas = scene.atlases()[i];
@@ -71,7 +81,8 @@ Json AtlasesJson(const Scene& scene, const std::vector<AtlasStatistics>& statist
                     {"format", Visible(atlas.input.format)},
                     {"sensor", NameOf(sensor == statistics[i].maps.end() ? MapSensor::kUnknown : sensor->sensor)},
                     {"info", FactsJson(atlas.input, statistics[i])},
-                    {"maps", MapsJson(atlas, statistics[i])}});
+                    {"maps", MapsJson(atlas, statistics[i], std::span(ups).subspan(first))}});
+    first += atlas.atlas().maps.size();
   }
   return list;
 }
@@ -183,7 +194,7 @@ std::string HeaderJson(const Scene& scene, const Header& header) {
                {"title", Visible(header.title)},
                {"fixed_part", header.fixed_part},
                {"layout", header.options.layout == ViewLayout::kSideBySide ? "side-by-side" : "overlay"},
-               {"atlases", AtlasesJson(scene, header.statistics)},
+               {"atlases", AtlasesJson(scene, header.statistics, header.diff.has_value())},
                {"cameras", CamerasJson(scene)},
                {"error_max", Finite(header.error_max)},
                {"merged_from", OriginsJson(header.statistics)},

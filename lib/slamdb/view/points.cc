@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/reprojection.h"
 #include "slamdb/view/detail/encode.h"
@@ -41,13 +42,9 @@ struct Ruler {
   static Ruler For(std::vector<float>& values) {
     constexpr double kTail = 0.05, kReach = 4, kSteps = 4096;
     if (values.empty()) return {};
-    const auto at = [&](double part) {
-      const auto place = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-      std::nth_element(values.begin(), place, values.end());
-      return double{*place};
-    };
     const auto [least, most] = std::ranges::minmax(values);
-    const double low = at(kTail), high = at(1 - kTail), reach = kReach * (high - low);
+    const double low = detail::QuantileOf(values, kTail), high = detail::QuantileOf(values, 1 - kTail);
+    const double reach = kReach * (high - low);
     Ruler ruler;
     ruler.low = std::max<double>(least, low - reach);
     ruler.high = std::min<double>(most, high + reach);
@@ -161,10 +158,7 @@ double LargestError(const std::vector<float>& errors) {
   std::vector<float> known;
   known.reserve(errors.size());
   std::ranges::copy_if(errors, std::back_inserter(known), [](float error) { return std::isfinite(error); });
-  if (known.empty()) return 0;
-  const auto place = known.begin() + static_cast<std::ptrdiff_t>((known.size() - 1) * 999 / 1000);
-  std::ranges::nth_element(known, place);
-  return *place;
+  return detail::QuantileOf(known, 0.999);
 }
 
 std::string ErrorBytes(const std::vector<float>& errors, double largest) {

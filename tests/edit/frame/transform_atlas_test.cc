@@ -96,9 +96,9 @@ TEST(TransformAtlas, StandsMapsUpright) {
   Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kStereo, .inertial = true, .keyframes = 12, .points = 100});
   TransformMap(atlas.maps[0], {.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()))});
   const TransformReport report = TransformAtlas(atlas, {.to = TurnUpright{}});
-  ASSERT_TRUE(report.maps[0].upright);
-  EXPECT_EQ(report.maps[0].upright->method, UpMethod::kInertia);
-  EXPECT_GT(UpByInertia(atlas.maps[0])->z(), 0.999);
+  ASSERT_TRUE(report.maps[0].up);
+  EXPECT_EQ(report.maps[0].up->method, UpMethod::kInertia);
+  EXPECT_GT(UpOf(atlas.maps[0]).direction.z(), 0.999);
 }
 
 TEST(TransformAtlas, MovesNothingWhenItRefuses) {

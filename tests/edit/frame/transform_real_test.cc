@@ -10,11 +10,11 @@
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/diff/diff.h"
 #include "slamdb/edit/frame/align_trajectory.h"
-#include "slamdb/edit/frame/gravity.h"
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/statistics.h"
+#include "slamdb/model/up.h"
 #include "tests/support/boost_reference/boost_reference.h"
 #include "tests/support/temporary_folder.h"
 
@@ -113,7 +113,7 @@ TEST(RealInertialMap, ItsInertiaTellsGravity) {
   EXPECT_LT(std::acos(-gravity->normalized().z()), 1e-3);
   const Similarity3d tilt{1, Eigen::Quaterniond(0.7, 0.5, -0.4, 0.2).normalized(), {1, 2, 3}};
   TransformMap(map, tilt);
-  EXPECT_LT((FindUp(map, UpMethod::kAuto).up - tilt.rotation * -gravity->normalized()).norm(), 1e-5);
+  EXPECT_LT((FindUp(map).direction - tilt.rotation * -gravity->normalized()).norm(), 1e-5);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/checks/check.h"
-#include "slamdb/edit/frame/gravity.h"
 #include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/statistics.h"

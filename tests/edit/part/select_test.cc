@@ -6,9 +6,11 @@
 #include <algorithm>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/transform.h"
 #include "slamdb/edit/part/extract.h"
 #include "slamdb/edit/part/split.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/up.h"
 #include "tests/edit/soundness.h"
 #include "tests/formats/orbslam3/real_atlases.h"
 #include "tests/support/equals_atlas.h"
@@ -115,6 +117,15 @@ TEST(Select, CutsByPolygonInThePlan) {
   EXPECT_THAT(KeyFrames({.map = MapId(0), .polygon = triangle, .region = RegionOf::kCameras}), ElementsAre(1, 2));
   const SelectOptions in_xy{.map = MapId(0), .polygon = triangle, .plane = PlanPlane::kXy, .region = RegionOf::kPoints};
   EXPECT_THAT(Points(in_xy), ElementsAre(1, 2));
+}
+
+// Turned so that z is up, what was z is y, and what was ahead of the cameras is still inside.
+TEST(Select, ThePlanIsLevelWhateverFrameTheMapWasMovedInto) {
+  const std::vector<Eigen::Vector2f> triangle = {{0.5F, -1}, {2.5F, -1}, {2.5F, 9}};
+  Atlas atlas = Rows();
+  TransformMap(atlas.maps[0], {1, UprightFromMap(-Eigen::Vector3d::UnitY())});
+  const SelectOptions in_plan{.map = MapId(0), .polygon = triangle, .region = RegionOf::kPoints};
+  EXPECT_THAT(Flagged(Select(AtlasIndex(atlas), in_plan), &Subset::MapRows::points), ElementsAre(2));
 }
 
 TEST(Select, EverythingElse) {

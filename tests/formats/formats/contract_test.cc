@@ -166,6 +166,14 @@ TEST_P(EveryFormat, ReadsAndWritesMemory) {
   EXPECT_EQ(Encoded(format(), Decoded(format(), bytes)), bytes);
 }
 
+TEST_P(EveryFormat, SaysWhetherItHasColorsAndAPlaceOnEarth) {
+  if (is_store()) GTEST_SKIP() << "its bytes are never the same";
+  const WriteOptions colored = WriteOptions{}.With(PointCloudOptions{.color = PointColor::kObservations});
+  EXPECT_EQ(Written(format(), SmallAtlas(), colored) != Written(format(), SmallAtlas()), format().has_colors);
+  const std::string nowhere = ProblemOf([&] { Encoded(format(), SmallAtlas(), {}); });
+  EXPECT_EQ(nowhere.starts_with("places on earth need"), format().is_on_globe) << nowhere;
+}
+
 TEST_P(EveryFormat, OverwritesOnlyWhenTold) {
   if (is_store()) GTEST_SKIP() << "a store is added to";
   const TemporaryFolder folder;

@@ -130,8 +130,10 @@ TEST(RecognizeFolder, NamesTheAtlasInIt) {
   EXPECT_EQ(Problem(folder.Path("")),
             "is a directory, expected an atlas file; ListAtlases and CheckAtlas take all that is in it");
   EXPECT_EQ(Refusal(folder.Path("")).kind(), ErrorKind::kUsage);
-  folder.Make("b.osa", ""), folder.Make("a.osa", "");
+  folder.Make("a.osa", "");
   EXPECT_THAT(Problem(folder.Path("")), HasSubstr("did you mean " + folder.Path("a.osa") + "?"));
+  folder.Make("b.osa", "");
+  EXPECT_EQ(Problem(folder.Path("")).find("did you mean"), std::string::npos) << "one of two";
 }
 
 TEST(FormatOfInput, SaysWhenTheFileIsMissing) {

@@ -135,7 +135,7 @@ TEST(EveryByteIsKeptOrRefused, SalvagingToleratesWhatIsNotKept) {
       Notices notices;
       static_cast<void>(ReadOrbslam3(source, {}, notices));
     } catch (const Error& error) {
-      problem = error.problem();
+      problem = error.problem().substr(0, error.problem().find("; `RecoverAtlas`"));
       if (error.place().starts_with("byte ")) behind = std::stoul(error.place().substr(5));
     }
     if (behind <= at || behind - at > sizeof(std::uint32_t)) continue;  // of a count before it

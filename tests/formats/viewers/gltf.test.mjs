@@ -64,5 +64,6 @@ test("up is y", () => {
   const { json } = parse(converted(fixture("session_small_a/session_small_a.osa"), ".glb"));
   const root = json.nodes[json.scenes[json.scene].nodes[0]];
   assert.equal(root.name, "map 0");
-  assert.deepEqual(root.rotation, [1, 0, 0, 0]); // from x right, y down, z forward
+  const [x, y, z, w] = root.rotation; // from x right, z forward, and y down but for the tilt of the first camera
+  assert.ok(Math.abs(x) > 0.99, `${[x, y, z, w]}`);
 });

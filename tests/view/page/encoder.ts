@@ -6,7 +6,7 @@ export interface PlainMap {
   id: number;
   keyframes: number;
   points: number;
-  up?: [number, number, number] | null;
+  upright?: [number, number, number, number];
   sensor?: string;
   metric?: boolean;
   name?: string;
@@ -140,6 +140,7 @@ function seenColumn(scene: PlainScene): Uint8Array {
   return out.done();
 }
 
+const kFromYDown = [-Math.SQRT1_2, 0, 0, Math.SQRT1_2];
 const kNoStatistics = { trajectory_length: null, duration: null, mean_error: null, mean_observers: null, components: null };
 
 function headerOf(scene: PlainScene): Uint8Array {
@@ -148,7 +149,7 @@ function headerOf(scene: PlainScene): Uint8Array {
   const atlases = scene.atlases.map((atlas) => ({
     info: [], format: "ORB-SLAM3 atlas", ...atlas,
     maps: atlas.maps.map((map) => {
-      const placed = { name: `map ${map.id}`, sensor: atlas.sensor, metric: true, up: null, statistics: kNoStatistics, ...map, first_point: point, first_keyframe: keyframe };
+      const placed = { name: `map ${map.id}`, sensor: atlas.sensor, metric: true, upright: kFromYDown, statistics: kNoStatistics, ...map, first_point: point, first_keyframe: keyframe };
       point += map.points;
       keyframe += map.keyframes;
       return placed;

@@ -3,12 +3,19 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "slamdb/export.h"
 
-// Durations, sizes and dates as people read them: the same words in every report, picture and page. The page of
-// `slamdb view` writes durations likewise (view/page/format.ts).
+// Lengths, durations, sizes and dates as people read them: the same words in every report, picture and page. The page
+// of `slamdb view` writes lengths and durations likewise (view/page/format.ts).
 namespace slamdb::detail {
+
+// Four significant digits, and whole numbers in groups beyond: `0.0123`, `30.23`, `12,345`.
+SLAMDB_EXPORT std::string Rounded(double amount);
+
+// The same with its unit: `30.23 m`, `12,345 units`.
+SLAMDB_EXPORT std::string LengthText(double length, std::string_view unit);
 
 // `17.9 s`, `1 min 15 s`, `11 h 6 min`.
 SLAMDB_EXPORT std::string DurationText(double seconds);

@@ -54,6 +54,10 @@ Integer IntegerOf(const Json& value) {
   return *number;
 }
 
+template <class Number>
+Json NumberOrNull(const std::optional<Number>& number) {
+  return number ? Json(*number) : Json();
+}
 inline Json TextOrNull(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
 // What every report begins with: {"report": "slamdb-cull-2"}.
@@ -61,10 +65,16 @@ inline Json ReportHead(std::string_view name) {
   return {{"report", "slamdb-" + std::string(name) + "-" + std::to_string(kReportVersion)}};
 }
 
+// And those about what was read alone, with `input`.
+inline Json ReportHead(std::string_view name, const std::string& input) {
+  Json json = ReportHead(name);
+  json["input"] = TextOrNull(input);
+  return json;
+}
+
 // And those of one atlas, with `input` and `output`.
 inline Json ReportHead(std::string_view name, const ReportFiles& files) {
-  Json json = ReportHead(name);
-  json["input"] = TextOrNull(files.input);
+  Json json = ReportHead(name, files.input);
   json["output"] = TextOrNull(files.output);
   return json;
 }

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <optional>
 #include <string>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/time_offset.h"
 #include "slamdb/edit/frame/detail/unpaired.h"
@@ -46,7 +46,7 @@ ResidualStatistics StatisticsOf(std::vector<double> residuals) {
     squares += residual * residual / count;
   }
   statistics.rmse = std::sqrt(squares);
-  statistics.median = std::midpoint(residuals[(residuals.size() - 1) / 2], residuals[residuals.size() / 2]);
+  statistics.median = detail::InterpolatedQuantileOf(residuals, 0.5);
   statistics.max = residuals.back();
   return statistics;
 }

@@ -9,7 +9,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/unit.h"
-#include "slamdb/edit/frame/gravity.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb {
 namespace {
@@ -154,7 +154,7 @@ std::vector<std::string> TransformWarnings(const Map& map, const Similarity3d& t
   std::vector<std::string> warnings;
   if (map.imu_initialized) {
     constexpr double kTiltDegrees = 1;
-    const Eigen::Vector3d up = UpByInertia(map).value_or(Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d up = -GravityByInertia(map).value_or(-Eigen::Vector3d::UnitZ());
     const double before = DegreesFromZ(up), after = DegreesFromZ(target_from_source.rotation * up);
     if (after > std::max(before, kTiltDegrees))
       warnings.push_back(detail::Concat("gravity is tilted: it pointed ", detail::Fixed(before, 1),

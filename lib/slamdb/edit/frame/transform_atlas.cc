@@ -93,8 +93,8 @@ class Finder {
     return {.map = map.id, .target_from_source = everywhere};
   }
   static MovedMap Follow(const Map& map, const TurnUpright& turn) {
-    const Upright upright = FindUp(map, turn.method);
-    return {.map = map.id, .target_from_source = {1, upright.target_from_source}, .upright = upright};
+    const Up up = FindUp(map, turn.method);
+    return {.map = map.id, .target_from_source = {1, UprightFromMap(up.direction)}, .up = up};
   }
   static MovedMap Follow(const Map& map, const OntoTrajectory& onto) {
     return LaidOnto(map, onto.reference, onto.fit, kTrajectoryTimeDifference);
@@ -134,18 +134,18 @@ Json JsonOf(const TrajectoryAlignment& alignment) {
           {"time_offset", alignment.time_offset}};
 }
 
-Json JsonOf(const Upright& upright) {
-  Json json = {{"method", NameOf(upright.method)}, {"up", detail::JsonOf(upright.up)}};
-  if (upright.method == UpMethod::kInertia) json["gravity"] = upright.gravity;
-  if (upright.method == UpMethod::kCameras) json["roll_degrees_rms"] = upright.spread;
-  if (upright.method == UpMethod::kPath) json["distance_to_plane_rms"] = upright.spread;
+Json JsonOf(const Up& up) {
+  Json json = {{"method", NameOf(up.method)}, {"up", detail::JsonOf(up.direction)}};
+  if (up.method == UpMethod::kInertia) json["gravity"] = up.gravity;
+  if (up.method == UpMethod::kCameras) json["roll_degrees_rms"] = up.spread;
+  if (up.method == UpMethod::kPath) json["distance_to_plane_rms"] = up.off_path;
   return json;
 }
 
 Json JsonOf(const MovedMap& moved) {
   Json json = {{"id", detail::JsonId(moved.map)}, {"target_from_source", detail::JsonOf(moved.target_from_source)}};
   if (moved.alignment) json["alignment"] = JsonOf(*moved.alignment);
-  if (moved.upright) json["upright"] = JsonOf(*moved.upright);
+  if (moved.up) json["upright"] = JsonOf(*moved.up);
   json["warnings"] = moved.warnings;
   json["losses"] = moved.losses;
   return json;

@@ -10,9 +10,9 @@
 #include "slamdb/base/report_files.h"
 #include "slamdb/edit/frame/align_trajectory.h"
 #include "slamdb/edit/frame/georeference.h"
-#include "slamdb/edit/frame/gravity.h"
 #include "slamdb/edit/frame/transform.h"
 #include "slamdb/export.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb {
 
@@ -30,7 +30,7 @@ struct FitOptions {
 
 // Where maps go. Each map of an atlas has a frame of its own, so all but the first find a transform for each.
 struct TurnUpright {
-  UpMethod method = UpMethod::kAuto;
+  std::optional<UpMethod> method;  // by default what tells it best, see FindUp
 };
 struct OntoTrajectory {
   std::vector<TimedPosition> reference;
@@ -55,7 +55,7 @@ struct MovedMap {
   MapId map;
   Similarity3d target_from_source;
   std::optional<TrajectoryAlignment> alignment;
-  std::optional<Upright> upright;
+  std::optional<Up> up;               // before the move, where it was turned upright
   std::vector<std::string> warnings;  // TransformWarnings, outliers, and a poor fit
   std::vector<std::string> losses;    // what the single precision of maps cannot hold of the result
 };

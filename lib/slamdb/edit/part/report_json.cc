@@ -87,8 +87,7 @@ std::string ToJson(const FragmentReport& report, const ReportFiles& files) {
 }
 
 std::string ToJson(std::span<const TakenPart> parts, const ReportFiles& files) {
-  Json json = detail::ReportHead("split");
-  json["input"] = detail::TextOrNull(files.input);
+  Json json = detail::ReportHead("split", files.input);
   json["parts"] = Json::array();
   for (const TakenPart& part : parts) {
     Json entry = {{"name", part.name}, {"output", detail::TextOrNull(part.output)}};

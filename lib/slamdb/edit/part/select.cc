@@ -7,6 +7,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb {
 namespace {
@@ -153,26 +154,35 @@ class Selector {
     }
   }
 
-  bool Contains(const Map& map, const Eigen::Vector3f& place) const {
+  // Without a polygon there is nothing to look up.
+  PlanPlane PlaneOf(const Map& map) const {
+    if (options_.plane != PlanPlane::kAuto || options_.polygon.empty()) return options_.plane;
+    Eigen::Index vertical = 0;
+    UpOf(map).direction.cwiseAbs().maxCoeff(&vertical);
+    return vertical == 0 ? PlanPlane::kYz : vertical == 1 ? PlanPlane::kXz : PlanPlane::kXy;
+  }
+
+  bool Contains(PlanPlane plane, const Eigen::Vector3f& place) const {
     if (options_.box && !options_.box->contains(place)) return false;
     if (options_.polygon.empty()) return true;
-    const bool xy = options_.plane == PlanPlane::kXy || (options_.plane == PlanPlane::kAuto && map.imu_initialized);
-    return IsInside(options_.polygon, {place.x(), xy ? place.y() : place.z()});
+    const bool has_x = plane != PlanPlane::kYz, has_z = plane != PlanPlane::kXy;
+    return IsInside(options_.polygon, {has_x ? place.x() : place.y(), has_z ? place.z() : place.y()});
   }
 
   // Cuts the keyframes that are picked, and marks points.
   void CutByRegion(std::size_t row) {
     const Map& map = atlas_.maps[row];
+    const PlanPlane plane = PlaneOf(map);
     std::vector<std::uint8_t>& keyframes = subset_.maps[row].keyframes;
     std::vector<std::uint8_t>& points = subset_.maps[row].points;
     const std::vector<std::uint8_t> picked = keyframes;
     if (CutsCameras())
       for (std::size_t i = 0; i < keyframes.size(); ++i)
-        if (keyframes[i] && !Contains(map, CameraCenter(map.keyframes[i]))) keyframes[i] = 0;
+        if (keyframes[i] && !Contains(plane, CameraCenter(map.keyframes[i]))) keyframes[i] = 0;
     const std::vector<std::uint8_t>& observers = CutsPoints() ? picked : keyframes;
     std::vector<std::uint8_t> sees_one(keyframes.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (CutsPoints() && !Contains(map, map.points[i].position)) continue;
+      if (CutsPoints() && !Contains(plane, map.points[i].position)) continue;
       for (const Observation& observation : map.points[i].observations) {
         const std::uint32_t observer = index_.KeyFrameRow(row, observation.keyframe);
         if (observer == kNoRow || !observers[observer]) continue;
@@ -194,12 +204,13 @@ class Selector {
   // Nothing observes landmarks: where no region of points decides, they go with the keyframes of their map.
   void MarkLandmarks(std::size_t row) {
     const Map& map = atlas_.maps[row];
+    const PlanPlane plane = PlaneOf(map);
     const bool is_asked_for = !options_.map || map.id == *options_.map;
     const bool stays =
         map.keyframes.empty() ? (options_.map && is_asked_for) != options_.except : HasAny(subset_.maps[row].keyframes);
     std::vector<std::uint8_t>& landmarks = subset_.maps[row].landmarks;
     for (std::size_t i = 0; i < landmarks.size(); ++i) {
-      const bool inside = is_asked_for && Contains(map, map.landmarks[i].mean.cast<float>());
+      const bool inside = is_asked_for && Contains(plane, map.landmarks[i].mean.cast<float>());
       landmarks[i] = CutsPoints() ? inside != options_.except : stays;
     }
   }

@@ -18,9 +18,9 @@ enum class RegionOf {
   kPoints,   // points alone; they bring the keyframes that observe them
 };
 
-// The plane that plans are drawn in. World frames of maps with initialised IMU have z up, all others the y axis of
-// their first camera down.
-enum class PlanPlane { kAuto, kXy, kXz };
+// The plane of a polygon, of two axes of the map; by default those that are nearest to level (UpOf): x and y where z is
+// up, x and z where y is down.
+enum class PlanPlane { kAuto, kXy, kXz, kYz };
 
 // Which part of an atlas. All that is said must hold; what is left at its default holds for everything.
 struct SelectOptions {

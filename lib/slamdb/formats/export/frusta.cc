@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "slamdb/base/detail/median.h"
 
 namespace slamdb::detail {
 namespace {
@@ -47,10 +50,8 @@ float FrustumDepth(std::span<const Eigen::Vector3f> centers) {
     if (way > 0 && std::isfinite(way)) ways.push_back(way);
   }
   if (ways.empty()) return 0.1F;
-  const auto middle = ways.begin() + static_cast<std::ptrdiff_t>(ways.size() / 2);
-  std::nth_element(ways.begin(), middle, ways.end());
   constexpr float kDeepest = 1e30F;  // beyond, corners would not be finite
-  return std::min(*middle / 2, kDeepest);
+  return std::min(MedianOf(std::move(ways)) / 2, kDeepest);
 }
 
 }  // namespace slamdb::detail

@@ -6,8 +6,9 @@
 #include <limits>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
-#include "slamdb/formats/export/detail/upward.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::detail {
 namespace {
@@ -40,10 +41,10 @@ float ValueOf(const PointRows& points, std::size_t row, PointColor by, const std
   return 0;
 }
 
+// The nearest element, so that of a small cloud the ends are the least and the largest.
 float Percentile(std::vector<float>& values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
+  const long row = std::lround(share * static_cast<double>(values.size() - 1));
+  return ElementInOrder(values, static_cast<std::size_t>(row));
 }
 
 }  // namespace
@@ -52,7 +53,7 @@ PointColors::PointColors(const PointRows& points, const WriteOptions& options)
     : points_(points), by_(options.of<PointCloudOptions>().color) {
   if (by_ == PointColor::kMap) return;
   std::vector<Eigen::Vector3f> upward;
-  for (const Map* map : points.maps()) upward.push_back(UpwardAxis(*map));
+  for (const Up& up : UpsOf(points.maps())) upward.emplace_back(up.direction.cast<float>());
   values_.resize(points.size());
   ParallelFor(points.size(), kRowsPerBlock, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) values_[row] = ValueOf(points, row, by_, upward);

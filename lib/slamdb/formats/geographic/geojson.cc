@@ -43,7 +43,7 @@ std::vector<Path> CutAtAntimeridian(const Path& path) {
   return parts;
 }
 
-Path PathOf(const MapTrajectory& trajectory, const Places& places) {
+Path PathOf(const KeyFrameTrajectory& trajectory, const Places& places) {
   Path path;
   path.reserve(trajectory.poses.size());
   for (const TimedPose& pose : trajectory.poses)
@@ -83,7 +83,7 @@ void BeginFeature(std::string& out, std::size_t number) {
   out += number == 0 ? "\n{\"type\":\"Feature\"," : ",\n{\"type\":\"Feature\",";
 }
 
-std::string TrajectoryFeature(const MapTrajectory& trajectory, const Places& places, std::size_t number) {
+std::string TrajectoryFeature(const KeyFrameTrajectory& trajectory, const Places& places, std::size_t number) {
   std::string out;
   BeginFeature(out, number);
   const std::vector<Path> parts = CutAtAntimeridian(PathOf(trajectory, places));
@@ -162,7 +162,7 @@ void WriteGeojson(const Atlas& atlas, const Target& target, const WriteOptions& 
   WarnOfSeveralFrames(places.points().maps(), "the property `map` tells them apart", notices);
   file.Write(kHead);
   std::size_t features = 0;
-  for (const MapTrajectory& trajectory : places.trajectories())
+  for (const KeyFrameTrajectory& trajectory : places.trajectories())
     if (trajectory.poses.size() > 1) file.Write(TrajectoryFeature(trajectory, places, features++));
   const auto& keyframes = places.keyframes();
   WriteFeatures(file, keyframes.size(), features, options, [&](std::string& out, std::size_t row, std::size_t number) {
@@ -187,6 +187,7 @@ const Format kGeojsonFormat = {.id = "geojson",
                                .title = "GeoJSON map",
                                .suffixes = kSuffixes,
                                .chooses_maps = true,
+                               .is_on_globe = true,
                                .is_export = true,
                                .writes = Content::kPoints | Content::kPoses | Content::kMaps,
                                .sniff = SniffGeojson,

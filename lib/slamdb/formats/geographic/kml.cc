@@ -35,7 +35,7 @@ std::string StyleElement(std::uint64_t number) {
 }
 
 // Longitude, latitude, altitude of all poses in front of which stands `begin`.
-void AppendPath(std::string& out, const MapTrajectory& trajectory, const Places& places, std::string_view begin,
+void AppendPath(std::string& out, const KeyFrameTrajectory& trajectory, const Places& places, std::string_view begin,
                 std::string_view end) {
   for (const TimedPose& pose : trajectory.poses) {
     out += begin;
@@ -45,7 +45,7 @@ void AppendPath(std::string& out, const MapTrajectory& trajectory, const Places&
 }
 
 // gx:Track has blanks between its numbers.
-void AppendTrack(std::string& out, const MapTrajectory& trajectory, const Places& places) {
+void AppendTrack(std::string& out, const KeyFrameTrajectory& trajectory, const Places& places) {
   out += "<gx:Track>\n<altitudeMode>absolute</altitudeMode>\n";
   for (const TimedPose& pose : trajectory.poses) out += "<when>" + *DateTimeText(pose.timestamp) + "</when>\n";
   std::string path;
@@ -55,7 +55,7 @@ void AppendTrack(std::string& out, const MapTrajectory& trajectory, const Places
   out += path + "</gx:Track>\n";
 }
 
-std::string TrajectoryText(const MapTrajectory& trajectory, const Places& places) {
+std::string TrajectoryText(const KeyFrameTrajectory& trajectory, const Places& places) {
   std::string out = Concat("<Placemark>\n<name>", trajectory.map->id, " trajectory</name>\n<styleUrl>#",
                            StyleOf(trajectory.map->id), "</styleUrl>\n");
   if (HasTimes(trajectory)) {
@@ -123,7 +123,7 @@ void WriteKml(const Atlas& atlas, const Target& target, const WriteOptions& opti
   WarnOfSeveralFrames(places.points().maps(), "names and colours tell them apart", notices);
   std::string head(kHead);
   for (std::uint64_t number = 0; number < 10; ++number) head += StyleElement(number);
-  for (const MapTrajectory& trajectory : places.trajectories())
+  for (const KeyFrameTrajectory& trajectory : places.trajectories())
     if (trajectory.poses.size() > 1) head += TrajectoryText(trajectory, places);
   file.Write(head);
   WriteKeyFrames(file, places, options);
@@ -144,6 +144,7 @@ const Format kKmlFormat = {.id = "kml",
                            .title = "KML map",
                            .suffixes = kSuffixes,
                            .chooses_maps = true,
+                           .is_on_globe = true,
                            .is_export = true,
                            .writes = Content::kPoints | Content::kPoses | Content::kMaps,
                            .sniff = SniffKml,

@@ -27,7 +27,7 @@ Places::Places(const Atlas& atlas, const Target& target, const WriteOptions& opt
     : frame_(OriginOf(target, options)),
       points_(atlas, target, options, Positions::kFinite),
       trajectories_(CollectTrajectories(atlas, target, options, notices, Rounded::kIsTaken)) {
-  for (const MapTrajectory& trajectory : trajectories_.maps)
+  for (const KeyFrameTrajectory& trajectory : trajectories_.maps)
     for (const TimedPose& pose : trajectory.poses) keyframes_.push_back({&trajectory, &pose});
   const std::size_t count = std::min(points_.size(), options.of<GeographicOptions>().most_points);
   chosen_points_.reserve(count);
@@ -41,7 +41,7 @@ std::string Places::Summary() const {
   return text;
 }
 
-bool HasTimes(const MapTrajectory& trajectory) {
+bool HasTimes(const KeyFrameTrajectory& trajectory) {
   const std::vector<TimedPose>& poses = trajectory.poses;
   return poses.size() > 1 && poses.front().timestamp < poses.back().timestamp &&
          DateTimeText(poses.front().timestamp) && DateTimeText(poses.back().timestamp);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "slamdb/formats/export/detail/raw.h"
-#include "slamdb/formats/export/detail/upward.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::detail {
 namespace {
@@ -129,35 +129,26 @@ GltfDocument::Index GltfDocument::AddPoints(const std::string& name, const GltfC
   AppendAccessor(accessors_.Add(), view, 32, kUnsignedShort, cloud.count, "VEC4");
   AppendAccessor(accessors_.Add(), view, 40, kFloat, cloud.count, "SCALAR");
   AppendAccessor(accessors_.Add(), view, 44, kFloat, cloud.count, "SCALAR");
-  const Index material = PointMaterial();
-  JsonAppender& json = meshes_.Add();
-  json.BeginObject();
-  json.Field("name", std::string_view(name));
-  json.BeginArray("primitives");
-  json.BeginObject();
-  json.BeginObject("attributes");
-  Index accessor = first;
-  for (const std::string_view attribute :
-       {"POSITION", "NORMAL", "COLOR_0", "_ID", "_OBSERVATIONS", "_REPROJECTION_ERROR"})
-    json.Field(attribute, accessor++);
-  json.EndObject();
-  json.Field("mode", kPoints);
-  json.Field("material", material);
-  json.EndObject();
-  json.EndArray();
-  json.EndObject();
-  return AddNode(name, meshes_.last());
+  constexpr std::string_view kAttributes[] = {"POSITION", "NORMAL",        "COLOR_0",
+                                              "_ID",      "_OBSERVATIONS", "_REPROJECTION_ERROR"};
+  return AddNode(name, AddMesh(name, kAttributes, first, std::nullopt, kPoints, PointMaterial()));
 }
 
 GltfDocument::Index GltfDocument::AddLines(const std::string& name, Index positions, std::optional<Index> edges,
                                            int mode, Index material) {
+  constexpr std::string_view kAttributes[] = {"POSITION"};
+  return AddMesh(name, kAttributes, positions, edges, mode, material);
+}
+
+GltfDocument::Index GltfDocument::AddMesh(const std::string& name, std::span<const std::string_view> attributes,
+                                          Index accessor, std::optional<Index> edges, int mode, Index material) {
   JsonAppender& json = meshes_.Add();
   json.BeginObject();
   json.Field("name", std::string_view(name));
   json.BeginArray("primitives");
   json.BeginObject();
   json.BeginObject("attributes");
-  json.Field("POSITION", positions);
+  for (const std::string_view attribute : attributes) json.Field(attribute, accessor++);
   json.EndObject();
   if (edges) json.Field("indices", *edges);
   json.Field("mode", mode);
@@ -168,7 +159,8 @@ GltfDocument::Index GltfDocument::AddLines(const std::string& name, Index positi
   return meshes_.last();
 }
 
-GltfDocument::Index GltfDocument::AddPath(const std::string& name, Index material, const MapTrajectory& trajectory) {
+GltfDocument::Index GltfDocument::AddPath(const std::string& name, Index material,
+                                          const KeyFrameTrajectory& trajectory) {
   const std::vector<Eigen::Vector3f> centers = CentersOf(trajectory);
   const Index positions = AddPositions(AddTail(PositionBytes(centers), false), centers.size(), BoxOf(centers));
   return AddNode(name, AddLines(name, positions, std::nullopt, kLineStrip, material));
@@ -190,7 +182,7 @@ GltfDocument::Index GltfDocument::MeshOf(const Frustum& frustum, Index material)
 }
 
 GltfDocument::Index GltfDocument::AddKeyFrames(const std::string& name, Index material,
-                                               const MapTrajectory& trajectory) {
+                                               const KeyFrameTrajectory& trajectory) {
   const float depth = FrustumDepth(CentersOf(trajectory));
   const Index first = nodes_.count;
   for (const TimedPose& pose : trajectory.poses) {
@@ -217,8 +209,9 @@ GltfDocument::Index GltfDocument::AddKeyFrames(const std::string& name, Index ma
   return nodes_.last();
 }
 
-void GltfDocument::AddMap(MapId id, const Eigen::Vector3f& upward, const GltfCloud& cloud,
-                          const MapTrajectory& trajectory) {
+void GltfDocument::AddMap(MapId id, const Eigen::Vector3d& up, const GltfCloud& cloud,
+                          const KeyFrameTrajectory& trajectory) {
+  static const Eigen::Quaterniond kYFromZ(std::sqrt(0.5), -std::sqrt(0.5), 0, 0);
   const std::string name = ToString(id);
   std::vector<Index> children;
   if (cloud.count > 0) children.push_back(AddPoints(name + " points", cloud));
@@ -227,7 +220,7 @@ void GltfDocument::AddMap(MapId id, const Eigen::Vector3f& upward, const GltfClo
   JsonAppender& json = nodes_.Add();
   json.BeginObject();
   json.Field("name", std::string_view(name));
-  json.Field("rotation", TurnOf(upward, Eigen::Vector3f::UnitY()).coeffs());
+  json.Field("rotation", Quaternionf((kYFromZ * UprightFromMap(up)).cast<float>()).coeffs());
   if (!children.empty()) json.Array("children", children);
   json.BeginObject("extras");
   json.ExactField("map", id);

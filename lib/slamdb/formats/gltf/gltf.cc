@@ -12,9 +12,9 @@
 #include "slamdb/formats/export/detail/points.h"
 #include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/detail/rows.h"
-#include "slamdb/formats/export/detail/upward.h"
 #include "slamdb/formats/gltf/detail/document.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::detail {
 namespace {
@@ -30,13 +30,13 @@ GltfCloud CloudOf(const PointRows& points, std::size_t map) {
   return cloud;
 }
 
-std::string DocumentOf(const PointRows& points, const Trajectories& trajectories,
-                       const std::vector<Eigen::Vector3f>& upward, GltfDocument& document) {
-  static const MapTrajectory kNoPoses{};
+std::string DocumentOf(const PointRows& points, const Trajectories& trajectories, const std::vector<Up>& ups,
+                       GltfDocument& document) {
+  static const KeyFrameTrajectory kNoPoses{};
   for (std::size_t row = 0; row < points.maps().size(); ++row) {
     const Map& map = *points.maps()[row];
-    const MapTrajectory* trajectory = trajectories.Find(map);
-    document.AddMap(map.id, upward[row], CloudOf(points, row), trajectory == nullptr ? kNoPoses : *trajectory);
+    const KeyFrameTrajectory* trajectory = trajectories.Find(map);
+    document.AddMap(map.id, ups[row].direction, CloudOf(points, row), trajectory == nullptr ? kNoPoses : *trajectory);
   }
   return document.Finish();
 }
@@ -50,10 +50,10 @@ std::array<std::uint16_t, 256> LinearTable() {
 }
 
 // Of unit length, to where the point was seen from; ORB-SLAM3's points the other way.
-Eigen::Vector3f NormalOf(const MapPoint& point, const Eigen::Vector3f& upward) {
+Eigen::Vector3f NormalOf(const MapPoint& point, const Eigen::Vector3d& otherwise) {
   const Eigen::Vector3d normal = -point.normal.cast<double>();
   const double length = normal.norm();
-  return length > 0 && std::isfinite(length) ? Eigen::Vector3f((normal / length).cast<float>()) : upward;
+  return (length > 0 && std::isfinite(length) ? Eigen::Vector3d(normal / length) : otherwise).cast<float>();
 }
 
 // The file's length must fit into 32 bits.
@@ -81,15 +81,15 @@ std::string HeadOf(std::string json, std::size_t binary, const Target& target) {
   return head;
 }
 
-void WritePoints(AtomicFile& file, const PointRows& points, const PointColors& colors,
-                 const std::vector<Eigen::Vector3f>& upward, const WriteOptions& options) {
+void WritePoints(AtomicFile& file, const PointRows& points, const PointColors& colors, const std::vector<Up>& ups,
+                 const WriteOptions& options) {
   static const std::array<std::uint16_t, 256> kLinear = LinearTable();
   WriteRows(file, points.size(), kRowsPerBlock, options, [&](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) {
       const MapPoint& point = *points[row].point;
       const float error = points.mean_error(points[row]);
       for (const float value : point.position) AppendRaw(out, value);
-      for (const float value : NormalOf(point, upward[points[row].map])) AppendRaw(out, value);
+      for (const float value : NormalOf(point, ups[points[row].map].direction)) AppendRaw(out, value);
       for (const std::uint8_t value : colors[row]) AppendRaw(out, kLinear[value]);
       AppendRaw(out, std::numeric_limits<std::uint16_t>::max());
       AppendRaw(out, point.id.value());
@@ -106,12 +106,11 @@ void WriteGltf(const Atlas& atlas, const Target& target, const WriteOptions& opt
   const Trajectories trajectories = CollectTrajectories(atlas, target, options, notices, Rounded::kIsTaken);
   WarnOfSeveralFrames(points.maps(), "a node for each tells them apart", notices);
   points.WarnOfNotFinite(notices);
-  std::vector<Eigen::Vector3f> upward;
-  for (const Map* map : points.maps()) upward.push_back(UpwardAxis(*map));
+  const std::vector<Up> ups = UpsOf(points.maps());
   GltfDocument document(points.size());
-  std::string json = DocumentOf(points, trajectories, upward, document);
+  std::string json = DocumentOf(points, trajectories, ups, document);
   file.Write(HeadOf(std::move(json), document.points_size() + document.tail().size(), target));
-  WritePoints(file, points, colors, upward, options);
+  WritePoints(file, points, colors, ups, options);
   file.Write(document.tail());
   file.Commit();
   colors.Tell(notices);
@@ -132,6 +131,7 @@ const Format kGltfFormat = {.id = "gltf",
                             .suffixes = kSuffixes,
                             .kind = FileKind::kBinary,
                             .chooses_maps = true,
+                            .has_colors = true,
                             .is_export = true,
                             .writes = Content::kPoints | Content::kNormals | Content::kPoses | Content::kMaps,
                             .sniff = SniffGltf,

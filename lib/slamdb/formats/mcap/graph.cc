@@ -6,12 +6,13 @@
 #include <utility>
 
 #include "slamdb/formats/export/detail/frusta.h"
+#include "slamdb/model/detail/edges.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::detail {
 namespace {
 
-GraphLines CamerasOf(const MapTrajectory& trajectory, const std::vector<Eigen::Vector3f>& centers) {
+GraphLines CamerasOf(const KeyFrameTrajectory& trajectory, const std::vector<Eigen::Vector3f>& centers) {
   GraphLines lines{.name = "cameras", .color = ColorOfMap(trajectory.map->id)};
   const float depth = FrustumDepth(centers);
   for (const TimedPose& pose : trajectory.poses) {
@@ -24,7 +25,7 @@ GraphLines CamerasOf(const MapTrajectory& trajectory, const std::vector<Eigen::V
 }
 
 // Row of a keyframe among the poses; of several with one id the first.
-IdTable RowsOf(const MapTrajectory& trajectory) {
+IdTable RowsOf(const KeyFrameTrajectory& trajectory) {
   std::uint64_t lowest = std::numeric_limits<std::uint64_t>::max(), highest = 0;
   for (const TimedPose& pose : trajectory.poses) {
     lowest = std::min(lowest, pose.keyframe->id.value());
@@ -38,15 +39,14 @@ IdTable RowsOf(const MapTrajectory& trajectory) {
 
 // The edges that `visit(keyframe, add)` adds of each keyframe.
 template <class Visit>
-std::vector<std::uint32_t> EdgesOf(const MapTrajectory& trajectory, const IdTable& rows, Visit visit) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+std::vector<std::uint32_t> EdgesOf(const KeyFrameTrajectory& trajectory, const IdTable& rows, Visit visit) {
+  RowPairs edges;
   for (std::uint32_t row = 0; row < trajectory.poses.size(); ++row)
     visit(*trajectory.poses[row].keyframe, [&](KeyFrameId other) {
       const std::uint32_t to = other ? rows.Find(other.value()) : kNoRow;
-      if (to != kNoRow && to != row) edges.push_back(std::minmax(row, to));
+      if (to != kNoRow) edges.push_back(std::minmax(row, to));
     });
-  std::ranges::sort(edges);
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  MakeDistinct(edges);
   std::vector<std::uint32_t> ends;
   ends.reserve(2 * edges.size());
   for (const auto& [from, to] : edges) ends.insert(ends.end(), {from, to});
@@ -55,7 +55,7 @@ std::vector<std::uint32_t> EdgesOf(const MapTrajectory& trajectory, const IdTabl
 
 }  // namespace
 
-std::vector<GraphLines> GraphOf(const MapTrajectory& trajectory) {
+std::vector<GraphLines> GraphOf(const KeyFrameTrajectory& trajectory) {
   if (trajectory.poses.empty()) return {};
   const std::vector<Eigen::Vector3f> centers = CentersOf(trajectory);
   const IdTable rows = RowsOf(trajectory);
@@ -66,15 +66,15 @@ std::vector<GraphLines> GraphOf(const MapTrajectory& trajectory) {
   std::vector<std::uint32_t> path;
   for (std::uint32_t row = 1; row < centers.size(); ++row) path.insert(path.end(), {row - 1, row});
   add("trajectory", ColorOfMap(trajectory.map->id), 1, std::move(path));
-  add("covisibility", {148, 164, 162}, 0.3, EdgesOf(trajectory, rows, [](const KeyFrame& keyframe, auto edge) {
+  add("covisibility", kCovisibilityColor, 0.3, EdgesOf(trajectory, rows, [](const KeyFrame& keyframe, auto edge) {
         for (const Connection& connection : keyframe.connections) edge(connection.keyframe);
       }));
-  add("spanning tree", {146, 218, 221}, 1,
+  add("spanning tree", kSpanningTreeColor, 1,
       EdgesOf(trajectory, rows, [](const KeyFrame& keyframe, auto edge) { edge(keyframe.parent); }));
-  add("loops", {189, 31, 1}, 1, EdgesOf(trajectory, rows, [](const KeyFrame& keyframe, auto edge) {
+  add("loops", kLoopColor, 1, EdgesOf(trajectory, rows, [](const KeyFrame& keyframe, auto edge) {
         for (const KeyFrameId other : keyframe.loop_edges) edge(other);
       }));
-  add("merges", {131, 45, 182}, 1, EdgesOf(trajectory, rows, [](const KeyFrame& keyframe, auto edge) {
+  add("merges", kMergeColor, 1, EdgesOf(trajectory, rows, [](const KeyFrame& keyframe, auto edge) {
         for (const KeyFrameId other : keyframe.merge_edges) edge(other);
       }));
   return all;

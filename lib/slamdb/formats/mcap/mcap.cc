@@ -16,6 +16,7 @@
 #include "slamdb/formats/mcap/detail/timeline.h"
 #include "slamdb/formats/mcap/detail/writer.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::detail {
 namespace {
@@ -27,11 +28,13 @@ std::vector<McapMap> MapsOf(const PointRows& points, const Trajectories& traject
   std::vector<McapMap> maps;
   std::set<std::string> names;
   std::size_t ignored = 0;
+  const std::vector<Up> ups = UpsOf(points.maps());
   for (std::size_t row = 0; row < points.maps().size(); ++row) {
     const Map* map = points.maps()[row];
     std::string name = map->id ? Concat("map_", map->id.value()) : "map_none";
     if (!names.insert(name).second) name = Concat(name, '_', row);
-    McapMap& added = maps.emplace_back(McapMap{.row = row, .frame = std::move(name), .map = map});
+    McapMap& added =
+        maps.emplace_back(McapMap{.row = row, .frame = std::move(name), .map = map, .up = ups[row].direction});
     added.has_points = points.begins()[row] < points.begins()[row + 1];
     added.trajectory = trajectories.Find(*map);
     if (added.trajectory != nullptr) added.begin = LogTime(added.trajectory->poses.front().timestamp, ignored);
@@ -95,7 +98,7 @@ void WriteCloud(McapWriter& writer, const TimedMessage& message, const Cloud& cl
 
 void WarnOfTimes(const Trajectories& trajectories, Notices& notices) {
   std::size_t outside = 0;
-  for (const MapTrajectory& trajectory : trajectories.maps)
+  for (const KeyFrameTrajectory& trajectory : trajectories.maps)
     for (const TimedPose& pose : trajectory.poses) LogTime(pose.timestamp, outside);
   if (outside > 0)
     notices.Warn(
@@ -145,6 +148,7 @@ const Format kMcapFormat = {.id = "mcap",
                             .suffixes = kSuffixes,
                             .kind = FileKind::kBinary,
                             .chooses_maps = true,
+                            .has_colors = true,
                             .is_export = true,
                             .writes = Content::kPoints | Content::kNormals | Content::kPoses | Content::kGraph |
                                       Content::kCameras | Content::kMaps,

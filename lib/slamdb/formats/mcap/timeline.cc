@@ -3,9 +3,9 @@
 
 #include <limits>
 
-#include "slamdb/formats/export/detail/upward.h"
 #include "slamdb/formats/mcap/detail/graph.h"
 #include "slamdb/formats/mcap/detail/messages.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb::detail {
 namespace {
@@ -40,7 +40,7 @@ McapChannels::McapChannels(McapWriter& writer)
 void AddMessages(const McapMap& map, const AtlasIndex& index, const McapChannels& channels, McapWriter& writer,
                  std::vector<TimedMessage>& messages) {
   const std::string topics = "/" + map.frame;
-  const Rigid3f upright{TurnOf(UpwardAxis(*map.map), Eigen::Vector3f::UnitZ()), Eigen::Vector3f::Zero()};
+  const Rigid3f upright{Quaternionf(UprightFromMap(map.up).cast<float>()), Eigen::Vector3f::Zero()};
   messages.push_back({.time = map.begin,
                       .channel = channels.transforms,
                       .message = FrameTransformMessage(map.begin, map.frame + "/upright", map.frame, upright)});

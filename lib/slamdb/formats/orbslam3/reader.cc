@@ -314,7 +314,8 @@ Atlas ReadOrbslam3(const Source& given, const ReadOptions& options, Notices& not
   } catch (const Error& error) {
     if (!orbslam3::IsOfTheBytes(error)) throw;
     orbslam3::NameTransfer(source, error);
-    throw;
+    if (error.kind() != ErrorKind::kDamaged || error.place().find(", map ") == std::string::npos) throw;
+    throw Error(error.kind(), error.path(), error.place(), error.problem() + "; `RecoverAtlas` saves what is whole");
   }
 }
 

@@ -6,7 +6,7 @@
 namespace slamdb::detail {
 
 PlyCameras::PlyCameras(const Trajectories& trajectories, std::size_t first) : first_(first) {
-  for (const MapTrajectory& trajectory : trajectories.maps) {
+  for (const KeyFrameTrajectory& trajectory : trajectories.maps) {
     const float depth = FrustumDepth(CentersOf(trajectory));
     for (const TimedPose& pose : trajectory.poses) {
       const auto centre = static_cast<std::uint32_t>(first_ + kVertices * cameras_.size());

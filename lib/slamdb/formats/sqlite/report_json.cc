@@ -8,12 +8,6 @@ namespace {
 
 using detail::Json;
 
-Json Head(std::string_view name, const std::string& input) {
-  Json json = detail::ReportHead(name);
-  json["input"] = detail::TextOrNull(input);
-  return json;
-}
-
 Json JsonOf(const HistoryEntry& entry) {
   return {{"at", entry.at},
           {"tool", entry.tool},
@@ -35,14 +29,14 @@ Json JsonOf(const HistoryEntry& entry) {
 }  // namespace
 
 std::string ToJson(std::span<const HistoryEntry> entries, const std::string& input) {
-  Json json = Head("log", input);
+  Json json = detail::ReportHead("log", input);
   json["entries"] = Json::array();
   for (const HistoryEntry& entry : entries) json["entries"].push_back(JsonOf(entry));
   return detail::JsonText(json);
 }
 
 std::string ToJson(const StoreStats& stats, const std::string& input) {
-  Json json = Head("stats", input);
+  Json json = detail::ReportHead("stats", input);
   json["bytes"] = stats.file_bytes;
   json["log_bytes"] = stats.log_bytes;
   json["page_bytes"] = stats.page_bytes;

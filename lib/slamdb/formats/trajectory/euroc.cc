@@ -64,17 +64,17 @@ void WarnOfUnreachable(std::size_t dropped, std::string_view noun, Notices& noti
         detail::Counted(dropped, noun));
 }
 
-void DropUnreachableTimes(std::vector<detail::MapTrajectory>& trajectories, Notices& notices) {
+void DropUnreachableTimes(std::vector<detail::KeyFrameTrajectory>& trajectories, Notices& notices) {
   std::size_t dropped = 0;
-  for (detail::MapTrajectory& trajectory : trajectories)
+  for (detail::KeyFrameTrajectory& trajectory : trajectories)
     dropped +=
         std::erase_if(trajectory.poses, [](const detail::TimedPose& pose) { return !FitsNanoseconds(pose.timestamp); });
-  std::erase_if(trajectories, [](const detail::MapTrajectory& trajectory) { return trajectory.poses.empty(); });
+  std::erase_if(trajectories, [](const detail::KeyFrameTrajectory& trajectory) { return trajectory.poses.empty(); });
   WarnOfUnreachable(dropped, "keyframe", notices);
 }
 
-bool IsInertial(const std::vector<detail::MapTrajectory>& trajectories) {
-  return std::any_of(trajectories.begin(), trajectories.end(), [](const detail::MapTrajectory& trajectory) {
+bool IsInertial(const std::vector<detail::KeyFrameTrajectory>& trajectories) {
+  return std::any_of(trajectories.begin(), trajectories.end(), [](const detail::KeyFrameTrajectory& trajectory) {
     return std::any_of(trajectory.poses.begin(), trajectory.poses.end(),
                        [](const detail::TimedPose& pose) { return bool{pose.keyframe->imu_calibration.is_set}; });
   });

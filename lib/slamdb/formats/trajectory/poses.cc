@@ -29,8 +29,8 @@ struct Census {
   }
 };
 
-MapTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
-  MapTrajectory trajectory{.map = &map, .poses = {}};
+KeyFrameTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
+  KeyFrameTrajectory trajectory{.map = &map, .poses = {}};
   for (const KeyFrame& keyframe : map.keyframes) {
     if (keyframe.bad) {
       ++census.bad;
@@ -84,21 +84,21 @@ void Rounding::Tell(std::string_view what_happened, Notices& notices) const {
                       Digits(worst_, 2), ": ", Counted(poses_, "pose")));
 }
 
-std::vector<Eigen::Vector3f> CentersOf(const MapTrajectory& trajectory) {
+std::vector<Eigen::Vector3f> CentersOf(const KeyFrameTrajectory& trajectory) {
   std::vector<Eigen::Vector3f> centers;
   centers.reserve(trajectory.poses.size());
   for (const TimedPose& pose : trajectory.poses) centers.push_back(pose.world_from_it.translation);
   return centers;
 }
 
-const MapTrajectory* Trajectories::Find(const Map& map) const {
-  const auto found = std::ranges::find(maps, &map, &MapTrajectory::map);
+const KeyFrameTrajectory* Trajectories::Find(const Map& map) const {
+  const auto found = std::ranges::find(maps, &map, &KeyFrameTrajectory::map);
   return found == maps.end() ? nullptr : &*found;
 }
 
 std::string Trajectories::Summary() const {
   std::size_t poses = 0;
-  for (const MapTrajectory& map : maps) poses += map.poses.size();
+  for (const KeyFrameTrajectory& map : maps) poses += map.poses.size();
   return CountWritten(poses, "pose", bad);
 }
 
@@ -108,7 +108,7 @@ Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const
   Trajectories trajectories;
   Census census;
   for (const Map* map : ChooseMaps(atlas, options, target)) {
-    MapTrajectory trajectory = Collect(*map, frame, census);
+    KeyFrameTrajectory trajectory = Collect(*map, frame, census);
     if (!trajectory.poses.empty()) trajectories.maps.push_back(std::move(trajectory));
   }
   trajectories.bad = census.bad;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/trajectory/detail/pose_table.h"
@@ -68,12 +69,10 @@ std::optional<PoseLayout> ByTheMotion(const std::vector<Row>& rows) {
   std::vector<double> lengths;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) lengths.push_back((rows[i + 1].position - rows[i].position).norm());
   if (lengths.size() < kEnough) return std::nullopt;
-  std::vector<double> sorted = lengths;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
+  const double usual = MedianOf(lengths);
   std::vector<std::size_t> steps;
   for (std::size_t i = 0; i < lengths.size(); ++i)
-    if (lengths[i] > 0 && lengths[i] > *middle / 4) steps.push_back(i);
+    if (lengths[i] > 0 && lengths[i] > usual / 4) steps.push_back(i);
   if (steps.size() < kEnough) return std::nullopt;
   const double last = Steadiness(rows, steps, PoseLayout::kTum), first = Steadiness(rows, steps, PoseLayout::kEuroc);
   const double more = std::max(last, first), less = std::min(last, first);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,19 @@ inline constexpr double kHeadingHeight = 24;               // above a panel
 inline constexpr double kTickSpace = 17, kNameSpace = 17;  // below the x axis
 inline constexpr double kYTickSpace = 60;                  // left of the y axis
 
+// What a sign means: the word, and what draws the sign in the middle of a square of 14 pixels.
+struct LegendEntry {
+  std::string word;
+  std::function<void(Canvas& canvas, const Spot& middle)> draw;
+};
+using Legend = std::vector<LegendEntry>;
+LegendEntry LineEntry(const std::string& word, const Color& color);
+
+// At the top of the box `heading` in bold, the remark behind it, and the legend at the right. Where there is no room
+// for all, the end of the legend becomes an ellipsis, and the remark is left out.
+void DrawHeading(Canvas& canvas, const Theme& theme, const Box& box, const std::string& heading,
+                 const std::string& remark, const Legend& legend = {});
+
 // A diagram with a heading above, ticks and names at its axes; what is left inside is `inside`.
 struct Diagram {
   Box inside;
@@ -53,17 +67,14 @@ struct Diagram {
   Spot operator()(double at_x, double at_y) const { return {x(at_x), y(at_y)}; }
 };
 struct DiagramText {
-  std::string heading, remark, x_name, y_name;  // the remark stands behind the heading
+  std::string heading, remark, x_name, y_name;
+  Legend legend;
 };
 Diagram DrawDiagram(Canvas& canvas, const Theme& theme, const Box& box, const Range& x, const Range& y,
                     const DiagramText& text);
 
 // Below the box, and upward at its left.
 void DrawAxisNames(Canvas& canvas, const Theme& theme, const Box& inside, const std::string& x, const std::string& y);
-
-// `heading` in bold and `remark` behind it, at the top of the box.
-void DrawHeading(Canvas& canvas, const Theme& theme, const Box& box, const std::string& heading,
-                 const std::string& remark);
 
 // A bar of the colours of amounts with its range at the ends and its name between them, along the bottom of the box.
 void DrawColorBar(Canvas& canvas, const Theme& theme, const Box& box, const std::string& low, const std::string& high,

@@ -4,11 +4,14 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "slamdb/model/index.h"
+#include "slamdb/model/up.h"
+#include "slamdb/plot/detail/geometry.h"
 #include "slamdb/plot/detail/theme.h"
 #include "slamdb/plot/plot.h"
 
@@ -42,30 +45,46 @@ struct MapScene {
   Frame frame;
 };
 
+// Reprojection errors of observations of good points, at their keypoints: in undistorted pixels of the left image and,
+// of a fisheye stereo pair, of the right one.
+struct ImageErrors {
+  struct Sample {
+    float x, y, error;
+    std::uint32_t map = 0;  // place in Scene::maps
+  };
+  std::vector<Sample> samples;  // that can be projected, in the order of maps, points and observations
+  Box image;                    // what most of the keypoints are in
+};
+
 struct Scene {
   const Atlas& atlas;
-  const PlotOptions& options;
-  const Theme& theme;
+  PlotOptions options;
+  Theme theme;
   std::vector<MapScene> maps;  // that have keyframes or points; of very many, those with the most
   std::size_t other_maps = 0;  // that are left out for that
 
   std::size_t keyframes() const;
-  std::string unit() const;  // `m`, or `map units` where a map has no scale
+  std::string unit() const;           // `m`, or `map units` where a map has no scale
+  const ImageErrors& errors() const;  // computed when first asked for; not from several threads
+
+  mutable std::optional<ImageErrors> errors_;
 };
 
 Scene SceneOf(const Atlas& atlas, const PlotOptions& options);
-
-// How much longer than the median a time between keyframes is, at least, to count as a gap; and how long, in seconds.
-inline constexpr double kGapFactor = 8, kLeastGap = 1;
+// The same maps, to be drawn otherwise.
+void Redress(Scene& scene, const PlotOptions& options);
 
 // The time between keyframes that counts as a gap.
 double GapOf(const Map& map, const std::vector<std::uint32_t>& timed);
 
-// The plane of the two largest spreads of some places, and its normal on the side of `upper`; x and z of a camera's
-// frame where they have no two.
-Frame FrameOfSpreads(const std::vector<Eigen::Vector3d>& places, const Eigen::Vector3d& upper);
+// The map turned upright: x and y of one whose z is up, x and z of one whose y is down.
+Frame UprightFrame(const Up& up);
 
-// Up by inertia where there is some, and the plane of the two largest spreads of the path otherwise.
-Frame FrameOf(const Map& map, const std::vector<Stop>& path);
+// Turned about up, so that the largest level spread of some places lies to the right; as it is where they have no two.
+Frame FrameOfSpreads(const Up& up, const std::vector<Eigen::Vector3d>& places);
+
+// Upright where the heading of the map's axes means something, with inertia or z up; by the spreads of the path
+// otherwise.
+Frame FrameOf(const Up& up, const std::vector<Stop>& path);
 
 }  // namespace slamdb::plot

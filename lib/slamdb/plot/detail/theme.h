@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
+#include "slamdb/model/ids.h"
 
-// Colours that people tell apart who see red and green alike: Okabe and Ito's for kinds, viridis for amounts.
+// Colours that people tell apart who see red and green alike. What they mean of a map is model/colors.h's.
 namespace slamdb::plot {
 
 struct Color {
@@ -25,10 +25,10 @@ struct Theme {
   static const Theme& Dark();
 };
 
-// Of the map in that place of the list; repeats after seven.
-Color ColorOfKind(std::size_t place);
+// As slamdb::ColorOfMap; lighter on a dark page.
+Color ColorOfMap(MapId id, bool dark);
 
-// From dark blue by green to yellow, of an amount from 0 to 1.
+// As slamdb::ColorOfShare, of an amount from 0 to 1.
 Color ColorOfAmount(double amount);
 
 // In how many steps amounts are shown: pictures of few colours are small files.

@@ -49,6 +49,10 @@ ViewCounts DrawView(Canvas& canvas, const Scene& scene, View view, const Box& bo
 // What stands around a cell: grid, ticks and names of axes when it is the only one, the name of its map otherwise.
 void DrawFrameOfCell(Canvas& canvas, const Scene& scene, View view, const Cell& cell);
 
+// Where a trajectory begins and where it ends, and the legend of that.
+void DrawEnds(Canvas& canvas, const Theme& theme, const Spot& start, const Spot& end);
+Legend LegendOfEnds(const Theme& theme);
+
 void DrawMetricFrame(Canvas& canvas, const Theme& theme, const Cell& cell, const std::array<std::string, 2>& names);
 // In the corner where it covers the fewest of the busy places.
 void DrawScaleBar(Canvas& canvas, const Theme& theme, const Cell& cell, std::span<const Spot> busy,

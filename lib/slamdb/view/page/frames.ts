@@ -1,6 +1,6 @@
 // Where maps stand in the scene: upright (z is up), side by side where asked, and moved by the offsets that people give.
 
-import { type Rigid, type Vec3, add, compose, isFinitePoint, normalized, quantile, rotate, scale, transform, turnAboutZ, turnBetween } from "./maths";
+import { type Rigid, type Vec3, add, compose, isFinitePoint, quantile, rotate, transform, turnAboutZ } from "./maths";
 import {
   type Scene, type SceneMap, Status, hasPose, isHiddenPoint, keyframeCentre, keyframeRotation, mapOfKeyframe, mapOfPoint, pointPosition,
 } from "./scene";
@@ -15,7 +15,6 @@ export interface Bounds {
 }
 
 const kSamples = 12000;
-const kDown: Vec3 = [0, 1, 0]; // of a camera: y of its image
 
 export class Frames {
   readonly own: Rigid[]; // upright, each map where its own coordinates say
@@ -26,7 +25,7 @@ export class Frames {
   private readonly samples: Vec3[][]; // of each map, upright
 
   constructor(readonly scene: Scene) {
-    this.own = uprightTurns(scene).map((rotation) => ({ rotation, translation: [0, 0, 0] }));
+    this.own = scene.maps.map((map) => ({ rotation: map.upright, translation: [0, 0, 0] }));
     this.offsets = scene.maps.map(() => [0, 0, 0, 0]);
     this.visible = scene.maps.map(() => true);
     this.samples = scene.maps.map((map) => this.sample(map));
@@ -140,22 +139,6 @@ export function withoutStrangers(points: Vec3[]): Vec3[] {
   });
   const margin = 0.3 * Math.max(...ends.map(([low, high]) => high - low));
   return points.filter((p) => ends.every(([low, high], axis) => p[axis] >= low - margin && p[axis] <= high + margin));
-}
-
-/** Turns that take each map's up to z: gravity where the map knows it, else what its cameras hold up on average. Maps without
- * gravity share one, and maps of a comparison all, so that what is aligned stays so. */
-function uprightTurns(scene: Scene): Rigid["rotation"][] {
-  let sum: Vec3 = [0, 0, 0];
-  for (let row = 0; row < scene.keyframes.count; ++row) {
-    if (hasPose(scene, row)) sum = add(sum, rotate(keyframeRotation(scene, row), kDown));
-  }
-  const held: Vec3 = isFinitePoint(sum) && Math.hypot(...sum) > 1e-6 ? normalized(scale(sum, -1)) : [0, 0, 1];
-  const z: Vec3 = [0, 0, 1];
-  if (scene.header.diff) {
-    const known = scene.maps.find((map) => map.up)?.up ?? held;
-    return scene.maps.map(() => turnBetween(known, z));
-  }
-  return scene.maps.map((map) => turnBetween(map.up ?? held, z));
 }
 
 /** The left atlas of a comparison is there for what the right one lacks. */

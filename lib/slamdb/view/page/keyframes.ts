@@ -48,12 +48,15 @@ function usualSteps(scene: Scene): Steps {
 /** Depth of a frustum that suits the scene: some steps from one keyframe to the next. */
 export const usualFrustum = (scene: Scene, extent: number): number => clamp(usualSteps(scene).length * 2.2, extent * 0.006, extent * 0.03);
 
-/** Whether the camera did not go from one to the other: another origin map, or far away after a long while. */
+/** What plots and evaluations call a gap (GapBetween of model/detail/gaps.h), in seconds. */
+const gapOf = (usual: Steps): number => Math.max(1, usual.time * 5);
+
+/** Whether the camera did not go from one to the other: another origin map, or far away behind a gap. */
 export function isBreak(scene: Scene, from: number, to: number): boolean {
   const { origin, time } = scene.keyframes;
   if (origin[from] !== origin[to]) return true;
   const usual = usualSteps(scene);
-  return time[to] - time[from] > usual.time * 30 && distance(keyframeCentre(scene, from), keyframeCentre(scene, to)) > usual.length * 5;
+  return time[to] - time[from] > gapOf(usual) && distance(keyframeCentre(scene, from), keyframeCentre(scene, to)) > usual.length * 5;
 }
 
 /** Rows of a map's keyframes that have a place, in the order of time. */

@@ -33,21 +33,6 @@ export function rotate(q: Quaternion, v: Vec3): Vec3 {
   return add(add(v, scale(t, q[3])), cross(axis, t));
 }
 
-/** The shortest turn that takes direction `from` to direction `to`. */
-export function turnBetween(from: Vec3, to: Vec3): Quaternion {
-  const a = normalized(from);
-  const b = normalized(to);
-  const w = 1 + dot(a, b);
-  if (w < 1e-6) {
-    // Opposite: half a turn about any axis that is square to both.
-    const axis = normalized(cross(a, Math.abs(a[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0]));
-    return [axis[0], axis[1], axis[2], 0];
-  }
-  const c = cross(a, b);
-  const size = Math.hypot(c[0], c[1], c[2], w);
-  return [c[0] / size, c[1] / size, c[2] / size, w / size];
-}
-
 /** The turn by `second` after the turn by `first`. */
 export function compose(second: Quaternion, first: Quaternion): Quaternion {
   const [ax, ay, az, aw] = second;

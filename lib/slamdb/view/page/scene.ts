@@ -12,7 +12,7 @@ export interface HeaderMap {
   keyframes: number;
   first_point: number;
   points: number;
-  up: Vec3 | null;
+  upright: Quaternion; // scene_from_map: takes the map's up to z
   statistics: Record<"trajectory_length" | "duration" | "mean_error" | "mean_observers" | "components", number | null>;
 }
 

@@ -15,7 +15,7 @@ namespace slamdb::detail {
 
 // A keyframe, of the trajectory of a map.
 struct PlacedKeyFrame {
-  const MapTrajectory* trajectory;
+  const KeyFrameTrajectory* trajectory;
   const TimedPose* pose;
 };
 
@@ -26,7 +26,7 @@ class Places {
   Places(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices);
 
   Geodetic At(const Eigen::Vector3f& position) const { return frame_.ToGeodetic(position.cast<double>()); }
-  const std::vector<MapTrajectory>& trajectories() const { return trajectories_.maps; }
+  const std::vector<KeyFrameTrajectory>& trajectories() const { return trajectories_.maps; }
   const std::vector<PlacedKeyFrame>& keyframes() const { return keyframes_; }  // map after map, in the order of time
   const PointRows& points() const { return points_; }
   const std::vector<std::size_t>& chosen_points() const { return chosen_points_; }  // rows of points(), ascending
@@ -43,7 +43,7 @@ class Places {
 };
 
 // Whether the times of a path can be shown as such: all of them dates from the year 1 to 9999, and not all the same.
-bool HasTimes(const MapTrajectory& trajectory);
+bool HasTimes(const KeyFrameTrajectory& trajectory);
 
 // Longitude, latitude and altitude, one decimal of a millimetre: `11.571234567,48.150000000,519.2000`.
 void AppendPlace(std::string& out, const Geodetic& place);

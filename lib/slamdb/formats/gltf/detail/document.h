@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -36,7 +37,7 @@ class GltfDocument {
   explicit GltfDocument(std::size_t points) : points_size_(kPointStride * points) {}
 
   // Adds a map: points where there are some, the path and the cameras of the trajectory.
-  void AddMap(MapId id, const Eigen::Vector3f& upward, const GltfCloud& cloud, const MapTrajectory& trajectory);
+  void AddMap(MapId id, const Eigen::Vector3d& up, const GltfCloud& cloud, const KeyFrameTrajectory& trajectory);
 
   // Ends the document: the whole JSON.
   std::string Finish();
@@ -60,8 +61,8 @@ class GltfDocument {
   using Index = std::size_t;
 
   Index AddPoints(const std::string& name, const GltfCloud& cloud);
-  Index AddPath(const std::string& name, Index material, const MapTrajectory& trajectory);
-  Index AddKeyFrames(const std::string& name, Index material, const MapTrajectory& trajectory);
+  Index AddPath(const std::string& name, Index material, const KeyFrameTrajectory& trajectory);
+  Index AddKeyFrames(const std::string& name, Index material, const KeyFrameTrajectory& trajectory);
   Index MeshOf(const Frustum& frustum, Index material);
   Index MaterialOf(MapId id);
   Index PointMaterial();
@@ -69,6 +70,9 @@ class GltfDocument {
   Index AddTail(std::string_view bytes, bool indices);
   Index AddView(std::size_t offset, std::size_t bytes, std::size_t stride, bool indices);
   Index AddPositions(Index view, std::size_t count, const Eigen::AlignedBox3f& box);
+  // `accessor`: of the first attribute; those of the others follow it.
+  Index AddMesh(const std::string& name, std::span<const std::string_view> attributes, Index accessor,
+                std::optional<Index> edges, int mode, Index material);
   Index AddLines(const std::string& name, Index positions, std::optional<Index> edges, int mode, Index material);
   Index AddNode(const std::string& name, Index mesh);
 

@@ -22,6 +22,6 @@ struct GraphLines {
 
 // The cameras, the path from one to the next, and the edges between keyframes: covisibility, spanning tree, loops,
 // merges; each edge once, whichever sides record it. Kinds without lines are left out.
-std::vector<GraphLines> GraphOf(const MapTrajectory& trajectory);
+std::vector<GraphLines> GraphOf(const KeyFrameTrajectory& trajectory);
 
 }  // namespace slamdb::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -36,7 +37,8 @@ struct McapMap {
   std::size_t row = 0;  // of the maps that are written
   std::string frame;    // `map_0`
   const Map* map = nullptr;
-  const MapTrajectory* trajectory = nullptr;  // null: it has no poses
+  const KeyFrameTrajectory* trajectory = nullptr;  // null: it has no poses
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();   // in the map's frame
   bool has_points = false;
   std::uint64_t begin = 0;  // its first keyframe
 };

@@ -19,21 +19,21 @@ struct TimedPose {
 };
 
 // The poses of one map, ascending by time, equal times by keyframe id.
-struct MapTrajectory {
+struct KeyFrameTrajectory {
   const Map* map;
   std::vector<TimedPose> poses;
 };
 
 // Where its cameras, or bodies, are.
-std::vector<Eigen::Vector3f> CentersOf(const MapTrajectory& trajectory);
+std::vector<Eigen::Vector3f> CentersOf(const KeyFrameTrajectory& trajectory);
 
 // The trajectories to write, one per chosen map, maps without poses left out.
 struct Trajectories {
-  std::vector<MapTrajectory> maps;
+  std::vector<KeyFrameTrajectory> maps;
   std::size_t bad = 0;  // keyframes that are left out for that
 
-  const MapTrajectory* Find(const Map& map) const;  // null: it has no poses
-  std::string Summary() const;                      // `221 poses, 3 bad ones left out`, for Notices::Tell
+  const KeyFrameTrajectory* Find(const Map& map) const;  // null: it has no poses
+  std::string Summary() const;                           // `221 poses, 3 bad ones left out`, for Notices::Tell
 };
 
 // Keyframes whose pose or time is not finite are left out with a warning. Warns when the body frame is asked for and a
