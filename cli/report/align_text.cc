@@ -9,8 +9,6 @@
 namespace slamdb::cli {
 namespace {
 
-std::string NameText(const MapName& name) { return name.input + " " + ToString(name.map); }
-
 std::string UseText(LinkUse use) {
   switch (use) {
     case LinkUse::kJoins:
@@ -60,6 +58,8 @@ std::string LinkText(const MapLink& link, const std::vector<MapName>& names, con
 }
 
 }  // namespace
+
+std::string NameText(const MapName& name) { return name.input + " " + ToString(name.map); }
 
 std::string AlignText(const AlignedMaps& aligned, const std::vector<MapName>& names, const std::vector<bool>& metric) {
   std::string text;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "slamdb/edit/merge/detail/report_json.h"
 #include "slamdb/model/detail/json.h"
 
 namespace slamdb {
@@ -55,6 +56,19 @@ Json JsonOf(const Alignment& alignment) {
   return json;
 }
 
+Json JsonOf(const MapName& name) { return {{"input", name.input}, {"map", detail::JsonId(name.map)}}; }
+
+Json LinksOf(const AlignedMaps& aligned, const std::vector<MapName>& names) {
+  Json links = Json::array();
+  for (const MapLink& link : aligned.links) {
+    Json entry = {
+        {"first", JsonOf(names[link.first])}, {"second", JsonOf(names[link.second])}, {"use", NameOf(link.use)}};
+    entry.update(JsonOf(link.alignment));
+    links.push_back(entry);
+  }
+  return links;
+}
+
 }  // namespace
 
 AlignmentPrecision PrecisionOf(const Alignment& alignment) {
@@ -65,22 +79,23 @@ AlignmentPrecision PrecisionOf(const Alignment& alignment) {
 
 std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names) {
   Json json = detail::ReportHead("align");
-  const auto name = [&](std::size_t map) {
-    return Json{{"input", names[map].input}, {"map", detail::JsonId(names[map].map)}};
-  };
   json["maps"] = Json::array();
   for (std::size_t map = 0; map < names.size(); ++map) {
-    Json entry = name(map);
+    Json entry = JsonOf(names[map]);
     entry["group"] = aligned.places[map].group;
     entry["group_from_map"] = detail::JsonOf(aligned.places[map].group_from_map);
     json["maps"].push_back(entry);
   }
-  json["links"] = Json::array();
-  for (const MapLink& link : aligned.links) {
-    Json entry = {{"first", name(link.first)}, {"second", name(link.second)}, {"use", NameOf(link.use)}};
-    entry.update(JsonOf(link.alignment));
-    json["links"].push_back(entry);
-  }
+  json["links"] = LinksOf(aligned, names);
+  return detail::JsonText(json);
+}
+
+std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined, const std::vector<MapName>& names,
+                   const std::string& output) {
+  Json json = detail::MergeJson(merged, output);
+  json["links"] = LinksOf(joined.aligned, names);
+  json["joins"] = Json::array();
+  for (const JoinReport& join : joined.joins) json["joins"].push_back(detail::JoinJson(join));
   return detail::JsonText(json);
 }
 

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "slamdb/align/align_all.h"
+#include "slamdb/align/join_aligned.h"
+#include "slamdb/edit/merge/merge.h"
 #include "slamdb/export.h"
 
 namespace slamdb {
@@ -22,6 +24,10 @@ struct MapName {
   std::string input;
   MapId map;
 };
+
+// As schema/merge.schema.json describes it, with `links` and `joins`. `names` by row of JoinAlignedReport::maps.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined,
+                                               const std::vector<MapName>& names, const std::string& output);
 
 // As schema/align.schema.json describes it. `names` by row of the list of maps.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names);
