@@ -17,13 +17,14 @@
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/statistics.h"
+#include "slamdb/plot/alignment.h"
 
 namespace slamdb::cli {
 namespace {
 
 struct AlignVerbOptions {
   std::vector<std::string> inputs;
-  std::string from, save;
+  std::string from, save, plot;
   bool own_vocabulary = false, overwrite = false, json = false;
   double wait = kUsualWait;
 };
@@ -58,22 +59,37 @@ AlignedMaps Align(const AlignVerbOptions& options, const GivenMaps& given, Conso
       {.own_vocabulary = options.own_vocabulary, .threads = console.threads(), .progress = console.MakeProgress()});
 }
 
+void DrawLink(const AlignedMaps& aligned, const GivenMaps& given, const AlignVerbOptions& options, AtomicFile& file) {
+  const MapLink& link = aligned.links.front();
+  const bool png = Location(options.plot).path.ends_with(".png");
+  const Plot plot =
+      DrawAlignment(given.maps[link.first], given.maps[link.second], link.alignment,
+                    {.format = png ? PlotFormat::kPng : PlotFormat::kSvg,
+                     .title = NameText(given.names[link.second]) + " in " + NameText(given.names[link.first])});
+  file.Write(plot.bytes);
+  file.Commit();
+}
+
 ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
   std::optional<AtomicFile> file;
+  std::optional<AtomicFile> picture;
+  if (!options.plot.empty()) picture.emplace(options.plot, AtomicFileOptions{.overwrite = options.overwrite});
   if (!options.save.empty()) file.emplace(options.save, AtomicFileOptions{.overwrite = options.overwrite});
   Notices notices;
   std::vector<Atlas> atlases;
   for (const std::string& input : options.inputs)
     atlases.push_back(ReadAtlas(Location(input), MakeReadOptions(console, options.from, options.wait), &notices));
   const GivenMaps given = MapsOf(atlases, options.inputs);
-  if (file && given.maps.size() != 2)
-    RefuseUsage("--save is for two maps, and there are " + std::to_string(given.maps.size()));
+  if ((file || picture) && given.maps.size() != 2)
+    RefuseUsage((file ? "--save" : "--plot") +
+                (" is for two maps, and there are " + std::to_string(given.maps.size())));
   const AlignedMaps aligned = Align(options, given, console);
   const bool sure = std::ranges::all_of(aligned.places, [](const MapPlace& place) { return place.group == 0; });
   if (file && sure) {
     file->Write(ToText(*aligned.links.front().alignment.first_from_second) + "\n");
     file->Commit();
   }
+  if (picture && aligned.links.front().alignment.first_from_second) DrawLink(aligned, given, options, *picture);
   console.Report(notices);
   PrintReport(options.json ? ToJson(aligned, given.names) : AlignText(aligned, given.names, given.metric), options.json,
               /*piped=*/false, console);
@@ -88,6 +104,11 @@ Run AddAlign(CLI::App& verb) {
   AddFrom(verb, options->from);
   Mark(verb.add_option("--save", options->save,
                        "Write how the second of two maps lies in the first, as merge --transform takes it"),
+       Writes::kFile)
+      ->type_name("FILE");
+  Mark(verb.add_option("--plot", options->plot,
+                       "Draw how two maps lie to each other, as SVG or (.png) PNG: plans, errors, and the pair of "
+                       "keyframes that agrees on most"),
        Writes::kFile)
       ->type_name("FILE");
   verb.add_flag("-O,--overwrite", options->overwrite, "Replace a file that is there");

@@ -110,6 +110,7 @@
 #include "slamdb/model/vocabulary.h"
 #include "slamdb/model/vocabulary_tree.h"
 #include "slamdb/mrpt/landmark.h"
+#include "slamdb/plot/alignment.h"
 #include "slamdb/plot/plot.h"
 #include "slamdb/report/pages.h"
 #include "slamdb/synthetic/synthesize.h"

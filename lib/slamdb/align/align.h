@@ -45,6 +45,7 @@ struct AlignedPair {
 // A point of each map that are the same thing.
 struct MatchedPoints {
   MapPointId first, second;
+  float error = 0;  // reprojection in the worse of the two pictures, in sigmas of its keypoint
 };
 
 // What the verdict rests on.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "slamdb/align/detail/candidates.h"
@@ -118,8 +119,11 @@ class Aligner {
     const auto id = [](const MapViews& map, std::uint32_t point) {
       return map.map().points[map.points()[point].row].id;
     };
-    for (const PointMatch& match : global.matches)
-      matches.push_back({id(pair_.first.views, match.first.point), id(pair_.second.views, match.second.point)});
+    for (const PointMatch& match : global.matches) {
+      const MatchErrors errors = pair_.geometry.ErrorsOf(match, global.fit.first_from_second);
+      matches.push_back({id(pair_.first.views, match.first.point), id(pair_.second.views, match.second.point),
+                         static_cast<float>(std::sqrt(std::max(errors.in_first, errors.in_second)))});
+    }
     return matches;
   }
 
