@@ -6,6 +6,11 @@
 #include "slamdb/align/detail/prepared_map.h"
 
 namespace slamdb::detail {
+namespace {
+
+constexpr std::size_t kMostPoints = 4000;
+
+}  // namespace
 
 NodeTable::NodeTable(const MapViews& map, const CommonWords& words, std::size_t map_number)
     : nodes_(map.views().size()) {
@@ -26,6 +31,7 @@ LocalMap MakeLocalMap(const PreparedMap& prepared, std::uint32_t view, std::size
   std::unordered_set<std::uint32_t> taken;
   const auto take = [&](std::uint32_t from) {
     for (const Seen& seen : map.SeenBy(from)) {
+      if (local.points.size() == kMostPoints) return;
       if (!taken.insert(seen.point).second) continue;
       const Sighting sighting{from, seen.keypoint};
       local.points.push_back({seen.point, sighting});

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <unordered_map>
 
 #include "slamdb/base/detail/median.h"
@@ -51,6 +52,19 @@ void SetFeatures(View& view, const Column<Keypoint>& keypoints, std::span<const 
   view.keypoints = std::span(keypoints).first(count);
   view.descriptors = descriptors.first(count);
   view.cells = KeypointCells(view.keypoints);
+}
+
+// A wide one where the lens bends: by its equidistant approximation, and half as much again.
+double HalfAngle(const View& view) {
+  double angle = 0;
+  for (const auto corner : {Eigen::AlignedBox2d::BottomLeft, Eigen::AlignedBox2d::BottomRight,
+                            Eigen::AlignedBox2d::TopLeft, Eigen::AlignedBox2d::TopRight}) {
+    const Eigen::Vector2d pixel = view.frame.corner(corner);
+    const double radius =
+        Eigen::Vector2d((pixel.x() - view.lens.cx) / view.lens.fx, (pixel.y() - view.lens.cy) / view.lens.fy).norm();
+    angle = std::max(angle, view.lens.model == CameraModel::kPinhole ? std::atan(radius) : 1.5 * radius);
+  }
+  return std::min(angle, std::numbers::pi);
 }
 
 void SetPose(View& view, const Rigid3f& camera_from_world) {
@@ -106,6 +120,7 @@ MapViews::MapViews(const Atlas& atlas, std::size_t map, int threads) : map_(&atl
   AddPoints();
   AddSightings();
   FindDepths(threads);
+  GroupPoints();
 }
 
 void MapViews::AddViews(const Atlas& atlas) {
@@ -127,6 +142,7 @@ void MapViews::AddViews(const Atlas& atlas) {
     SetPose(view, keyframe.camera_from_world);
     SetFeatures(view, pair ? features.keypoints : features.undistorted, descriptors.first(left));
     view.frame = FrameOf(keyframe, view.keypoints);
+    view.half_angle = HalfAngle(view);
     left_view_[row] = static_cast<std::uint32_t>(views_.size());
     views_.push_back(view);
     const Camera* right_camera = pair ? index.FindCamera(keyframe.right_camera) : nullptr;
@@ -136,6 +152,7 @@ void MapViews::AddViews(const Atlas& atlas) {
     view.lens = *right_lens;
     SetPose(view, RightCameraFromWorld(keyframe));
     SetFeatures(view, features.right_keypoints, descriptors.subspan(left));
+    view.half_angle = HalfAngle(view);
     views_.push_back(std::move(view));
   }
 }
@@ -188,6 +205,20 @@ void MapViews::AddSightings() {
   point_at_.assign(keypoint_begins_.back(), kNoRow);
   for (std::uint32_t view = 0; view < views_.size(); ++view)
     for (const Seen& seen : SeenBy(view)) point_at_[keypoint_begins_[view] + seen.keypoint] = seen.point;
+}
+
+void MapViews::GroupPoints() {
+  groups_.resize(views_.size());
+  for (std::uint32_t point = 0; point < points_.size(); ++point)
+    if (const auto sightings = SightingsOf(point); !sightings.empty())
+      groups_[sightings.front().view].points.push_back(point);
+  std::erase_if(groups_, [](const PointGroup& group) { return group.points.empty(); });
+  for (PointGroup& group : groups_) {
+    for (const std::uint32_t point : group.points) group.center += points_[point].position;
+    group.center /= static_cast<double>(group.points.size());
+    for (const std::uint32_t point : group.points)
+      group.radius = std::max(group.radius, (points_[point].position - group.center).norm());
+  }
 }
 
 void MapViews::FindDepths(int threads) {

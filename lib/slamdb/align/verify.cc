@@ -29,25 +29,18 @@ struct Cell {
   bool has_found() const { return found >= 2 && 10 * found >= visible; }
 };
 
+using Cells = std::array<Cell, kColumns * kRows>;
+
 class Picture {
  public:
   Picture(const MapViews& map, std::uint32_t view) : map_(map), number_(view), view_(map.views()[view]) {}
 
   SeenShare LookFor(const MapViews& other, const Similarity3d& map_from_points) const {
     SeenShare share;
-    std::array<Cell, kColumns * kRows> cells{};
-    for (const ViewedPoint& point : other.points()) {
-      const auto expected = Expect(view_, point, map_from_points, kLeastCosine);
-      if (!expected) continue;
-      const double own = OwnDepth(expected->pixel);
-      if (own > 0 && expected->depth > own * kDepthRatio) continue;  // hidden
-      if (own > 0 && expected->depth * kDepthRatio < own) ++share.in_front;
-      const bool found = FindNear(view_, *expected, *point.descriptor, kRadius, kMostBits).has_value();
-      Cell& cell = cells[CellOf(expected->pixel)];
-      ++cell.visible;
-      cell.found += found ? 1 : 0;
-      ++share.visible;
-      share.found += found ? 1 : 0;
+    Cells cells{};
+    for (const PointGroup& group : other.groups()) {
+      if (IsOutOfSight(view_, group, map_from_points)) continue;
+      for (const std::uint32_t point : group.points) Look(other.points()[point], map_from_points, share, cells);
     }
     if (share.visible < kFewestPoints) return {};
     share.views = 1;
@@ -61,6 +54,21 @@ class Picture {
   }
 
  private:
+  // One point: whether it must be seen, and is.
+  void Look(const ViewedPoint& point, const Similarity3d& map_from_points, SeenShare& share, Cells& cells) const {
+    const auto expected = Expect(view_, point, map_from_points, kLeastCosine);
+    if (!expected) return;
+    const double own = OwnDepth(expected->pixel);
+    if (own > 0 && expected->depth > own * kDepthRatio) return;  // hidden
+    if (own > 0 && expected->depth * kDepthRatio < own) ++share.in_front;
+    const bool found = FindNear(view_, *expected, *point.descriptor, kRadius, kMostBits).has_value();
+    Cell& cell = cells[CellOf(expected->pixel)];
+    ++cell.visible;
+    cell.found += found ? 1 : 0;
+    ++share.visible;
+    share.found += found ? 1 : 0;
+  }
+
   // The depth of the nearest of the map's own points about a place of the picture; 0 where there are none.
   double OwnDepth(const Eigen::Vector2d& pixel) const {
     double nearest = 0;

@@ -9,6 +9,13 @@
 
 namespace slamdb::detail {
 
+bool IsOutOfSight(const View& view, const PointGroup& group, const Similarity3d& map_from_point) {
+  const Eigen::Vector3d center = view.CameraFromWorld(map_from_point * group.center);
+  const double distance = center.norm(), radius = map_from_point.scale * group.radius;
+  if (!(distance > radius)) return false;
+  return std::acos(std::clamp(center.z() / distance, -1.0, 1.0)) - std::asin(radius / distance) > view.half_angle;
+}
+
 std::optional<Expected> Expect(const View& view, const ViewedPoint& point, const Similarity3d& map_from_point,
                                double least_cosine) {
   const Eigen::Vector3d position = map_from_point * point.position;

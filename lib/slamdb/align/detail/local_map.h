@@ -16,6 +16,7 @@ struct LocalPoint {
 };
 
 // What is seen from about a keyframe: its points and those of its best covisible keyframes, each once, as rows.
+// At most some thousand, its own first: the work of matching grows with their square.
 struct LocalMap {
   static constexpr std::uint32_t kNoNode = ~std::uint32_t{0};
 

@@ -47,6 +47,7 @@ struct View {
   std::vector<double> scales;               // of the octaves: factor^octave
   double log_factor = 0;
   KeypointCells cells;
+  double half_angle = 0;    // of the cone about the optical axis that the picture lies in, radians
   double median_depth = 0;  // of the points that it sees, map units; 0: it sees none
 
   Eigen::Vector3d CameraFromWorld(const Eigen::Vector3d& point) const { return rotation * point + translation; }
@@ -62,6 +63,13 @@ struct ViewedPoint {
   Eigen::Vector3d normal;    // mean viewing direction, unit length; zero: unknown
   double near = 0, far = 0;  // distances from where it is found, divided by the focal length of the reference keyframe
   const Descriptor* descriptor = nullptr;
+};
+
+// Points that were first seen in one view, for leaving out many at once.
+struct PointGroup {
+  std::vector<std::uint32_t> points;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius = 0;  // all of them are within
 };
 
 // "Keypoint `keypoint` of view `view`", and "point `point` is keypoint `keypoint`".
@@ -83,6 +91,7 @@ class MapViews {
   const Map& map() const { return *map_; }
   std::span<const View> views() const { return views_; }
   std::span<const ViewedPoint> points() const { return points_; }
+  std::span<const PointGroup> groups() const { return groups_; }  // of all points that are seen
   const KeyFrame& KeyFrameOf(const View& view) const { return map_->keyframes[view.keyframe]; }
 
   // Of a left view: itself, or the right one of its pair.
@@ -114,11 +123,13 @@ class MapViews {
   void AddPoints();
   void AddSightings();
   void FindDepths(int threads);
+  void GroupPoints();
 
   const Map* map_;
   std::vector<View> views_;  // keyframe by keyframe, left before right
   std::vector<std::uint32_t> left_view_;
   std::vector<ViewedPoint> points_;
+  std::vector<PointGroup> groups_;
   std::vector<std::size_t> point_begins_, view_begins_;
   std::vector<Sighting> sightings_;
   std::vector<Seen> seen_;

@@ -18,6 +18,9 @@ struct Expected {
   std::int32_t octave = 0;  // of the view's pyramid
 };
 
+// Whether no point of a group can be in the picture. True only where that is certain.
+bool IsOutOfSight(const View& view, const PointGroup& group, const Similarity3d& map_from_point);
+
 // Where a view should see a point of another map, or of its own.
 // nullopt when it is out of the picture, behind the camera, farther away or nearer than what descriptors stand, or seen
 // from a side from which it never was.
