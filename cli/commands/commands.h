@@ -7,7 +7,7 @@
 namespace slamdb::cli {
 
 extern const Command kInfo, kView, kShow, kDump, kPlot, kReport, kCheck, kConvert, kSynthesize, kVocabulary;
-extern const Command kMerge, kReassignOrigin, kRenumber;
+extern const Command kAlign, kMerge, kReassignOrigin, kRenumber;
 extern const Command kExtract, kSplit, kCull, kShrink, kFragments;
 extern const Command kRecover, kRepair;
 extern const Command kTransform, kDiff, kEvaluate;

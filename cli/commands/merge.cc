@@ -7,7 +7,10 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/report/align_text.h"
 #include "cli/report/merge_text.h"
+#include "slamdb/align/join_aligned.h"
+#include "slamdb/align/report_json.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
@@ -20,7 +23,7 @@ struct MergeVerbOptions {
   std::vector<std::string> inputs;
   MergeOptions merge;
   std::string id_map, vocabulary;
-  bool join = false, scale = false, no_scale = false, fuse = false, no_fuse = false;
+  bool align = false, join = false, scale = false, no_scale = false, fuse = false, no_fuse = false;
   std::string transform, anchors, maps;
   std::optional<double> outlier_distance;
   FuseOptions fusion;
@@ -99,6 +102,77 @@ bool HoldLandmarksAlone(const std::vector<Atlas>& atlases) {
   });
 }
 
+std::vector<Atlas> ReadInputs(const MergeVerbOptions& options, Console& console, Notices& notices) {
+  const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
+  std::vector<Atlas> atlases;
+  for (const std::string& input : options.inputs) {
+    EditOptions each = options.edit;
+    each.input = input;
+    atlases.push_back(ReadInput(each, console, notices));
+    HoldWords(input, vocabulary, console, atlases.back(), notices);
+  }
+  return atlases;
+}
+
+// What to call the maps with keyframes of the result: by the input that they come from.
+std::vector<MapName> NamesOf(const std::vector<std::string>& inputs, const MergeResult& result,
+                             const std::vector<std::vector<MapId>>& maps) {
+  std::vector<MapName> names;
+  std::size_t row = 0;
+  for (std::size_t input = 0; input < maps.size(); ++input)
+    for (const MapId map : maps[input]) {
+      const bool left_out = std::ranges::any_of(result.report.same_maps, [&](const MapTwice& twice) {
+        return twice.left_out && twice.input == input && twice.map == map;
+      });
+      if (left_out) continue;
+      if (!result.atlas.maps[row++].keyframes.empty()) names.push_back({inputs[input], map});
+    }
+  return names;
+}
+
+// Aligns the maps of the result and joins those that lie in one frame.
+JoinAlignedReport Align(MergeResult& result, const MergeVerbOptions& options, const std::vector<MapName>& names,
+                        Console& console, Notices& notices) {
+  JoinAlignedOptions join{.threads = console.threads(), .progress = console.MakeProgress()};
+  join.fuse = options.no_fuse ? std::nullopt : std::optional(options.fusion);
+  JoinAlignedReport report = JoinAlignedMaps(result.atlas,
+                                             {.own_vocabulary = !result.report.other_vocabularies.empty(),
+                                              .threads = console.threads(),
+                                              .progress = console.MakeProgress()},
+                                             join);
+  for (const MapId apart : report.apart) {
+    const auto row = std::ranges::find(report.maps, apart) - report.maps.begin();
+    notices.Warn(NameText(names[static_cast<std::size_t>(row)]) +
+                 " stays a map of its own: it is aligned with no other");
+  }
+  for (const JoinReport& each : report.joins)
+    for (const std::string& warning : each.warnings) notices.Warn(warning);
+  return report;
+}
+
+// Nothing is written when no map could be joined: a wrong merge is worse than none.
+ExitCode MergeAligned(MergeResult result, const std::vector<MapName>& names, SideFile& id_map,
+                      const MergeVerbOptions& options, Console& console, Notices& notices) {
+  const JoinAlignedReport joined = Align(result, options, names, console, notices);
+  const std::vector<bool> metric(names.size(), true);
+  std::string text = MergeText(result.report) + AlignText(joined.aligned, names, metric);
+  for (const JoinReport& join : joined.joins) text += JoinText(join);
+  const bool any = !joined.joins.empty();
+  if (any) {
+    for (const JoinReport& join : joined.joins)
+      for (IdMap& ids : result.report.id_maps) FollowJoin(join, ids);
+    if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
+    WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
+  }
+  Note(result.report, notices);
+  const std::string json = ToJson(result.report, joined, names, any ? FilesOf(options.edit).output : std::string());
+  if (any) return FinishEdit(text, json, options.edit, console, notices);
+  console.Report(notices);
+  PrintReport(options.edit.json ? json : text, options.edit.json, /*piped=*/false, console);
+  console.Fail("no map could be aligned with another, so nothing was written");
+  return ExitCode::kFailed;
+}
+
 ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   MergeOptions merge = options.merge;
   merge.names = DistinctNames(options.inputs);
@@ -108,21 +182,23 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   if (options.join) merge.join = JoinOptionsOf(options);
   SideFile id_map(options.id_map, options.edit);
   Notices notices;
-  const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
-  std::vector<Atlas> atlases;
-  for (const std::string& input : options.inputs) {
-    EditOptions each = options.edit;
-    each.input = input;
-    atlases.push_back(ReadInput(each, console, notices));
-    HoldWords(input, vocabulary, console, atlases.back(), notices);
-  }
+  std::vector<Atlas> atlases = ReadInputs(options, console, notices);
   if (HoldLandmarksAlone(atlases)) {
     if (!merge.join) notices.Note("the maps of landmarks stay apart; --join makes one of two");
     if (merge.join && !options.no_fuse) merge.join->fuse = options.fusion;
   } else if (merge.join && options.transform.empty() && options.anchors.empty()) {
-    RefuseUsage("--join needs --transform or --anchors: how the second map lies in the first");
+    RefuseUsage("--join needs --transform or --anchors: how the second map lies in the first; --align finds it");
   }
-  const MergeResult result = MergeAtlases(std::move(atlases), merge);
+  std::vector<std::vector<MapId>> maps;
+  for (const Atlas& atlas : atlases) {
+    maps.emplace_back();
+    for (const Map& map : atlas.maps) maps.back().push_back(map.id);
+  }
+  MergeResult result = MergeAtlases(std::move(atlases), merge);
+  if (options.align) {
+    const std::vector<MapName> names = NamesOf(merge.names, result, maps);
+    return MergeAligned(std::move(result), names, id_map, options, console, notices);
+  }
   if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
   WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
   Note(result.report, notices);
@@ -131,9 +207,13 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
 }
 
 void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
-  constexpr const char* kGroup = "Joining two maps";
+  constexpr const char* kGroup = "Joining maps";
   auto* join =
       verb.add_flag("--join", options.join, "Make one map of two, the second moved into the first")->group(kGroup);
+  verb.add_flag("--align", options.align,
+                "Find how the maps lie to each other, as `slamdb align` does, and make one map of those that overlap")
+      ->excludes(join)
+      ->group(kGroup);
   const auto needs_join = [&](CLI::Option* option) { return option->needs(join)->group(kGroup); };
   needs_join(verb.add_option("--transform", options.transform,
                              "How the second map lies in the first: \"tx ty tz qx qy qz qw [s]\", or a file of it"))
@@ -208,13 +288,14 @@ Run AddMerge(CLI::App& verb) {
 
 constexpr Example kExamples[] = {
     {"slamdb merge session_a.osa session_b.osa -o both.osa", "Two sessions in one file, each in its own map."},
+    {"slamdb merge session_a.osa session_b.osa -o one.osa --align",
+     "Finds where they overlap and makes one map of them, or writes nothing where that is not sure."},
     {"slamdb merge lab.db#monday lab.db#tuesday -o lab.db#week --id-map ids.csv",
      "The same in a store, with a table of which id became which."},
     {"slamdb merge a.osa b.osa -o ab.osa --join --transform b_in_a.txt --fuse",
      "One map of two, where it is known how the second lies in the first."},
     {"slamdb merge two_maps.osa -o one.osa --join --anchors 12:51,30:77,41:90",
      "Joins the two maps of one atlas by keyframes that were taken at the same places."},
-    {"slamdb merge robot*.osa -o fleet.osa --on-conflict keep-first", "Maps that several robots carry come in once."},
 };
 
 }  // namespace
@@ -228,7 +309,8 @@ const Command kMerge = {
 moved out of the way, kind by kind, where they meet, and every reference moves along. Cameras that are the same become
 one. The next ids end up above all. What the result holds is counted and held against the sum of the inputs.
 
-With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
+With --align it finds how maps lie to each other that nobody aligned, and makes one map of those that overlap; what is not sure
+stays apart, and when nothing is sure, nothing is written. With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
 on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
 a time. Maps of MRPT landmarks need no transform when they are in one frame, and
 are fused where they are alike.

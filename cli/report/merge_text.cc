@@ -42,7 +42,8 @@ std::string InputsTable(const MergeReport& report) {
   return table.ToString();
 }
 
-// What the transform, the anchors and the fusion came to.
+}  // namespace
+
 std::string JoinText(const JoinReport& join) {
   const std::string moved = SimilarityText(join.first_from_second);
   std::string text = "joined " + ToString(join.second) + " into " + ToString(join.first) +
@@ -70,8 +71,6 @@ std::string JoinText(const JoinReport& join) {
     text += "  " + Counted(join.alike->unplaced, "landmark") + " without covariance not compared\n";
   return text;
 }
-
-}  // namespace
 
 std::string MergeText(const MergeReport& report) {
   std::string text = InputsTable(report);

@@ -10,4 +10,7 @@ namespace slamdb::cli {
 // What `merge` did, for people.
 std::string MergeText(const MergeReport& report);
 
+// What a transform, anchors and fusing came to.
+std::string JoinText(const JoinReport& join);
+
 }  // namespace slamdb::cli

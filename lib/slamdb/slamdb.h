@@ -6,6 +6,11 @@
 //   slamdb::Atlas atlas = slamdb::ReadAtlas("map.osa");
 //   if (!slamdb::CheckAtlas(atlas).ok()) slamdb::RepairAtlas(atlas);
 //   slamdb::WriteAtlas(atlas, "maps.db#lab");
+#include "slamdb/align/align.h"
+#include "slamdb/align/align_all.h"
+#include "slamdb/align/join_aligned.h"
+#include "slamdb/align/place_index.h"
+#include "slamdb/align/report_json.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/column.h"
 #include "slamdb/base/error.h"
@@ -105,6 +110,7 @@
 #include "slamdb/model/vocabulary.h"
 #include "slamdb/model/vocabulary_tree.h"
 #include "slamdb/mrpt/landmark.h"
+#include "slamdb/plot/alignment.h"
 #include "slamdb/plot/plot.h"
 #include "slamdb/report/pages.h"
 #include "slamdb/synthetic/synthesize.h"

@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/plot/detail/page.h"
 #include "slamdb/plot/detail/panels.h"
 #include "slamdb/plot/detail/view.h"
 
@@ -74,47 +75,19 @@ std::string Summary(const Scene& scene) {
                 scene.other_maps == 0 ? "" : Concat("; ", detail::Counted(scene.other_maps, "map"), " not shown"));
 }
 
-void RequireSizes(const PlotOptions& options) {
-  constexpr int kLeast = 320, kMost = 4000;
-  if (options.width < kLeast || options.width > kMost)
-    throw Error(ErrorKind::kUsage, Concat("a plot is ", kLeast, " to ", kMost, " pixels wide, not ", options.width));
-  if (!(options.scale >= 1 && options.scale <= 4))
-    throw Error(ErrorKind::kUsage, Concat("a plot is scaled by 1 to 4, not by ", options.scale));
-}
-
-constexpr double kMargin = 14, kTitleHeight = 44;
-
-// Cut off at a letter, with an ellipsis.
-std::string Shortened(Canvas& canvas, std::string text, const TextStyle& style, double width) {
-  if (canvas.WidthOf(text, style) <= width) return text;
-  std::vector<std::size_t> ends;  // of letters; UTF-8 is cut between them
-  for (std::size_t i = 0; i < text.size(); ++i)
-    if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) ends.push_back(i);
-  while (!ends.empty() && canvas.WidthOf(text.substr(0, ends.back()) + "\u2026", style) > width) ends.pop_back();
-  return text.substr(0, ends.empty() ? 0 : ends.back()) + "\u2026";
-}
-
-void DrawTitle(Canvas& canvas, const Scene& scene, const std::string& summary, double width) {
-  const TextStyle title{.color = scene.theme.ink, .size = 15, .bold = true};
-  const TextStyle below{.color = scene.theme.faint_ink, .size = 11};
-  const double room = width - 2 * kMargin;
-  canvas.Text({kMargin, kMargin + 13}, Shortened(canvas, scene.options.title, title, room), title);
-  canvas.Text({kMargin, kMargin + 31}, Shortened(canvas, summary, below, room), below);
-}
-
 // One picture of a scene that has its options.
 Plot Draw(const Scene& scene) {
   const PlotOptions& options = scene.options;
   const Kind& kind = KindOf(options.kind);
   std::string summary = Summary(scene);
   if (options.kind == PlotKind::kTrajectory && options.reference) summary += "; " + ErrorText(scene);
-  const double top = options.title.empty() ? kMargin : kMargin + kTitleHeight;
+  const double top = TopOfPage(options);
   const double width = options.width - 2 * kMargin;
   const double height = std::ceil(kind.height(scene, width));
   Plot result{.width = static_cast<double>(options.width), .height = top + height + kMargin, .text = summary};
   Canvas canvas(result.width, result.height, options.format, options.scale);
   canvas.Fill({0, 0, result.width, result.height}, scene.theme.paper);
-  if (!options.title.empty()) DrawTitle(canvas, scene, summary, result.width);
+  if (!options.title.empty()) DrawTitle(canvas, scene.theme, options.title, summary, result.width);
   const ViewCounts counts = kind.draw(canvas, scene, {kMargin, top, width, height});
   result.points = counts.points;
   result.left_out = counts.left_out;

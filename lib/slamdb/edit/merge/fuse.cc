@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // 1. The uncertainty of every point, and the points of the first part in a hash by place.
 // 2. For each point of the second part the most alike one near it.
-// 3. Pairs are fused, the most alike first.
+// 3. Pairs are fused: those that are known first, then the most alike.
 // 4. What survives gets its descriptor and normal, what went is erased, covisibility is counted anew.
 #include "slamdb/edit/merge/fuse.h"
 
@@ -84,10 +84,11 @@ class Fuser {
 
   FuseReport Run() {
     FindUncertainties();
-    std::vector<Pair> pairs = FindPairs();
-    report_.candidates = pairs.size();
-    std::ranges::sort(pairs, std::less<>());
     survivor_.assign(map_.points.size(), kNoRow);
+    for (const Pair& pair : KnownPairs()) Fuse(pair);
+    std::vector<Pair> pairs = FindPairs();
+    report_.candidates = pairs.size() + options_.known.size();
+    std::ranges::sort(pairs, std::less<>());
     for (const Pair& pair : pairs) Fuse(pair);
     if (report_.fused == 0) return report_;
     report_.mean_distance /= static_cast<double>(report_.fused);
@@ -115,6 +116,21 @@ class Fuser {
     const float median = detail::MedianOf(std::move(known));
     cell_width_ = static_cast<float>(options_.radius) * median;
     for (float& sigma : uncertainty_) sigma = std::min(sigma, kLargestUncertainty * median);
+  }
+
+  std::vector<Pair> KnownPairs() const {
+    std::vector<Pair> pairs;
+    if (options_.known.empty()) return pairs;
+    const IdTable points = PointTable(map_);
+    for (const auto& [one, other] : options_.known) {
+      const std::uint32_t a = points.Find(one.value()), b = points.Find(other.value());
+      if (a == kNoRow || b == kNoRow || std::max(a, b) < second_ || std::min(a, b) >= second_) continue;
+      const MapPoint &first = map_.points[std::min(a, b)], &second = map_.points[std::max(a, b)];
+      pairs.push_back({std::min(a, b), std::max(a, b), HammingDistance(first.descriptor, second.descriptor),
+                       (first.position - second.position).norm()});
+    }
+    std::ranges::sort(pairs, std::less<>());
+    return pairs;
   }
 
   std::vector<Pair> FindPairs() const {
@@ -165,6 +181,7 @@ class Fuser {
   }
 
   void Fuse(const Pair& pair) {
+    if (survivor_[pair.second] != kNoRow) return;  // a known pair took it
     MapPoint &kept = map_.points[pair.first], &gone = map_.points[pair.second];
     if (SeenTogether(kept, gone)) {
       ++report_.seen_together;

@@ -15,6 +15,9 @@ namespace slamdb {
 struct FuseOptions {
   double radius = 3;  // pixels at the point's pyramid level, seen from its reference keyframe
   int hamming = 50;   // bits in which descriptors may differ; ORB-SLAM3's TH_LOW
+  // Points that are known to be the same thing, wherever they lie: fused before others are sought.
+  // Either may be first. Those that are not there are passed over.
+  std::vector<std::pair<MapPointId, MapPointId>> known;
   int threads = 0;    // 0: every core
   Progress progress;  // may be empty
 };
@@ -34,7 +37,7 @@ struct FuseReport {
 // which is most alike.
 // Both must be at one place, within `radius` times the smaller of their uncertainties (one pixel at the pyramid level
 // and distance of the reference keyframe; at most four times the median).
-// No keyframe may see both.
+// No keyframe may see both, known pairs included.
 // The most alike pairs go first; equal ones by row.
 // The point of the first part survives, as in ORB-SLAM3's MapPoint::Replace:
 //   slots and observations of the other become its own

@@ -177,6 +177,14 @@ void AddMergeEdge(KeyFrame& keyframe, KeyFrameId other) {
     keyframe.merge_edges.push_back(other);
 }
 
+void AddMergeEdges(Map& first, Map& second, const KeyFramePair& pair) {
+  const std::uint32_t a = KeyFrameTable(first).Find(pair.first.value()),
+                      b = KeyFrameTable(second).Find(pair.second.value());
+  if (a == kNoRow || b == kNoRow) return;
+  AddMergeEdge(first.keyframes[a], pair.second);
+  AddMergeEdge(second.keyframes[b], pair.first);
+}
+
 // The diagonal of the box around its camera centres.
 double Extent(const Map& map) {
   Eigen::AlignedBox3f box;
@@ -202,8 +210,7 @@ void Link(Map& first, Map& second, const KeyFramePair& link, JoinReport& report)
   parent.children.push_back(child.id);
   for (KeyFrame& keyframe : second.keyframes)
     if (keyframe.parent) keyframe.first_connection = false;
-  AddMergeEdge(parent, child.id);
-  AddMergeEdge(child, parent.id);
+  AddMergeEdges(first, second, link);
   report.link = link;
   report.link_distance = static_cast<double>((CameraCenter(parent) - CameraCenter(child)).norm());
 }
@@ -289,6 +296,7 @@ JoinReport JoinMaps(Atlas& atlas, const JoinOptions& options) {
   TransformMap(second, report.first_from_second, options.threads);
   if (!IsOfLandmarks(first) && !IsOfLandmarks(second)) {
     Link(first, second, ChooseLink(first, second, options, report), report);
+    for (const KeyFramePair& pair : options.merge_edges) AddMergeEdges(first, second, pair);
     WarnIfFarApart(first, second, report);
   }
   const std::size_t own_points = first.points.size();

@@ -32,6 +32,7 @@ struct JoinOptions {
   std::optional<Similarity3d> first_from_second;  // without it, it is solved from anchors and places
   std::vector<KeyFramePair> anchors;              // by their camera centres
   std::vector<PlacePair> places;
+  std::vector<KeyFramePair> merge_edges;   // further pairs that see the same, for a merge edge each; need not be there
   std::optional<bool> with_scale;          // when solved; by default only when one of the maps is monocular without IMU
   std::optional<double> outlier_distance;  // anchors that lie farther apart are left out; units of the first map
   bool force = false;                      // join also what makes the result wrong: a scale that is not the other's

@@ -402,24 +402,7 @@ class Merger {
     join.threads = options_.threads;
     join.progress = options_.progress;
     report().join = JoinMaps(result_.atlas, join);
-    for (IdMap& ids : report().id_maps) FollowJoin(join, ids);
-  }
-
-  // Tables say where things are in the end.
-  void FollowJoin(const JoinOptions& join, IdMap& ids) const {
-    for (IdPair& pair : ids[IdKind::kMap])
-      if (pair.after == join.second.value()) pair.after = join.first.value();
-    if (const auto& fused = result_.report.join->fused) Follow(fused->replaced, ids);
-    if (const auto& alike = result_.report.join->alike) Follow(alike->replaced, ids);
-  }
-
-  // Landmarks stand among the points.
-  template <class Id>
-  static void Follow(const std::vector<std::pair<Id, Id>>& replaced, IdMap& ids) {
-    for (IdPair& pair : ids[IdKind::kPoint]) {
-      const auto found = std::ranges::lower_bound(replaced, Id(pair.after), {}, &std::pair<Id, Id>::first);
-      if (found != replaced.end() && found->first.value() == pair.after) pair.after = found->second.value();
-    }
+    for (IdMap& ids : report().id_maps) FollowJoin(*report().join, ids);
   }
 
   MergeReport& report() { return result_.report; }
@@ -432,7 +415,23 @@ class Merger {
   std::vector<std::size_t> input_of_map_;  // by row of the result
 };
 
+// Landmarks stand among the points.
+template <class Id>
+void FollowFused(const std::vector<std::pair<Id, Id>>& replaced, IdMap& ids) {
+  for (IdPair& pair : ids[IdKind::kPoint]) {
+    const auto found = std::ranges::lower_bound(replaced, Id(pair.after), {}, &std::pair<Id, Id>::first);
+    if (found != replaced.end() && found->first.value() == pair.after) pair.after = found->second.value();
+  }
+}
+
 }  // namespace
+
+void FollowJoin(const JoinReport& join, IdMap& ids) {
+  for (IdPair& pair : ids[IdKind::kMap])
+    if (pair.after == join.second.value()) pair.after = join.first.value();
+  if (join.fused) FollowFused(join.fused->replaced, ids);
+  if (join.alike) FollowFused(join.alike->replaced, ids);
+}
 
 MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options) {
   return Merger(options).Run(std::move(inputs));

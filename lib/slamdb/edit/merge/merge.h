@@ -87,6 +87,9 @@ struct MergeResult {
 // Cost: linear; the result is the same for any number of threads.
 [[nodiscard]] SLAMDB_EXPORT MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options = {});
 
+// Makes a table of what became of an input's ids say where they are after a join: maps, and points that were fused.
+SLAMDB_EXPORT void FollowJoin(const JoinReport& join, IdMap& ids);
+
 // As schema/merge.schema.json describes it. `output` empty: nothing was written.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MergeReport& report, const std::string& output = {});
 

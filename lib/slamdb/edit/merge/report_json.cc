@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/merge/detail/report_json.h"
+
 #include <algorithm>
 
 #include "slamdb/edit/merge/merge.h"
 #include "slamdb/model/detail/json.h"
 
 namespace slamdb {
+namespace detail {
 namespace {
-
-using detail::Json;
 
 Json JsonOf(const MergedInput& input) {
   Json shift, cameras = Json::array();
@@ -15,7 +16,7 @@ Json JsonOf(const MergedInput& input) {
     if (const auto as_kind = static_cast<IdKind>(kind); as_kind != IdKind::kCamera)
       shift[std::string(NameOf(as_kind))] = static_cast<std::int64_t>(input.shift[kind]);
   for (const IdPair& camera : input.cameras)
-    cameras.push_back({{"before", detail::JsonId(camera.before)}, {"after", detail::JsonId(camera.after)}});
+    cameras.push_back({{"before", JsonId(camera.before)}, {"after", JsonId(camera.after)}});
   return {{"input", input.name}, {"counts", detail::JsonOf(input.counts)}, {"shift", shift}, {"cameras", cameras}};
 }
 
@@ -36,17 +37,18 @@ Json JsonOf(const FuseReport& fused) {
           {"mean_distance", fused.mean_distance}};
 }
 
-Json JsonOf(const JoinReport& join) {
-  Json json = {{"map", detail::JsonId(join.first)},
-               {"first_from_second", detail::JsonOf(join.first_from_second)},
-               {"link",
-                {{"first", detail::JsonId(join.link.first)},
-                 {"second", detail::JsonId(join.link.second)},
-                 {"distance", join.link_distance}}},
-               {"keyframes", join.keyframes},
-               {"points", join.points},
-               {"left_inertial", join.left_inertial},
-               {"warnings", join.warnings}};
+}  // namespace
+
+Json JoinJson(const JoinReport& join) {
+  Json json = {
+      {"map", JsonId(join.first)},
+      {"first_from_second", detail::JsonOf(join.first_from_second)},
+      {"link",
+       {{"first", JsonId(join.link.first)}, {"second", JsonId(join.link.second)}, {"distance", join.link_distance}}},
+      {"keyframes", join.keyframes},
+      {"points", join.points},
+      {"left_inertial", join.left_inertial},
+      {"warnings", join.warnings}};
   if (join.fit) json["alignment"] = JsonOf(*join.fit);
   if (join.fused) json["fused"] = JsonOf(*join.fused);
   json["landmarks"] = join.landmarks;
@@ -59,27 +61,31 @@ Json JsonOf(const JoinReport& join) {
   return json;
 }
 
-}  // namespace
-
-std::string ToJson(const MergeReport& report, const std::string& output) {
-  Json json = detail::ReportHead("merge");
+Json MergeJson(const MergeReport& report, const std::string& output) {
+  Json json = ReportHead("merge");
   json["inputs"] = Json::array();
   for (const MergedInput& input : report.inputs) json["inputs"].push_back(JsonOf(input));
-  json["output"] = detail::TextOrNull(output);
+  json["output"] = TextOrNull(output);
   json["same_maps"] = Json::array();
   for (const MapTwice& twice : report.same_maps)
     json["same_maps"].push_back({{"input", report.inputs[twice.input].name},
-                                 {"map", detail::JsonId(twice.map)},
+                                 {"map", JsonId(twice.map)},
                                  {"first_input", report.inputs[twice.first_input].name},
-                                 {"first_map", detail::JsonId(twice.first_map)},
+                                 {"first_map", JsonId(twice.first_map)},
                                  {"left_out", twice.left_out}});
   json["dropped_list_entries"] = report.dropped_list_entries;
   json["other_vocabularies"] = report.other_vocabularies;
   json["warnings"] = report.warnings;
   json["left_out"] = detail::JsonOf(report.left_out);
   json["result"] = detail::JsonOf(report.result);
-  if (report.join) json["join"] = JsonOf(*report.join);
-  return detail::JsonText(json);
+  if (report.join) json["join"] = JoinJson(*report.join);
+  return json;
+}
+
+}  // namespace detail
+
+std::string ToJson(const MergeReport& report, const std::string& output) {
+  return detail::JsonText(detail::MergeJson(report, output));
 }
 
 }  // namespace slamdb

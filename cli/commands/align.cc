@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/commands/commands.h"
+#include "cli/edit.h"
+#include "cli/guard.h"
+#include "cli/options.h"
+#include "cli/report/align_text.h"
+#include "slamdb/align/align_all.h"
+#include "slamdb/align/report_json.h"
+#include "slamdb/base/atomic_file.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/frame/similarity_text.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/model/statistics.h"
+#include "slamdb/plot/alignment.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct AlignVerbOptions {
+  std::vector<std::string> inputs;
+  std::string from, save, plot;
+  bool own_vocabulary = false, overwrite = false, json = false;
+  double wait = kUsualWait;
+};
+
+// The maps with keyframes of all inputs, and what to call them.
+struct GivenMaps {
+  std::vector<MapRef> maps;
+  std::vector<MapName> names;
+  std::vector<bool> metric;
+};
+
+GivenMaps MapsOf(const std::vector<Atlas>& atlases, const std::vector<std::string>& inputs) {
+  GivenMaps given;
+  for (std::size_t input = 0; input < atlases.size(); ++input)
+    for (std::size_t row = 0; row < atlases[input].maps.size(); ++row) {
+      const Map& map = atlases[input].maps[row];
+      if (map.keyframes.empty()) continue;
+      given.maps.push_back({&atlases[input], row});
+      given.names.push_back({inputs[input], map.id});
+      given.metric.push_back(IsMetric(map));
+    }
+  if (given.maps.size() < 2)
+    throw Error(ErrorKind::kNotPossible, inputs.front(), "",
+                given.maps.empty() ? "has no map with keyframes"
+                                   : "has only one map with keyframes; name another atlas to align it with");
+  return given;
+}
+
+AlignedMaps Align(const AlignVerbOptions& options, const GivenMaps& given, Console& console) {
+  return AlignAllMaps(
+      given.maps,
+      {.own_vocabulary = options.own_vocabulary, .threads = console.threads(), .progress = console.MakeProgress()});
+}
+
+void DrawLink(const AlignedMaps& aligned, const GivenMaps& given, const AlignVerbOptions& options, AtomicFile& file) {
+  const MapLink& link = aligned.links.front();
+  const bool png = Location(options.plot).path.ends_with(".png");
+  const Plot plot =
+      DrawAlignment(given.maps[link.first], given.maps[link.second], link.alignment,
+                    {.format = png ? PlotFormat::kPng : PlotFormat::kSvg,
+                     .title = NameText(given.names[link.second]) + " in " + NameText(given.names[link.first])});
+  file.Write(plot.bytes);
+  file.Commit();
+}
+
+ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
+  std::optional<AtomicFile> file;
+  std::optional<AtomicFile> picture;
+  if (!options.plot.empty()) picture.emplace(options.plot, AtomicFileOptions{.overwrite = options.overwrite});
+  if (!options.save.empty()) file.emplace(options.save, AtomicFileOptions{.overwrite = options.overwrite});
+  Notices notices;
+  std::vector<Atlas> atlases;
+  for (const std::string& input : options.inputs)
+    atlases.push_back(ReadAtlas(Location(input), MakeReadOptions(console, options.from, options.wait), &notices));
+  const GivenMaps given = MapsOf(atlases, options.inputs);
+  if ((file || picture) && given.maps.size() != 2)
+    RefuseUsage((file ? "--save" : "--plot") +
+                (" is for two maps, and there are " + std::to_string(given.maps.size())));
+  const AlignedMaps aligned = Align(options, given, console);
+  const bool sure = std::ranges::all_of(aligned.places, [](const MapPlace& place) { return place.group == 0; });
+  if (file && sure) {
+    file->Write(ToText(*aligned.links.front().alignment.first_from_second) + "\n");
+    file->Commit();
+  }
+  if (picture && aligned.links.front().alignment.first_from_second) DrawLink(aligned, given, options, *picture);
+  console.Report(notices);
+  PrintReport(options.json ? ToJson(aligned, given.names) : AlignText(aligned, given.names, given.metric), options.json,
+              /*piped=*/false, console);
+  return sure ? ExitCode::kDone : ExitCode::kFailed;
+}
+
+Run AddAlign(CLI::App& verb) {
+  const auto options = std::make_shared<AlignVerbOptions>();
+  verb.add_option("INPUT", options->inputs, "Atlases, of which every map with keyframes is compared with every other")
+      ->type_name("FILE")
+      ->required();
+  AddFrom(verb, options->from);
+  Mark(verb.add_option("--save", options->save,
+                       "Write how the second of two maps lies in the first, as merge --transform takes it"),
+       Writes::kFile)
+      ->type_name("FILE");
+  Mark(verb.add_option("--plot", options->plot,
+                       "Draw how two maps lie to each other, as SVG or (.png) PNG: plans, errors, and the pair of "
+                       "keyframes that agrees on most"),
+       Writes::kFile)
+      ->type_name("FILE");
+  verb.add_flag("-O,--overwrite", options->overwrite, "Replace a file that is there");
+  verb.add_flag("--own-vocabulary", options->own_vocabulary,
+                "Recognise places by a vocabulary that is trained on the maps, not by the recorded words");
+  AddWait(verb, options->wait);
+  AddJson(verb, options->json);
+  return [options](Console& console) { return RunAlign(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb align session_a.osa session_b.osa", "How the second session lies in the first, and how sure that is."},
+    {"slamdb align a.osa b.osa --save b_in_a.txt && slamdb merge a.osa b.osa -o ab.osa --join --transform b_in_a.txt",
+     "Joins them by it, step by step; merge --align does it at once."},
+    {"slamdb align two_maps.osa --json", "Of the maps inside one atlas, for a script."},
+};
+
+}  // namespace
+
+const Command kAlign = {
+    .name = "align",
+    .summary = "find how maps that nobody aligned lie to each other",
+    .group = Group::kCombine,
+    .description =
+        R"(Finds where maps overlap and how they lie to each other, from what their files hold: poses, keypoints, descriptors,
+bags of words, points and cameras. No pictures are needed. Places are recognised, matched and verified one by one; what many
+agree on is refined, and then the pictures of each map are held against the points of the other: what they must show and do
+not speaks against it, as in rooms that look alike.
+
+A map is aligned, doubtful (something agrees, but it could be a look-alike), or there is no overlap. Of more than two maps
+the surest links bring them into one frame, and the others must agree with that. Scales may differ where a map is monocular.)",
+    .done = "Every map could be brought into one frame.",
+    .failed = "Some map could not be aligned with any other, or an input not be read.",
+    .examples = kExamples,
+    .add = AddAlign,
+};
+
+}  // namespace slamdb::cli

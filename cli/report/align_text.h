@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slamdb/align/align_all.h"
+#include "slamdb/align/report_json.h"
+
+namespace slamdb::cli {
+
+// How maps lie to each other, and what says so, for people. `metric` by row of the list of maps: lengths are metres.
+std::string AlignText(const AlignedMaps& aligned, const std::vector<MapName>& names, const std::vector<bool>& metric);
+
+// One name for each map of the list, as texts have it: `session_b.osa map 0`.
+std::string NameText(const MapName& name);
+
+}  // namespace slamdb::cli

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "slamdb/align/align.h"
+#include "slamdb/export.h"
+
+namespace slamdb {
+
+// What was made of how two maps lie to each other.
+enum class LinkUse {
+  kJoins,        // it brings maps into one frame
+  kCloses,       // they are in one frame by other links, which it agrees with
+  kContradicts,  // they are in one frame by other links, surer ones, which it contradicts
+  kUnused,       // its verdict does not allow to use it
+};
+
+// `joins`, `closes`, `contradicts`, `unused`.
+[[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(LinkUse use);
+
+struct MapLink {
+  std::size_t first = 0, second = 0;  // rows of the list of maps
+  Alignment alignment;
+  LinkUse use = LinkUse::kUnused;
+};
+
+// Where a map lies in the frame of the first one of its group.
+struct MapPlace {
+  std::size_t group = 0;  // row of the list of maps: the group's first one
+  Similarity3d group_from_map;
+};
+
+// How several maps lie to each other.
+struct AlignedMaps {
+  std::vector<MapLink> links;    // every pair of maps, the surest first
+  std::vector<MapPlace> places;  // by row of the list of maps; what links to nothing is a group of its own
+};
+
+// Aligns every pair of maps, and brings into one frame what is linked: a maximum spanning tree by the number of matched
+// points. A further link must close the cycle that it makes, within what the maps are bent by; one that does not is
+// named.
+//
+// Throws Error (kNotPossible) as AlignMaps.
+// Cost: AlignMaps for every pair of maps.
+[[nodiscard]] SLAMDB_EXPORT AlignedMaps AlignAllMaps(std::span<const MapRef> maps, const AlignOptions& options = {});
+
+}  // namespace slamdb

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. Places of the second map are recognised in the first, the most alike first.
+// 2. Each is matched and verified by itself, until enough of them agree.
+// 3. All their matches together give the transform, which then finds more matches all over the maps.
+// 4. The pictures of each map are held against the points of the other, and the verdict is given.
+// What is not sure after an early stop is looked at once more with every candidate and every pair of points.
+#include "slamdb/align/detail/align_pair.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "slamdb/align/detail/candidates.h"
+#include "slamdb/align/detail/consensus.h"
+#include "slamdb/align/detail/decide.h"
+#include "slamdb/align/detail/evidence.h"
+#include "slamdb/align/detail/global_fit.h"
+#include "slamdb/align/detail/hypothesis.h"
+#include "slamdb/base/detail/parallel.h"
+
+namespace slamdb::detail {
+namespace {
+
+constexpr std::size_t kBatch = 8;            // candidates between two looks at whether enough agree
+constexpr std::size_t kEnoughKeyframes = 8;  // of the second map, that agree: the rest is not tried at first
+constexpr std::size_t kConsensusesTried = 3;
+
+struct Tried {
+  std::vector<Hypothesis> hypotheses;
+  std::size_t candidates = 0;
+};
+
+class Aligner {
+ public:
+  Aligner(const PreparedMap& first, const PreparedMap& second, bool own_vocabulary, const AlignOptions& options)
+      : options_(options),
+        own_vocabulary_(own_vocabulary),
+        pair_{first, second, PairGeometry(first.views, second.views)},
+        candidates_(FindCandidates(first.index, first.groups, second.bags, options.threads)) {}
+
+  Alignment Run() const {
+    Alignment quick = Decide(Try(Search::kNodes, /*stop_early=*/true));
+    if (quick.verdict == AlignmentVerdict::kAligned) return quick;
+    return Decide(Try(Search::kAll, /*stop_early=*/false));
+  }
+
+ private:
+  Tried Try(Search search, bool stop_early) const {
+    Tried tried;
+    while (tried.candidates < candidates_.size()) {
+      const std::size_t begin = tried.candidates, count = std::min(kBatch, candidates_.size() - begin);
+      std::array<std::optional<Hypothesis>, kBatch> batch;
+      ParallelFor(count, 1, options_.threads, [&](std::size_t from, std::size_t to) {
+        for (std::size_t i = from; i < to; ++i) batch[i] = TryCandidate(pair_, candidates_[begin + i], search);
+      });
+      for (std::optional<Hypothesis>& hypothesis : batch)
+        if (hypothesis) tried.hypotheses.push_back(*std::move(hypothesis));
+      tried.candidates += count;
+      Tell(tried.candidates);
+      if (!stop_early || tried.hypotheses.size() < kEnoughKeyframes) continue;
+      if (FindConsensus(pair_, tried.hypotheses).front().second_keyframes >= kEnoughKeyframes) break;
+    }
+    return tried;
+  }
+
+  void Tell(std::size_t done) const {
+    if (options_.progress)
+      options_.progress("comparing places", static_cast<double>(done) / static_cast<double>(candidates_.size()));
+  }
+
+  // The verdict over the best consensus, or over the next ones where it is refused.
+  Alignment Decide(const Tried& tried) const {
+    const std::vector<Consensus> found = FindConsensus(pair_, tried.hypotheses);
+    Alignment best = NothingAgrees();
+    for (std::size_t i = 0; i < std::min(found.size(), kConsensusesTried); ++i) {
+      Alignment alignment = Judge(tried, found, i);
+      if (i == 0 || alignment.verdict < best.verdict) best = std::move(alignment);
+      if (best.verdict != AlignmentVerdict::kNoOverlap) break;
+    }
+    best.evidence.own_vocabulary = own_vocabulary_;
+    best.evidence.candidates = tried.candidates;
+    return best;
+  }
+
+  Alignment Judge(const Tried& tried, const std::vector<Consensus>& found, std::size_t chosen) const {
+    const Consensus& consensus = found[chosen];
+    const GlobalFit global = FitEverywhere(pair_, tried.hypotheses, consensus, options_.threads);
+    Alignment alignment{.first_from_second = global.fit.first_from_second,
+                        .scale_is_free = pair_.geometry.freedom() == Freedom::kSimilarity,
+                        .covariance = global.fit.covariance,
+                        .center = global.fit.center,
+                        .evidence = EvidenceFor(pair_, global, options_.threads),
+                        .pairs = PairsOf(tried.hypotheses, consensus),
+                        .matches = MatchesOf(global)};
+    alignment.evidence.agreeing = consensus.members.size();
+    alignment.evidence.keyframes = consensus.second_keyframes;
+    for (std::size_t other = 0; other < found.size(); ++other)
+      if (other != chosen)
+        alignment.evidence.contradicting =
+            std::max<std::uint64_t>(alignment.evidence.contradicting, found[other].members.size());
+    GiveVerdict(alignment);
+    return alignment;
+  }
+
+  std::vector<AlignedPair> PairsOf(const std::vector<Hypothesis>& hypotheses, const Consensus& consensus) const {
+    std::vector<AlignedPair> pairs;
+    for (const std::uint32_t member : consensus.members) {
+      const auto& [candidate, transform, inliers] = hypotheses[member];
+      pairs.push_back({KeyFrameIdOf(pair_.first.views, candidate.first),
+                       KeyFrameIdOf(pair_.second.views, candidate.second), inliers.size()});
+    }
+    std::ranges::stable_sort(pairs, std::greater(), &AlignedPair::inliers);
+    return pairs;
+  }
+
+  std::vector<MatchedPoints> MatchesOf(const GlobalFit& global) const {
+    std::vector<MatchedPoints> matches;
+    const auto id = [](const MapViews& map, std::uint32_t point) {
+      return map.map().points[map.points()[point].row].id;
+    };
+    for (const PointMatch& match : global.matches) {
+      const MatchErrors errors = pair_.geometry.ErrorsOf(match, global.fit.first_from_second);
+      matches.push_back({id(pair_.first.views, match.first.point), id(pair_.second.views, match.second.point),
+                         static_cast<float>(std::sqrt(std::max(errors.in_first, errors.in_second)))});
+    }
+    return matches;
+  }
+
+  static KeyFrameId KeyFrameIdOf(const MapViews& map, std::uint32_t view) {
+    return map.KeyFrameOf(map.views()[view]).id;
+  }
+
+  const AlignOptions& options_;
+  const bool own_vocabulary_;
+  const MapPair pair_;
+  const std::vector<Candidate> candidates_;
+};
+
+}  // namespace
+
+Alignment AlignPair(const PreparedMap& first, const PreparedMap& second, bool own_vocabulary,
+                    const AlignOptions& options) {
+  return Aligner(first, second, own_vocabulary, options).Run();
+}
+
+}  // namespace slamdb::detail

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "slamdb/align/detail/hypothesis.h"
+#include "slamdb/align/place_index.h"
+
+namespace slamdb::detail {
+
+// For each view the views that share most points with it, for all left views of a map.
+std::vector<std::vector<std::uint32_t>> CovisibilityGroups(const MapViews& map, int threads);
+
+// For each picture that is asked for (by view; null is none) the three places of the map that look most like it; the
+// most alike first. Covisible keyframes vote together, and the best of them stands for the place.
+// After ORB-SLAM3's place recognition, without its thresholds.
+std::vector<Candidate> FindCandidates(const PlaceIndex& index, std::span<const std::vector<std::uint32_t>> groups,
+                                      std::span<const BagOfWords* const> asked, int threads);
+
+}  // namespace slamdb::detail

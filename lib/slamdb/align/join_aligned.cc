@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. All maps are aligned.
+// 2. Of each group the first metric map is the root.
+// 3. The others are joined into it in an order in which each is linked to one that is there already.
+#include "slamdb/align/join_aligned.h"
+
+#include <algorithm>
+
+#include "slamdb/model/statistics.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::size_t kMostMergeEdges = 5;  // of two maps
+
+// A map that goes into the root of its group, by the link to one that is there.
+struct Step {
+  std::size_t root, map;  // rows of the list of maps
+  const MapLink* link;
+  bool turned;  // the map that is there already is the link's second
+};
+
+KeyFramePair Oriented(const AlignedPair& pair, bool turned) {
+  return turned ? KeyFramePair{pair.second, pair.first} : KeyFramePair{pair.first, pair.second};
+}
+
+// Pairs of which each keyframe is in one alone, most inliers first.
+std::vector<KeyFramePair> MergeEdges(const Step& step) {
+  std::vector<KeyFramePair> edges;
+  for (const AlignedPair& each : step.link->alignment.pairs) {
+    const KeyFramePair pair = Oriented(each, step.turned);
+    const bool taken = std::ranges::any_of(
+        edges, [&](const KeyFramePair& edge) { return edge.first == pair.first || edge.second == pair.second; });
+    if (!taken && edges.size() < kMostMergeEdges) edges.push_back(pair);
+  }
+  return edges;
+}
+
+std::vector<Step> StepsOf(const Atlas& atlas, const AlignedMaps& aligned, const std::vector<MapRef>& maps) {
+  std::vector<Step> steps;
+  std::vector<bool> there(maps.size(), false);
+  for (std::size_t group = 0; group < maps.size(); ++group) {
+    std::vector<std::size_t> members;
+    for (std::size_t map = 0; map < maps.size(); ++map)
+      if (aligned.places[map].group == group) members.push_back(map);
+    if (members.size() < 2) continue;
+    const auto metric =
+        std::ranges::find_if(members, [&](std::size_t map) { return IsMetric(atlas.maps[maps[map].map]); });
+    const std::size_t root = metric == members.end() ? members.front() : *metric;
+    there[root] = true;
+    for (std::size_t joined = 1; joined < members.size(); ++joined) {
+      const auto next = std::ranges::find_if(aligned.links, [&](const MapLink& link) {
+        return link.use == LinkUse::kJoins && aligned.places[link.first].group == group &&
+               there[link.first] != there[link.second];
+      });
+      const bool turned = there[next->second];
+      const std::size_t map = turned ? next->first : next->second;
+      steps.push_back({root, map, &*next, turned});
+      there[map] = true;
+    }
+  }
+  return steps;
+}
+
+JoinOptions OptionsOf(const Step& step, const JoinAlignedReport& report, const JoinAlignedOptions& options) {
+  const std::vector<MapPlace>& places = report.aligned.places;
+  JoinOptions join{.first = report.maps[step.root],
+                   .second = report.maps[step.map],
+                   .first_from_second = places[step.root].group_from_map.Inverse() * places[step.map].group_from_map};
+  join.merge_edges = MergeEdges(step);
+  join.anchors = {join.merge_edges.front()};
+  join.fuse = options.fuse;
+  if (join.fuse)
+    for (const MatchedPoints& match : step.link->alignment.matches)
+      join.fuse->known.emplace_back(match.first, match.second);
+  join.threads = options.threads;
+  join.progress = options.progress;
+  return join;
+}
+
+}  // namespace
+
+JoinAlignedReport JoinAlignedMaps(Atlas& atlas, const AlignOptions& align, const JoinAlignedOptions& options) {
+  std::vector<MapRef> maps;
+  JoinAlignedReport report;
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row)
+    if (!atlas.maps[row].keyframes.empty()) {
+      maps.push_back({&atlas, row});
+      report.maps.push_back(atlas.maps[row].id);
+    }
+  report.aligned = AlignAllMaps(maps, align);
+  const std::vector<Step> steps = StepsOf(atlas, report.aligned, maps);
+  for (const Step& step : steps) report.joins.push_back(JoinMaps(atlas, OptionsOf(step, report, options)));
+  for (std::size_t map = 0; map < maps.size(); ++map) {
+    const std::size_t group = report.aligned.places[map].group;
+    if (std::ranges::count(report.aligned.places, group, &MapPlace::group) == 1)
+      report.apart.push_back(report.maps[map]);
+  }
+  return report;
+}
+
+}  // namespace slamdb

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/align/report_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "slamdb/edit/merge/detail/report_json.h"
+#include "slamdb/model/detail/json.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Json;
+
+Json JsonOf(const AlignmentEvidence& evidence) {
+  return {{"own_vocabulary", evidence.own_vocabulary},
+          {"candidates", evidence.candidates},
+          {"agreeing_pairs", evidence.agreeing},
+          {"agreeing_keyframes", evidence.keyframes},
+          {"contradicting_pairs", evidence.contradicting},
+          {"matched_points", evidence.points},
+          {"extent", evidence.extent},
+          {"found_share", evidence.found_share},
+          {"cell_share", evidence.cell_share},
+          {"front_share", evidence.front_share},
+          {"views", evidence.views},
+          {"agreeing_views", evidence.agreeing_views},
+          {"overlap", evidence.overlap},
+          {"rms", evidence.rms}};
+}
+
+Json JsonOf(const Alignment& alignment) {
+  Json json = {{"verdict", NameOf(alignment.verdict)}, {"reason", alignment.reason}};
+  json["first_from_second"] = alignment.first_from_second ? detail::JsonOf(*alignment.first_from_second) : Json();
+  if (alignment.first_from_second) {
+    const AlignmentPrecision precision = PrecisionOf(alignment);
+    json["precision"] = {{"rotation_degrees", precision.rotation_degrees},
+                         {"translation", precision.translation},
+                         {"scale", precision.scale}};
+    Json covariance = Json::array();
+    for (const auto& row : alignment.covariance.rowwise()) {
+      Json cells = Json::array();
+      for (const double cell : row) cells.push_back(cell);
+      covariance.push_back(cells);
+    }
+    json["covariance"] = covariance;
+    json["center"] = {alignment.center.x(), alignment.center.y(), alignment.center.z()};
+  }
+  json["scale_is_free"] = alignment.scale_is_free;
+  json["evidence"] = JsonOf(alignment.evidence);
+  json["pairs"] = Json::array();
+  for (const AlignedPair& pair : alignment.pairs)
+    json["pairs"].push_back(
+        {{"first", detail::JsonId(pair.first)}, {"second", detail::JsonId(pair.second)}, {"inliers", pair.inliers}});
+  return json;
+}
+
+Json JsonOf(const MapName& name) { return {{"input", name.input}, {"map", detail::JsonId(name.map)}}; }
+
+Json LinksOf(const AlignedMaps& aligned, const std::vector<MapName>& names) {
+  Json links = Json::array();
+  for (const MapLink& link : aligned.links) {
+    Json entry = {
+        {"first", JsonOf(names[link.first])}, {"second", JsonOf(names[link.second])}, {"use", NameOf(link.use)}};
+    entry.update(JsonOf(link.alignment));
+    links.push_back(entry);
+  }
+  return links;
+}
+
+}  // namespace
+
+AlignmentPrecision PrecisionOf(const Alignment& alignment) {
+  const Eigen::Matrix<double, 7, 1> variances = alignment.covariance.diagonal();
+  const auto largest = [&](int begin) { return std::sqrt(std::max(0.0, variances.segment<3>(begin).maxCoeff())); };
+  return {largest(0) * 180 / std::numbers::pi, largest(3), std::sqrt(std::max(0.0, variances[6]))};
+}
+
+std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names) {
+  Json json = detail::ReportHead("align");
+  json["maps"] = Json::array();
+  for (std::size_t map = 0; map < names.size(); ++map) {
+    Json entry = JsonOf(names[map]);
+    entry["group"] = aligned.places[map].group;
+    entry["group_from_map"] = detail::JsonOf(aligned.places[map].group_from_map);
+    json["maps"].push_back(entry);
+  }
+  json["links"] = LinksOf(aligned, names);
+  return detail::JsonText(json);
+}
+
+std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined, const std::vector<MapName>& names,
+                   const std::string& output) {
+  Json json = detail::MergeJson(merged, output);
+  json["links"] = LinksOf(joined.aligned, names);
+  json["joins"] = Json::array();
+  for (const JoinReport& join : joined.joins) json["joins"].push_back(detail::JoinJson(join));
+  return detail::JsonText(json);
+}
+
+}  // namespace slamdb

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slamdb/base/detail/json.h"
+#include "slamdb/edit/merge/merge.h"
+
+namespace slamdb::detail {
+
+// What ToJson writes, for reports that say more.
+Json MergeJson(const MergeReport& report, const std::string& output);
+Json JoinJson(const JoinReport& join);
+
+}  // namespace slamdb::detail
