@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <string>
+#include <string_view>
+
+#include "slamdb/base/progress.h"
+
+namespace slamdb::detail {
+
+struct Solution {
+  int iterations = 0;
+  bool converged = false;
+  std::string solver;  // of the linear systems: `dense-schur`
+};
+
+// Minimises. `cameras`: how many poses are free; it decides how the linear systems are solved.
+// `points`: the blocks to be eliminated first; without any, the system is factored as a whole.
+// On one thread, because Ceres adds up in the order in which its threads come.
+//
+// Throws what the listener throws; the blocks then hold the last step.
+Solution Solve(ceres::Problem& problem, std::size_t cameras, std::vector<double*> points, int iterations,
+               std::string_view stage, const Progress& progress);
+
+// Problems that own neither costs nor losses nor manifolds.
+ceres::Problem::Options BorrowingProblem();
+
+}  // namespace slamdb::detail
