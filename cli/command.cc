@@ -11,13 +11,11 @@ namespace slamdb::cli {
 // The list of verbs. A new verb is a file in commands/, a line in commands/commands.h and a line here.
 std::span<const Command* const> Commands() {
   static constexpr std::array kCommands = {
-      &kInfo,     &kView,    &kShow,       &kDump,       &kPlot,           &kReport,
-      &kCheck,    &kConvert, &kSynthesize, &kVocabulary, &kExtract,        &kSplit,
-      &kCull,     &kShrink,  &kFragments,  &kMerge,      &kReassignOrigin, &kRenumber,
-      &kRepair,   &kRecover, &kTransform,  &kDiff,       &kEvaluate,       &kLandmarksCommand,
-      &kAdd,      &kList,    &kLog,        &kRemove,     &kStats,          &kVacuum,
-      &kBackup,   &kMigrate, &kHelp,       &kCompletion, &kVersion,        &kMan,
-      &kComplete,
+      &kInfo,           &kView,       &kShow,       &kDump,    &kPlot,      &kReport,   &kCheck,     &kConvert,
+      &kSynthesize,     &kVocabulary, &kExtract,    &kSplit,   &kCull,      &kShrink,   &kFragments, &kMerge,
+      &kReassignOrigin, &kRenumber,   &kRepair,     &kRecover, &kTransform, &kDiff,     &kEvaluate,  &kLandmarksCommand,
+      &kOptimize,       &kAdd,        &kList,       &kLog,     &kRemove,    &kStats,    &kVacuum,    &kBackup,
+      &kMigrate,        &kHelp,       &kCompletion, &kVersion, &kMan,       &kComplete,
   };
   return kCommands;
 }

@@ -12,6 +12,7 @@ namespace slamdb::detail {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTolerance = 1e-7;
 constexpr double kInertialChiSquare = 16.92;  // 95 %, nine numbers, as in ORB-SLAM3
 
 double RobustCost(double squared, double limit) {
@@ -188,7 +189,7 @@ Solution Bundle::Run(const BundleOptions& options, std::string_view stage) {
     if (double* const point = states_.points[row].data(); moved_.points[row] && problem.HasParameterBlock(point))
       points.push_back(point);
   const auto cameras = static_cast<std::size_t>(std::ranges::count(moved_.keyframes, 1));
-  return Solve(problem, cameras, std::move(points), options.iterations, stage, options.progress);
+  return Solve(problem, cameras, std::move(points), {options.iterations, kTolerance, stage, options.progress});
 }
 
 void Bundle::Judge() {

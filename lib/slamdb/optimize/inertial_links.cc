@@ -74,7 +74,7 @@ std::optional<InertialLink> LinkOf(const KeyFrame& first, const KeyFrame& second
 bool KnowsGravity(const Map& map) {
   if (!map.imu_initialized) return false;
   const auto up = UpByInertia(map);
-  return !up || up->z() > std::cos(kLargestTilt * std::numbers::pi / 180);
+  return !up || !up->allFinite() || up->z() > std::cos(kLargestTilt * std::numbers::pi / 180);
 }
 
 std::vector<InertialLink> FindInertialLinks(const Map& map, std::uint64_t& unusable) {

@@ -22,6 +22,8 @@
 namespace slamdb {
 namespace {
 
+constexpr double kTolerance = 1e-10;  // steps cost next to nothing
+
 using Node = std::array<double, 8>;
 
 // A node turns in the world about its centre, and shifts.
@@ -122,8 +124,8 @@ class Graph {
       if (moved_[row]) problem.SetManifold(nodes_[row].data(), &manifold_);
     problem.SetParameterBlockConstant(nodes_[anchor_].data());
     problem.Evaluate({}, &report.cost_before, nullptr, nullptr, nullptr);
-    const detail::Solution solution =
-        detail::Solve(problem, nodes_.size(), {}, options.iterations, "bending the map", options.progress);
+    const detail::Solution solution = detail::Solve(
+        problem, nodes_.size(), {}, {options.iterations, kTolerance, "bending the map", options.progress});
     problem.Evaluate({}, &report.cost_after, nullptr, nullptr, nullptr);
     report.iterations = solution.iterations;
     report.converged = solution.converged;

@@ -11,17 +11,15 @@ namespace {
 
 // Poses up to which the reduced system is solved as a dense one, and up to which it is factored at all.
 constexpr std::size_t kMostDense = 80, kMostFactored = 3000;
-constexpr double kFunctionTolerance = 1e-6;
 
 // Tells the listener, and ends the work where it throws: what it threw goes on behind the solver.
 class Teller final : public ceres::IterationCallback {
  public:
-  Teller(std::string_view stage, int iterations, const Progress& progress)
-      : stage_(stage), iterations_(iterations), progress_(progress) {}
+  explicit Teller(const SolveSteps& steps) : steps_(steps) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     try {
-      if (progress_) progress_(stage_, static_cast<double>(summary.iteration) / iterations_);
+      if (steps_.progress) steps_.progress(steps_.stage, static_cast<double>(summary.iteration) / steps_.most);
       return ceres::SOLVER_CONTINUE;
     } catch (...) {
       thrown_ = std::current_exception();
@@ -34,9 +32,7 @@ class Teller final : public ceres::IterationCallback {
   }
 
  private:
-  const std::string_view stage_;
-  const int iterations_;
-  const Progress& progress_;
+  const SolveSteps& steps_;
   std::exception_ptr thrown_;
 };
 
@@ -69,8 +65,7 @@ ceres::Problem::Options BorrowingProblem() {
   return options;
 }
 
-Solution Solve(ceres::Problem& problem, std::size_t cameras, std::vector<double*> points, int iterations,
-               std::string_view stage, const Progress& progress) {
+Solution Solve(ceres::Problem& problem, std::size_t cameras, std::vector<double*> points, const SolveSteps& steps) {
   ceres::Solver::Options options;
   options.linear_solver_type = SolverFor(cameras, !points.empty());
   options.preconditioner_type = ceres::SCHUR_JACOBI;
@@ -84,11 +79,11 @@ Solution Solve(ceres::Problem& problem, std::size_t cameras, std::vector<double*
     for (double* block : blocks)
       if (!options.linear_solver_ordering->IsMember(block)) options.linear_solver_ordering->AddElementToGroup(block, 1);
   }
-  options.max_num_iterations = iterations;
-  options.function_tolerance = kFunctionTolerance;
+  options.max_num_iterations = steps.most;
+  options.function_tolerance = steps.tolerance;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
-  Teller teller(stage, iterations, progress);
+  Teller teller(steps);
   options.callbacks.push_back(&teller);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
