@@ -2,6 +2,7 @@
 #include "slamdb/optimize/detail/solve.h"
 
 #include <ceres/iteration_callback.h>
+#include <glog/logging.h>
 
 #include <exception>
 #include <memory>
@@ -34,6 +35,18 @@ class Teller final : public ceres::IterationCallback {
  private:
   const SolveSteps& steps_;
   std::exception_ptr thrown_;
+};
+
+// Ceres warns on standard error of steps that it then makes smaller: a library has no business there.
+class Silence {
+ public:
+  Silence() : level_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }
+  ~Silence() { FLAGS_minloglevel = level_; }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+ private:
+  const int level_;
 };
 
 ceres::LinearSolverType SolverFor(std::size_t cameras, bool eliminates) {
@@ -86,6 +99,7 @@ Solution Solve(ceres::Problem& problem, std::size_t cameras, std::vector<double*
   Teller teller(steps);
   options.callbacks.push_back(&teller);
   ceres::Solver::Summary summary;
+  const Silence silence;
   ceres::Solve(options, &problem, &summary);
   teller.Rethrow();
   return {static_cast<int>(summary.num_successful_steps + summary.num_unsuccessful_steps),
