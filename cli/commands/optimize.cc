@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
@@ -14,6 +15,7 @@ namespace {
 struct OptimizeVerbOptions {
   EditOptions edit;
   OptimizeOptions optimize;
+  std::optional<OptimizeMethod> method;
   std::vector<std::uint64_t> maps;
   std::string constraints;
 };
@@ -38,6 +40,8 @@ ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   OptimizeOptions optimize = options.optimize;
   for (const std::uint64_t id : options.maps) optimize.maps.emplace_back(id);
   if (!options.constraints.empty()) optimize.constraints = ReadConstraints(options.constraints);
+  optimize.method =
+      options.method.value_or(optimize.constraints.empty() ? OptimizeMethod::kFull : OptimizeMethod::kPoseGraph);
   optimize.threads = console.threads();
   optimize.progress = console.MakeProgress();
   Atlas atlas = ReadInput(options.edit, console, notices);
@@ -52,12 +56,10 @@ Run AddOptimize(CLI::App& verb) {
   options->edit.needs = Content::kObservations;
   AddEdit(verb, options->edit);
   OptimizeOptions& optimize = options->optimize;
-  verb.add_option(
-          "--method", optimize.method,
-          "full: bundle adjustment of everything; seam: of the keyframes around merge and loop edges; pose-graph: "
-          "the constraints alone")
-      ->transform(OneOf(kMethods))
-      ->default_str("full");
+  verb.add_option("--method", options->method,
+                  "full: bundle adjustment of everything, the default; seam: of the keyframes around merge and loop "
+                  "edges; pose-graph: the constraints alone, the default where there are some")
+      ->transform(OneOf(kMethods));
   verb.add_option("--map", options->maps, "Optimise only the map of this id; may be given several times")
       ->type_name("ID")
       ->allow_extra_args(false);
@@ -77,7 +79,8 @@ constexpr Example kExamples[] = {
     {"slamdb optimize session.osa better.osa", "Full bundle adjustment; the report says what it did."},
     {"slamdb optimize session.osa --dry-run --json", "What it would do, for programs."},
     {"slamdb optimize both.osa tight.osa --method seam", "Tightens what was merged, and leaves the rest as it is."},
-    {"slamdb optimize map.osa closed.osa --constraints loops.csv", "Bends the map to loops that were found elsewhere."},
+    {"slamdb optimize session.osa closed.osa --constraints loops.csv",
+     "Bends the map to loops that were found elsewhere."},
 };
 
 }  // namespace
@@ -92,8 +95,9 @@ monocular, rectified stereo, depth and fisheye pairs, with the same robust limit
 is inertial. Observations that do not fit are dropped, and points that are left with too few. The initial keyframe stays
 where it is, and so does the scale of a map that has none of its own.
 
---constraints bends the map before that, along its essential graph, so that keyframes lie to each other as the table
-says: for loops that SLAM missed. docs/optimize.md says what is moved, and how.)",
+--constraints bends the map along its essential graph, so that keyframes lie to each other as the table says: for loops
+that SLAM missed. Bundle adjustment behind that holds a loop closed only where both ends see the same points.
+docs/optimize.md says what is moved, and how.)",
     .failed =
         "The input could not be read, nothing can be optimised in it, this slamdb was built without Ceres, or the "
         "output could not be written.",

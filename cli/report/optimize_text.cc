@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/report/optimize_text.h"
 
+#include <cmath>
+
 #include "cli/report/layout.h"
 
 namespace slamdb::cli {
@@ -59,7 +61,8 @@ void AddBundle(const BundleReport& bundle, Rows& rows) {
                                    Counted(bundle.removed_points, "point"));
   rows.emplace_back("reprojection", ChangeText(bundle.error_before.mean, bundle.error_after.mean) + " px on average, " +
                                         "median " + ChangeText(bundle.error_before.median, bundle.error_after.median));
-  rows.emplace_back("cost", ChangeText(bundle.cost_before, bundle.cost_after) + "; " +
+  const auto whole = [](double cost) { return Grouped(static_cast<std::uint64_t>(std::llround(cost))); };
+  rows.emplace_back("cost", whole(bundle.cost_before) + " -> " + whole(bundle.cost_after) + "; " +
                                 StepsText(bundle.iterations, bundle.converged) + ", " + bundle.solver);
 }
 

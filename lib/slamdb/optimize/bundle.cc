@@ -192,9 +192,14 @@ Solution Bundle::Run(const BundleOptions& options, std::string_view stage) {
   return Solve(problem, cameras, std::move(points), {options.iterations, kTolerance, stage, options.progress});
 }
 
-void Bundle::Judge() {
-  for (std::size_t i = 0; i < involved_.size(); ++i)
-    used_[i] = ErrorsOf(*involved_[i], states_).squared <= Limit(*involved_[i]);
+bool Bundle::Judge() {
+  bool changed = false;
+  for (std::size_t i = 0; i < involved_.size(); ++i) {
+    const bool fits = ErrorsOf(*involved_[i], states_).squared <= Limit(*involved_[i]);
+    changed |= fits != (used_[i] != 0);
+    used_[i] = fits;
+  }
+  return changed;
 }
 
 std::vector<const Measurement*> Bundle::Misfits() const {

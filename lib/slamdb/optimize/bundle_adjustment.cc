@@ -29,7 +29,7 @@ void Refine(detail::Bundle& bundle, const BundleOptions& options, BundleReport& 
     report.iterations += solution.iterations;
     report.converged = solution.converged;
     report.solver = solution.solver;
-    bundle.Judge();
+    if (!bundle.Judge() && solution.converged) break;
   }
   bundle.RestoreGauge();
 }

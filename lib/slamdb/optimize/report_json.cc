@@ -21,13 +21,15 @@ Json JsonOf(const PoseGraphReport& graph) {
             {"merge", graph.merge_edges},
             {"inertial", graph.inertial_edges},
             {"covisibility", graph.covisibility_edges}}},
-          {"gap_before", JsonOf(graph.gap_before)},
-          {"gap_after", JsonOf(graph.gap_after)},
-          {"cost_before", graph.cost_before},
-          {"cost_after", graph.cost_after},
+          {"before", {{"cost", graph.cost_before}, {"gap", JsonOf(graph.gap_before)}}},
+          {"after", {{"cost", graph.cost_after}, {"gap", JsonOf(graph.gap_after)}}},
           {"largest_shift", graph.largest_shift},
           {"iterations", graph.iterations},
           {"converged", graph.converged}};
+}
+
+Json JsonOf(double cost, const Distribution& error) {
+  return {{"cost", cost}, {"reprojection_error_px", detail::JsonOf(error)}};
 }
 
 Json JsonOf(const BundleReport& bundle) {
@@ -40,10 +42,8 @@ Json JsonOf(const BundleReport& bundle) {
           {"inertial_links", bundle.inertial_links},
           {"dropped_observations", bundle.dropped},
           {"removed_points", bundle.removed_points},
-          {"cost_before", bundle.cost_before},
-          {"cost_after", bundle.cost_after},
-          {"reprojection_error_before", detail::JsonOf(bundle.error_before)},
-          {"reprojection_error_after", detail::JsonOf(bundle.error_after)},
+          {"before", JsonOf(bundle.cost_before, bundle.error_before)},
+          {"after", JsonOf(bundle.cost_after, bundle.error_after)},
           {"iterations", bundle.iterations},
           {"converged", bundle.converged},
           {"solver", bundle.solver},

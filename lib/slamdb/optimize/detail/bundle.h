@@ -23,8 +23,8 @@ class Bundle {
   // Minimises over the measurements that are used.
   Solution Run(const BundleOptions& options, std::string_view stage);
 
-  // Uses the measurements that fit, and no others.
-  void Judge();
+  // Uses the measurements that fit, and no others. Whether these are others than before.
+  bool Judge();
   std::vector<const Measurement*> Misfits() const;
 
   // Takes away what no measurement fixes, but the gauge does.
