@@ -12,7 +12,8 @@ namespace slamdb::detail {
 namespace {
 
 // Poses up to which the reduced system is solved as a dense one, and up to which it is factored at all.
-constexpr std::size_t kMostDense = 80, kMostFactored = 3000;
+constexpr std::size_t kMostDense = 80, kMostFactored = 5000;
+constexpr int kMostGradients = 100;  // of conjugate gradients in a step
 
 // Tells the listener, and ends the work where it throws: what it threw goes on behind the solver.
 class Teller final : public ceres::IterationCallback {
@@ -93,6 +94,8 @@ Solution Solve(ceres::Problem& problem, std::size_t cameras, std::vector<double*
   ceres::Solver::Options options;
   options.linear_solver_type = SolverFor(cameras, !points.empty());
   options.preconditioner_type = ceres::SCHUR_JACOBI;
+  options.use_explicit_schur_complement = options.linear_solver_type == ceres::ITERATIVE_SCHUR;
+  options.max_linear_solver_iterations = kMostGradients;
   if (!ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE))
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   if (options.linear_solver_type != ceres::SPARSE_NORMAL_CHOLESKY) {
