@@ -58,6 +58,10 @@ TEST(OptimizeMaps, AdjustsASeamWhereThereIsOne) {
   EXPECT_FALSE(report.maps[0].bundle);
   ASSERT_TRUE(report.maps[1].bundle);
   EXPECT_GT(report.maps[1].bundle->keyframes, 0U);
+  const OptimizeReport given =
+      OptimizeMaps(atlas, {.method = OptimizeMethod::kSeam, .seam = {atlas.maps[2].keyframes[1].id}});
+  EXPECT_FALSE(given.maps[1].bundle);
+  EXPECT_TRUE(given.maps[2].bundle);
 }
 
 TEST(OptimizeMaps, RefusesWhatMakesNoSense) {

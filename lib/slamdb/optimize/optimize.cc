@@ -66,7 +66,12 @@ std::optional<BundleReport> Adjust(Atlas& atlas, MapId map, const OptimizeOption
                        .threads = options.threads,
                        .progress = options.progress};
   if (options.method == OptimizeMethod::kSeam) {
-    bundle.keyframes = SeamKeyFrames(atlas.maps[detail::FindMap(atlas, map)], options.seam);
+    const Map& seen = atlas.maps[detail::FindMap(atlas, map)];
+    const IdTable rows = KeyFrameTable(seen);
+    std::vector<KeyFrameId> around = options.seam;
+    std::erase_if(around, [&](KeyFrameId id) { return rows.Find(id.value()) == kNoRow; });
+    if (around.empty() && !options.seam.empty()) return std::nullopt;
+    bundle.keyframes = SeamKeyFrames(seen, around);
     if (bundle.keyframes->empty()) return std::nullopt;
   }
   return AdjustBundle(atlas, map, bundle);

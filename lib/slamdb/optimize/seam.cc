@@ -3,33 +3,11 @@
 #include <map>
 #include <set>
 
-#include "slamdb/base/error.h"
 #include "slamdb/model/index.h"
 #include "slamdb/optimize/bundle_adjustment.h"
 #include "slamdb/optimize/detail/find_map.h"
 
 namespace slamdb {
-namespace detail {
-
-std::size_t FindMap(const Atlas& atlas, MapId id) {
-  const auto found = std::ranges::find(atlas.maps, id, &Map::id);
-  if (found == atlas.maps.end()) throw Error(ErrorKind::kNotFound, "there is no " + ToString(id));
-  return static_cast<std::size_t>(found - atlas.maps.begin());
-}
-
-std::vector<std::uint32_t> RowsOf(const Map& map, std::span<const KeyFrameId> ids) {
-  const IdTable table = KeyFrameTable(map);
-  std::vector<std::uint32_t> rows;
-  for (const KeyFrameId id : ids) {
-    const std::uint32_t row = table.Find(id.value());
-    if (row == kNoRow) throw Error(ErrorKind::kNotFound, ToString(map.id) + " has no " + ToString(id));
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-}  // namespace detail
-
 namespace {
 
 std::vector<KeyFrameId> Joints(const Map& map) {
