@@ -42,6 +42,11 @@ ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   if (!options.constraints.empty()) optimize.constraints = ReadConstraints(options.constraints);
   optimize.method =
       options.method.value_or(optimize.constraints.empty() ? OptimizeMethod::kFull : OptimizeMethod::kPoseGraph);
+  if (optimize.method == OptimizeMethod::kPoseGraph) {
+    if (optimize.constraints.empty()) RefuseUsage("--method pose-graph needs --constraints with a row");
+    if (optimize.fix_poses || optimize.fix_points)
+      RefuseUsage("--fix-poses and --fix-points are of bundle adjustment: --method full or seam");
+  }
   optimize.threads = console.threads();
   optimize.progress = console.MakeProgress();
   Atlas atlas = ReadInput(options.edit, console, notices);
