@@ -36,6 +36,7 @@ std::span<const Command* const> Commands() {
       &kDiff,
       &kEvaluate,
       &kLandmarksCommand,
+      &kOptimize,
       &kAdd,
       &kList,
       &kLog,
