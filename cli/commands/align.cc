@@ -123,7 +123,8 @@ constexpr Example kExamples[] = {
     {"slamdb align session_a.osa session_b.osa", "How the second session lies in the first, and how sure that is."},
     {"slamdb align a.osa b.osa --save b_in_a.txt && slamdb merge a.osa b.osa -o ab.osa --join --transform b_in_a.txt",
      "Joins them by it, step by step; merge --align does it at once."},
-    {"slamdb align two_maps.osa --json", "Of the maps inside one atlas, for a script."},
+    {"slamdb align session_a.osa session_b.osa --json --plot b_in_a.svg",
+     "The same for a script, and drawn. Of one atlas the maps inside are compared."},
 };
 
 }  // namespace

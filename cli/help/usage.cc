@@ -25,7 +25,6 @@ struct OtherWord {
 };
 
 constexpr OtherWord kOtherWords[] = {
-    {"align", "transform", "aligned.osa", "--onto reference.osa"},
     {"ape", "evaluate"},
     {"append", "merge", {}, "-o both.osa"},
     {"ate", "evaluate"},
@@ -55,7 +54,7 @@ constexpr OtherWord kOtherWords[] = {
     {"history", "log"},
     {"import", "add", "maps.db"},
     {"inspect", "info"},
-    {"join", "merge", {}, "-o joined.osa --join --transform b_in_a.txt"},
+    {"join", "merge", {}, "-o joined.osa --align"},
     {"lint", "check"},
     {"load", "info"},
     {"ls", "list"},

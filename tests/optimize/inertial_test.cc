@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "slamdb/edit/frame/gravity.h"
+#include "slamdb/model/up.h"
 #include "slamdb/optimize/bundle_adjustment.h"
 #include "slamdb/optimize/detail/inertial_links.h"
 #include "tests/optimize/shaken.h"
@@ -67,10 +67,10 @@ TEST(InertialBundle, SetsUprightWhatIsTiltedALittle) {
   Map& map = atlas.maps[0];
   constexpr float kDegree = std::numbers::pi_v<float> / 180;
   Tilt(map, 2 * kDegree);
-  const double before = UpByInertia(map)->z();
+  const double before = FindUp(map, UpMethod::kInertia).direction.z();
   AdjustBundle(atlas, map.id);
   EXPECT_LT(before, std::cos(1.9 * static_cast<double>(kDegree)));
-  EXPECT_GT(UpByInertia(map)->z(), std::cos(0.1 * static_cast<double>(kDegree)));
+  EXPECT_GT(FindUp(map, UpMethod::kInertia).direction.z(), std::cos(0.1 * static_cast<double>(kDegree)));
 }
 
 TEST(InertialBundle, LeavesTheImuOutWhereGravityPointsElsewhere) {

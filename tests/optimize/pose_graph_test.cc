@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "slamdb/edit/frame/gravity.h"
+#include "slamdb/model/up.h"
 #include "tests/optimize/shaken.h"
 #include "tests/support/equals_atlas.h"
 #include "tests/support/kind_of.h"
@@ -70,7 +70,7 @@ TEST_P(DriftedMap, ClosesItsLoop) {
   EXPECT_LT(LargestOffset(map(), truth(), true), before / 2);
   EXPECT_EQ(map().keyframes[0].camera_from_world.translation, initial.translation);
   if (GetParam().inertial) {
-    EXPECT_GT(UpByInertia(map())->z(), std::cos(0.002));
+    EXPECT_GT(FindUp(map(), UpMethod::kInertia).direction.z(), std::cos(0.002));
   }
 }
 

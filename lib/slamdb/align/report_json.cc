@@ -27,7 +27,7 @@ Json JsonOf(const AlignmentEvidence& evidence) {
           {"views", evidence.views},
           {"agreeing_views", evidence.agreeing_views},
           {"overlap", evidence.overlap},
-          {"rms", evidence.rms}};
+          {"rmse", evidence.rms}};
 }
 
 Json JsonOf(const Alignment& alignment) {
@@ -79,12 +79,12 @@ AlignmentPrecision PrecisionOf(const Alignment& alignment) {
 
 std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names) {
   Json json = detail::ReportHead("align");
-  json["maps"] = Json::array();
+  json["inputs"] = Json::array();
   for (std::size_t map = 0; map < names.size(); ++map) {
     Json entry = JsonOf(names[map]);
     entry["group"] = aligned.places[map].group;
     entry["group_from_map"] = detail::JsonOf(aligned.places[map].group_from_map);
-    json["maps"].push_back(entry);
+    json["inputs"].push_back(entry);
   }
   json["links"] = LinksOf(aligned, names);
   return detail::JsonText(json);
