@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "slamdb/base/error.h"
 #include "slamdb/synthetic/detail/random.h"
@@ -26,6 +27,16 @@ double ArcSeen(double path_radius, double wall_radius, double view) {
   return view - ArcTangent(sine, std::sqrt(1 - sine * sine));
 }
 
+constexpr double kStrip = 1, kMostLift = 0.3;  // metres: of the wall that a look-alike room copies
+constexpr double kSessionPhase = 17;           // seconds
+
+// How often a camera goes round. Sessions share a round, so that their arcs meet only where they should.
+double LapsOf(const SyntheticOptions& options) {
+  if (!options.sessions) return options.loops ? kLaps : kOpenLap;
+  const double own = options.sessions->look_alike ? 0 : 1 - options.sessions->overlap;
+  return kOpenLap / (1 + own * (options.maps - 1));
+}
+
 // The plan in which every camera surely sees `safe_arc` to either side.
 RoomPlan PlanFor(double safe_arc, const SyntheticOptions& options, const Rig& rig) {
   RoomPlan plan;
@@ -43,7 +54,7 @@ RoomPlan PlanFor(double safe_arc, const SyntheticOptions& options, const Rig& ri
   plan.safe_distance = Norm({plan.wall_radius * Cosine(safe_arc) - plan.path_radius, plan.wall_radius * Sine(safe_arc),
                              plan.half_height + kBob});
   const double steps = static_cast<double>(std::max<std::size_t>(options.keyframes, 2) - 1);
-  plan.step = std::min(2 * kPi * (options.loops ? kLaps : kOpenLap) / steps, 0.85 * safe_arc);
+  plan.step = std::min(2 * kPi * LapsOf(options) / steps, 0.85 * safe_arc);
   plan.arc = std::min(2 * kPi, plan.step * steps);
   return plan;
 }
@@ -62,7 +73,7 @@ RoomPlan PlanRoom(const SyntheticOptions& options, const Rig& rig) {
   double safe_arc = widest;
   if (points > 0) safe_arc = std::min(widest, std::max(kMostObservers / keyframes, kEnoughPoints / points) * kPi);
   RoomPlan plan = PlanFor(safe_arc, options, rig);
-  while (PointsBefore(plan, options) > capacity && plan.arc >= 2 * kPi * kOpenLap * 0.999) {
+  while (PointsBefore(plan, options) > capacity && plan.arc >= 2 * kPi * std::min(kOpenLap, LapsOf(options)) * 0.999) {
     safe_arc *= 0.95;
     plan = PlanFor(safe_arc, options, rig);
   }
@@ -78,33 +89,110 @@ RoomPlan PlanRoom(const SyntheticOptions& options, const Rig& rig) {
 }
 
 Pose Room::RoomFromCamera(double seconds) const {
-  const double turn = plan.step / kKeyframeInterval * seconds;
+  const double turn = plan.step / kKeyframeInterval * seconds, time = seconds + phase;
   Eigen::Matrix3d room_from_heading;  // z ahead to the wall, x right, y down
   room_from_heading << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   const Eigen::Matrix3d sway =
-      Rotation({kSway * Sine(0.9 * seconds), kSway * Sine(1.1 * seconds + 1), kSway * Sine(0.7 * seconds + 2)});
+      Rotation({kSway * Sine(0.9 * time), kSway * Sine(1.1 * time + 1), kSway * Sine(0.7 * time + 2)});
   const Eigen::Matrix3d heading = Rotation({0, 0, turn});
   const Eigen::Vector3d center(plan.path_radius * Cosine(turn), plan.path_radius * Sine(turn),
-                               kBob * Sine(1.3 * seconds + 0.5));
+                               kBob * Sine(1.3 * time + 0.5));
   return {Product(Product(heading, room_from_heading), sway), center};
+}
+
+namespace {
+
+// Log-uniform between 0.1 and 10.
+double DrawScale(Random& random) {
+  double scale = 0.1, root = 100;
+  for (int bit = 0; bit < 16; ++bit) {
+    root = std::sqrt(root);
+    if (random.Chance(0.5)) scale *= root;
+  }
+  return scale;
+}
+
+// Where the points of a map come from, and how its camera moves, when it is the `map`th session.
+class Session {
+ public:
+  Session(const SyntheticOptions& options, const RoomPlan& plan, std::uint64_t map) : options_(options), map_(map) {
+    const auto points = static_cast<double>(options.points);
+    if (!options.sessions->look_alike)
+      first_slice_ =
+          static_cast<std::uint64_t>(points * (1 - options.sessions->overlap) * static_cast<double>(map) + 0.5);
+    strip_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(points * kStrip / (plan.arc * plan.wall_radius)));
+    copied_.resize(options.points / strip_);
+    std::iota(copied_.begin(), copied_.end(), std::uint64_t{0});
+    Random random({options.seed, map, Stream::kStrip});
+    for (std::size_t i = copied_.size(); i > 1; --i) std::swap(copied_[i - 1], copied_[random.Below(i)]);
+  }
+
+  std::uint64_t first_slice() const { return first_slice_; }
+
+  PointOrigin OriginOf(std::uint64_t row) const {
+    const SessionOptions& sessions = *options_.sessions;
+    const bool other_room = sessions.look_alike && map_ > 0;
+    PointOrigin origin{.world = other_room && !IsCopy(row) ? map_ : 0, .slice = first_slice_ + row};
+    if (other_room && IsCopy(row)) origin.slice = copied_[row / strip_] * strip_ + row % strip_;
+    if (Random({options_.seed, map_, kPrivate, row}).Chance(1 - std::sqrt(sessions.common))) origin.session = map_ + 1;
+    return origin;
+  }
+
+  // Metres by which the point hangs higher than what it is a copy of.
+  double LiftOf(std::uint64_t row) const {
+    if (!options_.sessions->look_alike || map_ == 0 || !IsCopy(row)) return 0;
+    return Random({options_.seed, map_, Stream::kStrip, row / strip_ + 1}).Uniform(-kMostLift, kMostLift);
+  }
+
+ private:
+  bool IsCopy(std::uint64_t row) const { return row / strip_ % 2 == 1 && row / strip_ < copied_.size(); }
+
+  const SyntheticOptions& options_;
+  const std::uint64_t map_;
+  std::uint64_t first_slice_ = 0, strip_ = 1;  // slices of a strip
+  std::vector<std::uint64_t> copied_;          // by strip, the one of the first session
+};
+
+void MovePathOf(Room& room, const SyntheticOptions& options, const Session& session, std::uint64_t map) {
+  room.begin_angle = room.plan.arc * static_cast<double>(session.first_slice()) / static_cast<double>(options.points);
+  room.phase = kSessionPhase * static_cast<double>(map);
+  Random random({options.seed, map, kScale});
+  if (options.sensor == Sensor::kMonocular && !options.inertial) room.scale = DrawScale(random);
+}
+
+}  // namespace
+
+Similarity3d Room::SharedFromMap() const {
+  const Pose shared_from_map = Pose{Rotation({0, 0, begin_angle}), Eigen::Vector3d::Zero()} * world_from_room.Inverse();
+  return {1 / scale, Eigen::Quaterniond(shared_from_map.rotation), shared_from_map.translation};
 }
 
 Room MakeRoom(const SyntheticOptions& options, const Rig& rig, const RoomPlan& plan, std::uint64_t map) {
   Room room;
   room.plan = plan;
+  std::optional<Session> session;
+  if (options.sessions && options.points > 0) {
+    session.emplace(options, plan, map);
+    MovePathOf(room, options, *session, map);
+  }
   const Pose room_from_camera = room.RoomFromCamera(0);
   room.world_from_room = options.inertial
                              ? Pose{Eigen::Matrix3d::Identity(), -(room_from_camera * rig.camera_from_body.translation)}
                              : room_from_camera.Inverse();
   room.angles.reserve(options.points);
   room.points.reserve(options.points);
+  room.origins.reserve(options.points);
   for (std::size_t i = 0; i < options.points; ++i) {
-    Random random({options.seed, map, kPlace, i});
+    const PointOrigin origin = session ? session->OriginOf(i) : PointOrigin{.world = map, .slice = i};
+    Random random = origin.Draw(options.seed, kPlace);
     // One point in each slice of the wall, so that no camera has more before it than planned.
     const double angle = plan.arc * (static_cast<double>(i) + random.Uniform()) / static_cast<double>(options.points);
     const double radius = plan.wall_radius - kWallDepth * random.Uniform();
+    double height = plan.half_height * random.Uniform(-1, 1);
+    if (session) height = std::clamp(height + session->LiftOf(i), -plan.half_height, plan.half_height);
     room.angles.push_back(angle);
-    room.points.push_back({radius * Cosine(angle), radius * Sine(angle), plan.half_height * random.Uniform(-1, 1)});
+    room.points.push_back({radius * Cosine(angle), radius * Sine(angle), height});
+    room.origins.push_back(origin);
   }
   return room;
 }
