@@ -30,11 +30,12 @@ double ArcSeen(double path_radius, double wall_radius, double view) {
 constexpr double kStrip = 1, kMostLift = 0.3;  // metres: of the wall that a look-alike room copies
 constexpr double kSessionPhase = 17;           // seconds
 
-// How often a camera goes round. Sessions share a round, so that their arcs meet only where they should.
-double LapsOf(const SyntheticOptions& options) {
+// How often a camera goes round. Sessions share a round, so that their arcs meet only where they should: what the last
+// camera sees ends where the first session begins.
+double LapsOf(const SyntheticOptions& options, double visible_arc) {
   if (!options.sessions) return options.loops ? kLaps : kOpenLap;
   const double own = options.sessions->look_alike ? 0 : 1 - options.sessions->overlap;
-  return kOpenLap / (1 + own * (options.maps - 1));
+  return std::min(kOpenLap, 1 - visible_arc / (2 * kPi)) / (1 + own * (options.maps - 1));
 }
 
 // The plan in which every camera surely sees `safe_arc` to either side.
@@ -54,13 +55,14 @@ RoomPlan PlanFor(double safe_arc, const SyntheticOptions& options, const Rig& ri
   plan.safe_distance = Norm({plan.wall_radius * Cosine(safe_arc) - plan.path_radius, plan.wall_radius * Sine(safe_arc),
                              plan.half_height + kBob});
   const double steps = static_cast<double>(std::max<std::size_t>(options.keyframes, 2) - 1);
-  plan.step = std::min(2 * kPi * LapsOf(options) / steps, 0.85 * safe_arc);
+  plan.step = std::min(2 * kPi * LapsOf(options, plan.visible_arc) / steps, 0.85 * safe_arc);
   plan.arc = std::min(2 * kPi, plan.step * steps);
   return plan;
 }
 
 double PointsBefore(const RoomPlan& plan, const SyntheticOptions& options) {
-  return static_cast<double>(options.points) * std::min(1.0, 2 * plan.visible_arc / plan.arc);
+  const double share = 2 * plan.visible_arc / plan.arc;  // sessions see beyond what they map
+  return static_cast<double>(options.points) * (options.sessions ? share : std::min(1.0, share));
 }
 
 }  // namespace
@@ -73,7 +75,8 @@ RoomPlan PlanRoom(const SyntheticOptions& options, const Rig& rig) {
   double safe_arc = widest;
   if (points > 0) safe_arc = std::min(widest, std::max(kMostObservers / keyframes, kEnoughPoints / points) * kPi);
   RoomPlan plan = PlanFor(safe_arc, options, rig);
-  while (PointsBefore(plan, options) > capacity && plan.arc >= 2 * kPi * std::min(kOpenLap, LapsOf(options)) * 0.999) {
+  while (PointsBefore(plan, options) > capacity &&
+         plan.arc >= 2 * kPi * std::min(kOpenLap, LapsOf(options, plan.visible_arc)) * 0.999) {
     safe_arc *= 0.95;
     plan = PlanFor(safe_arc, options, rig);
   }
@@ -112,45 +115,50 @@ double DrawScale(Random& random) {
   return scale;
 }
 
-// Where the points of a map come from, and how its camera moves, when it is the `map`th session.
+// Where the points of a map come from when it is the `map`th session. Slices of the wall are counted from where the
+// session begins; below 0 and from the number of points on they are seen and not mapped.
 class Session {
  public:
   Session(const SyntheticOptions& options, const RoomPlan& plan, std::uint64_t map) : options_(options), map_(map) {
     const auto points = static_cast<double>(options.points);
     if (!options.sessions->look_alike)
-      first_slice_ =
-          static_cast<std::uint64_t>(points * (1 - options.sessions->overlap) * static_cast<double>(map) + 0.5);
-    strip_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(points * kStrip / (plan.arc * plan.wall_radius)));
-    copied_.resize(options.points / strip_);
-    std::iota(copied_.begin(), copied_.end(), std::uint64_t{0});
+      first_slice_ = std::llround(points * (1 - options.sessions->overlap) * static_cast<double>(map));
+    strip_ = std::max<std::int64_t>(1, static_cast<std::int64_t>(points * kStrip / (plan.arc * plan.wall_radius)));
+    copied_.resize(options.points / static_cast<std::size_t>(strip_));
+    std::iota(copied_.begin(), copied_.end(), std::int64_t{0});
     Random random({options.seed, map, Stream::kStrip});
     for (std::size_t i = copied_.size(); i > 1; --i) std::swap(copied_[i - 1], copied_[random.Below(i)]);
   }
 
-  std::uint64_t first_slice() const { return first_slice_; }
+  std::int64_t first_slice() const { return first_slice_; }
 
-  PointOrigin OriginOf(std::uint64_t row) const {
+  PointOrigin OriginOf(std::int64_t slice) const {
     const SessionOptions& sessions = *options_.sessions;
-    const bool other_room = sessions.look_alike && map_ > 0;
-    PointOrigin origin{.world = other_room && !IsCopy(row) ? map_ : 0, .slice = first_slice_ + row};
-    if (other_room && IsCopy(row)) origin.slice = copied_[row / strip_] * strip_ + row % strip_;
-    if (Random({options_.seed, map_, kPrivate, row}).Chance(1 - std::sqrt(sessions.common))) origin.session = map_ + 1;
+    const bool is_copy = IsCopy(slice);
+    const std::int64_t place = is_copy ? copied_[StripOf(slice)] * strip_ + slice % strip_ : first_slice_ + slice;
+    PointOrigin origin{.world = sessions.look_alike && !is_copy ? map_ : 0, .slice = static_cast<std::uint64_t>(place)};
+    Random random({options_.seed, map_, kPrivate, static_cast<std::uint64_t>(slice)});
+    if (random.Chance(1 - std::sqrt(sessions.common))) origin.session = map_ + 1;
     return origin;
   }
 
-  // Metres by which the point hangs higher than what it is a copy of.
-  double LiftOf(std::uint64_t row) const {
-    if (!options_.sessions->look_alike || map_ == 0 || !IsCopy(row)) return 0;
-    return Random({options_.seed, map_, Stream::kStrip, row / strip_ + 1}).Uniform(-kMostLift, kMostLift);
+  // Metres by which a point hangs higher than what it is a copy of.
+  double LiftOf(std::int64_t slice) const {
+    if (!IsCopy(slice)) return 0;
+    return Random({options_.seed, map_, Stream::kStrip, StripOf(slice) + 1}).Uniform(-kMostLift, kMostLift);
   }
 
  private:
-  bool IsCopy(std::uint64_t row) const { return row / strip_ % 2 == 1 && row / strip_ < copied_.size(); }
+  std::size_t StripOf(std::int64_t slice) const { return static_cast<std::size_t>(slice / strip_); }
+  bool IsCopy(std::int64_t slice) const {
+    return options_.sessions->look_alike && map_ > 0 && slice >= 0 && StripOf(slice) % 2 == 1 &&
+           StripOf(slice) < copied_.size();
+  }
 
   const SyntheticOptions& options_;
   const std::uint64_t map_;
-  std::uint64_t first_slice_ = 0, strip_ = 1;  // slices of a strip
-  std::vector<std::uint64_t> copied_;          // by strip, the one of the first session
+  std::int64_t first_slice_ = 0, strip_ = 1;  // slices of a strip
+  std::vector<std::int64_t> copied_;          // by strip, the one of the first session
 };
 
 void MovePathOf(Room& room, const SyntheticOptions& options, const Session& session, std::uint64_t map) {
@@ -179,17 +187,23 @@ Room MakeRoom(const SyntheticOptions& options, const Rig& rig, const RoomPlan& p
   room.world_from_room = options.inertial
                              ? Pose{Eigen::Matrix3d::Identity(), -(room_from_camera * rig.camera_from_body.translation)}
                              : room_from_camera.Inverse();
-  room.angles.reserve(options.points);
-  room.points.reserve(options.points);
-  room.origins.reserve(options.points);
-  for (std::size_t i = 0; i < options.points; ++i) {
-    const PointOrigin origin = session ? session->OriginOf(i) : PointOrigin{.world = map, .slice = i};
+  const double slice = plan.arc / static_cast<double>(options.points);  // radians
+  if (session) room.before = static_cast<std::size_t>(std::min(plan.visible_arc, kPi - plan.arc / 2) / slice);
+  room.mapped = options.points;
+  const std::size_t seen = options.points + 2 * room.before;
+  room.angles.reserve(seen);
+  room.points.reserve(seen);
+  room.origins.reserve(seen);
+  for (std::size_t i = 0; i < seen; ++i) {
+    const std::int64_t place = static_cast<std::int64_t>(i) - static_cast<std::int64_t>(room.before);
+    const PointOrigin origin = session ? session->OriginOf(place) : PointOrigin{.world = map, .slice = i};
     Random random = origin.Draw(options.seed, kPlace);
     // One point in each slice of the wall, so that no camera has more before it than planned.
-    const double angle = plan.arc * (static_cast<double>(i) + random.Uniform()) / static_cast<double>(options.points);
+    const double angle =
+        plan.arc * (static_cast<double>(place) + random.Uniform()) / static_cast<double>(options.points);
     const double radius = plan.wall_radius - kWallDepth * random.Uniform();
     double height = plan.half_height * random.Uniform(-1, 1);
-    if (session) height = std::clamp(height + session->LiftOf(i), -plan.half_height, plan.half_height);
+    if (session) height = std::clamp(height + session->LiftOf(place), -plan.half_height, plan.half_height);
     room.angles.push_back(angle);
     room.points.push_back({radius * Cosine(angle), radius * Sine(angle), height});
     room.origins.push_back(origin);

@@ -99,7 +99,8 @@ class MapMaker {
     map_.points.resize(options_.points);
     for (std::size_t row = 0; row < options_.points; ++row) {
       map_.points[row].id = MapPointId(ids_.first_point + row);
-      map_.points[row].position = ((room_.world_from_room * room_.points[row]) * room_.scale).cast<float>();
+      map_.points[row].position =
+          ((room_.world_from_room * room_.points[room_.before + row]) * room_.scale).cast<float>();
     }
   }
 

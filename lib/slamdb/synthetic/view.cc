@@ -216,8 +216,9 @@ class Looking {
     features.map_points.reserve(left.size() + right.size());
     for (const std::vector<Slot>& slots : images_) {
       for (const Slot& slot : slots) {
-        const bool is_point = slot.point != kClutter;
-        features.map_points.push_back(is_point ? MapPointId(view_.first_point_id + slot.point) : MapPointId());
+        const bool is_mapped = view_.room.IsMapped(slot.point);
+        features.map_points.push_back(is_mapped ? MapPointId(view_.first_point_id + slot.point - view_.room.before)
+                                                : MapPointId());
         features.descriptors.push_back(slot.descriptor);
         words.push_back(slot.word);
       }

@@ -53,9 +53,12 @@ struct Room {
   std::vector<double> angles;  // [0, arc)
   std::vector<Eigen::Vector3d> points;  // room coordinates
   std::vector<PointOrigin> origins;     // of the points
+  std::size_t before = 0;  // points ahead of the first one of the map: seen and not mapped, as those behind
+  std::size_t mapped = 0;  // points of the map
 
   // At any time from -1 s; the first keyframe is at 0. All motion is smooth, for the IMU.
   Pose RoomFromCamera(double seconds) const;
+  bool IsMapped(std::size_t point) const { return point >= before && point < before + mapped; }
   Pose WorldFromCamera(double seconds) const { return world_from_room * RoomFromCamera(seconds); }
   // From the frame of the map to the one that all sessions of a world share.
   Similarity3d SharedFromMap() const;
