@@ -48,14 +48,16 @@ RoomPlan PlanFor(double safe_arc, const SyntheticOptions& options, const Rig& ri
   plan.wall_radius = (kWallDistance - kWallDepth * c) / (1 - c);
   plan.path_radius = plan.wall_radius - kWallDistance;
   plan.visible_arc = std::min(kPi, 1.05 * ArcSeen(plan.path_radius, plan.wall_radius, rig.half_width + kMargin));
-  const double least_depth = (plan.wall_radius - kWallDepth) * Cosine(safe_arc) - plan.path_radius;
+  // Sessions step less, and so may have higher walls: their corners are seen from half as far away.
+  const double part = options.sessions ? 0.5 : 1;
+  const double least_depth = (plan.wall_radius - kWallDepth) * Cosine(part * safe_arc) - plan.path_radius;
   // Seen from the side of a fisheye image the wall spans less height than in its middle, hence the cosine.
-  const double tilt = (rig.half_height - kMargin) * Cosine(rig.is_fisheye() ? view : 0);
+  const double tilt = (rig.half_height - kMargin) * Cosine(rig.is_fisheye() ? part * view : 0);
   plan.half_height = least_depth * Sine(tilt) / Cosine(tilt) - kBob;
   plan.safe_distance = Norm({plan.wall_radius * Cosine(safe_arc) - plan.path_radius, plan.wall_radius * Sine(safe_arc),
                              plan.half_height + kBob});
   const double steps = static_cast<double>(std::max<std::size_t>(options.keyframes, 2) - 1);
-  plan.step = std::min(2 * kPi * LapsOf(options, plan.visible_arc) / steps, 0.85 * safe_arc);
+  plan.step = std::min(2 * kPi * LapsOf(options, plan.visible_arc) / steps, 0.85 * part * safe_arc);
   plan.arc = std::min(2 * kPi, plan.step * steps);
   return plan;
 }
