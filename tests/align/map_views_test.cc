@@ -49,8 +49,8 @@ void ExpectWhole(const MapViews& map) {
       EXPECT_NE(map.PointAt({view, one.keypoint}), kNoRow);
       ++seen;
     }
-    if (!each.right)
-      for (const std::uint32_t neighbour : map.BestCovisibles(view, 8)) ASSERT_LT(neighbour, map.views().size());
+    if (each.right) continue;
+    for (const std::uint32_t neighbour : map.BestCovisibles(view, 8)) ASSERT_LT(neighbour, map.views().size());
   }
   EXPECT_EQ(sightings, seen);
 }
@@ -154,14 +154,14 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"NoBounds", [](Atlas& a) { a.maps[0].keyframes[2].bounds = {}; }, 6, 120},
         Damage{"NoPoints", [](Atlas& a) { a.maps[0].points.clear(); }, 6, 0},
         Damage{"NoKeyFrames", [](Atlas& a) { a.maps[0].keyframes.clear(); }, 0, 120}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& damage) { return damage.param.name; });
 
 TEST(KeypointCells, VisitsAllThatAreNearAndNoOther) {
   const Atlas atlas = OneMap();
   const Column<Keypoint>& keypoints = atlas.maps[0].keyframes[0].features.undistorted;
   const detail::KeypointCells cells{std::span(keypoints)};
   for (const Eigen::Vector2d& place : {Eigen::Vector2d(320, 240), Eigen::Vector2d(0, 0), Eigen::Vector2d(639, 10),
-                                      Eigen::Vector2d(-500, 100), Eigen::Vector2d(1e9, 1e9)})
+                                       Eigen::Vector2d(-500, 100), Eigen::Vector2d(1e9, 1e9)})
     for (const double radius : {3.0, 40.0, 1000.0}) {
       std::set<std::uint32_t> found, expected;
       cells.VisitNear(place, radius, [&](std::uint32_t row) { EXPECT_TRUE(found.insert(row).second); });

@@ -20,9 +20,10 @@ using ::testing::FloatNear;
 
 BagOfWords RandomBag(std::mt19937& draws) {
   BagOfWords bag;
-  for (std::uint32_t word = draws() % 5; word < 200; word += 1 + draws() % 20) {
+  const auto below = [&](std::uint32_t end) { return static_cast<std::uint32_t>(draws()) % end; };
+  for (std::uint32_t word = below(5); word < 200; word += 1 + below(20)) {
     bag.words.push_back(word * 1'000'003);
-    bag.weights.push_back(1 + draws() % 9);
+    bag.weights.push_back(1 + below(9));
   }
   double sum = 0;
   for (const double weight : bag.weights) sum += weight;
@@ -58,7 +59,9 @@ TEST(PlaceIndex, ScoresAsBruteForceDoes) {
     EXPECT_EQ(scores[0], 0) << "no words, nothing in common";
     for (std::size_t row = 0; row < bags.size(); ++row)
       EXPECT_THAT(scores[row + 1], FloatNear(static_cast<float>(L1Score(asked, bags[row])), 1e-5F));
-    if (i == 0) EXPECT_THAT(scores[8], FloatNear(1, 1e-5F)) << "its own picture";
+    if (i == 0) {
+      EXPECT_THAT(scores[8], FloatNear(1, 1e-5F)) << "its own picture";
+    }
   }
 }
 
@@ -111,7 +114,9 @@ TEST(TrainVocabulary, IsATreeAsTheModelSays) {
     const std::uint32_t children = tree.first_child[node + 1] - tree.first_child[node];
     EXPECT_LE(children, 4U);
     EXPECT_EQ(children == 0, tree.words[node] != VocabularyTree::kNoWord);
-    if (children == 0) EXPECT_EQ(tree.words[node], words++);
+    if (children == 0) {
+      EXPECT_EQ(tree.words[node], words++);
+    }
     for (std::uint32_t i = tree.first_child[node]; i < tree.first_child[node + 1]; ++i)
       EXPECT_GT(tree.children[i], node);
   }

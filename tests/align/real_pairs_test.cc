@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
         TruePair{{"p1", "f1"}, "-0.64655 -0.12632 0.32733 0.027709 -0.312207 0.040050 0.948765 1", 0.5, 0.02},
         TruePair{{"p1", "i1"}, "-0.09855 -0.13555 0.16135 0.693058 -0.015616 0.006821 0.720681 1", 0.4, 0.01},
         TruePair{{"b1", "b2"}, "-0.00319 0.00096 0.00062 0.000075 -0.000113 0.000507 1 1", 0.2, 0.01}),
-    [](const auto& info) { return NameOf(info.param.pair); });
+    [](const auto& each) { return NameOf(each.param.pair); });
 
 class RealStrangers : public ::testing::TestWithParam<RealPair> {};
 
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Rooms, RealStrangers,
                                            RealPair{"p1", "r1"}, RealPair{"q1", "r1"},
                                            RealPair{"p1", "session_small_a"}, RealPair{"session_a", "mono_small"},
                                            RealPair{"multimap_rgbd", "multimap_rgbd", 0, 1}),
-                         [](const auto& info) { return NameOf(info.param); });
+                         [](const auto& each) { return NameOf(each.param); });
 
 }  // namespace
 }  // namespace slamdb::testing

@@ -39,11 +39,15 @@ struct PreparedPair {
   std::vector<detail::PointMatch> TrueMatches() const {
     std::vector<detail::PointMatch> matches;
     const auto &first = maps[0].views, &second = maps[1].views;
-    for (std::uint32_t a = 0; a < first.points().size(); ++a)
-      for (std::uint32_t b = 0; b < second.points().size(); ++b)
-        if ((first.points()[a].position - truth() * second.points()[b].position).norm() < 1e-4 * truth().scale &&
-            !first.SightingsOf(a).empty() && !second.SightingsOf(b).empty())
+    const Similarity3d first_from_second = truth();
+    const double most = 1e-4 / sessions.room_from_map[0].scale;  // a tenth of a millimetre
+    for (std::uint32_t b = 0; b < second.points().size(); ++b) {
+      const Eigen::Vector3d position = first_from_second * second.points()[b].position;
+      for (std::uint32_t a = 0; a < first.points().size(); ++a)
+        if ((first.points()[a].position - position).squaredNorm() < most * most && !first.SightingsOf(a).empty() &&
+            !second.SightingsOf(b).empty())
           matches.push_back({{a, first.SightingsOf(a).front()}, {b, second.SightingsOf(b).front()}});
+    }
     return matches;
   }
 };
