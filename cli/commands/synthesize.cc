@@ -133,6 +133,7 @@ Run AddSynthesize(CLI::App& verb) {
   CLI::Option* overlap =
       share("--overlap", options->sessions.overlap,
             "The maps are sessions in one room, of which two neighbours share so much of their arc", kSessions);
+  overlap->default_str({});  // not given, the maps are no sessions
   overlap->each([options](const std::string&) { options->overlapping = true; });
   share("--common", options->sessions.common, "Of the points there, how many both sessions have", kSessions);
   verb.add_flag("--look-alike", options->sessions.look_alike,
