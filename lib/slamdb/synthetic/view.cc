@@ -142,7 +142,8 @@ class Looking {
       return MakeSlot(point, look, pixel, depth);
     Look other = DrawLook(random_, kLevels);
     other.octave = look.octave;
-    return MakeSlot(point, other, AnyPixel(), random_.Uniform(2, 8));
+    const Eigen::Vector2d elsewhere = AnyPixel();
+    return MakeSlot(point, other, elsewhere, random_.Uniform(2, 8));
   }
 
   Eigen::Vector2d AnyPixel() {

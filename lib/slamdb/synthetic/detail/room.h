@@ -50,7 +50,7 @@ struct Room {
   double phase = 0;            // seconds by which the camera sways otherwise than in other sessions
   double scale = 1;            // map units in a metre
   Pose world_from_room;        // the first camera's frame; with inertial data z up, at the first body
-  std::vector<double> angles;  // [0, arc)
+  std::vector<double> angles;  // [0, arc) of the points that the map has
   std::vector<Eigen::Vector3d> points;  // room coordinates
   std::vector<PointOrigin> origins;     // of the points
   std::size_t before = 0;  // points ahead of the first one of the map: seen and not mapped, as those behind
