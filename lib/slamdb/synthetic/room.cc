@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "slamdb/base/error.h"
 #include "slamdb/synthetic/detail/random.h"
@@ -170,25 +171,9 @@ void MovePathOf(Room& room, const SyntheticOptions& options, const Session& sess
   if (options.sensor == Sensor::kMonocular && !options.inertial) room.scale = DrawScale(random);
 }
 
-}  // namespace
-
-Similarity3d Room::SharedFromMap() const {
-  const Pose shared_from_map = Pose{Rotation({0, 0, begin_angle}), Eigen::Vector3d::Zero()} * world_from_room.Inverse();
-  return {1 / scale, Eigen::Quaterniond(shared_from_map.rotation), shared_from_map.translation};
-}
-
-Room MakeRoom(const SyntheticOptions& options, const Rig& rig, const RoomPlan& plan, std::uint64_t map) {
-  Room room;
-  room.plan = plan;
-  std::optional<Session> session;
-  if (options.sessions && options.points > 0) {
-    session.emplace(options, plan, map);
-    MovePathOf(room, options, *session, map);
-  }
-  const Pose room_from_camera = room.RoomFromCamera(0);
-  room.world_from_room = options.inertial
-                             ? Pose{Eigen::Matrix3d::Identity(), -(room_from_camera * rig.camera_from_body.translation)}
-                             : room_from_camera.Inverse();
+// Points on the wall: those of the map, and for a session those that its cameras see ahead of and behind them.
+void HangPoints(Room& room, const SyntheticOptions& options, const std::optional<Session>& session, std::uint64_t map) {
+  const RoomPlan& plan = room.plan;
   const double slice = plan.arc / static_cast<double>(options.points);  // radians
   if (session) room.before = static_cast<std::size_t>(std::min(plan.visible_arc, kPi - plan.arc / 2) / slice);
   room.mapped = options.points;
@@ -210,6 +195,28 @@ Room MakeRoom(const SyntheticOptions& options, const Rig& rig, const RoomPlan& p
     room.points.push_back({radius * Cosine(angle), radius * Sine(angle), height});
     room.origins.push_back(origin);
   }
+}
+
+}  // namespace
+
+Similarity3d Room::SharedFromMap() const {
+  const Pose shared_from_map = Pose{Rotation({0, 0, begin_angle}), Eigen::Vector3d::Zero()} * world_from_room.Inverse();
+  return {1 / scale, Eigen::Quaterniond(shared_from_map.rotation), shared_from_map.translation};
+}
+
+Room MakeRoom(const SyntheticOptions& options, const Rig& rig, const RoomPlan& plan, std::uint64_t map) {
+  Room room;
+  room.plan = plan;
+  std::optional<Session> session;
+  if (options.sessions && options.points > 0) {
+    session.emplace(options, plan, map);
+    MovePathOf(room, options, *session, map);
+  }
+  const Pose room_from_camera = room.RoomFromCamera(0);
+  room.world_from_room = options.inertial
+                             ? Pose{Eigen::Matrix3d::Identity(), -(room_from_camera * rig.camera_from_body.translation)}
+                             : room_from_camera.Inverse();
+  HangPoints(room, options, session, map);
   return room;
 }
 
