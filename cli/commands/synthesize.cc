@@ -87,6 +87,34 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
                        console, notices);
 }
 
+CLI::Option* AddShare(CLI::App& verb, const char* name, double& value, const char* description, const char* group) {
+  return verb.add_option(name, value, description)
+      ->type_name("SHARE")
+      ->check(CLI::Range(0.0, 1.0).description({}))
+      ->capture_default_str()
+      ->group(group);
+}
+
+void AddSessions(CLI::App& verb, const std::shared_ptr<SynthesizeOptions>& options) {
+  constexpr const char* kSessions = "Maps as sessions";
+  CLI::Option* overlap =
+      AddShare(verb, "--overlap", options->sessions.overlap,
+               "The maps are sessions in one room, of which two neighbours share so much of their arc", kSessions);
+  overlap->default_str({});  // not given, the maps are no sessions
+  overlap->each([options](const std::string&) { options->overlapping = true; });
+  AddShare(verb, "--common", options->sessions.common, "Of the points there, how many both sessions have", kSessions);
+  verb.add_flag("--look-alike", options->sessions.look_alike,
+                "The maps are of different rooms; strips of the first one's wall are in all")
+      ->excludes(overlap)
+      ->group(kSessions);
+  Mark(verb.add_option(
+           "--truth", options->truth,
+           "Write how the frame of each map lies in its room, as a line of 8 numbers that transform and merge take"),
+       Writes::kFile)
+      ->type_name("FILE")
+      ->group(kSessions);
+}
+
 Run AddSynthesize(CLI::App& verb) {
   const auto options = std::make_shared<SynthesizeOptions>();
   SyntheticOptions& atlas = options->atlas;
@@ -108,19 +136,12 @@ Run AddSynthesize(CLI::App& verb) {
   CLI::Option* keyframes = number("--keyframes", atlas.keyframes, "Keyframes in each map");
   CLI::Option* points = number("--points", atlas.points, "Points in each map");
   number("--features", atlas.features, "Keypoints in each keyframe, at most");
-  const auto share = [&](const char* name, double& value, const char* description, const char* group) {
-    return verb.add_option(name, value, description)
-        ->type_name("SHARE")
-        ->check(CLI::Range(0.0, 1.0).description({}))
-        ->capture_default_str()
-        ->group(group);
-  };
   verb.add_option("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")
       ->type_name("PIXELS")
       ->check(CheckNonNegative)
       ->capture_default_str()
       ->group(kGroup);
-  share("--outliers", atlas.outliers, "Of the keypoints of points, how many show something else", kGroup);
+  AddShare(verb, "--outliers", atlas.outliers, "Of the keypoints of points, how many show something else", kGroup);
   number("--flipped-bits", atlas.flipped_bits, "Bits at most in which a look at a point differs from its descriptor")
       ->check(CLI::Range(0, 256).description({}));
   number("--seed", atlas.seed, "Another number, another atlas");
@@ -129,23 +150,7 @@ Run AddSynthesize(CLI::App& verb) {
                   "default they are made up")
       ->type_name("FILE")
       ->group(kGroup);
-  constexpr const char* kSessions = "Maps as sessions";
-  CLI::Option* overlap =
-      share("--overlap", options->sessions.overlap,
-            "The maps are sessions in one room, of which two neighbours share so much of their arc", kSessions);
-  overlap->default_str({});  // not given, the maps are no sessions
-  overlap->each([options](const std::string&) { options->overlapping = true; });
-  share("--common", options->sessions.common, "Of the points there, how many both sessions have", kSessions);
-  verb.add_flag("--look-alike", options->sessions.look_alike,
-                "The maps are of different rooms; strips of the first one's wall are in all")
-      ->excludes(overlap)
-      ->group(kSessions);
-  Mark(verb.add_option(
-           "--truth", options->truth,
-           "Write how the frame of each map lies in its room, as a line of 8 numbers that transform and merge take"),
-       Writes::kFile)
-      ->type_name("FILE")
-      ->group(kSessions);
+  AddSessions(verb, options);
   verb.add_option("--size", options->size, "Keyframes and points for a binary .osa of about this size, such as 200MB")
       ->type_name("SIZE")
       ->transform(CLI::AsSizeValue(true))
