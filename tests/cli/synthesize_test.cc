@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
+#include "slamdb/edit/frame/similarity_text.h"
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {
@@ -39,6 +43,35 @@ TEST(Synthesize, EverySensorChecksClean) {
       EXPECT_EQ(checked.exit_code, 0) << checked.out;
     }
   }
+}
+
+// What align finds is what --truth wrote.
+TEST(Synthesize, SessionsLieAsTheTruthSays) {
+  const TemporaryFolder folder;
+  const std::string atlas = folder / "two.osa", truth = folder / "truth.txt", found = folder / "found.txt";
+  const std::vector<std::string> make = {"synthesize", atlas,      "--maps", "2",       "--overlap",
+                                         "0.4",        "--sensor", "rgbd",   "--truth", truth};
+  ASSERT_EQ(RunSlamdb(make).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"align", atlas, "--save", found}).exit_code, 0);
+  std::ifstream lines(truth);
+  std::string first, second;
+  std::getline(lines, first);
+  std::getline(lines, second);
+  const Similarity3d expected = ParseSimilarity(first).Inverse() * ParseSimilarity(second);
+  const Similarity3d aligned = ReadSimilarity(found);
+  EXPECT_LT(expected.rotation.angularDistance(aligned.rotation), 0.01);
+  EXPECT_LT((expected.translation - aligned.translation).norm(), 0.05);
+  EXPECT_EQ(RunSlamdb(make).exit_code, 1) << "what is there is kept";
+}
+
+TEST(Synthesize, RoomsThatLookAlikeAreNotAligned) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"synthesize", folder / "two.osa", "--maps", "2", "--look-alike", "--sensor", "rgbd"}).exit_code,
+            0);
+  const ProcessResult aligned = RunSlamdb({"align", folder / "two.osa"});
+  EXPECT_EQ(aligned.exit_code, 1);
+  EXPECT_THAT(aligned.out, HasSubstr("no-overlap"));
+  EXPECT_EQ(RunSlamdb({"synthesize", folder / "x.osa", "--look-alike", "--overlap", "0.5"}).exit_code, 2);
 }
 
 TEST(Synthesize, EqualSeedsGiveEqualBytes) {

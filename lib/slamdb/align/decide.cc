@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "slamdb/align/report_json.h"
 #include "slamdb/base/detail/text.h"
 
 namespace slamdb {
@@ -15,6 +16,8 @@ constexpr double kExtent = 0.15;
 constexpr double kMostInFront = 0.15;
 constexpr std::uint64_t kFewestKeyframes = 3, kFewestPoints = 50, kFewestViews = 3;
 constexpr double kMostContradicting = 0.35;  // of those that agree
+constexpr double kMostDegrees =
+    0.3;  // standard deviation: what is less well known is off by centimetres a few metres away
 
 std::string Percent(double share) { return std::to_string(static_cast<int>(100 * share + 0.5)) + "%"; }
 
@@ -61,6 +64,9 @@ void GiveVerdict(Alignment& alignment) {
     return say(AlignmentVerdict::kDoubtful, "too few keyframes or points agree");
   if (static_cast<double>(evidence.contradicting) > kMostContradicting * static_cast<double>(evidence.agreeing))
     return say(AlignmentVerdict::kDoubtful, "other pairs of keyframes agree on another transform");
+  if (PrecisionOf(alignment).rotation_degrees > kMostDegrees)
+    return say(AlignmentVerdict::kDoubtful,
+               "what agrees is too little to tell how the maps lie: their rotation is not known well");
   say(AlignmentVerdict::kAligned, found);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/base/detail/hash.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 #include "slamdb/synthetic/detail/inertial.h"
@@ -34,6 +35,13 @@ void CheckOptions(const SyntheticOptions& options) {
   require(options.maps >= 1, "an atlas needs at least 1 map");
   require(options.keyframes >= 2, "a map needs at least 2 keyframes, so that points can be seen twice");
   require(options.features >= 1 && options.features <= 1'000'000, "features per keyframe must be 1 to 1000000");
+  require(options.outliers >= 0 && options.outliers < 1, "the share of outliers must be 0 or above, and below 1");
+  require(options.flipped_bits >= 0 && options.flipped_bits <= 256, "the flipped bits must be 0 to 256");
+  if (options.sessions) {
+    require(options.sessions->overlap >= 0 && options.sessions->overlap <= 1, "the overlap must be 0 to 1");
+    require(options.sessions->common >= 0 && options.sessions->common <= 1,
+            "the share of common points must be 0 to 1");
+  }
   require(options.pixel_noise >= 0 && options.pixel_noise <= 5, "the pixel noise must be 0 to 5 pixels");
 }
 
@@ -41,6 +49,14 @@ void CheckOptions(const SyntheticOptions& options) {
 struct Ids {
   std::uint64_t map, first_keyframe, first_point;
 };
+
+Vocabulary VocabularyOf(const SyntheticOptions& options) {
+  const std::string number = options.vocabulary == 0 ? "" : std::to_string(options.vocabulary);
+  std::string checksum = "5e1f00d5e1f00d5e1f00d5e1f00d5e1f";
+  const std::string digits = detail::Hex(options.vocabulary);
+  if (options.vocabulary != 0) checksum.replace(0, digits.size(), digits);
+  return {"synthetic" + number + ".txt", checksum};
+}
 
 ImuBias DrawBias(const SyntheticOptions& options, std::uint64_t map) {
   Random random({options.seed, map, kBias});
@@ -61,13 +77,15 @@ class MapMaker {
         bias_(DrawBias(options, ids.map)),
         poses_(options.keyframes) {}
 
+  Similarity3d RoomFromMap() const { return room_.SharedFromMap(); }
+
   Map Make() {
     map_.id = MapId(ids_.map);
     MakePoints();
     MakeKeyFrames();
     ConnectPoints(map_, rig_, poses_, options_.threads);
     ConnectKeyFrames(map_, options_.threads);
-    if (options_.loops) CloseLoops();
+    if (options_.loops && !options_.sessions) CloseLoops();
     const KeyFrameId first = map_.keyframes.front().id;
     map_.initial_keyframe = map_.first_keyframe = map_.lowest_keyframe = first;
     map_.origins = {first};
@@ -81,7 +99,8 @@ class MapMaker {
     map_.points.resize(options_.points);
     for (std::size_t row = 0; row < options_.points; ++row) {
       map_.points[row].id = MapPointId(ids_.first_point + row);
-      map_.points[row].position = (room_.world_from_room * room_.points[row]).cast<float>();
+      map_.points[row].position =
+          ((room_.world_from_room * room_.points[room_.before + row]) * room_.scale).cast<float>();
     }
   }
 
@@ -110,6 +129,7 @@ class MapMaker {
     keyframe.timestamp = kStart + pause * static_cast<double>(ids_.map) + seconds;
     keyframe.origin_map = static_cast<std::uint32_t>(ids_.map);
     poses_[row] = room_.WorldFromCamera(seconds);
+    poses_[row].translation *= room_.scale;
     keyframe.camera_from_world = poses_[row].Inverse().Recorded();
     keyframe.features = view_.See(row);
     if (!options_.inertial) return;
@@ -141,16 +161,21 @@ class MapMaker {
 
 }  // namespace
 
-Atlas SynthesizeAtlas(const SyntheticOptions& options) {
+Atlas SynthesizeAtlas(const SyntheticOptions& options) { return SynthesizeSessions(options).atlas; }
+
+SyntheticSessions SynthesizeSessions(const SyntheticOptions& options) {
   CheckOptions(options);
   const Rig rig = MakeRig(options.sensor);
   const RoomPlan plan = PlanRoom(options, rig);
-  Atlas atlas;
-  atlas.vocabulary = {"synthetic.txt", "5e1f00d5e1f00d5e1f00d5e1f00d5e1f"};
+  SyntheticSessions sessions;
+  Atlas& atlas = sessions.atlas;
+  atlas.vocabulary = VocabularyOf(options);
   atlas.cameras = rig.cameras;
   Counters& next = atlas.next_ids;
   for (int map = 0; map < options.maps; ++map) {
-    atlas.maps.push_back(MapMaker(options, rig, plan, {next.map, next.keyframe, next.map_point}).Make());
+    MapMaker maker(options, rig, plan, {next.map, next.keyframe, next.map_point});
+    atlas.maps.push_back(maker.Make());
+    sessions.room_from_map.push_back(maker.RoomFromMap());
     ++next.map;
     next.keyframe += options.keyframes;
     next.map_point += options.points;
@@ -158,7 +183,7 @@ Atlas SynthesizeAtlas(const SyntheticOptions& options) {
   next.frame = next.keyframe * kFramesPerKeyframe;
   next.camera = atlas.cameras.size();
   next.initial_keyframe = next.keyframe;
-  return atlas;
+  return sessions;
 }
 
 }  // namespace slamdb

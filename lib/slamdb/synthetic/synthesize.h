@@ -2,14 +2,26 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "slamdb/base/progress.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
+#include "slamdb/model/similarity.h"
 
 namespace slamdb {
 
 enum class Sensor { kMonocular, kStereo, kRgbd, kFisheyeStereo };
+
+// How the maps of an atlas are sessions of one or of alike places, each on an arc of the wall of its own.
+struct SessionOptions {
+  double overlap = 0.5;  // share of its arc that a session shares with the one before it: 0 nothing, 1 all
+  double common = 0.7;   // share of the points there that are the same; the others only one session mapped
+  // Every session is in a room of its own. In those after the first, every other metre of the wall is a strip of the
+  // first one's wall, all in another order and moved up or down by up to 30 cm.
+  bool look_alike = false;
+};
 
 struct SyntheticOptions {
   Sensor sensor = Sensor::kMonocular;
@@ -19,7 +31,13 @@ struct SyntheticOptions {
   std::size_t points = 1000;   // per map
   std::size_t features = 500;  // at most, per keyframe (both images of a fisheye pair together)
   double pixel_noise = 0.5;    // standard deviation of keypoint positions at octave 0
-  bool loops = true;           // loop edges where the camera comes back
+  double outliers = 0;         // share of the keypoints of points that show something else
+  // At most, in which a look at a point differs from the descriptor that the point has. Two looks at one point differ
+  // in twice as many at most; in real maps in 20 to 50.
+  int flipped_bits = 8;
+  std::uint64_t vocabulary = 0;            // another number, other words for the same looks, and another checksum
+  bool loops = true;                       // loop edges where the camera comes back
+  std::optional<SessionOptions> sessions;  // by default each map is of a world of its own
   std::uint64_t seed = 1;
   int threads = 0;
   Progress progress;
@@ -37,5 +55,18 @@ struct SyntheticOptions {
 // Throws Error (kUsage) when an option is out of its range, or the options contradict themselves.
 // Cost: linear in the number of features.
 SLAMDB_EXPORT Atlas SynthesizeAtlas(const SyntheticOptions& options);
+
+// An atlas, and where the frames of its maps truly lie.
+struct SyntheticSessions {
+  Atlas atlas;
+  // By map: from its frame to the room's, in metres, z up. Sessions of one room share its frame; a map that is not a
+  // session, or a session in a look-alike room, has a room of its own.
+  std::vector<Similarity3d> room_from_map;
+};
+
+// As SynthesizeAtlas, with the truth.
+// Each session has its own origin, keyframes, noise, ids and times and, monocular without IMU, a scale between 0.1
+// and 10.
+SLAMDB_EXPORT SyntheticSessions SynthesizeSessions(const SyntheticOptions& options);
 
 }  // namespace slamdb

@@ -23,7 +23,6 @@ constexpr int kNearer = 2;     // octaves that a point may grow from RoomPlan::s
 constexpr double kPatch = 31;  // pixels: what ORB describes at octave 0
 constexpr double kRightOnly = 0.25, kLeftOnly = 0.45;  // of the points that a fisheye pair could see with both
 constexpr double kWithDepth = 0.85;
-constexpr std::uint64_t kMostFlips = 9;  // bits in which two looks at a point differ from its base descriptor
 
 // What all keyframes agree on about a point; clutter has a look of its own.
 struct Look {
@@ -76,8 +75,8 @@ int OctaveFrom(double nearness, int octave) {
   return octave;
 }
 
-void FlipBits(Descriptor& descriptor, Random& random) {
-  for (std::uint64_t flips = random.Below(kMostFlips); flips > 0; --flips) {
+void FlipBits(Descriptor& descriptor, int most, Random& random) {
+  for (std::uint64_t flips = random.Below(static_cast<std::uint64_t>(most) + 1); flips > 0; --flips) {
     const std::uint64_t bit = random.Below(256);
     descriptor[bit / 8] = static_cast<std::uint8_t>(descriptor[bit / 8] ^ 1U << bit % 8);
   }
@@ -129,12 +128,29 @@ class Looking {
       }
     }
     if (!left && !right) return;
-    Random look_random({view_.options.seed, view_.map, kLook, point});
+    Random look_random = view_.room.origins[point].Draw(view_.options.seed, kLook);
     Look look = DrawLook(look_random, kLevels - kNearer);
     look.octave = OctaveFrom(view_.room.plan.safe_distance / Norm(x_left), look.octave);
     if (look.octave < 0 || look.octave >= kLevels) return;
-    if (left) images_[0].push_back(MakeSlot(point, look, *left, x_left.z()));
-    if (right) images_[1].push_back(MakeSlot(point, look, *right, x_left.z()));
+    if (left) images_[0].push_back(SeePoint(point, look, *left, x_left.z()));
+    if (right) images_[1].push_back(SeePoint(point, look, *right, x_left.z()));
+  }
+
+  // A point, or something else that was taken for it.
+  Slot SeePoint(std::size_t point, const Look& look, const Eigen::Vector2d& pixel, double depth) {
+    if (view_.options.outliers == 0 || !random_.Chance(view_.options.outliers))
+      return MakeSlot(point, look, pixel, depth);
+    Look other = DrawLook(random_, kLevels);
+    other.octave = look.octave;
+    const Eigen::Vector2d elsewhere = AnyPixel();
+    return MakeSlot(point, other, elsewhere, random_.Uniform(2, 8));
+  }
+
+  Eigen::Vector2d AnyPixel() {
+    const ImageBounds& bounds = view_.rig.bounds;
+    const double x = random_.Uniform(bounds.min_x + kImageMargin, bounds.max_x - kImageMargin);
+    const double y = random_.Uniform(bounds.min_y + kImageMargin, bounds.max_y - kImageMargin);
+    return {x, y};
   }
 
   void AddClutter() {
@@ -142,12 +158,10 @@ class Looking {
     const std::size_t seen = images_[0].size() + images_[1].size();
     const std::size_t wanted = most - random_.Below(most / 20 + 1);
     const std::size_t images = view_.rig.is_fisheye() ? 2 : 1;
-    const ImageBounds& bounds = view_.rig.bounds;
     for (std::size_t i = seen; i < wanted; ++i) {
       const Look look = DrawLook(random_, kLevels);
-      const double x = random_.Uniform(bounds.min_x + kImageMargin, bounds.max_x - kImageMargin);
-      const double y = random_.Uniform(bounds.min_y + kImageMargin, bounds.max_y - kImageMargin);
-      images_[i % images].push_back(MakeSlot(kClutter, look, {x, y}, random_.Uniform(2, 8)));
+      const Eigen::Vector2d pixel = AnyPixel();
+      images_[i % images].push_back(MakeSlot(kClutter, look, pixel, random_.Uniform(2, 8)));
     }
   }
 
@@ -168,10 +182,18 @@ class Looking {
     slot.keypoint.class_id = -1;
     slot.keypoint.octave = look.octave;
     slot.descriptor = look.descriptor;
-    FlipBits(slot.descriptor, random_);
-    slot.word = random_.Chance(0.1) ? static_cast<std::uint32_t>(random_.Below(kSyntheticWords)) : look.word;
+    FlipBits(slot.descriptor, view_.options.flipped_bits, random_);
+    const bool mistaken = random_.Chance(0.1);
+    slot.word = WordOf(mistaken ? static_cast<std::uint32_t>(random_.Below(kSyntheticWords)) : look.word);
     if (view_.rig.has_depth() && random_.Chance(kWithDepth)) Measure(slot, depth);
     return slot;
+  }
+
+  // What the vocabulary at hand calls a word of the first one.
+  std::uint32_t WordOf(std::uint32_t word) const {
+    const std::uint64_t vocabulary = view_.options.vocabulary;
+    if (vocabulary == 0) return word;
+    return static_cast<std::uint32_t>(Random({vocabulary, kWord, word}).Below(kSyntheticWords));
   }
 
   // A stereo pair measures the column in the right image, a depth camera the depth; the other follows.
@@ -195,8 +217,9 @@ class Looking {
     features.map_points.reserve(left.size() + right.size());
     for (const std::vector<Slot>& slots : images_) {
       for (const Slot& slot : slots) {
-        const bool is_point = slot.point != kClutter;
-        features.map_points.push_back(is_point ? MapPointId(view_.first_point_id + slot.point) : MapPointId());
+        const bool is_mapped = view_.room.IsMapped(slot.point);
+        features.map_points.push_back(is_mapped ? MapPointId(view_.first_point_id + slot.point - view_.room.before)
+                                                : MapPointId());
         features.descriptors.push_back(slot.descriptor);
         words.push_back(slot.word);
       }

@@ -49,6 +49,6 @@ class Random {
 };
 
 // What a stream is for: the first part of its key after seed and map.
-enum Stream : std::uint64_t { kPlace, kLook, kView, kWordWeight, kBias };
+enum Stream : std::uint64_t { kPlace, kLook, kView, kWordWeight, kBias, kPrivate, kStrip, kScale, kWord };
 
 }  // namespace slamdb::synthetic

@@ -10,7 +10,7 @@
 
 namespace slamdb::synthetic {
 
-// What a keyframe of a room sees. `points` of the features are rows of Room::points plus `first_point_id`.
+// What a keyframe of a room sees. The points of the map have ids from `first_point_id`.
 struct View {
   const SyntheticOptions& options;
   const Rig& rig;
