@@ -32,7 +32,7 @@ TEST(AlignMaps, MatchesAreTheSamePointsOfTheWall) {
     return points[id.value() - points.front().id.value()].position.cast<double>().eval();
   };
   std::size_t wrong = 0;
-  for (const auto& [first, second] : outcome.alignment.matches)
+  for (const auto& [first, second, error] : outcome.alignment.matches)
     wrong += (position(0, first) - truth * position(1, second)).norm() * sessions.room_from_map[0].scale > 0.05 ? 1 : 0;
   EXPECT_LE(wrong, outcome.alignment.matches.size() / 50);
 }
