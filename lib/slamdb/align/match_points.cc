@@ -135,8 +135,9 @@ std::vector<PointMatch> MatchPoints(const MapViews& first, const LocalMap& first
   for (auto at = rows.begin(); at != rows.end();) {
     const std::uint32_t node = node_of_row(*at);
     const auto end = std::ranges::upper_bound(at, rows.end(), node, {}, node_of_row);
-    const auto group = std::ranges::equal_range(columns, node, {}, node_of_column);
-    matcher.Match(Rows(at, end), Rows(group.begin(), group.end()), matches);
+    const auto begin = std::ranges::lower_bound(columns, node, {}, node_of_column),
+               finish = std::ranges::upper_bound(columns, node, {}, node_of_column);
+    matcher.Match(Rows(at, end), Rows(begin, finish), matches);
     at = end;
   }
   return matches;
