@@ -14,6 +14,7 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
+#include "slamdb/model/statistics.h"
 
 namespace slamdb::cli {
 namespace {
@@ -153,8 +154,10 @@ JoinAlignedReport Align(MergeResult& result, const MergeVerbOptions& options, co
 // Nothing is written when no map could be joined: a wrong merge is worse than none.
 ExitCode MergeAligned(MergeResult result, const std::vector<MapName>& names, SideFile& id_map,
                       const MergeVerbOptions& options, Console& console, Notices& notices) {
+  std::vector<bool> metric;  // before the maps are joined
+  for (const Map& map : result.atlas.maps)
+    if (!map.keyframes.empty()) metric.push_back(IsMetric(map));
   const JoinAlignedReport joined = Align(result, options, names, console, notices);
-  const std::vector<bool> metric(names.size(), true);
   std::string text = MergeText(result.report) + AlignText(joined.aligned, names, metric);
   for (const JoinReport& join : joined.joins) text += JoinText(join);
   const bool any = !joined.joins.empty();

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "slamdb/model/detail/rotations.h"
+
 namespace slamdb::detail {
 namespace {
 
@@ -17,12 +19,6 @@ constexpr double kFarOff = 1e6;  // squared error of a point behind the camera
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Jacobian = Eigen::Matrix<double, 2, 7>;
-
-Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 // A keypoint's place, and one over its standard deviation.
 struct Measured {
@@ -139,7 +135,7 @@ class Refiner {
     Eigen::Matrix<double, 3, 7> motion;  // of a point in the first map
     Eigen::Vector2d pixel;
     const auto move = [&](const Eigen::Vector3d& point) {
-      motion.leftCols<3>() = -Skew(point - center_);
+      motion.leftCols<3>() = -Hat(point - center_);
       motion.middleCols<3>(3).setIdentity();
       motion.col(6) = point - center_;
     };
