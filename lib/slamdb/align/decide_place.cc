@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Thresholds are those at which no wrong pose passed, of look-alike rooms either; see docs/locate.md.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 
 #include "slamdb/align/detail/decide.h"
@@ -9,9 +12,11 @@ namespace slamdb {
 namespace {
 
 constexpr std::uint64_t kFewestInliers = 30, kPoorInliers = 15;
-constexpr double kCellShare = 0.6, kPoorCellShare = 0.4;
+constexpr double kCellShare = 0.70, kPoorCellShare = 0.4;
 constexpr double kFoundShare = 0.20, kPoorFoundShare = 0.10;
 constexpr double kExtent = 0.10;
+constexpr double kMostDegrees = 0.2;  // standard deviation of the rotation, or
+constexpr double kSpread = 0.16;      // points all over the picture
 constexpr double kMostInFront = 0.15;
 constexpr double kMostContradicting = 0.5;  // of the inliers
 
@@ -27,6 +32,12 @@ std::string_view NameOf(LocateVerdict verdict) {
       return "not-found";
   }
   return {};
+}
+
+PosePrecision PrecisionOf(const Localization& localization) {
+  const Eigen::Matrix<double, 6, 1> variances = localization.covariance.diagonal();
+  const auto largest = [&](int begin) { return std::sqrt(std::max(0.0, variances.segment<3>(begin).maxCoeff())); };
+  return {largest(0) * 180 / std::numbers::pi, largest(3)};
 }
 
 namespace detail {
@@ -49,6 +60,8 @@ void GiveVerdict(Localization& localization) {
     return say(LocateVerdict::kDoubtful, "the picture half confirms it: " + found);
   if (evidence.extent < kExtent)
     return say(LocateVerdict::kDoubtful, "all that agrees is in one small patch, which may be a look-alike");
+  if (PrecisionOf(localization).rotation_degrees > kMostDegrees && evidence.spread < kSpread)
+    return say(LocateVerdict::kDoubtful, "what agrees is in one part of the picture, and leaves the pose uncertain");
   if (evidence.inliers < kFewestInliers) return say(LocateVerdict::kDoubtful, "few points agree");
   if (static_cast<double>(evidence.contradicting) > kMostContradicting * static_cast<double>(evidence.inliers))
     return say(LocateVerdict::kDoubtful, "another place of the map looks the same");

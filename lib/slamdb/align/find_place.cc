@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kFewestToSolve = 8, kFewestToKeep = 12;
 constexpr std::array kRadii = {12.0, 6.0, 4.0};  // pixels at octave 0
+constexpr std::size_t kMatched = 6;              // keyframes whose points are matched
 constexpr std::size_t kNeighbours = 25;          // keyframes whose points are sought
-constexpr PictureCells kCells = {6, 4};
 
 // The left views that see most of what was matched, the most first, then by row.
 std::vector<std::uint32_t> ViewsOf(const KnownMap& known, const std::vector<PictureMatch>& matches) {
@@ -39,7 +39,8 @@ std::vector<std::uint32_t> ViewsOf(const KnownMap& known, const std::vector<Pict
 
 std::optional<Place> TryPlace(PictureQuery& query, const KnownMap& known, const PreparedMap& map, std::uint32_t view) {
   std::vector<std::uint32_t> about = {view};
-  about.insert(about.end(), map.groups[view].begin(), map.groups[view].end());
+  for (const std::uint32_t neighbour : map.groups[view])
+    if (about.size() < kMatched) about.push_back(neighbour);
   const PoseFinder finder(known.views(), query.view, query.rays);
   const std::vector<PictureMatch> matches = MatchPicture(query, known, about);
   const std::optional<CameraPose> found = finder.Find(matches, kFewestToSolve, view);
@@ -65,7 +66,7 @@ SeenShare LookFrom(PictureQuery& query, const KnownMap& known, const Place& plac
   std::vector<double> depths(query.view.keypoints.size(), 0);
   for (const PictureMatch& match : place.inliers)
     depths[match.keypoint] = query.view.CameraFromWorld(known.views().points()[match.point].position).z();
-  return LookFrom(query.view, depths, known, {}, kCells);
+  return LookFrom(query.view, depths, known, {}, kPictureCells);
 }
 
 }  // namespace slamdb::detail

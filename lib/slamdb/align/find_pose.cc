@@ -12,7 +12,7 @@
 namespace slamdb::detail {
 namespace {
 
-constexpr int kMostSamples = 1500;
+constexpr int kMostSamples = 500;
 constexpr double kConfidence = 0.999;
 constexpr double kInlierError = 9.21;   // chi-square, two degrees of freedom, 99 %
 constexpr double kSampleError = 100;    // of a pose from three matches alone

@@ -22,7 +22,7 @@ using detail::KnownMap;
 using detail::PictureQuery;
 using detail::Place;
 
-constexpr std::size_t kPlaces = 8;      // that are compared
+constexpr std::size_t kPlaces = 6;      // that are compared
 constexpr std::size_t kMostJudged = 3;  // that are held against the map
 constexpr double kSameDegrees = 3;      // poses that near are one
 constexpr double kSameDistance = 0.05;  // of the median depth
@@ -43,6 +43,18 @@ bool IsSame(const detail::MapViews& map, const Place& one, const Place& other) {
   const Eigen::AngleAxisd turn(one.fit.pose.rotation * other.fit.pose.rotation.transpose());
   return std::abs(turn.angle()) < kSameDegrees * M_PI / 180 &&
          (one.fit.pose.center() - other.fit.pose.center()).norm() < kSameDistance * map.median_depth();
+}
+
+// The standard deviation of places along the second longest axis of their ellipsoid.
+template <int Size>
+double SecondAxis(const std::vector<Eigen::Matrix<double, Size, 1>>& places) {
+  Eigen::Matrix<double, Size, 1> mean = Eigen::Matrix<double, Size, 1>::Zero();
+  for (const auto& place : places) mean += place / static_cast<double>(places.size());
+  Eigen::Matrix<double, Size, Size> spread = Eigen::Matrix<double, Size, Size>::Zero();
+  for (const auto& place : places)
+    spread += (place - mean) * (place - mean).transpose() / static_cast<double>(places.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> solver(spread, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[Size - 2]));
 }
 
 }  // namespace
@@ -111,22 +123,27 @@ std::vector<Place> Locator::State::TryPlaces(PictureQuery& query, const std::vec
   return places;
 }
 
-// The second axis of the ellipsoid of what was found, in depths of the picture.
+// The standard deviation along the second axis of what was found, in depths of the picture.
 static double ExtentOf(const detail::MapViews& map, const Place& place) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  const auto position = [&](const detail::PictureMatch& match) { return map.points()[match.point].position; };
-  for (const auto& match : place.inliers) mean += position(match);
-  mean /= static_cast<double>(place.inliers.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  std::vector<Eigen::Vector3d> positions;
   double depth = 0;
   for (const auto& match : place.inliers) {
-    const Eigen::Vector3d offset = position(match) - mean;
-    spread += offset * offset.transpose();
-    depth += (place.fit.pose * position(match)).z();
+    positions.push_back(map.points()[match.point].position);
+    depth += (place.fit.pose * positions.back()).z();
   }
-  const auto count = static_cast<double>(place.inliers.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread / count, Eigen::EigenvaluesOnly);
-  return depth > 0 ? std::sqrt(std::max(0.0, solver.eigenvalues()[1])) / (depth / count) : 0;
+  depth /= static_cast<double>(positions.size());
+  return depth > 0 ? SecondAxis<3>(positions) / depth : 0;
+}
+
+// The same of the inliers in the picture, in its smaller sides.
+static double SpreadOf(const detail::View& view, const Place& place) {
+  std::vector<Eigen::Vector2d> places;
+  for (const auto& match : place.inliers) {
+    const Keypoint& keypoint = view.keypoints[match.keypoint];
+    places.emplace_back(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
+  }
+  const double side = view.frame.sizes().minCoeff();
+  return side > 0 ? SecondAxis<2>(places) / side : 0;
 }
 
 Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>& places, std::size_t chosen,
@@ -146,7 +163,9 @@ Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>
   evidence.found_share = share.found_share();
   evidence.cell_share = share.cell_share();
   evidence.front_share = share.front_share();
+  evidence.checked_share = static_cast<double>(share.cells) / static_cast<double>(detail::kPictureCells.count());
   evidence.extent = ExtentOf(map, place);
+  evidence.spread = SpreadOf(query.view, place);
   evidence.rms = std::sqrt(2 * place.fit.cost / static_cast<double>(place.fit.residuals));
   for (const Place& other : places)
     if (!IsSame(map, place, other))

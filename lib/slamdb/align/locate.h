@@ -43,8 +43,9 @@ struct LocateEvidence {
   double found_share = 0;           // of these
   double cell_share = 0;            // of the parts of the picture with enough of these, those in which some were found
   double front_share = 0;           // of these, those in front of what the picture shows
+  double checked_share = 0;         // of the parts of the picture, those with enough of these
   double extent = 0;                // of what was found, across its second axis, in depths
-  double spread = 0;                // share of the picture that the inliers are spread over
+  double spread = 0;                // of the inliers in the picture, across their second axis, in its smaller sides
   std::uint64_t contradicting = 0;  // inliers of the best other place
   double rms = 0;                   // reprojection of the inliers, in sigmas of keypoints
 };
@@ -64,6 +65,13 @@ struct Localization {
   KeyFrameId resembles;  // the keyframe that sees most of what was found
   LocateEvidence evidence;
 };
+
+// Standard deviations of a pose, given the map as it is.
+struct PosePrecision {
+  double rotation_degrees = 0;  // about the axis about which it is least known
+  double position = 0;          // likewise; map units
+};
+[[nodiscard]] SLAMDB_EXPORT PosePrecision PrecisionOf(const Localization& localization);
 
 // One of the keyframes of an atlas.
 struct KeyFrameRef {

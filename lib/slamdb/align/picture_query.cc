@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kMostAlikeBits = 75;      // of a match that nothing else tells: geometry sorts out afterwards
 constexpr int kMostNearBits = 75;       // of one that lies where it should
+constexpr int kSameBits = 20;           // descriptors that near look the same
 constexpr int kRivalPercent = 88;       // a second one is a rival if the best is not below so much of its distance
 constexpr double kSamePlace = 0.02;     // of the median depth: nearer points are one thing
 constexpr double kSameCorner = 4;       // pixels at the octave: nearer keypoints are one thing
@@ -23,7 +24,7 @@ Eigen::Vector2d PlaceOf(const Keypoint& keypoint) {
   return {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
 }
 
-// What views saw of points: a column for each.
+// What views saw of points: a column for each that looks different.
 struct Appearances {
   std::vector<Bits> bits;
   std::vector<std::uint32_t> rows;    // of `points`, by column
@@ -33,7 +34,11 @@ struct Appearances {
 Appearances AppearancesOf(const KnownMap& known, std::span<const std::uint32_t> views) {
   Appearances all;
   std::unordered_map<std::uint32_t, std::uint32_t> row_of;
+  std::vector<std::vector<const Descriptor*>> kept;  // by row
   const auto add = [&](std::uint32_t row, const Descriptor& descriptor) {
+    for (const Descriptor* other : kept[row])
+      if (HammingDistance(*other, descriptor) <= kSameBits) return;
+    kept[row].push_back(&descriptor);
     all.bits.push_back(BitsOf(descriptor));
     all.rows.push_back(row);
   };
@@ -46,10 +51,10 @@ Appearances AppearancesOf(const KnownMap& known, std::span<const std::uint32_t> 
         const auto [row, is_new] = row_of.try_emplace(seen.point, static_cast<std::uint32_t>(all.points.size()));
         if (is_new) {
           all.points.push_back(seen.point);
+          kept.emplace_back();
           add(row->second, *descriptor);
         }
-        const Descriptor& own = map.views()[view].descriptors[seen.keypoint];
-        if (own != *descriptor) add(row->second, own);
+        add(row->second, map.views()[view].descriptors[seen.keypoint]);
       }
   return all;
 }

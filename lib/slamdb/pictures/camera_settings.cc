@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/pictures/camera_settings.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,6 +15,7 @@
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
+#include "slamdb/model/index.h"
 
 namespace slamdb {
 namespace {
@@ -112,6 +116,33 @@ void SetSize(const Lines& lines, CameraSettings& settings) {
     parameters[static_cast<std::size_t>(row)] *= factor;
 }
 
+// Of a keyframe of a pinhole, where its matrix holds floats; empty for others.
+std::vector<double> DistortionOf(const KeyFrame& keyframe) {
+  constexpr std::int32_t kFloats = 5;  // OpenCV's type code
+  const Matrix& matrix = keyframe.distortion;
+  std::vector<double> distortion;
+  if (matrix.type != kFloats) return distortion;
+  for (std::size_t at = 0; at + sizeof(float) <= matrix.data.size() && distortion.size() < 5; at += sizeof(float)) {
+    float value = 0;
+    std::memcpy(&value, &matrix.data[at], sizeof(float));
+    if (!std::isfinite(value)) return {};
+    distortion.push_back(static_cast<double>(value));
+  }
+  while (!distortion.empty() && distortion.back() == 0) distortion.pop_back();
+  return distortion;
+}
+
+// Whether bounds are those of pictures of one size: where a lens distorts, ORB-SLAM3 looks at the corners alone.
+bool IsAbout(const ImageBounds& one, const ImageBounds& other) {
+  const std::int32_t width = one.max_x - one.min_x, height = one.max_y - one.min_y;
+  const bool straight = one.min_x == 0 && one.min_y == 0;
+  const auto differ = [&](std::int32_t a, std::int32_t b, std::int32_t side) {
+    return std::abs(std::int64_t{a} - b) > (straight ? 0 : side / 20);
+  };
+  return !differ(one.min_x, other.min_x, width) && !differ(one.max_x, other.max_x, width) &&
+         !differ(one.min_y, other.min_y, height) && !differ(one.max_y, other.max_y, height);
+}
+
 CameraSettings Parse(std::string_view text) {
   const Lines lines(text);
   CameraSettings settings;
@@ -151,6 +182,38 @@ Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2
     place = (distorted - tangential) / radial;
   }
   return (place * focal + center).matrix();
+}
+
+ImageBounds UndistortedBounds(const CameraSettings& settings, std::int32_t width, std::int32_t height) {
+  Eigen::AlignedBox2d box;
+  for (const double x : {0.0, 0.5, 1.0})
+    for (const double y : {0.0, 0.5, 1.0}) box.extend(Undistorted(settings, {x * width, y * height}));
+  const auto whole = [](double value) { return static_cast<std::int32_t>(std::clamp(value, -1e6, 1e6)); };
+  return {.min_x = whole(std::floor(box.min().x())),
+          .min_y = whole(std::floor(box.min().y())),
+          .max_x = whole(std::ceil(box.max().x())),
+          .max_y = whole(std::ceil(box.max().y()))};
+}
+
+std::optional<CameraSettings> SettingsOfMap(const Atlas& atlas, std::int32_t width, std::int32_t height) {
+  const AtlasIndex index(atlas);
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) {
+      const Camera* camera = index.FindCamera(keyframe.camera);
+      if (camera == nullptr || keyframe.pyramid.levels < 1 || keyframe.pyramid.levels > kMostLevels ||
+          !(keyframe.pyramid.factor > 1 && keyframe.pyramid.factor <= 4))
+        continue;
+      CameraSettings settings{.camera = *camera,
+                              .distortion = DistortionOf(keyframe),
+                              .scale_factor = keyframe.pyramid.factor,
+                              .levels = keyframe.pyramid.levels};
+      if (camera->parameters.size() < 4 || !IsAbout(UndistortedBounds(settings, width, height), keyframe.bounds))
+        continue;
+      settings.width = settings.file_width = width;
+      settings.height = settings.file_height = height;
+      return settings;
+    }
+  return std::nullopt;
 }
 
 }  // namespace slamdb

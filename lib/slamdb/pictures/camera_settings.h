@@ -3,11 +3,14 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "slamdb/base/file.h"
 #include "slamdb/export.h"
+#include "slamdb/model/atlas.h"
 #include "slamdb/model/camera.h"
+#include "slamdb/model/keyframe.h"
 
 namespace slamdb {
 
@@ -35,5 +38,15 @@ struct CameraSettings {
 // Where a pixel would be, had the lens no distortion: found by iterating Brown's model, as cv::undistortPoints does.
 // Without distortion, or for Kannala-Brandt, the pixel itself.
 [[nodiscard]] SLAMDB_EXPORT Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2d& pixel);
+
+// Where the corners and the middles of the sides of a picture would be: the box of these, in whole pixels. Without a
+// grid.
+[[nodiscard]] SLAMDB_EXPORT ImageBounds UndistortedBounds(const CameraSettings& settings, std::int32_t width,
+                                                          std::int32_t height);
+
+// The camera of the first keyframe of an atlas whose pictures were of that size, as far as its recorded bounds tell.
+// nullopt when there is none.
+[[nodiscard]] SLAMDB_EXPORT std::optional<CameraSettings> SettingsOfMap(const Atlas& atlas, std::int32_t width,
+                                                                        std::int32_t height);
 
 }  // namespace slamdb

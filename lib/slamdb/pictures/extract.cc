@@ -150,18 +150,6 @@ class Extractor {
   cv::Ptr<cv::ORB> describer_;
 };
 
-// Of the undistorted picture: its corners and the middles of its sides.
-ImageBounds BoundsOf(const CameraSettings& settings, int width, int height) {
-  Eigen::AlignedBox2d box;
-  for (const double x : {0.0, 0.5, 1.0})
-    for (const double y : {0.0, 0.5, 1.0}) box.extend(Undistorted(settings, {x * width, y * height}));
-  const auto whole = [](double value) { return static_cast<std::int32_t>(std::clamp(value, -1e6, 1e6)); };
-  return {.min_x = whole(std::floor(box.min().x())),
-          .min_y = whole(std::floor(box.min().y())),
-          .max_x = whole(std::ceil(box.max().x())),
-          .max_y = whole(std::ceil(box.max().y()))};
-}
-
 // Of the size that the camera's parameters are for.
 cv::Mat Sized(const GrayPicture& picture, const CameraSettings& settings) {
   const cv::Mat whole(picture.height, picture.width, CV_8UC1, const_cast<std::uint8_t*>(picture.pixels.data()));
@@ -201,7 +189,7 @@ PictureFeatures ExtractFeatures(const GrayPicture& picture, const CameraSettings
     cv::Mat level = Sized(picture, settings);
     const cv::Size whole = level.size();
     PictureFeatures out{.camera = settings.camera,
-                        .bounds = BoundsOf(settings, whole.width, whole.height),
+                        .bounds = UndistortedBounds(settings, whole.width, whole.height),
                         .pyramid = DerivePyramid(settings.levels, settings.scale_factor)};
     Extractor extractor(settings, out);
     const std::vector<std::size_t> shares = SharesOf(features, settings);

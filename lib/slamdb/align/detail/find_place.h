@@ -24,6 +24,7 @@ struct Place {
 // Leaves the view of the query at the pose.
 std::optional<Place> TryPlace(PictureQuery& query, const KnownMap& known, const PreparedMap& map, std::uint32_t view);
 
+inline constexpr PictureCells kPictureCells = {6, 4};
 // What the picture shows of the map from that pose.
 SeenShare LookFrom(PictureQuery& query, const KnownMap& known, const Place& place);
 

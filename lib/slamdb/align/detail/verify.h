@@ -27,6 +27,7 @@ struct SeenShare {
 // Into how many parts a picture is divided.
 struct PictureCells {
   int columns = 3, rows = 2;
+  int count() const { return columns * rows; }
 };
 
 // The same of one picture. `depths`: by keypoint, of what it shows, where that is known, 0 elsewhere.
