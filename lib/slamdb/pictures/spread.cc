@@ -50,6 +50,7 @@ std::vector<std::size_t> SpreadCorners(std::span<const Corner> corners, int widt
   while (!full.empty() && full.top().first > 1 && leaves.size() < count) {
     const std::size_t row = full.top().second;
     full.pop();
+    if (leaves[row].width < 1 && leaves[row].height < 1) continue;  // its corners are in one pixel
     bool first = true;
     for (Leaf& part : Divide(leaves[row], corners)) {
       if (part.corners.empty()) continue;
