@@ -69,11 +69,11 @@ TEST(BenchmarkLocating, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(ToJson(one, "a"), ToJson(BenchmarkLocating(locator, atlas, {.most_keyframes = 12, .threads = 4}), "a"));
 }
 
-// Rendered rooms with true poses, see fixtures/README.md: which of their pictures are found in a map, never in a wrong
-// place.
+// Rendered rooms with true poses (SLAMDB_LAB2, and SLAMDB_LAB2_FRAMES with camera.yaml): which of their pictures are
+// found in a map, never in a wrong place.
 struct Room {
   const char* map;
-  std::size_t at_least;  // one more than ORB-SLAM3's relocalisation finds, where it finds any less than all
+  std::size_t at_least;  // one more than ORB-SLAM3 finds with its own relocalisation
 };
 class LocateReal : public ::testing::TestWithParam<Room> {};
 
