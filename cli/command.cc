@@ -35,6 +35,7 @@ std::span<const Command* const> Commands() {
       &kTransform,
       &kDiff,
       &kEvaluate,
+      &kLocate,
       &kLandmarksCommand,
       &kOptimize,
       &kAdd,

@@ -11,9 +11,19 @@ namespace {
 constexpr std::size_t kGroup = 10;  // covisible keyframes that vote with one
 constexpr std::size_t kPlaces = 3;  // for each picture
 
-// The best places for one picture, as rows of `groups` with their score.
+}  // namespace
+
+std::vector<std::vector<std::uint32_t>> CovisibilityGroups(const MapViews& map, int threads) {
+  std::vector<std::vector<std::uint32_t>> groups(map.views().size());
+  ParallelFor(groups.size(), 16, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t view = begin; view < end; ++view)
+      if (!map.views()[view].right) groups[view] = map.BestCovisibles(static_cast<std::uint32_t>(view), kGroup);
+  });
+  return groups;
+}
+
 std::vector<Candidate> BestPlaces(const std::vector<float>& scores, std::span<const std::vector<std::uint32_t>> groups,
-                                  std::uint32_t second) {
+                                  std::uint32_t second, std::size_t count) {
   std::vector<Candidate> votes;
   for (std::uint32_t view = 0; view < groups.size(); ++view) {
     if (!(scores[view] > 0)) continue;
@@ -27,21 +37,10 @@ std::vector<Candidate> BestPlaces(const std::vector<float>& scores, std::span<co
   std::ranges::stable_sort(votes, std::greater(), &Candidate::score);
   std::vector<Candidate> best;
   for (const Candidate& vote : votes) {
-    if (best.size() == kPlaces) break;
+    if (best.size() == count) break;
     if (std::ranges::find(best, vote.first, &Candidate::first) == best.end()) best.push_back(vote);
   }
   return best;
-}
-
-}  // namespace
-
-std::vector<std::vector<std::uint32_t>> CovisibilityGroups(const MapViews& map, int threads) {
-  std::vector<std::vector<std::uint32_t>> groups(map.views().size());
-  ParallelFor(groups.size(), 16, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t view = begin; view < end; ++view)
-      if (!map.views()[view].right) groups[view] = map.BestCovisibles(static_cast<std::uint32_t>(view), kGroup);
-  });
-  return groups;
 }
 
 std::vector<Candidate> FindCandidates(const PlaceIndex& index, std::span<const std::vector<std::uint32_t>> groups,
@@ -50,7 +49,7 @@ std::vector<Candidate> FindCandidates(const PlaceIndex& index, std::span<const s
   ParallelFor(asked.size(), 8, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t view = begin; view < end; ++view)
       if (asked[view] != nullptr)
-        found[view] = BestPlaces(index.Query(*asked[view]), groups, static_cast<std::uint32_t>(view));
+        found[view] = BestPlaces(index.Query(*asked[view]), groups, static_cast<std::uint32_t>(view), kPlaces);
   });
   std::vector<Candidate> candidates;
   for (const std::vector<Candidate>& best : found) candidates.insert(candidates.end(), best.begin(), best.end());

@@ -40,20 +40,22 @@ std::vector<Descriptor> SampleOf(std::span<const MapViews* const> maps) {
   return sample;
 }
 
-// Weighs words by how rare they are among the pictures, as TF-IDF does, and makes each bag's sum 1.
-void WeighByRarity(std::vector<std::vector<Words>>& maps, std::size_t words) {
-  std::vector<double> pictures(words, 0);
+// Weighs words by how rare they are among the pictures, as TF-IDF does, in the tree and in each bag, whose sum is 1.
+void WeighByRarity(std::vector<std::vector<Words>>& maps, VocabularyTree& tree) {
+  std::vector<double> rarity(tree.word_count, 0);  // at first: in how many pictures
   double count = 0;
   for (const std::vector<Words>& views : maps)
     for (const Words& view : views) {
       count += view.bag_of_words.words.empty() ? 0 : 1;
-      for (const std::uint32_t word : view.bag_of_words.words) ++pictures[word];
+      for (const std::uint32_t word : view.bag_of_words.words) ++rarity[word];
     }
+  for (double& word : rarity) word = std::log((count + 1) / std::max(word, 1.0));
+  for (std::size_t node = 0; node < tree.words.size(); ++node)
+    if (tree.words[node] != VocabularyTree::kNoWord) tree.weights[node] = rarity[tree.words[node]];
   for (std::vector<Words>& views : maps)
     for (Words& view : views) {
       BagOfWords& bag = view.bag_of_words;
-      for (std::size_t i = 0; i < bag.words.size(); ++i)
-        bag.weights[i] *= std::log((count + 1) / pictures[bag.words[i]]);
+      for (std::size_t i = 0; i < bag.words.size(); ++i) bag.weights[i] *= rarity[bag.words[i]];
       const double sum = std::reduce(bag.weights.begin(), bag.weights.end());
       for (double& weight : bag.weights) weight = sum > 0 ? weight / sum : 0;
     }
@@ -78,7 +80,7 @@ CommonWords::CommonWords(std::span<const MapViews* const> maps, bool same_vocabu
 }
 
 void CommonWords::Train(std::span<const MapViews* const> maps, int threads) {
-  const VocabularyTree tree = TrainVocabulary(SampleOf(maps));
+  tree_ = TrainVocabulary(SampleOf(maps));
   own_.resize(maps.size());
   for (std::size_t map = 0; map < maps.size(); ++map) {
     const std::span<const View> views = maps[map]->views();
@@ -87,10 +89,10 @@ void CommonWords::Train(std::span<const MapViews* const> maps, int threads) {
       for (std::size_t row = begin; row < end; ++row)
         if (!views[row].right)
           own_[map][row] =
-              ComputeWords(tree, {views[row].descriptors.begin(), views[row].descriptors.end()}, kLevelsUp);
+              ComputeWords(tree_, {views[row].descriptors.begin(), views[row].descriptors.end()}, kLevelsUp);
     });
   }
-  WeighByRarity(own_, tree.word_count);
+  WeighByRarity(own_, tree_);
 }
 
 }  // namespace slamdb::detail

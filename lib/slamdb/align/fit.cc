@@ -3,18 +3,14 @@
 // translation and scale hardly depend on each other.
 #include "slamdb/align/detail/fit.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
+#include "slamdb/align/detail/huber.h"
 #include "slamdb/model/detail/rotations.h"
 
 namespace slamdb::detail {
 namespace {
-
-constexpr double kHuber = 5.99;  // squared; chi-square, two degrees of freedom, 95 %
-constexpr double kFarOff = 1e6;  // squared error of a point behind the camera
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
@@ -63,26 +59,7 @@ Similarity3d Moved(const Similarity3d& transform, const Vector7& step, const Eig
   return moved;
 }
 
-struct Normal {
-  Matrix7 hessian = Matrix7::Zero();
-  Vector7 gradient = Vector7::Zero();
-  double cost = 0;
-  std::size_t residuals = 0;
-
-  void Add(const Eigen::Vector2d& error, const Jacobian& jacobian) {
-    const double squared = error.squaredNorm(), root = std::sqrt(squared);
-    const double weight = squared <= kHuber ? 1 : std::sqrt(kHuber) / root;
-    cost += squared <= kHuber ? squared : 2 * std::sqrt(kHuber) * root - kHuber;
-    residuals += 2;
-    hessian.noalias() += weight * jacobian.transpose() * jacobian;
-    gradient.noalias() += weight * jacobian.transpose() * error;
-  }
-  // A point behind the camera pulls nowhere, and costs much.
-  void AddBehind() {
-    cost += 2 * std::sqrt(kHuber * kFarOff) - kHuber;
-    residuals += 2;
-  }
-};
+using Normal = RobustNormal<7>;
 
 class Refiner {
  public:
@@ -93,39 +70,13 @@ class Refiner {
   }
 
   Fit Run(Similarity3d transform, int iterations) const {
-    double damping = 1e-4;
-    Normal normal = Linearise(transform);
-    for (int i = 0; i < iterations && normal.residuals > 0; ++i) {
-      const Similarity3d moved = Moved(transform, Step(normal, damping), center_);
-      const Normal next = Linearise(moved);
-      if (!(next.cost < normal.cost)) {
-        damping *= 10;
-        continue;
-      }
-      const bool settled = next.cost > normal.cost * (1 - 1e-7);
-      transform = moved;
-      normal = next;
-      damping = std::max(damping / 10, 1e-12);
-      if (settled) break;
-    }
-    return {transform, normal.cost, normal.residuals, Covariance(normal), center_};
+    const Normal normal = MinimiseRobustly<7>(
+        transform, iterations, basis_, [&](const Similarity3d& at) { return Linearise(at); },
+        [&](const Similarity3d& at, const Vector7& step) { return Moved(at, step, center_); });
+    return {transform, normal.cost, normal.residuals, normal.Covariance(basis_), center_};
   }
 
  private:
-  Vector7 Step(const Normal& normal, double damping) const {
-    Eigen::MatrixXd hessian = basis_.transpose() * normal.hessian * basis_;
-    hessian.diagonal() *= 1 + damping;
-    return -(basis_ * hessian.ldlt().solve(basis_.transpose() * normal.gradient));
-  }
-
-  Matrix7 Covariance(const Normal& normal) const {
-    const Eigen::MatrixXd hessian = basis_.transpose() * normal.hessian * basis_;
-    const auto free = static_cast<double>(basis_.cols()), count = static_cast<double>(normal.residuals);
-    if (!(count > free)) return Matrix7::Zero();
-    const double variance = std::max(1.0, normal.cost / (count - free));
-    return variance * (basis_ * hessian.ldlt().solve(Eigen::MatrixXd(basis_.transpose())));
-  }
-
   Normal Linearise(const Similarity3d& transform) const {
     Normal normal;
     const Similarity3d inverse = transform.Inverse();

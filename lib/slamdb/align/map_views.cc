@@ -36,22 +36,13 @@ bool IsPosed(const Rigid3f& pose) {
   return pose.rotation.coeffs().allFinite() && pose.translation.allFinite() && pose.rotation.norm() > 0;
 }
 
-Eigen::AlignedBox2d FrameOf(const KeyFrame& keyframe, std::span<const Keypoint> keypoints) {
-  const ImageBounds& bounds = keyframe.bounds;
+Eigen::AlignedBox2d FrameOf(const ImageBounds& bounds, std::span<const Keypoint> keypoints) {
   if (bounds.min_x < bounds.max_x && bounds.min_y < bounds.max_y)
     return {Eigen::Vector2d(bounds.min_x, bounds.min_y), Eigen::Vector2d(bounds.max_x, bounds.max_y)};
   Eigen::AlignedBox2d frame;
   for (const Keypoint& keypoint : keypoints)
     frame.extend(Eigen::Vector2f(keypoint.x, keypoint.y).cast<double>().eval());
   return frame;
-}
-
-// Keypoints with their descriptors; as many as both columns have.
-void SetFeatures(View& view, const Column<Keypoint>& keypoints, std::span<const Descriptor> descriptors) {
-  const std::size_t count = std::min(keypoints.size(), descriptors.size());
-  view.keypoints = std::span(keypoints).first(count);
-  view.descriptors = descriptors.first(count);
-  view.cells = KeypointCells(view.keypoints);
 }
 
 // A wide one where the lens bends: by its equidistant approximation, and half as much again.
@@ -83,6 +74,20 @@ std::optional<Eigen::Vector3d> UpByGravity(const Map& map) {
 }
 
 }  // namespace
+
+void SetFeatures(View& view, const Column<Keypoint>& keypoints, std::span<const Descriptor> descriptors) {
+  const std::size_t count = std::min(keypoints.size(), descriptors.size());
+  view.keypoints = std::span(keypoints).first(count);
+  view.descriptors = descriptors.first(count);
+  view.cells = KeypointCells(view.keypoints);
+}
+
+void SetPicture(View& view, const ImageBounds& bounds, const ScalePyramid& pyramid) {
+  view.scales = ScalesOf(pyramid);
+  view.log_factor = view.scales.size() > 1 ? std::log(view.scales[1]) : 0;
+  view.frame = FrameOf(bounds, view.keypoints);
+  view.half_angle = HalfAngle(view);
+}
 
 KeypointCells::KeypointCells(std::span<const Keypoint> keypoints) : keypoints_(keypoints) {
   Eigen::AlignedBox2d extent;
@@ -137,12 +142,10 @@ void MapViews::AddViews(const Atlas& atlas) {
     const std::size_t left =
         pair ? std::min<std::size_t>(static_cast<std::size_t>(features.left_count), descriptors.size())
              : descriptors.size();
-    View view{.keyframe = row, .lens = *lens, .scales = ScalesOf(keyframe.pyramid)};
-    view.log_factor = view.scales.size() > 1 ? std::log(view.scales[1]) : 0;
+    View view{.keyframe = row, .lens = *lens};
     SetPose(view, keyframe.camera_from_world);
     SetFeatures(view, pair ? features.keypoints : features.undistorted, descriptors.first(left));
-    view.frame = FrameOf(keyframe, view.keypoints);
-    view.half_angle = HalfAngle(view);
+    SetPicture(view, keyframe.bounds, keyframe.pyramid);
     left_view_[row] = static_cast<std::uint32_t>(views_.size());
     views_.push_back(view);
     const Camera* right_camera = pair ? index.FindCamera(keyframe.right_camera) : nullptr;
@@ -152,7 +155,7 @@ void MapViews::AddViews(const Atlas& atlas) {
     view.lens = *right_lens;
     SetPose(view, RightCameraFromWorld(keyframe));
     SetFeatures(view, features.right_keypoints, descriptors.subspan(left));
-    view.half_angle = HalfAngle(view);
+    SetPicture(view, keyframe.bounds, keyframe.pyramid);
     views_.push_back(std::move(view));
   }
 }

@@ -5,10 +5,9 @@
 #include "slamdb/align/detail/match_points.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cstring>
 #include <span>
+
+#include "slamdb/align/detail/distance_table.h"
 
 namespace slamdb::detail {
 namespace {
@@ -17,50 +16,11 @@ constexpr int kRivalPercent = 85;    // a second one is a rival if the best is n
 constexpr double kSamePlace = 0.02;  // of the median depth: nearer ones are one thing
 
 using Rows = std::vector<std::uint32_t>;
-using Bits = std::array<std::uint64_t, 4>;
-
-[[gnu::always_inline]] inline void Distances(const Bits& one, const std::vector<Bits>& others,
-                                             std::uint16_t* distances) {
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    int distance = 0;
-    for (std::size_t word = 0; word < one.size(); ++word) distance += std::popcount(one[word] ^ others[i][word]);
-    distances[i] = static_cast<std::uint16_t>(distance);
-  }
-}
-
-void DistancesAnywhere(const Bits& one, const std::vector<Bits>& others, std::uint16_t* distances) {
-  Distances(one, others, distances);
-}
-
-// Processors without the instruction are older than any robot that runs ORB-SLAM3, but the library may be there.
-#if defined(__x86_64__)
-[[gnu::target("popcnt")]] void DistancesByPopcount(const Bits& one, const std::vector<Bits>& others,
-                                                   std::uint16_t* distances) {
-  Distances(one, others, distances);
-}
-const auto kDistances = __builtin_cpu_supports("popcnt") ? DistancesByPopcount : DistancesAnywhere;
-#else
-const auto kDistances = DistancesAnywhere;
-#endif
-
-std::vector<Bits> BitsOf(const LocalMap& local, const Rows& rows) {
-  std::vector<Bits> bits(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    std::memcpy(bits[i].data(), local.descriptors[rows[i]].data(), sizeof(Bits));
+std::vector<Bits> BitsOfRows(const LocalMap& local, const Rows& rows) {
+  std::vector<Bits> bits;
+  for (const std::uint32_t row : rows) bits.push_back(BitsOf(local.descriptors[row]));
   return bits;
 }
-
-// The distances between the points of one group.
-struct Table {
-  std::size_t columns;
-  std::vector<std::uint16_t> distances;  // row after row
-
-  Table(const std::vector<Bits>& rows, const std::vector<Bits>& others)
-      : columns(others.size()), distances(rows.size() * others.size()) {
-    for (std::size_t row = 0; row < rows.size(); ++row) kDistances(rows[row], others, &distances[row * columns]);
-  }
-  std::uint16_t operator()(std::size_t row, std::size_t column) const { return distances[row * columns + column]; }
-};
 
 class GroupMatcher {
  public:
@@ -69,13 +29,13 @@ class GroupMatcher {
 
   void Match(const Rows& rows, const Rows& columns, std::vector<PointMatch>& matches) const {
     if (rows.empty() || columns.empty()) return;
-    const Table table(BitsOf(first_local_, rows), BitsOf(second_local_, columns));
+    const DistanceTable table(BitsOfRows(first_local_, rows), BitsOfRows(second_local_, columns));
     std::vector<std::uint32_t> best_row(columns.size(), 0);
     for (std::uint32_t row = 1; row < rows.size(); ++row)
       for (std::size_t column = 0; column < columns.size(); ++column)
         if (table(row, column) < table(best_row[column], column)) best_row[column] = row;
     for (std::uint32_t row = 0; row < rows.size(); ++row) {
-      const std::uint16_t* begin = &table.distances[row * columns.size()];
+      const std::uint16_t* begin = table.Row(row);
       const auto column = static_cast<std::size_t>(std::min_element(begin, begin + columns.size()) - begin);
       if (begin[column] > kMostBits || best_row[column] != row) continue;
       const auto along_row = [&](std::size_t i) { return table(row, i); };

@@ -13,9 +13,13 @@ namespace slamdb::detail {
 // For each view the views that share most points with it, for all left views of a map.
 std::vector<std::vector<std::uint32_t>> CovisibilityGroups(const MapViews& map, int threads);
 
-// For each picture that is asked for (by view; null is none) the three places of the map that look most like it; the
-// most alike first. Covisible keyframes vote together, and the best of them stands for the place.
-// After ORB-SLAM3's place recognition, without its thresholds.
+// The places of a map that look most like a picture, as rows of `groups`, by how alike each view is; the most alike
+// first. Covisible keyframes vote together, and the best of them stands for the place. After ORB-SLAM3's place
+// recognition, without its thresholds.
+std::vector<Candidate> BestPlaces(const std::vector<float>& scores, std::span<const std::vector<std::uint32_t>> groups,
+                                  std::uint32_t second, std::size_t count);
+
+// For each picture that is asked for (by view; null is none) its three best places in the map; the most alike first.
 std::vector<Candidate> FindCandidates(const PlaceIndex& index, std::span<const std::vector<std::uint32_t>> groups,
                                       std::span<const BagOfWords* const> asked, int threads);
 

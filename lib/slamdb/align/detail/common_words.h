@@ -18,6 +18,8 @@ class CommonWords {
   CommonWords(std::span<const MapViews* const> maps, bool same_vocabulary, int threads = 0);
 
   bool trained() const { return !own_.empty(); }
+  // The vocabulary that was trained, its words weighed by how rare they are in the maps; without nodes where none was.
+  const VocabularyTree& trained_tree() const { return tree_; }
 
   // Of a left view; of a right one, which has none of its own, null.
   const BagOfWords* Bag(std::size_t map, std::uint32_t view) const { return bags_[map][view]; }
@@ -30,6 +32,7 @@ class CommonWords {
   std::vector<std::vector<const BagOfWords*>> bags_;  // by map and view
   std::vector<std::vector<const FeatureVector*>> nodes_;
   std::vector<std::vector<Words>> own_;
+  VocabularyTree tree_;
 };
 
 }  // namespace slamdb::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "slamdb/align/align.h"
+#include "slamdb/align/locate.h"
 
 namespace slamdb::detail {
 
@@ -10,5 +11,6 @@ Alignment NothingAgrees();
 
 // Sets verdict and reason from the evidence.
 void GiveVerdict(Alignment& alignment);
+void GiveVerdict(Localization& localization);
 
 }  // namespace slamdb::detail

@@ -56,6 +56,11 @@ struct View {
   Eigen::Vector3d axis() const { return rotation.row(2).transpose(); }
 };
 
+// Keypoints with their descriptors; as many as both columns have.
+void SetFeatures(View& view, const Column<Keypoint>& keypoints, std::span<const Descriptor> descriptors);
+// Behind the lens and SetFeatures, whose extent is the picture where the bounds are none.
+void SetPicture(View& view, const ImageBounds& bounds, const ScalePyramid& pyramid);
+
 // A map point as others look for it.
 struct ViewedPoint {
   std::uint32_t row = 0;  // in the map's list

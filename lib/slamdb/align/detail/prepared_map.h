@@ -31,6 +31,7 @@ class PreparedMaps {
   const PreparedMap& operator[](std::size_t row) const { return maps_[row]; }
   std::size_t size() const { return maps_.size(); }
   bool trained_words() const { return words_.trained(); }
+  const VocabularyTree& trained_tree() const { return words_.trained_tree(); }
 
  private:
   std::deque<MapViews> views_;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
+#include "slamdb/align/detail/known_map.h"
 #include "slamdb/align/detail/map_views.h"
 #include "slamdb/model/similarity.h"
 
@@ -22,7 +24,17 @@ struct SeenShare {
   double front_share() const { return visible == 0 ? 0 : static_cast<double>(in_front) / static_cast<double>(visible); }
 };
 
-// `map_from_points`: from the map of the points to that of the pictures.
+// Into how many parts a picture is divided.
+struct PictureCells {
+  int columns = 3, rows = 2;
+  int count() const { return columns * rows; }
+};
+
+// The same of one picture. `depths`: by keypoint, of what it shows, where that is known, 0 elsewhere.
+SeenShare LookFrom(const View& view, std::span<const double> depths, const KnownMap& points,
+                   const Similarity3d& map_from_points, PictureCells cells = {});
+
+// The same of all pictures of a map. `map_from_points`: from the map of the points to that of the pictures.
 // Looks at some hundred pictures at most, at equal steps.
 // Deterministic for any number of threads.
 SeenShare LookFor(const MapViews& points, const MapViews& pictures, const Similarity3d& map_from_points, int threads);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Thresholds are those at which no wrong pose passed, of look-alike rooms either; see docs/locate.md.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "slamdb/align/detail/decide.h"
+#include "slamdb/base/detail/concat.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::uint64_t kFewestInliers = 30, kPoorInliers = 15;
+constexpr double kCellShare = 0.70, kPoorCellShare = 0.4;
+constexpr double kFoundShare = 0.20, kPoorFoundShare = 0.10;
+constexpr double kExtent = 0.10;
+constexpr double kMostDegrees = 0.2;  // standard deviation of the rotation, or
+constexpr double kSpread = 0.16;      // points all over the picture
+constexpr double kMostInFront = 0.15;
+constexpr double kMostContradicting = 0.5;  // of the inliers
+
+}  // namespace
+
+std::string_view NameOf(LocateVerdict verdict) {
+  switch (verdict) {
+    case LocateVerdict::kFound:
+      return "found";
+    case LocateVerdict::kDoubtful:
+      return "doubtful";
+    case LocateVerdict::kNotFound:
+      return "not-found";
+  }
+  return {};
+}
+
+PosePrecision PrecisionOf(const Localization& localization) {
+  const Eigen::Matrix<double, 6, 1> variances = localization.covariance.diagonal();
+  const auto largest = [&](int begin) { return std::sqrt(std::max(0.0, variances.segment<3>(begin).maxCoeff())); };
+  return {largest(0) * 180 / std::numbers::pi, largest(3)};
+}
+
+namespace detail {
+
+void GiveVerdict(Localization& localization) {
+  const LocateEvidence& evidence = localization.evidence;
+  const auto say = [&](LocateVerdict verdict, std::string reason) {
+    localization.verdict = verdict;
+    localization.reason = std::move(reason);
+  };
+  const std::string found =
+      Concat(Fixed(100 * evidence.found_share, 0), "% of the points that the picture must show are found, in ",
+             Fixed(100 * evidence.cell_share, 0), "% of its parts");
+  if (evidence.front_share > kMostInFront)
+    return say(LocateVerdict::kNotFound, "points of the map would hide what the picture shows");
+  if (evidence.cell_share < kPoorCellShare || evidence.found_share < kPoorFoundShare)
+    return say(LocateVerdict::kNotFound, "the picture contradicts it: only " + found);
+  if (evidence.inliers < kPoorInliers) return say(LocateVerdict::kNotFound, "too few points agree");
+  if (evidence.cell_share < kCellShare || evidence.found_share < kFoundShare)
+    return say(LocateVerdict::kDoubtful, "the picture half confirms it: " + found);
+  if (evidence.extent < kExtent)
+    return say(LocateVerdict::kDoubtful, "all that agrees is in one small patch, which may be a look-alike");
+  if (PrecisionOf(localization).rotation_degrees > kMostDegrees && evidence.spread < kSpread)
+    return say(LocateVerdict::kDoubtful, "what agrees is in one part of the picture, and leaves the pose uncertain");
+  if (evidence.inliers < kFewestInliers) return say(LocateVerdict::kDoubtful, "few points agree");
+  if (static_cast<double>(evidence.contradicting) > kMostContradicting * static_cast<double>(evidence.inliers))
+    return say(LocateVerdict::kDoubtful, "another place of the map looks the same");
+  say(LocateVerdict::kFound, found);
+}
+
+}  // namespace detail
+}  // namespace slamdb

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "slamdb/model/features.h"
+
+namespace slamdb::detail {
+
+// A descriptor as words, for counting.
+using Bits = std::array<std::uint64_t, 4>;
+Bits BitsOf(const Descriptor& descriptor);
+
+// In how many bits each of some descriptors differs from each of others.
+class DistanceTable {
+ public:
+  DistanceTable(const std::vector<Bits>& rows, const std::vector<Bits>& columns);
+
+  std::size_t columns() const { return columns_; }
+  const std::uint16_t* Row(std::size_t row) const { return &distances_[row * columns_]; }
+  std::uint16_t operator()(std::size_t row, std::size_t column) const { return distances_[row * columns_ + column]; }
+
+ private:
+  std::size_t columns_;
+  std::vector<std::uint16_t> distances_;  // row after row
+};
+
+}  // namespace slamdb::detail

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. The places that look most like the picture, of every map.
+// 2. Each is tried, but for those that a found place already covers.
+// 3. The one with most inliers is held against the map, and then the next ones where it is refused.
+#include "slamdb/align/locate.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "slamdb/align/detail/candidates.h"
+#include "slamdb/align/detail/decide.h"
+#include "slamdb/align/detail/find_place.h"
+#include "slamdb/align/detail/prepared_map.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Candidate;
+using detail::KnownMap;
+using detail::PictureQuery;
+using detail::Place;
+
+constexpr std::size_t kPlaces = 6;      // that are compared
+constexpr std::size_t kMostJudged = 3;  // that are held against the map
+constexpr double kSameDegrees = 3;      // poses that near are one
+constexpr double kSameDistance = 0.05;  // of the median depth
+
+struct MapPlace {
+  std::size_t map;
+  Candidate candidate;
+};
+
+// What of a map a search may not know.
+struct LeftOut {
+  std::size_t map = 0;
+  std::uint32_t view = kNoRow;
+};
+
+bool IsSame(const detail::MapViews& map, const Place& one, const Place& other) {
+  if (one.map != other.map) return false;
+  const Eigen::AngleAxisd turn(one.fit.pose.rotation * other.fit.pose.rotation.transpose());
+  return std::abs(turn.angle()) < kSameDegrees * M_PI / 180 &&
+         (one.fit.pose.center() - other.fit.pose.center()).norm() < kSameDistance * map.median_depth();
+}
+
+// The standard deviation of places along the second longest axis of their ellipsoid.
+template <int Size>
+double SecondAxis(const std::vector<Eigen::Matrix<double, Size, 1>>& places) {
+  Eigen::Matrix<double, Size, 1> mean = Eigen::Matrix<double, Size, 1>::Zero();
+  for (const auto& place : places) mean += place / static_cast<double>(places.size());
+  Eigen::Matrix<double, Size, Size> spread = Eigen::Matrix<double, Size, Size>::Zero();
+  for (const auto& place : places)
+    spread += (place - mean) * (place - mean).transpose() / static_cast<double>(places.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> solver(spread, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[Size - 2]));
+}
+
+}  // namespace
+
+struct Locator::State {
+  State(const Atlas& of, const LocatorOptions& options)
+      : atlas(of),
+        maps(Maps(of)),
+        prepared(maps, AlignOptions{.own_vocabulary = options.vocabulary == nullptr,
+                                    .threads = options.threads,
+                                    .progress = options.progress}),
+        vocabulary(prepared.trained_words() ? &prepared.trained_tree() : options.vocabulary) {}
+
+  static std::vector<MapRef> Maps(const Atlas& atlas) {
+    std::vector<MapRef> maps;
+    for (std::size_t map = 0; map < atlas.maps.size(); ++map)
+      if (!atlas.maps[map].keyframes.empty()) maps.push_back({&atlas, map});
+    if (maps.empty()) throw Error(ErrorKind::kNotPossible, "has no map with keyframes");
+    return maps;
+  }
+
+  Localization Locate(const PictureFeatures& picture, const LeftOut& left_out) const;
+  std::vector<MapPlace> PlacesLike(const PictureQuery& query, const LeftOut& left_out) const;
+  std::vector<Place> TryPlaces(PictureQuery& query, const std::vector<MapPlace>& like, const LeftOut& left_out) const;
+  Localization Judge(PictureQuery& query, const std::vector<Place>& places, std::size_t chosen,
+                     const LeftOut& left_out) const;
+  KnownMap Known(std::size_t map, const LeftOut& left_out) const {
+    return {prepared[map].views, map == left_out.map ? left_out.view : kNoRow};
+  }
+
+  const Atlas& atlas;
+  const std::vector<MapRef> maps;
+  const detail::PreparedMaps prepared;
+  const VocabularyTree* vocabulary;
+};
+
+std::vector<MapPlace> Locator::State::PlacesLike(const PictureQuery& query, const LeftOut& left_out) const {
+  const Words words = ComputeWords(*vocabulary, {query.view.descriptors.begin(), query.view.descriptors.end()});
+  std::vector<MapPlace> like;
+  for (std::size_t map = 0; map < prepared.size(); ++map) {
+    std::vector<float> scores = prepared[map].index.Query(words.bag_of_words);
+    if (map == left_out.map && left_out.view != kNoRow) scores[left_out.view] = 0;
+    for (const Candidate& candidate : detail::BestPlaces(scores, prepared[map].groups, 0, kPlaces))
+      like.push_back({map, candidate});
+  }
+  std::ranges::stable_sort(like,
+                           [](const MapPlace& a, const MapPlace& b) { return a.candidate.score > b.candidate.score; });
+  if (like.size() > kPlaces) like.resize(kPlaces);
+  return like;
+}
+
+std::vector<Place> Locator::State::TryPlaces(PictureQuery& query, const std::vector<MapPlace>& like,
+                                             const LeftOut& left_out) const {
+  std::vector<Place> places;
+  for (const auto& [map, candidate] : like) {
+    const bool known = std::ranges::any_of(places, [&, map = map, view = candidate.first](const Place& place) {
+      return place.map == map && std::ranges::find(place.views, view) != place.views.end();
+    });
+    if (known) continue;
+    std::optional<Place> place = TryPlace(query, Known(map, left_out), prepared[map], candidate.first);
+    if (!place) continue;
+    place->map = map;
+    places.push_back(*std::move(place));
+  }
+  std::ranges::stable_sort(places, [](const Place& a, const Place& b) { return a.inliers.size() > b.inliers.size(); });
+  return places;
+}
+
+// The standard deviation along the second axis of what was found, in depths of the picture.
+static double ExtentOf(const detail::MapViews& map, const Place& place) {
+  std::vector<Eigen::Vector3d> positions;
+  double depth = 0;
+  for (const auto& match : place.inliers) {
+    positions.push_back(map.points()[match.point].position);
+    depth += (place.fit.pose * positions.back()).z();
+  }
+  depth /= static_cast<double>(positions.size());
+  return depth > 0 ? SecondAxis<3>(positions) / depth : 0;
+}
+
+// The same of the inliers in the picture, in its smaller sides.
+static double SpreadOf(const detail::View& view, const Place& place) {
+  std::vector<Eigen::Vector2d> places;
+  for (const auto& match : place.inliers) {
+    const Keypoint& keypoint = view.keypoints[match.keypoint];
+    places.emplace_back(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
+  }
+  const double side = view.frame.sizes().minCoeff();
+  return side > 0 ? SecondAxis<2>(places) / side : 0;
+}
+
+Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>& places, std::size_t chosen,
+                                   const LeftOut& left_out) const {
+  const Place& place = places[chosen];
+  const detail::MapViews& map = prepared[place.map].views;
+  const detail::SeenShare share = LookFrom(query, Known(place.map, left_out), place);
+  Localization found{.has_pose = true,
+                     .map = map.map().id,
+                     .position = place.fit.pose.center(),
+                     .rotation = Eigen::Quaterniond(place.fit.pose.rotation.transpose()),
+                     .covariance = place.fit.covariance,
+                     .resembles = map.KeyFrameOf(map.views()[place.views.front()]).id};
+  LocateEvidence& evidence = found.evidence;
+  evidence.inliers = place.inliers.size();
+  evidence.visible = share.visible;
+  evidence.found_share = share.found_share();
+  evidence.cell_share = share.cell_share();
+  evidence.front_share = share.front_share();
+  evidence.checked_share = static_cast<double>(share.cells) / static_cast<double>(detail::kPictureCells.count());
+  evidence.extent = ExtentOf(map, place);
+  evidence.spread = SpreadOf(query.view, place);
+  evidence.rms = std::sqrt(2 * place.fit.cost / static_cast<double>(place.fit.residuals));
+  for (const Place& other : places)
+    if (!IsSame(map, place, other))
+      evidence.contradicting = std::max<std::uint64_t>(evidence.contradicting, other.inliers.size());
+  detail::GiveVerdict(found);
+  return found;
+}
+
+Localization Locator::State::Locate(const PictureFeatures& picture, const LeftOut& left_out) const {
+  Localization best{.reason = "no place of the map looks like it"};
+  std::optional<PictureQuery> query = detail::MakeQuery(picture);
+  if (!query || query->view.keypoints.empty()) return best;
+  const std::vector<MapPlace> like = PlacesLike(*query, left_out);
+  const std::vector<Place> places = TryPlaces(*query, like, left_out);
+  for (std::size_t i = 0; i < std::min(places.size(), kMostJudged); ++i) {
+    Localization found = Judge(*query, places, i, left_out);
+    if (i == 0 || found.verdict < best.verdict) best = std::move(found);
+    if (best.verdict == LocateVerdict::kFound) break;
+  }
+  best.evidence.features = query->view.keypoints.size();
+  best.evidence.candidates = like.size();
+  return best;
+}
+
+Locator::Locator(const Atlas& atlas, const LocatorOptions& options) : state_(std::make_unique<State>(atlas, options)) {}
+Locator::Locator(Locator&&) noexcept = default;
+Locator::~Locator() = default;
+
+Localization Locator::Locate(const PictureFeatures& picture) const { return state_->Locate(picture, {}); }
+
+Localization Locator::LocateLeftOut(const KeyFrameRef& keyframe) const {
+  for (std::size_t map = 0; map < state_->maps.size(); ++map) {
+    if (state_->maps[map].map != keyframe.map) continue;
+    const std::uint32_t view = state_->prepared[map].views.LeftView(static_cast<std::uint32_t>(keyframe.keyframe));
+    if (view == kNoRow) break;
+    return state_->Locate(FeaturesOf(state_->atlas, state_->atlas.maps[keyframe.map].keyframes[keyframe.keyframe]),
+                          {map, view});
+  }
+  return {.reason = "the keyframe is flagged bad, or has no camera or no pose"};
+}
+
+}  // namespace slamdb

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/json_schema.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Locate : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(RunSlamdb({"synthesize", atlas_, "--sensor", "stereo", "--keyframes", "24", "--points", "1500", "-q"})
+                  .exit_code,
+              0);
+    std::string gray = "P5\n640 480\n255\n";
+    gray.resize(gray.size() + 640 * 480, '\x60');
+    WriteWholeFile(folder_ / "gray.pgm", gray);
+  }
+  ProcessResult Run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"locate", atlas_});
+    return RunSlamdb(arguments);
+  }
+
+  const TemporaryFolder folder_;
+  const std::string atlas_ = folder_ / "a.osa";
+  const std::string camera_ = "Camera1.fx: 450\nCamera1.fy: 450\nCamera1.cx: 320\nCamera1.cy: 240\n";
+};
+
+TEST_F(Locate, BenchmarkTellsHowManyKeyFramesAreFound) {
+  const ProcessResult text = Run({"--benchmark"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("of 24 keyframes"));
+  const ProcessResult result = Run({"--benchmark", "--most", "8", "--json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "locate.schema.json"), "");
+  EXPECT_EQ(report["pictures"].size(), 8U);
+  EXPECT_GE(report["found"], 7);
+}
+
+TEST_F(Locate, APictureOfNothingIsNotFound) {
+  const ProcessResult result = Run(
+      {folder_ / "gray.pgm", "--camera", folder_.Make("camera.yaml", camera_), "-o", folder_ / "poses.tum", "--json"});
+  if (result.err.find("built without pictures") != std::string::npos) GTEST_SKIP() << result.err;
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "locate.schema.json"), "");
+  EXPECT_EQ(report["pictures"][0]["verdict"], "not-found");
+  EXPECT_EQ(ReadWholeFile(folder_ / "poses.tum"), "# timestamp tx ty tz qx qy qz qw\n");
+}
+
+TEST_F(Locate, SaysWhatIsWrongWithItsInputs) {
+  EXPECT_EQ(Run({}).exit_code, 2);
+  EXPECT_EQ(Run({"--benchmark", folder_ / "gray.pgm"}).exit_code, 2);
+  EXPECT_THAT(Run({folder_ / "none.png"}).err, HasSubstr("none.png"));
+  EXPECT_EQ(Run({folder_ / "none.png"}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace slamdb::testing

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/pictures/picture_list.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "tests/support/kind_of.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<PictureFile> Find(const std::vector<std::string>& named) { return FindPictures(named); }
+
+TEST(FindPictures, OfAFolderByNameWithTheirTimes) {
+  const TemporaryFolder folder;
+  for (const char* name : {"1403636579763555584.png", "1305031102.175304.PNG", "notes.md", "b.jpg"})
+    folder.Make(name, "");
+  const auto pictures = Find({folder.path().string()});
+  ASSERT_EQ(pictures.size(), 3U);
+  EXPECT_DOUBLE_EQ(pictures[0].timestamp, 1305031102.175304);
+  EXPECT_DOUBLE_EQ(pictures[1].timestamp, 1403636579.763555584);
+  EXPECT_EQ(pictures[2].path, folder / "b.jpg");
+  EXPECT_EQ(pictures[2].timestamp, 3);
+}
+
+TEST(FindPictures, OfListsOfTumAndEuroc) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "data");
+  folder.Make("data/20.png", "");
+  const auto pictures =
+      Find({folder.Make("rgb.txt", "# color images\n1305031102.5 rgb/a.png\nb.png\n"),
+            folder.Make("data.csv", "#timestamp [ns],filename\n1403636579763555584,20.png\r\n"), "c.png"});
+  ASSERT_EQ(pictures.size(), 4U);
+  EXPECT_EQ(pictures[0].path, folder / "rgb/a.png");
+  EXPECT_DOUBLE_EQ(pictures[0].timestamp, 1305031102.5);
+  EXPECT_EQ(pictures[1].timestamp, 2);
+  EXPECT_EQ(pictures[2].path, folder / "data/20.png");
+  EXPECT_DOUBLE_EQ(pictures[2].timestamp, 1403636579.763555584);
+  EXPECT_EQ(pictures[3].path, "c.png");
+}
+
+TEST(FindPictures, RefusesWhatNamesNone) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(KindOf([&] { (void)Find({folder.path().string()}); }), ErrorKind::kNotFound);
+  EXPECT_EQ(KindOf([&] { (void)Find({folder.Path("none.txt")}); }), ErrorKind::kNotFound);
+  EXPECT_THAT(MessageOf([&] { (void)Find({folder.Make("list.txt", "\na.png\n1 2 3\n")}); }),
+              HasSubstr("line 3: names no picture"));
+}
+
+}  // namespace
+}  // namespace slamdb
