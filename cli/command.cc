@@ -33,6 +33,7 @@ std::span<const Command* const> Commands() {
       &kRepair,
       &kRecover,
       &kTransform,
+      &kOptimize,
       &kDiff,
       &kEvaluate,
       &kLandmarksCommand,

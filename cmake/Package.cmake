@@ -38,6 +38,9 @@ that SLAM systems save, among them ORB-SLAM3's atlas files, byte for byte.")
     string(APPEND CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS ", libcairo2-dev")
     set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "fonts-dejavu-core")  # the typeface of plots
   endif()
+  if(SLAMDB_CERES)
+    string(APPEND CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS ", libceres-dev (>= 2.1)")
+  endif()
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS "libboost-serialization-dev, libslamdb-live-dev, slamdb")
   set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "map database for visual SLAM (library)
 A C++20 library that reads, checks, changes and writes the maps of SLAM

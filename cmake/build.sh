@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 settings=()
-groups=(command pictures)
+groups=(command pictures optimization)
 if [ "${1:-}" = --tests ]; then
   settings=(-DSLAMDB_BUILD_TESTS=ON -DSLAMDB_BUILD_EXAMPLES=ON)
   groups+=(libraries tests)

@@ -8,6 +8,8 @@ declare -A packages=(
   [command]="g++ cmake ninja-build libeigen3-dev libsqlite3-dev libcli11-dev nlohmann-json3-dev libxxhash-dev libmd-dev zlib1g-dev"
   # Its page and its plots, without which everything else is built.
   [pictures]="esbuild libcairo2-dev fonts-dejavu-core"
+  # Bundle adjustment, likewise.
+  [optimization]="libceres-dev"
   # The live map, and archives of Boost.
   [libraries]="libopencv-core-dev libboost-serialization-dev"
   # What cpack makes packages with.
@@ -21,7 +23,7 @@ declare -A packages=(
   [node]="nodejs npm"
   [systems]="debootstrap lintian"
 )
-optional=" ${packages[pictures]} ${packages[libraries]} "  # a distribution that lacks one builds without it
+optional=" ${packages[pictures]} ${packages[optimization]} ${packages[libraries]} "  # a distribution that lacks one builds without it
 
 only_tell=no
 [ "${1:-}" != --missing ] || { only_tell=yes; shift; }

@@ -2,7 +2,8 @@
 #include "slamdb/model/preintegration.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "slamdb/model/detail/rotations.h"
 
 namespace slamdb {
 namespace {
@@ -10,27 +11,14 @@ namespace {
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 using Matrix96d = Eigen::Matrix<double, 9, 6>;
 
-Eigen::Matrix3d Hat(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d hat;
-  hat << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return hat;
-}
-
-constexpr double kSmallAngle = 1e-5;  // radians; below, the first terms of the series are exact enough
+using detail::Hat;
+using detail::kSmallAngle;
+using detail::RightJacobian;
 
 Eigen::Matrix3d Rotation(const Eigen::Vector3d& axis_angle) {
   const double angle = axis_angle.norm();
   if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() + Hat(axis_angle);
   return Eigen::AngleAxisd(angle, axis_angle / angle).toRotationMatrix();
-}
-
-Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& axis_angle) {
-  const double angle = axis_angle.norm();
-  const Eigen::Matrix3d hat = Hat(axis_angle);
-  if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() - hat / 2;
-  const double square = angle * angle;
-  return Eigen::Matrix3d::Identity() - hat * ((1 - std::cos(angle)) / square) +
-         hat * hat * ((angle - std::sin(angle)) / (square * angle));
 }
 
 class Integration {
