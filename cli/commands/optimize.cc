@@ -78,7 +78,7 @@ Run AddOptimize(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb optimize session.osa better.osa", "Full bundle adjustment; the report says what it did."},
     {"slamdb optimize session.osa --dry-run --json", "What it would do, for programs."},
-    {"slamdb optimize both.osa tight.osa --method seam", "Tightens what was merged, and leaves the rest as it is."},
+    {"slamdb optimize merged.osa tight.osa --method seam", "Tightens what was merged, and leaves the rest as it is."},
     {"slamdb optimize session.osa closed.osa --constraints loops.csv",
      "Bends the map to loops that were found elsewhere."},
 };

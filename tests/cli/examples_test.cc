@@ -27,7 +27,7 @@ constexpr std::array kWorld = {
     "slamdb synthesize yesterday.osa --sensor fisheye --keyframes 12 --points 400 -q",
     "ln -s $FIXTURES/session_small_a/session_small_a.osa session_a.osa",
     "ln -s $FIXTURES/session_small_b/session_small_b.osa session_b.osa",
-    "for name in session a before both; do ln -s session_a.osa $name.osa; done",
+    "for name in session a before; do ln -s session_a.osa $name.osa; done",
     "for name in b robot1 robot2; do ln -s session_b.osa $name.osa; done",
     "ln -s $FIXTURES/mono_small_twice/mono_small_twice.osa saved_twice.osa",
     "slamdb cull session_a.osa after.osa -q",

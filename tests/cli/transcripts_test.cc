@@ -14,6 +14,7 @@
 #include <regex>
 #include <sstream>
 
+#include "slamdb/optimize/bundle_adjustment.h"
 #include "slamdb/view/page.h"
 #include "tests/support/cli.h"
 
@@ -126,6 +127,7 @@ class Page : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Page, PrintsWhatItSays) {
   if (GetParam() == "docs/view.md" && !HasViewPage()) GTEST_SKIP() << "built without esbuild";
+  if (GetParam() == "docs/optimize.md" && !CanOptimize()) GTEST_SKIP() << "built without Ceres";
   const TemporaryFolder folder;
   Fill(folder);
   const std::string page = (fs::path(SLAMDB_FIXTURES) / ".." / GetParam()).string();

@@ -6,6 +6,7 @@
 
 #include <exception>
 #include <memory>
+#include <mutex>
 
 namespace slamdb::detail {
 namespace {
@@ -37,16 +38,26 @@ class Teller final : public ceres::IterationCallback {
   std::exception_ptr thrown_;
 };
 
-// Ceres warns on standard error of steps that it then makes smaller: a library has no business there.
+// Ceres warns on standard error of steps that it then makes smaller: a library has no business there. What it goes by
+// is one number for all threads, so that the first who solves sets it and the last one sets it back.
 class Silence {
  public:
-  Silence() : level_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }
-  ~Silence() { FLAGS_minloglevel = level_; }
+  Silence() {
+    const std::scoped_lock lock(mutex_);
+    if (solving_++ > 0) return;
+    level_ = FLAGS_minloglevel;
+    FLAGS_minloglevel = google::GLOG_FATAL;
+  }
+  ~Silence() {
+    const std::scoped_lock lock(mutex_);
+    if (--solving_ == 0) FLAGS_minloglevel = level_;
+  }
   Silence(const Silence&) = delete;
   Silence& operator=(const Silence&) = delete;
 
  private:
-  const int level_;
+  static inline std::mutex mutex_;
+  static inline int solving_ = 0, level_ = 0;
 };
 
 ceres::LinearSolverType SolverFor(std::size_t cameras, bool eliminates) {

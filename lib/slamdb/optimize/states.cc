@@ -19,6 +19,11 @@ bool IsSame(const Value& a, const Value& b) {
   return std::memcmp(&a, &b, sizeof(Value)) == 0;
 }
 
+// Steps that run away are not recorded.
+bool IsRecordable(const PoseState& pose) {
+  return pose.rotation().coeffs().allFinite() && pose.translation().cast<float>().allFinite();
+}
+
 bool IsIdentity(const Similarity3d& motion) {
   return motion.scale == 1 && motion.rotation.vec().isZero(0) && motion.translation.isZero(0);
 }
@@ -26,7 +31,8 @@ bool IsIdentity(const Similarity3d& motion) {
 // A velocity that was not estimated turns with its keyframe.
 Eigen::Vector3f VelocityOf(const KeyFrame& keyframe, std::size_t row, const MapStates& before, const MapStates& after) {
   if (!keyframe.velocity.allFinite() || keyframe.velocity.isZero(0)) return keyframe.velocity;
-  if (!IsSame(after.velocities[row], before.velocities[row])) return after.velocities[row].cast<float>();
+  const Eigen::Vector3f estimated = after.velocities[row].cast<float>();
+  if (!IsSame(after.velocities[row], before.velocities[row]) && estimated.allFinite()) return estimated;
   const Eigen::Quaterniond turn = after.poses[row].rotation().conjugate() * before.poses[row].rotation();
   return (turn * keyframe.velocity.cast<double>()).cast<float>();
 }
@@ -130,11 +136,12 @@ void Record(const MapStates& before, const MapStates& after, int threads, Map& m
   for (std::size_t row = 0; row < map.keyframes.size(); ++row) {
     KeyFrame& keyframe = map.keyframes[row];
     if (!IsPosed(keyframe)) continue;
-    turned[row] = !IsSame(after.poses[row].values, before.poses[row].values);
+    turned[row] = !IsSame(after.poses[row].values, before.poses[row].values) && IsRecordable(after.poses[row]);
     if (!turned[row] && IsSame(after.velocities[row], before.velocities[row])) continue;
     keyframe.velocity = VelocityOf(keyframe, row, before, after);
     RecordPose(after.poses[row], keyframe);
-    if (!IsSame(after.biases[row], before.biases[row])) RecordBias(after.biases[row], keyframe);
+    if (!IsSame(after.biases[row], before.biases[row]) && after.biases[row].allFinite())
+      RecordBias(after.biases[row], keyframe);
   }
   const auto find = [&](KeyFrameId id) -> const KeyFrame* {
     const std::uint32_t row = rows.Find(id.value());
@@ -149,7 +156,7 @@ void Record(const MapStates& before, const MapStates& after, int threads, Map& m
   ParallelFor(map.points.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       MapPoint& point = map.points[row];
-      const bool moved = !IsSame(after.points[row], before.points[row]) && after.points[row].allFinite();
+      const bool moved = !IsSame(after.points[row], before.points[row]) && after.points[row].cast<float>().allFinite();
       if (moved) point.position = after.points[row].cast<float>();
       if (!IsPlaced(point) || (!moved && !seen_from_elsewhere(point))) continue;
       if (const auto normal = ObservedNormal(point, find); normal && normal->allFinite()) point.normal = *normal;
