@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <vector>
 
 #include "slamdb/align/detail/match_points.h"
@@ -33,10 +34,12 @@ class Picture {
  public:
   Picture(const MapViews& map, std::uint32_t view) : map_(map), number_(view), view_(map.views()[view]) {}
 
-  SeenShare LookFor(const MapViews& other, const Similarity3d& map_from_points) const {
+  SeenShare LookFor(const MapViews& other, std::span<const std::uint32_t> points,
+                    const Similarity3d& map_from_points) const {
     SeenShare share;
     std::array<Cell, kColumns * kRows> cells{};
-    for (const ViewedPoint& point : other.points()) {
+    for (const std::uint32_t row : points) {
+      const ViewedPoint& point = other.points()[row];
       const auto expected = Expect(view_, point, map_from_points, kLeastCosine);
       if (!expected) continue;
       const double own = OwnDepth(expected->pixel);
@@ -93,11 +96,20 @@ class Picture {
 }  // namespace
 
 SeenShare LookFor(const MapViews& points, const MapViews& pictures, const Similarity3d& map_from_points, int threads) {
+  std::vector<std::uint32_t> all(points.points().size()), views;
+  std::iota(all.begin(), all.end(), 0U);
   const std::size_t step = pictures.views().size() / kMostViews + 1;
-  std::vector<SeenShare> shares((pictures.views().size() + step - 1) / step);
+  for (std::size_t view = 0; view < pictures.views().size(); view += step)
+    views.push_back(static_cast<std::uint32_t>(view));
+  return LookFor(points, all, pictures, views, map_from_points, threads);
+}
+
+SeenShare LookFor(const MapViews& points, std::span<const std::uint32_t> some_points, const MapViews& pictures,
+                  std::span<const std::uint32_t> some_views, const Similarity3d& map_from_points, int threads) {
+  std::vector<SeenShare> shares(some_views.size());
   ParallelFor(shares.size(), 4, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      shares[i] = Picture(pictures, static_cast<std::uint32_t>(i * step)).LookFor(points, map_from_points);
+      shares[i] = Picture(pictures, some_views[i]).LookFor(points, some_points, map_from_points);
   });
   SeenShare sum;
   for (const SeenShare& share : shares) {

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <optional>
 
-#include "slamdb/edit/frame/gravity.h"
 #include "slamdb/model/index.h"
+#include "slamdb/model/up.h"
 #include "slamdb/optimize/detail/states.h"
 
 namespace slamdb::detail {
@@ -73,8 +73,9 @@ std::optional<InertialLink> LinkOf(const KeyFrame& first, const KeyFrame& second
 
 bool KnowsGravity(const Map& map) {
   if (!map.imu_initialized) return false;
-  const auto up = UpByInertia(map);
-  return !up || !up->allFinite() || up->z() > std::cos(kLargestTilt * std::numbers::pi / 180);
+  const auto gravity = GravityByInertia(map);
+  if (!gravity || !gravity->allFinite() || gravity->isZero()) return true;
+  return -gravity->normalized().z() > std::cos(kLargestTilt * std::numbers::pi / 180);
 }
 
 std::vector<InertialLink> FindInertialLinks(const Map& map, std::uint64_t& unusable) {

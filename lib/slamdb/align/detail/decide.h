@@ -2,6 +2,7 @@
 #pragma once
 
 #include "slamdb/align/align.h"
+#include "slamdb/align/loops.h"
 
 namespace slamdb::detail {
 
@@ -10,5 +11,8 @@ Alignment NothingAgrees();
 
 // Sets verdict and reason from the evidence.
 void GiveVerdict(Alignment& alignment);
+
+// Likewise of a loop. `depth`: the map's median one.
+void GiveVerdict(Loop& loop, double depth);
 
 }  // namespace slamdb::detail

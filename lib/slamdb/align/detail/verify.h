@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "slamdb/align/detail/map_views.h"
 #include "slamdb/model/similarity.h"
@@ -26,5 +27,9 @@ struct SeenShare {
 // Looks at some hundred pictures at most, at equal steps.
 // Deterministic for any number of threads.
 SeenShare LookFor(const MapViews& points, const MapViews& pictures, const Similarity3d& map_from_points, int threads);
+
+// The same of some points and some pictures alone.
+SeenShare LookFor(const MapViews& points, std::span<const std::uint32_t> some_points, const MapViews& pictures,
+                  std::span<const std::uint32_t> some_views, const Similarity3d& map_from_points, int threads);
 
 }  // namespace slamdb::detail
