@@ -34,6 +34,7 @@ std::span<const Command* const> Commands() {
       &kRecover,
       &kTransform,
       &kOptimize,
+      &kCloseLoops,
       &kDiff,
       &kEvaluate,
       &kLandmarksCommand,
