@@ -14,19 +14,19 @@ constexpr double kMostTurn = 3 * std::numbers::pi / 180;
 constexpr double kMostLogScale = 0.06;
 constexpr double kMostShift = 0.05;  // of the first map's median depth, at the second's camera
 
-bool Agree(const MapPair& pair, const Hypothesis& a, const Hypothesis& b) {
+}  // namespace
+
+bool Agree(const MapPair& pair, const Hypothesis& a, const Hypothesis& b, double slack) {
   const Similarity3d &one = a.first_from_second, &other = b.first_from_second;
-  if (one.rotation.angularDistance(other.rotation) > kMostTurn) return false;
-  if (std::abs(std::log(one.scale / other.scale)) > kMostLogScale) return false;
-  const double most = kMostShift * pair.first.views.median_depth();
+  if (one.rotation.angularDistance(other.rotation) > slack * kMostTurn) return false;
+  if (std::abs(std::log(one.scale / other.scale)) > slack * kMostLogScale) return false;
+  const double most = slack * kMostShift * pair.first.views.median_depth();
   const auto shift = [&](const Hypothesis& hypothesis) {
     const Eigen::Vector3d& center = pair.second.views.views()[hypothesis.candidate.second].center;
     return (one * center - other * center).norm();
   };
   return shift(a) <= most && shift(b) <= most;
 }
-
-}  // namespace
 
 std::vector<Consensus> FindConsensus(const MapPair& pair, std::span<const Hypothesis> hypotheses) {
   std::vector<std::uint32_t> left(hypotheses.size());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Thresholds are those at which no wrong loop of real maps passed, look-alike rooms among them; see
 // docs/close-loops.md.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -11,7 +12,7 @@ namespace slamdb {
 namespace {
 
 constexpr double kCellShare = 0.85, kPoorCellShare = 0.75;
-constexpr double kFoundShare = 0.35, kPoorFoundShare = 0.25;
+constexpr double kFoundShare = 0.28, kPoorFoundShare = 0.20;
 constexpr double kExtent = 0.15;
 constexpr double kMostInFront = 0.15;
 constexpr std::uint64_t kFewestPairs = 3, kFewestKeyframes = 2, kFewestPoints = 50, kFewestViews = 3;
@@ -66,7 +67,8 @@ void GiveVerdict(Loop& loop, double depth) {
     return say(LoopVerdict::kDoubtful, "the pictures half confirm it: " + found);
   if (evidence.extent < kExtent)
     return say(LoopVerdict::kDoubtful, "all that agrees is in one small patch, which may be a look-alike");
-  if (evidence.agreeing < kFewestPairs || evidence.second_keyframes < kFewestKeyframes ||
+  if (evidence.agreeing < kFewestPairs ||
+      std::min(evidence.first_keyframes, evidence.second_keyframes) < kFewestKeyframes ||
       evidence.points < kFewestPoints)
     return say(LoopVerdict::kDoubtful, "too few keyframes or points agree");
   if (static_cast<double>(evidence.contradicting) > kMostContradicting * static_cast<double>(evidence.agreeing))

@@ -27,6 +27,8 @@ namespace {
 
 constexpr std::uint32_t kFewestShared = 15;  // points that link two keyframes, as in ORB-SLAM3
 constexpr int kLinked = 3;                   // links: so near, local maps have points in common
+constexpr std::size_t kFewestInliers = 15;   // of a hypothesis
+constexpr double kDriftWithin = 4;           // by which a map may drift between hypotheses about the same ends
 constexpr std::size_t kBatch = 32;           // candidates between two reports of progress
 
 // Which left views share points.
@@ -110,8 +112,13 @@ class LoopFinder {
       ParallelFor(count, 1, options_.threads, [&](std::size_t from, std::size_t to) {
         for (std::size_t i = from; i < to; ++i) batch[i] = TryCandidate(pair_, candidates[begin + i], Search::kNodes);
       });
-      for (std::optional<Hypothesis>& hypothesis : batch)
-        if (hypothesis) hypotheses.push_back(*std::move(hypothesis));
+      for (std::optional<Hypothesis>& hypothesis : batch) {
+        if (!hypothesis) continue;
+        // What both ends see in common says nothing: it is where it is.
+        std::erase_if(hypothesis->inliers,
+                      [](const PointMatch& match) { return match.first.point == match.second.point; });
+        if (hypothesis->inliers.size() >= kFewestInliers) hypotheses.push_back(*std::move(hypothesis));
+      }
       if (options_.progress)
         options_.progress("comparing places",
                           static_cast<double>(begin + count) / static_cast<double>(candidates.size()));
@@ -163,7 +170,7 @@ class LoopFinder {
     Loop loop;
     loop.evidence.agreeing = best.members.size();
     for (const Consensus& other : found)
-      if (&other != &best)
+      if (!Agree(pair_, region[other.members.front()], region[best.members.front()], kDriftWithin))
         loop.evidence.contradicting = std::max<std::uint64_t>(loop.evidence.contradicting, other.members.size());
     std::set<std::uint32_t> first, second;
     for (const std::uint32_t member : best.members) {
@@ -189,8 +196,7 @@ class LoopFinder {
     std::set<std::pair<std::uint32_t, std::uint32_t>> known;
     for (const std::uint32_t member : consensus.members)
       for (const PointMatch& match : region[member].inliers)
-        if (match.first.point != match.second.point && known.insert({match.first.point, match.second.point}).second)
-          matches.push_back(match);
+        if (known.insert({match.first.point, match.second.point}).second) matches.push_back(match);
     Similarity3d transform = region[consensus.members.front()].first_from_second;
     transform = pair_.geometry.Refine(matches, transform).first_from_second;
     const std::vector<PointMatch> inliers = pair_.geometry.InliersOf(matches, transform);
