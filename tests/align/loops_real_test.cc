@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps that ORB-SLAM3 itself wrote. SLAMDB_LAB2 and SLAMDB_ATLASES name folders of atlases; true poses are in the
-// folder ground_truth beside or in the first, or where SLAMDB_LAB2_TRUTH says.
+// Maps that ORB-SLAM3 itself wrote: SLAMDB_LAB2 and SLAMDB_ATLASES name folders of atlases; true poses are in the
+// folder ground_truth of the first.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -28,11 +28,6 @@ std::string FolderOf(const char* variable) {
 bool HasErrors(const Atlas& atlas) {
   return std::ranges::any_of(CheckAtlas(atlas, {}).results,
                              [](const RuleResult& result) { return result.severity == Severity::kError; });
-}
-
-fs::path TruthFolder() {
-  const std::string named = FolderOf("SLAMDB_LAB2_TRUTH");
-  return named.empty() ? fs::path(FolderOf("SLAMDB_LAB2")) / "ground_truth" : fs::path(named);
 }
 
 double ErrorAgainst(const fs::path& truth, const Map& map) {
@@ -78,7 +73,7 @@ TEST_F(RealLoop, IsFound) {
 
 TEST_F(RealLoop, IsClosedBetterThanLive) {
   if (!CanOptimize()) GTEST_SKIP() << "needs Ceres";
-  const fs::path truth = TruthFolder() / "l1_frames.txt";
+  const fs::path truth = fs::path(FolderOf("SLAMDB_LAB2")) / "ground_truth" / "l1_frames.txt";
   if (!fs::exists(truth)) GTEST_SKIP() << truth << " is not there";
   EXPECT_NEAR(ErrorAgainst(truth, atlas_.maps[0]), 0.205, 0.001);
   Atlas bent = atlas_;
