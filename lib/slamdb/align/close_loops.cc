@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/landmarks/landmarks.h"
+#include "slamdb/model/detail/irregular_entries.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -54,6 +56,20 @@ void AddLoopEdge(Map& map, const IdTable& rows, KeyFrameId from, KeyFrameId to) 
   if (std::ranges::find(keyframe.loop_edges, to) == keyframe.loop_edges.end()) keyframe.loop_edges.push_back(to);
 }
 
+// Landmarks that stand for points which went into others stand for these.
+void FollowFused(const FuseReport& fused, Map& map) {
+  std::vector<Landmark> moved;
+  std::erase_if(map.landmarks, [&](Landmark& landmark) {
+    const MapPointId id(landmark.id.value());
+    const auto found = std::ranges::lower_bound(fused.replaced, id, {}, &std::pair<MapPointId, MapPointId>::first);
+    if (found == fused.replaced.end() || found->first != id) return false;
+    landmark.id = LandmarkId(found->second.value());
+    moved.push_back(landmark);
+    return true;
+  });
+  TakeLandmarks(map.landmarks, moved);
+}
+
 void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, ClosedMap& closed) {
   std::vector<LoopPair> pairs;
   std::vector<std::pair<MapPointId, MapPointId>> same;
@@ -62,6 +78,7 @@ void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, Clos
     std::ranges::move(StrongestPairs(loop), std::back_inserter(pairs));
     for (const MatchedPoints& match : loop.matches) same.emplace_back(match.first, match.second);
   }
+  detail::DropIrregularEntries(atlas);  // they name rows of lists that change
   PoseGraphOptions graph;
   graph.threads = options.threads;
   graph.progress = options.progress;
@@ -77,6 +94,7 @@ void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, Clos
     AddLoopEdge(map, rows, pair.second, pair.first);
   }
   closed.fused = FusePairs(map, same);
+  FollowFused(closed.fused, map);
   ++map.big_change_index;
   if (!options.adjust_bundle) return;
   BundleOptions bundle;

@@ -43,9 +43,10 @@ struct CloseLoopsReport {
 //   a few of the pairs that agree become loop edges of both keyframes, which are not to be erased
 //   points that are the same thing are fused, those of the earlier end survive, and covisibility is counted anew
 //   the whole map is adjusted (AdjustBundle), if wanted
-// and the map's count of big changes goes up. A map without missed loops keeps its bytes.
+// and the map's count of big changes goes up. Null pointers and repetitions in lists go. An atlas without missed loops
+// keeps its bytes.
 //
-// Throws Error, and then changes nothing:
+// Throws Error before anything is changed:
 //   kUnsupported  there is a loop to close, and this slamdb was built without Ceres
 //   kNotFound     the atlas has no such map
 // Cost: FindLoops and a pose graph; bundle adjustment takes many times that.

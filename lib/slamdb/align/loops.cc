@@ -10,7 +10,6 @@
 #include <cmath>
 #include <numbers>
 #include <set>
-#include <unordered_map>
 #include <utility>
 
 #include "slamdb/align/detail/candidates.h"
@@ -37,35 +36,28 @@ class Links {
   Links(const MapViews& map, int threads) : neighbours_(map.views().size()) {
     ParallelFor(neighbours_.size(), 16, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t view = begin; view < end; ++view)
-        neighbours_[view] = LinksOf(map, static_cast<std::uint32_t>(view));
+        if (!map.views()[view].right)
+          for (const auto& [other, shared] : map.Covisibles(static_cast<std::uint32_t>(view)))
+            if (shared >= kFewestShared) neighbours_[view].push_back(other);
     });
   }
 
   // Those within so many links, itself among them.
   std::vector<std::uint32_t> Within(std::uint32_t view, int links) const {
     std::vector<std::uint32_t> reached{view};
-    std::set<std::uint32_t> known{view};
+    std::vector<bool> known(neighbours_.size(), false);
+    known[view] = true;
     std::size_t begin = 0;
     for (int link = 0; link < links; ++link)
       for (const std::size_t end = reached.size(); begin < end; ++begin)
-        for (const std::uint32_t next : neighbours_[reached[begin]])
-          if (known.insert(next).second) reached.push_back(next);
+        for (const std::uint32_t next : neighbours_[reached[begin]]) {
+          if (!known[next]) reached.push_back(next);
+          known[next] = true;
+        }
     return reached;
   }
 
  private:
-  static std::vector<std::uint32_t> LinksOf(const MapViews& map, std::uint32_t view) {
-    std::unordered_map<std::uint32_t, std::uint32_t> shared;
-    if (map.views()[view].right) return {};
-    for (const Seen& seen : map.SeenBy(view))
-      for (const Sighting& sighting : map.SightingsOf(seen.point))
-        if (!map.views()[sighting.view].right) ++shared[sighting.view];
-    std::vector<std::uint32_t> links;
-    for (const auto& [other, points] : shared)
-      if (points >= kFewestShared && other != view) links.push_back(other);
-    return links;
-  }
-
   std::vector<std::vector<std::uint32_t>> neighbours_;
 };
 
