@@ -16,8 +16,6 @@ constexpr double kMostInFront = 0.15;
 constexpr std::uint64_t kFewestKeyframes = 3, kFewestPoints = 50, kFewestViews = 3;
 constexpr double kMostContradicting = 0.35;  // of those that agree
 
-std::string Percent(double share) { return std::to_string(static_cast<int>(100 * share + 0.5)) + "%"; }
-
 }  // namespace
 
 std::string_view NameOf(AlignmentVerdict verdict) {
@@ -33,6 +31,8 @@ std::string_view NameOf(AlignmentVerdict verdict) {
 }
 
 namespace detail {
+
+std::string Percent(double share) { return std::to_string(static_cast<int>(100 * share + 0.5)) + "%"; }
 
 Alignment NothingAgrees() { return {.reason = "no two keyframes see the same"}; }
 

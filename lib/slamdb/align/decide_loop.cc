@@ -21,8 +21,6 @@ constexpr double kMostContradicting = 0.35;  // of those that agree
 // What pictures cannot tell from nothing, and neighbours in a map are off by anyway.
 constexpr double kClosedShift = 0.02, kClosedDegrees = 1, kClosedScale = 0.02;  // shift in median depths
 
-std::string Percent(double share) { return std::to_string(static_cast<int>(100 * share + 0.5)) + "%"; }
-
 bool IsClosed(const LoopGap& gap, double depth) {
   return gap.translation < kClosedShift * depth && gap.degrees < kClosedDegrees &&
          std::abs(std::log(gap.scale)) < kClosedScale;

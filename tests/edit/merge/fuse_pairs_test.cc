@@ -40,6 +40,13 @@ std::vector<MapPointId> Strangers(const Map& map, std::size_t count) {
 
 class FusePairsTest : public ::testing::Test {
  protected:
+  // But for where points lie: what is fused here is not the same thing.
+  std::set<std::string> Troubles() const {
+    std::set<std::string> troubles = testing::Troubles(atlas_);
+    troubles.erase("point-in-front");
+    return troubles;
+  }
+
   Atlas atlas_ = SynthesizeAtlas({.keyframes = 40, .points = 800, .features = 200, .loops = false});
   Map& map_ = MapOf(atlas_);
   const std::vector<MapPointId> ids_ = Strangers(map_, 3);
@@ -56,7 +63,7 @@ TEST_F(FusePairsTest, TheFirstSurvivesWhereverItStands) {
   const MapPoint& point = PointOf(map_, ids_[1]);
   EXPECT_EQ(point.observations.size(), kept.observations.size() + gone.observations.size());
   EXPECT_EQ(point.position, kept.position);
-  EXPECT_EQ(testing::Troubles(atlas_), std::set<std::string>());
+  EXPECT_EQ(Troubles(), std::set<std::string>());
 }
 
 // b goes into a, and then c into b: into a.
@@ -68,7 +75,7 @@ TEST_F(FusePairsTest, FollowsChains) {
   EXPECT_THAT(report.replaced, ::testing::UnorderedElementsAre(Pair(b, a), Pair(c, a)));
   for (const KeyFrame& keyframe : map_.keyframes)
     for (const MapPointId slot : keyframe.features.map_points) EXPECT_TRUE(slot != b && slot != c);
-  EXPECT_EQ(testing::Troubles(atlas_), std::set<std::string>());
+  EXPECT_EQ(Troubles(), std::set<std::string>());
 }
 
 // c may not follow b into a, as a keyframe sees both a and c.

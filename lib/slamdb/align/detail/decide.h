@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "slamdb/align/align.h"
 #include "slamdb/align/loops.h"
 
 namespace slamdb::detail {
+
+// `27%`.
+std::string Percent(double share);
 
 // The answer when no two pictures of the maps agree on anything.
 Alignment NothingAgrees();
