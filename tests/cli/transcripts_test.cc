@@ -162,8 +162,11 @@ std::vector<std::string> Pages() {
   return pages;
 }
 
-INSTANTIATE_TEST_SUITE_P(Transcripts, Page, ::testing::ValuesIn(Pages()),
-                         [](const auto& page) { return fs::path(page.param).stem().string(); });
+INSTANTIATE_TEST_SUITE_P(Transcripts, Page, ::testing::ValuesIn(Pages()), [](const auto& page) {
+  std::string name = fs::path(page.param).stem().string();
+  std::ranges::replace(name, '-', '_');  // as names of tests are
+  return name;
+});
 
 }  // namespace
 }  // namespace slamdb::testing
