@@ -129,10 +129,9 @@ class LoopFinder {
   std::vector<Hypothesis> TakeRegion(std::vector<Hypothesis>& left) const {
     const Candidate leader =
         std::ranges::max_element(left, {}, [](const Hypothesis& each) { return each.inliers.size(); })->candidate;
-    const auto begin =
-        std::ranges::stable_partition(left, [&](const Hypothesis& each) {
-          return !IsNear(each.candidate.first, leader.first) || !IsNear(each.candidate.second, leader.second);
-        }).begin();
+    const auto begin = std::stable_partition(left.begin(), left.end(), [&](const Hypothesis& each) {
+      return !IsNear(each.candidate.first, leader.first) || !IsNear(each.candidate.second, leader.second);
+    });
     std::vector<Hypothesis> region(std::make_move_iterator(begin), std::make_move_iterator(left.end()));
     left.erase(begin, left.end());
     return region;
