@@ -33,6 +33,8 @@ std::span<const Command* const> Commands() {
       &kRepair,
       &kRecover,
       &kTransform,
+      &kOptimize,
+      &kCloseLoops,
       &kDiff,
       &kEvaluate,
       &kLocate,

@@ -10,7 +10,7 @@ extern const Command kInfo, kView, kShow, kDump, kPlot, kReport, kCheck, kConver
 extern const Command kAlign, kMerge, kReassignOrigin, kRenumber;
 extern const Command kExtract, kSplit, kCull, kShrink, kFragments;
 extern const Command kRecover, kRepair;
-extern const Command kOptimize;
+extern const Command kOptimize, kCloseLoops;
 extern const Command kTransform, kDiff, kEvaluate, kLocate;
 extern const Command kAdd, kList, kLog, kRemove, kStats, kVacuum, kBackup, kMigrate;
 extern const Command kLandmarksCommand;

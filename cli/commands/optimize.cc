@@ -23,18 +23,6 @@ struct OptimizeVerbOptions {
 const std::map<std::string, OptimizeMethod> kMethods = {
     {"pose-graph", OptimizeMethod::kPoseGraph}, {"seam", OptimizeMethod::kSeam}, {"full", OptimizeMethod::kFull}};
 
-void WarnOf(const OptimizeReport& report, Notices& notices) {
-  for (const MapOptimization& map : report.maps) {
-    const std::string name = ToString(map.map) + ": ";
-    if (map.pose_graph && !map.pose_graph->converged)
-      notices.Warn(name + "the pose graph has not settled; --iterations allows more steps");
-    if (!map.bundle) continue;
-    for (const std::string& warning : map.bundle->warnings) notices.Warn(name + warning);
-    if (map.bundle->iterations > 0 && !map.bundle->converged)
-      notices.Warn(name + "bundle adjustment has not settled; --iterations allows more steps");
-  }
-}
-
 ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   Notices notices;
   OptimizeOptions optimize = options.optimize;
@@ -51,7 +39,7 @@ ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   optimize.progress = console.MakeProgress();
   Atlas atlas = ReadInput(options.edit, console, notices);
   const OptimizeReport report = NamingFile(options.edit.input, [&] { return OptimizeMaps(atlas, optimize); });
-  WarnOf(report, notices);
+  for (const MapOptimization& map : report.maps) WarnOf(map, "--iterations allows more steps", notices);
   WriteResult(atlas, options.edit, "optimize " + options.edit.input, console, notices);
   return FinishEdit(OptimizeText(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }

@@ -83,4 +83,13 @@ std::string OptimizeText(const OptimizeReport& report) {
   return text;
 }
 
+void WarnOf(const MapOptimization& map, const std::string& remedy, Notices& notices) {
+  const std::string name = ToString(map.map) + ": ";
+  if (map.pose_graph && !map.pose_graph->converged) notices.Warn(name + "the pose graph has not settled; " + remedy);
+  if (!map.bundle) return;
+  for (const std::string& warning : map.bundle->warnings) notices.Warn(name + warning);
+  if (map.bundle->iterations > 0 && !map.bundle->converged)
+    notices.Warn(name + "bundle adjustment has not settled; " + remedy);
+}
+
 }  // namespace slamdb::cli

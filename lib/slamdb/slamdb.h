@@ -8,9 +8,11 @@
 //   slamdb::WriteAtlas(atlas, "maps.db#lab");
 #include "slamdb/align/align.h"
 #include "slamdb/align/align_all.h"
+#include "slamdb/align/close_loops.h"
 #include "slamdb/align/join_aligned.h"
 #include "slamdb/align/locate.h"
 #include "slamdb/align/locate_report.h"
+#include "slamdb/align/loops.h"
 #include "slamdb/align/place_index.h"
 #include "slamdb/align/report_json.h"
 #include "slamdb/base/atomic_file.h"

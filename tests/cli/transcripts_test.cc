@@ -102,12 +102,18 @@ void Fill(const TemporaryFolder& folder) {
     link(fixtures / file);
   fs::create_directory_symlink(fixtures, folder.path() / "fixtures");
   fs::create_symlink(SLAMDB_COMMAND, folder / "slamdb");
-  const char *atlases = std::getenv("SLAMDB_ATLASES"), *meaning = std::getenv("SLAMDB_MEANING");
+  const char *atlases = std::getenv("SLAMDB_ATLASES"), *meaning = std::getenv("SLAMDB_MEANING"),
+             *lab = std::getenv("SLAMDB_LAB2");
   std::vector<fs::path> folders;
   if (atlases != nullptr) folders.emplace_back(atlases);
+  if (lab != nullptr) {
+    folders.emplace_back(lab);
+    folders.push_back(fs::path(lab) / "ground_truth");
+  }
   if (meaning != nullptr) folders.push_back(fs::path(meaning).parent_path() / "ground_truth");
+  std::error_code none;  // a folder that is not there has no files
   for (const fs::path& real : folders)
-    for (const auto& entry : fs::directory_iterator(real)) {
+    for (const auto& entry : fs::directory_iterator(real, none)) {
       const fs::path name = folder.path() / entry.path().filename();
       if (entry.is_regular_file() && !fs::exists(name)) fs::create_symlink(entry.path(), name);
     }
@@ -117,7 +123,7 @@ void Fill(const TemporaryFolder& folder) {
 std::string MissingAtlas(const std::string& command, const TemporaryFolder& folder) {
   static const std::regex names(
       "(session_[ab]|mono_small|mono_small_newmap|mono_dist|race_mono|stereo_inertial|"
-      "fisheye_stereo|multimap_rgbd)(\\.osa|_frames\\.txt)");
+      "fisheye_stereo|multimap_rgbd|l1)(\\.osa|_frames\\.txt)");
   for (std::sregex_iterator name(command.begin(), command.end(), names), end; name != end; ++name)
     if (!fs::exists(folder.path() / name->str())) return name->str();
   return {};
@@ -127,7 +133,8 @@ class Page : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Page, PrintsWhatItSays) {
   if (GetParam() == "docs/view.md" && !HasViewPage()) GTEST_SKIP() << "built without esbuild";
-  if (GetParam() == "docs/optimize.md" && !CanOptimize()) GTEST_SKIP() << "built without Ceres";
+  if ((GetParam() == "docs/optimize.md" || GetParam() == "docs/close-loops.md") && !CanOptimize())
+    GTEST_SKIP() << "built without Ceres";
   const TemporaryFolder folder;
   Fill(folder);
   const std::string page = (fs::path(SLAMDB_FIXTURES) / ".." / GetParam()).string();
@@ -144,7 +151,7 @@ TEST_P(Page, PrintsWhatItSays) {
     else
       ASSERT_TRUE(result.exit_code == 0 || result.exit_code == 3) << said.command << "\n" << result.out;
   }
-  if (!missing.empty()) GTEST_SKIP() << "needs " << missing << " (SLAMDB_ATLASES)";
+  if (!missing.empty()) GTEST_SKIP() << "needs " << missing << " (SLAMDB_ATLASES, SLAMDB_LAB2)";
 }
 
 std::vector<std::string> Pages() {
@@ -155,8 +162,11 @@ std::vector<std::string> Pages() {
   return pages;
 }
 
-INSTANTIATE_TEST_SUITE_P(Transcripts, Page, ::testing::ValuesIn(Pages()),
-                         [](const auto& page) { return fs::path(page.param).stem().string(); });
+INSTANTIATE_TEST_SUITE_P(Transcripts, Page, ::testing::ValuesIn(Pages()), [](const auto& page) {
+  std::string name = fs::path(page.param).stem().string();
+  std::ranges::replace(name, '-', '_');  // as names of tests are
+  return name;
+});
 
 }  // namespace
 }  // namespace slamdb::testing

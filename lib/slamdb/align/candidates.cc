@@ -44,12 +44,15 @@ std::vector<Candidate> BestPlaces(const std::vector<float>& scores, std::span<co
 }
 
 std::vector<Candidate> FindCandidates(const PlaceIndex& index, std::span<const std::vector<std::uint32_t>> groups,
-                                      std::span<const BagOfWords* const> asked, int threads) {
+                                      std::span<const BagOfWords* const> asked, int threads, const Silence& silence) {
   std::vector<std::vector<Candidate>> found(asked.size());
   ParallelFor(asked.size(), 8, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t view = begin; view < end; ++view)
-      if (asked[view] != nullptr)
-        found[view] = BestPlaces(index.Query(*asked[view]), groups, static_cast<std::uint32_t>(view), kPlaces);
+    for (std::size_t view = begin; view < end; ++view) {
+      if (asked[view] == nullptr) continue;
+      std::vector<float> scores = index.Query(*asked[view]);
+      if (silence) silence(static_cast<std::uint32_t>(view), scores);
+      found[view] = BestPlaces(scores, groups, static_cast<std::uint32_t>(view), kPlaces);
+    }
   });
   std::vector<Candidate> candidates;
   for (const std::vector<Candidate>& best : found) candidates.insert(candidates.end(), best.begin(), best.end());

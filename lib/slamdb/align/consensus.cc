@@ -15,17 +15,21 @@ constexpr double kMostLogScale = 0.06;
 constexpr std::size_t kMostGrouped = 2000;  // hypotheses, those with the most inliers
 constexpr double kMostShift = 0.05;         // of the first map's median depth, at the second's camera
 
-bool Agree(const MapPair& pair, const Hypothesis& a, const Hypothesis& b) {
+}  // namespace
+
+bool Agree(const MapPair& pair, const Hypothesis& a, const Hypothesis& b, double slack) {
   const Similarity3d &one = a.first_from_second, &other = b.first_from_second;
-  if (one.rotation.angularDistance(other.rotation) > kMostTurn) return false;
-  if (std::abs(std::log(one.scale / other.scale)) > kMostLogScale) return false;
-  const double most = kMostShift * pair.first.views.median_depth();
+  if (one.rotation.angularDistance(other.rotation) > slack * kMostTurn) return false;
+  if (std::abs(std::log(one.scale / other.scale)) > slack * kMostLogScale) return false;
+  const double most = slack * kMostShift * pair.first.views.median_depth();
   const auto shift = [&](const Hypothesis& hypothesis) {
     const Eigen::Vector3d& center = pair.second.views.views()[hypothesis.candidate.second].center;
     return (one * center - other * center).norm();
   };
   return shift(a) <= most && shift(b) <= most;
 }
+
+namespace {
 
 // Groups hypotheses greedily: the one that most inliers agree with leads, and takes along who agrees with all so far.
 class Grouping {

@@ -19,8 +19,6 @@ constexpr double kMostContradicting = 0.35;  // of those that agree
 constexpr double kMostDegrees =
     0.3;  // standard deviation: what is less well known is off by centimetres a few metres away
 
-std::string Percent(double share) { return std::to_string(static_cast<int>(100 * share + 0.5)) + "%"; }
-
 }  // namespace
 
 std::string_view NameOf(AlignmentVerdict verdict) {
@@ -36,6 +34,8 @@ std::string_view NameOf(AlignmentVerdict verdict) {
 }
 
 namespace detail {
+
+std::string Percent(double share) { return std::to_string(static_cast<int>(100 * share + 0.5)) + "%"; }
 
 Alignment NothingAgrees() { return {.reason = "no two keyframes see the same"}; }
 

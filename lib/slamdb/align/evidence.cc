@@ -31,7 +31,8 @@ double OverlapOf(const MapPair& pair, const Similarity3d& first_from_second) {
   return all == 0 ? 0 : static_cast<double>(near) / static_cast<double>(all);
 }
 
-// The second axis of the ellipsoid of the matched points, in median depths.
+}  // namespace
+
 double ExtentOf(const MapViews& first, const std::vector<PointMatch>& matches) {
   if (matches.size() < 3 || !(first.median_depth() > 0)) return 0;
   const auto position = [&](const PointMatch& match) { return first.points()[match.first.point].position; };
@@ -47,8 +48,6 @@ double ExtentOf(const MapViews& first, const std::vector<PointMatch>& matches) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, solver.eigenvalues()[1])) / first.median_depth();
 }
-
-}  // namespace
 
 AlignmentEvidence EvidenceFor(const MapPair& pair, const GlobalFit& global, int threads) {
   const Similarity3d& first_from_second = global.fit.first_from_second;

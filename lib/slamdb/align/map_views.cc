@@ -239,18 +239,23 @@ void MapViews::FindDepths(int threads) {
   median_depth_ = MedianOf(std::move(depths));
 }
 
-std::vector<std::uint32_t> MapViews::BestCovisibles(std::uint32_t view, std::size_t count) const {
+std::vector<MapViews::Covisible> MapViews::Covisibles(std::uint32_t view) const {
   std::unordered_map<std::uint32_t, std::uint32_t> shared;  // by left view
   for (const Seen& seen : SeenBy(view))
     for (const Sighting& sighting : SightingsOf(seen.point))
       if (!views_[sighting.view].right && sighting.view != view) ++shared[sighting.view];
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours(shared.begin(), shared.end());
-  const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>(std::min(count, neighbours.size()));
-  std::ranges::partial_sort(neighbours, middle, [](const auto& a, const auto& b) {
-    return a.second != b.second ? a.second > b.second : a.first < b.first;
-  });
+  std::vector<Covisible> covisibles;
+  for (const auto& [other, points] : shared) covisibles.push_back({other, points});
+  std::ranges::sort(covisibles, {}, &Covisible::view);
+  return covisibles;
+}
+
+std::vector<std::uint32_t> MapViews::BestCovisibles(std::uint32_t view, std::size_t count) const {
+  std::vector<Covisible> neighbours = Covisibles(view);
+  std::ranges::stable_sort(neighbours, std::greater(), &Covisible::shared);
   std::vector<std::uint32_t> best;
-  for (auto at = neighbours.begin(); at != middle; ++at) best.push_back(at->first);
+  for (const Covisible& neighbour : std::span(neighbours).first(std::min(count, neighbours.size())))
+    best.push_back(neighbour.view);
   return best;
 }
 

@@ -26,24 +26,38 @@ struct Cell {
   bool has_found() const { return found >= 2 && 10 * found >= visible; }
 };
 
+// One picture, to which points are shown one by one.
 class Picture {
  public:
-  Picture(const View& view, std::span<const double> depths, PictureCells cells)
-      : view_(view), depths_(depths), cells_(cells) {}
+  Picture(const View& view, std::span<const double> depths, const Similarity3d& map_from_points, PictureCells divided)
+      : view_(view),
+        depths_(depths),
+        map_from_points_(map_from_points),
+        divided_(divided),
+        cells_(static_cast<std::size_t>(divided.count())) {}
 
-  SeenShare LookFor(const KnownMap& known, const Similarity3d& map_from_points) const {
-    SeenShare share;
-    std::vector<Cell> cells(static_cast<std::size_t>(cells_.count()));
-    for (const PointGroup& group : known.views().groups()) {
-      if (IsOutOfSight(view_, group, map_from_points)) continue;
-      for (const std::uint32_t point : group.points)
-        if (const Descriptor* descriptor = known.DescriptorOf(point))
-          Look(known.views().points()[point], *descriptor, map_from_points, share, cells);
-    }
-    if (share.visible < kFewestPoints) return {};
+  // Whether the point must be seen, and is.
+  void LookFor(const ViewedPoint& point, const Descriptor& descriptor) {
+    const auto expected = Expect(view_, point, map_from_points_, kLeastCosine);
+    if (!expected) return;
+    const double own = OwnDepth(expected->pixel);
+    if (own > 0 && expected->depth > own * kDepthRatio) return;  // hidden
+    if (own > 0 && expected->depth * kDepthRatio < own) ++share_.in_front;
+    const bool found = FindNear(view_, *expected, descriptor, kRadius, kMostBits).has_value();
+    Cell& cell = cells_[CellOf(expected->pixel)];
+    ++cell.visible;
+    cell.found += found ? 1 : 0;
+    ++share_.visible;
+    share_.found += found ? 1 : 0;
+  }
+
+  // Nothing, if it should see too few.
+  SeenShare Share() const {
+    if (share_.visible < kFewestPoints) return {};
+    SeenShare share = share_;
     share.views = 1;
     share.agreeing_views = 5 * share.found >= share.visible ? 1 : 0;
-    for (const Cell& cell : cells) {
+    for (const Cell& cell : cells_) {
       if (cell.visible < kFewestInCell) continue;
       ++share.cells;
       share.found_cells += cell.has_found() ? 1 : 0;
@@ -52,22 +66,6 @@ class Picture {
   }
 
  private:
-  // One point: whether it must be seen, and is.
-  void Look(const ViewedPoint& point, const Descriptor& descriptor, const Similarity3d& map_from_points,
-            SeenShare& share, std::span<Cell> cells) const {
-    const auto expected = Expect(view_, point, map_from_points, kLeastCosine);
-    if (!expected) return;
-    const double own = OwnDepth(expected->pixel);
-    if (own > 0 && expected->depth > own * kDepthRatio) return;  // hidden
-    if (own > 0 && expected->depth * kDepthRatio < own) ++share.in_front;
-    const bool found = FindNear(view_, *expected, descriptor, kRadius, kMostBits).has_value();
-    Cell& cell = cells[CellOf(expected->pixel)];
-    ++cell.visible;
-    cell.found += found ? 1 : 0;
-    ++share.visible;
-    share.found += found ? 1 : 0;
-  }
-
   // The depth of the nearest keypoint about a place of the picture whose depth is known; 0 where there are none.
   double OwnDepth(const Eigen::Vector2d& pixel) const {
     double nearest = 0;
@@ -86,14 +84,17 @@ class Picture {
 
   std::size_t CellOf(const Eigen::Vector2d& pixel) const {
     const Eigen::Array2d place = (pixel - view_.frame.min()).array() / view_.frame.sizes().array();
-    const int column = std::clamp(static_cast<int>(place.x() * cells_.columns), 0, cells_.columns - 1);
-    const int row = std::clamp(static_cast<int>(place.y() * cells_.rows), 0, cells_.rows - 1);
-    return static_cast<std::size_t>(row * cells_.columns + column);
+    const int column = std::clamp(static_cast<int>(place.x() * divided_.columns), 0, divided_.columns - 1);
+    const int row = std::clamp(static_cast<int>(place.y() * divided_.rows), 0, divided_.rows - 1);
+    return static_cast<std::size_t>(row * divided_.columns + column);
   }
 
   const View& view_;
   const std::span<const double> depths_;
-  const PictureCells cells_;
+  const Similarity3d& map_from_points_;
+  const PictureCells divided_;
+  std::vector<Cell> cells_;
+  SeenShare share_;
 };
 
 // By keypoint, of the map's own points; 0 where it is none.
@@ -104,22 +105,7 @@ std::vector<double> DepthsOf(const MapViews& map, std::uint32_t view) {
   return depths;
 }
 
-}  // namespace
-
-SeenShare LookFrom(const View& view, std::span<const double> depths, const KnownMap& points,
-                   const Similarity3d& map_from_points, PictureCells cells) {
-  return Picture(view, depths, cells).LookFor(points, map_from_points);
-}
-
-SeenShare LookFor(const MapViews& points, const MapViews& pictures, const Similarity3d& map_from_points, int threads) {
-  const std::size_t step = pictures.views().size() / kMostViews + 1;
-  std::vector<SeenShare> shares((pictures.views().size() + step - 1) / step);
-  ParallelFor(shares.size(), 4, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto view = static_cast<std::uint32_t>(i * step);
-      shares[i] = LookFrom(pictures.views()[view], DepthsOf(pictures, view), points, map_from_points);
-    }
-  });
+SeenShare Sum(std::span<const SeenShare> shares) {
   SeenShare sum;
   for (const SeenShare& share : shares) {
     sum.views += share.views;
@@ -131,6 +117,49 @@ SeenShare LookFor(const MapViews& points, const MapViews& pictures, const Simila
     sum.in_front += share.in_front;
   }
   return sum;
+}
+
+// The sum of share_of(view) over some views.
+template <class ShareOf>
+SeenShare SumOver(std::size_t views, int threads, const ShareOf& share_of) {
+  std::vector<SeenShare> shares(views);
+  ParallelFor(views, 4, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) shares[i] = share_of(i);
+  });
+  return Sum(shares);
+}
+
+}  // namespace
+
+SeenShare LookFrom(const View& view, std::span<const double> depths, const KnownMap& points,
+                   const Similarity3d& map_from_points, PictureCells cells) {
+  Picture picture(view, depths, map_from_points, cells);
+  for (const PointGroup& group : points.views().groups()) {
+    if (IsOutOfSight(view, group, map_from_points)) continue;
+    for (const std::uint32_t row : group.points)
+      if (const Descriptor* descriptor = points.DescriptorOf(row))
+        picture.LookFor(points.views().points()[row], *descriptor);
+  }
+  return picture.Share();
+}
+
+SeenShare LookFor(const MapViews& points, const MapViews& pictures, const Similarity3d& map_from_points, int threads) {
+  const std::size_t step = pictures.views().size() / kMostViews + 1;
+  return SumOver((pictures.views().size() + step - 1) / step, threads, [&](std::size_t i) {
+    const auto view = static_cast<std::uint32_t>(i * step);
+    return LookFrom(pictures.views()[view], DepthsOf(pictures, view), points, map_from_points);
+  });
+}
+
+SeenShare LookFor(const MapViews& points, std::span<const std::uint32_t> some_points, const MapViews& pictures,
+                  std::span<const std::uint32_t> some_views, const Similarity3d& map_from_points, int threads) {
+  return SumOver(some_views.size(), threads, [&](std::size_t i) {
+    const std::uint32_t view = some_views[i];
+    const std::vector<double> depths = DepthsOf(pictures, view);
+    Picture picture(pictures.views()[view], depths, map_from_points, {});
+    for (const std::uint32_t row : some_points) picture.LookFor(points.points()[row], *points.points()[row].descriptor);
+    return picture.Share();
+  });
 }
 
 }  // namespace slamdb::detail

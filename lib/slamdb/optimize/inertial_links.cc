@@ -74,8 +74,8 @@ std::optional<InertialLink> LinkOf(const KeyFrame& first, const KeyFrame& second
 bool KnowsGravity(const Map& map) {
   if (!map.imu_initialized) return false;
   const auto gravity = GravityByInertia(map);
-  return !gravity || !gravity->allFinite() ||
-         -gravity->normalized().z() > std::cos(kLargestTilt * std::numbers::pi / 180);
+  if (!gravity || !gravity->allFinite() || gravity->isZero()) return true;
+  return -gravity->normalized().z() > std::cos(kLargestTilt * std::numbers::pi / 180);
 }
 
 std::vector<InertialLink> FindInertialLinks(const Map& map, std::uint64_t& unusable) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/optimize/detail/report_json.h"
+
 #include "slamdb/model/detail/json.h"
-#include "slamdb/optimize/optimize.h"
 
 namespace slamdb {
 namespace {
@@ -52,14 +53,17 @@ Json JsonOf(const BundleReport& bundle) {
 
 }  // namespace
 
+detail::Json detail::OptimizationJson(const MapOptimization& optimization) {
+  return {{"map", JsonId(optimization.map)},
+          {"pose_graph", optimization.pose_graph ? slamdb::JsonOf(*optimization.pose_graph) : Json()},
+          {"bundle", optimization.bundle ? slamdb::JsonOf(*optimization.bundle) : Json()}};
+}
+
 std::string ToJson(const OptimizeReport& report, const ReportFiles& files) {
   Json json = detail::ReportHead("optimize", files);
   json["method"] = NameOf(report.method);
   json["maps"] = Json::array();
-  for (const MapOptimization& map : report.maps)
-    json["maps"].push_back({{"map", detail::JsonId(map.map)},
-                            {"pose_graph", map.pose_graph ? JsonOf(*map.pose_graph) : Json()},
-                            {"bundle", map.bundle ? JsonOf(*map.bundle) : Json()}});
+  for (const MapOptimization& map : report.maps) json["maps"].push_back(detail::OptimizationJson(map));
   return detail::JsonText(json);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,10 @@ std::vector<Candidate> BestPlaces(const std::vector<float>& scores, std::span<co
                                   std::uint32_t second, std::size_t count);
 
 // For each picture that is asked for (by view; null is none) its three best places in the map; the most alike first.
+// `silence` sets the scores to 0 of views that may not be an answer for the view that is asked for; empty: none.
+using Silence = std::function<void(std::uint32_t asked, std::span<float> scores)>;
 std::vector<Candidate> FindCandidates(const PlaceIndex& index, std::span<const std::vector<std::uint32_t>> groups,
-                                      std::span<const BagOfWords* const> asked, int threads);
+                                      std::span<const BagOfWords* const> asked, int threads,
+                                      const Silence& silence = {});
 
 }  // namespace slamdb::detail

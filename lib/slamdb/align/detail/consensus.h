@@ -9,6 +9,10 @@
 
 namespace slamdb::detail {
 
+// Whether two say the same of how the maps lie: to 3 degrees, 6 % of the scale and 5 % of the depth of what is seen, or
+// so many times that.
+bool Agree(const MapPair& pair, const Hypothesis& a, const Hypothesis& b, double slack = 1);
+
 // Hypotheses that agree, each with each, on how the maps lie.
 // After pairwise consistent measurement sets (Mangelson et al., ICRA 2018), taken greedily.
 struct Consensus {

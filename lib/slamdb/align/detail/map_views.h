@@ -116,7 +116,12 @@ class MapViews {
     return point_at_[keypoint_begins_[sighting.view] + sighting.keypoint];
   }
 
-  // The left views that share most points with a left view, the most first, then by row; counted from sightings.
+  // The left views that share points with a left view, by row, and how many; counted from sightings.
+  struct Covisible {
+    std::uint32_t view, shared;
+  };
+  std::vector<Covisible> Covisibles(std::uint32_t view) const;
+  // Those that share most, the most first, then by row.
   std::vector<std::uint32_t> BestCovisibles(std::uint32_t view, std::size_t count) const;
 
   bool metric() const { return metric_; }                           // lengths are metres

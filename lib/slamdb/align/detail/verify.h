@@ -39,4 +39,8 @@ SeenShare LookFrom(const View& view, std::span<const double> depths, const Known
 // Deterministic for any number of threads.
 SeenShare LookFor(const MapViews& points, const MapViews& pictures, const Similarity3d& map_from_points, int threads);
 
+// The same of some points and some pictures alone.
+SeenShare LookFor(const MapViews& points, std::span<const std::uint32_t> some_points, const MapViews& pictures,
+                  std::span<const std::uint32_t> some_views, const Similarity3d& map_from_points, int threads);
+
 }  // namespace slamdb::detail

@@ -90,6 +90,25 @@ class Fuser {
     report_.candidates = pairs.size() + options_.known.size();
     std::ranges::sort(pairs, std::less<>());
     for (const Pair& pair : pairs) Fuse(pair);
+    return Finish();
+  }
+
+  FuseReport RunPairs(std::span<const std::pair<MapPointId, MapPointId>> pairs) {
+    survivor_.assign(map_.points.size(), kNoRow);
+    report_.candidates = pairs.size();
+    const IdTable points = PointTable(map_);
+    for (const auto& [first, second] : pairs) {
+      const std::uint32_t a = points.Find(first.value()), b = points.Find(second.value());
+      if (a == kNoRow || b == kNoRow) continue;
+      if (const std::uint32_t kept = SurvivorOf(a), gone = SurvivorOf(b); kept != gone) Fuse(PairOf(kept, gone));
+    }
+    for (std::uint32_t& survivor : survivor_)
+      if (survivor != kNoRow) survivor = SurvivorOf(survivor);
+    return Finish();
+  }
+
+ private:
+  FuseReport Finish() {
     if (report_.fused == 0) return report_;
     report_.mean_distance /= static_cast<double>(report_.fused);
     RefreshSurvivors();
@@ -99,7 +118,17 @@ class Fuser {
     return report_;
   }
 
- private:
+  // Where a point has gone to, through others; itself if it is there.
+  std::uint32_t SurvivorOf(std::uint32_t row) const {
+    while (survivor_[row] != kNoRow) row = survivor_[row];
+    return row;
+  }
+
+  Pair PairOf(std::uint32_t first, std::uint32_t second) const {
+    const MapPoint &a = map_.points[first], &b = map_.points[second];
+    return {first, second, HammingDistance(a.descriptor, b.descriptor), (a.position - b.position).norm()};
+  }
+
   // max_distance is the distance from the reference keyframe times the scale of the level that it saw the point at.
   void FindUncertainties() {
     uncertainty_.assign(map_.points.size(), 0);
@@ -125,9 +154,7 @@ class Fuser {
     for (const auto& [one, other] : options_.known) {
       const std::uint32_t a = points.Find(one.value()), b = points.Find(other.value());
       if (a == kNoRow || b == kNoRow || std::max(a, b) < second_ || std::min(a, b) >= second_) continue;
-      const MapPoint &first = map_.points[std::min(a, b)], &second = map_.points[std::max(a, b)];
-      pairs.push_back({std::min(a, b), std::max(a, b), HammingDistance(first.descriptor, second.descriptor),
-                       (first.position - second.position).norm()});
+      pairs.push_back(PairOf(std::min(a, b), std::max(a, b)));
     }
     std::ranges::sort(pairs, std::less<>());
     return pairs;
@@ -250,8 +277,9 @@ class Fuser {
   }
 
   void EraseFused() {
-    for (std::size_t row = second_; row < map_.points.size(); ++row)
+    for (std::size_t row = 0; row < map_.points.size(); ++row)
       if (survivor_[row] != kNoRow) report_.replaced.emplace_back(map_.points[row].id, map_.points[survivor_[row]].id);
+    std::ranges::sort(report_.replaced);
     std::size_t kept = 0;
     for (std::size_t row = 0; row < map_.points.size(); ++row) {
       if (survivor_[row] != kNoRow) continue;
@@ -285,6 +313,10 @@ FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options) 
   FuseReport report = Fuser(map, second, options).Run();
   detail::Steps(options.progress, "fusing points", 1).Next();
   return report;
+}
+
+FuseReport FusePairs(Map& map, std::span<const std::pair<MapPointId, MapPointId>> pairs) {
+  return Fuser(map, 0, {}).RunPairs(pairs);
 }
 
 }  // namespace slamdb

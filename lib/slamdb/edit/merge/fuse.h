@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -49,5 +50,13 @@ struct FuseReport {
 // Throws nothing but std::bad_alloc and what the listener to its progress throws.
 // Cost: linear, in place, but for sorting the pairs; the result is the same for any number of threads.
 SLAMDB_EXPORT FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options = {});
+
+// Fuses points that are known to be the same thing, wherever they lie and stand in the list, and seeks no others.
+// The first of each pair survives. Pairs are taken in their order: one whose points went into others is of these.
+// No keyframe may see both; the rest is as above.
+//
+// Throws nothing but std::bad_alloc.
+// Cost: linear, in place.
+SLAMDB_EXPORT FuseReport FusePairs(Map& map, std::span<const std::pair<MapPointId, MapPointId>> pairs);
 
 }  // namespace slamdb

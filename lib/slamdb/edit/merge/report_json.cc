@@ -30,14 +30,14 @@ Json JsonOf(const AnchorFit& fit) {
           {"anchors", anchors}};
 }
 
-Json JsonOf(const FuseReport& fused) {
+}  // namespace
+
+Json FuseJson(const FuseReport& fused) {
   return {{"candidates", fused.candidates},       {"points", fused.fused},
           {"seen_together", fused.seen_together}, {"observations", fused.observations},
           {"cleared_slots", fused.cleared_slots}, {"keyframes", fused.keyframes},
           {"mean_distance", fused.mean_distance}};
 }
-
-}  // namespace
 
 Json JoinJson(const JoinReport& join) {
   Json json = {
@@ -50,7 +50,7 @@ Json JoinJson(const JoinReport& join) {
       {"left_inertial", join.left_inertial},
       {"warnings", join.warnings}};
   if (join.fit) json["alignment"] = JsonOf(*join.fit);
-  if (join.fused) json["fused"] = JsonOf(*join.fused);
+  if (join.fused) json["fused"] = FuseJson(*join.fused);
   json["landmarks"] = join.landmarks;
   json["fused_landmarks"] = join.fused_landmarks;
   if (join.alike)

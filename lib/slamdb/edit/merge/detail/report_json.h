@@ -9,5 +9,6 @@ namespace slamdb::detail {
 // What ToJson writes, for reports that say more.
 Json MergeJson(const MergeReport& report, const std::string& output);
 Json JoinJson(const JoinReport& join);
+Json FuseJson(const FuseReport& fused);
 
 }  // namespace slamdb::detail

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. Loops are found in every map, before any is changed.
+// 2. Of each missed one a few pairs of keyframes are constraints, by which the map is bent.
+// 3. They become loop edges, and points of both ends are fused.
+// 4. The bundle is adjusted.
+#include "slamdb/align/close_loops.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "slamdb/base/error.h"
+#include "slamdb/edit/landmarks/landmarks.h"
+#include "slamdb/model/detail/irregular_entries.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb {
+namespace {
+
+constexpr std::size_t kMostPairs = 5;  // of a loop, that become constraints and loop edges
+
+bool HasViews(const Map& map) {
+  return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) { return !keyframe.bad; }) &&
+         std::ranges::any_of(map.points, [](const MapPoint& point) { return !point.bad && point.has_descriptor(); });
+}
+
+// Rows of the atlas.
+std::vector<std::size_t> MapsOf(const Atlas& atlas, const CloseLoopsOptions& options) {
+  std::vector<std::size_t> rows;
+  for (const MapId id : options.maps)
+    if (std::ranges::find(atlas.maps, id, &Map::id) == atlas.maps.end())
+      throw Error(ErrorKind::kNotFound, "there is no " + ToString(id));
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    const Map& map = atlas.maps[row];
+    const bool wanted = options.maps.empty() || std::ranges::find(options.maps, map.id) != options.maps.end();
+    if (wanted && HasViews(map)) rows.push_back(row);
+  }
+  return rows;
+}
+
+// Pairs of which each keyframe is in one alone, most inliers first.
+std::vector<LoopPair> StrongestPairs(const Loop& loop) {
+  std::vector<LoopPair> strongest;
+  for (const LoopPair& pair : loop.pairs) {
+    const bool taken = std::ranges::any_of(
+        strongest, [&](const LoopPair& other) { return other.first == pair.first || other.second == pair.second; });
+    if (!taken && strongest.size() < kMostPairs) strongest.push_back(pair);
+  }
+  return strongest;
+}
+
+void AddLoopEdge(Map& map, const IdTable& rows, KeyFrameId from, KeyFrameId to) {
+  const std::uint32_t row = rows.Find(from.value());
+  if (row == kNoRow) return;
+  KeyFrame& keyframe = map.keyframes[row];
+  keyframe.not_erase = true;
+  if (std::ranges::find(keyframe.loop_edges, to) == keyframe.loop_edges.end()) keyframe.loop_edges.push_back(to);
+}
+
+// Landmarks that stand for points which went into others stand for these.
+void FollowFused(const FuseReport& fused, Map& map) {
+  std::vector<Landmark> moved;
+  std::erase_if(map.landmarks, [&](Landmark& landmark) {
+    const MapPointId id(landmark.id.value());
+    const auto found = std::ranges::lower_bound(fused.replaced, id, {}, &std::pair<MapPointId, MapPointId>::first);
+    if (found == fused.replaced.end() || found->first != id) return false;
+    landmark.id = LandmarkId(found->second.value());
+    moved.push_back(landmark);
+    return true;
+  });
+  TakeLandmarks(map.landmarks, moved);
+}
+
+void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, ClosedMap& closed) {
+  std::vector<LoopPair> pairs;
+  std::vector<std::pair<MapPointId, MapPointId>> same;
+  for (const Loop& loop : closed.search.loops) {
+    if (loop.verdict != LoopVerdict::kMissed) continue;
+    std::ranges::move(StrongestPairs(loop), std::back_inserter(pairs));
+    for (const MatchedPoints& match : loop.matches) same.emplace_back(match.first, match.second);
+  }
+  detail::DropIrregularEntries(atlas);  // they name rows of lists that change
+  PoseGraphOptions graph;
+  graph.threads = options.threads;
+  graph.progress = options.progress;
+  for (const LoopPair& pair : pairs)
+    graph.constraints.push_back(
+        {.first = pair.first, .second = pair.second, .first_from_second = pair.first_from_second});
+  closed.constraints = pairs.size();
+  closed.optimization.pose_graph = OptimizePoseGraph(atlas, closed.map, graph);
+  Map& map = atlas.maps[row];
+  const IdTable rows = KeyFrameTable(map);
+  for (const LoopPair& pair : pairs) {
+    AddLoopEdge(map, rows, pair.first, pair.second);
+    AddLoopEdge(map, rows, pair.second, pair.first);
+  }
+  closed.fused = FusePairs(map, same);
+  FollowFused(closed.fused, map);
+  ++map.big_change_index;
+  if (!options.adjust_bundle) return;
+  BundleOptions bundle;
+  bundle.threads = options.threads;
+  bundle.progress = options.progress;
+  closed.optimization.bundle = AdjustBundle(atlas, closed.map, bundle);
+}
+
+}  // namespace
+
+CloseLoopsReport CloseLoops(Atlas& atlas, const CloseLoopsOptions& options) {
+  CloseLoopsReport report;
+  const std::vector<std::size_t> rows = MapsOf(atlas, options);
+  for (const std::size_t row : rows) {
+    ClosedMap& closed = report.maps.emplace_back();
+    closed.map = closed.optimization.map = atlas.maps[row].id;
+    closed.search =
+        FindLoops({&atlas, row},
+                  {.own_vocabulary = options.own_vocabulary, .threads = options.threads, .progress = options.progress});
+    report.closed +=
+        static_cast<std::uint64_t>(std::ranges::count(closed.search.loops, LoopVerdict::kMissed, &Loop::verdict));
+  }
+  if (report.closed > 0 && !CanOptimize())
+    throw Error(ErrorKind::kUnsupported,
+                "there are loops to close, and this slamdb was built without Ceres, which bends the map: install "
+                "libceres-dev and build it again");
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (std::ranges::count(report.maps[i].search.loops, LoopVerdict::kMissed, &Loop::verdict) > 0)
+      Close(atlas, rows[i], options, report.maps[i]);
+  return report;
+}
+
+}  // namespace slamdb
