@@ -39,7 +39,6 @@ std::span<const Command* const> Commands() {
       &kEvaluate,
       &kLocate,
       &kLandmarksCommand,
-      &kOptimize,
       &kAdd,
       &kList,
       &kLog,
