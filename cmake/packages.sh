@@ -7,7 +7,7 @@ declare -A packages=(
   # What the command is built with.
   [command]="g++ cmake ninja-build libeigen3-dev libsqlite3-dev libcli11-dev nlohmann-json3-dev libxxhash-dev libmd-dev zlib1g-dev"
   # Its page, its plots, and features of pictures, without which everything else is built.
-  [pictures]="esbuild libcairo2-dev fonts-dejavu-core libopencv-features2d-dev libopencv-imgcodecs-dev"
+  [pictures]="esbuild libcairo2-dev fonts-dejavu-core libopencv-features2d-dev libopencv-imgproc-dev libpng-dev libturbojpeg0-dev"
   # Bundle adjustment, likewise.
   [optimization]="libceres-dev"
   # The live map, and archives of Boost.

@@ -26,6 +26,7 @@ endfunction()
 function(library_of include out)
   set(${out} "" PARENT_SCOPE)
   foreach(pair "nlohmann/=nlohmann_json::nlohmann_json" "sqlite3.h=SQLite::SQLite3" "zlib.h=ZLIB::ZLIB" "opencv2/=OpenCVCore::core" "opencv2/features2d=opencv_features2d" "opencv2/img=opencv_imgproc"
+          "png.h=png" "turbojpeg.h=turbojpeg"
           "Eigen/=Eigen3::Eigen" "md5.h=md" "sha2.h=md" "xxhash.h=md" "boost/=Boost::serialization" "CLI/=CLI11::CLI11" "ceres/=Ceres::ceres"
           "cairo=cairo")
     string(REGEX MATCH "^(.*)=(.*)$" matched ${pair})

@@ -6,9 +6,7 @@
 
 #include "slamdb/model/derive.h"
 #include "slamdb/pictures/pictures.h"
-#include "tests/support/kind_of.h"
 #include "tests/support/message_of.h"
-#include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
@@ -75,19 +73,6 @@ TEST(ExtractFeatures, OfAPictureWithoutCornersOrTooSmallAreNone) {
 TEST(ExtractFeatures, RefusesAPictureOfAnotherSize) {
   EXPECT_THAT(MessageOf([] { (void)ExtractFeatures(Squares(320, 240), SettingsFor(640, 480), 500); }),
               HasSubstr("the picture is 320 x 240, and the camera's are 640 x 480"));
-}
-
-TEST(ReadPicture, ReadsGrayValuesAndRefusesTheRest) {
-  const TemporaryFolder folder;
-  const std::string pixels = {'\0', '\x40', '\x7f', '\x10', '\x20', '\x30'};
-  const GrayPicture picture = ReadPicture(folder.Make("a.pgm", "P5\n3 2\n255\n" + pixels));
-  EXPECT_EQ(picture.width, 3);
-  EXPECT_EQ(picture.height, 2);
-  EXPECT_EQ(picture.pixels, std::vector<std::uint8_t>(pixels.begin(), pixels.end()));
-  EXPECT_EQ(KindOf([&] { (void)ReadPicture(folder.Make("b.png", "no picture")); }), ErrorKind::kDamaged);
-  EXPECT_EQ(KindOf([&] { (void)ReadPicture(folder.Make("c.png", "")); }), ErrorKind::kDamaged);
-  EXPECT_EQ(KindOf([&] { (void)ReadPicture(folder.Make("d.pgm", "P5\n900000 900000\n255\n")); }), ErrorKind::kDamaged);
-  EXPECT_EQ(KindOf([&] { (void)ReadPicture(folder.Path("none.png")); }), ErrorKind::kNotFound);
 }
 
 }  // namespace

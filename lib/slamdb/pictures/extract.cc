@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "slamdb/base/detail/concat.h"
@@ -26,15 +25,14 @@ constexpr int kCornerBorder = 3;  // that FAST itself does not look at
 constexpr int kCell = 35;         // pixels
 constexpr int kPatch = 31;        // diameter of what a descriptor is of, pixels
 constexpr int kRadius = 15;       // of the patch whose centroid gives the orientation
-constexpr std::size_t kMostPixels = std::size_t{1} << 26;
 
 // cv::Exception is nothing that callers of slamdb know.
 template <class Work>
-auto WithOpenCv(ErrorKind kind, const std::string& path, const Work& work) {
+auto WithOpenCv(const Work& work) {
   try {
     return work();
   } catch (const cv::Exception& error) {
-    throw Error(kind, path, "", Concat("OpenCV: ", std::string(error.err)));
+    throw Error(ErrorKind::kNotPossible, Concat("OpenCV: ", std::string(error.err)));
   }
 }
 
@@ -167,25 +165,8 @@ cv::Mat Sized(const GrayPicture& picture, const CameraSettings& settings) {
 
 }  // namespace
 
-GrayPicture ReadPicture(const Source& source) {
-  const WholeFile file(source);
-  const auto size = static_cast<int>(std::min<std::size_t>(file.bytes().size(), std::numeric_limits<int>::max()));
-  const cv::Mat decoded = WithOpenCv(ErrorKind::kDamaged, file.path(), [&] {
-    if (size == 0) return cv::Mat();
-    const cv::Mat bytes(1, size, CV_8UC1, const_cast<std::byte*>(file.bytes().data()));
-    return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  });
-  if (decoded.empty()) throw Error(ErrorKind::kDamaged, file.path(), "", "is no picture that OpenCV can read");
-  if (decoded.total() > kMostPixels)
-    throw Error(ErrorKind::kOutOfResources, file.path(), "", Concat("has ", decoded.total(), " pixels: too many"));
-  GrayPicture picture{.width = decoded.cols, .height = decoded.rows, .pixels = {}};
-  picture.pixels.resize(decoded.total());
-  decoded.copyTo(cv::Mat(decoded.rows, decoded.cols, CV_8UC1, picture.pixels.data()));
-  return picture;
-}
-
 PictureFeatures ExtractFeatures(const GrayPicture& picture, const CameraSettings& settings, std::int32_t features) {
-  return WithOpenCv(ErrorKind::kNotPossible, "", [&] {
+  return WithOpenCv([&] {
     cv::Mat level = Sized(picture, settings);
     const cv::Size whole = level.size();
     PictureFeatures out{.camera = settings.camera,

@@ -29,7 +29,7 @@ std::string SuffixOf(const fs::path& path) {
 }
 
 bool IsPicture(const fs::path& path) {
-  constexpr std::array kSuffixes = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp", ".tif", ".tiff", ".webp"};
+  constexpr std::array kSuffixes = {".png", ".jpg", ".jpeg", ".pgm", ".ppm"};
   return std::ranges::find(kSuffixes, SuffixOf(path)) != kSuffixes.end();
 }
 

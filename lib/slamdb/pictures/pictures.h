@@ -10,8 +10,8 @@
 #include "slamdb/model/picture_features.h"
 #include "slamdb/pictures/camera_settings.h"
 
-// Pictures and their ORB features. OpenCV reads and works on the pictures; where slamdb was built without it,
-// everything here throws Error (kNotPossible), which names the packages that are missing.
+// Pictures and their ORB features. OpenCV works on the pictures; where slamdb was built without it, everything here
+// throws Error (kNotPossible), which names the packages that are missing.
 namespace slamdb {
 
 // A gray picture: row after row, a byte a pixel.
@@ -20,8 +20,8 @@ struct GrayPicture {
   std::vector<std::uint8_t> pixels;
 };
 
-// Reads a picture in any format that OpenCV knows (PNG, JPEG, PGM, TIFF, ...), as ORB-SLAM3's examples do; colours
-// become gray.
+// Reads a PNG, JPEG, PGM or PPM picture, told by its content. Colours become gray, 16 bits a channel 8; what EXIF says
+// of its orientation is left alone, as ORB-SLAM3's examples do.
 //
 // Throws Error as WholeFile does, kDamaged when it is no picture, and kOutOfResources when it has more than 2^26
 // pixels.

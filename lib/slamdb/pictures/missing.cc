@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// In place of extract.cc where OpenCV's modules for pictures are not there.
+// In place of extract.cc and read_picture.cc where a library that they need is not there.
 #include "slamdb/base/error.h"
 #include "slamdb/pictures/pictures.h"
 
@@ -7,9 +7,10 @@ namespace slamdb {
 namespace {
 
 [[noreturn]] void RefuseAll() {
-  throw Error(ErrorKind::kNotPossible,
-              "slamdb was built without pictures: install libopencv-features2d-dev and libopencv-imgcodecs-dev, and "
-              "build it again");
+  throw Error(
+      ErrorKind::kNotPossible,
+      "slamdb was built without pictures: install libopencv-features2d-dev, libopencv-imgproc-dev, libpng-dev and "
+      "libturbojpeg0-dev, and build it again");
 }
 
 }  // namespace

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The formats that cameras and datasets write, each by its own small library: OpenCV's reader of pictures would do, but
+// brings a hundred libraries along, which every start of the command would load.
+#include <png.h>
+#include <turbojpeg.h>
+
+#include <algorithm>
+#include <memory>
+#include <opencv2/imgproc.hpp>
+#include <string_view>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
+#include "slamdb/pictures/pictures.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Concat;
+using Bytes = std::span<const std::byte>;
+
+constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
+
+struct NotReadable {
+  std::string why;
+};
+
+std::string_view TextOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+// Before anything is allocated.
+GrayPicture PictureOf(std::uint64_t width, std::uint64_t height) {
+  if (width == 0 || height == 0) throw NotReadable{"has no pixels"};
+  if (width > kMostPixels || height > kMostPixels || width * height > kMostPixels)
+    throw Error(ErrorKind::kOutOfResources, Concat("has ", width, " x ", height, " pixels: too many"));
+  GrayPicture picture{
+      .width = static_cast<std::int32_t>(width), .height = static_cast<std::int32_t>(height), .pixels = {}};
+  picture.pixels.resize(width * height);
+  return picture;
+}
+
+// As ORB-SLAM3 turns colours into gray.
+void TurnGray(std::vector<std::uint8_t>& colors, GrayPicture& picture) {
+  const cv::Mat from(picture.height, picture.width, CV_8UC3, colors.data());
+  const cv::Mat to(picture.height, picture.width, CV_8UC1, picture.pixels.data());
+  cv::cvtColor(from, to, cv::COLOR_RGB2GRAY);
+}
+
+GrayPicture ReadPng(Bytes bytes) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  const std::unique_ptr<png_image, decltype(&png_image_free)> guard(&image, png_image_free);
+  const auto need = [&](int done) {
+    if (done == 0 || PNG_IMAGE_FAILED(image)) throw NotReadable{image.message};
+  };
+  need(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()));
+  GrayPicture picture = PictureOf(image.width, image.height);
+  const png_color black{};
+  if ((image.format & PNG_FORMAT_FLAG_LINEAR) != 0) {  // 16 bits
+    image.format = PNG_FORMAT_LINEAR_Y;
+    std::vector<std::uint16_t> wide(picture.pixels.size());
+    need(png_image_finish_read(&image, &black, wide.data(), 0, nullptr));
+    std::ranges::transform(wide, picture.pixels.begin(),
+                           [](std::uint16_t value) { return static_cast<std::uint8_t>(value >> 8U); });
+  } else if ((image.format & PNG_FORMAT_FLAG_COLOR) != 0) {
+    image.format = PNG_FORMAT_RGB;
+    std::vector<std::uint8_t> colors(3 * picture.pixels.size());
+    need(png_image_finish_read(&image, &black, colors.data(), 0, nullptr));
+    TurnGray(colors, picture);
+  } else {
+    image.format = PNG_FORMAT_GRAY;
+    need(png_image_finish_read(&image, &black, picture.pixels.data(), 0, nullptr));
+  }
+  return picture;
+}
+
+GrayPicture ReadJpeg(Bytes bytes) {
+  const std::unique_ptr<void, decltype(&tjDestroy)> decoder(tjInitDecompress(), tjDestroy);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  const auto need = [&](int failed) {
+    if (failed != 0) throw NotReadable{tjGetErrorStr2(decoder.get())};
+  };
+  int width = 0, height = 0, sampling = 0, colors = 0;
+  need(tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &sampling, &colors));
+  GrayPicture picture = PictureOf(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height));
+  need(tjDecompress2(decoder.get(), data, bytes.size(), picture.pixels.data(), width, 0, height, TJPF_GRAY,
+                     TJFLAG_LIMITSCANS | TJFLAG_STOPONWARNING));
+  return picture;
+}
+
+// "P5 WIDTH HEIGHT 255" or P6, with comments between, a single space, then the pixels.
+GrayPicture ReadPnm(Bytes bytes) {
+  std::string_view text = TextOf(bytes);
+  const std::size_t channels = text[1] == '6' ? 3 : 1;
+  text.remove_prefix(2);
+  const auto next = [&] {
+    for (constexpr std::string_view kSpaces = " \t\r\n";
+         !text.empty() && (kSpaces.find(text.front()) != std::string_view::npos || text.front() == '#');)
+      text.remove_prefix(text.front() == '#' ? std::min(text.find('\n'), text.size()) : 1);
+    std::uint64_t number = 0;
+    for (; !text.empty() && text.front() >= '0' && text.front() <= '9'; text.remove_prefix(1))
+      number = std::min<std::uint64_t>(10 * number + static_cast<std::uint64_t>(text.front() - '0'), 2 * kMostPixels);
+    return number;
+  };
+  const std::uint64_t width = next(), height = next();
+  if (next() != 255) throw NotReadable{"has other values than of a byte"};
+  if (text.empty() || width == 0 || height == 0 || (text.size() - 1) / channels / width < height)
+    throw NotReadable{"ends within its pixels"};
+  GrayPicture picture = PictureOf(width, height);
+  text = text.substr(1, picture.pixels.size() * channels);
+  std::vector<std::uint8_t> values(text.begin(), text.end());
+  if (channels == 3)
+    TurnGray(values, picture);
+  else
+    picture.pixels = std::move(values);
+  return picture;
+}
+
+}  // namespace
+
+GrayPicture ReadPicture(const Source& source) {
+  const WholeFile file(source);
+  const std::string_view text = TextOf(file.bytes());
+  try {
+    if (text.starts_with("\x89PNG")) return ReadPng(file.bytes());
+    if (text.starts_with("\xff\xd8\xff")) return ReadJpeg(file.bytes());
+    if (text.starts_with("P5") || text.starts_with("P6")) return ReadPnm(file.bytes());
+  } catch (const NotReadable& error) {
+    throw Error(ErrorKind::kDamaged, file.path(), "", "is a damaged picture: " + error.why);
+  } catch (const Error& error) {
+    throw Error(error.kind(), file.path(), "", error.problem());
+  }
+  throw Error(ErrorKind::kDamaged, file.path(), "", "is no picture: PNG, JPEG, PGM and PPM are read");
+}
+
+}  // namespace slamdb
