@@ -18,6 +18,7 @@ namespace {
 // What a verb needs besides its files, to do something.
 const std::map<std::string, std::vector<std::string>>& More() {
   static const std::map<std::string, std::vector<std::string>> kMore = {
+      {"align", {"room.osa"}},
       {"complete", {"a.osa", "kf/"}},
       {"completion", {"bash"}},
       {"evaluate", {"--align", "none"}},
@@ -40,7 +41,10 @@ std::string InputOf(const std::string& verb, const std::string& option) {
                                                              {"--vocabulary", "voc.txt"},
                                                              {"migrate STORE", "old.db"},
                                                              {"landmarks from-points INPUT", "points.osa"},
-                                                             {"landmarks to-points INPUT", "landmarks.mrpt"}};
+                                                             {"landmarks to-points INPUT", "landmarks.mrpt"},
+                                                             {"align INPUT", "room.osa"},
+                                                             {"locate INPUT", "room.osa"},
+                                                             {"locate PICTURE", "room.jpg"}};
   for (const std::string& key : {verb + " " + option, option})
     if (const auto found = kInputs.find(key); found != kInputs.end()) return found->second;
   return option == "AFTER" || option.starts_with("--") ? "b.osa" : "a.osa";
@@ -132,6 +136,8 @@ void FillFolder(const std::string& folder) {
   for (const char* name : {"a.osa", "b.osa", "points.osa"}) std::filesystem::copy_file(tiny, in / name);
   for (const char* name : {"m.db#a", "m.db#b", "old.db#a"}) WriteAtlas(ReadAtlas(tiny), (in / name).string());
   MigrateStore((in / "old.db").string(), {.back = true, .backup = false});
+  std::filesystem::copy_file(SLAMDB_FIXTURES "/room/room.osa", in / "room.osa");
+  std::filesystem::copy_file(SLAMDB_FIXTURES "/room/a01.jpg", in / "room.jpg");
   std::filesystem::copy_file(SLAMDB_FIXTURES "/vocabulary/small.txt", in / "voc.txt");
   std::filesystem::copy_file(SLAMDB_FIXTURES "/mrpt/landmarks.bin", in / "landmarks.mrpt");
 }

@@ -39,7 +39,8 @@ std::vector<std::string> CommandLine(const Verb& verb);
 // What the option is given in it.
 std::string ValueOf(const Verb& verb, const FileOption& option);
 
-// Writes the inputs that the command lines name: a.osa, b.osa, m.db with the atlases a and b, voc.txt, and small ones.
+// Writes the inputs that the command lines name: a.osa, b.osa, m.db with the atlases a and b, voc.txt, room.osa with
+// room.jpg, and small ones.
 void FillFolder(const std::string& folder);
 
 }  // namespace slamdb::testing
