@@ -59,18 +59,26 @@ AlignedMaps Align(const AlignVerbOptions& options, const GivenMaps& given, Conso
       {.own_vocabulary = options.own_vocabulary, .threads = console.threads(), .progress = console.MakeProgress()});
 }
 
+PlotFormat FormatOf(const std::string& plot) {
+  const std::string path = Location(plot).path;
+  if (path.ends_with(".png")) return PlotFormat::kPng;
+  if (!path.ends_with(".svg") && path != "-" && !IsSpecialFile(path))
+    RefuseUsage("a plot is an .svg or a .png, which " + path + " does not say");
+  return PlotFormat::kSvg;
+}
+
 void DrawLink(const AlignedMaps& aligned, const GivenMaps& given, const AlignVerbOptions& options, AtomicFile& file) {
   const MapLink& link = aligned.links.front();
-  const bool png = Location(options.plot).path.ends_with(".png");
   const Plot plot =
       DrawAlignment(given.maps[link.first], given.maps[link.second], link.alignment,
-                    {.format = png ? PlotFormat::kPng : PlotFormat::kSvg,
+                    {.format = FormatOf(options.plot),
                      .title = NameText(given.names[link.second]) + " in " + NameText(given.names[link.first])});
   file.Write(plot.bytes);
   file.Commit();
 }
 
 ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
+  if (!options.plot.empty()) (void)FormatOf(options.plot);
   std::optional<AtomicFile> file;
   std::optional<AtomicFile> picture;
   if (!options.plot.empty()) picture.emplace(options.plot, AtomicFileOptions{.overwrite = options.overwrite});
@@ -85,14 +93,19 @@ ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
                 (" is for two maps, and there are " + std::to_string(given.maps.size())));
   const AlignedMaps aligned = Align(options, given, console);
   const bool sure = std::ranges::all_of(aligned.places, [](const MapPlace& place) { return place.group == 0; });
+  const bool drawn = picture && aligned.links.front().alignment.first_from_second.has_value();
   if (file && sure) {
     file->Write(ToText(*aligned.links.front().alignment.first_from_second) + "\n");
     file->Commit();
   }
-  if (picture && aligned.links.front().alignment.first_from_second) DrawLink(aligned, given, options, *picture);
+  if (drawn) DrawLink(aligned, given, options, *picture);
+  if (file && !sure) notices.Warn("the maps are not aligned for sure: " + options.save + " is not written");
+  if (picture && !drawn) notices.Warn("there is nothing to draw: " + options.plot + " is not written");
   console.Report(notices);
   PrintReport(options.json ? ToJson(aligned, given.names) : AlignText(aligned, given.names, given.metric), options.json,
-              /*piped=*/false, console);
+              (file && IsStandardOutput(options.save)) || (picture && IsStandardOutput(options.plot)), console);
+  if (file && sure && !options.json) console.PrintWritten(options.save, notices);
+  if (drawn && !options.json) console.PrintWritten(options.plot, notices);
   return sure ? ExitCode::kDone : ExitCode::kFailed;
 }
 

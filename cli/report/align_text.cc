@@ -2,6 +2,7 @@
 #include "cli/report/align_text.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
@@ -25,8 +26,9 @@ std::string UseText(LinkUse use) {
 
 std::string PrecisionText(const Alignment& alignment, bool metric) {
   const AlignmentPrecision precision = PrecisionOf(alignment);
-  std::string text = "known to " + Short(precision.rotation_degrees, 2) + " degrees, " +
-                     (metric ? Short(1000 * precision.translation, 2) + " mm" : Short(precision.translation, 2));
+  std::string text =
+      "known to " + Short(precision.rotation_degrees, 2) + " degrees, " +
+      (metric ? Short(1000 * precision.translation, 2) + " mm" : Short(precision.translation, 2) + " units");
   if (alignment.scale_is_free) text += ", " + Short(100 * precision.scale, 2) + "% of the scale";
   return text + ", if the maps are not bent themselves";
 }
@@ -37,7 +39,8 @@ std::string EvidenceText(const Alignment& alignment) {
                      Counted(evidence.candidates, "pair of keyframes", "pairs of keyframes") + " compared agree";
   if (evidence.contradicting > 0) text += ", " + Grouped(evidence.contradicting) + " on something else";
   text += "; " + Counted(evidence.points, "point") + " matched, within " + Short(evidence.rms, 2) +
-          " sigma; near views of " + Short(100 * evidence.overlap, 2) + "% of the second's keyframes";
+          " sigma; near views of " + std::to_string(std::lround(100 * evidence.overlap)) +
+          "% of the second's keyframes";
   if (!alignment.pairs.empty()) {
     const AlignedPair& best = alignment.pairs.front();
     text += "; the most alike: " + ToString(best.first) + " and " + ToString(best.second) + ", " +
@@ -52,7 +55,9 @@ std::string LinkText(const MapLink& link, const std::vector<MapName>& names, con
                      std::string(NameOf(alignment.verdict)) + UseText(link.use) + "\n" + Wrapped(alignment.reason, 2);
   if (!alignment.first_from_second) return text;
   const bool sure = alignment.verdict == AlignmentVerdict::kAligned;
-  text += Wrapped((sure ? "" : "the best guess: ") + SimilarityText(*alignment.first_from_second), 2);
+  text += Wrapped((sure ? "" : "the best guess: ") +
+                      SimilarityText(*alignment.first_from_second, metric[link.first] ? " m" : " units"),
+                  2);
   if (sure) text += Wrapped(PrecisionText(alignment, metric[link.first]), 2);
   return text + Wrapped(EvidenceText(alignment), 2);
 }

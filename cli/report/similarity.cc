@@ -21,11 +21,11 @@ std::string Listed(const Eigen::Vector3d& vector) {
 
 }  // namespace
 
-std::string SimilarityText(const Similarity3d& transform) {
+std::string SimilarityText(const Similarity3d& transform, std::string_view unit) {
   constexpr double kNothing = 1e-12;  // what a fit in double precision leaves of nothing
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
-  if (transform.translation.norm() > kNothing) add("translation " + Listed(transform.translation));
+  if (transform.translation.norm() > kNothing) add("translation " + Listed(transform.translation) + std::string(unit));
   const Eigen::AngleAxisd turn(transform.rotation);
   if (turn.angle() > kNothing)
     add("rotation " + Short(turn.angle() * 180 / std::numbers::pi, 6) + " degrees about " + Listed(turn.axis()));

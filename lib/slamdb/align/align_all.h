@@ -15,7 +15,7 @@ namespace slamdb {
 enum class LinkUse {
   kJoins,        // it brings maps into one frame
   kCloses,       // they are in one frame by other links, which it agrees with
-  kContradicts,  // they are in one frame by other links, surer ones, which it contradicts
+  kContradicts,  // surer links contradict it, or the scales of metric maps that it would join
   kUnused,       // its verdict does not allow to use it
 };
 
@@ -40,9 +40,10 @@ struct AlignedMaps {
   std::vector<MapPlace> places;  // by row of the list of maps; what links to nothing is a group of its own
 };
 
-// Aligns every pair of maps, and brings into one frame what is linked: a maximum spanning tree by the number of matched
-// points. A further link must close the cycle that it makes, within what the maps are bent by; one that does not is
-// named.
+// Aligns every pair of maps, and brings into one frame what is linked: a maximum spanning tree, of links between metric
+// maps first, then by the number of matched points. Metric maps of one frame have one scale, also where only a map
+// without scale links them. A further link must close the cycle that it makes, within what the maps are bent by; one
+// that does not is named.
 //
 // Throws Error (kNotPossible) as AlignMaps.
 // Cost: AlignMaps for every pair of maps.

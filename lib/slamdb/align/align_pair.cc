@@ -69,10 +69,16 @@ class Aligner {
       options_.progress("comparing places", static_cast<double>(done) / static_cast<double>(candidates_.size()));
   }
 
+  static bool HasFeatures(const MapViews& map) {
+    return std::ranges::any_of(map.views(), [](const View& view) { return !view.descriptors.empty(); });
+  }
+
   // The verdict over the best consensus, or over the next ones where it is refused.
   Alignment Decide(const Tried& tried) const {
     const std::vector<Consensus> found = FindConsensus(pair_, tried.hypotheses);
     Alignment best = NothingAgrees();
+    if (!HasFeatures(pair_.first.views) || !HasFeatures(pair_.second.views))
+      best.reason = "one of the maps has no keypoints with descriptors, as a trajectory has none";
     for (std::size_t i = 0; i < std::min(found.size(), kConsensusesTried); ++i) {
       Alignment alignment = Judge(tried, found, i);
       if (i == 0 || alignment.verdict < best.verdict) best = std::move(alignment);

@@ -38,8 +38,6 @@ bool HasImu(const Map& map) {
   return map.inertial || OfMost(map, [](const KeyFrame& keyframe) -> bool { return keyframe.imu_calibration.is_set; });
 }
 
-bool IsMetricWith(MapSensor sensor, const Map& map) { return sensor != MapSensor::kMonocular || map.imu_initialized; }
-
 Trajectory TrajectoryOf(const Map& map) {
   const std::vector<const KeyFrame*> by_time = GoodByTime(map);
   if (by_time.empty()) return {};
@@ -57,6 +55,11 @@ Trajectory TrajectoryOf(const Map& map) {
 
 }  // namespace detail
 
-bool IsMetric(const Map& map) { return detail::IsMetricWith(detail::SensorOf(map), map); }
+bool IsMetric(const Map& map) {
+  return map.imu_initialized || map.keyframes.empty() ||
+         std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) {
+           return keyframe.features.is_fisheye_stereo() || detail::HasDepths(keyframe);
+         });
+}
 
 }  // namespace slamdb

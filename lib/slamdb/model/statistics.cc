@@ -64,7 +64,7 @@ class MapCounter {
     CopyRecorded();
     CountKeyFrames();
     result_.sensor = detail::SensorOf(map_);
-    result_.metric = detail::IsMetricWith(result_.sensor, map_);
+    result_.metric = IsMetric(map_);
     result_.has_imu = detail::HasImu(map_);
     result_.up = UpOf(map_);
     MeasureTrajectory();

@@ -23,7 +23,7 @@ enum class MapSensor {
 [[nodiscard]] SLAMDB_EXPORT std::string SensorText(MapSensor sensor, bool has_imu);
 
 // Whether lengths of a map are metres: every sensor but a lone camera tells them, and an initialised IMU does for that
-// one.
+// one. A few keyframes with depths tell them for all: a map of a lone camera may have been joined with theirs.
 //
 // Cost: linear in keyframes without depths.
 [[nodiscard]] SLAMDB_EXPORT bool IsMetric(const Map& map);

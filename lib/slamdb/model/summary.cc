@@ -28,7 +28,7 @@ AtlasSummary Summarize(const Atlas& atlas) {
     const MapSensor sensor = detail::SensorOf(map);
     if (sensor != MapSensor::kUnknown) summary.sensors.push_back(sensor);
     summary.has_imu = summary.has_imu || detail::HasImu(map);
-    summary.is_metric = summary.is_metric && detail::IsMetricWith(sensor, map);
+    summary.is_metric = summary.is_metric && IsMetric(map);
     Extend(summary, detail::TrajectoryOf(map));
   }
   std::ranges::sort(summary.sensors);

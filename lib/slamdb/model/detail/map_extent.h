@@ -10,8 +10,6 @@ namespace slamdb::detail {
 MapSensor SensorOf(const Map& map);
 // Calibrated keyframes, or the map says it is inertial.
 bool HasImu(const Map& map);
-// IsMetric where the sensor is known.
-bool IsMetricWith(MapSensor sensor, const Map& map);
 
 // Of good keyframes with a finite timestamp, and through their finite camera centres by time.
 struct Trajectory {
