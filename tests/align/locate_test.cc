@@ -42,6 +42,18 @@ TEST(Locator, FindsNothingOfAnotherWorld) {
     EXPECT_NE(locator.Locate(FeaturesOf(other, keyframe)).verdict, LocateVerdict::kFound);
 }
 
+// As the fragments that tracking losses leave, or atlases put side by side.
+TEST(Locator, MapsOfOnePlaceDoNotContradictEachOther) {
+  Atlas atlas = World(1);
+  atlas.maps.push_back(atlas.maps.front());
+  atlas.maps.back().id = MapId(7);
+  const Locator locator(atlas, {.threads = 1});
+  for (const std::size_t row : {3U, 9U, 15U}) {
+    const Localization found = locator.Locate(FeaturesOf(atlas, atlas.maps[0].keyframes[row]));
+    EXPECT_EQ(found.verdict, LocateVerdict::kFound) << found.reason;
+  }
+}
+
 TEST(Locator, SurvivesPicturesThatAreNone) {
   const Atlas atlas = World(1);
   const Locator locator(atlas, {.threads = 1});

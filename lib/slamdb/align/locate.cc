@@ -38,8 +38,8 @@ struct LeftOut {
   std::uint32_t view = kNoRow;
 };
 
+// Of places of one map. Another map may well be of the same room.
 bool IsSame(const detail::MapViews& map, const Place& one, const Place& other) {
-  if (one.map != other.map) return false;
   const Eigen::AngleAxisd turn(one.fit.pose.rotation * other.fit.pose.rotation.transpose());
   return std::abs(turn.angle()) < kSameDegrees * M_PI / 180 &&
          (one.fit.pose.center() - other.fit.pose.center()).norm() < kSameDistance * map.median_depth();
@@ -168,7 +168,7 @@ Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>
   evidence.spread = SpreadOf(query.view, place);
   evidence.rms = std::sqrt(2 * place.fit.cost / static_cast<double>(place.fit.residuals));
   for (const Place& other : places)
-    if (!IsSame(map, place, other))
+    if (other.map == place.map && !IsSame(map, place, other))
       evidence.contradicting = std::max<std::uint64_t>(evidence.contradicting, other.inliers.size());
   detail::GiveVerdict(found);
   return found;

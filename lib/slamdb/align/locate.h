@@ -46,7 +46,7 @@ struct LocateEvidence {
   double checked_share = 0;         // of the parts of the picture, those with enough of these
   double extent = 0;                // of what was found, across its second axis, in depths
   double spread = 0;                // of the inliers in the picture, across their second axis, in its smaller sides
-  std::uint64_t contradicting = 0;  // inliers of the best other place
+  std::uint64_t contradicting = 0;  // inliers of the best other place of the map
   double rms = 0;                   // reprojection of the inliers, in sigmas of keypoints
 };
 
