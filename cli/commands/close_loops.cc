@@ -38,8 +38,11 @@ Run AddCloseLoops(CLI::App& verb) {
   const auto options = std::make_shared<CloseLoopsVerbOptions>();
   options->edit.needs = Content::kObservations;
   AddEdit(verb, options->edit);
-  verb.add_option("--optimize", options->close.adjust_bundle,
-                  "full: bundle adjustment of the whole map behind the pose graph, the default; pose-graph: without")
+  verb.add_option(
+          "--optimize", options->close.adjust_bundle,
+          "Behind the pose graph, which closes them: bundle adjustment of the whole map (full, the default), or "
+          "nothing more (pose-graph)")
+      ->type_name("METHOD")
       ->transform(OneOf(kOptimizations));
   verb.add_option("--map", options->maps, "Close loops only in the map of this id; may be given several times")
       ->type_name("ID")

@@ -153,6 +153,7 @@ Run AddExtract(CLI::App& verb) {
   verb.add_option("--border", options->border,
                   "Points at the border: strict keeps all that something still measures, smart those that ORB-SLAM3 "
                   "would not cull, complete-points adds all keyframes that observe them")
+      ->type_name("BORDER")
       ->transform(OneOf(kBorders))
       ->default_str("smart");
   return [options](Console& console) { return RunExtract(*options, console); };

@@ -55,6 +55,7 @@ Run AddFragments(CLI::App& verb) {
       ->check(CheckPositive);
   verb.add_option("--order", options->fragments.order,
                   "Order of the maps in the output: as they are, most keyframes first, earliest first, or by id")
+      ->type_name("ORDER")
       ->transform(OneOf(kOrders))
       ->default_str("as-is");
   return [options](Console& console) { return RunFragments(*options, console); };

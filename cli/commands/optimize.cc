@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/optimize/optimize.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -8,6 +9,8 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/optimize_text.h"
+#include "slamdb/base/error.h"
+#include "slamdb/base/error.h"
 
 namespace slamdb::cli {
 namespace {
@@ -39,6 +42,12 @@ ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   optimize.progress = console.MakeProgress();
   Atlas atlas = ReadInput(options.edit, console, notices);
   const OptimizeReport report = NamingFile(options.edit.input, [&] { return OptimizeMaps(atlas, optimize); });
+  const auto moved = [](const MapOptimization& map) { return map.bundle || map.pose_graph; };
+  if (std::ranges::none_of(report.maps, moved))
+    throw Error(ErrorKind::kNotPossible, options.edit.input, "",
+                optimize.method == OptimizeMethod::kSeam
+                    ? "has no seam: no merge or loop edge; --method full adjusts all of it"
+                    : "has nothing to optimise");
   for (const MapOptimization& map : report.maps) WarnOf(map, "--iterations allows more steps", notices);
   WriteResult(atlas, options.edit, "optimize " + options.edit.input, console, notices);
   return FinishEdit(OptimizeText(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
@@ -50,8 +59,9 @@ Run AddOptimize(CLI::App& verb) {
   AddEdit(verb, options->edit);
   OptimizeOptions& optimize = options->optimize;
   verb.add_option("--method", options->method,
-                  "full: bundle adjustment of everything, the default; seam: of the keyframes around merge and loop "
-                  "edges; pose-graph: the constraints alone, the default where there are some")
+                  "Bundle adjustment of everything (full, the default) or of the keyframes around merge and loop edges "
+                  "(seam), or the constraints alone (pose-graph, the default where there are some)")
+      ->type_name("METHOD")
       ->transform(OneOf(kMethods));
   verb.add_option("--map", options->maps, "Optimise only the map of this id; may be given several times")
       ->type_name("ID")

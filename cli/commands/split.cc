@@ -127,6 +127,7 @@ Run AddSplit(CLI::App& verb) {
   verb.add_option("--by", options->split.by,
                   "One atlas per map, per session (map that keyframes were made in), or per "
                   "connected part of the covisibility graph")
+      ->type_name("PARTS")
       ->transform(OneOf(kWays))
       ->default_str("map");
   verb.add_option("--min-keyframes", options->split.min_keyframes, "Leave out parts with fewer")
@@ -134,6 +135,7 @@ Run AddSplit(CLI::App& verb) {
       ->check(CheckPositive)
       ->capture_default_str();
   verb.add_option("--border", options->border, "Points that several parts observe: see 'slamdb extract --help'")
+      ->type_name("BORDER")
       ->transform(OneOf(kBorders))
       ->default_str("smart");
   return [options](Console& console) { return RunSplit(*options, console); };

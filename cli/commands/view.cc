@@ -218,6 +218,7 @@ void AddPageOptions(CLI::App& verb, ViewVerbOptions& options) {
       ->group(kGroup);
   verb.add_option("--keypoints", options.page.keypoints,
                   "Keypoints to put into it; auto: all, or those that see a point, or none, as there is room for")
+      ->type_name("WHICH")
       ->transform(OneOf(kKeypoints))
       ->default_str("auto")
       ->group(kGroup);

@@ -68,6 +68,13 @@ TEST_F(Optimize, BendsAMapToConstraints) {
   EXPECT_EQ(RunSlamdb({"check", In("out.osa")}).exit_code, 0);
 }
 
+TEST_F(Optimize, WritesNothingWhereThereIsNoSeam) {
+  const ProcessResult result = RunSlamdb({"optimize", kAtlas, In("a.osa"), "--method", "seam"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("no seam"));
+  EXPECT_FALSE(std::filesystem::exists(In("a.osa")));
+}
+
 TEST_F(Optimize, RefusesWhatMakesNoSense) {
   EXPECT_EQ(RunSlamdb({"optimize", kAtlas, In("a.osa"), "--fix-poses", "--fix-points"}).exit_code, 2);
   EXPECT_EQ(RunSlamdb({"optimize", kAtlas, In("a.osa"), "--iterations", "0"}).exit_code, 2);
