@@ -104,6 +104,7 @@ void WriteSeedsOfFixtures(const path& base) {
   }
   for (const std::string name : {"small.txt", "small.bin"})
     WriteChanged(base / "vocabulary", name, ReadFixture("vocabulary/" + name));
+  WriteChanged(base / "picture", "camera.yaml", ReadFixture("room/camera.yaml"));
   WriteChanged(base / "trajectory", "tum", "# time x y z qx qy qz qw\n1.5 1 2 3 0 0 0 1\n2.5e0 -1 nan 3 0 0.6 0 0.8\n");
   WriteChanged(base / "trajectory", "euroc",
                "#timestamp, p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,0,0,0,0,0,0\n");
