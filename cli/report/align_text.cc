@@ -17,7 +17,7 @@ std::string UseText(LinkUse use) {
     case LinkUse::kCloses:
       return ", as other maps have it";
     case LinkUse::kContradicts:
-      return ", but surer links of other maps contradict it";
+      return ", but links with other maps contradict it";
     case LinkUse::kUnused:
       return {};
   }

@@ -27,7 +27,7 @@ Similarity3d At(double x, double scale = 1) { return {scale, Eigen::Quaterniond:
 // 1 and 1 make 2, but the third link says 2.3: each takes a third of that.
 TEST(SettlePlaces, WhatACycleIsOffByIsSpreadOverItsLinks) {
   std::vector<MapPlace> places = InOneFrame({At(0), At(1), At(2)});
-  detail::SettlePlaces({Link(0, 1, 1), Link(1, 2, 1), Link(0, 2, 2.3)}, {true, true, true}, places);
+  detail::SettlePlaces({Link(0, 1, 1), Link(1, 2, 1), Link(0, 2, 2.3)}, {{true, 1}, {true, 1}, {true, 1}}, places);
   EXPECT_NEAR(places[0].group_from_map.translation.x(), 0, 1e-12);
   EXPECT_NEAR(places[1].group_from_map.translation.x(), 1.1, 1e-6);
   EXPECT_NEAR(places[2].group_from_map.translation.x(), 2.2, 1e-6);
@@ -35,15 +35,16 @@ TEST(SettlePlaces, WhatACycleIsOffByIsSpreadOverItsLinks) {
 
 TEST(SettlePlaces, SurerLinksGiveWayLess) {
   std::vector<MapPlace> places = InOneFrame({At(0), At(1), At(2)});
-  detail::SettlePlaces({Link(0, 1, 1, 1, 10'000), Link(1, 2, 1, 1, 10'000), Link(0, 2, 2.3, 1, 1)}, {true, true, true},
-                       places);
+  detail::SettlePlaces({Link(0, 1, 1, 1, 10'000), Link(1, 2, 1, 1, 10'000), Link(0, 2, 2.3, 1, 1)},
+                       {{true, 1}, {true, 1}, {true, 1}}, places);
   EXPECT_NEAR(places[2].group_from_map.translation.x(), 2, 1e-3);
 }
 
 // The two metric maps keep their scale, and the one between them finds its own.
 TEST(SettlePlaces, MetricMapsKeepTheirScale) {
   std::vector<MapPlace> places = InOneFrame({At(0), At(0, 2), At(0)});
-  detail::SettlePlaces({Link(0, 1, 0, 2), Link(1, 2, 0, 0.52), Link(0, 2, 0)}, {true, false, true}, places);
+  detail::SettlePlaces({Link(0, 1, 0, 2), Link(1, 2, 0, 0.52), Link(0, 2, 0)}, {{true, 1}, {false, 1}, {true, 1}},
+                       places);
   EXPECT_EQ(places[0].group_from_map.scale, 1);
   EXPECT_EQ(places[2].group_from_map.scale, 1);
   EXPECT_NEAR(places[1].group_from_map.scale, std::sqrt(2 / 0.52), 1e-6);
@@ -54,7 +55,7 @@ TEST(SettlePlaces, ATreeStaysAsItIs) {
   std::vector<MapPlace> places = InOneFrame({At(0), At(1), At(2.5)});
   std::vector<MapLink> links = {Link(0, 1, 1), Link(1, 2, 1)};
   for (MapLink& link : links) link.use = LinkUse::kJoins;
-  detail::SettlePlaces(links, {true, true, true}, places);
+  detail::SettlePlaces(links, {{true, 1}, {true, 1}, {true, 1}}, places);
   EXPECT_EQ(places[2].group_from_map.translation.x(), 2.5);
 }
 

@@ -72,7 +72,10 @@ TEST_P(LensOf, DerivativeIsThatOfDifferences) {
 TEST_P(LensOf, NothingBehindTheCamera) {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;
-  std::vector<Eigen::Vector3d> unseen{{0, 0, -1}, {0, 0, 0}, {0, 0, std::numeric_limits<double>::quiet_NaN()}};
+  std::vector<Eigen::Vector3d> unseen{{0, 0, -1},
+                                      {0, 0, 0},
+                                      {0, 0, std::numeric_limits<double>::quiet_NaN()},
+                                      {1, 1, std::numeric_limits<double>::quiet_NaN()}};
   if (camera_.model == CameraModel::kPinhole) unseen.emplace_back(1, 1, 0);
   for (const Eigen::Vector3d& point : unseen) {
     EXPECT_FALSE(lens_.Project(point, pixel)) << point.transpose();

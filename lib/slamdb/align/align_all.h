@@ -15,7 +15,7 @@ namespace slamdb {
 enum class LinkUse {
   kJoins,        // it brings maps into one frame
   kCloses,       // they are in one frame by other links, which it agrees with
-  kContradicts,  // surer links contradict it, or the scales of metric maps that it would join
+  kContradicts,  // other links contradict it, or the scales of metric maps that it would join
   kUnused,       // its verdict does not allow to use it
 };
 

@@ -15,8 +15,9 @@ constexpr std::uint64_t kFewestInliers = 30, kPoorInliers = 15;
 constexpr double kCellShare = 0.70, kPoorCellShare = 0.4;
 constexpr double kFoundShare = 0.20, kPoorFoundShare = 0.10;
 constexpr double kExtent = 0.10;
-constexpr double kMostDegrees = 0.2;  // standard deviation of the rotation, or
-constexpr double kSpread = 0.16;      // points all over the picture
+constexpr double kMostDegrees = 0.2;                               // standard deviation of the rotation, or
+constexpr double kSpread = 0.16;                                   // points all over the picture
+constexpr double kSmallExtent = 0.15, kSmallExtentDegrees = 0.25;  // of a narrow view, which any patch fills
 constexpr double kMostInFront = 0.15;
 constexpr double kMostContradicting = 0.5;  // of the inliers
 
@@ -53,6 +54,8 @@ void GiveVerdict(Localization& localization) {
              Fixed(100 * evidence.cell_share, 0), "% of its parts");
   if (evidence.front_share > kMostInFront)
     return say(LocateVerdict::kNotFound, "points of the map would hide what the picture shows");
+  if (evidence.checked_share == 0)
+    return say(LocateVerdict::kNotFound, "too few points of the map must show in it to tell");
   if (evidence.cell_share < kPoorCellShare || evidence.found_share < kPoorFoundShare)
     return say(LocateVerdict::kNotFound, "the picture contradicts it: only " + found);
   if (evidence.inliers < kPoorInliers) return say(LocateVerdict::kNotFound, "too few points agree");
@@ -60,8 +63,11 @@ void GiveVerdict(Localization& localization) {
     return say(LocateVerdict::kDoubtful, "the picture half confirms it: " + found);
   if (evidence.extent < kExtent)
     return say(LocateVerdict::kDoubtful, "all that agrees is in one small patch, which may be a look-alike");
-  if (PrecisionOf(localization).rotation_degrees > kMostDegrees && evidence.spread < kSpread)
-    return say(LocateVerdict::kDoubtful, "what agrees is in one part of the picture, and leaves the pose uncertain");
+  const double degrees = PrecisionOf(localization).rotation_degrees;
+  if ((degrees > kMostDegrees && evidence.spread < kSpread) ||
+      (degrees > kSmallExtentDegrees && evidence.extent < kSmallExtent))
+    return say(LocateVerdict::kDoubtful,
+               "what agrees is in one part of the picture or of what it shows, and leaves the pose uncertain");
   if (evidence.inliers < kFewestInliers) return say(LocateVerdict::kDoubtful, "few points agree");
   if (static_cast<double>(evidence.contradicting) > kMostContradicting * static_cast<double>(evidence.inliers))
     return say(LocateVerdict::kDoubtful, "another place of the map looks the same");

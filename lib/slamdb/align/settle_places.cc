@@ -60,11 +60,12 @@ Similarity3d MeanPlaceOf(std::size_t map, const std::vector<MapLink>& links, boo
 
 }  // namespace
 
-void SettlePlaces(const std::vector<MapLink>& links, const std::vector<bool>& metric, std::vector<MapPlace>& places) {
+void SettlePlaces(const std::vector<MapLink>& links, const std::vector<MapTraits>& maps,
+                  std::vector<MapPlace>& places) {
   if (std::ranges::none_of(links, [](const MapLink& link) { return link.use == LinkUse::kCloses; })) return;
   const auto anchor_of = [&](std::size_t group) {  // it stays
     for (std::size_t map = 0; map < places.size(); ++map)
-      if (places[map].group == group && metric[map]) return map;
+      if (places[map].group == group && maps[map].metric) return map;
     return group;
   };
   for (int sweep = 0; sweep < kSweeps; ++sweep)
@@ -72,7 +73,7 @@ void SettlePlaces(const std::vector<MapLink>& links, const std::vector<bool>& me
       const bool alone = std::ranges::none_of(
           links, [&](const MapLink& link) { return IsUsed(link) && (link.first == map || link.second == map); });
       if (alone || anchor_of(places[map].group) == map) continue;
-      places[map].group_from_map = MeanPlaceOf(map, links, metric[map], places);
+      places[map].group_from_map = MeanPlaceOf(map, links, maps[map].metric, places);
     }
   std::vector<Similarity3d> settled;
   for (const MapPlace& place : places)

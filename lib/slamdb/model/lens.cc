@@ -25,6 +25,7 @@ bool ProjectKannalaBrandt(const Lens& lens, const Eigen::Vector3d& point, Eigen:
                           Eigen::Matrix<double, 2, 3>* by_point) {
   const double across2 = point.x() * point.x() + point.y() * point.y(), across = std::sqrt(across2);
   if (across < kNearest) return ProjectPinhole(lens, point, pixel, by_point);
+  if (!std::isfinite(across2 + point.z())) return false;
   const double theta = std::atan2(across, point.z()), theta2 = theta * theta;
   const auto& k = lens.k;
   const double radius = theta * (1 + theta2 * (k[0] + theta2 * (k[1] + theta2 * (k[2] + theta2 * k[3]))));

@@ -23,7 +23,7 @@ namespace {
 using detail::Concat;
 
 constexpr std::int32_t kLargestSide = 32768, kMostFeatures = 100'000, kMostLevels = 32;
-constexpr int kUndistortions = 20;
+constexpr int kUndistortions = 5;  // as cv::undistortPoints, and so as the keypoints that maps record
 
 [[noreturn]] void Refuse(const std::string& place, const std::string& problem) {
   throw Error(ErrorKind::kDamaged, "", place, problem);

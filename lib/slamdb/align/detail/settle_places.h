@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "slamdb/align/align_all.h"
+#include "slamdb/align/detail/group_maps.h"
 
 namespace slamdb::detail {
 
 // Where links close cycles, what they disagree by is spread over all of them, each by its number of matched points.
-// `metric`: by map; those of a group keep the scale that they have to each other.
+// Metric maps of a group keep the scale that they have to each other.
 // Deterministic. Cost: linear in the links.
-void SettlePlaces(const std::vector<MapLink>& links, const std::vector<bool>& metric, std::vector<MapPlace>& places);
+void SettlePlaces(const std::vector<MapLink>& links, const std::vector<MapTraits>& maps, std::vector<MapPlace>& places);
 
 }  // namespace slamdb::detail

@@ -21,7 +21,8 @@ struct SLAMDB_EXPORT Lens {
   // positive.
   static std::optional<Lens> Of(const Camera& camera);
 
-  // Pixels of a point in the camera frame, z forward. False when it is not in front of the camera.
+  // Pixels of a point in the camera frame, z forward. False when it is not a number, or not in front of a pinhole:
+  // Kannala-Brandt sees what is beside it and behind.
   bool Project(const Eigen::Vector3d& point, Eigen::Vector2d& pixel) const;
   // The same with its derivative by the point.
   bool Project(const Eigen::Vector3d& point, Eigen::Vector2d& pixel, Eigen::Matrix<double, 2, 3>& by_point) const;
