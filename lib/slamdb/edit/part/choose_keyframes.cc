@@ -82,6 +82,11 @@ class Chooser {
 void ChooseKeyFrames(Remains& remains, Finding& finding) {
   if (remains.keyframes() == 0)
     throw Error(ErrorKind::kNotPossible, "there is no keyframe to keep: none is there, or all are flagged bad");
+  if (remains.budget().lean && !remains.Fits()) {
+    const std::vector<std::uint32_t> points = finding.ShownOnce();
+    finding.Drop(points);
+    remains.Drop(points);
+  }
   Chooser(remains, finding).Run();
   if (!remains.Fits()) Refuse(remains);
 }

@@ -155,4 +155,27 @@ void Finding::Remove(std::uint32_t keyframe, std::span<const std::uint32_t> goin
   for (const std::uint32_t place : places_of_[keyframe]) places_[place].value = ValueOf(places_[place], keyframe);
 }
 
+std::vector<std::uint32_t> Finding::ShownOnce() const {
+  std::vector<std::uint32_t> once;
+  for (std::uint32_t keyframe = 0; keyframe < places_.size(); ++keyframe) {
+    if (!remains_.Keeps(keyframe)) continue;
+    std::vector<std::uint32_t> alone;
+    std::size_t others = 0;
+    for (const Sights::Sight& sight : remains_.sights().PointsOf(keyframe)) {
+      if (!remains_.Stays(sight.number)) continue;
+      if (shown_at_[sight.number].size() < 2)
+        alone.push_back(sight.number);
+      else
+        ++others;
+    }
+    if (static_cast<double>(others) >= sure_) once.insert(once.end(), alone.begin(), alone.end());
+  }
+  return once;
+}
+
+void Finding::Drop(std::span<const std::uint32_t> points) {
+  Change(points, ~std::uint32_t{0});
+  for (Place& place : places_) place.value = ValueOf(place, kNoRow);
+}
+
 }  // namespace slamdb::detail

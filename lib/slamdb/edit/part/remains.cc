@@ -28,6 +28,7 @@ Remains::Remains(const Sights& sights, const KeyFrameBudget& budget)
       view_bytes_(sights.keyframes(), 0),
       views_(sights.keyframes(), 0),
       weights_(sights.points(), 0),
+      is_dropped_(sights.points(), 0),
       bytes_(BytesAround(sights.atlas())) {
   for (std::uint32_t row = 0; row < sights.keyframes(); ++row) {
     const KeyFrame& keyframe = sights.KeyFrameOf(row);
@@ -89,16 +90,26 @@ void Remains::Remove(std::uint32_t keyframe, std::span<const std::uint32_t> goin
   bytes_ -= KeyFrameBytes(keyframe, views_[keyframe]) + kArchiveBytesPerObservation * views_[keyframe];
   kept_[keyframe] = 0;
   --keyframes_;
-  for (const std::uint32_t point : going) {
-    --points_;
-    bytes_ -= ArchiveBytes(MapPoint());
-    for (const Sights::Sight& observer : sights_.ObserversOf(point)) {
-      if (!Keeps(observer.number)) continue;
-      bytes_ -= KeyFrameBytes(observer.number, views_[observer.number]) + kArchiveBytesPerObservation;
-      bytes_ += KeyFrameBytes(observer.number, --views_[observer.number]);
-    }
-  }
+  for (const std::uint32_t point : going) TakeOffBytes(point);
   for (const auto& [point, weight] : sights_.PointsOf(keyframe)) weights_[point] -= weight;
+}
+
+void Remains::Drop(std::span<const std::uint32_t> points) {
+  for (const std::uint32_t point : points) {
+    TakeOffBytes(point);
+    is_dropped_[point] = 1;
+  }
+}
+
+// Of the point, and of what keyframes that are kept see of it.
+void Remains::TakeOffBytes(std::uint32_t point) {
+  --points_;
+  bytes_ -= ArchiveBytes(MapPoint());
+  for (const Sights::Sight& observer : sights_.ObserversOf(point)) {
+    if (!Keeps(observer.number)) continue;
+    bytes_ -= KeyFrameBytes(observer.number, views_[observer.number]) + kArchiveBytesPerObservation;
+    bytes_ += KeyFrameBytes(observer.number, --views_[observer.number]);
+  }
 }
 
 Subset Remains::ToSubset() const {

@@ -28,6 +28,11 @@ class Finding {
   // Before the keyframe goes from `remains`.
   void Remove(std::uint32_t keyframe, std::span<const std::uint32_t> going);
 
+  // Points that a single place shows, where they stand beside enough others.
+  std::vector<std::uint32_t> ShownOnce() const;
+  // Before they go from `remains`.
+  void Drop(std::span<const std::uint32_t> points);
+
  private:
   // A keyframe as a place is found by it.
   struct Seer {

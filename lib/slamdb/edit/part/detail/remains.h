@@ -28,7 +28,7 @@ class Remains {
   const Sights& sights() const { return sights_; }
   const KeyFrameBudget& budget() const { return budget_; }
   bool Keeps(std::uint32_t keyframe) const { return kept_[keyframe] != 0; }
-  bool Stays(std::uint32_t point) const { return weights_[point] >= sights_.Need(point); }
+  bool Stays(std::uint32_t point) const { return !is_dropped_[point] && weights_[point] >= sights_.Need(point); }
   std::size_t keyframes() const { return keyframes_; }
   std::size_t points() const { return points_; }
   std::uint64_t bytes() const { return bytes_; }
@@ -41,12 +41,15 @@ class Remains {
   // What the file is smaller by without them.
   std::uint64_t BytesOf(std::uint32_t keyframe, std::span<const std::uint32_t> going) const;
   void Remove(std::uint32_t keyframe, std::span<const std::uint32_t> going);
+  // Points that stay till now.
+  void Drop(std::span<const std::uint32_t> points);
 
   // With the landmarks of every map that stays; .osa files, whose size is the target, hold none.
   Subset ToSubset() const;
 
  private:
   std::uint64_t KeyFrameBytes(std::uint32_t keyframe, std::uint32_t views) const;
+  void TakeOffBytes(std::uint32_t point);
 
   const Sights& sights_;
   const KeyFrameBudget budget_;
@@ -56,6 +59,7 @@ class Remains {
   std::vector<std::uint64_t> view_bytes_;  // by keyframe: of the features that see one point
   std::vector<std::uint32_t> views_;       // by keyframe: points in view that stay
   std::vector<std::uint32_t> weights_;     // by point, of the observations by kept keyframes
+  std::vector<std::uint8_t> is_dropped_;   // by point
   std::size_t keyframes_ = 0, points_ = 0;
   std::uint64_t bytes_ = 0;
 };
