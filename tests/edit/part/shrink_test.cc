@@ -161,6 +161,23 @@ TEST(Shrink, LooksOnlyWhereThereIsAChoice) {
   }
 }
 
+// Points that one place alone shows go before keyframes, where bytes are asked for, and its keyframe shows enough
+// others.
+TEST(Shrink, TakesPointsThatOnePlaceShowsBeforeKeyFrames) {
+  std::vector<std::vector<std::uint64_t>> views(4);
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    for (std::uint64_t point = 0; point < 40; ++point) views[i].push_back(point);
+    for (std::uint64_t point = 0; point < 30; ++point) views[i].push_back(40 + 30 * i + point);
+  }
+  for (std::uint64_t point = 130; point < 160; ++point)
+    views[3].push_back(point);  // sees nothing in common with others
+  Atlas atlas = Views(views, 160);
+  const std::uint64_t target = detail::ArchiveBytes(atlas) - 60 * detail::ArchiveBytes(MapPoint());
+  Shrink(atlas, {.target_bytes = target, .min_points = 10});
+  EXPECT_THAT(Ids(atlas), ElementsAre(0, 1, 2, 3));
+  EXPECT_EQ(atlas.maps[0].points.size(), 70U);
+}
+
 // Features that see no point go before any keyframe does, unless the map is to be extended.
 TEST(Shrink, TakesWhatLocalizingNeedsNotFirst) {
   for (const SyntheticOptions& kind : SensorKinds()) {
@@ -231,6 +248,8 @@ TEST(Shrink, RefusesWhatCannotBe) {
   EXPECT_THAT([&] { Shrink(atlas, {}); }, ThrowsMessage<Error>(HasSubstr("say how small")));
   EXPECT_THAT([&] { Shrink(atlas, {.target_bytes = 500}); },
               ThrowsMessage<Error>(HasSubstr("below what one keyframe")));
+  Atlas none = atlas;
+  EXPECT_THAT([&] { Shrink(none, {.target_keyframes = 0}); }, ThrowsMessage<Error>(HasSubstr("no keyframe may be")));
   EXPECT_THAT([&] { Shrink(atlas, {.for_localization = true, .for_mapping = true}); },
               ThrowsMessage<Error>(HasSubstr("either for localization or for mapping")));
   Atlas empty;

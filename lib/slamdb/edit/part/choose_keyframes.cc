@@ -71,6 +71,7 @@ class Chooser {
 };
 
 [[noreturn]] void Refuse(const Remains& remains) {
+  if (!remains.budget().bytes) throw Error(ErrorKind::kNotPossible, "no keyframe may be kept");
   const auto kilobytes = [](std::uint64_t bytes) { return std::to_string((bytes + 999) / 1000) + " kB"; };
   throw Error(ErrorKind::kNotPossible, "the target of " + kilobytes(*remains.budget().bytes) +
                                            " is below what one keyframe with its points takes, " +
@@ -82,7 +83,7 @@ class Chooser {
 void ChooseKeyFrames(Remains& remains, Finding& finding) {
   if (remains.keyframes() == 0)
     throw Error(ErrorKind::kNotPossible, "there is no keyframe to keep: none is there, or all are flagged bad");
-  if (remains.budget().lean && !remains.Fits()) {
+  if (remains.budget().bytes && remains.budget().lean && !remains.Fits()) {
     const std::vector<std::uint32_t> points = finding.ShownOnce();
     finding.Drop(points);
     remains.Drop(points);

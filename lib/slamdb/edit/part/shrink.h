@@ -52,7 +52,8 @@ struct ShrinkReport {
 };
 
 // Makes an atlas small so that a camera is found in it from as many places as can be.
-// Bytes: what the preset takes goes first, all of it, unless the atlas is for mapping; then keyframes.
+// Bytes: what the preset takes goes first, all of it, and then points that no other place shows, of keyframes that show
+// enough others, unless the atlas is for mapping; then keyframes.
 // Keyframes go one by one, next the one without which finding loses least, for each byte where bytes are asked for. A
 // place is found by one keyframe: the one, of those that are tried, that has most points which the place shows. Tried
 // are those that have nearly as many words in common with it as any has, so that keyframes which stand in the way of
@@ -70,7 +71,8 @@ struct ShrinkReport {
 // Throws Error:
 //   kUsage        nothing is asked for, or both purposes; before anything changes
 //   kNotPossible  not even one keyframe fits, or there is no map or no good keyframe; the atlas is then of no use
-// Cost: in place; 0.05 s for 60 keyframes, 3 s for 1,000; the result is the same for any number of threads.
+// Cost: in place, about the keyframes times their neighbours: 0.05 s for 60 keyframes, 1 s for 1,000; the result is the
+// same for any number of threads.
 SLAMDB_EXPORT ShrinkReport Shrink(Atlas& atlas, const ShrinkOptions& options = {});
 
 // As schema/shrink.schema.json describes it.
