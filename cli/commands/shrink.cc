@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/part/shrink.h"
-
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
+#include "slamdb/align/shrink_for_locating.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {
@@ -21,6 +21,17 @@ struct ShrinkVerbOptions {
   ShrinkOptions shrink;
   std::string purpose, vocabulary;
 };
+
+// What --for takes.
+const std::map<std::string, bool ShrinkOptions::*> kPurposes = {{"localization", &ShrinkOptions::for_localization},
+                                                                {"mapping", &ShrinkOptions::for_mapping}};
+
+std::string FoundText(const ShrinkReport& report) {
+  if (!report.found) return {};
+  const auto& [places, before, after] = *report.found;
+  return "finds " + Grouped(after) + " of " + Counted(places, "place") + " (" + Percent(after, places) + "); " +
+         Grouped(before) + " before (" + Percent(before, places) + ")\n";
+}
 
 std::string SizesText(const ShrinkReport& report) {
   std::string text;
@@ -36,7 +47,7 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
   ShrinkOptions shrink = options.shrink;
   if (options.target_megabytes)
     shrink.target_bytes = static_cast<std::uint64_t>(std::floor(*options.target_megabytes * kMegabyte));
-  shrink.for_localization = options.purpose == "localization";
+  if (!options.purpose.empty()) shrink.*kPurposes.at(options.purpose) = true;
   if (!shrink.target_bytes && !shrink.target_keyframes && !shrink.for_localization && !shrink.largest_map)
     RefuseUsage("say how small: --target-mb, --target-keyframes, --for localization, or --largest-map");
   shrink.threads = console.threads();
@@ -44,10 +55,10 @@ ExitCode RunShrink(const ShrinkVerbOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
   HoldWords(options.edit.input, LoadGivenVocabulary(options.vocabulary, console), console, atlas, notices);
-  const ShrinkReport report = Shrink(atlas, shrink);
+  const ShrinkReport report = NamingFile(options.edit.input, [&] { return ShrinkForLocating(atlas, shrink); });
   WriteResult(atlas, options.edit, "shrink " + options.edit.input, console, notices);
   WarnOfPoorCoverage(report.coverage, notices);
-  return FinishEdit(PartText(report.removed) + SizesText(report) + CoverageText(report.coverage),
+  return FinishEdit(PartText(report.removed) + SizesText(report) + CoverageText(report.coverage) + FoundText(report),
                     ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
 
@@ -65,13 +76,16 @@ Run AddShrink(CLI::App& verb) {
       ->type_name("N")
       ->check(CheckPositive)
       ->group(kGroup);
-  verb.add_option("--for", options->purpose, "localization: without features that see no point and IMU measurements")
+  verb.add_option("--for", options->purpose,
+                  "localization: without features that see no point and IMU measurements; mapping: with them, however "
+                  "few megabytes are asked for")
       ->type_name("PURPOSE")
-      ->check(CLI::IsMember({"localization"}))
+      ->check(CLI::IsMember(kPurposes))
       ->group(kGroup);
   verb.add_flag("--largest-map", options->shrink.largest_map, "Only the map with most keyframes; the others go")
       ->group(kGroup);
-  verb.add_option("--min-points", options->shrink.min_points, "With how many points a place counts as covered")
+  verb.add_option("--min-points", options->shrink.min_points,
+                  "With how many points of a keyframe a camera is found, and a place covered")
       ->type_name("N")
       ->check(CheckPositive)
       ->capture_default_str()
@@ -80,8 +94,10 @@ Run AddShrink(CLI::App& verb) {
 }
 
 constexpr Example kExamples[] = {
-    {"slamdb shrink session.osa small.osa --target-mb 10", "Fits a map into 10 MB, keeping what most places need."},
-    {"slamdb shrink session.osa small.osa --target-keyframes 60", "The 60 keyframes that cover most."},
+    {"slamdb shrink session.osa small.osa --target-mb 10",
+     "Fits a map into 10 MB, keeping what a camera is found by, and says how much that is."},
+    {"slamdb shrink session.osa small.osa --target-keyframes 60", "The 60 keyframes that find most."},
+    {"slamdb shrink session.osa small.osa --target-mb 10 --for mapping", "The same for a map that is to be extended."},
     {"slamdb shrink atlas.osa robot.osa --for localization",
      "What a robot needs that only localises: about a third smaller, and no place less."},
     {"slamdb shrink atlas.osa robot.osa --for localization --largest-map", "The same of the largest map alone."},
@@ -94,14 +110,19 @@ const Command kShrink = {
     .summary = "make an atlas small and keep the places it covers",
     .group = Group::kChange,
     .description =
-        R"(Keeps the keyframes that cover most places, as many as the target allows, and the points that they observe; the rest is
-closed as 'slamdb extract' does. Each keyframe of the input stands for its place; a place is covered when enough of the
-points that it sees are kept. Points that need two keyframes stay only where two that see them are kept, and no choice
-covers less than as many consecutive or evenly spaced keyframes would. A warning tells when less than 80% of the places
-that were covered still are.
+        R"(Keeps the keyframes by which a camera is found from most places, as many as the target allows, and the points that they
+observe; the rest is closed as 'slamdb extract' does. Each keyframe of the input stands for a place: it is left out, and what
+its picture shows of each other keyframe is counted, as ORB-SLAM3 relocalises by one keyframe's points, and tries only
+keyframes that have most words in common with the picture. Keyframes that stand in the way of others go, too. Points that need
+two keyframes stay only where two that see them are kept.
 
---for localization also drops what ORB-SLAM3 does not need to load a map and localise in it. Such a map is not for being
-extended: mapping wants the features that see no point yet.)",
+--for localization drops what ORB-SLAM3 does not need to load a map and localise in it. Such a map is not for being extended:
+mapping wants the features that see no point yet. --target-mb drops that first, before any keyframe; with --for mapping
+keyframes alone go.
+
+What was found before and after is measured by 'slamdb locate' of at most a hundred keyframes, each as if the map had never
+had it. A place is covered when enough of the points that it sees are kept; a warning tells when less than 80% of the places
+that were covered still are.)",
     .failed = "The input could not be read, the target is too small, or the output could not be written.",
     .lossy = kOutputLossy,
     .examples = kExamples,

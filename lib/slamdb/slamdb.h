@@ -15,6 +15,7 @@
 #include "slamdb/align/loops.h"
 #include "slamdb/align/place_index.h"
 #include "slamdb/align/report_json.h"
+#include "slamdb/align/shrink_for_locating.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/column.h"
 #include "slamdb/base/error.h"

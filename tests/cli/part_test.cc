@@ -107,7 +107,16 @@ TEST_F(PartVerbs, ShrinkKeepsToItsTarget) {
   const json report = Run({"shrink", input_, output_, "--target-mb", "0.5"}, "shrink.schema.json");
   EXPECT_LE(std::filesystem::file_size(output_), 501'000U);
   EXPECT_NEAR(report["bytes"]["after"].get<double>(), static_cast<double>(std::filesystem::file_size(output_)), 1000);
+  EXPECT_EQ(report["found"]["places"], report["before"]["keyframes"]);
+  EXPECT_LE(report["found"]["after"], report["found"]["places"]);
   ExpectSound(output_);
+  std::filesystem::remove(output_);
+  const json extendable =
+      Run({"shrink", input_, output_, "--target-mb", "0.5", "--for", "mapping"}, "shrink.schema.json");
+  EXPECT_EQ(extendable["dropped"]["features"], 0);
+  EXPECT_LT(extendable["after"]["keyframes"], report["after"]["keyframes"]);
+  std::filesystem::remove(output_);
+  EXPECT_TRUE(Run({"shrink", input_, output_, "--for", "localization"}, "shrink.schema.json")["found"].is_null());
   std::filesystem::remove(output_);
   const json small =
       Run({"shrink", input_, output_, "--for", "localization", "--target-keyframes", "4"}, "shrink.schema.json");

@@ -156,4 +156,19 @@ std::uint64_t DropFreeFeatures(Atlas& atlas, int threads) {
   return dropped;
 }
 
+FeatureSizes SizesOf(const Features& features) {
+  if (!ColumnsAgree(features)) return {};
+  const std::uint64_t rows = features.map_points.size();
+  std::uint64_t all = 28 * (features.keypoints.size() + features.undistorted.size());
+  all += 4 * (features.right_x.size() + features.depth.size()) + (32 + 8) * rows;
+  all += 8 * (features.grid.keypoints.size() + features.right_grid.keypoints.size());
+  all += 4 * features.feature_vector.features.size();
+  constexpr std::uint64_t kInAll = 32 + 8 + 8 + 4;  // descriptor, slot, entries in a grid and in the feature vector
+  constexpr std::uint64_t kLeft = 2 * 28 + 2 * 4 + kInAll, kRight = 28 + kInAll;
+  if (!features.is_fisheye_stereo()) return {all, kLeft, 28 * features.right_keypoints.size()};
+  constexpr std::uint64_t kMatches = 2 * 4;
+  all += 28 * features.right_keypoints.size() + 4 * rows;
+  return {all, kLeft + kRight + kMatches, 0};
+}
+
 }  // namespace slamdb::detail

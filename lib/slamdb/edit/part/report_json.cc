@@ -73,6 +73,10 @@ std::string ToJson(const ShrinkReport& report, const ReportFiles& files) {
   json["coverage"] = JsonOf(report.coverage);
   json["bytes"] = {{"before", report.bytes_before}, {"after", report.bytes_after}};
   json["dropped"] = {{"features", report.features_dropped}, {"imu_measurements", report.measurements_dropped}};
+  json["found"] = nullptr;
+  if (report.found)
+    json["found"] = {
+        {"places", report.found->places}, {"before", report.found->before}, {"after", report.found->after}};
   return detail::JsonText(json);
 }
 

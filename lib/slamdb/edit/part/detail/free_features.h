@@ -15,4 +15,13 @@ namespace slamdb::detail {
 // place; on `threads` threads (0: every core). Returns the number of features dropped.
 std::uint64_t DropFreeFeatures(Atlas& atlas, int threads = 0);
 
+// Bytes of a keyframe's features in a binary .osa file, for knowing beforehand what DropFreeFeatures leaves.
+struct FeatureSizes {
+  std::uint64_t all = 0;      // of all rows
+  std::uint64_t of_view = 0;  // of the rows that see one point, at most
+  std::uint64_t unused = 0;   // of what goes whole
+};
+// Zeros where it leaves everything.
+FeatureSizes SizesOf(const Features& features);
+
 }  // namespace slamdb::detail
