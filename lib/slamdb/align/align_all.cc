@@ -77,11 +77,15 @@ std::string_view NameOf(LinkUse use) {
 }
 
 AlignedMaps AlignAllMaps(std::span<const MapRef> maps, const AlignOptions& options) {
+  return AlignWithOthers(maps, maps.size(), options);
+}
+
+AlignedMaps AlignWithOthers(std::span<const MapRef> maps, std::size_t asked, const AlignOptions& options) {
   Grouping grouping(maps.size());
   AlignedMaps aligned{{}, grouping.places()};
   if (maps.size() < 2) return aligned;
   const detail::PreparedMaps prepared(maps, options);
-  for (std::size_t first = 0; first < maps.size(); ++first)
+  for (std::size_t first = 0; first < std::min(asked, maps.size()); ++first)
     for (std::size_t second = first + 1; second < maps.size(); ++second)
       aligned.links.push_back(
           {first, second, detail::AlignPair(prepared[first], prepared[second], prepared.trained_words(), options)});

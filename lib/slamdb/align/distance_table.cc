@@ -7,26 +7,38 @@
 namespace slamdb::detail {
 namespace {
 
-[[gnu::always_inline]] inline void Distances(const Bits& one, const std::vector<Bits>& others,
+using Words = std::array<const std::uint64_t*, 4>;
+
+[[gnu::always_inline]] inline void Distances(const Bits& one, const Words& others, std::size_t count,
                                              std::uint16_t* distances) {
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    int distance = 0;
-    for (std::size_t word = 0; word < one.size(); ++word) distance += std::popcount(one[word] ^ others[i][word]);
-    distances[i] = static_cast<std::uint16_t>(distance);
-  }
+  const std::uint64_t *first = others[0], *second = others[1], *third = others[2], *fourth = others[3];
+  for (std::size_t i = 0; i < count; ++i)
+    distances[i] = static_cast<std::uint16_t>(std::popcount(one[0] ^ first[i]) + std::popcount(one[1] ^ second[i]) +
+                                              std::popcount(one[2] ^ third[i]) + std::popcount(one[3] ^ fourth[i]));
 }
 
-void DistancesAnywhere(const Bits& one, const std::vector<Bits>& others, std::uint16_t* distances) {
-  Distances(one, others, distances);
+void DistancesAnywhere(const Bits& one, const Words& others, std::size_t count, std::uint16_t* distances) {
+  Distances(one, others, count, distances);
 }
 
-// Processors without the instruction are older than any robot that runs ORB-SLAM3, but the library may be there.
+// Processors without the first instruction are older than any robot that runs ORB-SLAM3, but the library may be there;
+// the second one counts eight words at a time.
 #if defined(__x86_64__)
-[[gnu::target("popcnt")]] void DistancesByPopcount(const Bits& one, const std::vector<Bits>& others,
+[[gnu::target("popcnt")]] void DistancesByPopcount(const Bits& one, const Words& others, std::size_t count,
                                                    std::uint16_t* distances) {
-  Distances(one, others, distances);
+  Distances(one, others, count, distances);
 }
-const auto kDistances = __builtin_cpu_supports("popcnt") ? DistancesByPopcount : DistancesAnywhere;
+[[gnu::target("avx512f,avx512bw,avx512vl,avx512vpopcntdq,popcnt")]] void DistancesByVector(const Bits& one,
+                                                                                           const Words& others,
+                                                                                           std::size_t count,
+                                                                                           std::uint16_t* distances) {
+  Distances(one, others, count, distances);
+}
+const auto kDistances = __builtin_cpu_supports("avx512vpopcntdq") && __builtin_cpu_supports("avx512bw") &&
+                                __builtin_cpu_supports("avx512vl")
+                            ? DistancesByVector
+                        : __builtin_cpu_supports("popcnt") ? DistancesByPopcount
+                                                           : DistancesAnywhere;
 #else
 const auto kDistances = DistancesAnywhere;
 #endif
@@ -39,9 +51,19 @@ Bits BitsOf(const Descriptor& descriptor) {
   return bits;
 }
 
+BitColumns::BitColumns(std::span<const Bits> descriptors) {
+  for (std::size_t word = 0; word < words_.size(); ++word)
+    for (const Bits& bits : descriptors) words_[word].push_back(bits[word]);
+}
+
+void BitColumns::DistancesTo(const Bits& one, std::uint16_t* distances) const {
+  kDistances(one, {words_[0].data(), words_[1].data(), words_[2].data(), words_[3].data()}, size(), distances);
+}
+
 DistanceTable::DistanceTable(const std::vector<Bits>& rows, const std::vector<Bits>& columns)
     : columns_(columns.size()), distances_(rows.size() * columns.size()) {
-  for (std::size_t row = 0; row < rows.size(); ++row) kDistances(rows[row], columns, &distances_[row * columns_]);
+  const BitColumns others(columns);
+  for (std::size_t row = 0; row < rows.size(); ++row) others.DistancesTo(rows[row], &distances_[row * columns_]);
 }
 
 }  // namespace slamdb::detail
