@@ -12,9 +12,9 @@
 namespace slamdb {
 namespace {
 
-constexpr double kSurely = 15;         // likeness: above what keyframes of other places come to
-constexpr std::uint64_t kFewest = 2;   // keyframes that look like a map
-constexpr std::size_t kMapsNamed = 6;  // by each keyframe
+constexpr double kAlike = 11;           // likeness: what keyframes of other places seldom come to
+constexpr std::uint64_t kFewest = 2;    // keyframes that look like a map
+constexpr std::size_t kMapsNamed = 20;  // by each keyframe
 
 }  // namespace
 
@@ -28,7 +28,7 @@ LikelyMaps FindLikelyMaps(Store& store, std::span<const MapRef> maps, const Like
   std::map<std::pair<std::string, std::uint64_t>, std::uint64_t> counts;
   for (const std::vector<StoredPlace>& named : places.by_picture)
     for (const StoredPlace& place : named)
-      if (place.likeness >= kSurely) ++counts[{place.atlas, place.map.value()}];
+      if (place.likeness >= kAlike) ++counts[{place.atlas, place.map.value()}];
   LikelyMaps likely{.maps = {}, .unlike = {}, .unknown = places.unknown};
   for (const auto& [map, keyframes] : counts)
     if (keyframes >= kFewest) likely.maps.push_back({map.first, MapId(map.second), keyframes});

@@ -99,8 +99,4 @@ Words ComputeWords(const VocabularyTree& tree, const Column<Descriptor>& descrip
   return {MakeBag(tree, leaves), MakeFeatureVector(groups)};
 }
 
-std::uint32_t WordOf(const VocabularyTree& tree, const Descriptor& descriptor) {
-  return tree.words[FindPlace(tree, descriptor, 0).leaf];
-}
-
 }  // namespace slamdb

@@ -59,9 +59,4 @@ struct Words {
 // Cost: O(depth * branching) for each descriptor. Thread-safe.
 SLAMDB_EXPORT Words ComputeWords(const VocabularyTree& tree, const Column<Descriptor>& descriptors, int levels_up = 4);
 
-// The word that one descriptor is, found in the same way.
-//
-// Requires: the tree is not empty.
-SLAMDB_EXPORT std::uint32_t WordOf(const VocabularyTree& tree, const Descriptor& descriptor);
-
 }  // namespace slamdb

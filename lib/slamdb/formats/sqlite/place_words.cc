@@ -7,29 +7,53 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/place_tree.h"
+#include "slamdb/model/detail/bit_columns.h"
 #include "slamdb/model/picture_features.h"
-#include "slamdb/model/vocabulary_tree.h"
 
 namespace slamdb::sqlite {
 namespace {
 
 // The tree of schema/0005_places.words: how many children each node has, breadth first, then the centres of all but the
 // root.
-VocabularyTree MakeTree() {
-  VocabularyTree tree;
-  const std::span<const unsigned char> bytes = PlaceTreeBytes();
-  const std::size_t nodes = (bytes.size() + sizeof(Descriptor)) / (1 + sizeof(Descriptor));
-  tree.descriptors.resize(nodes);
-  std::memcpy(&tree.descriptors[1], &bytes[nodes], (nodes - 1) * sizeof(Descriptor));
-  std::uint32_t next = 1;
-  for (std::size_t node = 0; node < nodes; ++node) {
-    tree.first_child.push_back(static_cast<std::uint32_t>(tree.children.size()));
-    for (int child = 0; child < bytes[node]; ++child) tree.children.push_back(next++);
-    tree.words.push_back(bytes[node] == 0 ? tree.word_count++ : VocabularyTree::kNoWord);
+class PlaceTree {
+ public:
+  PlaceTree() : centres_(CentresOf(PlaceTreeBytes())) {
+    std::uint32_t next = 1, words = 0;
+    for (const unsigned char children : PlaceTreeBytes().first(centres_.size())) {
+      nodes_.push_back({next, children, children == 0 ? words++ : 0});
+      next += children;
+    }
   }
-  tree.first_child.push_back(static_cast<std::uint32_t>(tree.children.size()));
-  return tree;
-}
+
+  // The word of a descriptor: down to the child at the least distance, the first of equals.
+  std::uint32_t WordOf(const Descriptor& descriptor) const {
+    const detail::Bits bits = detail::BitsOf(descriptor);
+    std::array<std::uint16_t, 256> distances{};
+    Node node = nodes_[0];
+    while (node.children > 0) {
+      centres_.DistancesTo(bits, node.first, node.children, distances.data());
+      const auto least = std::min_element(distances.begin(), distances.begin() + node.children);
+      node = nodes_[node.first + static_cast<std::size_t>(least - distances.begin())];
+    }
+    return node.word;
+  }
+
+ private:
+  struct Node {
+    std::uint32_t first;  // of its children
+    std::uint8_t children;
+    std::uint32_t word;  // of a leaf
+  };
+
+  static detail::BitColumns CentresOf(std::span<const unsigned char> bytes) {
+    std::vector<detail::Bits> centres((bytes.size() + sizeof(Descriptor)) / (1 + sizeof(Descriptor)));
+    std::memcpy(&centres[1], &bytes[centres.size()], (centres.size() - 1) * sizeof(Descriptor));
+    return detail::BitColumns(centres);
+  }
+
+  detail::BitColumns centres_;  // by node
+  std::vector<Node> nodes_;
+};
 
 // A row of keyframe_words as it is stored.
 struct StoredWords {
@@ -88,10 +112,10 @@ void RebuildMap(Database& database, std::int64_t map) {
 }  // namespace
 
 PlaceWords PlaceWordsOf(std::span<const Descriptor> descriptors) {
-  static const VocabularyTree tree = MakeTree();
+  static const PlaceTree tree;
   PlaceWords words{};
   for (const Descriptor& descriptor : descriptors) {
-    const std::uint32_t word = WordOf(tree, descriptor);
+    const std::uint32_t word = tree.WordOf(descriptor);
     words[word / 64] |= std::uint64_t{1} << (word % 64);
   }
   return words;

@@ -24,6 +24,10 @@ constexpr std::size_t kNeighbours = 3;  // on each side, that vote with one
 constexpr double kChance = 12;          // that pictures of other places come to: see likeness
 constexpr double kFaint = 0.5;          // of the best likeness, under which such a place is passed over
 
+// What is taken to have been seen before: a store of one room knows little of what others look like.
+constexpr double kPriorPictures = 300;
+constexpr double kPriorCount = 300 * 0.17;  // of these, that have a word
+
 struct StoredMap {
   std::string atlas;
   MapId id;
@@ -81,7 +85,7 @@ class PlaceTable {
   }
 
   void ReadKeyframes(Database& database) {
-    Statement ids(database, "SELECT map, row, id FROM keyframe INDEXED BY keyframe_by_id", "table keyframe");
+    Statement ids(database, "SELECT map, row, id FROM keyframe", "table keyframe");  // from keyframe_by_id alone
     while (ids.Step())
       if (maps_.contains(ids.Integer(0)))
         keyframes_.push_back({ids.Integer(0), ids.Integer(1), static_cast<std::uint64_t>(ids.Integer(2))});
@@ -117,11 +121,11 @@ class PlaceTable {
         ++counts_[i];
       });
     double sum = 0;
-    for (const std::uint32_t count : seen) sum += count;
-    const double pictures = static_cast<double>(words_.size()) + 1;
+    for (const std::uint32_t count : seen) sum += count + kPriorCount;
+    const double pictures = static_cast<double>(words_.size()) + kPriorPictures;
     for (const std::uint32_t count : seen) {
-      rarity_.push_back(static_cast<float>(std::log(pictures / std::max(1.0, static_cast<double>(count)))));
-      share_.push_back(sum > 0 ? count / sum : 0);
+      rarity_.push_back(static_cast<float>(std::log(pictures / (count + kPriorCount))));
+      share_.push_back((count + kPriorCount) / sum);
     }
   }
 
