@@ -78,8 +78,8 @@ TEST(PlaceWords, AreTheSameForever) {
     hash = hash * 0x9E3779B97F4A7C15U + part;
     count += std::popcount(part);
   }
-  EXPECT_EQ(count, 0);
-  EXPECT_EQ(hash, 0U);
+  EXPECT_EQ(count, 194);
+  EXPECT_EQ(hash, 705134055539096234U);
   EXPECT_EQ(PlaceWordsOf({}), PlaceWords{});
 }
 
