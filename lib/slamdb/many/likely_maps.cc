@@ -12,7 +12,7 @@
 namespace slamdb {
 namespace {
 
-constexpr double kAlike = 11;           // likeness: what keyframes of other places seldom come to
+constexpr double kAlike = 12;           // likeness: what keyframes of other places seldom come to
 constexpr std::uint64_t kFewest = 2;    // keyframes that look like a map
 constexpr std::size_t kMapsNamed = 20;  // by each keyframe
 
@@ -24,7 +24,8 @@ LikelyMaps FindLikelyMaps(Store& store, std::span<const MapRef> maps, const Like
     for (const KeyFrame& keyframe : map.atlas->maps[map.map].keyframes)
       pictures.push_back(LeftDescriptors(keyframe.features));
   const StoredPlaces places = store.PlacesLike(
-      pictures, {.places = kMapsNamed, .of_map = 1, .without = options.without, .threads = options.threads});
+      pictures,
+      {.places = kMapsNamed, .of_map = 1, .faint = true, .without = options.without, .threads = options.threads});
   std::map<std::pair<std::string, std::uint64_t>, std::uint64_t> counts;
   for (const std::vector<StoredPlace>& named : places.by_picture)
     for (const StoredPlace& place : named)

@@ -13,8 +13,10 @@
 namespace slamdb::sqlite {
 namespace {
 
+constexpr std::size_t kWords = 8 * sizeof(PlaceWords);
+
 // The tree of schema/0005_places.words: how many children each node has, breadth first, then the centres of all but the
-// root.
+// root, then how frequent each word is.
 class PlaceTree {
  public:
   PlaceTree() : centres_(CentresOf(PlaceTreeBytes())) {
@@ -46,7 +48,8 @@ class PlaceTree {
   };
 
   static detail::BitColumns CentresOf(std::span<const unsigned char> bytes) {
-    std::vector<detail::Bits> centres((bytes.size() + sizeof(Descriptor)) / (1 + sizeof(Descriptor)));
+    const std::size_t size = bytes.size() - kWords * sizeof(std::uint16_t);
+    std::vector<detail::Bits> centres((size + sizeof(Descriptor)) / (1 + sizeof(Descriptor)));
     std::memcpy(&centres[1], &bytes[centres.size()], (centres.size() - 1) * sizeof(Descriptor));
     return detail::BitColumns(centres);
   }
@@ -119,6 +122,14 @@ PlaceWords PlaceWordsOf(std::span<const Descriptor> descriptors) {
     words[word / 64] |= std::uint64_t{1} << (word % 64);
   }
   return words;
+}
+
+std::vector<double> PlaceWordFrequencies() {
+  std::array<std::uint16_t, kWords> recorded{};
+  std::memcpy(recorded.data(), PlaceTreeBytes().last(sizeof recorded).data(), sizeof recorded);
+  std::vector<double> frequencies;
+  for (const std::uint16_t each : recorded) frequencies.push_back(each / 65535.0);
+  return frequencies;
 }
 
 void SavePlaceWords(SaveContext& context, std::int64_t map_row, const Map& map, std::span<const std::int64_t> rows,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // 1. All rows of keyframe_words are read, by map and id of the keyframe, which is their order in time.
-// 2. A picture is held against each: the words that both have, weighed by how rare they are in the store, beside what
+// 2. A picture is held against each: the words that both have, weighed by how rare they are in real maps, beside what
 //    chance gives for so many words of so rare ones.
 // 3. Neighbours in time vote together; the best of them stands for the place.
 #include "slamdb/formats/sqlite/detail/places.h"
@@ -21,12 +21,8 @@ namespace slamdb::sqlite {
 namespace {
 
 constexpr std::size_t kNeighbours = 3;  // on each side, that vote with one
-constexpr double kChance = 12;          // that pictures of other places come to: see likeness
-constexpr double kFaint = 0.5;          // of the best likeness, under which such a place is passed over
-
-// What is taken to have been seen before: a store of one room knows little of what others look like.
-constexpr double kPriorPictures = 300;
-constexpr double kPriorCount = 300 * 0.17;  // of these, that have a word
+constexpr double kChance = 14;          // that pictures of other places come to: see likeness
+constexpr double kFaint = 0.6;          // of the best likeness, under which such a place is passed over
 
 struct StoredMap {
   std::string atlas;
@@ -111,21 +107,18 @@ class PlaceTable {
     while (at != by_row.end()) pass_over();
   }
 
-  // How often words are, as a share of all, and how much they tell.
+  // How often words are, as a share of all, and how much they tell: in real maps at large. What is frequent in the
+  // store may be so because it holds one room, or maps that somebody made up.
   void Weigh() {
-    std::vector<std::uint32_t> seen(64 * PlaceWords{}.size(), 0);
-    counts_.resize(words_.size(), 0);
-    for (std::size_t i = 0; i < words_.size(); ++i)
-      ForEachWord(words_[i], [&](std::size_t word) {
-        ++seen[word];
-        ++counts_[i];
-      });
-    double sum = 0;
-    for (const std::uint32_t count : seen) sum += count + kPriorCount;
-    const double pictures = static_cast<double>(words_.size()) + kPriorPictures;
-    for (const std::uint32_t count : seen) {
-      rarity_.push_back(static_cast<float>(std::log(pictures / (count + kPriorCount))));
-      share_.push_back((count + kPriorCount) / sum);
+    const std::vector<double> frequencies = PlaceWordFrequencies();
+    const double sum = std::reduce(frequencies.begin(), frequencies.end());
+    for (const double frequency : frequencies) {
+      rarity_.push_back(static_cast<float>(-std::log(frequency)));
+      share_.push_back(frequency / sum);
+    }
+    for (const PlaceWords& words : words_) {
+      counts_.push_back(0);
+      for (const std::uint64_t part : words) counts_.back() += static_cast<std::uint32_t>(std::popcount(part));
     }
   }
 
@@ -172,7 +165,7 @@ class PlaceTable {
     std::ranges::stable_sort(order, std::greater(), &Vote::likeness);
     std::map<std::int64_t, std::size_t> of_map;
     for (const Vote& vote : order) {
-      if (vote.likeness < kChance && vote.likeness < kFaint * order.front().likeness) break;
+      if (!options.faint && vote.likeness < kChance && vote.likeness < kFaint * order.front().likeness) break;
       const std::int64_t map = keyframes_[vote.keyframe].map;
       const auto known = of_map.find(map);
       if (known == of_map.end() ? best.size() >= options.places : known->second >= options.of_map) continue;

@@ -16,13 +16,14 @@ struct StoredPlace {
   MapId map;
   KeyFrameId keyframe;
   // How much more it and its neighbours have in common with the picture than chance gives: standard deviations, summed
-  // over the keyframe and three on each side. Pictures of other places come to about 12.
+  // over the keyframe and three on each side. Pictures of other places come to 8 to 16.
   double likeness = 0;
 };
 
 struct PlaceOptions {
-  std::size_t places = 6;            // that are most alike, for each picture; their maps are those that are answered
-  std::size_t of_map = 3;            // places of each of these maps at most
+  std::size_t places = 6;  // that are most alike, for each picture; their maps are those that are answered
+  std::size_t of_map = 3;  // places of each of these maps at most
+  bool faint = false;      // also places of a likeness that chance may give, beside ones that are much more alike
   std::vector<std::string> without;  // atlases that are passed over
   int threads = 0;                   // 0: every core
 };

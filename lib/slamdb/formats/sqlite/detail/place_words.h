@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/model/features.h"
@@ -18,6 +19,9 @@ using PlaceWords = std::array<std::uint64_t, 64>;
 
 // Of a picture's descriptors. Thread-safe.
 PlaceWords PlaceWordsOf(std::span<const Descriptor> descriptors);
+
+// In what share of the keyframes of real maps each word is.
+std::vector<double> PlaceWordFrequencies();
 
 // Brings the rows of a map's keyframes up to date, and deletes those of others. `rows`: of map.keyframes, ascending.
 void SavePlaceWords(SaveContext& context, std::int64_t map_row, const Map& map, std::span<const std::int64_t> rows,
