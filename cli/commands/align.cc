@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <deque>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/commands/commands.h"
@@ -10,12 +13,14 @@
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/align_text.h"
+#include "cli/whole_store.h"
 #include "slamdb/align/align_all.h"
 #include "slamdb/align/report_json.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/many/likely_maps.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/plot/alignment.h"
 
@@ -31,31 +36,80 @@ struct AlignVerbOptions {
 
 // The maps with keyframes of all inputs, and what to call them.
 struct GivenMaps {
+  std::deque<Atlas> atlases;  // that `maps` refers to
   std::vector<MapRef> maps;
   std::vector<MapName> names;
   std::vector<bool> metric;
+  std::size_t asked = 0;  // the first ones are compared with all; those behind them, of a store, not among themselves
+  std::optional<SearchedStore> store;
+
+  void Add(Atlas read, const std::string& name) {
+    const Atlas& atlas = atlases.emplace_back(std::move(read));
+    for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+      const Map& map = atlas.maps[row];
+      if (map.keyframes.empty()) continue;
+      maps.push_back({&atlas, row});
+      names.push_back({name, map.id});
+      metric.push_back(IsMetric(map));
+    }
+  }
 };
 
-GivenMaps MapsOf(const std::vector<Atlas>& atlases, const std::vector<std::string>& inputs) {
-  GivenMaps given;
-  for (std::size_t input = 0; input < atlases.size(); ++input)
-    for (std::size_t row = 0; row < atlases[input].maps.size(); ++row) {
-      const Map& map = atlases[input].maps[row];
-      if (map.keyframes.empty()) continue;
-      given.maps.push_back({&atlases[input], row});
-      given.names.push_back({inputs[input], map.id});
-      given.metric.push_back(IsMetric(map));
+// The atlases of the store that are among the inputs.
+std::vector<std::string> NamedOf(const Store& store, const std::vector<std::string>& inputs) {
+  std::vector<std::string> names;
+  for (const std::string& input : inputs) {
+    const Location location(input);
+    std::error_code none;
+    if (!location.name.empty() && std::filesystem::equivalent(location.path, store.path(), none))
+      names.push_back(location.name);
+  }
+  return names;
+}
+
+// Adds the maps of the store that may overlap with those that are there.
+void AddLikely(Store& store, const AlignVerbOptions& options, Console& console, Notices& notices, GivenMaps& given) {
+  const LikelyMaps likely =
+      FindLikelyMaps(store, given.maps, {.without = NamedOf(store, options.inputs), .threads = console.threads()});
+  for (const LikelyMap& map : likely.maps) {
+    ReadOptions read = MakeReadOptions(console, {}, options.wait);
+    read.selection.map = map.map;
+    try {
+      given.Add(store.Load(map.atlas, read), store.path() + "#" + map.atlas);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kDamaged) throw;
+      notices.Warn(std::string("not compared: ") + error.what());
     }
-  if (given.maps.size() < 2)
-    throw Error(ErrorKind::kNotPossible, inputs.front(), "",
-                given.maps.empty() ? "has no map with keyframes"
-                                   : "has only one map with keyframes; name another atlas to align it with");
+  }
+  given.store = {store.path(), likely.unlike, likely.unknown};
+}
+
+GivenMaps ReadMaps(const AlignVerbOptions& options, Console& console, Notices& notices) {
+  GivenMaps given;
+  std::optional<Store> store;
+  for (const std::string& input : options.inputs) {
+    if (std::optional<Store> whole = OpenWholeStore(input, options.from, options.wait)) {
+      if (store) RefuseUsage("one store is searched; of " + input + " name the atlases, as " + input + "#NAME");
+      store = std::move(whole);
+      continue;
+    }
+    given.Add(ReadAtlas(Location(input), MakeReadOptions(console, options.from, options.wait), &notices), input);
+  }
+  given.asked = given.maps.size();
+  const char* problem = given.maps.empty()                ? "has no map with keyframes"
+                        : given.maps.size() < 2 && !store ? "has only one map with keyframes; name another atlas to "
+                                                            "align it with"
+                                                          : nullptr;
+  if (store && options.inputs.size() == 1)
+    problem = "is a store of several atlases; name another one to align with them";
+  if (problem != nullptr) throw Error(ErrorKind::kNotPossible, options.inputs.front(), "", problem);
+  if (store) AddLikely(*store, options, console, notices, given);
   return given;
 }
 
 AlignedMaps Align(const AlignVerbOptions& options, const GivenMaps& given, Console& console) {
-  return AlignAllMaps(
-      given.maps,
+  return AlignWithOthers(
+      given.maps, given.asked,
       {.own_vocabulary = options.own_vocabulary, .threads = console.threads(), .progress = console.MakeProgress()});
 }
 
@@ -65,6 +119,18 @@ PlotFormat FormatOf(const std::string& plot) {
   if (!path.ends_with(".svg") && path != "-" && !IsSpecialFile(path))
     RefuseUsage("a plot is an .svg or a .png, which " + path + " does not say");
   return PlotFormat::kSvg;
+}
+
+// Every map is in one frame; of a store that was searched, some map is in that of each map that was asked for.
+bool IsSure(const AlignedMaps& aligned, const GivenMaps& given) {
+  if (!given.store) return std::ranges::all_of(aligned.places, [](const MapPlace& place) { return place.group == 0; });
+  for (std::size_t map = 0; map < given.asked; ++map)
+    if (std::ranges::none_of(aligned.links, [&](const MapLink& link) {
+          return link.first == map && link.second >= given.asked &&
+                 link.alignment.verdict == AlignmentVerdict::kAligned;
+        }))
+      return false;
+  return true;
 }
 
 void DrawLink(const AlignedMaps& aligned, const GivenMaps& given, const AlignVerbOptions& options, AtomicFile& file) {
@@ -84,15 +150,12 @@ ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
   if (!options.plot.empty()) picture.emplace(options.plot, AtomicFileOptions{.overwrite = options.overwrite});
   if (!options.save.empty()) file.emplace(options.save, AtomicFileOptions{.overwrite = options.overwrite});
   Notices notices;
-  std::vector<Atlas> atlases;
-  for (const std::string& input : options.inputs)
-    atlases.push_back(ReadAtlas(Location(input), MakeReadOptions(console, options.from, options.wait), &notices));
-  const GivenMaps given = MapsOf(atlases, options.inputs);
+  const GivenMaps given = ReadMaps(options, console, notices);
   if ((file || picture) && given.maps.size() != 2)
     RefuseUsage((file ? "--save" : "--plot") +
                 (" is for two maps, and there are " + std::to_string(given.maps.size())));
   const AlignedMaps aligned = Align(options, given, console);
-  const bool sure = std::ranges::all_of(aligned.places, [](const MapPlace& place) { return place.group == 0; });
+  const bool sure = IsSure(aligned, given);
   const bool drawn = picture && aligned.links.front().alignment.first_from_second.has_value();
   if (file && sure) {
     file->Write(ToText(*aligned.links.front().alignment.first_from_second) + "\n");
@@ -102,7 +165,9 @@ ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
   if (file && !sure) notices.Warn("the maps are not aligned for sure: " + options.save + " is not written");
   if (picture && !drawn) notices.Warn("there is nothing to draw: " + options.plot + " is not written");
   console.Report(notices);
-  PrintReport(options.json ? ToJson(aligned, given.names) : AlignText(aligned, given.names, given.metric), options.json,
+  const std::string text =
+      AlignText(aligned, given.names, given.metric) + (given.store ? UnlikeText(*given.store) : "");
+  PrintReport(options.json ? ToJson(aligned, given.names, given.store) : text, options.json,
               (file && IsStandardOutput(options.save)) || (picture && IsStandardOutput(options.plot)), console);
   if (file && sure && !options.json) console.PrintWritten(options.save, notices);
   if (drawn && !options.json) console.PrintWritten(options.plot, notices);
@@ -111,7 +176,10 @@ ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
 
 Run AddAlign(CLI::App& verb) {
   const auto options = std::make_shared<AlignVerbOptions>();
-  verb.add_option("INPUT", options->inputs, "Atlases, of which every map with keyframes is compared with every other")
+  verb.add_option("INPUT", options->inputs,
+                  "Atlases, of which every map with keyframes is compared with every other; a store without #NAME: "
+                  "those of its "
+                  "maps in which something looks alike")
       ->type_name("FILE")
       ->required();
   AddFrom(verb, options->from);
@@ -136,6 +204,8 @@ constexpr Example kExamples[] = {
     {"slamdb align session_a.osa session_b.osa", "How the second session lies in the first, and how sure that is."},
     {"slamdb align a.osa b.osa --save b_in_a.txt && slamdb merge a.osa b.osa -o ab.osa --join --transform b_in_a.txt",
      "Joins them by it, step by step; merge --align does it at once."},
+    {"slamdb align session_b.osa lab.db",
+     "Which atlases of a store the new one overlaps with, and how it lies in each."},
     {"slamdb align session_a.osa session_b.osa --json --plot b_in_a.svg",
      "The same for a script, and drawn. Of one atlas the maps inside are compared."},
 };
@@ -153,8 +223,11 @@ agree on is refined, and then the pictures of each map are held against the poin
 not speaks against it, as in rooms that look alike.
 
 A map is aligned, doubtful (something agrees, but it could be a look-alike), or there is no overlap. Of more than two maps
-the surest links bring them into one frame, and the others must agree with that. Scales may differ where a map is monocular.)",
-    .done = "Every map could be brought into one frame.",
+the surest links bring them into one frame, and the others must agree with that. Scales may differ where a map is monocular.
+
+Of a store without #NAME the maps are compared in which something looks like the inputs, which the store tells without reading
+them; the others are named.)",
+    .done = "Every map could be brought into one frame; of a store: every input lies in some map of it.",
     .failed = "Some map could not be aligned with any other, or an input not be read.",
     .examples = kExamples,
     .add = AddAlign,

@@ -9,7 +9,8 @@
 #include "cli/edit.h"
 #include "cli/guard.h"
 #include "cli/options.h"
-#include "cli/report/layout.h"
+#include "cli/report/locate_text.h"
+#include "cli/whole_store.h"
 #include "slamdb/align/locate_report.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
@@ -18,7 +19,9 @@
 #include "slamdb/base/error.h"
 #include "slamdb/evaluate/evaluate.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/formats/trajectories.h"
+#include "slamdb/many/locate_in_store.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/pictures/picture_list.h"
 #include "slamdb/pictures/pictures.h"
@@ -27,7 +30,6 @@ namespace slamdb::cli {
 namespace {
 
 using detail::Concat;
-using detail::Digits;
 
 struct LocateVerbOptions {
   std::string input, from, camera, vocabulary, against, output;
@@ -47,29 +49,100 @@ CameraSettings CameraFor(const Atlas& atlas, const std::optional<CameraSettings>
   return *std::move(own);
 }
 
-LocateReport LocatePictures(const LocateVerbOptions& options, const Atlas& atlas, const Locator& locator,
-                            Console& console) {
-  std::optional<CameraSettings> given;
-  if (!options.camera.empty()) given = ReadCameraSettings(options.camera);
-  const std::vector<PictureFile> files = FindPictures(options.pictures);
-  LocateReport report;
-  report.pictures.resize(files.size());
+std::optional<CameraSettings> GivenCamera(const LocateVerbOptions& options) {
+  return options.camera.empty() ? std::nullopt : std::optional(ReadCameraSettings(options.camera));
+}
+
+// Calls work(row) for every picture, in parallel; an Error gets the name of its file.
+template <class Work>
+void ForEachPicture(const std::vector<PictureFile>& files, std::string_view doing, Console& console, const Work& work) {
   const Progress progress = console.MakeProgress();
   constexpr std::size_t kBatch = 16;  // between two tellings
   for (std::size_t done = 0; done < files.size(); done += kBatch) {
-    if (progress) progress("locating", static_cast<double>(done) / static_cast<double>(files.size()));
-    detail::ParallelFor(
-        std::min(kBatch, files.size() - done), 1, console.threads(), [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = done + begin; i < done + end; ++i)
-            report.pictures[i] = NamingFile(files[i].path, [&] {
-              const GrayPicture picture = ReadPicture(files[i].path);
-              const CameraSettings camera = CameraFor(atlas, given, picture);
-              return LocatedPicture{.name = files[i].path,
-                                    .timestamp = files[i].timestamp,
-                                    .localization = locator.Locate(ExtractFeatures(picture, camera, options.features)),
-                                    .error = {}};
-            });
-        });
+    if (progress) progress(doing, static_cast<double>(done) / static_cast<double>(files.size()));
+    detail::ParallelFor(std::min(kBatch, files.size() - done), 1, console.threads(),
+                        [&](std::size_t begin, std::size_t end) {
+                          for (std::size_t i = done + begin; i < done + end; ++i)
+                            NamingFile(files[i].path, [&] { work(i); });
+                        });
+  }
+}
+
+LocateReport ReportOf(const std::vector<PictureFile>& files) {
+  LocateReport report;
+  for (const PictureFile& file : files) {
+    LocatedPicture& picture = report.pictures.emplace_back();
+    picture.name = file.path;
+    picture.timestamp = file.timestamp;
+  }
+  return report;
+}
+
+LocateReport LocatePictures(const LocateVerbOptions& options, const Atlas& atlas, const Locator& locator,
+                            Console& console) {
+  const std::optional<CameraSettings> given = GivenCamera(options);
+  const std::vector<PictureFile> files = FindPictures(options.pictures);
+  LocateReport report = ReportOf(files);
+  ForEachPicture(files, "locating", console, [&](std::size_t i) {
+    const GrayPicture picture = ReadPicture(files[i].path);
+    const CameraSettings camera = CameraFor(atlas, given, picture);
+    report.pictures[i].localization = locator.Locate(ExtractFeatures(picture, camera, options.features));
+  });
+  return report;
+}
+
+// Pictures before it is known whose camera took them: as ORB-SLAM3 finds features unless it is told otherwise.
+CameraSettings AnyCamera(const GrayPicture& picture) {
+  CameraSettings settings{.camera = {}, .distortion = {}};
+  settings.camera.parameters = {1, 1, 0, 0};
+  settings.width = settings.file_width = picture.width;
+  settings.height = settings.file_height = picture.height;
+  return settings;
+}
+
+// A picture that all atlases of a store are asked for.
+struct AskedPicture {
+  CameraSettings found_with;
+  PictureFeatures features;
+};
+
+// As the camera of an atlas sees it.
+std::optional<PictureFeatures> SeenBy(const Atlas& atlas, const AskedPicture& picture, const std::string& file,
+                                      std::int32_t features) {
+  const std::optional<CameraSettings> own = SettingsOfMap(atlas, picture.found_with.width, picture.found_with.height);
+  if (!own) return std::nullopt;
+  std::optional<PictureFeatures> seen = WithCamera(picture.features, picture.found_with, *own);
+  return seen ? seen : ExtractFeatures(ReadPicture(file), *own, features);
+}
+
+LocateReport LocateInWholeStore(const LocateVerbOptions& options, Store& store, Console& console, Notices& notices) {
+  const std::optional<CameraSettings> given = GivenCamera(options);
+  const std::vector<PictureFile> files = FindPictures(options.pictures);
+  std::vector<CameraSettings> found_with(files.size());
+  std::vector<PictureFeatures> looks(files.size());
+  ForEachPicture(files, "looking at pictures", console, [&](std::size_t i) {
+    const GrayPicture picture = ReadPicture(files[i].path);
+    found_with[i] = given ? *given : AnyCamera(picture);
+    looks[i] = ExtractFeatures(picture, found_with[i], options.features);
+  });
+  const auto features_for = [&](std::size_t i, const Atlas& atlas) -> std::optional<PictureFeatures> {
+    if (given) return looks[i];
+    return SeenBy(atlas, {found_with[i], looks[i]}, files[i].path, options.features);
+  };
+  const LocatedInStore located =
+      LocateInStore(store, looks, features_for,
+                    {.lock_timeout = options.wait, .threads = console.threads(), .progress = console.MakeProgress()});
+  for (const std::string& atlas : located.not_asked) notices.Warn("not asked: " + atlas);
+  LocateReport report = ReportOf(files);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    LocatedPicture& picture = report.pictures[i];
+    const std::vector<AtlasLocalization>& answers = located.pictures[i];
+    picture.localization.reason = "no place of the store looks like it";
+    picture.localization.evidence.features = looks[i].descriptors.size();
+    if (answers.empty()) continue;
+    picture.atlas = answers.front().atlas;
+    picture.localization = answers.front().localization;
+    picture.others.assign(answers.begin() + 1, answers.end());
   }
   return report;
 }
@@ -103,34 +176,6 @@ void HoldAgainst(const std::string& truth, const Atlas& atlas, const ReadOptions
   }
 }
 
-std::string LineOf(const LocatedPicture& picture) {
-  const Localization& found = picture.localization;
-  std::string line = Concat(picture.name, ": ", NameOf(found.verdict));
-  if (found.verdict == LocateVerdict::kFound)
-    line += Concat(" in ", found.map, " at ", Digits(found.position.x(), 5), " ", Digits(found.position.y(), 5), " ",
-                   Digits(found.position.z(), 5), ", like ", found.resembles, ", ", found.evidence.inliers, " points");
-  if (found.verdict != LocateVerdict::kFound) line += ": " + found.reason;
-  if (picture.error)
-    line += Concat("; error ", Digits(picture.error->position, 3), ", ", Digits(picture.error->rotation_degrees, 3),
-                   " degrees");
-  return line + "\n";
-}
-
-std::string ReportText(const LocateReport& report, const LocateVerbOptions& options, bool verbose) {
-  std::string text;
-  for (const LocatedPicture& picture : report.pictures)
-    if (!options.benchmark || verbose || picture.localization.verdict != LocateVerdict::kFound) text += LineOf(picture);
-  const auto share = 100.0 * static_cast<double>(report.found()) / static_cast<double>(report.pictures.size());
-  text += Concat("found ", report.found(), " of ",
-                 Counted(report.pictures.size(), options.benchmark ? "keyframe" : "picture"), " (",
-                 detail::Fixed(share, 0), "%)\n");
-  if (const auto median = report.MedianError(), largest = report.LargestError(); median && largest)
-    text += Concat("error: median ", Digits(median->position, 3), ", ", Digits(median->rotation_degrees, 3),
-                   " degrees; largest ", Digits(largest->position, 3), ", ", Digits(largest->rotation_degrees, 3),
-                   " degrees\n");
-  return text;
-}
-
 std::string TumOf(const std::vector<TrajectoryPose>& poses) {
   std::string text = "# timestamp tx ty tz qx qy qz qw\n";
   for (const TrajectoryPose& pose : poses) {
@@ -157,12 +202,33 @@ void WritePoses(const LocateReport& report, const Atlas& atlas, const LocateVerb
   WriteOutput({.path = options.output, .overwrite = options.overwrite}, text, console);
 }
 
-ExitCode RunLocate(const LocateVerbOptions& options, Console& console) {
+void RefuseContradictions(const LocateVerbOptions& options) {
   if (options.benchmark == !options.pictures.empty())
     RefuseUsage(options.benchmark ? "--benchmark leaves keyframes out, and takes no pictures"
                                   : "name pictures, or ask for --benchmark");
   if (options.benchmark && !(options.against.empty() && options.camera.empty()))
     RefuseUsage("--benchmark uses what keyframes have recorded, and takes neither --against nor --camera");
+}
+
+ExitCode Finish(const LocateReport& report, const LocateVerbOptions& options, Console& console,
+                const Notices& notices) {
+  console.Report(notices);
+  PrintReport(options.json ? ToJson(report, options.input) : LocateText(report, options.benchmark, console.verbose()),
+              options.json, !options.output.empty() && IsStandardOutput(options.output), console);
+  const bool all = options.benchmark || report.found() == report.pictures.size();
+  return all ? ExitCode::kDone : ExitCode::kFailed;
+}
+
+ExitCode RunInWholeStore(const LocateVerbOptions& options, Store& store, Console& console) {
+  if (options.benchmark || !(options.against.empty() && options.output.empty() && options.vocabulary.empty()))
+    RefuseUsage("--benchmark, --against, --output and --vocabulary are for one atlas: name it, as " + store.path() +
+                "#NAME");
+  Notices notices;
+  const LocateReport report = LocateInWholeStore(options, store, console, notices);
+  return Finish(report, options, console, notices);
+}
+
+ExitCode RunInAtlas(const LocateVerbOptions& options, Console& console) {
   Notices notices;
   const ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   Atlas atlas = ReadAtlas(Location(options.input), read, &notices);
@@ -180,16 +246,20 @@ ExitCode RunLocate(const LocateVerbOptions& options, Console& console) {
   });
   if (!options.against.empty()) HoldAgainst(options.against, atlas, MakeReadOptions(console), report, notices);
   if (!options.output.empty()) WritePoses(report, atlas, options, console);
-  console.Report(notices);
-  PrintReport(options.json ? ToJson(report, options.input) : ReportText(report, options, console.verbose()),
-              options.json, !options.output.empty() && IsStandardOutput(options.output), console);
-  const bool all = options.benchmark || report.found() == report.pictures.size();
-  return all ? ExitCode::kDone : ExitCode::kFailed;
+  return Finish(report, options, console, notices);
+}
+
+ExitCode RunLocate(const LocateVerbOptions& options, Console& console) {
+  RefuseContradictions(options);
+  std::optional<Store> store = OpenWholeStore(options.input, options.from, options.wait);
+  return store ? RunInWholeStore(options, *store, console) : RunInAtlas(options, console);
 }
 
 Run AddLocate(CLI::App& verb) {
   const auto options = std::make_shared<LocateVerbOptions>();
-  verb.add_option("INPUT", options->input, "The atlas: a file or STORE.db#NAME")->type_name("FILE")->required();
+  verb.add_option("INPUT", options->input, "The atlas: a file or STORE.db#NAME; a store without #NAME: all its atlases")
+      ->type_name("FILE")
+      ->required();
   verb.add_option("PICTURE", options->pictures,
                   "Pictures, folders of them, or lists (.txt, .csv: a picture a line, behind its time or alone)")
       ->type_name("FILE");
@@ -224,6 +294,7 @@ Run AddLocate(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb locate lab.osa frame.png", "Is this place in my map? Exit status 0 says yes, 1 no."},
     {"slamdb locate lab.osa frames --camera camera.yaml -o poses.tum", "All pictures of a folder, by another camera."},
+    {"slamdb locate lab.db frame.png", "Which of the atlases in a store know this place?"},
     {"slamdb locate lab.osa --benchmark", "How good the map is for finding oneself in it."},
 };
 
@@ -237,6 +308,9 @@ const Command kLocate = {
         R"(Finds where pictures were taken, by what they show: ORB features, the places of the map that look alike, the pose by what
 both have in common, and then the picture is held against the map. What the picture must show and does not speaks against the
 pose, however many points speak for it: a room that looks alike is refused or called doubtful.
+
+Of a store without #NAME all atlases are asked: the store tells which keyframes look like the picture, and their maps alone are
+loaded.
 
 --benchmark leaves each keyframe out in turn, with the points that need it, and locates it by its own recorded features: the
 share found and the errors tell how good the map is for localisation.)",

@@ -82,4 +82,17 @@ std::string AlignText(const AlignedMaps& aligned, const std::vector<MapName>& na
   return text;
 }
 
+std::string UnlikeText(const SearchedStore& store) {
+  const auto list = [](const std::vector<std::string>& atlases) {
+    std::string text;
+    for (const std::string& atlas : atlases) text += (text.empty() ? "" : ", ") + atlas;
+    return text;
+  };
+  std::string text;
+  if (!store.unlike.empty()) text += Wrapped("nothing looks alike: " + list(store.unlike), 0);
+  if (!store.unknown.empty())
+    text += Wrapped("not asked, as the store does not know what they look like: " + list(store.unknown), 0);
+  return text;
+}
+
 }  // namespace slamdb::cli

@@ -12,6 +12,9 @@ namespace slamdb::cli {
 // How maps lie to each other, and what says so, for people. `metric` by row of the list of maps: lengths are metres.
 std::string AlignText(const AlignedMaps& aligned, const std::vector<MapName>& names, const std::vector<bool>& metric);
 
+// Which atlases of a store were left alone, and why.
+std::string UnlikeText(const SearchedStore& store);
+
 // One name for each map of the list, as texts have it: `session_b.osa map 0`.
 std::string NameText(const MapName& name);
 

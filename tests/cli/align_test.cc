@@ -51,6 +51,25 @@ TEST_F(Align, JsonFollowsTheSchema) {
   }
 }
 
+TEST_F(Align, TellsWhichAtlasesOfAStoreANewOneOverlapsWith) {
+  const std::string store = At("maps.db");
+  for (const auto& [name, atlas] : {std::pair{"second", kSecond}, {"stranger", Stranger()}, {"first", kFirst}})
+    ASSERT_EQ(RunSlamdb({"convert", atlas, store + "#" + name, "-q"}).exit_code, 0);
+  const ProcessResult text = RunSlamdb({"align", store + "#first", store});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("maps.db#second map 0 in " + store + "#first map 0: aligned"));
+  EXPECT_THAT(text.out, HasSubstr("nothing looks alike: stranger"));
+  const ProcessResult result = RunSlamdb({"align", "--json", Stranger(), store});
+  EXPECT_EQ(result.exit_code, 0) << "it is in the store itself";
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "align.schema.json"), "");
+  EXPECT_EQ(report.at("store").at("unlike"), json({"first", "second"}));
+  ASSERT_EQ(RunSlamdb({"remove", store + "#stranger"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"align", Stranger(), store}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"align", store}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"align", kFirst, store, store}).exit_code, 2);
+}
+
 TEST_F(Align, TheOtherWayRoundIsTheInverse) {
   const auto transform = [](const std::string& first, const std::string& second) {
     const json report = json::parse(RunSlamdb({"align", "--json", first, second}).out);

@@ -56,6 +56,30 @@ TEST_F(Locate, APictureOfNothingIsNotFound) {
   EXPECT_EQ(ReadWholeFile(folder_ / "poses.tum"), "# timestamp tx ty tz qx qy qz qw\n");
 }
 
+TEST_F(Locate, AsksAllAtlasesOfAStore) {
+  const std::string store = folder_ / "maps.db";
+  for (const char* name : {"a", "b"}) ASSERT_EQ(RunSlamdb({"convert", atlas_, store + "#" + name, "-q"}).exit_code, 0);
+  const std::string camera = folder_.Make("camera.yaml", camera_);
+  for (const std::vector<std::string>& how : {std::vector<std::string>{}, {"--camera", camera}}) {
+    std::vector<std::string> arguments = {"locate", store, folder_ / "gray.pgm", "--json"};
+    arguments.insert(arguments.end(), how.begin(), how.end());
+    const ProcessResult result = RunSlamdb(arguments);
+    if (result.err.find("built without pictures") != std::string::npos) GTEST_SKIP() << result.err;
+    EXPECT_EQ(result.exit_code, 1) << result.err;
+    const json report = json::parse(result.out);
+    EXPECT_EQ(BreachOf(report, "locate.schema.json"), "");
+    EXPECT_TRUE(report["pictures"][0]["atlas"].is_null()) << "nothing looks like a gray picture";
+  }
+  for (const std::vector<std::string>& one_atlas :
+       {std::vector<std::string>{"--benchmark"}, {folder_ / "gray.pgm", "--against", folder_ / "gray.pgm"}}) {
+    std::vector<std::string> arguments = {"locate", store};
+    arguments.insert(arguments.end(), one_atlas.begin(), one_atlas.end());
+    const ProcessResult result = RunSlamdb(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr("maps.db#NAME"));
+  }
+}
+
 TEST_F(Locate, SaysWhatIsWrongWithItsInputs) {
   EXPECT_EQ(Run({}).exit_code, 2);
   EXPECT_EQ(Run({"--benchmark", folder_ / "gray.pgm"}).exit_code, 2);

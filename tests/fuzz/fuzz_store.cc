@@ -90,6 +90,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::Require(Store::Open(store.path()).Find(query).size() <= 2, "what is found is there");
   });
   fuzz::MayRefuse([&] {
+    const std::vector<Descriptor> picture(50, Descriptor{1, 2, 3});
+    const StoredPlaces places =
+        Store::Open(store.path()).PlacesLike(std::vector<std::span<const Descriptor>>{picture}, {.threads = 1});
+    for (const StoredPlace& place : places.by_picture.at(0)) fuzz::Require(place.likeness > 0, "what is alike is so");
+  });
+  fuzz::MayRefuse([&] {
     Salvage salvage = SalvageAtlas(Location{store.path(), "one"}, options);
     fuzz::Require(!ToJson(RecoverSalvage(salvage, {.threads = 1})).empty(), "the losses can be told");
   });

@@ -16,19 +16,18 @@
 namespace slamdb {
 namespace {
 
-// Progress is told over all pairs.
-std::vector<MapLink> LinkAll(const detail::PreparedMaps& prepared, const AlignOptions& options) {
+// The first `asked` maps with all behind them. Progress is told over all pairs.
+std::vector<MapLink> LinkAll(const detail::PreparedMaps& maps, std::size_t asked, const AlignOptions& options) {
   std::vector<MapLink> links;
-  const double pairs = static_cast<double>(prepared.size() * (prepared.size() - 1)) / 2;
+  const auto pairs = static_cast<double>(asked * maps.size() - asked * (asked + 1) / 2);
   AlignOptions of_pair = options;
   if (options.progress)
     of_pair.progress = [&](std::string_view stage, double fraction) {
       options.progress(stage, (static_cast<double>(links.size()) + fraction) / pairs);
     };
-  for (std::size_t first = 0; first < prepared.size(); ++first)
-    for (std::size_t second = first + 1; second < prepared.size(); ++second)
-      links.push_back(
-          {first, second, detail::AlignPair(prepared[first], prepared[second], prepared.trained_words(), of_pair)});
+  for (std::size_t first = 0; first < asked; ++first)
+    for (std::size_t second = first + 1; second < maps.size(); ++second)
+      links.push_back({first, second, detail::AlignPair(maps[first], maps[second], maps.trained_words(), of_pair)});
   return links;
 }
 
@@ -49,11 +48,15 @@ std::string_view NameOf(LinkUse use) {
 }
 
 AlignedMaps AlignAllMaps(std::span<const MapRef> maps, const AlignOptions& options) {
+  return AlignWithOthers(maps, maps.size(), options);
+}
+
+AlignedMaps AlignWithOthers(std::span<const MapRef> maps, std::size_t asked, const AlignOptions& options) {
   AlignedMaps aligned;
   for (std::size_t map = 0; map < maps.size(); ++map) aligned.places.push_back({map, {}});
   if (maps.size() < 2) return aligned;
   const detail::PreparedMaps prepared(maps, options);
-  aligned.links = LinkAll(prepared, options);
+  aligned.links = LinkAll(prepared, std::min(asked, maps.size()), options);
   std::vector<detail::MapTraits> traits;
   for (std::size_t map = 0; map < maps.size(); ++map)
     traits.push_back({prepared[map].views.metric(), prepared[map].views.median_depth()});

@@ -36,7 +36,7 @@ struct MapPlace {
 
 // How several maps lie to each other.
 struct AlignedMaps {
-  std::vector<MapLink> links;    // every pair of maps, the surest first
+  std::vector<MapLink> links;    // every pair of maps that was asked for, the surest first
   std::vector<MapPlace> places;  // by row of the list of maps; what links to nothing is a group of its own
 };
 
@@ -48,5 +48,9 @@ struct AlignedMaps {
 // Throws Error (kNotPossible) as AlignMaps.
 // Cost: AlignMaps for every pair of maps.
 [[nodiscard]] SLAMDB_EXPORT AlignedMaps AlignAllMaps(std::span<const MapRef> maps, const AlignOptions& options = {});
+
+// The same, without the pairs of which neither map is among the first `asked` ones: how these lie in all the others.
+[[nodiscard]] SLAMDB_EXPORT AlignedMaps AlignWithOthers(std::span<const MapRef> maps, std::size_t asked,
+                                                        const AlignOptions& options = {});
 
 }  // namespace slamdb

@@ -79,6 +79,13 @@ CommonWords::CommonWords(std::span<const MapViews* const> maps, bool same_vocabu
     }
 }
 
+CommonWords::CommonWords(std::span<const MapViews* const> maps) {
+  for (const MapViews* map : maps) {
+    bags_.emplace_back(map->views().size(), nullptr);
+    nodes_.emplace_back(map->views().size(), nullptr);
+  }
+}
+
 void CommonWords::Train(std::span<const MapViews* const> maps, int threads) {
   tree_ = TrainVocabulary(SampleOf(maps));
   own_.resize(maps.size());

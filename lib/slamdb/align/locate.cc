@@ -27,6 +27,8 @@ constexpr std::size_t kMostJudged = 3;  // that are held against the map
 constexpr double kSameDegrees = 3;      // poses that near are one
 constexpr double kSameDistance = 0.05;  // of the median depth
 
+constexpr const char* kNothingAlike = "no place of the map looks like it";
+
 struct MapPlace {
   std::size_t map;
   Candidate candidate;
@@ -63,9 +65,11 @@ struct Locator::State {
   State(const Atlas& of, const LocatorOptions& options)
       : atlas(of),
         maps(Maps(of)),
-        prepared(maps, AlignOptions{.own_vocabulary = options.vocabulary == nullptr,
-                                    .threads = options.threads,
-                                    .progress = options.progress}),
+        prepared(options.places_are_known
+                     ? detail::PreparedMaps::WithoutWords(maps, options.threads)
+                     : detail::PreparedMaps(maps, AlignOptions{.own_vocabulary = options.vocabulary == nullptr,
+                                                               .threads = options.threads,
+                                                               .progress = options.progress})),
         vocabulary(prepared.trained_words() ? &prepared.trained_tree() : options.vocabulary) {}
 
   static std::vector<MapRef> Maps(const Atlas& atlas) {
@@ -77,6 +81,9 @@ struct Locator::State {
   }
 
   Localization Locate(const PictureFeatures& picture, const LeftOut& left_out) const;
+  Localization LocateAt(const PictureFeatures& picture, std::span<const KeyFrameRef> places) const;
+  Localization TryAll(PictureQuery& query, const std::vector<MapPlace>& like, const LeftOut& left_out) const;
+  std::optional<MapPlace> PlaceOf(const KeyFrameRef& keyframe) const;
   std::vector<MapPlace> PlacesLike(const PictureQuery& query, const LeftOut& left_out) const;
   std::vector<Place> TryPlaces(PictureQuery& query, const std::vector<MapPlace>& like, const LeftOut& left_out) const;
   Localization Judge(PictureQuery& query, const std::vector<Place>& places, std::size_t chosen,
@@ -174,20 +181,43 @@ Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>
   return found;
 }
 
-Localization Locator::State::Locate(const PictureFeatures& picture, const LeftOut& left_out) const {
-  Localization best{.reason = "no place of the map looks like it"};
-  std::optional<PictureQuery> query = detail::MakeQuery(picture);
-  if (!query || query->view.keypoints.empty()) return best;
-  const std::vector<MapPlace> like = PlacesLike(*query, left_out);
-  const std::vector<Place> places = TryPlaces(*query, like, left_out);
+Localization Locator::State::TryAll(PictureQuery& query, const std::vector<MapPlace>& like,
+                                    const LeftOut& left_out) const {
+  Localization best{.reason = kNothingAlike};
+  const std::vector<Place> places = TryPlaces(query, like, left_out);
   for (std::size_t i = 0; i < std::min(places.size(), kMostJudged); ++i) {
-    Localization found = Judge(*query, places, i, left_out);
+    Localization found = Judge(query, places, i, left_out);
     if (i == 0 || found.verdict < best.verdict) best = std::move(found);
     if (best.verdict == LocateVerdict::kFound) break;
   }
-  best.evidence.features = query->view.keypoints.size();
+  best.evidence.features = query.view.keypoints.size();
   best.evidence.candidates = like.size();
   return best;
+}
+
+Localization Locator::State::Locate(const PictureFeatures& picture, const LeftOut& left_out) const {
+  std::optional<PictureQuery> query = detail::MakeQuery(picture);
+  if (!query || query->view.keypoints.empty() || vocabulary == nullptr) return {.reason = kNothingAlike};
+  return TryAll(*query, PlacesLike(*query, left_out), left_out);
+}
+
+// nullopt: the keyframe has no left view.
+std::optional<MapPlace> Locator::State::PlaceOf(const KeyFrameRef& keyframe) const {
+  const auto map = std::ranges::find(maps, keyframe.map, &MapRef::map);
+  if (map == maps.end() || keyframe.keyframe >= atlas.maps[keyframe.map].keyframes.size()) return std::nullopt;
+  const auto row = static_cast<std::size_t>(map - maps.begin());
+  const std::uint32_t view = prepared[row].views.LeftView(static_cast<std::uint32_t>(keyframe.keyframe));
+  if (view == kNoRow) return std::nullopt;
+  return MapPlace{row, {view, 0, 0}};
+}
+
+Localization Locator::State::LocateAt(const PictureFeatures& picture, std::span<const KeyFrameRef> places) const {
+  std::optional<PictureQuery> query = detail::MakeQuery(picture);
+  if (!query || query->view.keypoints.empty()) return {.reason = kNothingAlike};
+  std::vector<MapPlace> like;
+  for (const KeyFrameRef& keyframe : places)
+    if (const std::optional<MapPlace> place = PlaceOf(keyframe)) like.push_back(*place);
+  return TryAll(*query, like, {});
 }
 
 Locator::Locator(const Atlas& atlas, const LocatorOptions& options) : state_(std::make_unique<State>(atlas, options)) {}
@@ -196,15 +226,15 @@ Locator::~Locator() = default;
 
 Localization Locator::Locate(const PictureFeatures& picture) const { return state_->Locate(picture, {}); }
 
+Localization Locator::LocateAt(const PictureFeatures& picture, std::span<const KeyFrameRef> places) const {
+  return state_->LocateAt(picture, places);
+}
+
 Localization Locator::LocateLeftOut(const KeyFrameRef& keyframe) const {
-  for (std::size_t map = 0; map < state_->maps.size(); ++map) {
-    if (state_->maps[map].map != keyframe.map) continue;
-    const std::uint32_t view = state_->prepared[map].views.LeftView(static_cast<std::uint32_t>(keyframe.keyframe));
-    if (view == kNoRow) break;
-    return state_->Locate(FeaturesOf(state_->atlas, state_->atlas.maps[keyframe.map].keyframes[keyframe.keyframe]),
-                          {map, view});
-  }
-  return {.reason = "the keyframe is flagged bad, or has no camera or no pose"};
+  const std::optional<MapPlace> place = state_->PlaceOf(keyframe);
+  if (!place) return {.reason = "the keyframe is flagged bad, or has no camera or no pose"};
+  return state_->Locate(FeaturesOf(state_->atlas, state_->atlas.maps[keyframe.map].keyframes[keyframe.keyframe]),
+                        {place->map, place->candidate.first});
 }
 
 }  // namespace slamdb

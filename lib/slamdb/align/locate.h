@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -30,6 +31,8 @@ struct LocatorOptions {
   // What the atlas's bags of words are of; it must outlive the locator. Null: a small one is trained on the maps, as it
   // is where bags are missing.
   const VocabularyTree* vocabulary = nullptr;
+  // Places are known from elsewhere, as from a store: LocateAt alone is asked, and no vocabulary is trained.
+  bool places_are_known = false;
   int threads = 0;    // 0: every core; of the preparation
   Progress progress;  // may be empty
 };
@@ -94,7 +97,12 @@ class SLAMDB_EXPORT Locator {
   ~Locator();
 
   // Cost: about that of comparing the picture with a few places, whatever the size of the map.
+  // Not found where places are to be known from elsewhere.
   [[nodiscard]] Localization Locate(const PictureFeatures& picture) const;
+
+  // The same at places that are known to look like the picture, the most alike first. Keyframes that are flagged bad,
+  // or have no camera or no pose, are passed over.
+  [[nodiscard]] Localization LocateAt(const PictureFeatures& picture, std::span<const KeyFrameRef> places) const;
 
   // Finds a keyframe by its recorded features as if the map had never had it: without the points that need it, and with
   // the descriptors of the other keyframes. Not found where it is flagged bad, has no camera or no pose.

@@ -33,7 +33,9 @@ LocatedPicture LeaveOut(const Locator& locator, const Atlas& atlas, const KeyFra
   LocatedPicture picture{.name = ToString(keyframe.id),
                          .timestamp = keyframe.timestamp,
                          .localization = locator.LocateLeftOut(row),
-                         .error = {}};
+                         .error = {},
+                         .atlas = {},
+                         .others = {}};
   const Localization& found = picture.localization;
   if (found.verdict != LocateVerdict::kFound) return picture;
   const Rigid3f world_from_camera = keyframe.camera_from_world.Normalized().Inverse();
@@ -80,6 +82,27 @@ Json JsonOf(const Localization& localization) {
           {"resembles", detail::JsonId(localization.resembles)}};
 }
 
+Json VerdictJson(const Localization& localization) {
+  return {{"verdict", NameOf(localization.verdict)},
+          {"reason", localization.reason},
+          {"pose", JsonOf(localization)},
+          {"evidence", JsonOf(localization.evidence)}};
+}
+
+Json JsonOf(const LocatedPicture& picture) {
+  Json json = VerdictJson(picture.localization);
+  json["name"] = picture.name;
+  json["timestamp"] = picture.timestamp;
+  json["error"] = JsonOf(picture.error);
+  json["atlas"] = picture.atlas.empty() ? Json() : Json(picture.atlas);
+  json["others"] = Json::array();
+  for (const AtlasLocalization& other : picture.others) {
+    json["others"].push_back(VerdictJson(other.localization));
+    json["others"].back()["atlas"] = other.atlas;
+  }
+  return json;
+}
+
 }  // namespace
 
 std::uint64_t LocateReport::found() const {
@@ -122,14 +145,7 @@ std::string ToJson(const LocateReport& report, const std::string& input) {
   json["input"] = input;
   json["found"] = report.found();
   json["pictures"] = Json::array();
-  for (const LocatedPicture& picture : report.pictures)
-    json["pictures"].push_back({{"name", picture.name},
-                                {"timestamp", picture.timestamp},
-                                {"verdict", NameOf(picture.localization.verdict)},
-                                {"reason", picture.localization.reason},
-                                {"pose", JsonOf(picture.localization)},
-                                {"evidence", JsonOf(picture.localization.evidence)},
-                                {"error", JsonOf(picture.error)}});
+  for (const LocatedPicture& picture : report.pictures) json["pictures"].push_back(JsonOf(picture));
   json["median_error"] = JsonOf(report.MedianError());
   json["largest_error"] = JsonOf(report.LargestError());
   return detail::JsonText(json);

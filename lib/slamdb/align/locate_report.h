@@ -18,12 +18,20 @@ struct PoseError {
   double rotation_degrees = 0;
 };
 
+// Where a picture is in an atlas of a store.
+struct AtlasLocalization {
+  std::string atlas;  // its name there
+  Localization localization;
+};
+
 // A picture, or a keyframe that was left out, and where it was found.
 struct LocatedPicture {
   std::string name;  // of the file, or `kf 12`
   double timestamp = 0;
   Localization localization;
-  std::optional<PoseError> error;  // where it was found and the truth is known
+  std::optional<PoseError> error;         // where it was found and the truth is known
+  std::string atlas;                      // of a store that was asked whole: the one that it was found in best
+  std::vector<AtlasLocalization> others;  // and those that were asked besides, the surest first
 };
 
 struct LocateReport {

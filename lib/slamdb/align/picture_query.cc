@@ -24,10 +24,11 @@ Eigen::Vector2d PlaceOf(const Keypoint& keypoint) {
   return {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
 }
 
-// What views saw of points: a column for each that looks different.
+// What views saw of points: a look for each that looks different, those of one point side by side.
 struct Appearances {
-  std::vector<Bits> bits;
-  std::vector<std::uint32_t> rows;    // of `points`, by column
+  std::vector<Bits> looks;
+  std::vector<std::uint32_t> rows;    // of `points`, by look; ascending
+  std::vector<std::size_t> begins;    // of the looks of a point: [begins[row], begins[row + 1])
   std::vector<std::uint32_t> points;  // each once
 };
 
@@ -39,8 +40,6 @@ Appearances AppearancesOf(const KnownMap& known, std::span<const std::uint32_t> 
     for (const Descriptor* other : kept[row])
       if (HammingDistance(*other, descriptor) <= kSameBits) return;
     kept[row].push_back(&descriptor);
-    all.bits.push_back(BitsOf(descriptor));
-    all.rows.push_back(row);
   };
   const MapViews& map = known.views();
   for (const std::uint32_t left : views)
@@ -56,33 +55,113 @@ Appearances AppearancesOf(const KnownMap& known, std::span<const std::uint32_t> 
         }
         add(row->second, map.views()[view].descriptors[seen.keypoint]);
       }
+  for (std::uint32_t row = 0; row < kept.size(); ++row) {
+    all.begins.push_back(all.looks.size());
+    for (const Descriptor* descriptor : kept[row]) all.looks.push_back(BitsOf(*descriptor));
+    all.rows.resize(all.looks.size(), row);
+  }
+  all.begins.push_back(all.looks.size());
   return all;
 }
 
-// For each keypoint and point the least distance over what was seen of it.
-class Likeness {
- public:
-  Likeness(const View& picture, const Appearances& all) : columns_(all.points.size()) {
-    std::vector<Bits> bits;
-    for (const Descriptor& descriptor : picture.descriptors) bits.push_back(BitsOf(descriptor));
-    least_.assign(bits.size() * columns_, kFar);
-    const DistanceTable table(bits, all.bits);
-    for (std::size_t row = 0; row < bits.size(); ++row) {
-      const std::uint16_t* distances = table.Row(row);
-      std::uint16_t* least = &least_[row * columns_];
-      for (std::size_t column = 0; column < all.bits.size(); ++column)
-        least[all.rows[column]] = std::min(least[all.rows[column]], distances[column]);
-    }
+bool IsRival(int best, int other) { return 100 * best >= kRivalPercent * other; }
+int FarthestRival(int best) { return 100 * best / kRivalPercent; }
+
+// Calls visit(place) for each distance of at most `most`: few of many.
+template <class Visit>
+void ForEachWithin(std::span<const std::uint16_t> distances, int most, const Visit& visit) {
+  constexpr std::size_t kBlock = 64;  // of which most have none
+  for (std::size_t begin = 0; begin < distances.size(); begin += kBlock) {
+    const std::span<const std::uint16_t> block = distances.subspan(begin, std::min(kBlock, distances.size() - begin));
+    int within = 0;
+    for (const std::uint16_t distance : block) within |= static_cast<int>(distance <= most);
+    for (std::size_t i = 0; within != 0 && i < block.size(); ++i)
+      if (block[i] <= most) visit(begin + i);
   }
-  const std::uint16_t* Row(std::size_t row) const { return &least_[row * columns_]; }
-  std::uint16_t operator()(std::size_t row, std::size_t column) const { return least_[row * columns_ + column]; }
+}
+
+std::size_t LeastOf(std::span<const std::uint16_t> distances) {
+  std::uint16_t least = kFar;
+  for (const std::uint16_t distance : distances) least = std::min(least, distance);
+  return static_cast<std::size_t>(std::ranges::find(distances, least) - distances.begin());
+}
+
+// Matches keypoints with points that were seen, one by one.
+class Matcher {
+ public:
+  Matcher(const PictureQuery& query, const KnownMap& known, std::span<const std::uint32_t> views)
+      : picture_(query.view), known_(known), all_(AppearancesOf(known, views)), looks_(all_.looks) {
+    std::vector<Bits> bits;
+    for (const Descriptor& descriptor : picture_.descriptors) bits.push_back(BitsOf(descriptor));
+    keypoints_ = BitColumns(bits);
+    bits_ = std::move(bits);
+    to_looks_.resize(looks_.size());
+    to_keypoints_.resize(keypoints_.size());
+    of_look_.resize(keypoints_.size());
+  }
+
+  bool empty() const { return looks_.size() == 0 || keypoints_.size() == 0; }
+
+  // How near the best rival of a keypoint's match comes, and the match; nullopt when there is none.
+  std::optional<std::pair<double, PictureMatch>> Match(std::uint32_t keypoint) {
+    looks_.DistancesTo(bits_[keypoint], to_looks_.data());
+    const std::size_t look = LeastOf(to_looks_);
+    const int best = to_looks_[look];
+    if (best > kMostAlikeBits) return std::nullopt;
+    const std::uint32_t row = all_.rows[look];
+    if (NearestRival(row, FarthestRival(best)) != kFar) return std::nullopt;
+    FindLikeness(row);
+    if (LeastOf(to_keypoints_) != keypoint) return std::nullopt;
+    const int second = std::min(NearestRivalKeypoint(keypoint, kFar), NearestRival(row, kFar));
+    if (IsRival(best, second)) return std::nullopt;
+    return std::pair(static_cast<double>(best) / second, PictureMatch{keypoint, all_.points[row], best});
+  }
 
  private:
-  std::size_t columns_;
-  std::vector<std::uint16_t> least_;
-};
+  const Eigen::Vector3d& PositionOf(std::uint32_t row) const {
+    return known_.views().points()[all_.points[row]].position;
+  }
 
-bool IsRival(int best, int other) { return 100 * best >= kRivalPercent * other; }
+  // The least distance of the keypoint at hand, of at most `most`, to a look at another point elsewhere; else kFar.
+  int NearestRival(std::uint32_t row, int most) const {
+    const double same_place = kSamePlace * known_.views().median_depth();
+    int nearest = kFar;
+    ForEachWithin(to_looks_, most, [&](std::size_t look) {
+      const std::uint32_t other = all_.rows[look];
+      if (to_looks_[look] < nearest && other != row && (PositionOf(other) - PositionOf(row)).norm() > same_place)
+        nearest = to_looks_[look];
+    });
+    return nearest;
+  }
+
+  // For each keypoint the least distance over what was seen of a point.
+  void FindLikeness(std::uint32_t row) {
+    std::ranges::fill(to_keypoints_, kFar);
+    for (std::size_t look = all_.begins[row]; look < all_.begins[row + 1]; ++look) {
+      keypoints_.DistancesTo(all_.looks[look], of_look_.data());
+      for (std::size_t i = 0; i < to_keypoints_.size(); ++i) to_keypoints_[i] = std::min(to_keypoints_[i], of_look_[i]);
+    }
+  }
+
+  int NearestRivalKeypoint(std::uint32_t keypoint, int nearest) const {
+    const Keypoint& own = picture_.keypoints[keypoint];
+    const double same_corner = kSameCorner * picture_.ScaleOf(own.octave);
+    for (std::uint32_t i = 0; i < to_keypoints_.size(); ++i)
+      if (i != keypoint && to_keypoints_[i] < nearest &&
+          (PlaceOf(picture_.keypoints[i]) - PlaceOf(own)).norm() > same_corner)
+        nearest = to_keypoints_[i];
+    return nearest;
+  }
+
+  const View& picture_;
+  const KnownMap& known_;
+  const Appearances all_;
+  const BitColumns looks_;
+  std::vector<Bits> bits_;  // of the keypoints
+  BitColumns keypoints_{{}};
+  std::vector<std::uint16_t> to_looks_;                // from the keypoint at hand
+  std::vector<std::uint16_t> to_keypoints_, of_look_;  // from the point at hand
+};
 
 // The best match for each keypoint and point: the one with the fewest different bits.
 std::vector<PictureMatch> OneEach(std::vector<PictureMatch> offered) {
@@ -130,42 +209,11 @@ std::vector<std::uint32_t> PointsSeenBy(const KnownMap& known, std::span<const s
 
 std::vector<PictureMatch> MatchPicture(const PictureQuery& query, const KnownMap& known,
                                        std::span<const std::uint32_t> views) {
-  const View& picture = query.view;
-  const Appearances all = AppearancesOf(known, views);
-  const std::size_t rows = picture.keypoints.size(), columns = all.points.size();
-  if (rows == 0 || columns == 0) return {};
-  const Likeness likeness(picture, all);
-  std::vector<std::uint32_t> best_row(columns, 0);
-  std::vector<std::uint16_t> least(columns, kFar);
-  for (std::uint32_t row = 0; row < rows; ++row)
-    for (std::size_t column = 0; column < columns; ++column) {
-      if (likeness(row, column) >= least[column]) continue;
-      least[column] = likeness(row, column);
-      best_row[column] = row;
-    }
-  const auto position = [&](std::size_t column) -> const Eigen::Vector3d& {
-    return known.views().points()[all.points[column]].position;
-  };
-  const double same_place = kSamePlace * known.views().median_depth();
+  Matcher matcher(query, known, views);
+  if (matcher.empty()) return {};
   std::vector<std::pair<double, PictureMatch>> rated;  // by how near the best rival comes
-  for (std::uint32_t row = 0; row < rows; ++row) {
-    const std::uint16_t* distances = likeness.Row(row);
-    const auto column = static_cast<std::size_t>(std::min_element(distances, distances + columns) - distances);
-    const int best = distances[column];
-    if (best > kMostAlikeBits || best_row[column] != row) continue;
-    int second = kFar;  // the best rival's distance
-    for (std::size_t i = 0; i < columns; ++i)
-      if (i != column && distances[i] < second && (position(i) - position(column)).norm() > same_place)
-        second = distances[i];
-    const Keypoint& own = picture.keypoints[row];
-    const double same_corner = kSameCorner * picture.ScaleOf(own.octave);
-    for (std::uint32_t i = 0; i < rows; ++i)
-      if (i != row && likeness(i, column) < second &&
-          (PlaceOf(picture.keypoints[i]) - PlaceOf(own)).norm() > same_corner)
-        second = likeness(i, column);
-    if (IsRival(best, second)) continue;
-    rated.emplace_back(static_cast<double>(best) / second, PictureMatch{row, all.points[column], best});
-  }
+  for (std::uint32_t keypoint = 0; keypoint < query.view.keypoints.size(); ++keypoint)
+    if (const auto match = matcher.Match(keypoint)) rated.push_back(*match);
   std::ranges::stable_sort(rated, {}, &std::pair<double, PictureMatch>::first);
   std::vector<PictureMatch> matches;
   for (const auto& [rating, match] : rated) matches.push_back(match);

@@ -77,7 +77,8 @@ AlignmentPrecision PrecisionOf(const Alignment& alignment) {
   return {largest(0) * 180 / std::numbers::pi, largest(3), std::sqrt(std::max(0.0, variances[6]))};
 }
 
-std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names) {
+std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names,
+                   const std::optional<SearchedStore>& store) {
   Json json = detail::ReportHead("align");
   json["inputs"] = Json::array();
   for (std::size_t map = 0; map < names.size(); ++map) {
@@ -87,6 +88,8 @@ std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names
     json["inputs"].push_back(entry);
   }
   json["links"] = LinksOf(aligned, names);
+  json["store"] = nullptr;
+  if (store) json["store"] = {{"path", store->path}, {"unlike", store->unlike}, {"unknown", store->unknown}};
   return detail::JsonText(json);
 }
 

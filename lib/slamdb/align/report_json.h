@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,15 @@ struct MapName {
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined,
                                                const std::vector<MapName>& names, const std::string& output);
 
+// A store that was searched for maps to align with.
+struct SearchedStore {
+  std::string path;
+  std::vector<std::string> unlike;   // atlases in which nothing looks alike
+  std::vector<std::string> unknown;  // of which it is not known what they look like
+};
+
 // As schema/align.schema.json describes it. `names` by row of the list of maps.
-[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names);
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names,
+                                               const std::optional<SearchedStore>& store = {});
 
 }  // namespace slamdb

@@ -20,6 +20,24 @@ constexpr std::size_t kKannalaBrandtParameters = 8;
 // Far beyond any real grid (64 x 48): dimensions of a damaged file must not ask for memory.
 constexpr std::int64_t kMostCells = std::int64_t{1} << 20;
 
+[[gnu::always_inline]] inline int CountBits(const Descriptor& a, const Descriptor& b) {
+  std::array<std::uint64_t, 4> left, right;
+  std::memcpy(left.data(), a.data(), sizeof left);
+  std::memcpy(right.data(), b.data(), sizeof right);
+  int distance = 0;
+  for (std::size_t i = 0; i < left.size(); ++i) distance += std::popcount(left[i] ^ right[i]);
+  return distance;
+}
+
+// Without the instruction counting takes four times as long; every processor of the last fifteen years has it.
+#if defined(__x86_64__)
+[[gnu::target("popcnt")]] int DistanceByPopcount(const Descriptor& a, const Descriptor& b) { return CountBits(a, b); }
+const bool kHasPopcount = __builtin_cpu_supports("popcnt") != 0;
+#else
+int DistanceByPopcount(const Descriptor& a, const Descriptor& b) { return CountBits(a, b); }
+constexpr bool kHasPopcount = false;
+#endif
+
 bool HasParameters(const Camera& camera) {
   switch (camera.model) {
     case CameraModel::kPinhole:
@@ -194,12 +212,7 @@ std::int32_t ObservationWeight(const Features& features, bool has_second_camera,
 }
 
 int HammingDistance(const Descriptor& a, const Descriptor& b) {
-  std::array<std::uint64_t, 4> left, right;
-  std::memcpy(left.data(), a.data(), sizeof left);
-  std::memcpy(right.data(), b.data(), sizeof right);
-  int distance = 0;
-  for (std::size_t i = 0; i < left.size(); ++i) distance += std::popcount(left[i] ^ right[i]);
-  return distance;
+  return kHasPopcount ? DistanceByPopcount(a, b) : CountBits(a, b);
 }
 
 std::size_t MostDistinctiveDescriptor(const std::vector<Descriptor>& descriptors) {

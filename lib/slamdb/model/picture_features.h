@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/camera.h"
@@ -23,5 +25,8 @@ struct PictureFeatures {
 // What a keyframe has recorded of its picture, of the left one of a pair.
 // Without keypoints where its camera is missing.
 [[nodiscard]] SLAMDB_EXPORT PictureFeatures FeaturesOf(const Atlas& atlas, const KeyFrame& keyframe);
+
+// Those of the left picture of a pair, or of the only one. Refers to the features.
+[[nodiscard]] SLAMDB_EXPORT std::span<const Descriptor> LeftDescriptors(const Features& features);
 
 }  // namespace slamdb

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parse_file.h"
@@ -214,6 +215,25 @@ std::optional<CameraSettings> SettingsOfMap(const Atlas& atlas, std::int32_t wid
       return settings;
     }
   return std::nullopt;
+}
+
+std::optional<PictureFeatures> WithCamera(const PictureFeatures& features, const CameraSettings& found,
+                                          const CameraSettings& other) {
+  const auto how = [](const CameraSettings& settings) {
+    return std::tuple(settings.width, settings.height, settings.file_width, settings.file_height, settings.scale_factor,
+                      settings.levels, settings.initial_threshold, settings.least_threshold);
+  };
+  if (!found.distortion.empty() || how(found) != how(other)) return std::nullopt;
+  PictureFeatures seen = features;
+  seen.camera = other.camera;
+  seen.bounds = UndistortedBounds(other, other.width, other.height);
+  for (Keypoint& keypoint : seen.keypoints) {
+    const Eigen::Vector2d place =
+        Undistorted(other, {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)});
+    keypoint.x = static_cast<float>(place.x());
+    keypoint.y = static_cast<float>(place.y());
+  }
+  return seen;
 }
 
 }  // namespace slamdb

@@ -11,6 +11,7 @@
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/camera.h"
 #include "slamdb/model/keyframe.h"
+#include "slamdb/model/picture_features.h"
 
 namespace slamdb {
 
@@ -48,5 +49,11 @@ struct CameraSettings {
 // nullopt when there is none.
 [[nodiscard]] SLAMDB_EXPORT std::optional<CameraSettings> SettingsOfMap(const Atlas& atlas, std::int32_t width,
                                                                         std::int32_t height);
+
+// The features of a picture as they would be found with other settings: those that `found` with, whose lens had no
+// distortion, differ from them in the camera and its distortion alone. nullopt: they differ in more.
+[[nodiscard]] SLAMDB_EXPORT std::optional<PictureFeatures> WithCamera(const PictureFeatures& features,
+                                                                      const CameraSettings& found,
+                                                                      const CameraSettings& other);
 
 }  // namespace slamdb

@@ -65,8 +65,9 @@ TEST_F(StoreAdmin, RemoveTakesEverythingOfThatAtlasOnly) {
   EXPECT_THAT(ErrorOf([&] { store.Remove("drop"); }), HasSubstr("no atlas named 'drop'; it holds keep"));
   EXPECT_EQ(FirstDifference(store.Load("keep"), SoundAtlas()), "");
   store.Remove("keep");
-  for (const char* table : {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features",
-                            "keyframe_link", "map_point", "map_point_box", "landmark", "observation"}) {
+  for (const char* table :
+       {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
+        "keyframe_words", "map_point", "map_point_box", "landmark", "observation"}) {
     EXPECT_EQ(Sql(path_, std::string("SELECT count(*) FROM ") + table), "0") << table;
   }
 }
@@ -134,8 +135,8 @@ class StoreMigration : public StoreAdmin {
     SaveIn(path_, OddAtlas());
     migrations_.assign(sqlite::Migrations().begin(), sqlite::Migrations().end());
     const int next = migrations_.back().number + 1;
-    migrations_.push_back({next, "0005_notes", "CREATE TABLE note (text TEXT) STRICT"});
-    migrations_.push_back({next + 1, "0006_more", "ALTER TABLE note ADD COLUMN author TEXT"});
+    migrations_.push_back({next, "0006_notes", "CREATE TABLE note (text TEXT) STRICT"});
+    migrations_.push_back({next + 1, "0007_more", "ALTER TABLE note ADD COLUMN author TEXT"});
   }
   std::vector<sqlite::Migration> migrations_;
 };
@@ -143,34 +144,34 @@ class StoreMigration : public StoreAdmin {
 TEST_F(StoreMigration, DryRunListsTheStepsAndChangesNothing) {
   const std::string before = FileBytes(path_);
   const MigrateReport report = sqlite::Migrate(path_, {.dry_run = true}, migrations_);
-  EXPECT_EQ(report.from, 4);
-  EXPECT_EQ(report.to, 6);
-  EXPECT_THAT(report.steps, ::testing::ElementsAre("0005_notes", "0006_more"));
+  EXPECT_EQ(report.from, 5);
+  EXPECT_EQ(report.to, 7);
+  EXPECT_THAT(report.steps, ::testing::ElementsAre("0006_notes", "0007_more"));
   EXPECT_EQ(report.backup, "");
   EXPECT_EQ(FileBytes(path_), before);
 }
 
 TEST_F(StoreMigration, RunsWithABackupBeside) {
-  std::ofstream(path_ + ".v4.bak") << "taken";
+  std::ofstream(path_ + ".v5.bak") << "taken";
   const MigrateReport report = sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "6");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "7");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM note WHERE author = 'x'"), "0");
-  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 4 to 6");
-  EXPECT_EQ(report.backup, path_ + ".v4.bak.2");
+  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 5 to 7");
+  EXPECT_EQ(report.backup, path_ + ".v5.bak.2");
   EXPECT_EQ(FirstDifference(LoadFrom(report.backup), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, FailedStepLeavesTheStoreAsItWas) {
   migrations_.back().sql = "ALTER TABLE nonsense ADD COLUMN x";
   EXPECT_THAT(ErrorOf([&] { sqlite::Migrate(path_, {.backup = false}, migrations_); }), HasSubstr("nonsense"));
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "4");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "5");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM sqlite_schema WHERE name = 'note'"), "0");
   EXPECT_EQ(FirstDifference(LoadFrom(path_), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, OlderStoreIsToBeMigrated) {
   sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 6, newest known to this program is 4"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 7, newest known to this program is 5"));
 }
 
 }  // namespace

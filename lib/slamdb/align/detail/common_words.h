@@ -16,6 +16,8 @@ class CommonWords {
  public:
   // Refers to the maps. `same_vocabulary`: what their atlases name is one.
   CommonWords(std::span<const MapViews* const> maps, bool same_vocabulary, int threads = 0);
+  // No view has words.
+  explicit CommonWords(std::span<const MapViews* const> maps);
 
   bool trained() const { return !own_.empty(); }
   // The vocabulary that was trained, its words weighed by how rare they are in the maps; without nodes where none was.

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "slamdb/model/features.h"
+#include "slamdb/model/detail/bit_columns.h"
 
 namespace slamdb::detail {
-
-// A descriptor as words, for counting.
-using Bits = std::array<std::uint64_t, 4>;
-Bits BitsOf(const Descriptor& descriptor);
 
 // In how many bits each of some descriptors differs from each of others.
 class DistanceTable {

@@ -27,6 +27,8 @@ struct PreparedMap {
 class PreparedMaps {
  public:
   PreparedMaps(std::span<const MapRef> maps, const AlignOptions& options);
+  // Without words: places are known already, and neither bags nor nodes nor indexes have any.
+  static PreparedMaps WithoutWords(std::span<const MapRef> maps, int threads);
 
   const PreparedMap& operator[](std::size_t row) const { return maps_[row]; }
   std::size_t size() const { return maps_.size(); }
@@ -34,6 +36,9 @@ class PreparedMaps {
   const VocabularyTree& trained_tree() const { return words_.trained_tree(); }
 
  private:
+  enum class Recognition { kByWords, kNone };
+  PreparedMaps(std::span<const MapRef> maps, const AlignOptions& options, Recognition recognition);
+
   std::deque<MapViews> views_;
   CommonWords words_;
   std::deque<PreparedMap> maps_;

@@ -38,12 +38,14 @@ bool HasPlainTable(Database& database, std::string_view table) {
 }
 
 // A damaged or hostile file may lack a table, or have something else of its name.
-void CheckTables(Database& database, int version, Boxes boxes) {
+void CheckTables(Database& database, int version, Derived derived) {
   for (const char* table :
        {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
-        "map_point", "map_point_box", "observation", "history", "writer", "landmark"}) {
+        "map_point", "map_point_box", "observation", "history", "writer", "landmark", "keyframe_words"}) {
     if (version < kFirstVersionWithLandmarks && table == std::string_view("landmark")) continue;
-    if (boxes == Boxes::kNotNeeded && table == std::string_view("map_point_box")) continue;
+    if (version < kFirstVersionWithPlaces && table == std::string_view("keyframe_words")) continue;
+    const bool is_derived = table == std::string_view("map_point_box") || table == std::string_view("keyframe_words");
+    if (derived == Derived::kNotNeeded && is_derived) continue;
     if (!HasPlainTable(database, table)) {
       throw Error(ErrorKind::kDamaged, database.path(), std::string("table ") + table, "missing: the store is damaged");
     }
@@ -62,7 +64,7 @@ Header HeaderOf(std::string_view head) {
   return header;
 }
 
-void CheckIsStore(Database& database, int newest, Older older, Boxes boxes) {
+void CheckIsStore(Database& database, int newest, Older older, Derived derived) {
   const std::int64_t application = database.Integer("PRAGMA application_id");
   if (application != kApplicationId) {
     std::string problem = "not a slamdb store: this is " + OwnerOf(database);
@@ -81,7 +83,7 @@ void CheckIsStore(Database& database, int newest, Older older, Boxes boxes) {
     throw Error(ErrorKind::kUnsupported, database.path(), "",
                 is + ", this program needs " + std::to_string(newest) + ": migrate it first");
   }
-  CheckTables(database, version, boxes);
+  CheckTables(database, version, derived);
 }
 
 }  // namespace slamdb::sqlite

@@ -6,6 +6,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/place_words.h"
 #include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
 
@@ -101,6 +102,7 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
   else
     RunMigrations(database, migrations);
   if (report.to >= kFirstVersionWithSummaries) SaveMissingSummaries(database);
+  if (report.from < kFirstVersionWithPlaces && report.to >= kFirstVersionWithPlaces) RebuildPlaceWords(database);
   RecordMigration(database, report);
   transaction.Commit();
   return report;

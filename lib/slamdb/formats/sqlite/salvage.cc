@@ -308,7 +308,7 @@ namespace slamdb::detail {
 Salvage SalvageStore(const std::string& path, const std::string& name, const ReadOptions& options) {
   sqlite::Database database(path, sqlite::Access::kSalvage, options.of<StoreReadOptions>().lock_timeout);
   const sqlite::Image& image = sqlite::ImageSeenBy(database.handle());
-  sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kAccept, sqlite::Boxes::kNotNeeded);
+  sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kAccept, sqlite::Derived::kNotNeeded);
   const std::string chosen = name.empty() ? sqlite::OnlyName(database) : name;
   EnterInput(path, chosen);
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "slamdb/formats/sqlite/detail/place_words.h"
 #include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
 #include "slamdb/model/detail/packing.h"
@@ -189,6 +190,7 @@ void DeleteMap(Database& database, std::int64_t map, ChangeCounter& changes) {
   DeleteRange(database, "landmark", "row", map, changes);
   DeleteRange(database, "keyframe_link", "keyframe", map, changes);
   DeleteRange(database, "keyframe_features", "keyframe", map, changes);
+  DeleteRange(database, "keyframe_words", "keyframe", map, changes);
   DeleteRange(database, "keyframe", "row", map, changes);
   Statement origins(database, "DELETE FROM map_origin WHERE map = ?1", "table map_origin");
   origins.Bind(1, map).Run();
@@ -289,7 +291,8 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
     changes["camera"].unchanged += atlas.cameras.size();
   }
   for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
-    SaveKeyframes(context, rows[i], atlas.maps[i], hashes.maps[i]);
+    const std::vector<std::int64_t> keyframes = SaveKeyframes(context, rows[i], atlas.maps[i], hashes.maps[i]);
+    SavePlaceWords(context, rows[i], atlas.maps[i], keyframes, hashes.maps[i].features);
     SavePoints(context, rows[i], atlas.maps[i], hashes.maps[i]);
     SaveLandmarks(context, rows[i], atlas.maps[i], hashes.maps[i]);
   }

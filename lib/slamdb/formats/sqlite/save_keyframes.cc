@@ -185,7 +185,8 @@ void RemoveKeyframes(SaveContext& context, LinkWriter& links, const std::vector<
 
 }  // namespace
 
-void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes) {
+std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map,
+                                        const AtlasHashes::OfMap& hashes) {
   const std::vector<StoredRow> stored =
       ReadStoredRows(context.database, "keyframe", "links_hash", row, map.keyframes.size());
   const std::vector<std::int64_t> stored_features = StoredFeatureHashes(context.database, row, stored);
@@ -229,6 +230,9 @@ void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const
   }
   context.Report(100 * (plan.entries.size() - changed_features.size()));
   WriteFeatures(context, plan, map, hashes, changed_features);
+  std::vector<std::int64_t> rows;
+  for (const ListPlan::Entry& entry : plan.entries) rows.push_back(entry.row);
+  return rows;
 }
 
 }  // namespace slamdb::sqlite

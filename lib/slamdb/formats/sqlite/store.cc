@@ -14,6 +14,7 @@
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/places.h"
 #include "slamdb/formats/sqlite/detail/salvage.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/formats/sqlite/detail/statistics.h"
@@ -276,6 +277,11 @@ std::vector<StoredAtlas> Store::List() { return ListAtlases(state_->database); }
 std::vector<std::string> Store::Find(const MapQuery& query) { return FindAtlases(state_->database, query); }
 
 std::vector<HistoryEntry> Store::Log(const std::string& name) { return ReadHistory(state_->database, name); }
+
+StoredPlaces Store::PlacesLike(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) {
+  const Transaction transaction(state_->database, Transaction::Kind::kBegin);
+  return FindPlaces(state_->database, pictures, options);
+}
 
 std::string Store::OnlyName() {
   Statement statement(state_->database, "SELECT count(*), min(name) FROM atlas", "table atlas");

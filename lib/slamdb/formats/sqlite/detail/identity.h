@@ -18,11 +18,11 @@ struct Header {
 Header HeaderOf(std::string_view head);
 
 enum class Older { kRefuse, kAccept };
-enum class Boxes { kNeeded, kNotNeeded };  // the R*Tree
+enum class Derived { kNeeded, kNotNeeded };  // tables that follow from others: the R*Tree, the words of keyframes
 
 // Throws Error unless `database` is a store of version `newest`: says whose database it is (COLMAP, RTAB-Map,
 // stella_vslam, ...), names both versions when the store is newer, and asks to migrate when it is older and that is not
 // accepted. An empty file is no store.
-void CheckIsStore(Database& database, int newest, Older older = Older::kRefuse, Boxes boxes = Boxes::kNeeded);
+void CheckIsStore(Database& database, int newest, Older older = Older::kRefuse, Derived derived = Derived::kNeeded);
 
 }  // namespace slamdb::sqlite

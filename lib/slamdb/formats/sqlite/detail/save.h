@@ -47,8 +47,9 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
 // Deletes the atlas of row `atlas` and all that belongs to it.
 void DeleteAtlas(Database& database, std::int64_t atlas, ChangeCounter& changes);
 
-// The parts, for one map of row `row`.
-void SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
+// The parts, for one map of row `row`. The keyframes' rows are returned.
+std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, const Map& map,
+                                        const AtlasHashes::OfMap& hashes);
 void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
 void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes);
 

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/detail/place_words.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/place_tree.h"
+#include "slamdb/model/detail/bit_columns.h"
+#include "slamdb/model/picture_features.h"
+
+namespace slamdb::sqlite {
+namespace {
+
+constexpr std::size_t kWords = 8 * sizeof(PlaceWords);
+
+// The tree of schema/0005_places.words: how many children each node has, breadth first, then the centres of all but the
+// root, then how frequent each word is.
+class PlaceTree {
+ public:
+  PlaceTree() : centres_(CentresOf(PlaceTreeBytes())) {
+    std::uint32_t next = 1, words = 0;
+    for (const unsigned char children : PlaceTreeBytes().first(centres_.size())) {
+      nodes_.push_back({next, children, children == 0 ? words++ : 0});
+      next += children;
+    }
+  }
+
+  // The word of a descriptor: down to the child at the least distance, the first of equals.
+  std::uint32_t WordOf(const Descriptor& descriptor) const {
+    const detail::Bits bits = detail::BitsOf(descriptor);
+    std::array<std::uint16_t, 256> distances{};
+    Node node = nodes_[0];
+    while (node.children > 0) {
+      centres_.DistancesTo(bits, node.first, node.children, distances.data());
+      const auto least = std::min_element(distances.begin(), distances.begin() + node.children);
+      node = nodes_[node.first + static_cast<std::size_t>(least - distances.begin())];
+    }
+    return node.word;
+  }
+
+ private:
+  struct Node {
+    std::uint32_t first;  // of its children
+    std::uint8_t children;
+    std::uint32_t word;  // of a leaf
+  };
+
+  static detail::BitColumns CentresOf(std::span<const unsigned char> bytes) {
+    const std::size_t size = bytes.size() - kWords * sizeof(std::uint16_t);
+    std::vector<detail::Bits> centres((size + sizeof(Descriptor)) / (1 + sizeof(Descriptor)));
+    std::memcpy(&centres[1], &bytes[centres.size()], (centres.size() - 1) * sizeof(Descriptor));
+    return detail::BitColumns(centres);
+  }
+
+  detail::BitColumns centres_;  // by node
+  std::vector<Node> nodes_;
+};
+
+// A row of keyframe_words as it is stored.
+struct StoredWords {
+  std::int64_t row = 0, hash = 0;
+};
+
+std::vector<StoredWords> ReadStored(Database& database, std::int64_t map) {
+  Statement statement(database,
+                      "SELECT keyframe, hash, length(words) FROM keyframe_words WHERE keyframe BETWEEN ?1 AND ?2 "
+                      "ORDER BY keyframe",
+                      "table keyframe_words");
+  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
+  std::vector<StoredWords> stored;
+  while (statement.Step())
+    if (statement.Integer(2) == sizeof(PlaceWords)) stored.push_back({statement.Integer(0), statement.Integer(1)});
+  return stored;
+}
+
+class Writer {
+ public:
+  explicit Writer(Database& database)
+      : insert_(database, "INSERT OR REPLACE INTO keyframe_words VALUES (?1, ?2, ?3)", "table keyframe_words") {}
+  void Write(std::int64_t row, std::int64_t hash, const PlaceWords& words) {
+    insert_.Bind(1, row).Bind(2, hash).BindBlob(3, std::as_bytes(std::span(words))).Run();
+  }
+
+ private:
+  Statement insert_;
+};
+
+void RemoveOthers(Database& database, std::span<const StoredWords> stored, std::span<const std::int64_t> rows) {
+  Statement remove(database, "DELETE FROM keyframe_words WHERE keyframe = ?1", "table keyframe_words");
+  for (const StoredWords& each : stored)
+    if (!std::ranges::binary_search(rows, each.row)) remove.Bind(1, each.row).Run();
+}
+
+void RebuildMap(Database& database, std::int64_t map) {
+  Statement statement(database, "SELECT row FROM keyframe WHERE row BETWEEN ?1 AND ?2 ORDER BY row", "table keyframe");
+  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
+  Writer writer(database);
+  while (statement.Step()) {
+    const std::int64_t row = statement.Integer(0);
+    KeyFrame keyframe;
+    std::int64_t hash = 0, links_hash = 0, features_hash = 0;
+    try {
+      LoadKeyframes(database, std::span(&row, 1), {.links = false}, std::span(&keyframe, 1), std::span(&hash, 1),
+                    std::span(&links_hash, 1), std::span(&features_hash, 1));
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kDamaged) throw;
+      continue;
+    }
+    writer.Write(row, features_hash, PlaceWordsOf(LeftDescriptors(keyframe.features)));
+  }
+}
+
+}  // namespace
+
+PlaceWords PlaceWordsOf(std::span<const Descriptor> descriptors) {
+  static const PlaceTree tree;
+  PlaceWords words{};
+  for (const Descriptor& descriptor : descriptors) {
+    const std::uint32_t word = tree.WordOf(descriptor);
+    words[word / 64] |= std::uint64_t{1} << (word % 64);
+  }
+  return words;
+}
+
+std::vector<double> PlaceWordFrequencies() {
+  std::array<std::uint16_t, kWords> recorded{};
+  std::memcpy(recorded.data(), PlaceTreeBytes().last(sizeof recorded).data(), sizeof recorded);
+  std::vector<double> frequencies;
+  for (const std::uint16_t each : recorded) frequencies.push_back(each / 65535.0);
+  return frequencies;
+}
+
+void SavePlaceWords(SaveContext& context, std::int64_t map_row, const Map& map, std::span<const std::int64_t> rows,
+                    std::span<const std::int64_t> features_hashes) {
+  const std::vector<StoredWords> stored = ReadStored(context.database, map_row);
+  RemoveOthers(context.database, stored, rows);
+  std::vector<std::size_t> changed;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto old = std::ranges::lower_bound(stored, rows[i], {}, &StoredWords::row);
+    if (old == stored.end() || old->row != rows[i] || old->hash != features_hashes[i]) changed.push_back(i);
+  }
+  std::vector<PlaceWords> words(changed.size());
+  detail::ParallelFor(changed.size(), 8, context.options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      words[i] = PlaceWordsOf(LeftDescriptors(map.keyframes[changed[i]].features));
+  });
+  Writer writer(context.database);
+  for (std::size_t i = 0; i < changed.size(); ++i)
+    writer.Write(rows[changed[i]], features_hashes[changed[i]], words[i]);
+}
+
+void RebuildPlaceWords(Database& database) {
+  database.Execute("DELETE FROM keyframe_words");
+  std::vector<std::int64_t> maps;
+  {
+    Statement statement(database, "SELECT row FROM map ORDER BY row", "table map");
+    while (statement.Step()) maps.push_back(statement.Integer(0));
+  }
+  for (const std::int64_t map : maps) RebuildMap(database, map);
+}
+
+}  // namespace slamdb::sqlite
