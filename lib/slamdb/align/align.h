@@ -36,10 +36,12 @@ struct AlignOptions {
   Progress progress;            // may be empty
 };
 
-// Two keyframes that see the same, one of each map, and on how many points they agree.
+// Two keyframes that see the same, one of each map.
 struct AlignedPair {
   KeyFrameId first, second;
-  std::uint64_t inliers = 0;
+  std::uint64_t inliers = 0;       // points of both that agree
+  Similarity3d first_from_second;  // of left cameras, by these points alone; its scale is a length of the first map per
+                                   // length of the second
 };
 
 // A point of each map that are the same thing.
