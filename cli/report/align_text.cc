@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cli/report/layout.h"
+#include "cli/report/optimize_text.h"
 #include "cli/report/similarity.h"
 
 namespace slamdb::cli {
@@ -73,6 +74,16 @@ std::string AlignText(const AlignedMaps& aligned, const std::vector<MapName>& na
         members += (count++ == 0 ? "" : ", ") + NameText(names[map]);
       }
     if (count > 0) text += (count == 1 ? "alone: " : "in one frame: ") + members + "\n";
+  }
+  return text;
+}
+
+std::string OptimizedJoinText(const std::vector<OptimizedJoin>& rounds) {
+  std::string text;
+  for (const OptimizedJoin& round : rounds) {
+    text += OptimizeText({.maps = {round.optimization}});
+    text += "  across        " + Counted(round.observations, "observation") + " of points of other maps added, " +
+            Counted(round.fused.fused, "point") + " fused\n";
   }
   return text;
 }

@@ -5,12 +5,16 @@
 #include <vector>
 
 #include "slamdb/align/align_all.h"
+#include "slamdb/align/optimize_joined.h"
 #include "slamdb/align/report_json.h"
 
 namespace slamdb::cli {
 
 // How maps lie to each other, and what says so, for people. `metric` by row of the list of maps: lengths are metres.
 std::string AlignText(const AlignedMaps& aligned, const std::vector<MapName>& names, const std::vector<bool>& metric);
+
+// What tightening the joined maps came to: a block for each round.
+std::string OptimizedJoinText(const std::vector<OptimizedJoin>& rounds);
 
 // One name for each map of the list, as texts have it: `session_b.osa map 0`.
 std::string NameText(const MapName& name);

@@ -84,6 +84,14 @@ struct Alignment {
   std::vector<MatchedPoints> matches;  // a point may be in several: maps hold many things twice
 };
 
+// Standard deviations of an alignment, given the maps as they are.
+struct AlignmentPrecision {
+  double rotation_degrees = 0;  // about the axis about which it is least known
+  double translation = 0;       // likewise, of the middle of what both maps see; first map's units
+  double scale = 0;             // as a share of it; 0 where the scale is not free
+};
+[[nodiscard]] SLAMDB_EXPORT AlignmentPrecision PrecisionOf(const Alignment& alignment);
+
 // Finds how two maps lie to each other that nobody aligned, from what their files hold: poses, keypoints, descriptors,
 // bags of words, points and cameras.
 // Places are recognised by bags of words, matched and verified one by one; what many agree on is refined over all

@@ -14,7 +14,8 @@
 namespace slamdb::detail {
 namespace {
 
-constexpr double kRadius = 2.45;      // standard deviations of the keypoint: what 95 of 100 are within
+constexpr double kRadius = 4;         // pixels at octave 0
+constexpr double kMostError = 5.991;  // squared, in standard deviations of the keypoint: 95 of 100 are within
 constexpr double kLeastCosine = 0.5;  // 60 degrees from where a point was seen
 
 // A point that a picture shows at a keypoint.
@@ -61,7 +62,16 @@ class Searcher {
       const auto found = FindNear(map_.views()[view], *expected, descriptor, kRadius, kMostBits);
       if (found && (!best || found->bits < best->bits)) best = found;
     }
+    if (best && !IsThere(*expected, map_.views()[view], best->keypoint)) best.reset();
     return best;
+  }
+
+  // What looks alike best, but farther off than a measurement may be, is something else beside it.
+  static bool IsThere(const Expected& expected, const View& view, std::uint32_t row) {
+    const Keypoint& keypoint = view.keypoints[row];
+    const Eigen::Vector2d place(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
+    const double sigma = view.ScaleOf(keypoint.octave);
+    return (place - expected.pixel).squaredNorm() <= kMostError * sigma * sigma;
   }
 
   const MapViews& map_;

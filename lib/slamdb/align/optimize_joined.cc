@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// 1. The map is bent to how the verified pairs of keyframes lie.
+// 2. Pictures are searched for points of the other sessions.
+// 3. The bundle is adjusted; of all, steps 2 and 3 once more.
 #include "slamdb/align/optimize_joined.h"
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 #include "slamdb/align/detail/find_across.h"
@@ -13,7 +18,8 @@
 namespace slamdb {
 namespace {
 
-constexpr int kFullRounds = 2;
+constexpr std::size_t kFullRounds = 2;
+constexpr std::size_t kMostConstraints = 20;  // of a link
 
 // A map that others were joined into.
 class Joined {
@@ -25,13 +31,15 @@ class Joined {
         id_(map),
         root_(static_cast<std::size_t>(std::ranges::find(report.maps, map) - report.maps.begin())) {}
 
-  OptimizedJoin Round() {
-    OptimizedJoin round;
-    round.optimization.map = id_;
-    if (options_.method == OptimizeMethod::kPoseGraph) round.optimization = Optimize();
-    Weld(round);
-    if (options_.method != OptimizeMethod::kPoseGraph) round.optimization = Optimize();
-    return round;
+  std::vector<OptimizedJoin> Run() {
+    std::vector<OptimizedJoin> rounds(options_.method == OptimizeMethod::kFull ? kFullRounds : 1);
+    rounds.front().optimization.pose_graph = Bend();
+    for (OptimizedJoin& round : rounds) {
+      round.optimization.map = id_;
+      Weld(round);
+      if (options_.method != OptimizeMethod::kPoseGraph) round.optimization.bundle = Adjust();
+    }
+    return rounds;
   }
 
  private:
@@ -58,7 +66,7 @@ class Joined {
   std::vector<PoseConstraint> Constraints() const {
     std::vector<PoseConstraint> constraints;
     VisitLinks([&](const MapLink& link) {
-      for (const AlignedPair& pair : detail::StrongestPairs(link.alignment.pairs)) {
+      for (const AlignedPair& pair : detail::StrongestPairs(link.alignment.pairs, kMostConstraints)) {
         PoseConstraint& constraint = constraints.emplace_back();
         constraint.first = pair.first;
         constraint.second = pair.second;
@@ -78,12 +86,20 @@ class Joined {
     return seam;
   }
 
-  MapOptimization Optimize() {
+  PoseGraphReport Bend() {
+    PoseGraphOptions graph;
+    graph.constraints = Constraints();
+    graph.sessions = report_.keyframes;
+    graph.threads = options_.threads;
+    graph.progress = options_.progress;
+    return OptimizePoseGraph(atlas_, id_, graph);
+  }
+
+  std::optional<BundleReport> Adjust() {
     OptimizeOptions optimize{
         .method = options_.method, .maps = {id_}, .threads = options_.threads, .progress = options_.progress};
-    if (options_.method == OptimizeMethod::kPoseGraph) optimize.constraints = Constraints();
     if (options_.method == OptimizeMethod::kSeam) optimize.seam = Seam();
-    return OptimizeMaps(atlas_, optimize).maps.front();
+    return OptimizeMaps(atlas_, optimize).maps.front().bundle;
   }
 
   // By row of the keyframes: which of the maps each is of.
@@ -125,9 +141,7 @@ std::vector<OptimizedJoin> OptimizeJoined(Atlas& atlas, const JoinAlignedReport&
     if (std::ranges::find(maps, join.first) == maps.end()) maps.push_back(join.first);
   if (!maps.empty()) detail::RequireCeres();
   for (const MapId map : maps) {
-    Joined joined(atlas, report, map, options);
-    const int count = options.method == OptimizeMethod::kFull ? kFullRounds : 1;
-    for (int round = 0; round < count; ++round) rounds.push_back(joined.Round());
+    std::ranges::move(Joined(atlas, report, map, options).Run(), std::back_inserter(rounds));
   }
   return rounds;
 }

@@ -23,14 +23,16 @@ struct OptimizeJoinedOptions {
 struct OptimizedJoin {
   std::uint64_t observations = 0;  // added, of points that pictures of another session show
   FuseReport fused;                // points that these pictures show to be one
-  MapOptimization optimization;    // what moved then; its figures before are behind what was added and fused
+  MapOptimization optimization;    // the pose graph before that, of the first round alone, and the bundle behind it
 };
 
-// Tightens what JoinAlignedMaps joined, which only laid each map beside the other as a whole: every picture is searched
-// for points of the other sessions, which it sees from then on, or which are fused with those that it sees there; then
-//   kPoseGraph  the map was bent before that, along its essential graph, to how the verified pairs of keyframes lie
-//   kSeam       bundle adjustment of the keyframes about the verified pairs
-//   kFull       bundle adjustment of all; search and adjustment once more, as more is found where maps fit better
+// Tightens what JoinAlignedMaps joined, which only laid each map beside the other as a whole:
+//   the map is bent, along the essential graph of each session, to how the verified pairs of keyframes lie
+//   every picture is searched for points of the other sessions: it sees them from then on, or they are fused with those
+//   that it sees there
+//   kPoseGraph  that is all
+//   kSeam       the bundle of the keyframes about the verified pairs is adjusted
+//   kFull       that of all is; search and adjustment come once more, as more is found where maps fit better
 // Maps that were not joined stay as they are.
 //
 // Throws Error (kUnsupported) where this slamdb was built without Ceres, and then changes nothing.
