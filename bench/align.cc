@@ -5,9 +5,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <string>
 
 #include "slamdb/align/optimize_joined.h"
 #include "slamdb/synthetic/synthesize.h"
@@ -26,9 +29,19 @@ SyntheticSessions MakeSessions(std::size_t keyframes, std::size_t points) {
   return SynthesizeSessions(options);
 }
 
-double Since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
+// Wall clock, and of all cores.
+struct Spent {
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+  std::clock_t cores = std::clock();
+
+  std::string Text() const {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "%.2f s, %.2f s of cores",
+                  std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
+                  static_cast<double>(std::clock() - cores) / CLOCKS_PER_SEC);
+    return text.data();
+  }
+};
 
 double PeakMegabytes() {
   rusage usage{};
@@ -39,9 +52,9 @@ double PeakMegabytes() {
 void Measure(std::size_t keyframes, std::size_t points) {
   Atlas atlas = MakeSessions(keyframes, points).atlas;
   const double before = PeakMegabytes();
-  auto begin = std::chrono::steady_clock::now();
+  const Spent spent;
   const JoinAlignedReport joined = JoinAlignedMaps(atlas);
-  const double joining = Since(begin);
+  const std::string joining = spent.Text();
   if (joined.joins.empty()) {
     std::printf("| %zu, %zu | not joined: %s |\n", keyframes, points,
                 joined.aligned.links.front().alignment.reason.c_str());
@@ -49,13 +62,14 @@ void Measure(std::size_t keyframes, std::size_t points) {
   }
   const double memory = PeakMegabytes() - before;
   const auto tighten = [&](OptimizeMethod method) {
-    begin = std::chrono::steady_clock::now();
     Atlas copy = atlas;
+    const Spent tightening;
     if (CanOptimize()) OptimizeJoined(copy, joined, {.method = method});
-    return Since(begin);
+    return tightening.Text();
   };
-  const double graph = tighten(OptimizeMethod::kPoseGraph), seam = tighten(OptimizeMethod::kSeam);
-  std::printf("| %zu, %zu | %.2f s | %.2f s | %.2f s | %.0f MB |\n", keyframes, points, joining, graph, seam, memory);
+  const std::string graph = tighten(OptimizeMethod::kPoseGraph), seam = tighten(OptimizeMethod::kSeam);
+  std::printf("| %zu, %zu | %s | %s | %s | %.0f MB |\n", keyframes, points, joining.c_str(), graph.c_str(),
+              seam.c_str(), memory);
 }
 
 // In a process of its own, whose peak of memory is its own.
