@@ -9,7 +9,9 @@
 #include "cli/edit.h"
 #include "cli/report/align_text.h"
 #include "cli/report/merge_text.h"
+#include "cli/report/optimize_text.h"
 #include "slamdb/align/join_aligned.h"
+#include "slamdb/align/optimize_joined.h"
 #include "slamdb/align/report_json.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/edit/frame/similarity_text.h"
@@ -18,6 +20,13 @@
 
 namespace slamdb::cli {
 namespace {
+
+// What --optimize takes.
+enum class Tightening { kUsual, kNone, kPoseGraph, kSeam, kFull };
+const std::map<std::string, Tightening> kTightenings = {{"none", Tightening::kNone},
+                                                        {"pose-graph", Tightening::kPoseGraph},
+                                                        {"seam", Tightening::kSeam},
+                                                        {"full", Tightening::kFull}};
 
 struct MergeVerbOptions {
   EditOptions edit;
@@ -28,6 +37,7 @@ struct MergeVerbOptions {
   std::string transform, anchors, maps;
   std::optional<double> outlier_distance;
   FuseOptions fusion;
+  Tightening tightening = Tightening::kUsual;
 };
 
 const std::map<std::string, SameMap> kConflicts = {
@@ -151,6 +161,36 @@ JoinAlignedReport Align(MergeResult& result, const MergeVerbOptions& options, co
   return report;
 }
 
+// None: the joined maps stay as they lie.
+std::optional<OptimizeMethod> MethodOf(Tightening tightening) {
+  switch (tightening) {
+    case Tightening::kUsual:
+      return CanOptimize() ? std::optional(OptimizeMethod::kSeam) : std::nullopt;
+    case Tightening::kNone:
+      return std::nullopt;
+    case Tightening::kPoseGraph:
+      return OptimizeMethod::kPoseGraph;
+    case Tightening::kSeam:
+      return OptimizeMethod::kSeam;
+    case Tightening::kFull:
+      return OptimizeMethod::kFull;
+  }
+  return std::nullopt;
+}
+
+std::vector<OptimizedJoin> Tighten(Atlas& atlas, const JoinAlignedReport& joined, const MergeVerbOptions& options,
+                                   Console& console, Notices& notices) {
+  if (joined.joins.empty()) return {};
+  const std::optional<OptimizeMethod> method = MethodOf(options.tightening);
+  if (!method && options.tightening == Tightening::kUsual)
+    notices.Note("the joined map is not optimised: this slamdb was built without Ceres (libceres-dev)");
+  if (!method) return {};
+  std::vector<OptimizedJoin> rounds = OptimizeJoined(
+      atlas, joined, {.method = *method, .threads = console.threads(), .progress = console.MakeProgress()});
+  for (const OptimizedJoin& round : rounds) WarnOf(round.optimization, "slamdb optimize goes on", notices);
+  return rounds;
+}
+
 // Nothing is written when no map could be joined: a wrong merge is worse than none.
 ExitCode MergeAligned(MergeResult result, const std::vector<MapName>& names, SideFile& id_map,
                       const MergeVerbOptions& options, Console& console, Notices& notices) {
@@ -158,17 +198,22 @@ ExitCode MergeAligned(MergeResult result, const std::vector<MapName>& names, Sid
   for (const Map& map : result.atlas.maps)
     if (!map.keyframes.empty()) metric.push_back(IsMetric(map));
   const JoinAlignedReport joined = Align(result, options, names, console, notices);
+  const std::vector<OptimizedJoin> tightened = Tighten(result.atlas, joined, options, console, notices);
   std::string text = MergeText(result.report) + AlignText(joined.aligned, names, metric);
   for (const JoinReport& join : joined.joins) text += JoinText(join);
+  text += OptimizedJoinText(tightened);
   const bool any = !joined.joins.empty();
   if (any) {
-    for (const JoinReport& join : joined.joins)
-      for (IdMap& ids : result.report.id_maps) FollowJoin(join, ids);
+    for (IdMap& ids : result.report.id_maps) {
+      for (const JoinReport& join : joined.joins) FollowJoin(join, ids);
+      for (const OptimizedJoin& round : tightened) FollowFuse(round.fused, ids);
+    }
     if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
     WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
   }
   Note(result.report, notices);
-  const std::string json = ToJson(result.report, joined, names, any ? FilesOf(options.edit).output : std::string());
+  const std::string json =
+      ToJson(result.report, joined, tightened, names, any ? FilesOf(options.edit).output : std::string());
   if (any) return FinishEdit(text, json, options.edit, console, notices);
   console.Report(notices);
   PrintReport(options.edit.json ? json : text, options.edit.json, /*piped=*/false, console);
@@ -213,9 +258,17 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
   constexpr const char* kGroup = "Joining maps";
   auto* join =
       verb.add_flag("--join", options.join, "Make one map of two, the second moved into the first")->group(kGroup);
-  verb.add_flag("--align", options.align,
-                "Find how the maps lie to each other, as `slamdb align` does, and make one map of those that overlap")
-      ->excludes(join)
+  auto* align =
+      verb.add_flag(
+              "--align", options.align,
+              "Find how the maps lie to each other, as `slamdb align` does, and make one map of those that overlap")
+          ->excludes(join)
+          ->group(kGroup);
+  verb.add_option("--optimize", options.tightening,
+                  "What is moved then so that pictures of both fit: none; pose-graph, bends the map to the pairs of "
+                  "keyframes that agree; seam, adjusts the bundle about these behind that, the default; full, of all")
+      ->transform(OneOf(kTightenings))
+      ->needs(align)
       ->group(kGroup);
   const auto needs_join = [&](CLI::Option* option) { return option->needs(join)->group(kGroup); };
   needs_join(verb.add_option("--transform", options.transform,

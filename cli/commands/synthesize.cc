@@ -102,7 +102,8 @@ void AddSessions(CLI::App& verb, const std::shared_ptr<SynthesizeOptions>& optio
                "The maps are sessions in one room, of which two neighbours share so much of their arc", kSessions);
   overlap->default_str({});  // not given, the maps are no sessions
   overlap->each([options](const std::string&) { options->overlapping = true; });
-  AddShare(verb, "--common", options->sessions.common, "Of the points there, how many both sessions have", kSessions);
+  AddShare(verb, "--common", options->sessions.common, "Of the points there, how many both sessions have", kSessions)
+      ->needs(overlap);
   verb.add_flag("--look-alike", options->sessions.look_alike,
                 "The maps are of different rooms; strips of the first one's wall are in all")
       ->excludes(overlap)

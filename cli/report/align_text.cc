@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cli/report/layout.h"
+#include "cli/report/optimize_text.h"
 #include "cli/report/similarity.h"
 
 namespace slamdb::cli {
@@ -92,6 +93,16 @@ std::string UnlikeText(const SearchedStore& store) {
   if (!store.unlike.empty()) text += Wrapped("nothing looks alike: " + list(store.unlike), 0);
   if (!store.unknown.empty())
     text += Wrapped("not asked, as the store does not know what they look like: " + list(store.unknown), 0);
+  return text;
+}
+
+std::string OptimizedJoinText(const std::vector<OptimizedJoin>& rounds) {
+  std::string text;
+  for (const OptimizedJoin& round : rounds) {
+    text += OptimizeText({.maps = {round.optimization}});
+    text += "  across        " + Counted(round.observations, "observation") + " of points of other maps added, " +
+            Counted(round.fused.fused, "point") + " fused\n";
+  }
   return text;
 }
 

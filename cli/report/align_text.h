@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slamdb/align/align_all.h"
+#include "slamdb/align/optimize_joined.h"
 #include "slamdb/align/report_json.h"
 
 namespace slamdb::cli {
@@ -14,6 +15,9 @@ std::string AlignText(const AlignedMaps& aligned, const std::vector<MapName>& na
 
 // Which atlases of a store were left alone, and why.
 std::string UnlikeText(const SearchedStore& store);
+
+// What tightening the joined maps came to: a block for each round.
+std::string OptimizedJoinText(const std::vector<OptimizedJoin>& rounds);
 
 // One name for each map of the list, as texts have it: `session_b.osa map 0`.
 std::string NameText(const MapName& name);

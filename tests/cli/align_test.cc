@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "slamdb/optimize/bundle_adjustment.h"
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -124,6 +125,52 @@ TEST_F(Align, MergeMakesOneMapOfBoth) {
   EXPECT_EQ(info.at("maps").at(0).at("keyframes"), 29);
   EXPECT_EQ(RunSlamdb({"check", At("ab.osa")}).exit_code, 0);
   EXPECT_THAT(ReadWholeFile(At("ids.csv")), HasSubstr(kSecond + ",map,0,0\n"));
+}
+
+TEST_F(Align, MergeTightensWhatItJoined) {
+  const auto optimizations = [&](const std::string& what) {
+    const ProcessResult result =
+        RunSlamdb({"merge", kFirst, kSecond, "-o", At(what + ".osa"), "--align", "--json", "--optimize", what});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const json report = json::parse(result.out);
+    EXPECT_EQ(BreachOf(report, "merge.schema.json"), "") << what;
+    EXPECT_EQ(RunSlamdb({"check", At(what + ".osa")}).exit_code, 0) << what;
+    return report.at("optimizations");
+  };
+  EXPECT_TRUE(optimizations("none").empty());
+  if (!CanOptimize()) GTEST_SKIP() << "needs Ceres";
+  const json graph = optimizations("pose-graph"), seam = optimizations("seam"), full = optimizations("full");
+  ASSERT_EQ(graph.size(), 1U);
+  EXPECT_TRUE(graph.at(0).at("bundle").is_null());
+  EXPECT_GT(graph.at(0).at("added_observations"), 100);
+  ASSERT_EQ(seam.size(), 1U);
+  EXPECT_GT(seam.at(0).at("bundle").at("fixed_keyframes"), 1);
+  ASSERT_EQ(full.size(), 2U);
+  for (const json& round : full)
+    EXPECT_LT(round.at("bundle").at("after").at("cost"), round.at("bundle").at("before").at("cost"));
+}
+
+TEST_F(Align, MergeSaysWhatTighteningDid) {
+  if (!CanOptimize()) GTEST_SKIP() << "needs Ceres";
+  const ProcessResult result = RunSlamdb({"merge", kFirst, kSecond, "-o", At("ab.osa"), "--align"});
+  EXPECT_THAT(result.out, HasSubstr("  pose graph "));
+  EXPECT_THAT(result.out, HasSubstr("  reprojection "));
+  EXPECT_THAT(result.out, HasSubstr("observations of points of other maps added"));
+}
+
+TEST_F(Align, MergeTightensOnlyWhatItAligned) {
+  EXPECT_EQ(RunSlamdb({"merge", kFirst, kSecond, "-o", At("ab.osa"), "--optimize", "full"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"merge", kFirst, kSecond, "-o", At("ab.osa"), "--align", "--optimize", "best"}).exit_code, 2);
+}
+
+TEST_F(Align, MergeWithoutCeresNamesIt) {
+  if (CanOptimize()) GTEST_SKIP() << "Ceres is there";
+  const ProcessResult asked = RunSlamdb({"merge", kFirst, kSecond, "-o", At("a.osa"), "--align", "--optimize", "seam"});
+  EXPECT_EQ(asked.exit_code, 1);
+  EXPECT_THAT(asked.err, HasSubstr("libceres-dev"));
+  const ProcessResult usual = RunSlamdb({"merge", kFirst, kSecond, "-o", At("b.osa"), "--align"});
+  EXPECT_EQ(usual.exit_code, 0);
+  EXPECT_THAT(usual.err, HasSubstr("libceres-dev"));
 }
 
 TEST_F(Align, MergeWritesNothingWhereItIsNotSure) {

@@ -72,6 +72,7 @@ TEST(Synthesize, RoomsThatLookAlikeAreNotAligned) {
   EXPECT_EQ(aligned.exit_code, 1);
   EXPECT_THAT(aligned.out, HasSubstr("no-overlap"));
   EXPECT_EQ(RunSlamdb({"synthesize", folder / "x.osa", "--look-alike", "--overlap", "0.5"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"synthesize", folder / "x.osa", "--maps", "2", "--common", "0.5"}).exit_code, 2);
 }
 
 TEST(Synthesize, EqualSeedsGiveEqualBytes) {

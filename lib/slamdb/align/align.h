@@ -36,10 +36,12 @@ struct AlignOptions {
   Progress progress;            // may be empty
 };
 
-// Two keyframes that see the same, one of each map, and on how many points they agree.
+// Two keyframes that see the same, one of each map.
 struct AlignedPair {
   KeyFrameId first, second;
-  std::uint64_t inliers = 0;
+  std::uint64_t inliers = 0;       // points of both that agree
+  Similarity3d first_from_second;  // of left cameras, by these points alone; its scale is a length of the first map per
+                                   // length of the second
 };
 
 // A point of each map that are the same thing.
@@ -81,6 +83,14 @@ struct Alignment {
   std::vector<AlignedPair> pairs;      // that agree, most inliers first
   std::vector<MatchedPoints> matches;  // a point may be in several: maps hold many things twice
 };
+
+// Standard deviations of an alignment, given the maps as they are.
+struct AlignmentPrecision {
+  double rotation_degrees = 0;  // about the axis about which it is least known
+  double translation = 0;       // likewise, of the middle of what both maps see; first map's units
+  double scale = 0;             // as a share of it; 0 where the scale is not free
+};
+[[nodiscard]] SLAMDB_EXPORT AlignmentPrecision PrecisionOf(const Alignment& alignment);
 
 // Finds how two maps lie to each other that nobody aligned, from what their files hold: poses, keypoints, descriptors,
 // bags of words, points and cameras.

@@ -113,8 +113,10 @@ class Aligner {
     std::vector<AlignedPair> pairs;
     for (const std::uint32_t member : consensus.members) {
       const auto& [candidate, transform, inliers] = hypotheses[member];
-      pairs.push_back({KeyFrameIdOf(pair_.first.views, candidate.first),
-                       KeyFrameIdOf(pair_.second.views, candidate.second), inliers.size()});
+      const View &first = pair_.first.views.views()[candidate.first],
+                 &second = pair_.second.views.views()[candidate.second];
+      pairs.push_back({pair_.first.views.KeyFrameOf(first).id, pair_.second.views.KeyFrameOf(second).id, inliers.size(),
+                       BetweenCameras(first, second, transform)});
     }
     std::ranges::stable_sort(pairs, std::greater(), &AlignedPair::inliers);
     return pairs;
@@ -131,10 +133,6 @@ class Aligner {
                          static_cast<float>(std::sqrt(std::max(errors.in_first, errors.in_second)))});
     }
     return matches;
-  }
-
-  static KeyFrameId KeyFrameIdOf(const MapViews& map, std::uint32_t view) {
-    return map.KeyFrameOf(map.views()[view]).id;
   }
 
   const AlignOptions& options_;

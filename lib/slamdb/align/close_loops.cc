@@ -8,15 +8,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "slamdb/align/detail/strongest_pairs.h"
 #include "slamdb/base/error.h"
-#include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/model/detail/irregular_entries.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
 namespace {
-
-constexpr std::size_t kMostPairs = 5;  // of a loop, that become constraints and loop edges
 
 bool HasViews(const Map& map) {
   return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) { return !keyframe.bad; }) &&
@@ -37,17 +35,6 @@ std::vector<std::size_t> MapsOf(const Atlas& atlas, const CloseLoopsOptions& opt
   return rows;
 }
 
-// Pairs of which each keyframe is in one alone, most inliers first.
-std::vector<LoopPair> StrongestPairs(const Loop& loop) {
-  std::vector<LoopPair> strongest;
-  for (const LoopPair& pair : loop.pairs) {
-    const bool taken = std::ranges::any_of(
-        strongest, [&](const LoopPair& other) { return other.first == pair.first || other.second == pair.second; });
-    if (!taken && strongest.size() < kMostPairs) strongest.push_back(pair);
-  }
-  return strongest;
-}
-
 void AddLoopEdge(Map& map, const IdTable& rows, KeyFrameId from, KeyFrameId to) {
   const std::uint32_t row = rows.Find(from.value());
   if (row == kNoRow) return;
@@ -56,26 +43,12 @@ void AddLoopEdge(Map& map, const IdTable& rows, KeyFrameId from, KeyFrameId to) 
   if (std::ranges::find(keyframe.loop_edges, to) == keyframe.loop_edges.end()) keyframe.loop_edges.push_back(to);
 }
 
-// Landmarks that stand for points which went into others stand for these.
-void FollowFused(const FuseReport& fused, Map& map) {
-  std::vector<Landmark> moved;
-  std::erase_if(map.landmarks, [&](Landmark& landmark) {
-    const MapPointId id(landmark.id.value());
-    const auto found = std::ranges::lower_bound(fused.replaced, id, {}, &std::pair<MapPointId, MapPointId>::first);
-    if (found == fused.replaced.end() || found->first != id) return false;
-    landmark.id = LandmarkId(found->second.value());
-    moved.push_back(landmark);
-    return true;
-  });
-  TakeLandmarks(map.landmarks, moved);
-}
-
 void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, ClosedMap& closed) {
   std::vector<LoopPair> pairs;
   std::vector<std::pair<MapPointId, MapPointId>> same;
   for (const Loop& loop : closed.search.loops) {
     if (loop.verdict != LoopVerdict::kMissed) continue;
-    std::ranges::move(StrongestPairs(loop), std::back_inserter(pairs));
+    std::ranges::move(detail::StrongestPairs(loop.pairs), std::back_inserter(pairs));
     for (const MatchedPoints& match : loop.matches) same.emplace_back(match.first, match.second);
   }
   detail::DropIrregularEntries(atlas);  // they name rows of lists that change
@@ -93,8 +66,7 @@ void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, Clos
     AddLoopEdge(map, rows, pair.first, pair.second);
     AddLoopEdge(map, rows, pair.second, pair.first);
   }
-  closed.fused = FusePairs(map, same);
-  FollowFused(closed.fused, map);
+  closed.fused = FusePairs(map, std::move(same));
   ++map.big_change_index;
   if (!options.adjust_bundle) return;
   BundleOptions bundle;

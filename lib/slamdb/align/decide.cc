@@ -2,10 +2,13 @@
 // Thresholds are those at which no wrong pair of real maps passed, look-alike rooms among them; see docs/align.md.
 #include "slamdb/align/detail/decide.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 
-#include "slamdb/align/report_json.h"
-#include "slamdb/base/detail/text.h"
+#include "slamdb/align/detail/deviation.h"
+#include "slamdb/base/detail/concat.h"
 
 namespace slamdb {
 namespace {
@@ -33,9 +36,15 @@ std::string_view NameOf(AlignmentVerdict verdict) {
   return {};
 }
 
+AlignmentPrecision PrecisionOf(const Alignment& alignment) {
+  const auto& covariance = alignment.covariance;
+  return {detail::LargestDeviation(covariance, 0) * 180 / std::numbers::pi, detail::LargestDeviation(covariance, 3),
+          std::sqrt(std::max(0.0, covariance(6, 6)))};
+}
+
 namespace detail {
 
-std::string Percent(double share) { return std::to_string(static_cast<int>(100 * share + 0.5)) + "%"; }
+std::string Percent(double share) { return Fixed(100 * share, 0) + "%"; }
 
 Alignment NothingAgrees() { return {.reason = "no two keyframes see the same"}; }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Thresholds are those at which no wrong pose passed, of look-alike rooms either; see docs/locate.md.
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <string>
 
 #include "slamdb/align/detail/decide.h"
+#include "slamdb/align/detail/deviation.h"
 #include "slamdb/base/detail/concat.h"
 
 namespace slamdb {
@@ -15,11 +15,19 @@ constexpr std::uint64_t kFewestInliers = 30, kPoorInliers = 15;
 constexpr double kCellShare = 0.70, kPoorCellShare = 0.4;
 constexpr double kFoundShare = 0.20, kPoorFoundShare = 0.10;
 constexpr double kExtent = 0.10;
-constexpr double kMostDegrees = 0.2;                               // standard deviation of the rotation, or
-constexpr double kSpread = 0.16;                                   // points all over the picture
-constexpr double kSmallExtent = 0.15, kSmallExtentDegrees = 0.25;  // of a narrow view, which any patch fills
+constexpr double kMostDegrees = 0.22;  // standard deviation of the rotation, or
+constexpr double kSpread = 0.16;       // points all over the picture
+constexpr double kSmallExtent = 0.15, kSmallExtentDegrees = 0.28;  // of a narrow view, which any patch fills
 constexpr double kMostInFront = 0.15;
 constexpr double kMostContradicting = 0.5;  // of the inliers
+
+// A picture shows no more points than it has keypoints, however many a map has there: one of several sessions has most
+// things more than once.
+double FoundShare(const LocateEvidence& evidence) {
+  const auto visible = static_cast<double>(evidence.visible), features = static_cast<double>(evidence.features);
+  return visible > features && features > 0 ? std::min(1.0, evidence.found_share * visible / features)
+                                            : evidence.found_share;
+}
 
 }  // namespace
 
@@ -36,9 +44,8 @@ std::string_view NameOf(LocateVerdict verdict) {
 }
 
 PosePrecision PrecisionOf(const Localization& localization) {
-  const Eigen::Matrix<double, 6, 1> variances = localization.covariance.diagonal();
-  const auto largest = [&](int begin) { return std::sqrt(std::max(0.0, variances.segment<3>(begin).maxCoeff())); };
-  return {largest(0) * 180 / std::numbers::pi, largest(3)};
+  const auto& covariance = localization.covariance;
+  return {detail::LargestDeviation(covariance, 0) * 180 / std::numbers::pi, detail::LargestDeviation(covariance, 3)};
 }
 
 namespace detail {
@@ -49,17 +56,17 @@ void GiveVerdict(Localization& localization) {
     localization.verdict = verdict;
     localization.reason = std::move(reason);
   };
-  const std::string found =
-      Concat(Fixed(100 * evidence.found_share, 0), "% of the points that the picture must show are found, in ",
-             Fixed(100 * evidence.cell_share, 0), "% of its parts");
+  const double found_share = FoundShare(evidence);
+  const std::string found = Concat(Percent(found_share), " of the points that the picture must show are found, in ",
+                                   Percent(evidence.cell_share), " of its parts");
   if (evidence.front_share > kMostInFront)
     return say(LocateVerdict::kNotFound, "points of the map would hide what the picture shows");
   if (evidence.checked_share == 0)
     return say(LocateVerdict::kNotFound, "too few points of the map must show in it to tell");
-  if (evidence.cell_share < kPoorCellShare || evidence.found_share < kPoorFoundShare)
+  if (evidence.cell_share < kPoorCellShare || found_share < kPoorFoundShare)
     return say(LocateVerdict::kNotFound, "the picture contradicts it: only " + found);
   if (evidence.inliers < kPoorInliers) return say(LocateVerdict::kNotFound, "too few points agree");
-  if (evidence.cell_share < kCellShare || evidence.found_share < kFoundShare)
+  if (evidence.cell_share < kCellShare || found_share < kFoundShare)
     return say(LocateVerdict::kDoubtful, "the picture half confirms it: " + found);
   if (evidence.extent < kExtent)
     return say(LocateVerdict::kDoubtful, "all that agrees is in one small patch, which may be a look-alike");

@@ -49,9 +49,7 @@ Eigen::MatrixXd BasisOf(Freedom freedom, const MapViews& first) {
 }
 
 Similarity3d Moved(const Similarity3d& transform, const Vector7& step, const Eigen::Vector3d& center) {
-  const Eigen::Vector3d turn = step.head<3>();
-  const double angle = turn.norm();
-  const Eigen::Quaterniond rotation(angle > 0 ? Eigen::AngleAxisd(angle, turn / angle) : Eigen::AngleAxisd::Identity());
+  const Eigen::Quaterniond rotation = Turn(step.head<3>());
   const Similarity3d motion{std::exp(step[6]), rotation,
                             center + step.segment<3>(3) - std::exp(step[6]) * (rotation * center)};
   Similarity3d moved = motion * transform;

@@ -6,12 +6,11 @@
 
 #include <algorithm>
 
+#include "slamdb/align/detail/strongest_pairs.h"
 #include "slamdb/model/statistics.h"
 
 namespace slamdb {
 namespace {
-
-constexpr std::size_t kMostMergeEdges = 5;  // of two maps
 
 // A map that goes into the root of its group, by the link to one that is there.
 struct Step {
@@ -24,16 +23,23 @@ KeyFramePair Oriented(const AlignedPair& pair, bool turned) {
   return turned ? KeyFramePair{pair.second, pair.first} : KeyFramePair{pair.first, pair.second};
 }
 
-// Pairs of which each keyframe is in one alone, most inliers first.
 std::vector<KeyFramePair> MergeEdges(const Step& step) {
   std::vector<KeyFramePair> edges;
-  for (const AlignedPair& each : step.link->alignment.pairs) {
-    const KeyFramePair pair = Oriented(each, step.turned);
-    const bool taken = std::ranges::any_of(
-        edges, [&](const KeyFramePair& edge) { return edge.first == pair.first || edge.second == pair.second; });
-    if (!taken && edges.size() < kMostMergeEdges) edges.push_back(pair);
-  }
+  for (const AlignedPair& pair : detail::StrongestPairs(step.link->alignment.pairs))
+    edges.push_back(Oriented(pair, step.turned));
   return edges;
+}
+
+// The surest first; points of the map that is there already survive.
+std::vector<std::pair<MapPointId, MapPointId>> SamePoints(const Step& step) {
+  std::vector<MatchedPoints> matches = step.link->alignment.matches;
+  std::ranges::stable_sort(matches, {}, &MatchedPoints::error);
+  std::vector<std::pair<MapPointId, MapPointId>> same;
+  for (const MatchedPoints& match : matches) {
+    same.emplace_back(match.first, match.second);
+    if (step.turned) std::swap(same.back().first, same.back().second);
+  }
+  return same;
 }
 
 std::vector<Step> StepsOf(const Atlas& atlas, const AlignedMaps& aligned, const std::vector<MapRef>& maps) {
@@ -70,9 +76,7 @@ JoinOptions OptionsOf(const Step& step, const JoinAlignedReport& report, const J
   join.merge_edges = MergeEdges(step);
   join.anchors = {join.merge_edges.front()};
   join.fuse = options.fuse;
-  if (join.fuse)
-    for (const MatchedPoints& match : step.link->alignment.matches)
-      join.fuse->known.emplace_back(match.first, match.second);
+  if (join.fuse) join.fuse->known = SamePoints(step);
   join.threads = options.threads;
   join.progress = options.progress;
   return join;
@@ -87,6 +91,8 @@ JoinAlignedReport JoinAlignedMaps(Atlas& atlas, const AlignOptions& align, const
     if (!atlas.maps[row].keyframes.empty()) {
       maps.push_back({&atlas, row});
       report.maps.push_back(atlas.maps[row].id);
+      std::vector<KeyFrameId>& keyframes = report.keyframes.emplace_back();
+      for (const KeyFrame& keyframe : atlas.maps[row].keyframes) keyframes.push_back(keyframe.id);
     }
   report.aligned = AlignAllMaps(maps, align);
   const std::vector<Step> steps = StepsOf(atlas, report.aligned, maps);

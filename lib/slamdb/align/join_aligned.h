@@ -23,10 +23,11 @@ struct JoinAlignedOptions {
 };
 
 struct JoinAlignedReport {
-  AlignedMaps aligned;            // links and places are by row of `maps`
-  std::vector<MapId> maps;        // with keyframes, as they were
-  std::vector<JoinReport> joins;  // one for each map that went into another
-  std::vector<MapId> apart;       // maps that link to nothing, and stay as they are
+  AlignedMaps aligned;                             // links and places are by row of `maps`
+  std::vector<MapId> maps;                         // with keyframes, as they were
+  std::vector<std::vector<KeyFrameId>> keyframes;  // of each of these
+  std::vector<JoinReport> joins;                   // one for each map that went into another
+  std::vector<MapId> apart;                        // maps that link to nothing, and stay as they are
 };
 
 // Aligns all maps of an atlas and makes one map of those that are linked.

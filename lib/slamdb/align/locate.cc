@@ -165,6 +165,7 @@ Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>
                      .covariance = place.fit.covariance,
                      .resembles = map.KeyFrameOf(map.views()[place.views.front()]).id};
   LocateEvidence& evidence = found.evidence;
+  evidence.features = query.view.keypoints.size();
   evidence.inliers = place.inliers.size();
   evidence.visible = share.visible;
   evidence.found_share = share.found_share();

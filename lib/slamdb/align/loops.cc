@@ -213,11 +213,8 @@ class LoopFinder {
   LoopPair PairOf(const Hypothesis& hypothesis) const {
     const View &first = map_.views.views()[hypothesis.candidate.first],
                &second = map_.views.views()[hypothesis.candidate.second];
-    const auto world_from_camera = [](const View& view) {
-      return Similarity3d{1, Eigen::Quaterniond(view.rotation).conjugate(), view.center};
-    };
     return {map_.views.KeyFrameOf(first).id, map_.views.KeyFrameOf(second).id, hypothesis.inliers.size(),
-            world_from_camera(first).Inverse() * hypothesis.first_from_second * world_from_camera(second)};
+            BetweenCameras(first, second, hypothesis.first_from_second)};
   }
 
   void Look(const Similarity3d& first_from_second, const End& first, const End& second, LoopEvidence& evidence) const {

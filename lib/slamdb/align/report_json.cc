@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/align/report_json.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "slamdb/edit/merge/detail/report_json.h"
 #include "slamdb/model/detail/json.h"
+#include "slamdb/optimize/detail/report_json.h"
 
 namespace slamdb {
 namespace {
@@ -51,8 +48,17 @@ Json JsonOf(const Alignment& alignment) {
   json["evidence"] = JsonOf(alignment.evidence);
   json["pairs"] = Json::array();
   for (const AlignedPair& pair : alignment.pairs)
-    json["pairs"].push_back(
-        {{"first", detail::JsonId(pair.first)}, {"second", detail::JsonId(pair.second)}, {"inliers", pair.inliers}});
+    json["pairs"].push_back({{"first", detail::JsonId(pair.first)},
+                             {"second", detail::JsonId(pair.second)},
+                             {"inliers", pair.inliers},
+                             {"first_from_second", detail::JsonOf(pair.first_from_second)}});
+  return json;
+}
+
+Json JsonOf(const OptimizedJoin& round) {
+  Json json = detail::OptimizationJson(round.optimization);
+  json["added_observations"] = round.observations;
+  json["fused"] = detail::FuseJson(round.fused);
   return json;
 }
 
@@ -71,12 +77,6 @@ Json LinksOf(const AlignedMaps& aligned, const std::vector<MapName>& names) {
 
 }  // namespace
 
-AlignmentPrecision PrecisionOf(const Alignment& alignment) {
-  const Eigen::Matrix<double, 7, 1> variances = alignment.covariance.diagonal();
-  const auto largest = [&](int begin) { return std::sqrt(std::max(0.0, variances.segment<3>(begin).maxCoeff())); };
-  return {largest(0) * 180 / std::numbers::pi, largest(3), std::sqrt(std::max(0.0, variances[6]))};
-}
-
 std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names,
                    const std::optional<SearchedStore>& store) {
   Json json = detail::ReportHead("align");
@@ -93,12 +93,15 @@ std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names
   return detail::JsonText(json);
 }
 
-std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined, const std::vector<MapName>& names,
+std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined,
+                   const std::vector<OptimizedJoin>& optimized, const std::vector<MapName>& names,
                    const std::string& output) {
   Json json = detail::MergeJson(merged, output);
   json["links"] = LinksOf(joined.aligned, names);
   json["joins"] = Json::array();
   for (const JoinReport& join : joined.joins) json["joins"].push_back(detail::JoinJson(join));
+  json["optimizations"] = Json::array();
+  for (const OptimizedJoin& round : optimized) json["optimizations"].push_back(JsonOf(round));
   return detail::JsonText(json);
 }
 

@@ -7,18 +7,11 @@
 
 #include "slamdb/align/align_all.h"
 #include "slamdb/align/join_aligned.h"
+#include "slamdb/align/optimize_joined.h"
 #include "slamdb/edit/merge/merge.h"
 #include "slamdb/export.h"
 
 namespace slamdb {
-
-// Standard deviations of an alignment, given the maps as they are.
-struct AlignmentPrecision {
-  double rotation_degrees = 0;  // about the axis about which it is least known
-  double translation = 0;       // likewise, of the middle of what both maps see; first map's units
-  double scale = 0;             // as a share of it; 0 where the scale is not free
-};
-[[nodiscard]] SLAMDB_EXPORT AlignmentPrecision PrecisionOf(const Alignment& alignment);
 
 // What reports call a map.
 struct MapName {
@@ -26,8 +19,10 @@ struct MapName {
   MapId map;
 };
 
-// As schema/merge.schema.json describes it, with `links` and `joins`. `names` by row of JoinAlignedReport::maps.
+// As schema/merge.schema.json describes it, with `links`, `joins` and `optimizations`. `names` by row of
+// JoinAlignedReport::maps.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined,
+                                               const std::vector<OptimizedJoin>& optimized,
                                                const std::vector<MapName>& names, const std::string& output);
 
 // A store that was searched for maps to align with.

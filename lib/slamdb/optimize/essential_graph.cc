@@ -36,8 +36,11 @@ Similarity3d Between(const MapStates& states, std::uint32_t first, std::uint32_t
 
 class Collector {
  public:
-  Collector(const Map& map, const MapStates& states, double depth)
-      : map_(map), states_(states), rows_(KeyFrameTable(map)) {
+  Collector(const Map& map, const MapStates& states, const PoseGraphOptions& options, double depth)
+      : map_(map), states_(states), rows_(KeyFrameTable(map)), sessions_(map.keyframes.size(), 0) {
+    for (std::uint32_t session = 0; session < options.sessions.size(); ++session)
+      for (const KeyFrameId keyframe : options.sessions[session])
+        if (const std::uint32_t row = rows_.Find(keyframe.value()); row != kNoRow) sessions_[row] = session;
     unit_.setIdentity();
     unit_.diagonal().segment<3>(3).setConstant(1 / depth);
   }
@@ -58,12 +61,12 @@ class Collector {
     }
   }
 
-  // As the map has it, unless there is an edge between the two already.
+  // As the map has it, unless there is an edge between the two already, or they are of two sessions.
   void Add(std::uint32_t first, KeyFrameId other, std::uint64_t& count) {
     const std::uint32_t second = rows_.Find(other.value());
     if (second == kNoRow || second == first || !IsPosed(map_.keyframes[second]) || !IsPosed(map_.keyframes[first]))
       return;
-    if (!taken_.insert(std::minmax(first, second)).second) return;
+    if (sessions_[first] != sessions_[second] || !taken_.insert(std::minmax(first, second)).second) return;
     edges_.push_back({first, second, Between(states_, first, second), unit_});
     ++count;
   }
@@ -74,6 +77,7 @@ class Collector {
   const Map& map_;
   const MapStates& states_;
   const IdTable rows_;
+  std::vector<std::uint32_t> sessions_;  // by row of the keyframes
   Matrix7d unit_;
   std::vector<PoseEdge> edges_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> taken_;
@@ -83,7 +87,7 @@ class Collector {
 
 std::vector<PoseEdge> EssentialGraph(const Map& map, const MapStates& states, const PoseGraphOptions& options,
                                      double depth, PoseGraphReport& report) {
-  Collector collector(map, states, depth);
+  Collector collector(map, states, options, depth);
   collector.AddConstraints(options.constraints, report.constraints);
   const auto each = [&](const auto& add) {
     for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) add(row, map.keyframes[row]);

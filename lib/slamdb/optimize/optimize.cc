@@ -6,6 +6,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/model/index.h"
 #include "slamdb/optimize/detail/find_map.h"
+#include "slamdb/optimize/detail/require_ceres.h"
 
 namespace slamdb {
 namespace {
@@ -42,9 +43,7 @@ std::vector<std::vector<PoseConstraint>> Sorted(const Atlas& atlas, const std::v
 }
 
 void RequireSense(const OptimizeOptions& options) {
-  if (!CanOptimize())
-    throw Error(ErrorKind::kUnsupported,
-                "this slamdb was built without Ceres, which optimises: install libceres-dev and build it again");
+  detail::RequireCeres();
   if (options.fix_poses && options.fix_points)
     throw Error(ErrorKind::kUsage, "with both poses and points fixed, nothing may move");
   if (options.iterations && *options.iterations < 1)

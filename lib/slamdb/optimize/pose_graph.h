@@ -25,6 +25,9 @@ struct PoseConstraint {
 
 struct PoseGraphOptions {
   std::vector<PoseConstraint> constraints;
+  // Keyframes of different ones are tied by constraints alone: how they lie is what is to be found. None: all are of
+  // one.
+  std::vector<std::vector<KeyFrameId>> sessions;
   int min_weight = 100;  // of covisibility, for an edge
   int iterations = 50;   // at most
   int threads = 0;       // 0: every core; Ceres itself runs on one, so that the result is the same for any number

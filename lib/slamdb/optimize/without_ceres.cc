@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // In place of what needs Ceres, where it is not there.
-#include "slamdb/base/error.h"
 #include "slamdb/optimize/bundle_adjustment.h"
+#include "slamdb/optimize/detail/require_ceres.h"
 #include "slamdb/optimize/pose_graph.h"
 
 namespace slamdb {
-namespace {
 
-[[noreturn]] void Refuse() {
-  throw Error(ErrorKind::kUnsupported,
-              "this slamdb was built without Ceres, which optimises: install libceres-dev and build it again");
+BundleReport AdjustBundle(Atlas&, MapId, const BundleOptions&) {
+  detail::RequireCeres();
+  return {};
 }
-
-}  // namespace
-
-BundleReport AdjustBundle(Atlas&, MapId, const BundleOptions&) { Refuse(); }
-PoseGraphReport OptimizePoseGraph(Atlas&, MapId, const PoseGraphOptions&) { Refuse(); }
+PoseGraphReport OptimizePoseGraph(Atlas&, MapId, const PoseGraphOptions&) {
+  detail::RequireCeres();
+  return {};
+}
 bool CanOptimize() { return false; }
 
 }  // namespace slamdb

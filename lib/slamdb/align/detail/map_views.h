@@ -56,6 +56,15 @@ struct View {
   Eigen::Vector3d axis() const { return rotation.row(2).transpose(); }
 };
 
+// How two cameras lie to each other whose maps lie as a transform says: in lengths of the first map; the scale is one
+// of these per length of the second.
+inline Similarity3d BetweenCameras(const View& first, const View& second, const Similarity3d& first_from_second) {
+  const auto world_from_camera = [](const View& view) {
+    return Similarity3d{1, Eigen::Quaterniond(view.rotation).conjugate(), view.center};
+  };
+  return world_from_camera(first).Inverse() * first_from_second * world_from_camera(second);
+}
+
 // Keypoints with their descriptors; as many as both columns have.
 void SetFeatures(View& view, const Column<Keypoint>& keypoints, std::span<const Descriptor> descriptors);
 // Behind the lens and SetFeatures, whose extent is the picture where the bounds are none.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// 1. The uncertainty of every point, and the points of the first part in a hash by place.
-// 2. For each point of the second part the most alike one near it.
-// 3. Pairs are fused: those that are known first, then the most alike.
-// 4. What survives gets its descriptor and normal, what went is erased, covisibility is counted anew.
+// 1. Pairs that are known are fused.
+// 2. The uncertainty of every point, and the points of the first part in a hash by place.
+// 3. For each point of the second part the most alike one near it; these are fused, the most alike first.
+// 4. What went is erased; what survives gets its descriptor and normal, covisibility is counted anew.
 #include "slamdb/edit/merge/fuse.h"
 
 #include <algorithm>
@@ -17,9 +17,9 @@
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/steps.h"
-#include "slamdb/edit/part/detail/covisibility.h"
+#include "slamdb/edit/landmarks/landmarks.h"
+#include "slamdb/edit/merge/detail/refresh_points.h"
 #include "slamdb/model/derive.h"
-#include "slamdb/model/detail/observed.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -83,27 +83,13 @@ class Fuser {
       : map_(map), second_(second), options_(options), keyframes_(KeyFrameTable(map)) {}
 
   FuseReport Run() {
-    FindUncertainties();
     survivor_.assign(map_.points.size(), kNoRow);
-    for (const Pair& pair : KnownPairs()) Fuse(pair);
+    FuseKnown();
     std::vector<Pair> pairs = FindPairs();
     report_.candidates = pairs.size() + options_.known.size();
     std::ranges::sort(pairs, std::less<>());
-    for (const Pair& pair : pairs) Fuse(pair);
-    return Finish();
-  }
-
-  FuseReport RunPairs(std::span<const std::pair<MapPointId, MapPointId>> pairs) {
-    survivor_.assign(map_.points.size(), kNoRow);
-    report_.candidates = pairs.size();
-    const IdTable points = PointTable(map_);
-    for (const auto& [first, second] : pairs) {
-      const std::uint32_t a = points.Find(first.value()), b = points.Find(second.value());
-      if (a == kNoRow || b == kNoRow) continue;
-      if (const std::uint32_t kept = SurvivorOf(a), gone = SurvivorOf(b); kept != gone) Fuse(PairOf(kept, gone));
-    }
-    for (std::uint32_t& survivor : survivor_)
-      if (survivor != kNoRow) survivor = SurvivorOf(survivor);
+    for (const Pair& pair : pairs)
+      if (survivor_[pair.second] == kNoRow) Fuse(SurvivorOf(pair.first), pair.second);
     return Finish();
   }
 
@@ -111,10 +97,13 @@ class Fuser {
   FuseReport Finish() {
     if (report_.fused == 0) return report_;
     report_.mean_distance /= static_cast<double>(report_.fused);
-    RefreshSurvivors();
+    for (std::uint32_t& survivor : survivor_)
+      if (survivor != kNoRow) survivor = SurvivorOf(survivor);
     RedirectTheRest();
     EraseFused();
-    UpdateTouched();
+    std::vector<MapPointId> survivors;
+    for (const auto& [gone, survivor] : report_.replaced) survivors.push_back(survivor);
+    report_.keyframes = detail::RefreshPoints(map_, survivors);
     return report_;
   }
 
@@ -122,11 +111,6 @@ class Fuser {
   std::uint32_t SurvivorOf(std::uint32_t row) const {
     while (survivor_[row] != kNoRow) row = survivor_[row];
     return row;
-  }
-
-  Pair PairOf(std::uint32_t first, std::uint32_t second) const {
-    const MapPoint &a = map_.points[first], &b = map_.points[second];
-    return {first, second, HammingDistance(a.descriptor, b.descriptor), (a.position - b.position).norm()};
   }
 
   // max_distance is the distance from the reference keyframe times the scale of the level that it saw the point at.
@@ -147,21 +131,20 @@ class Fuser {
     for (float& sigma : uncertainty_) sigma = std::min(sigma, kLargestUncertainty * median);
   }
 
-  std::vector<Pair> KnownPairs() const {
-    std::vector<Pair> pairs;
-    if (options_.known.empty()) return pairs;
+  void FuseKnown() {
+    if (options_.known.empty()) return;
     const IdTable points = PointTable(map_);
-    for (const auto& [one, other] : options_.known) {
-      const std::uint32_t a = points.Find(one.value()), b = points.Find(other.value());
-      if (a == kNoRow || b == kNoRow || std::max(a, b) < second_ || std::min(a, b) >= second_) continue;
-      pairs.push_back(PairOf(std::min(a, b), std::max(a, b)));
+    for (const auto& [first, second] : options_.known) {
+      const std::uint32_t a = points.Find(first.value()), b = points.Find(second.value());
+      if (a == kNoRow || b == kNoRow) continue;
+      if (const std::uint32_t kept = SurvivorOf(a), gone = SurvivorOf(b); kept != gone) Fuse(kept, gone);
     }
-    std::ranges::sort(pairs, std::less<>());
-    return pairs;
   }
 
-  std::vector<Pair> FindPairs() const {
+  std::vector<Pair> FindPairs() {
     std::vector<Pair> pairs;
+    if (second_ >= map_.points.size()) return pairs;
+    FindUncertainties();
     if (!(cell_width_ > 0)) return pairs;
     PlaceTable places(cell_width_, second_);
     for (std::uint32_t row = 0; row < second_; ++row)
@@ -207,9 +190,8 @@ class Fuser {
     kept = static_cast<std::int32_t>(std::min(kLargest, std::int64_t{kept} + gone));
   }
 
-  void Fuse(const Pair& pair) {
-    if (survivor_[pair.second] != kNoRow) return;  // a known pair took it
-    MapPoint &kept = map_.points[pair.first], &gone = map_.points[pair.second];
+  void Fuse(std::uint32_t kept_row, std::uint32_t gone_row) {
+    MapPoint &kept = map_.points[kept_row], &gone = map_.points[gone_row];
     if (SeenTogether(kept, gone)) {
       ++report_.seen_together;
       return;
@@ -228,34 +210,9 @@ class Fuser {
     }
     AddCount(gone.visible_count, kept.visible_count);
     AddCount(gone.found_count, kept.found_count);
-    survivor_[pair.second] = pair.first;
-    report_.mean_distance += static_cast<double>(pair.distance);
+    survivor_[gone_row] = kept_row;
+    report_.mean_distance += static_cast<double>((kept.position - gone.position).norm());
     ++report_.fused;
-  }
-
-  // The points that others went into, each once, ascending.
-  std::vector<std::uint32_t> Survivors() const {
-    std::vector<std::uint32_t> rows;
-    std::ranges::copy_if(survivor_, std::back_inserter(rows), [](std::uint32_t row) { return row != kNoRow; });
-    std::ranges::sort(rows);
-    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    return rows;
-  }
-
-  void RefreshSurvivors() {
-    const auto find = [&](KeyFrameId id) {
-      const std::uint32_t row = keyframes_.Find(id.value());
-      return row == kNoRow ? nullptr : &map_.keyframes[row];
-    };
-    for (const std::uint32_t row : Survivors()) {
-      MapPoint& point = map_.points[row];
-      for (const Observation& observation : point.observations)
-        if (const std::uint32_t observer = keyframes_.Find(observation.keyframe.value()); observer != kNoRow)
-          touched_.push_back(observer);
-      const std::vector<Descriptor> descriptors = detail::ObservedDescriptors(point, find);
-      if (!descriptors.empty()) point.descriptor = descriptors[MostDistinctiveDescriptor(descriptors)];
-      point.normal = detail::ObservedNormal(point, find).value_or(point.normal);
-    }
   }
 
   // Slots that hold a fused point though it does not record them are emptied, as nothing says that they see the other.
@@ -289,13 +246,6 @@ class Fuser {
     map_.points.resize(kept);
   }
 
-  void UpdateTouched() {
-    std::ranges::sort(touched_);
-    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-    report_.keyframes = touched_.size();
-    detail::UpdateCovisibility(map_, touched_);
-  }
-
   Map& map_;
   const std::size_t second_;
   const FuseOptions& options_;
@@ -304,8 +254,21 @@ class Fuser {
   std::vector<float> uncertainty_;  // by point row; 0: not to be fused
   float cell_width_ = 0;
   std::vector<std::uint32_t> survivor_;  // by point row: the point it went into, or kNoRow
-  std::vector<std::uint32_t> touched_;   // rows of keyframes that see a point that others went into
 };
+
+// Landmarks that stand for points which went into others stand for these.
+void FollowFused(const FuseReport& fused, Map& map) {
+  std::vector<Landmark> moved;
+  std::erase_if(map.landmarks, [&](Landmark& landmark) {
+    const MapPointId id(landmark.id.value());
+    const auto found = std::ranges::lower_bound(fused.replaced, id, {}, &std::pair<MapPointId, MapPointId>::first);
+    if (found == fused.replaced.end() || found->first != id) return false;
+    landmark.id = LandmarkId(found->second.value());
+    moved.push_back(landmark);
+    return true;
+  });
+  TakeLandmarks(map.landmarks, moved);
+}
 
 }  // namespace
 
@@ -315,8 +278,12 @@ FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options) 
   return report;
 }
 
-FuseReport FusePairs(Map& map, std::span<const std::pair<MapPointId, MapPointId>> pairs) {
-  return Fuser(map, 0, {}).RunPairs(pairs);
+FuseReport FusePairs(Map& map, std::vector<std::pair<MapPointId, MapPointId>> pairs) {
+  FuseOptions options;
+  options.known = std::move(pairs);
+  FuseReport report = Fuser(map, map.points.size(), options).Run();
+  FollowFused(report, map);
+  return report;
 }
 
 }  // namespace slamdb

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,8 +15,9 @@ namespace slamdb {
 struct FuseOptions {
   double radius = 3;  // pixels at the point's pyramid level, seen from its reference keyframe
   int hamming = 50;   // bits in which descriptors may differ; ORB-SLAM3's TH_LOW
-  // Points that are known to be the same thing, wherever they lie: fused before others are sought.
-  // Either may be first. Those that are not there are passed over.
+  // Points that are known to be the same thing, wherever they lie and stand in the list: fused before others are
+  // sought. The first of each pair survives. Pairs are taken in their order: one whose points went into others is of
+  // these. Those that are not there are passed over.
   std::vector<std::pair<MapPointId, MapPointId>> known;
   int threads = 0;    // 0: every core
   Progress progress;  // may be empty
@@ -51,12 +51,11 @@ struct FuseReport {
 // Cost: linear, in place, but for sorting the pairs; the result is the same for any number of threads.
 SLAMDB_EXPORT FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options = {});
 
-// Fuses points that are known to be the same thing, wherever they lie and stand in the list, and seeks no others.
-// The first of each pair survives. Pairs are taken in their order: one whose points went into others is of these.
-// No keyframe may see both; the rest is as above.
+// Fuses points that are known to be the same thing (FuseOptions::known), and seeks no others. Landmarks of points that
+// went into others become those of these.
 //
 // Throws nothing but std::bad_alloc.
 // Cost: linear, in place.
-SLAMDB_EXPORT FuseReport FusePairs(Map& map, std::span<const std::pair<MapPointId, MapPointId>> pairs);
+SLAMDB_EXPORT FuseReport FusePairs(Map& map, std::vector<std::pair<MapPointId, MapPointId>> pairs);
 
 }  // namespace slamdb

@@ -429,9 +429,11 @@ void FollowFused(const std::vector<std::pair<Id, Id>>& replaced, IdMap& ids) {
 void FollowJoin(const JoinReport& join, IdMap& ids) {
   for (IdPair& pair : ids[IdKind::kMap])
     if (pair.after == join.second.value()) pair.after = join.first.value();
-  if (join.fused) FollowFused(join.fused->replaced, ids);
+  if (join.fused) FollowFuse(*join.fused, ids);
   if (join.alike) FollowFused(join.alike->replaced, ids);
 }
+
+void FollowFuse(const FuseReport& fused, IdMap& ids) { FollowFused(fused.replaced, ids); }
 
 MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options) {
   return Merger(options).Run(std::move(inputs));

@@ -89,6 +89,8 @@ struct MergeResult {
 
 // Makes a table of what became of an input's ids say where they are after a join: maps, and points that were fused.
 SLAMDB_EXPORT void FollowJoin(const JoinReport& join, IdMap& ids);
+// The same of points that were fused.
+SLAMDB_EXPORT void FollowFuse(const FuseReport& fused, IdMap& ids);
 
 // As schema/merge.schema.json describes it. `output` empty: nothing was written.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MergeReport& report, const std::string& output = {});
