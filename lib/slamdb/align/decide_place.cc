@@ -15,8 +15,8 @@ constexpr std::uint64_t kFewestInliers = 30, kPoorInliers = 15;
 constexpr double kCellShare = 0.70, kPoorCellShare = 0.4;
 constexpr double kFoundShare = 0.20, kPoorFoundShare = 0.10;
 constexpr double kExtent = 0.10;
-constexpr double kMostDegrees = 0.22;  // standard deviation of the rotation, or
-constexpr double kSpread = 0.16;       // points all over the picture
+constexpr double kMostDegrees = 0.22;                              // standard deviation of the rotation, or
+constexpr double kSpread = 0.16;                                   // points all over the picture
 constexpr double kSmallExtent = 0.15, kSmallExtentDegrees = 0.28;  // of a narrow view, which any patch fills
 constexpr double kMostInFront = 0.15;
 constexpr double kMostContradicting = 0.5;  // of the inliers

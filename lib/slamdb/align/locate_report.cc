@@ -57,7 +57,7 @@ Json JsonOf(const LocateEvidence& evidence) {
           {"extent", evidence.extent},
           {"spread", evidence.spread},
           {"contradicting", evidence.contradicting},
-          {"rms", evidence.rms}};
+          {"rmse", evidence.rms}};
 }
 
 Json JsonOf(const std::optional<PoseError>& error) {
