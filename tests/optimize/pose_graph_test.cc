@@ -101,6 +101,25 @@ INSTANTIATE_TEST_SUITE_P(Sensors, DriftedMap,
                                            kOptimizeWorlds[5]),
                          [](const auto& each) { return std::string(each.param.name); });
 
+// A constraint alone ties two sessions: what the map says of how they lie does not hold against it.
+TEST(OptimizePoseGraph, MovesASessionAsAWhole) {
+  const Atlas truth = MakeTruth({"", Sensor::kRgbd, false});
+  const Map& map = truth.maps[0];
+  PoseConstraint apart = Between(map, 5, 6);
+  apart.first_from_second.translation += Eigen::Vector3d(0.2, 0, 0);
+  PoseGraphOptions options{.constraints = {apart}, .min_weight = 1};
+  Atlas held = truth, moved = truth;
+  EXPECT_GT(OptimizePoseGraph(held, map.id, options).gap_after.translation, 0.01);
+  options.sessions.resize(2);
+  for (std::size_t row = 0; row < map.keyframes.size(); ++row)
+    options.sessions[row <= 5 ? 0 : 1].push_back(map.keyframes[row].id);
+  EXPECT_LT(OptimizePoseGraph(moved, map.id, options).gap_after.translation, 1e-4);
+  for (std::size_t row = 7; row < map.keyframes.size(); ++row) {
+    const Similarity3d is = Between(moved.maps[0], 6, row).first_from_second;
+    EXPECT_LT((is.translation - Between(map, 6, row).first_from_second.translation).norm(), 1e-3);
+  }
+}
+
 TEST(OptimizePoseGraph, ChangesNothingWithoutConstraints) {
   Atlas atlas = MakeTruth({"", Sensor::kRgbd, false});
   const Atlas before = atlas;

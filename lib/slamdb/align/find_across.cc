@@ -26,12 +26,15 @@ struct Shown {
 
 class Searcher {
  public:
-  Searcher(const MapViews& map, std::span<const std::uint32_t> sessions) : map_(map), sessions_(sessions) {}
+  Searcher(const MapViews& map, std::span<const std::uint32_t> sessions) : map_(map), sessions_(sessions) {
+    for (const PointGroup& group : map.groups()) only_session_.push_back(OnlySessionOf(group));
+  }
 
   std::vector<Shown> LookFrom(std::uint32_t view) const {
     std::vector<Shown> shown;
-    for (const PointGroup& group : map_.groups()) {
-      if (IsOutOfSight(map_.views()[view], group, {})) continue;
+    for (std::size_t row = 0; row < only_session_.size(); ++row) {
+      const PointGroup& group = map_.groups()[row];
+      if (only_session_[row] == SessionOf(view) || IsOutOfSight(map_.views()[view], group, {})) continue;
       for (const std::uint32_t point : group.points) {
         if (!IsOfAnother(point, view)) continue;
         if (const auto found = Find(point, view)) shown.push_back({view, found->keypoint, point, found->bits});
@@ -41,6 +44,17 @@ class Searcher {
   }
 
  private:
+  std::uint32_t SessionOf(std::uint32_t view) const { return sessions_[map_.views()[view].keyframe]; }
+
+  // The session that sees the points; kNoRow: several do.
+  std::uint32_t OnlySessionOf(const PointGroup& group) const {
+    const std::uint32_t first = SessionOf(map_.SightingsOf(group.points.front()).front().view);
+    for (const std::uint32_t point : group.points)
+      for (const Sighting& sighting : map_.SightingsOf(point))
+        if (SessionOf(sighting.view) != first) return kNoRow;
+    return first;
+  }
+
   // Whether another session sees the point, and the keyframe of the view does not.
   bool IsOfAnother(std::uint32_t point, std::uint32_t view) const {
     const std::uint32_t keyframe = map_.views()[view].keyframe;
@@ -76,6 +90,7 @@ class Searcher {
 
   const MapViews& map_;
   const std::span<const std::uint32_t> sessions_;
+  std::vector<std::uint32_t> only_session_;  // by group of points
 };
 
 std::vector<Shown> LookEverywhere(const MapViews& map, std::span<const std::uint32_t> sessions, int threads) {
