@@ -12,7 +12,7 @@
 namespace slamdb {
 namespace {
 
-constexpr double kAlike = 12;           // likeness: what keyframes of other places seldom come to
+constexpr double kAlike = 9;            // likeness: what keyframes of other places seldom come to
 constexpr std::uint64_t kFewest = 2;    // keyframes that look like a map
 constexpr std::size_t kMapsNamed = 20;  // by each keyframe
 

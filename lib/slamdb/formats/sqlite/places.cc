@@ -21,7 +21,7 @@ namespace slamdb::sqlite {
 namespace {
 
 constexpr std::size_t kNeighbours = 3;  // on each side, that vote with one
-constexpr double kChance = 14;          // that pictures of other places come to: see likeness
+constexpr double kChance = 11;          // that pictures of other places come to: see likeness
 constexpr double kFaint = 0.6;          // of the best likeness, under which such a place is passed over
 
 struct StoredMap {
@@ -122,6 +122,18 @@ class PlaceTable {
     }
   }
 
+  // Pictures unlike those of real maps, as made ones are, have more in common with all of their kind: that tells
+  // nothing.
+  void ForgetWhatAllHave(std::vector<float>& scores) const {
+    std::vector<float> sorted;
+    for (std::size_t i = 0; i < scores.size(); ++i)
+      if (counts_[i] > 0) sorted.push_back(scores[i]);
+    if (sorted.empty()) return;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    for (float& score : scores) score = std::max(0.0F, score - std::max(0.0F, *middle));
+  }
+
   // By keyframe, by how many standard deviations it has more in common with the picture than one with as many words
   // that has nothing to do with it.
   std::vector<float> ScoresOf(const PlaceWords& picture) const {
@@ -141,8 +153,9 @@ class PlaceTable {
       float common = 0;
       ForEachWord(both, [&](std::size_t word) { common += rarity_[word]; });
       const double score = (static_cast<double>(common) - count * mean) / std::sqrt(count * variance);
-      scores[i] = static_cast<float>(std::max(0.0, score));
+      scores[i] = static_cast<float>(score);
     }
+    ForgetWhatAllHave(scores);
     return scores;
   }
 
