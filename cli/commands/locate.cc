@@ -53,19 +53,32 @@ std::optional<CameraSettings> GivenCamera(const LocateVerbOptions& options) {
   return options.camera.empty() ? std::nullopt : std::optional(ReadCameraSettings(options.camera));
 }
 
-// Calls work(row) for every picture, in parallel; an Error gets the name of its file.
+// By picture, those that could not be read.
+using Unreadable = std::vector<std::optional<Error>>;
+
+// Calls work(row) for every picture, in parallel. Throws what it throws where no picture can be read.
 template <class Work>
-void ForEachPicture(const std::vector<PictureFile>& files, std::string_view doing, Console& console, const Work& work) {
+Unreadable ForEachPicture(const std::vector<PictureFile>& files, std::string_view doing, Console& console,
+                          const Work& work) {
   const Progress progress = console.MakeProgress();
   constexpr std::size_t kBatch = 16;  // between two tellings
+  Unreadable unreadable(files.size());
+  const auto work_on = [&](std::size_t i) {
+    try {
+      NamingFile(files[i].path, [&] { work(i); });
+    } catch (const Error& error) {
+      unreadable[i] = error;
+    }
+  };
   for (std::size_t done = 0; done < files.size(); done += kBatch) {
     if (progress) progress(doing, static_cast<double>(done) / static_cast<double>(files.size()));
     detail::ParallelFor(std::min(kBatch, files.size() - done), 1, console.threads(),
                         [&](std::size_t begin, std::size_t end) {
-                          for (std::size_t i = done + begin; i < done + end; ++i)
-                            NamingFile(files[i].path, [&] { work(i); });
+                          for (std::size_t i = done + begin; i < done + end; ++i) work_on(i);
                         });
   }
+  if (std::ranges::all_of(unreadable, [](const auto& error) { return error.has_value(); })) throw *unreadable.front();
+  return unreadable;
 }
 
 LocateReport ReportOf(const std::vector<PictureFile>& files) {
@@ -78,16 +91,28 @@ LocateReport ReportOf(const std::vector<PictureFile>& files) {
   return report;
 }
 
+void TellUnreadable(const Unreadable& unreadable, LocateReport& report, Notices& notices) {
+  for (std::size_t i = 0; i < unreadable.size(); ++i) {
+    if (!unreadable[i]) continue;
+    report.pictures[i].localization = {.verdict = LocateVerdict::kUnreadable, .reason = unreadable[i]->problem()};
+    notices.Warn(unreadable[i]->what());
+  }
+}
+
 LocateReport LocatePictures(const LocateVerbOptions& options, const Atlas& atlas, const Locator& locator,
-                            Console& console) {
+                            Console& console, Notices& notices) {
   const std::optional<CameraSettings> given = GivenCamera(options);
   const std::vector<PictureFile> files = FindPictures(options.pictures);
   LocateReport report = ReportOf(files);
-  ForEachPicture(files, "locating", console, [&](std::size_t i) {
+  const Unreadable unreadable = ForEachPicture(files, "locating", console, [&](std::size_t i) {
     const GrayPicture picture = ReadPicture(files[i].path);
     const CameraSettings camera = CameraFor(atlas, given, picture);
     report.pictures[i].localization = locator.Locate(ExtractFeatures(picture, camera, options.features));
   });
+  TellUnreadable(unreadable, report, notices);
+  if (!options.against.empty() && std::ranges::none_of(files, &PictureFile::has_time))
+    notices.Warn("the pictures have no times: they are paired with " + options.against +
+                 " by their order, 1 for the first");
   return report;
 }
 
@@ -120,7 +145,7 @@ LocateReport LocateInWholeStore(const LocateVerbOptions& options, Store& store, 
   const std::vector<PictureFile> files = FindPictures(options.pictures);
   std::vector<CameraSettings> found_with(files.size());
   std::vector<PictureFeatures> looks(files.size());
-  ForEachPicture(files, "looking at pictures", console, [&](std::size_t i) {
+  const Unreadable unreadable = ForEachPicture(files, "looking at pictures", console, [&](std::size_t i) {
     const GrayPicture picture = ReadPicture(files[i].path);
     found_with[i] = given ? *given : AnyCamera(picture);
     looks[i] = ExtractFeatures(picture, found_with[i], options.features);
@@ -144,6 +169,7 @@ LocateReport LocateInWholeStore(const LocateVerbOptions& options, Store& store, 
     picture.localization = answers.front().localization;
     picture.others.assign(answers.begin() + 1, answers.end());
   }
+  TellUnreadable(unreadable, report, notices);
   return report;
 }
 
@@ -168,7 +194,8 @@ void HoldAgainst(const std::string& truth, const Atlas& atlas, const ReadOptions
       const TrajectoryEvaluation evaluation = EvaluateTrajectory(estimate, reference, {.deltas = {}});
       for (const PairedPose& pose : evaluation.poses)
         for (LocatedPicture& picture : report.pictures)
-          if (picture.localization.map == map.id && picture.timestamp == pose.timestamp)
+          if (picture.localization.verdict == LocateVerdict::kFound && picture.localization.map == map.id &&
+              picture.timestamp == pose.timestamp)
             picture.error = {pose.translation_error, pose.rotation_error_degrees};
     } catch (const Error& error) {
       notices.Warn(Concat(map.id, ": not held against ", truth, ": ", error.problem()));
@@ -238,7 +265,7 @@ ExitCode RunInAtlas(const LocateVerbOptions& options, Console& console) {
     const Locator locator(atlas, {.vocabulary = vocabulary ? &vocabulary->tree : nullptr,
                                   .threads = console.threads(),
                                   .progress = console.MakeProgress()});
-    if (!options.benchmark) return LocatePictures(options, atlas, locator, console);
+    if (!options.benchmark) return LocatePictures(options, atlas, locator, console, notices);
     LocateBenchmarkOptions left_out = options.left_out;
     left_out.threads = console.threads();
     left_out.progress = console.MakeProgress();
@@ -268,9 +295,9 @@ Run AddLocate(CLI::App& verb) {
                   "Settings of the camera that took them, as ORB-SLAM3 reads them (YAML); by default the map's own")
       ->type_name("FILE");
   AddVocabulary(verb, options->vocabulary);
-  verb.add_option("--features", options->features, "How many features are looked for in a picture")
+  verb.add_option("--features", options->features, "How many features are looked for in a picture: 100 to 100,000")
       ->type_name("N")
-      ->check(CLI::Range(100, 100'000))
+      ->check(CLI::Range(100, 100'000).description(""))
       ->capture_default_str();
   verb.add_option("--against", options->against,
                   "A trajectory of true poses, paired by time: the found poses are laid onto it, and the errors told")

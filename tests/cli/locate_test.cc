@@ -80,6 +80,21 @@ TEST_F(Locate, AsksAllAtlasesOfAStore) {
   }
 }
 
+// A real room: a picture of it, one of another room, and one that is none.
+TEST_F(Locate, APictureThatCannotBeReadLeavesTheOthers) {
+  const std::string room = SLAMDB_FIXTURES "/room/", broken = folder_.Make("broken.png", "no picture");
+  const ProcessResult result =
+      RunSlamdb({"locate", room + "room.osa", room + "a01.jpg", broken, room + "b01.jpg", "--json"});
+  if (result.err.find("built without pictures") != std::string::npos) GTEST_SKIP() << result.err;
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr(broken + ": is no picture"));
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "locate.schema.json"), "");
+  EXPECT_EQ(report["pictures"][0]["verdict"], "found");
+  EXPECT_EQ(report["pictures"][1]["verdict"], "unreadable");
+  EXPECT_EQ(report["pictures"][2]["verdict"], "not-found");
+}
+
 TEST_F(Locate, SaysWhatIsWrongWithItsInputs) {
   EXPECT_EQ(Run({}).exit_code, 2);
   EXPECT_EQ(Run({"--benchmark", folder_ / "gray.pgm"}).exit_code, 2);

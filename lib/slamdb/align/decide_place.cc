@@ -39,6 +39,8 @@ std::string_view NameOf(LocateVerdict verdict) {
       return "doubtful";
     case LocateVerdict::kNotFound:
       return "not-found";
+    case LocateVerdict::kUnreadable:
+      return "unreadable";
   }
   return {};
 }

@@ -175,6 +175,10 @@ Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>
   evidence.extent = ExtentOf(map, place);
   evidence.spread = SpreadOf(query.view, place);
   evidence.rms = std::sqrt(2 * place.fit.cost / static_cast<double>(place.fit.residuals));
+  const detail::FocalFit focal =
+      detail::PoseFinder(map, query.view, query.rays).FitFocalLength(place.inliers, place.fit.pose);
+  evidence.focal_factor = focal.factor;
+  evidence.focal_deviation = focal.deviation;
   for (const Place& other : places)
     if (other.map == place.map && !IsSame(map, place, other))
       evidence.contradicting = std::max<std::uint64_t>(evidence.contradicting, other.inliers.size());

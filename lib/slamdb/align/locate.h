@@ -19,12 +19,13 @@
 namespace slamdb {
 
 enum class LocateVerdict {
-  kFound,     // sure enough to act on
-  kDoubtful,  // something agrees, but it could be a look-alike, or there is too little of it to tell
-  kNotFound,  // nothing agrees, or what does is contradicted by the picture
+  kFound,       // sure enough to act on
+  kDoubtful,    // something agrees, but it could be a look-alike, or there is too little of it to tell
+  kNotFound,    // nothing agrees, or what does is contradicted by the picture
+  kUnreadable,  // of a file that is no picture, or of no camera that is known; no Locator says so
 };
 
-// `found`, `doubtful`, `not-found`.
+// `found`, `doubtful`, `not-found`, `unreadable`.
 [[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(LocateVerdict verdict);
 
 struct LocatorOptions {
@@ -51,6 +52,8 @@ struct LocateEvidence {
   double spread = 0;                // of the inliers in the picture, across their second axis, in its smaller sides
   std::uint64_t contradicting = 0;  // inliers of the best other place of the map
   double rms = 0;                   // reprojection of the inliers, in sigmas of keypoints
+  double focal_factor = 1;          // of the camera's focal length, the one that fits best, and
+  double focal_deviation = 0;       // its standard deviation
 };
 
 // Where a picture was taken.

@@ -57,7 +57,9 @@ Json JsonOf(const LocateEvidence& evidence) {
           {"extent", evidence.extent},
           {"spread", evidence.spread},
           {"contradicting", evidence.contradicting},
-          {"rmse", evidence.rms}};
+          {"rmse", evidence.rms},
+          {"focal_factor", evidence.focal_factor},
+          {"focal_deviation", evidence.focal_deviation}};
 }
 
 Json JsonOf(const std::optional<PoseError>& error) {

@@ -53,7 +53,7 @@ class Finder {
  private:
   void AddOne(const std::string& path, std::optional<double> time) {
     if (found_.size() == kMost) throw Error(ErrorKind::kOutOfResources, "more than a million pictures were named");
-    found_.push_back({path, time.value_or(static_cast<double>(found_.size() + 1))});
+    found_.push_back({path, time.value_or(static_cast<double>(found_.size() + 1)), time.has_value()});
   }
 
   void AddFolder(const std::string& name) {

@@ -13,7 +13,8 @@ namespace slamdb {
 // A picture that was named, or that a folder or a list holds.
 struct PictureFile {
   std::string path;
-  double timestamp = 0;  // seconds: of the list, or of a name that is a number, else the place in the order, from 1
+  double timestamp = 0;   // seconds: of the list, or of a name that is a number, else the place in the order, from 1
+  bool has_time = false;  // it is not the place in the order
 };
 
 // What each name stands for:

@@ -47,6 +47,11 @@ struct PoseFit {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
+// By what factor the focal length of a picture would have to be another, to fit best; and its standard deviation.
+struct FocalFit {
+  double factor = 1, deviation = 0;
+};
+
 // Where the picture of a view was taken, by what of a map it shows. The view's own pose means nothing.
 class PoseFinder {
  public:
@@ -66,6 +71,9 @@ class PoseFinder {
 
   // The best pose near a given one, by Levenberg-Marquardt with Huber's loss.
   PoseFit Refine(std::span<const PictureMatch> matches, const CameraPose& start, int iterations = 10) const;
+
+  // The same with the focal length free.
+  FocalFit FitFocalLength(std::span<const PictureMatch> matches, const CameraPose& start) const;
 
  private:
   const MapViews& map_;
