@@ -3,6 +3,7 @@
 //   in a store: which of its atlases know a picture, from opening the store to the pose. SIZES: 50,200 atlases of 60
 //   keyframes with 1,000 features, each of a room of its own; the stores are made in FOLDER, and stay there
 //   in a list of bags of words: PlaceIndex, for 625 to 10,000 keyframes
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -47,8 +48,8 @@ void FillStore(const std::string& path, std::size_t atlases) {
 void MeasureStore(const std::string& folder, std::size_t atlases) {
   const std::string path = folder + "/rooms" + std::to_string(atlases) + ".db";
   FillStore(path, atlases);
-  constexpr std::size_t kRoom = 17;
-  const Atlas room = MakeRoom(kRoom);
+  const std::size_t number = std::min<std::size_t>(17, atlases);
+  const Atlas room = MakeRoom(number);
   std::vector<PictureFeatures> pictures;
   for (const KeyFrame& keyframe : room.maps[1].keyframes) pictures.push_back(FeaturesOf(room, keyframe));
   const auto ask = [&](std::span<const PictureFeatures> asked) {
@@ -58,7 +59,7 @@ void MeasureStore(const std::string& folder, std::size_t atlases) {
     std::size_t found = 0;
     for (const std::vector<AtlasLocalization>& answers : located.pictures)
       found += !answers.empty() && answers[0].localization.verdict == LocateVerdict::kFound &&
-               answers[0].atlas == "room" + std::to_string(kRoom);
+               answers[0].atlas == "room" + std::to_string(number);
     return found;
   };
   std::size_t found = ask(pictures), next = 0;

@@ -16,7 +16,7 @@ struct StoredPlace {
   MapId map;
   KeyFrameId keyframe;
   // How much more it and its neighbours have in common with the picture than chance gives: standard deviations, summed
-  // over the keyframe and three on each side. Pictures of other places come to 8 to 16.
+  // over the keyframe and three on each side. Pictures of other places come to 6 to 11.
   double likeness = 0;
 };
 
