@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // 1. All maps are aligned.
-// 2. Of each group the first metric map is the root.
+// 2. Of each group the map whose frame says most is the root: upright, metric, or else the first.
 // 3. The others are joined into it in an order in which each is linked to one that is there already.
 #include "slamdb/align/join_aligned.h"
 
@@ -42,6 +42,14 @@ std::vector<std::pair<MapPointId, MapPointId>> SamePoints(const Step& step) {
   return same;
 }
 
+// Of the first map whose frame says most: which way is up, or else how long a metre is.
+std::size_t RootOf(const std::vector<std::size_t>& members, const Atlas& atlas, const std::vector<MapRef>& maps) {
+  return *std::ranges::max_element(members, {}, [&](std::size_t member) {
+    const Map& map = atlas.maps[maps[member].map];
+    return map.imu_initialized ? 2 : (IsMetric(map) ? 1 : 0);
+  });
+}
+
 std::vector<Step> StepsOf(const Atlas& atlas, const AlignedMaps& aligned, const std::vector<MapRef>& maps) {
   std::vector<Step> steps;
   std::vector<bool> there(maps.size(), false);
@@ -50,9 +58,7 @@ std::vector<Step> StepsOf(const Atlas& atlas, const AlignedMaps& aligned, const 
     for (std::size_t map = 0; map < maps.size(); ++map)
       if (aligned.places[map].group == group) members.push_back(map);
     if (members.size() < 2) continue;
-    const auto metric =
-        std::ranges::find_if(members, [&](std::size_t map) { return IsMetric(atlas.maps[maps[map].map]); });
-    const std::size_t root = metric == members.end() ? members.front() : *metric;
+    const std::size_t root = RootOf(members, atlas, maps);
     there[root] = true;
     for (std::size_t joined = 1; joined < members.size(); ++joined) {
       const auto next = std::ranges::find_if(aligned.links, [&](const MapLink& link) {

@@ -31,7 +31,8 @@ struct JoinAlignedReport {
 };
 
 // Aligns all maps of an atlas and makes one map of those that are linked.
-// Each group is joined into its first metric map, or its first one if none is: its frame stays.
+// Each group is joined into its first map that an IMU keeps upright, or else its first metric one, or its first: its
+// frame stays.
 // Points that were matched are fused, and others that lie at one place; each verified link of two maps gives merge
 // edges.
 //
