@@ -2,6 +2,7 @@
 #include "slamdb/edit/merge/merge.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 
@@ -14,6 +15,7 @@
 #include "slamdb/align/optimize_joined.h"
 #include "slamdb/align/report_json.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/model/statistics.h"
@@ -36,6 +38,7 @@ struct MergeVerbOptions {
   bool align = false, join = false, scale = false, no_scale = false, fuse = false, no_fuse = false;
   std::string transform, anchors, maps;
   std::optional<double> outlier_distance;
+  std::optional<SameMap> same_map;
   FuseOptions fusion;
   Tightening tightening = Tightening::kUsual;
 };
@@ -191,27 +194,47 @@ std::vector<OptimizedJoin> Tighten(Atlas& atlas, const JoinAlignedReport& joined
   return rounds;
 }
 
+std::vector<MapPointId> PointsOf(const Atlas& atlas) {
+  std::vector<MapPointId> points;
+  for (const Map& map : atlas.maps)
+    for (const MapPoint& point : map.points) points.push_back(point.id);
+  std::ranges::sort(points);
+  return points;
+}
+
+void FollowIds(const std::vector<MapPointId>& before, const Atlas& atlas, const JoinAlignedReport& joined,
+               const std::vector<OptimizedJoin>& tightened, std::vector<IdMap>& id_maps) {
+  std::vector<MapPointId> gone;
+  std::ranges::set_difference(before, PointsOf(atlas), std::back_inserter(gone));
+  for (IdMap& ids : id_maps) {
+    for (const JoinReport& join : joined.joins) FollowJoin(join, ids);
+    for (const OptimizedJoin& round : tightened) FollowFuse(round.fused, ids);
+    FollowRemoval(gone, ids);
+  }
+}
+
 // Nothing is written when no map could be joined: a wrong merge is worse than none.
 ExitCode MergeAligned(MergeResult result, const std::vector<MapName>& names, SideFile& id_map,
                       const MergeVerbOptions& options, Console& console, Notices& notices) {
   std::vector<bool> metric;  // before the maps are joined
   for (const Map& map : result.atlas.maps)
     if (!map.keyframes.empty()) metric.push_back(IsMetric(map));
+  if (metric.size() < 2)
+    throw Error(ErrorKind::kNotPossible, options.inputs.front(), "",
+                "there is only one map with keyframes; name another atlas to align it with");
+  const std::vector<MapPointId> points = PointsOf(result.atlas);
   const JoinAlignedReport joined = Align(result, options, names, console, notices);
   const std::vector<OptimizedJoin> tightened = Tighten(result.atlas, joined, options, console, notices);
-  std::string text = MergeText(result.report) + AlignText(joined.aligned, names, metric);
+  const bool any = !joined.joins.empty();
+  std::string text = (any ? MergeText(result.report) : "") + AlignText(joined.aligned, names, metric);
   for (const JoinReport& join : joined.joins) text += JoinText(join);
   text += OptimizedJoinText(tightened);
-  const bool any = !joined.joins.empty();
   if (any) {
-    for (IdMap& ids : result.report.id_maps) {
-      for (const JoinReport& join : joined.joins) FollowJoin(join, ids);
-      for (const OptimizedJoin& round : tightened) FollowFuse(round.fused, ids);
-    }
+    FollowIds(points, result.atlas, joined, tightened, result.report.id_maps);
     if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
     WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
   }
-  Note(result.report, notices);
+  if (any) Note(result.report, notices);
   const std::string json =
       ToJson(result.report, joined, tightened, names, any ? FilesOf(options.edit).output : std::string());
   if (any) return FinishEdit(text, json, options.edit, console, notices);
@@ -225,6 +248,7 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   MergeOptions merge = options.merge;
   merge.names = DistinctNames(options.inputs);
   merge.id_maps = !options.id_map.empty();
+  merge.same_map = options.same_map.value_or(options.align ? SameMap::kKeepFirst : SameMap::kKeepBoth);
   merge.threads = console.threads();
   merge.progress = console.MakeProgress();
   if (options.join) merge.join = JoinOptionsOf(options);
@@ -320,9 +344,9 @@ Run AddMerge(CLI::App& verb) {
       ->type_name("FILE");
   AddFrom(verb, options->edit.from);
   AddEditTarget(verb, options->edit);
-  verb.add_option("--on-conflict", options->merge.same_map,
+  verb.add_option("--on-conflict", options->same_map,
                   "What becomes of a map that comes twice (the same images and points): 'renumber' keeps both, "
-                  "'keep-first' leaves the copy out, 'error' refuses")
+                  "'keep-first' leaves the copy out, as --align does unless told otherwise, 'error' refuses")
       ->type_name("WHAT")
       ->transform(OneOf(kConflicts));
   verb.add_flag("--ignore-vocabulary", options->merge.ignore_vocabulary,

@@ -166,7 +166,7 @@ TEST_P(JoinedSessions, AreTrueBehindAdjustingAll) {
 INSTANTIATE_TEST_SUITE_P(Lab, JoinedSessions,
                          ::testing::Values(Mark{"p1", "p2", 5.3, 4.6}, Mark{"m1", "m2", 6.0, 5.6},
                                            Mark{"i1", "i2", 5.6, 3.2}, Mark{"f1", "f2", 4.4, 4.5},
-                                           Mark{"p1", "m2", 5.3, 4.3}, Mark{"p1", "b1", 4.5, 4.0},
+                                           Mark{"p1", "m2", 6.1, 4.9}, Mark{"p1", "b1", 4.5, 4.0},
                                            Mark{"p1", "b2", 8.0, 6.0},
                                            Mark{"session_small_a", "session_small_b", 18.7, 21},
                                            Mark{"session_a", "session_b", 12, 10.8}),

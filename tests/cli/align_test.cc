@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "slamdb/edit/ids/id_map.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/optimize/bundle_adjustment.h"
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
@@ -64,8 +67,8 @@ TEST_F(Align, TellsWhichAtlasesOfAStoreANewOneOverlapsWith) {
   EXPECT_EQ(result.exit_code, 0) << "it is in the store itself";
   const json report = json::parse(result.out);
   EXPECT_EQ(BreachOf(report, "align.schema.json"), "");
-  EXPECT_EQ(report.at("store").at("path"), store);
-  EXPECT_EQ(report.at("store").at("unlike").size() + report.at("inputs").size(), 4U);
+  EXPECT_EQ(report.at("searched").at("input"), store);
+  EXPECT_EQ(report.at("searched").at("unlike").size() + report.at("inputs").size(), 4U);
   ASSERT_EQ(RunSlamdb({"remove", store + "#stranger"}).exit_code, 0);
   EXPECT_EQ(RunSlamdb({"align", Stranger(), store}).exit_code, 1);
   EXPECT_EQ(RunSlamdb({"align", store}).exit_code, 1);
@@ -126,6 +129,34 @@ TEST_F(Align, MergeMakesOneMapOfBoth) {
   EXPECT_EQ(info.at("maps").at(0).at("keyframes"), 29);
   EXPECT_EQ(RunSlamdb({"check", At("ab.osa")}).exit_code, 0);
   EXPECT_THAT(ReadWholeFile(At("ids.csv")), HasSubstr(kSecond + ",map,0,0\n"));
+}
+
+// Also of points that tightening removed.
+TEST_F(Align, MergeTellsNoIdThatIsNotThere) {
+  ASSERT_EQ(
+      RunSlamdb({"merge", kFirst, kSecond, "-o", At("ab.osa"), "--align", "-q", "--id-map", At("ids.csv")}).exit_code,
+      0);
+  std::set<std::uint64_t> points;
+  const Atlas both = ReadAtlas(At("ab.osa"));
+  for (const MapPoint& point : both.maps.at(0).points) points.insert(point.id.value());
+  std::size_t named = 0;
+  for (const IdMap& ids : ParseIdMapsCsv(ReadWholeFile(At("ids.csv"))))
+    for (const IdPair& pair : ids[IdKind::kPoint]) {
+      if (pair.after == kNoId) continue;
+      EXPECT_TRUE(points.contains(pair.after)) << ids.input << " " << pair.before;
+      ++named;
+    }
+  EXPECT_GT(named, points.size());  // two became one where they are fused
+}
+
+TEST_F(Align, MergeLeavesACopyOut) {
+  const ProcessResult twice = RunSlamdb({"merge", kFirst, kSecond, kFirst, "-o", At("ab.osa"), "--align", "-q"});
+  EXPECT_EQ(twice.exit_code, 0) << twice.err;
+  EXPECT_EQ(ReadAtlas(At("ab.osa")).maps.at(0).keyframes.size(), 29U);
+  const ProcessResult copy = RunSlamdb({"merge", kFirst, kFirst, "-o", At("copy.osa"), "--align"});
+  EXPECT_EQ(copy.exit_code, 1);
+  EXPECT_THAT(copy.err, HasSubstr("only one map with keyframes"));
+  EXPECT_FALSE(std::filesystem::exists(At("copy.osa")));
 }
 
 TEST_F(Align, MergeTightensWhatItJoined) {

@@ -68,7 +68,7 @@ TEST_F(Locate, AsksAllAtlasesOfAStore) {
     EXPECT_EQ(result.exit_code, 1) << result.err;
     const json report = json::parse(result.out);
     EXPECT_EQ(BreachOf(report, "locate.schema.json"), "");
-    EXPECT_TRUE(report["pictures"][0]["atlas"].is_null()) << "nothing looks like a gray picture";
+    EXPECT_TRUE(report["pictures"][0]["found_in"].is_null()) << "nothing looks like a gray picture";
   }
   for (const std::vector<std::string>& one_atlas :
        {std::vector<std::string>{"--benchmark"}, {folder_ / "gray.pgm", "--against", folder_ / "gray.pgm"}}) {

@@ -115,7 +115,7 @@ std::string ValueOf(const Verb& verb, const FileOption& option) {
   if (*option.writes != cli::Writes::kFile) return option.name == "STORE" ? "out.db" : "out.osa";
   std::string name = option.name;
   name.erase(0, name.find_first_not_of('-'));
-  return name + ".out";
+  return name + (name == "plot" ? ".svg" : ".out");
 }
 
 std::vector<std::string> CommandLine(const Verb& verb) {

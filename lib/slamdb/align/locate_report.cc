@@ -96,11 +96,11 @@ Json JsonOf(const LocatedPicture& picture) {
   json["name"] = picture.name;
   json["timestamp"] = picture.timestamp;
   json["error"] = JsonOf(picture.error);
-  json["atlas"] = picture.atlas.empty() ? Json() : Json(picture.atlas);
+  json["found_in"] = picture.atlas.empty() ? Json() : Json(picture.atlas);
   json["others"] = Json::array();
   for (const AtlasLocalization& other : picture.others) {
     json["others"].push_back(VerdictJson(other.localization));
-    json["others"].back()["atlas"] = other.atlas;
+    json["others"].back()["found_in"] = other.atlas;
   }
   return json;
 }

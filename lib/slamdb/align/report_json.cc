@@ -88,8 +88,8 @@ std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names
     json["inputs"].push_back(entry);
   }
   json["links"] = LinksOf(aligned, names);
-  json["store"] = nullptr;
-  if (store) json["store"] = {{"path", store->path}, {"unlike", store->unlike}, {"unknown", store->unknown}};
+  json["searched"] = nullptr;
+  if (store) json["searched"] = {{"input", store->path}, {"unlike", store->unlike}, {"unknown", store->unknown}};
   return detail::JsonText(json);
 }
 

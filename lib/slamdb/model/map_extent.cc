@@ -34,6 +34,8 @@ MapSensor SensorOf(const Map& map) {
   return OfMost(map, HasDepths) ? MapSensor::kStereoOrRgbd : MapSensor::kMonocular;
 }
 
+bool MeasuresDepth(const KeyFrame& keyframe) { return keyframe.features.is_fisheye_stereo() || HasDepths(keyframe); }
+
 bool HasImu(const Map& map) {
   return map.inertial || OfMost(map, [](const KeyFrame& keyframe) -> bool { return keyframe.imu_calibration.is_set; });
 }
@@ -56,10 +58,7 @@ Trajectory TrajectoryOf(const Map& map) {
 }  // namespace detail
 
 bool IsMetric(const Map& map) {
-  return map.imu_initialized || map.keyframes.empty() ||
-         std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) {
-           return keyframe.features.is_fisheye_stereo() || detail::HasDepths(keyframe);
-         });
+  return map.imu_initialized || map.keyframes.empty() || std::ranges::any_of(map.keyframes, detail::MeasuresDepth);
 }
 
 }  // namespace slamdb

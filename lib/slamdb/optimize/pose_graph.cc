@@ -11,9 +11,9 @@
 #include <memory>
 #include <numbers>
 
+#include "slamdb/model/detail/map_extent.h"
 #include "slamdb/model/detail/rotations.h"
 #include "slamdb/model/index.h"
-#include "slamdb/model/statistics.h"
 #include "slamdb/optimize/detail/essential_graph.h"
 #include "slamdb/optimize/detail/find_map.h"
 #include "slamdb/optimize/detail/inertial_links.h"
@@ -87,7 +87,9 @@ using EdgeCost = ceres::AutoDiffCostFunction<EdgeError, 7, 8, 8>;
 
 PoseFreedom FreedomOf(const Map& map) {
   if (detail::KnowsGravity(map)) return PoseFreedom::kUpright;
-  return IsMetric(map) ? PoseFreedom::kRigid : PoseFreedom::kSimilarity;
+  // The scale of a part that a lone camera saw is only as good as how it was joined.
+  const bool knows_scale = map.imu_initialized || std::ranges::all_of(map.keyframes, detail::MeasuresDepth);
+  return knows_scale ? PoseFreedom::kRigid : PoseFreedom::kSimilarity;
 }
 
 class Graph {

@@ -435,6 +435,11 @@ void FollowJoin(const JoinReport& join, IdMap& ids) {
 
 void FollowFuse(const FuseReport& fused, IdMap& ids) { FollowFused(fused.replaced, ids); }
 
+void FollowRemoval(std::span<const MapPointId> gone, IdMap& ids) {
+  for (IdPair& pair : ids[IdKind::kPoint])
+    if (std::ranges::binary_search(gone, MapPointId(pair.after))) pair.after = kNoId;
+}
+
 MergeResult MergeAtlases(std::vector<Atlas> inputs, const MergeOptions& options) {
   return Merger(options).Run(std::move(inputs));
 }

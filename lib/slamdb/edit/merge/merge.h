@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,8 @@ struct MergeResult {
 SLAMDB_EXPORT void FollowJoin(const JoinReport& join, IdMap& ids);
 // The same of points that were fused.
 SLAMDB_EXPORT void FollowFuse(const FuseReport& fused, IdMap& ids);
+// Points that were removed since lead nowhere. `gone` ascends.
+SLAMDB_EXPORT void FollowRemoval(std::span<const MapPointId> gone, IdMap& ids);
 
 // As schema/merge.schema.json describes it. `output` empty: nothing was written.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MergeReport& report, const std::string& output = {});

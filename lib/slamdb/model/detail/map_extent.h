@@ -8,6 +8,8 @@
 namespace slamdb::detail {
 
 MapSensor SensorOf(const Map& map);
+// Whether a keyframe has points whose depth it measured: stereo, a depth camera, two fisheye cameras.
+bool MeasuresDepth(const KeyFrame& keyframe);
 // Calibrated keyframes, or the map says it is inertial.
 bool HasImu(const Map& map);
 
