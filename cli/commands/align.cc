@@ -127,7 +127,7 @@ bool IsSure(const AlignedMaps& aligned, const GivenMaps& given) {
   for (std::size_t map = 0; map < given.asked; ++map)
     if (std::ranges::none_of(aligned.links, [&](const MapLink& link) {
           return link.first == map && link.second >= given.asked &&
-                 link.alignment.verdict == AlignmentVerdict::kAligned;
+                 (link.use == LinkUse::kJoins || link.use == LinkUse::kCloses);
         }))
       return false;
   return true;

@@ -99,7 +99,7 @@ struct AlignmentPrecision {
 // The maps may be of one atlas. Their scales may differ where one of them is monocular without IMU.
 // Deterministic: the result is the same for any number of threads.
 //
-// Throws Error (kNotPossible): a map has no keyframes with points that have descriptors.
+// Maps without descriptors, as those of trajectories, do not overlap: the reason says so.
 // Cost: below linear in the pairs of keyframes: about three comparisons for each keyframe of the second map at most.
 // After ORB-SLAM3's map merging (Campos et al., TRO 2021), with the verification that offline allows.
 [[nodiscard]] SLAMDB_EXPORT Alignment AlignMaps(MapRef first, MapRef second, const AlignOptions& options = {});

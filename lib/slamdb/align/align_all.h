@@ -45,7 +45,6 @@ struct AlignedMaps {
 // without scale links them. A further link must close the cycle that it makes, within what the maps are bent by; one
 // that does not is named.
 //
-// Throws Error (kNotPossible) as AlignMaps.
 // Cost: AlignMaps for every pair of maps.
 [[nodiscard]] SLAMDB_EXPORT AlignedMaps AlignAllMaps(std::span<const MapRef> maps, const AlignOptions& options = {});
 

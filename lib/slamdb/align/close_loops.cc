@@ -45,11 +45,11 @@ void AddLoopEdge(Map& map, const IdTable& rows, KeyFrameId from, KeyFrameId to) 
 
 void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, ClosedMap& closed) {
   std::vector<LoopPair> pairs;
-  std::vector<std::pair<MapPointId, MapPointId>> same;
+  std::vector<MatchedPoints> same;
   for (const Loop& loop : closed.search.loops) {
     if (loop.verdict != LoopVerdict::kMissed) continue;
     std::ranges::move(detail::StrongestPairs(loop.pairs), std::back_inserter(pairs));
-    for (const MatchedPoints& match : loop.matches) same.emplace_back(match.first, match.second);
+    same.insert(same.end(), loop.matches.begin(), loop.matches.end());
   }
   detail::DropIrregularEntries(atlas);  // they name rows of lists that change
   PoseGraphOptions graph;
@@ -66,7 +66,7 @@ void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, Clos
     AddLoopEdge(map, rows, pair.first, pair.second);
     AddLoopEdge(map, rows, pair.second, pair.first);
   }
-  closed.fused = FusePairs(map, std::move(same));
+  closed.fused = FusePairs(map, detail::SurestFirst(std::move(same)));
   ++map.big_change_index;
   if (!options.adjust_bundle) return;
   BundleOptions bundle;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "slamdb/align/detail/camera_pose.h"
+#include "slamdb/model/detail/ransac.h"
 
 namespace slamdb::detail {
 namespace {
@@ -21,15 +22,6 @@ constexpr int kPolishings = 2;
 
 Eigen::Vector2d PlaceOf(const Keypoint& keypoint) {
   return {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
-}
-
-// How many samples find three inliers with so much confidence.
-int SamplesNeeded(std::size_t inliers, std::size_t matches) {
-  const double share = static_cast<double>(inliers) / static_cast<double>(matches);
-  const double miss = 1 - share * share * share;
-  if (miss <= 0) return 1;
-  const double needed = std::log(1 - kConfidence) / std::log(miss);
-  return needed < kMostSamples ? static_cast<int>(needed) + 1 : kMostSamples;
 }
 
 }  // namespace
@@ -85,7 +77,7 @@ std::optional<CameraPose> PoseFinder::Find(std::span<const PictureMatch> matches
       if (!(SquaredError(matches[rows[3]], pose) < kSampleError) || !keep_better(pose)) continue;
       for (int i = 0; i < kPolishings && best.size() > 3; ++i)
         if (!keep_better(Refine(std::vector(best), found, 4).pose)) break;
-      needed = SamplesNeeded(best.size(), matches.size());
+      needed = SamplesNeeded(best.size(), matches.size(), kConfidence, kMostSamples);
     }
   }
   if (best.size() < fewest) return std::nullopt;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "slamdb/align/detail/fit.h"
+#include "slamdb/model/detail/ransac.h"
 
 namespace slamdb::detail {
 namespace {
@@ -77,15 +78,6 @@ class Sampler {
   const bool with_scale_;
 };
 
-// How many samples find three inliers with so much confidence.
-int SamplesNeeded(std::size_t inliers, std::size_t matches) {
-  const double share = static_cast<double>(inliers) / static_cast<double>(matches);
-  const double miss = 1 - share * share * share;
-  if (miss <= 0) return 1;
-  const double needed = std::log(1 - kConfidence) / std::log(miss);
-  return needed < kMostSamples ? static_cast<int>(needed) + 1 : kMostSamples;
-}
-
 }  // namespace
 
 bool PairGeometry::IsInlier(const PointMatch& match, const Similarity3d& first_from_second) const {
@@ -124,7 +116,7 @@ std::optional<Similarity3d> PairGeometry::FindTransform(std::span<const PointMat
     if (!rows || !keep_better(sampler.Solve(*rows))) continue;
     for (int i = 0; i < kPolishings && best.size() > 3; ++i)
       if (!keep_better(sampler.Solve(std::vector(best)))) break;
-    needed = SamplesNeeded(best.size(), matches.size());
+    needed = SamplesNeeded(best.size(), matches.size(), kConfidence, kMostSamples);
   }
   if (best.size() < fewest) return std::nullopt;
   return found;

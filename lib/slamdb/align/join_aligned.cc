@@ -12,34 +12,35 @@
 namespace slamdb {
 namespace {
 
-// A map that goes into the root of its group, by the link to one that is there.
-struct Step {
-  std::size_t root, map;  // rows of the list of maps
+// How a map that is to be joined lies to one that is there.
+struct Tie {
   const MapLink* link;
-  bool turned;  // the map that is there already is the link's second
+  bool turned;  // the map that is there is the link's second
 };
 
-KeyFramePair Oriented(const AlignedPair& pair, bool turned) {
-  return turned ? KeyFramePair{pair.second, pair.first} : KeyFramePair{pair.first, pair.second};
-}
+// A map that goes into the root of its group.
+struct Step {
+  std::size_t root, map;  // rows of the list of maps
+  std::vector<Tie> ties;  // the one that joins it first, then those that close cycles
+};
 
 std::vector<KeyFramePair> MergeEdges(const Step& step) {
   std::vector<KeyFramePair> edges;
-  for (const AlignedPair& pair : detail::StrongestPairs(step.link->alignment.pairs))
-    edges.push_back(Oriented(pair, step.turned));
+  for (const auto& [link, turned] : step.ties)
+    for (const AlignedPair& pair : detail::StrongestPairs(link->alignment.pairs))
+      edges.push_back(turned ? KeyFramePair{pair.second, pair.first} : KeyFramePair{pair.first, pair.second});
   return edges;
 }
 
 // The surest first; points of the map that is there already survive.
 std::vector<std::pair<MapPointId, MapPointId>> SamePoints(const Step& step) {
-  std::vector<MatchedPoints> matches = step.link->alignment.matches;
-  std::ranges::stable_sort(matches, {}, &MatchedPoints::error);
-  std::vector<std::pair<MapPointId, MapPointId>> same;
-  for (const MatchedPoints& match : matches) {
-    same.emplace_back(match.first, match.second);
-    if (step.turned) std::swap(same.back().first, same.back().second);
-  }
-  return same;
+  std::vector<MatchedPoints> matches;
+  for (const auto& [link, turned] : step.ties)
+    for (MatchedPoints match : link->alignment.matches) {
+      if (turned) std::swap(match.first, match.second);
+      matches.push_back(match);
+    }
+  return detail::SurestFirst(std::move(matches));
 }
 
 // Of the first map whose frame says most: which way is up, or else how long a metre is.
@@ -65,9 +66,13 @@ std::vector<Step> StepsOf(const Atlas& atlas, const AlignedMaps& aligned, const 
         return link.use == LinkUse::kJoins && aligned.places[link.first].group == group &&
                there[link.first] != there[link.second];
       });
-      const bool turned = there[next->second];
-      const std::size_t map = turned ? next->first : next->second;
-      steps.push_back({root, map, &*next, turned});
+      const std::size_t map = there[next->second] ? next->first : next->second;
+      Step step{.root = root, .map = map, .ties = {{&*next, there[next->second]}}};
+      for (const MapLink& link : aligned.links)
+        if (link.use == LinkUse::kCloses &&
+            ((link.first == map && there[link.second]) || (link.second == map && there[link.first])))
+          step.ties.push_back({&link, there[link.second]});
+      steps.push_back(std::move(step));
       there[map] = true;
     }
   }

@@ -36,7 +36,7 @@ struct JoinAlignedReport {
 // Points that were matched are fused, and others that lie at one place; each verified link of two maps gives merge
 // edges.
 //
-// Throws Error as AlignAllMaps and JoinMaps, and then changes nothing.
+// Throws Error as JoinMaps; what fails before the first join changes nothing.
 // Cost: AlignAllMaps, then linear.
 SLAMDB_EXPORT JoinAlignedReport JoinAlignedMaps(Atlas& atlas, const AlignOptions& align = {},
                                                 const JoinAlignedOptions& options = {});

@@ -94,6 +94,8 @@ struct KeyFrameRef {
 class SLAMDB_EXPORT Locator {
  public:
   // Refers to the atlas, which must outlive it and keep its lists as they are. Maps without keyframes are passed over.
+  //
+  // Throws Error (kNotPossible): no map has keyframes.
   // Cost: linear; training a vocabulary takes most of it.
   explicit Locator(const Atlas& atlas, const LocatorOptions& options = {});
   Locator(Locator&&) noexcept;

@@ -173,7 +173,7 @@ class LoopFinder {
     loop.evidence.second_keyframes = second.size();
     std::ranges::stable_sort(loop.pairs, std::greater(), &LoopPair::inliers);
     const auto [transform, matches] = FitOf(region, best);
-    AddMatches(matches, loop);
+    AddMatches(matches, transform, loop);
     loop.gap = GapOf(transform, region[best.members.front()].candidate.second);
     Look(transform, EndOf(first), EndOf(second), loop.evidence);
     GiveVerdict(loop, map_.views.median_depth());
@@ -194,11 +194,15 @@ class LoopFinder {
     return {pair_.geometry.Refine(inliers, transform).first_from_second, inliers};
   }
 
-  void AddMatches(const std::vector<PointMatch>& matches, Loop& loop) const {
+  void AddMatches(const std::vector<PointMatch>& matches, const Similarity3d& first_from_second, Loop& loop) const {
     const auto id = [&](const LocalPoint& point) {
       return map_.views.map().points[map_.views.points()[point.point].row].id;
     };
-    for (const PointMatch& match : matches) loop.matches.push_back({id(match.first), id(match.second)});
+    for (const PointMatch& match : matches) {
+      const MatchErrors errors = pair_.geometry.ErrorsOf(match, first_from_second);
+      loop.matches.push_back({id(match.first), id(match.second),
+                              static_cast<float>(std::sqrt(std::max(errors.in_first, errors.in_second)))});
+    }
     loop.evidence.points = matches.size();
     loop.evidence.extent = ExtentOf(map_.views, matches);
   }

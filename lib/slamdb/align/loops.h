@@ -73,8 +73,8 @@ struct LoopSearch {
 // must show what the other end holds.
 // Deterministic: the result is the same for any number of threads.
 //
-// Throws Error (kNotPossible): the map has no keyframes with points that have descriptors.
-// Cost: linear in keyframes but for looking up words: about three comparisons for each, of a millisecond.
+// A map without descriptors has none.
+// Cost: about three comparisons for each keyframe, of a millisecond; covisibility and words for each pair of keyframes.
 // After ORB-SLAM3's loop closing (Campos et al., TRO 2021), with the verification that offline allows.
 [[nodiscard]] SLAMDB_EXPORT LoopSearch FindLoops(MapRef map, const AlignOptions& options = {});
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A step is a small motion of the camera in the world, about its own centre, and of the logarithm of its focal length.
-#include <Eigen/Geometry>
 #include <cmath>
 
 #include "slamdb/align/detail/camera_pose.h"
 #include "slamdb/align/detail/huber.h"
+#include "slamdb/model/detail/rotations.h"
 
 namespace slamdb::detail {
 namespace {
@@ -17,12 +17,9 @@ struct Shot {
 };
 
 Shot Moved(const Shot& shot, const Vector7& step) {
-  const Eigen::Vector3d turn = step.head<3>();
-  const double angle = turn.norm();
   const Eigen::Quaterniond world_from_camera(shot.pose.rotation.transpose());
-  const Eigen::Quaterniond rotation(angle > 0 ? Eigen::AngleAxisd(angle, turn / angle) : Eigen::AngleAxisd::Identity());
   Shot moved{.focal_factor = shot.focal_factor * std::exp(step[6])};
-  moved.pose.rotation = (rotation * world_from_camera).normalized().toRotationMatrix().transpose();
+  moved.pose.rotation = (Turn(step.head<3>()) * world_from_camera).normalized().toRotationMatrix().transpose();
   moved.pose.translation = -(moved.pose.rotation * (shot.pose.center() + step.segment<3>(3)));
   return moved;
 }
@@ -42,7 +39,7 @@ RobustNormal<7> Linearised(const MapViews& map, const View& view, std::span<cons
       normal.AddBehind();
       continue;
     }
-    motion.leftCols<3>() = Skew(point - camera_center);
+    motion.leftCols<3>() = Hat(point - camera_center);
     const Keypoint& keypoint = view.keypoints[match.keypoint];
     const double inverse_sigma = 1 / view.ScaleOf(keypoint.octave);
     const Eigen::Vector2d place(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Map by map: each goes to the mean of where its links say that it is, until nothing moves any more.
+// Map by map: each goes to the mean of where its links say that it is, in fifty sweeps.
 #include "slamdb/align/detail/settle_places.h"
 
 #include <algorithm>

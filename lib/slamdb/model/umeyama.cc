@@ -18,6 +18,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
+#include "slamdb/model/detail/ransac.h"
 
 namespace slamdb {
 namespace {
@@ -124,14 +125,6 @@ class Draws {
   std::uint64_t count_, state_ = 0;
 };
 
-// How many draws find three inliers with that confidence when this share of the pairs are.
-int DrawsNeeded(std::size_t inliers, std::size_t count) {
-  const double share = static_cast<double>(inliers) / static_cast<double>(count);
-  const double miss = std::log1p(-share * share * share);
-  return miss < 0 ? static_cast<int>(std::min<double>(kMostDraws, std::ceil(std::log(1 - kConfidence) / miss)))
-                  : kMostDraws;
-}
-
 Rows Consensus(Points source, Points target, const UmeyamaOptions& options) {
   Draws draws(source.size());
   Rows best;
@@ -142,7 +135,7 @@ Rows Consensus(Points source, Points target, const UmeyamaOptions& options) {
     Rows rows = RowsWithin(source, target, *transform, options.outlier_distance);
     if (rows.size() <= best.size()) continue;
     best = std::move(rows);
-    needed = DrawsNeeded(best.size(), source.size());
+    needed = detail::SamplesNeeded(best.size(), source.size(), kConfidence, kMostDraws);
   }
   if (best.size() < kFewestPairs)
     throw Error(ErrorKind::kNotPossible,

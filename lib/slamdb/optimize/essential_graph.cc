@@ -55,7 +55,7 @@ class Collector {
         throw Error(ErrorKind::kUsage, "the information of a constraint is not positive definite");
       Similarity3d measured = constraint.first_from_second;
       measured.rotation.normalize();
-      edges_.push_back({ends[0], ends[1], measured, unit_ * Matrix7d(root.matrixU())});
+      edges_.push_back({ends[0], ends[1], measured, Matrix7d(root.matrixU()) * unit_});
       taken_.insert(std::minmax(ends[0], ends[1]));
       ++count;
     }

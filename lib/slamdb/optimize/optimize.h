@@ -47,7 +47,6 @@ struct OptimizeReport {
 };
 
 // Optimises maps one after the other: OptimizePoseGraph, then AdjustBundle.
-// What `merge` calls behind a join: the method, the map, and the keyframes of its merge edges as the seam.
 //
 // Throws Error as these two. kNotFound: a constraint is of keyframes that no chosen map has both of. kUsage: the pose
 // graph alone without a constraint, or with poses or points fixed.

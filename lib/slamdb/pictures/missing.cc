@@ -8,7 +8,7 @@ namespace {
 
 [[noreturn]] void RefuseAll() {
   throw Error(
-      ErrorKind::kNotPossible,
+      ErrorKind::kUnsupported,
       "slamdb was built without pictures: install libopencv-features2d-dev, libopencv-imgproc-dev, libpng-dev and "
       "libturbojpeg0-dev, and build it again");
 }

@@ -11,7 +11,7 @@
 #include "slamdb/pictures/camera_settings.h"
 
 // Pictures and their ORB features. OpenCV works on the pictures; where slamdb was built without it, everything here
-// throws Error (kNotPossible), which names the packages that are missing.
+// throws Error (kUnsupported), which names the packages that are missing.
 namespace slamdb {
 
 // A gray picture: row after row, a byte a pixel.

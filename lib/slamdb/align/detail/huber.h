@@ -13,12 +13,6 @@ namespace slamdb::detail {
 inline constexpr double kHuber = 5.99;  // squared; chi-square, two degrees of freedom, 95 %
 inline constexpr double kFarOff = 1e6;  // squared error of a point behind the camera
 
-inline Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
-
 // The normal equations of a state.
 template <int Size>
 struct RobustNormal {

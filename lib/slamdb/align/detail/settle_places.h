@@ -9,7 +9,7 @@ namespace slamdb::detail {
 
 // Where links close cycles, what they disagree by is spread over all of them, each by its number of matched points.
 // Metric maps of a group keep the scale that they have to each other.
-// Deterministic. Cost: linear in the links.
+// Deterministic. Cost: some sweeps, each of maps times links.
 void SettlePlaces(const std::vector<MapLink>& links, const std::vector<MapTraits>& maps, std::vector<MapPlace>& places);
 
 }  // namespace slamdb::detail

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
+
+#include "slamdb/align/align.h"
 
 namespace slamdb::detail {
 
@@ -18,6 +21,14 @@ std::vector<Pair> StrongestPairs(const std::vector<Pair>& pairs, std::size_t mos
     if (!taken && strongest.size() < most) strongest.push_back(pair);
   }
   return strongest;
+}
+
+// The same points of two maps as fusing takes them: those with the least error first.
+inline std::vector<std::pair<MapPointId, MapPointId>> SurestFirst(std::vector<MatchedPoints> matches) {
+  std::ranges::stable_sort(matches, {}, &MatchedPoints::error);
+  std::vector<std::pair<MapPointId, MapPointId>> same;
+  for (const MatchedPoints& match : matches) same.emplace_back(match.first, match.second);
+  return same;
 }
 
 }  // namespace slamdb::detail
