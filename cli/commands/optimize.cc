@@ -10,7 +10,6 @@
 #include "cli/edit.h"
 #include "cli/report/optimize_text.h"
 #include "slamdb/base/error.h"
-#include "slamdb/base/error.h"
 
 namespace slamdb::cli {
 namespace {
@@ -31,6 +30,8 @@ ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   OptimizeOptions optimize = options.optimize;
   for (const std::uint64_t id : options.maps) optimize.maps.emplace_back(id);
   if (!options.constraints.empty()) optimize.constraints = ReadConstraints(options.constraints);
+  if (!options.constraints.empty() && optimize.constraints.empty())
+    throw Error(ErrorKind::kDamaged, options.constraints, "", "has no constraint");
   optimize.method =
       options.method.value_or(optimize.constraints.empty() ? OptimizeMethod::kFull : OptimizeMethod::kPoseGraph);
   if (optimize.method == OptimizeMethod::kPoseGraph) {

@@ -15,7 +15,7 @@ constexpr double kDepth = 2;
 // As sure as that of a real map (l1 of the second laboratory).
 Loop Sure() {
   Loop loop;
-  loop.gap = {.translation = 0.5, .degrees = 1, .scale = 0.86};
+  loop.gap = {.translation = 0.5, .path = 20, .degrees = 1, .scale = 0.86};
   loop.evidence = {.agreeing = 16,
                    .first_keyframes = 4,
                    .second_keyframes = 11,
@@ -51,6 +51,9 @@ INSTANTIATE_TEST_SUITE_P(
     All, DecideLoop,
     ::testing::Values(
         Case{"Sure", LoopVerdict::kMissed, "59% of the points", [](Loop&) {}},
+        // A corridor whose walls repeat: a map drifts by less.
+        Case{"FartherThanDrift", LoopVerdict::kDoubtful, "may repeat itself", [](Loop& loop) { loop.gap.path = 4.9; }},
+        Case{"AsFarAsDrift", LoopVerdict::kMissed, "", [](Loop& loop) { loop.gap.path = 5.1; }},
         Case{"NearIdentity", LoopVerdict::kClosed, "where the pictures do",
              [](Loop& loop) { loop.gap = {.translation = 0.01 * kDepth, .degrees = 0.5, .scale = 1.01}; }},
         // A look-alike room: many pairs agree, and the pictures show nothing else of it.

@@ -60,6 +60,19 @@ TEST(ShrinkForLocating, LooksOnlyWhereThereIsAChoice) {
   EXPECT_THAT(ToJson(report), ::testing::HasSubstr("\"found\": null"));
 }
 
+// As a tracking loss leaves it: the newest map is empty. Nothing is to be chosen, but something goes all the same.
+TEST(ShrinkForLocating, SurvivesAnEmptyNewestMap) {
+  for (const std::uint64_t target : {500U, 0U}) {
+    Atlas atlas = World();
+    atlas.maps.push_back({.id = MapId(9)});
+    ShrinkOptions options{.for_localization = target == 0};
+    if (target > 0) options.target_keyframes = target;
+    const std::size_t keyframes = atlas.maps[0].keyframes.size();
+    EXPECT_FALSE(ShrinkForLocating(atlas, options).found);
+    EXPECT_EQ(atlas.maps[0].keyframes.size(), keyframes);
+  }
+}
+
 // Keyframes without camera, pose or words are located nowhere, and keep nothing from being chosen.
 TEST(ShrinkForLocating, SurvivesMapsThatLackEverything) {
   Atlas atlas = World();

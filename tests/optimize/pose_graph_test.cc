@@ -157,6 +157,22 @@ TEST(OptimizePoseGraph, SharesAGapEvenly) {
   EXPECT_EQ(report.tree_edges, 2U);
 }
 
+// Millimetres that were taken for metres, and turns that nothing in the map allows.
+TEST(OptimizePoseGraph, RefusesWhatWouldTearTheMap) {
+  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kRgbd}) {
+    Atlas atlas = MakeTruth({"", sensor, false});
+    const Atlas before = atlas;
+    PoseConstraint far = Between(atlas.maps[0], 0, 1);
+    for (const double units : {1e3, 1e30}) {
+      far.first_from_second.translation = Eigen::Vector3d(units, 0, 0);
+      EXPECT_EQ(KindOf([&] { OptimizePoseGraph(atlas, atlas.maps[0].id, {.constraints = {far}}); }),
+                ErrorKind::kNotPossible)
+          << units;
+      EXPECT_THAT(atlas, EqualsAtlas(before));
+    }
+  }
+}
+
 TEST(OptimizePoseGraph, RefusesConstraintsThatMakeNoSense) {
   Atlas atlas = MakeTruth({"", Sensor::kRgbd, false});
   const Atlas before = atlas;

@@ -44,12 +44,29 @@ TEST(FindPictures, OfListsOfTumAndEuroc) {
   EXPECT_EQ(pictures[3].path, "c.png");
 }
 
+TEST(FindPictures, OfListsAsSpreadsheetsWriteThem) {
+  const TemporaryFolder folder;
+  folder.Make("my frame.jpg", "");
+  folder.Make("frame.jpg", "");
+  const auto pictures =
+      Find({folder.Make("list.csv", "timestamp,filename\n1.5;my frame.jpg\n2.5,\"frame.jpg\"\n\"my frame.jpg\"\n")});
+  ASSERT_EQ(pictures.size(), 3U);
+  EXPECT_EQ(pictures[0].path, folder / "my frame.jpg");
+  EXPECT_EQ(pictures[0].timestamp, 1.5);
+  EXPECT_EQ(pictures[1].path, folder / "frame.jpg");
+  EXPECT_EQ(pictures[2].path, folder / "my frame.jpg");
+  EXPECT_TRUE(pictures[0].has_time);
+  EXPECT_FALSE(pictures[2].has_time);
+}
+
 TEST(FindPictures, RefusesWhatNamesNone) {
   const TemporaryFolder folder;
   EXPECT_EQ(KindOf([&] { (void)Find({folder.path().string()}); }), ErrorKind::kNotFound);
   EXPECT_EQ(KindOf([&] { (void)Find({folder.Path("none.txt")}); }), ErrorKind::kNotFound);
   EXPECT_THAT(MessageOf([&] { (void)Find({folder.Make("list.txt", "\na.png\n1 2 3\n")}); }),
               HasSubstr("line 3: names no picture"));
+  for (const char* nothing : {"", "# a list\n\n"})
+    EXPECT_THAT(MessageOf([&] { (void)Find({folder.Make("empty.txt", nothing)}); }), HasSubstr("names no pictures"));
 }
 
 }  // namespace

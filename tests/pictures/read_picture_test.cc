@@ -76,6 +76,15 @@ TEST_F(ReadPictureTest, OfSixteenBitsTheHighEightCount) {
   EXPECT_THAT(Read(Png(PNG_FORMAT_LINEAR_Y, 3, 1, pixels.data())).pixels, ElementsAre(0, 0x12, 0xFF));
 }
 
+// As OpenCV, and so ORB-SLAM3, takes them: a gamma of 1 does not make them brighter.
+TEST_F(ReadPictureTest, ValuesAreTakenAsTheyAre) {
+  const std::vector<std::uint8_t> pixels = {0, 64, 127, 16, 32, 255};
+  std::string png = Png(PNG_FORMAT_GRAY, 3, 2, pixels.data());
+  const std::string gamma("\0\0\0\4gAMA\0\1\x86\xa0\x31\xe8\x96\x5f", 16);  // 1.0
+  png.insert(33, gamma);                                                    // behind the header
+  EXPECT_EQ(Read(png).pixels, pixels);
+}
+
 TEST_F(ReadPictureTest, Jpeg) {
   const GrayPicture picture = Read(Jpeg(16, 8, std::vector<unsigned char>(std::size_t{3} * 16 * 8, 90)));
   EXPECT_EQ(picture.width, 16);

@@ -75,6 +75,39 @@ void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, Clos
   closed.optimization.bundle = AdjustBundle(atlas, closed.map, bundle);
 }
 
+// Why what closing made of a map must not be; empty: it may.
+std::string BrokenBy(const MapOptimization& optimization) {
+  constexpr double kLeftOpen = 0.5, kMostDropped = 0.15;
+  const PoseGraphReport& graph = *optimization.pose_graph;
+  if (graph.gap_after.translation > kLeftOpen * graph.gap_before.translation &&
+      graph.gap_after.degrees > kLeftOpen * graph.gap_before.degrees)
+    return "the map cannot be bent to close it";
+  if (!optimization.bundle) return {};
+  const BundleReport& bundle = *optimization.bundle;
+  if (static_cast<double>(bundle.dropped) > kMostDropped * static_cast<double>(bundle.observations + bundle.dropped))
+    return "closing it makes " + std::to_string(bundle.dropped) + " observations misfit";
+  return {};
+}
+
+// In place, or not at all.
+void CloseIfSound(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, ClosedMap& closed) {
+  Atlas before = atlas;
+  Close(atlas, row, options, closed);
+  const std::string broken = BrokenBy(closed.optimization);
+  if (broken.empty()) return;
+  atlas = std::move(before);
+  closed = {.map = closed.map, .search = std::move(closed.search), .fused = {}, .optimization = {.map = closed.map}};
+  for (Loop& loop : closed.search.loops) {
+    if (loop.verdict != LoopVerdict::kMissed) continue;
+    loop.verdict = LoopVerdict::kDoubtful;
+    loop.reason = broken;
+  }
+}
+
+std::uint64_t MissedIn(const ClosedMap& map) {
+  return static_cast<std::uint64_t>(std::ranges::count(map.search.loops, LoopVerdict::kMissed, &Loop::verdict));
+}
+
 }  // namespace
 
 CloseLoopsReport CloseLoops(Atlas& atlas, const CloseLoopsOptions& options) {
@@ -86,16 +119,17 @@ CloseLoopsReport CloseLoops(Atlas& atlas, const CloseLoopsOptions& options) {
     closed.search =
         FindLoops({&atlas, row},
                   {.own_vocabulary = options.own_vocabulary, .threads = options.threads, .progress = options.progress});
-    report.closed +=
-        static_cast<std::uint64_t>(std::ranges::count(closed.search.loops, LoopVerdict::kMissed, &Loop::verdict));
+    report.closed += MissedIn(closed);
   }
   if (report.closed > 0 && !CanOptimize())
     throw Error(ErrorKind::kUnsupported,
                 "there are loops to close, and this slamdb was built without Ceres, which bends the map: install "
                 "libceres-dev and build it again");
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (std::ranges::count(report.maps[i].search.loops, LoopVerdict::kMissed, &Loop::verdict) > 0)
-      Close(atlas, rows[i], options, report.maps[i]);
+  report.closed = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (MissedIn(report.maps[i]) > 0) CloseIfSound(atlas, rows[i], options, report.maps[i]);
+    report.closed += MissedIn(report.maps[i]);
+  }
   return report;
 }
 

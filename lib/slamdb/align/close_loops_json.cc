@@ -33,7 +33,10 @@ Json JsonOf(const Loop& loop) {
   return {{"verdict", NameOf(loop.verdict)},
           {"reason", loop.reason},
           {"gap",
-           {{"translation", loop.gap.translation}, {"rotation_degrees", loop.gap.degrees}, {"scale", loop.gap.scale}}},
+           {{"translation", loop.gap.translation},
+            {"path", loop.gap.path},
+            {"rotation_degrees", loop.gap.degrees},
+            {"scale", loop.gap.scale}}},
           {"evidence", JsonOf(loop.evidence)},
           {"pairs", pairs}};
 }

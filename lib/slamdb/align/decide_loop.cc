@@ -17,6 +17,7 @@ constexpr double kExtent = 0.15;
 constexpr double kMostInFront = 0.15;
 constexpr std::uint64_t kFewestPairs = 3, kFewestKeyframes = 2, kFewestPoints = 50, kFewestViews = 3;
 constexpr double kMostContradicting = 0.35;  // of those that agree
+constexpr double kMostDrift = 0.1;           // of the way between the ends; farther apart are places that look alike
 
 // What pictures cannot tell from nothing, and neighbours in a map are off by anyway.
 constexpr double kClosedShift = 0.02, kClosedDegrees = 1, kClosedScale = 0.02;  // shift in median depths
@@ -71,6 +72,10 @@ void GiveVerdict(Loop& loop, double depth) {
     return say(LoopVerdict::kDoubtful, "too few keyframes or points agree");
   if (static_cast<double>(evidence.contradicting) > kMostContradicting * static_cast<double>(evidence.agreeing))
     return say(LoopVerdict::kDoubtful, "other pairs of keyframes at the same ends agree on another transform");
+  if (loop.gap.translation > kMostDrift * loop.gap.path)
+    return say(LoopVerdict::kDoubtful,
+               "the ends are " + Percent(loop.gap.translation / std::max(loop.gap.path, 1e-9)) +
+                   " of the way between them apart, farther than maps drift: the place may repeat itself");
   say(LoopVerdict::kMissed, found);
 }
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -64,7 +65,7 @@ class Links {
 class LoopFinder {
  public:
   LoopFinder(const PreparedMap& map, const AlignOptions& options)
-      : map_(map), options_(options), pair_{map, map, PairGeometry(map.views, map.views)} {}
+      : map_(map), options_(options), pair_{map, map, PairGeometry(map.views, map.views)}, along_(Along()) {}
 
   LoopSearch Run() const {
     const std::vector<Candidate> candidates = Candidates();
@@ -78,12 +79,22 @@ class LoopFinder {
   }
 
  private:
-  bool IsEarlier(std::uint32_t one, std::uint32_t other) const {
-    const auto order = [&](std::uint32_t view) {
-      const KeyFrame& keyframe = map_.views.KeyFrameOf(map_.views.views()[view]);
-      return std::pair(std::isfinite(keyframe.timestamp) ? keyframe.timestamp : 0, keyframe.id);
-    };
-    return order(one) < order(other);
+  std::pair<double, KeyFrameId> OrderOf(std::uint32_t view) const {
+    const KeyFrame& keyframe = map_.views.KeyFrameOf(map_.views.views()[view]);
+    return {std::isfinite(keyframe.timestamp) ? keyframe.timestamp : 0, keyframe.id};
+  }
+  bool IsEarlier(std::uint32_t one, std::uint32_t other) const { return OrderOf(one) < OrderOf(other); }
+
+  // By view, how far the camera had gone by then.
+  std::vector<double> Along() const {
+    const std::span<const View> views = map_.views.views();
+    std::vector<std::uint32_t> order(views.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::sort(order, {}, [&](std::uint32_t view) { return std::pair(OrderOf(view), view); });
+    std::vector<double> along(views.size(), 0);
+    for (std::size_t i = 1; i < order.size(); ++i)
+      along[order[i]] = along[order[i - 1]] + (views[order[i]].center - views[order[i - 1]].center).norm();
+    return along;
   }
 
   std::vector<Candidate> Candidates() const {
@@ -174,7 +185,7 @@ class LoopFinder {
     std::ranges::stable_sort(loop.pairs, std::greater(), &LoopPair::inliers);
     const auto [transform, matches] = FitOf(region, best);
     AddMatches(matches, transform, loop);
-    loop.gap = GapOf(transform, region[best.members.front()].candidate.second);
+    loop.gap = GapOf(transform, region[best.members.front()].candidate);
     Look(transform, EndOf(first), EndOf(second), loop.evidence);
     GiveVerdict(loop, map_.views.median_depth());
     return loop;
@@ -207,9 +218,10 @@ class LoopFinder {
     loop.evidence.extent = ExtentOf(map_.views, matches);
   }
 
-  LoopGap GapOf(const Similarity3d& transform, std::uint32_t second) const {
-    const Eigen::Vector3d& center = map_.views.views()[second].center;
+  LoopGap GapOf(const Similarity3d& transform, const Candidate& ends) const {
+    const Eigen::Vector3d& center = map_.views.views()[ends.second].center;
     return {.translation = (transform * center - center).norm(),
+            .path = std::abs(along_[ends.second] - along_[ends.first]),
             .degrees = transform.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180 / std::numbers::pi,
             .scale = transform.scale};
   }
@@ -235,6 +247,7 @@ class LoopFinder {
   const PreparedMap& map_;
   const AlignOptions& options_;
   const MapPair pair_;
+  const std::vector<double> along_;
 };
 
 }  // namespace

@@ -49,6 +49,7 @@ struct LoopEvidence {
 // How far the later end is from where it should be.
 struct LoopGap {
   double translation = 0;  // of the later camera, the map's units
+  double path = 0;         // that the camera went between the two ends, likewise
   double degrees = 0;
   double scale = 1;  // a length at the earlier end per length at the later one
 };

@@ -182,11 +182,12 @@ void MapViews::AddSightings() {
   const IdTable keyframes = KeyFrameTable(*map_);
   point_begins_.assign(points_.size() + 1, 0);
   view_begins_.assign(views_.size() + 1, 0);
+  std::vector<std::size_t> seen_at(map_->keyframes.size(), points_.size());  // the last point that it saw
   for (std::size_t point = 0; point < points_.size(); ++point) {
     for (const Observation& observation : map_->points[points_[point].row].observations) {
       const std::uint32_t keyframe = keyframes.Find(observation.keyframe.value());
       const std::uint32_t left = keyframe == kNoRow ? kNoRow : left_view_[keyframe];
-      if (left == kNoRow) continue;
+      if (left == kNoRow || std::exchange(seen_at[keyframe], point) == point) continue;
       const auto add = [&](std::uint32_t view, std::int64_t row) {
         if (row < 0 || row >= std::ssize(views_[view].keypoints)) return;
         sightings_.push_back({view, static_cast<std::uint32_t>(row)});

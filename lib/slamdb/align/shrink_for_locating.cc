@@ -119,7 +119,9 @@ ShrinkReport ShrinkForLocating(Atlas& atlas, ShrinkOptions options) {
     found.before = found.after = places->CountFound(whole, "locating in the whole");
     return LookAgain(whole, options.threads);
   };
-  options.looks.after = [&](const Atlas& rest) { found.after = places->CountFound(rest, "locating in what is kept"); };
+  options.looks.after = [&](const Atlas& rest) {
+    if (places) found.after = places->CountFound(rest, "locating in what is kept");
+  };
   ShrinkReport report = Shrink(atlas, options);
   if (places) report.found = found;
   return report;

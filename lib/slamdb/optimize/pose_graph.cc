@@ -11,6 +11,8 @@
 #include <memory>
 #include <numbers>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
 #include "slamdb/model/detail/map_extent.h"
 #include "slamdb/model/detail/rotations.h"
 #include "slamdb/model/index.h"
@@ -179,17 +181,42 @@ void Follow(const Map& map, const Graph& graph, const detail::MapStates& before,
   detail::CarryAlong(map, settled, motions, after);
 }
 
+// Keyframes are not farther apart than the camera went; ten times that is another unit.
+void RequireSize(const Map& map, const std::vector<PoseConstraint>& constraints) {
+  const double path = detail::TrajectoryOf(map).length;
+  for (const PoseConstraint& constraint : constraints)
+    if (const double apart = constraint.first_from_second.translation.norm(); path > 0 && apart > 10 * path)
+      throw Error(ErrorKind::kNotPossible,
+                  detail::Concat("the constraint between ", constraint.first, " and ", constraint.second,
+                                 " says that they are ", detail::Digits(apart, 3), " apart, and the camera went ",
+                                 detail::Digits(path, 3), " in all: is it of other units?"));
+}
+
+// Constraints that contradict the map by far, or each other, tear it apart.
+void RequireBetter(const PoseGraphReport& report) {
+  constexpr double kMostDegrees = 5, kMostLogScale = 0.2;  // that a part of the gap may grow by while others close
+  const PoseGraphReport::Gap &before = report.gap_before, &after = report.gap_after;
+  const bool better = std::isfinite(report.largest_shift) && report.cost_after <= report.cost_before &&
+                      after.translation <= before.translation && after.degrees <= before.degrees + kMostDegrees &&
+                      after.scale <= before.scale + kMostLogScale;
+  if (!better)
+    throw Error(ErrorKind::kNotPossible,
+                "the map cannot be bent to the constraints: they contradict it, or each other, or are of other units");
+}
+
 }  // namespace
 
 PoseGraphReport OptimizePoseGraph(Atlas& atlas, MapId id, const PoseGraphOptions& options) {
   Map& map = atlas.maps[detail::FindMap(atlas, id)];
   const detail::MapStates before(map);
   PoseGraphReport report{.freedom = FreedomOf(map)};
+  RequireSize(map, options.constraints);
   Graph graph(map, before, options, report);
   report.gap_before = graph.Gap(report.constraints);
   graph.Solve(options, report);
   report.gap_after = graph.Gap(report.constraints);
   if (report.constraints == 0) return report;
+  RequireBetter(report);
   detail::MapStates after = before;
   Follow(map, graph, before, after, report);
   detail::Record(before, after, options.threads, map);

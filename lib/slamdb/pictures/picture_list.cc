@@ -71,28 +71,46 @@ class Finder {
     const WholeFile file{Source(name)};
     std::string_view text = detail::WithoutMark(file.text());
     const fs::path folder = fs::path(name).parent_path();
+    const std::size_t before = found_.size();
     for (std::size_t number = 1; !text.empty(); ++number) {
       std::string_view line = detail::TakeLine(text);
       if (detail::Trimmed(line).empty() || detail::IsCommentMark(detail::Trimmed(line).front())) continue;
       AddLine(line, number, name, folder);
     }
+    if (found_.size() == before) throw Error(ErrorKind::kDamaged, name, "", "names no pictures");
+  }
+
+  static std::string_view Unquoted(std::string_view word) {
+    const bool quoted = word.size() > 1 && word.front() == '"' && word.back() == '"';
+    return quoted ? word.substr(1, word.size() - 2) : word;
+  }
+
+  // Beside the list, or in the folder `data` there.
+  static fs::path PlaceOf(std::string_view name, const fs::path& folder) {
+    const fs::path path(name);
+    std::error_code error;
+    const fs::path place = path.is_absolute() ? path : folder / path, inside = folder / "data" / path;
+    return !fs::exists(place, error) && fs::exists(inside, error) ? inside : place;
   }
 
   void AddLine(std::string_view line, std::size_t number, const std::string& name, const fs::path& folder) {
     std::optional<double> time;
     std::string_view rest = line;
-    for (std::string_view word; !(word = detail::TakeWord(rest, " \t,")).empty();) {
-      if (!IsPicture(fs::path(word))) {
-        if (!time) time = TimeOf(word);
-        continue;
-      }
-      const fs::path path(word);
+    bool has_number = false;
+    constexpr std::string_view kSeparators = " \t,;";
+    for (std::string_view word;;) {
+      rest.remove_prefix(std::min(rest.find_first_not_of(kSeparators), rest.size()));
+      const fs::path whole = PlaceOf(Unquoted(detail::Trimmed(rest)), folder);  // of a name with spaces
       std::error_code error;
-      fs::path place = path.is_absolute() ? path : folder / path;
-      if (const fs::path inside = folder / "data" / path; !fs::exists(place, error) && fs::exists(inside, error))
-        place = inside;
-      return AddOne(place.string(), time ? time : TimeOf(path.stem().string()));
+      if (IsPicture(whole) && fs::exists(whole, error)) return AddOne(whole.string(), time);
+      word = Unquoted(detail::TakeWord(rest, kSeparators));
+      if (word.empty()) break;
+      if (IsPicture(fs::path(word)))
+        return AddOne(PlaceOf(word, folder).string(), time ? time : TimeOf(fs::path(word).stem().string()));
+      has_number = has_number || TimeOf(word);
+      if (!time) time = TimeOf(word);
     }
+    if (number == 1 && !has_number) return;  // the names of columns
     throw Error(ErrorKind::kDamaged, name, detail::Concat("line ", number),
                 "names no picture; a list has one a line, behind its time or alone: " + detail::Excerpt(line));
   }

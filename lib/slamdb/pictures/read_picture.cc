@@ -45,14 +45,29 @@ void TurnGray(std::vector<std::uint8_t>& colors, GrayPicture& picture) {
   cv::cvtColor(from, to, cv::COLOR_RGB2GRAY);
 }
 
+// Without what says how values are to be shown: they are taken as they are, as OpenCV and so ORB-SLAM3 take them.
+std::string WithoutGamma(std::string_view png) {
+  constexpr std::size_t kSignature = 8, kAround = 12;  // of a chunk: length, type, checksum
+  std::string plain(png.substr(0, kSignature));
+  for (png.remove_prefix(plain.size()); png.size() >= kAround;) {
+    std::uint32_t length = 0;
+    for (int i = 0; i < 4; ++i) length = length << 8U | static_cast<std::uint8_t>(png[static_cast<std::size_t>(i)]);
+    const std::string_view type = png.substr(4, 4), chunk = png.substr(0, kAround + std::size_t{length});
+    if (type != "gAMA" && type != "sRGB" && type != "iCCP" && type != "cHRM") plain += chunk;
+    png.remove_prefix(chunk.size());
+  }
+  return plain;
+}
+
 GrayPicture ReadPng(Bytes bytes) {
+  const std::string plain = WithoutGamma(TextOf(bytes));
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   const std::unique_ptr<png_image, decltype(&png_image_free)> guard(&image, png_image_free);
   const auto need = [&](int done) {
     if (done == 0 || PNG_IMAGE_FAILED(image)) throw NotReadable{image.message};
   };
-  need(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()));
+  need(png_image_begin_read_from_memory(&image, plain.data(), plain.size()));
   GrayPicture picture = PictureOf(image.width, image.height);
   const png_color black{};
   if ((image.format & PNG_FORMAT_FLAG_LINEAR) != 0) {  // 16 bits
