@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "slamdb/align/detail/candidates.h"
@@ -25,6 +26,9 @@ namespace {
 constexpr std::size_t kBatch = 8;            // candidates between two looks at whether enough agree
 constexpr std::size_t kEnoughKeyframes = 8;  // of the second map, that agree: the rest is not tried at first
 constexpr std::size_t kConsensusesTried = 3;
+constexpr std::size_t kFewestOfRival = 2;  // pairs of keyframes that agree on another transform
+constexpr double kElsewhereTurn = 15 * std::numbers::pi / 180;
+constexpr double kElsewhereShift = 0.5;  // of the first map's median depth
 
 struct Tried {
   std::vector<Hypothesis> hypotheses;
@@ -84,9 +88,30 @@ class Aligner {
       if (i == 0 || alignment.verdict < best.verdict) best = std::move(alignment);
       if (best.verdict != AlignmentVerdict::kNoOverlap) break;
     }
+    if (best.verdict == AlignmentVerdict::kAligned) HoldAgainstRivals(tried, found, best);
     best.evidence.own_vocabulary = own_vocabulary_;
     best.evidence.candidates = tried.candidates;
     return best;
+  }
+
+  // Where walls repeat, pictures confirm more than one transform, whichever more pairs of keyframes happen to agree on.
+  void HoldAgainstRivals(const Tried& tried, const std::vector<Consensus>& found, Alignment& best) const {
+    for (std::size_t i = 0; i < std::min(found.size(), kConsensusesTried); ++i) {
+      if (found[i].members.size() < kFewestOfRival) continue;
+      const Alignment rival = Judge(tried, found, i);
+      if (!IsElsewhere(*rival.first_from_second, best) || !PicturesConfirm(rival.evidence)) continue;
+      best.verdict = AlignmentVerdict::kDoubtful;
+      best.reason = "the pictures confirm another transform as well: the place may repeat itself";
+      return;
+    }
+  }
+
+  // By more than what maps are bent by.
+  bool IsElsewhere(const Similarity3d& rival, const Alignment& best) const {
+    const Similarity3d& own = *best.first_from_second;
+    const Eigen::Vector3d in_second = own.Inverse() * best.center;
+    return own.rotation.angularDistance(rival.rotation) > kElsewhereTurn ||
+           (rival * in_second - best.center).norm() > kElsewhereShift * pair_.first.views.median_depth();
   }
 
   Alignment Judge(const Tried& tried, const std::vector<Consensus>& found, std::size_t chosen) const {

@@ -48,6 +48,11 @@ std::string Percent(double share) { return Fixed(100 * share, 0) + "%"; }
 
 Alignment NothingAgrees() { return {.reason = "no two keyframes see the same"}; }
 
+bool PicturesConfirm(const AlignmentEvidence& evidence) {
+  return evidence.cell_share >= kCellShare && evidence.found_share >= kFoundShare &&
+         evidence.agreeing_views >= kFewestViews && evidence.front_share <= kMostInFront;
+}
+
 void GiveVerdict(Alignment& alignment) {
   const AlignmentEvidence& evidence = alignment.evidence;
   const auto say = [&](AlignmentVerdict verdict, std::string reason) {

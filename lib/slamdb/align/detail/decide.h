@@ -15,6 +15,9 @@ std::string Percent(double share);
 // The answer when no two pictures of the maps agree on anything.
 Alignment NothingAgrees();
 
+// Whether the pictures of either map show what they must of the other.
+bool PicturesConfirm(const AlignmentEvidence& evidence);
+
 // Sets verdict and reason from the evidence.
 void GiveVerdict(Alignment& alignment);
 void GiveVerdict(Localization& localization);
