@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "slamdb/align/detail/picture_query.h"
@@ -113,6 +114,97 @@ TEST_F(PoseFinderTest, RefinesToTheLeastCostAndSaysHowSureItIs) {
   const Eigen::VectorXd sigma = fit.covariance.diagonal().cwiseSqrt();
   EXPECT_GT(sigma.minCoeff(), 0);
   EXPECT_LT(sigma.maxCoeff(), 0.05);
+}
+
+// The left picture of a keyframe, whose keypoints lie where a camera of another focal length would have its points.
+class Shot {
+ public:
+  explicit Shot(Sensor sensor, double focal_factor = 1)
+      : atlas_(SynthesizeAtlas({.sensor = sensor, .keyframes = 12, .points = 600, .pixel_noise = 0, .threads = 1})),
+        map_(atlas_, 0, 1),
+        features_(FeaturesOf(atlas_, atlas_.maps[0].keyframes[5])),
+        truth_(PoseOf(map_.views()[map_.LeftView(5)])) {
+    Camera camera = features_.camera;
+    for (const std::size_t focal : {0U, 1U}) camera.parameters[focal] *= static_cast<float>(focal_factor);
+    const Lens lens = *Lens::Of(camera);
+    for (const Seen& seen : map_.SeenBy(map_.LeftView(5))) {
+      Eigen::Vector2d pixel;
+      if (!lens.Project(truth_ * map_.points()[seen.point].position, pixel)) continue;
+      features_.keypoints[seen.keypoint].x = static_cast<float>(pixel.x());
+      features_.keypoints[seen.keypoint].y = static_cast<float>(pixel.y());
+      matches_.push_back({seen.keypoint, seen.point, 0});
+    }
+    exact_.assign(features_.keypoints.begin(), features_.keypoints.end());
+    query_ = MakeQuery(features_);
+  }
+  Shot(const Shot&) = delete;
+  Shot& operator=(const Shot&) = delete;
+
+  // Moves each keypoint by a standard deviation of its level.
+  void AddNoise(std::mt19937_64& draws) {
+    std::normal_distribution<float> normal;
+    for (std::size_t row = 0; row < exact_.size(); ++row) {
+      const auto sigma = static_cast<float>(query_->view.ScaleOf(exact_[row].octave));
+      features_.keypoints[row].x = exact_[row].x + sigma * normal(draws);
+      features_.keypoints[row].y = exact_[row].y + sigma * normal(draws);
+    }
+  }
+
+  PoseFinder finder() const { return {map_, query_->view, query_->rays}; }
+  const CameraPose& truth() const { return truth_; }
+  const std::vector<PictureMatch>& matches() const { return matches_; }
+
+ private:
+  const Atlas atlas_;
+  const MapViews map_;
+  PictureFeatures features_;  // the query refers to its keypoints
+  const CameraPose truth_;
+  std::vector<PictureMatch> matches_;
+  std::vector<Keypoint> exact_;
+  std::optional<PictureQuery> query_;
+};
+
+class EveryLens : public ::testing::TestWithParam<Sensor> {};
+INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens, ::testing::Values(Sensor::kStereo, Sensor::kFisheyeStereo));
+
+TEST_P(EveryLens, FindsTheFocalLengthThatTookThePicture) {
+  for (const double factor : {0.9, 1.0, 1.05}) {
+    const Shot shot(GetParam(), factor);
+    ASSERT_GE(shot.matches().size(), 40U);
+    EXPECT_NEAR(shot.finder().FitFocalLength(shot.matches(), shot.truth()).factor, factor, 1e-3);
+    CameraPose start = shot.truth();  // as where a pose was found with the wrong one
+    start.translation += Eigen::Vector3d(0.02, -0.03, 0.05);
+    EXPECT_NEAR(shot.finder().FitFocalLength(shot.matches(), start).factor, factor, 1e-3);
+  }
+}
+
+// Over many draws of the keypoints' noise, errors are as large as the covariance says: of rotation, then of position.
+TEST_P(EveryLens, CovarianceIsThatOfManyTrials) {
+  constexpr int kTrials = 100;
+  Shot shot(GetParam());
+  std::mt19937_64 draws(11);
+  Eigen::Matrix<double, 6, 6> sum = Eigen::Matrix<double, 6, 6>::Zero(), claimed = sum;
+  double focal_sum = 0, focal_claimed = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    shot.AddNoise(draws);
+    const PoseFit fit = shot.finder().Refine(shot.matches(), shot.truth(), 20);
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(fit.pose.rotation.transpose() * shot.truth().rotation));
+    Eigen::Matrix<double, 6, 1> error;
+    error << turn.angle() * turn.axis(), fit.pose.center() - shot.truth().center();
+    sum += error * error.transpose() / kTrials;
+    claimed += fit.covariance / kTrials;
+    const FocalFit focal = shot.finder().FitFocalLength(shot.matches(), shot.truth());
+    focal_sum += (focal.factor - 1) * (focal.factor - 1) / kTrials;
+    focal_claimed += focal.deviation * focal.deviation / kTrials;
+  }
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(std::sqrt(sum(i, i) / claimed(i, i)), 1, 0.3) << i;
+  EXPECT_NEAR(std::sqrt(focal_sum / focal_claimed), 1, 0.3);
+  EXPECT_GT(claimed.diagonal().tail(3).sum(), 4 * claimed.diagonal().head(3).sum())
+      << "or it would not show which block is which";
+  const Eigen::Matrix<double, 6, 1> shares = claimed.diagonal().cwiseSqrt();
+  for (int i = 0; i < 6; ++i)  // errors of rotation and position hang together as the covariance says
+    for (int j = 0; j < i; ++j)
+      EXPECT_NEAR(sum(i, j) / (shares[i] * shares[j]), claimed(i, j) / (shares[i] * shares[j]), 0.5) << i << " " << j;
 }
 
 }  // namespace

@@ -70,8 +70,53 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"SmallPatch", LoopVerdict::kDoubtful, "small patch", [](Loop& loop) { loop.evidence.extent = 0.1; }},
         Case{"FewPairs", LoopVerdict::kDoubtful, "too few", [](Loop& loop) { loop.evidence.agreeing = 2; }},
         Case{"OneKeyFrame", LoopVerdict::kDoubtful, "too few", [](Loop& loop) { loop.evidence.first_keyframes = 1; }},
+        Case{"OneLaterKeyFrame", LoopVerdict::kDoubtful, "too few",
+             [](Loop& loop) { loop.evidence.second_keyframes = 1; }},
+        Case{"FewPoints", LoopVerdict::kDoubtful, "too few", [](Loop& loop) { loop.evidence.points = 49; }},
         Case{"Contradicted", LoopVerdict::kDoubtful, "another transform",
              [](Loop& loop) { loop.evidence.contradicting = 6; }}),
+    [](const auto& each) { return each.param.name; });
+
+// Just inside of the limits, and just outside.
+INSTANTIATE_TEST_SUITE_P(
+    Limits, DecideLoop,
+    ::testing::Values(
+        Case{"Cells", LoopVerdict::kMissed, "in 85%", [](Loop& loop) { loop.evidence.cell_share = 0.85; }},
+        Case{"HalfOfTheCells", LoopVerdict::kDoubtful, "half confirm",
+             [](Loop& loop) { loop.evidence.cell_share = 0.84; }},
+        Case{"PoorCells", LoopVerdict::kDoubtful, "half confirm", [](Loop& loop) { loop.evidence.cell_share = 0.75; }},
+        Case{"NoCells", LoopVerdict::kRefuted, "contradict it", [](Loop& loop) { loop.evidence.cell_share = 0.74; }},
+        Case{"Share", LoopVerdict::kMissed, "28%", [](Loop& loop) { loop.evidence.found_share = 0.28; }},
+        Case{"PoorShare", LoopVerdict::kDoubtful, "half confirm", [](Loop& loop) { loop.evidence.found_share = 0.20; }},
+        Case{"NoShare", LoopVerdict::kRefuted, "contradict it", [](Loop& loop) { loop.evidence.found_share = 0.19; }},
+        Case{"FewInFront", LoopVerdict::kMissed, "", [](Loop& loop) { loop.evidence.front_share = 0.15; }},
+        Case{"Fewest", LoopVerdict::kMissed, "",
+             [](Loop& loop) {
+               loop.evidence.agreeing = 3;
+               loop.evidence.first_keyframes = loop.evidence.second_keyframes = 2;
+               loop.evidence.points = 50;
+               loop.evidence.agreeing_views = 3;
+               loop.evidence.extent = 0.15;
+               loop.evidence.contradicting = 1;
+             }},
+        Case{"HardlyContradicted", LoopVerdict::kMissed, "", [](Loop& loop) { loop.evidence.contradicting = 5; }}),
+    [](const auto& each) { return each.param.name; });
+
+// Each of the three alone leaves a loop open.
+INSTANTIATE_TEST_SUITE_P(
+    Gaps, DecideLoop,
+    ::testing::Values(Case{"Closed", LoopVerdict::kClosed, "",
+                           [](Loop& loop) {
+                             loop.gap = {.translation = 0.019 * kDepth, .degrees = 0.99, .scale = 0.981};
+                           }},
+                      Case{"Shifted", LoopVerdict::kMissed, "",
+                           [](Loop& loop) { loop.gap = {.translation = 0.021 * kDepth, .degrees = 0, .scale = 1}; }},
+                      Case{"Turned", LoopVerdict::kMissed, "",
+                           [](Loop& loop) { loop.gap = {.translation = 0, .degrees = 1.01, .scale = 1}; }},
+                      Case{"Larger", LoopVerdict::kMissed, "",
+                           [](Loop& loop) { loop.gap = {.translation = 0, .degrees = 0, .scale = 1.021}; }},
+                      Case{"Smaller", LoopVerdict::kMissed, "",
+                           [](Loop& loop) { loop.gap = {.translation = 0, .degrees = 0, .scale = 0.979}; }}),
     [](const auto& each) { return each.param.name; });
 
 }  // namespace

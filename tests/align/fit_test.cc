@@ -96,8 +96,8 @@ TEST(PairGeometry, TooFewMatchesGiveNothing) {
 
 TEST(PairGeometry, BehindACameraIsNoInlier) {
   const PreparedPair two(SmallPair());
-  const Similarity3d turned{
-      1, two.truth().rotation * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitY()), {}};
+  const Similarity3d turned{1, two.truth().rotation * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitY()),
+                            Eigen::Vector3d::Zero()};
   for (const PointMatch& match : two.TrueMatches()) EXPECT_FALSE(two.pair.geometry.IsInlier(match, turned));
 }
 

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <numbers>
+
 namespace slamdb {
 namespace {
 
@@ -67,6 +69,48 @@ TEST(GroupMaps, MetricMapsOfTwoScalesAreNotJoined) {
   EXPECT_EQ(places[1].group, 0U);
   EXPECT_EQ(places[2].group, 2U);
   EXPECT_EQ(links[1].use, LinkUse::kContradicts);
+}
+
+Eigen::Quaterniond Turn(double degrees, const Eigen::Vector3d& axis) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis));
+}
+
+// What the second link sees is at (1, 2, 3) of map 2. A quarter turn about x makes (1, -3, 2) of it, and 0.99 of that
+// with the shift (5, -3, 2) of map 1. There a quarter turn about z, 1.02 and a shift make (4.06, 7.1, 5.04) of map 0.
+// That stays when map 2 gets the scale of map 0, whichever of the link's maps is its first.
+TEST(GroupMaps, ScalesAboutWhatBothMapsSee) {
+  const Similarity3d zero_from_one{1.02, Turn(90, Eigen::Vector3d::UnitZ()), {1, 2, 3}};
+  const Similarity3d one_from_two{0.99, Turn(90, Eigen::Vector3d::UnitX()), {4.01, -0.03, 0.02}};
+  MapLink to_one = Link(1, 2, 0), to_two = Link(2, 1, 0), base = Link(0, 1, 0);
+  base.alignment.first_from_second = zero_from_one;
+  to_one.alignment.first_from_second = one_from_two;
+  to_one.alignment.center = {5, -3, 2};
+  to_two.alignment.first_from_second = one_from_two.Inverse();
+  to_two.alignment.center = {1, 2, 3};
+  for (const MapLink& link : {to_one, to_two}) {
+    std::vector<MapLink> links = {base, link};
+    const std::vector<MapPlace> places = detail::GroupMaps(links, {{true, 1}, {false, 1}, {true, 1}});
+    EXPECT_THAT(places, ElementsAre(::testing::Field(&MapPlace::group, 0), ::testing::Field(&MapPlace::group, 0),
+                                    ::testing::Field(&MapPlace::group, 0)));
+    EXPECT_NEAR(places[2].group_from_map.scale, 1, 1e-12);
+    EXPECT_LT((places[2].group_from_map * Eigen::Vector3d(1, 2, 3) - Eigen::Vector3d(4.06, 7.1, 5.04)).norm(), 1e-12);
+    EXPECT_LT((places[1].group_from_map * Eigen::Vector3d(5, -3, 2) - Eigen::Vector3d(4.06, 7.1, 5.04)).norm(), 1e-12);
+  }
+}
+
+// A link that is a degree off closes where what both maps see stays, and not where it goes 10 * 1 degree = 0.17 away.
+TEST(GroupMaps, ACycleClosesWhereBothMapsSee) {
+  const Similarity3d turn{1, Turn(1, Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero()};
+  const Eigen::Vector3d center(10, 0, 0);
+  for (const bool about_center : {true, false}) {
+    std::vector<MapLink> links = {Link(0, 1, 1), Link(1, 2, 1), Link(0, 2, 2)};
+    Alignment& last = links[2].alignment;
+    last.center = center;
+    last.first_from_second = turn * *last.first_from_second;
+    if (about_center) last.first_from_second->translation += center - turn * center;
+    detail::GroupMaps(links, {{true, 1}, {true, 1}, {true, 1}});
+    EXPECT_EQ(links[2].use == LinkUse::kCloses, about_center);
+  }
 }
 
 }  // namespace

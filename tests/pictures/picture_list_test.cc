@@ -12,6 +12,7 @@
 namespace slamdb {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::vector<PictureFile> Find(const std::vector<std::string>& named) { return FindPictures(named); }
@@ -57,6 +58,24 @@ TEST(FindPictures, OfListsAsSpreadsheetsWriteThem) {
   EXPECT_EQ(pictures[2].path, folder / "my frame.jpg");
   EXPECT_TRUE(pictures[0].has_time);
   EXPECT_FALSE(pictures[2].has_time);
+}
+
+// A time is one that a list or a name says; without it the place in the order is no time.
+TEST(FindPictures, TellsTimesFromPlacesInTheOrder) {
+  const TemporaryFolder folder;
+  const auto have_times = [](const std::vector<PictureFile>& pictures) {
+    std::vector<bool> all;
+    for (const PictureFile& picture : pictures) all.push_back(picture.has_time);
+    return all;
+  };
+  EXPECT_THAT(have_times(Find({folder.Make("times.txt", "1305031102.5 a.png\nb.png\n1305031103.5.png\n"),
+                               folder.Make("times.csv", "1403636579763555584,c.png\n")})),
+              ElementsAre(true, false, true, true));
+  EXPECT_THAT(have_times(Find({folder.Make("names.txt", "a.png\nb.png\n")})), ElementsAre(false, false));
+  EXPECT_THAT(have_times(Find({"12.5.png", "kitchen.png", "1403636579763555584.jpg"})), ElementsAre(true, false, true));
+  std::filesystem::create_directory(folder.path() / "data");
+  for (const char* name : {"data/17.png", "data/hall.png"}) folder.Make(name, "");
+  EXPECT_THAT(have_times(Find({(folder.path() / "data").string()})), ElementsAre(true, false));
 }
 
 TEST(FindPictures, RefusesWhatNamesNone) {

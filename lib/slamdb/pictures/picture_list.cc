@@ -102,7 +102,8 @@ class Finder {
       rest.remove_prefix(std::min(rest.find_first_not_of(kSeparators), rest.size()));
       const fs::path whole = PlaceOf(Unquoted(detail::Trimmed(rest)), folder);  // of a name with spaces
       std::error_code error;
-      if (IsPicture(whole) && fs::exists(whole, error)) return AddOne(whole.string(), time);
+      if (IsPicture(whole) && fs::exists(whole, error))
+        return AddOne(whole.string(), time ? time : TimeOf(whole.stem().string()));
       word = Unquoted(detail::TakeWord(rest, kSeparators));
       if (word.empty()) break;
       if (IsPicture(fs::path(word)))
