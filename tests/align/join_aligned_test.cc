@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "slamdb/edit/merge/merge.h"
@@ -33,15 +34,21 @@ std::set<MapPointId> PointsOf(const Map& map) {
   return ids;
 }
 
-// As of a camera without IMU, or one whose IMU says nothing yet.
-void ForgetIMU(Map& map) { map.imu_initialized = map.inertial = map.imu_ba1 = map.imu_ba2 = false; }
+// As of one camera alone, or of one with depth, without IMU.
+void ForgetImu(Map& map) { map.imu_initialized = map.inertial = map.imu_ba1 = map.imu_ba2 = false; }
+void ForgetDepth(Map& map) {
+  for (KeyFrame& keyframe : map.keyframes) {
+    std::ranges::fill(keyframe.features.right_x, -1.0F);
+    std::ranges::fill(keyframe.features.depth, -1.0F);
+  }
+}
 
-// Sessions, of which some may have lost their IMU, made one; only points that were matched are fused.
+// Sessions, of which some may know less of their frame, made one; only points that were matched are fused.
 class Joined {
  public:
-  explicit Joined(const SyntheticOptions& options, const std::vector<std::size_t>& without_imu = {})
+  explicit Joined(const SyntheticOptions& options, const std::function<void(Atlas&)>& change = {})
       : sessions(SynthesizeSessions(options)) {
-    for (const std::size_t map : without_imu) ForgetIMU(sessions.atlas.maps[map]);
+    if (change) change(sessions.atlas);
     before = sessions.atlas;
     report = JoinAlignedMaps(sessions.atlas, {.threads = 1},
                              {.fuse = FuseOptions{.radius = 1e-3, .hamming = 0}, .threads = 1});
@@ -140,14 +147,8 @@ TEST(JoinAlignedMaps, KeepsPointsApartWhereAskedTo) {
   EXPECT_THAT(sessions.atlas.maps.at(0).points, SizeIs(points));
 }
 
-// The link's second map is the root, and keeps its frame, its id and its points: the metric one of a metric and a
-// monocular map, and the upright one of two metric ones.
-class Turned : public ::testing::TestWithParam<Sensor> {};
-INSTANTIATE_TEST_SUITE_P(Sensors, Turned, ::testing::Values(Sensor::kMonocular, Sensor::kRgbd));
-
-TEST_P(Turned, TheFrameThatSaysMostStays) {
-  const Joined joined(SmallPair(GetParam(), true), {0});
-  ASSERT_EQ(IsMetric(joined.before.maps[0]), GetParam() == Sensor::kRgbd);
+// The link's second map is the root, and keeps its frame, its id and its points.
+void ExpectTurned(const Joined& joined) {
   ASSERT_THAT(joined.sessions.atlas.maps, SizeIs(1));
   ASSERT_EQ(joined.Root(), 1U);
   const MapLink& link = joined.report.aligned.links.at(0);
@@ -161,11 +162,33 @@ TEST_P(Turned, TheFrameThatSaysMostStays) {
   EXPECT_EQ(Find(joined.map(), strongest.first)->parent, strongest.second);
 }
 
-// Not inertial, but metric, is what says most where the other is monocular; the IMU's map comes before it.
+TEST(JoinAlignedMaps, OfAMonocularAndAMetricMapTheMetricOneIsTheRoot) {
+  const Joined joined(SmallPair(Sensor::kRgbd), [](Atlas& atlas) { ForgetDepth(atlas.maps[0]); });
+  ASSERT_FALSE(IsMetric(joined.before.maps[0]));
+  ExpectTurned(joined);
+}
+
+TEST(JoinAlignedMaps, OfAMonocularAndAnInertialMapTheInertialOneIsTheRoot) {
+  const Joined joined(SmallPair(Sensor::kMonocular, true), [](Atlas& atlas) { ForgetImu(atlas.maps[0]); });
+  ASSERT_FALSE(IsMetric(joined.before.maps[0]));
+  ExpectTurned(joined);
+}
+
+TEST(JoinAlignedMaps, OfTwoMetricMapsTheInertialOneIsTheRoot) {
+  const Joined joined(SmallPair(Sensor::kRgbd, true), [](Atlas& atlas) { ForgetImu(atlas.maps[0]); });
+  ASSERT_TRUE(IsMetric(joined.before.maps[0]));
+  ExpectTurned(joined);
+}
+
+// A monocular one, a metric one and an upright one: each says more than the one before.
 TEST(JoinAlignedMaps, OfThreeTheUprightOneIsTheRoot) {
-  SyntheticOptions options = SmallPair(Sensor::kMonocular, true);
+  SyntheticOptions options = SmallPair(Sensor::kRgbd, true);
   options.maps = 3;
-  const Joined joined(options, {0, 1});
+  const Joined joined(options, [](Atlas& atlas) {
+    ForgetImu(atlas.maps[0]);
+    ForgetDepth(atlas.maps[0]);
+    ForgetImu(atlas.maps[1]);
+  });
   ASSERT_THAT(joined.sessions.atlas.maps, SizeIs(1));
   EXPECT_EQ(joined.Root(), 2U);
   ASSERT_THAT(joined.report.joins, SizeIs(2));
