@@ -100,7 +100,7 @@ void Fill(const TemporaryFolder& folder) {
     if (!fs::exists(name)) fs::copy_file(file, name);
   };
   for (const char* file : {"session_small_a/session_small_a.osa", "session_small_b/session_small_b.osa",
-                           "mono_small_twice/mono_small_twice.osa", "session_small_a/truth.txt", "room/room.osa",
+                           "mono_small_twice/mono_small_twice.osa", "session_small_a/truth.txt", "room/corner.osa",
                            "room/a01.jpg", "room/b01.jpg"})
     link(fixtures / file);
   fs::create_directory_symlink(fixtures, folder.path() / "fixtures");

@@ -136,7 +136,7 @@ void FillFolder(const std::string& folder) {
   for (const char* name : {"a.osa", "b.osa", "points.osa"}) std::filesystem::copy_file(tiny, in / name);
   for (const char* name : {"m.db#a", "m.db#b", "old.db#a"}) WriteAtlas(ReadAtlas(tiny), (in / name).string());
   MigrateStore((in / "old.db").string(), {.back = true, .backup = false});
-  std::filesystem::copy_file(SLAMDB_FIXTURES "/room/room.osa", in / "room.osa");
+  std::filesystem::copy_file(SLAMDB_FIXTURES "/room/corner.osa", in / "room.osa");
   std::filesystem::copy_file(SLAMDB_FIXTURES "/room/a01.jpg", in / "room.jpg");
   std::filesystem::copy_file(SLAMDB_FIXTURES "/vocabulary/small.txt", in / "voc.txt");
   std::filesystem::copy_file(SLAMDB_FIXTURES "/mrpt/landmarks.bin", in / "landmarks.mrpt");

@@ -34,7 +34,7 @@ struct LocatedPicture {
   std::vector<AtlasLocalization> others;  // and those that were asked besides, the surest first
 };
 
-struct LocateReport {
+struct SLAMDB_EXPORT LocateReport {
   std::vector<LocatedPicture> pictures;
 
   std::uint64_t found() const;
