@@ -105,18 +105,19 @@ INSTANTIATE_TEST_SUITE_P(
 // Each of the three alone leaves a loop open.
 INSTANTIATE_TEST_SUITE_P(
     Gaps, DecideLoop,
-    ::testing::Values(Case{"Closed", LoopVerdict::kClosed, "",
-                           [](Loop& loop) {
-                             loop.gap = {.translation = 0.019 * kDepth, .degrees = 0.99, .scale = 0.981};
-                           }},
-                      Case{"Shifted", LoopVerdict::kMissed, "",
-                           [](Loop& loop) { loop.gap = {.translation = 0.021 * kDepth, .degrees = 0, .scale = 1}; }},
-                      Case{"Turned", LoopVerdict::kMissed, "",
-                           [](Loop& loop) { loop.gap = {.translation = 0, .degrees = 1.01, .scale = 1}; }},
-                      Case{"Larger", LoopVerdict::kMissed, "",
-                           [](Loop& loop) { loop.gap = {.translation = 0, .degrees = 0, .scale = 1.021}; }},
-                      Case{"Smaller", LoopVerdict::kMissed, "",
-                           [](Loop& loop) { loop.gap = {.translation = 0, .degrees = 0, .scale = 0.979}; }}),
+    ::testing::Values(
+        Case{"Closed", LoopVerdict::kClosed, "",
+             [](Loop& loop) {
+               loop.gap = {.translation = 0.019 * kDepth, .path = 20, .degrees = 0.99, .scale = 0.981};
+             }},
+        Case{"Shifted", LoopVerdict::kMissed, "",
+             [](Loop& loop) { loop.gap = {.translation = 0.021 * kDepth, .path = 20, .degrees = 0, .scale = 1}; }},
+        Case{"Turned", LoopVerdict::kMissed, "",
+             [](Loop& loop) { loop.gap = {.translation = 0, .path = 20, .degrees = 1.01, .scale = 1}; }},
+        Case{"Larger", LoopVerdict::kMissed, "",
+             [](Loop& loop) { loop.gap = {.translation = 0, .path = 20, .degrees = 0, .scale = 1.021}; }},
+        Case{"Smaller", LoopVerdict::kMissed, "",
+             [](Loop& loop) { loop.gap = {.translation = 0, .path = 20, .degrees = 0, .scale = 0.979}; }}),
     [](const auto& each) { return each.param.name; });
 
 }  // namespace
