@@ -126,8 +126,7 @@ bool IsSure(const AlignedMaps& aligned, const GivenMaps& given) {
   if (!given.store) return std::ranges::all_of(aligned.places, [](const MapPlace& place) { return place.group == 0; });
   for (std::size_t map = 0; map < given.asked; ++map)
     if (std::ranges::none_of(aligned.links, [&](const MapLink& link) {
-          return link.first == map && link.second >= given.asked &&
-                 (link.use == LinkUse::kJoins || link.use == LinkUse::kCloses);
+          return link.first == map && link.second >= given.asked && link.is_used();
         }))
       return false;
   return true;

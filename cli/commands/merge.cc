@@ -222,7 +222,8 @@ ExitCode MergeAligned(MergeResult result, const std::vector<MapName>& names, Sid
   if (metric.size() < 2)
     throw Error(ErrorKind::kNotPossible, options.inputs.front(), "",
                 "there is only one map with keyframes; name another atlas to align it with");
-  const std::vector<MapPointId> points = PointsOf(result.atlas);
+  const bool follow = !result.report.id_maps.empty();
+  const std::vector<MapPointId> points = follow ? PointsOf(result.atlas) : std::vector<MapPointId>();
   const JoinAlignedReport joined = Align(result, options, names, console, notices);
   const std::vector<OptimizedJoin> tightened = Tighten(result.atlas, joined, options, console, notices);
   const bool any = !joined.joins.empty();
@@ -230,7 +231,7 @@ ExitCode MergeAligned(MergeResult result, const std::vector<MapName>& names, Sid
   for (const JoinReport& join : joined.joins) text += JoinText(join);
   text += OptimizedJoinText(tightened);
   if (any) {
-    FollowIds(points, result.atlas, joined, tightened, result.report.id_maps);
+    if (follow) FollowIds(points, result.atlas, joined, tightened, result.report.id_maps);
     if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
     WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
   }

@@ -23,7 +23,7 @@ std::string EvidenceText(const LoopEvidence& evidence) {
 }
 
 std::string LoopText(const Loop& loop) {
-  const LoopPair& best = loop.pairs.front();
+  const AlignedPair& best = loop.pairs.front();
   return "  " + std::string(NameOf(loop.verdict)) + ": " + ToString(best.second) + " is back at " +
          ToString(best.first) + "\n" + Wrapped(loop.reason, 4) + Wrapped(GapText(loop.gap), 4) +
          Wrapped(EvidenceText(loop.evidence), 4);

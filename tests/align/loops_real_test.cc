@@ -64,7 +64,7 @@ TEST_F(RealLoop, IsFound) {
   for (const Loop& loop : search.loops) {
     EXPECT_EQ(loop.verdict, LoopVerdict::kMissed) << loop.reason;
     EXPECT_NEAR(loop.gap.scale, 0.86, 0.01);
-    for (const LoopPair& pair : loop.pairs) {
+    for (const AlignedPair& pair : loop.pairs) {
       EXPECT_LE(pair.first, KeyFrameId(20));
       EXPECT_GE(pair.second, KeyFrameId(165));
     }

@@ -41,7 +41,7 @@ TEST_P(FindLoopsOf, FindsThatTheSecondRoundIsTheFirst) {
   ASSERT_THAT(missed, Not(IsEmpty()));
   EXPECT_THAT(search.loops, Each(Field(&Loop::verdict, Not(LoopVerdict::kClosed))));
   for (const Loop& loop : missed)
-    for (const LoopPair& pair : loop.pairs) {
+    for (const AlignedPair& pair : loop.pairs) {
       EXPECT_LT(pair.first, kSecondRound);
       EXPECT_GE(pair.second, kSecondRound);
     }
@@ -58,7 +58,7 @@ TEST_P(FindLoopsOf, MeasuresHowKeyframesTrulyLie) {
   };
   const std::vector<Loop> missed = Missed(FindLoops({&atlas, 0}));
   for (const Loop& loop : missed) {
-    const LoopPair& best = loop.pairs.front();
+    const AlignedPair& best = loop.pairs.front();
     const Similarity3d should = true_pose(best.first) * true_pose(best.second).Inverse();
     EXPECT_LT((best.first_from_second.translation - should.translation).norm(), 0.15);
     EXPECT_LT(best.first_from_second.rotation.angularDistance(should.rotation), 0.03);

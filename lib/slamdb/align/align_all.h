@@ -26,6 +26,8 @@ struct MapLink {
   std::size_t first = 0, second = 0;  // rows of the list of maps
   Alignment alignment;
   LinkUse use = LinkUse::kUnused;
+
+  bool is_used() const { return use == LinkUse::kJoins || use == LinkUse::kCloses; }
 };
 
 // Where a map lies in the frame of the first one of its group.

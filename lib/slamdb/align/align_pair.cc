@@ -83,20 +83,23 @@ class Aligner {
     Alignment best = NothingAgrees();
     if (!HasFeatures(pair_.first.views) || !HasFeatures(pair_.second.views))
       best.reason = "one of the maps has no keypoints with descriptors, as a trajectory has none";
-    for (std::size_t i = 0; i < std::min(found.size(), kConsensusesTried); ++i) {
-      Alignment alignment = Judge(tried, found, i);
-      if (i == 0 || alignment.verdict < best.verdict) best = std::move(alignment);
+    std::size_t judged = 0;
+    while (judged < std::min(found.size(), kConsensusesTried)) {
+      Alignment alignment = Judge(tried, found, judged);
+      if (judged++ == 0 || alignment.verdict < best.verdict) best = std::move(alignment);
       if (best.verdict != AlignmentVerdict::kNoOverlap) break;
     }
-    if (best.verdict == AlignmentVerdict::kAligned) HoldAgainstRivals(tried, found, best);
+    if (best.verdict == AlignmentVerdict::kAligned) HoldAgainstRivals(tried, found, judged, best);
     best.evidence.own_vocabulary = own_vocabulary_;
     best.evidence.candidates = tried.candidates;
     return best;
   }
 
   // Where walls repeat, pictures confirm more than one transform, whichever more pairs of keyframes happen to agree on.
-  void HoldAgainstRivals(const Tried& tried, const std::vector<Consensus>& found, Alignment& best) const {
-    for (std::size_t i = 0; i < std::min(found.size(), kConsensusesTried); ++i) {
+  // Those before `judged` are the best one, or refused.
+  void HoldAgainstRivals(const Tried& tried, const std::vector<Consensus>& found, std::size_t judged,
+                         Alignment& best) const {
+    for (std::size_t i = judged; i < std::min(found.size(), kConsensusesTried); ++i) {
       if (found[i].members.size() < kFewestOfRival) continue;
       const Alignment rival = Judge(tried, found, i);
       if (!IsElsewhere(*rival.first_from_second, best) || !PicturesConfirm(rival.evidence)) continue;

@@ -9,9 +9,10 @@
 #include <utility>
 
 #include "slamdb/align/detail/strongest_pairs.h"
-#include "slamdb/base/error.h"
 #include "slamdb/model/detail/irregular_entries.h"
 #include "slamdb/model/index.h"
+#include "slamdb/optimize/detail/find_map.h"
+#include "slamdb/optimize/detail/require_ceres.h"
 
 namespace slamdb {
 namespace {
@@ -24,9 +25,7 @@ bool HasViews(const Map& map) {
 // Rows of the atlas.
 std::vector<std::size_t> MapsOf(const Atlas& atlas, const CloseLoopsOptions& options) {
   std::vector<std::size_t> rows;
-  for (const MapId id : options.maps)
-    if (std::ranges::find(atlas.maps, id, &Map::id) == atlas.maps.end())
-      throw Error(ErrorKind::kNotFound, "there is no " + ToString(id));
+  for (const MapId id : options.maps) (void)detail::FindMap(atlas, id);
   for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
     const Map& map = atlas.maps[row];
     const bool wanted = options.maps.empty() || std::ranges::find(options.maps, map.id) != options.maps.end();
@@ -44,7 +43,7 @@ void AddLoopEdge(Map& map, const IdTable& rows, KeyFrameId from, KeyFrameId to) 
 }
 
 void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, ClosedMap& closed) {
-  std::vector<LoopPair> pairs;
+  std::vector<AlignedPair> pairs;
   std::vector<MatchedPoints> same;
   for (const Loop& loop : closed.search.loops) {
     if (loop.verdict != LoopVerdict::kMissed) continue;
@@ -55,14 +54,14 @@ void Close(Atlas& atlas, std::size_t row, const CloseLoopsOptions& options, Clos
   PoseGraphOptions graph;
   graph.threads = options.threads;
   graph.progress = options.progress;
-  for (const LoopPair& pair : pairs)
+  for (const AlignedPair& pair : pairs)
     graph.constraints.push_back(
         {.first = pair.first, .second = pair.second, .first_from_second = pair.first_from_second});
   closed.constraints = pairs.size();
   closed.optimization.pose_graph = OptimizePoseGraph(atlas, closed.map, graph);
   Map& map = atlas.maps[row];
   const IdTable rows = KeyFrameTable(map);
-  for (const LoopPair& pair : pairs) {
+  for (const AlignedPair& pair : pairs) {
     AddLoopEdge(map, rows, pair.first, pair.second);
     AddLoopEdge(map, rows, pair.second, pair.first);
   }
@@ -121,10 +120,7 @@ CloseLoopsReport CloseLoops(Atlas& atlas, const CloseLoopsOptions& options) {
                   {.own_vocabulary = options.own_vocabulary, .threads = options.threads, .progress = options.progress});
     report.closed += MissedIn(closed);
   }
-  if (report.closed > 0 && !CanOptimize())
-    throw Error(ErrorKind::kUnsupported,
-                "there are loops to close, and this slamdb was built without Ceres, which bends the map: install "
-                "libceres-dev and build it again");
+  if (report.closed > 0) detail::RequireCeres();
   report.closed = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (MissedIn(report.maps[i]) > 0) CloseIfSound(atlas, rows[i], options, report.maps[i]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/align/close_loops.h"
+#include "slamdb/align/detail/report_json.h"
 #include "slamdb/edit/merge/detail/report_json.h"
-#include "slamdb/model/detail/json.h"
 #include "slamdb/optimize/detail/report_json.h"
 
 namespace slamdb {
@@ -24,12 +24,6 @@ Json JsonOf(const LoopEvidence& evidence) {
 }
 
 Json JsonOf(const Loop& loop) {
-  Json pairs = Json::array();
-  for (const LoopPair& pair : loop.pairs)
-    pairs.push_back({{"first", detail::JsonId(pair.first)},
-                     {"second", detail::JsonId(pair.second)},
-                     {"inliers", pair.inliers},
-                     {"first_from_second", detail::JsonOf(pair.first_from_second)}});
   return {{"verdict", NameOf(loop.verdict)},
           {"reason", loop.reason},
           {"gap",
@@ -38,7 +32,7 @@ Json JsonOf(const Loop& loop) {
             {"rotation_degrees", loop.gap.degrees},
             {"scale", loop.gap.scale}}},
           {"evidence", JsonOf(loop.evidence)},
-          {"pairs", pairs}};
+          {"pairs", detail::PairsJson(loop.pairs)}};
 }
 
 Json JsonOf(const ClosedMap& closed) {

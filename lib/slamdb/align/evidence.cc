@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/align/detail/evidence.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/align/detail/second_axis.h"
 #include "slamdb/align/detail/verify.h"
 
 namespace slamdb::detail {
@@ -35,18 +35,9 @@ double OverlapOf(const MapPair& pair, const Similarity3d& first_from_second) {
 
 double ExtentOf(const MapViews& first, const std::vector<PointMatch>& matches) {
   if (matches.size() < 3 || !(first.median_depth() > 0)) return 0;
-  const auto position = [&](const PointMatch& match) { return first.points()[match.first.point].position; };
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const PointMatch& match : matches) mean += position(match);
-  mean /= static_cast<double>(matches.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const PointMatch& match : matches) {
-    const Eigen::Vector3d offset = position(match) - mean;
-    spread += offset * offset.transpose();
-  }
-  spread /= static_cast<double>(matches.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[1])) / first.median_depth();
+  std::vector<Eigen::Vector3d> positions;
+  for (const PointMatch& match : matches) positions.push_back(first.points()[match.first.point].position);
+  return SecondAxis<3>(positions) / first.median_depth();
 }
 
 AlignmentEvidence EvidenceFor(const MapPair& pair, const GlobalFit& global, int threads) {

@@ -83,7 +83,7 @@ class Searcher {
   // What looks alike best, but farther off than a measurement may be, is something else beside it.
   static bool IsThere(const Expected& expected, const View& view, std::uint32_t row) {
     const Keypoint& keypoint = view.keypoints[row];
-    const Eigen::Vector2d place(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
+    const Eigen::Vector2d place = PixelOf(keypoint);
     const double sigma = view.ScaleOf(keypoint.octave);
     return (place - expected.pixel).squaredNorm() <= kMostError * sigma * sigma;
   }

@@ -20,10 +20,6 @@ constexpr double kSampleError = 100;    // of a pose from three matches alone
 constexpr std::size_t kFirstList = 20;  // matches that the first samples are of
 constexpr int kPolishings = 2;
 
-Eigen::Vector2d PlaceOf(const Keypoint& keypoint) {
-  return {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
-}
-
 }  // namespace
 
 CameraPose PoseOf(const View& view) { return {view.rotation, view.translation}; }
@@ -40,7 +36,7 @@ double PoseFinder::SquaredError(const PictureMatch& match, const CameraPose& pos
   if (!view_.lens.Project(pose * map_.points()[match.point].position, pixel))
     return std::numeric_limits<double>::infinity();
   const double sigma = view_.ScaleOf(keypoint.octave);
-  return (pixel - PlaceOf(keypoint)).squaredNorm() / (sigma * sigma);
+  return (pixel - PixelOf(keypoint)).squaredNorm() / (sigma * sigma);
 }
 
 std::vector<PictureMatch> PoseFinder::InliersOf(std::span<const PictureMatch> matches, const CameraPose& pose) const {

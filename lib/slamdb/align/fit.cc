@@ -26,8 +26,7 @@ struct Measured {
 Measured At(const MapViews& map, const Sighting& sighting) {
   const View& view = map.views()[sighting.view];
   const Keypoint& keypoint = view.keypoints[sighting.keypoint];
-  return {view, Eigen::Vector2d(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)),
-          1 / view.ScaleOf(keypoint.octave)};
+  return {view, PixelOf(keypoint), 1 / view.ScaleOf(keypoint.octave)};
 }
 
 // Of a point in the world of the measuring camera's map.

@@ -4,14 +4,15 @@
 // 3. The one with most inliers is held against the map, and then the next ones where it is refused.
 #include "slamdb/align/locate.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "slamdb/align/detail/candidates.h"
 #include "slamdb/align/detail/decide.h"
 #include "slamdb/align/detail/find_place.h"
 #include "slamdb/align/detail/prepared_map.h"
+#include "slamdb/align/detail/second_axis.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -29,7 +30,7 @@ constexpr double kSameDistance = 0.05;  // of the median depth
 
 constexpr const char* kNothingAlike = "no place of the map looks like it";
 
-struct MapPlace {
+struct LikelyPlace {
   std::size_t map;
   Candidate candidate;
 };
@@ -43,20 +44,28 @@ struct LeftOut {
 // Of places of one map. Another map may well be of the same room.
 bool IsSame(const detail::MapViews& map, const Place& one, const Place& other) {
   const Eigen::AngleAxisd turn(one.fit.pose.rotation * other.fit.pose.rotation.transpose());
-  return std::abs(turn.angle()) < kSameDegrees * M_PI / 180 &&
+  return std::abs(turn.angle()) < kSameDegrees * std::numbers::pi / 180 &&
          (one.fit.pose.center() - other.fit.pose.center()).norm() < kSameDistance * map.median_depth();
 }
 
-// The standard deviation of places along the second longest axis of their ellipsoid.
-template <int Size>
-double SecondAxis(const std::vector<Eigen::Matrix<double, Size, 1>>& places) {
-  Eigen::Matrix<double, Size, 1> mean = Eigen::Matrix<double, Size, 1>::Zero();
-  for (const auto& place : places) mean += place / static_cast<double>(places.size());
-  Eigen::Matrix<double, Size, Size> spread = Eigen::Matrix<double, Size, Size>::Zero();
-  for (const auto& place : places)
-    spread += (place - mean) * (place - mean).transpose() / static_cast<double>(places.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> solver(spread, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[Size - 2]));
+// The standard deviation along the second axis of what was found, in depths of the picture.
+double ExtentOf(const detail::MapViews& map, const Place& place) {
+  std::vector<Eigen::Vector3d> positions;
+  double depth = 0;
+  for (const auto& match : place.inliers) {
+    positions.push_back(map.points()[match.point].position);
+    depth += (place.fit.pose * positions.back()).z();
+  }
+  depth /= static_cast<double>(positions.size());
+  return depth > 0 ? detail::SecondAxis<3>(positions) / depth : 0;
+}
+
+// The same of the inliers in the picture, in its smaller sides.
+double SpreadOf(const detail::View& view, const Place& place) {
+  std::vector<Eigen::Vector2d> places;
+  for (const auto& match : place.inliers) places.push_back(detail::PixelOf(view.keypoints[match.keypoint]));
+  const double side = view.frame.sizes().minCoeff();
+  return side > 0 ? detail::SecondAxis<2>(places) / side : 0;
 }
 
 }  // namespace
@@ -82,10 +91,11 @@ struct Locator::State {
 
   Localization Locate(const PictureFeatures& picture, const LeftOut& left_out) const;
   Localization LocateAt(const PictureFeatures& picture, std::span<const KeyFrameRef> places) const;
-  Localization TryAll(PictureQuery& query, const std::vector<MapPlace>& like, const LeftOut& left_out) const;
-  std::optional<MapPlace> PlaceOf(const KeyFrameRef& keyframe) const;
-  std::vector<MapPlace> PlacesLike(const PictureQuery& query, const LeftOut& left_out) const;
-  std::vector<Place> TryPlaces(PictureQuery& query, const std::vector<MapPlace>& like, const LeftOut& left_out) const;
+  Localization TryAll(PictureQuery& query, const std::vector<LikelyPlace>& like, const LeftOut& left_out) const;
+  std::optional<LikelyPlace> PlaceOf(const KeyFrameRef& keyframe) const;
+  std::vector<LikelyPlace> PlacesLike(const PictureQuery& query, const LeftOut& left_out) const;
+  std::vector<Place> TryPlaces(PictureQuery& query, const std::vector<LikelyPlace>& like,
+                               const LeftOut& left_out) const;
   Localization Judge(PictureQuery& query, const std::vector<Place>& places, std::size_t chosen,
                      const LeftOut& left_out) const;
   KnownMap Known(std::size_t map, const LeftOut& left_out) const {
@@ -98,22 +108,22 @@ struct Locator::State {
   const VocabularyTree* vocabulary;
 };
 
-std::vector<MapPlace> Locator::State::PlacesLike(const PictureQuery& query, const LeftOut& left_out) const {
+std::vector<LikelyPlace> Locator::State::PlacesLike(const PictureQuery& query, const LeftOut& left_out) const {
   const Words words = ComputeWords(*vocabulary, {query.view.descriptors.begin(), query.view.descriptors.end()});
-  std::vector<MapPlace> like;
+  std::vector<LikelyPlace> like;
   for (std::size_t map = 0; map < prepared.size(); ++map) {
     std::vector<float> scores = prepared[map].index.Query(words.bag_of_words);
     if (map == left_out.map && left_out.view != kNoRow) scores[left_out.view] = 0;
     for (const Candidate& candidate : detail::BestPlaces(scores, prepared[map].groups, 0, kPlaces))
       like.push_back({map, candidate});
   }
-  std::ranges::stable_sort(like,
-                           [](const MapPlace& a, const MapPlace& b) { return a.candidate.score > b.candidate.score; });
+  std::ranges::stable_sort(
+      like, [](const LikelyPlace& a, const LikelyPlace& b) { return a.candidate.score > b.candidate.score; });
   if (like.size() > kPlaces) like.resize(kPlaces);
   return like;
 }
 
-std::vector<Place> Locator::State::TryPlaces(PictureQuery& query, const std::vector<MapPlace>& like,
+std::vector<Place> Locator::State::TryPlaces(PictureQuery& query, const std::vector<LikelyPlace>& like,
                                              const LeftOut& left_out) const {
   std::vector<Place> places;
   for (const auto& [map, candidate] : like) {
@@ -128,29 +138,6 @@ std::vector<Place> Locator::State::TryPlaces(PictureQuery& query, const std::vec
   }
   std::ranges::stable_sort(places, [](const Place& a, const Place& b) { return a.inliers.size() > b.inliers.size(); });
   return places;
-}
-
-// The standard deviation along the second axis of what was found, in depths of the picture.
-static double ExtentOf(const detail::MapViews& map, const Place& place) {
-  std::vector<Eigen::Vector3d> positions;
-  double depth = 0;
-  for (const auto& match : place.inliers) {
-    positions.push_back(map.points()[match.point].position);
-    depth += (place.fit.pose * positions.back()).z();
-  }
-  depth /= static_cast<double>(positions.size());
-  return depth > 0 ? SecondAxis<3>(positions) / depth : 0;
-}
-
-// The same of the inliers in the picture, in its smaller sides.
-static double SpreadOf(const detail::View& view, const Place& place) {
-  std::vector<Eigen::Vector2d> places;
-  for (const auto& match : place.inliers) {
-    const Keypoint& keypoint = view.keypoints[match.keypoint];
-    places.emplace_back(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
-  }
-  const double side = view.frame.sizes().minCoeff();
-  return side > 0 ? SecondAxis<2>(places) / side : 0;
 }
 
 Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>& places, std::size_t chosen,
@@ -186,7 +173,7 @@ Localization Locator::State::Judge(PictureQuery& query, const std::vector<Place>
   return found;
 }
 
-Localization Locator::State::TryAll(PictureQuery& query, const std::vector<MapPlace>& like,
+Localization Locator::State::TryAll(PictureQuery& query, const std::vector<LikelyPlace>& like,
                                     const LeftOut& left_out) const {
   Localization best{.reason = kNothingAlike};
   const std::vector<Place> places = TryPlaces(query, like, left_out);
@@ -207,21 +194,21 @@ Localization Locator::State::Locate(const PictureFeatures& picture, const LeftOu
 }
 
 // nullopt: the keyframe has no left view.
-std::optional<MapPlace> Locator::State::PlaceOf(const KeyFrameRef& keyframe) const {
+std::optional<LikelyPlace> Locator::State::PlaceOf(const KeyFrameRef& keyframe) const {
   const auto map = std::ranges::find(maps, keyframe.map, &MapRef::map);
   if (map == maps.end() || keyframe.keyframe >= atlas.maps[keyframe.map].keyframes.size()) return std::nullopt;
   const auto row = static_cast<std::size_t>(map - maps.begin());
   const std::uint32_t view = prepared[row].views.LeftView(static_cast<std::uint32_t>(keyframe.keyframe));
   if (view == kNoRow) return std::nullopt;
-  return MapPlace{row, {view, 0, 0}};
+  return LikelyPlace{row, {view, 0, 0}};
 }
 
 Localization Locator::State::LocateAt(const PictureFeatures& picture, std::span<const KeyFrameRef> places) const {
   std::optional<PictureQuery> query = detail::MakeQuery(picture);
   if (!query || query->view.keypoints.empty()) return {.reason = kNothingAlike};
-  std::vector<MapPlace> like;
+  std::vector<LikelyPlace> like;
   for (const KeyFrameRef& keyframe : places)
-    if (const std::optional<MapPlace> place = PlaceOf(keyframe)) like.push_back(*place);
+    if (const std::optional<LikelyPlace> place = PlaceOf(keyframe)) like.push_back(*place);
   return TryAll(*query, like, {});
 }
 
@@ -236,7 +223,7 @@ Localization Locator::LocateAt(const PictureFeatures& picture, std::span<const K
 }
 
 Localization Locator::LocateLeftOut(const KeyFrameRef& keyframe) const {
-  const std::optional<MapPlace> place = state_->PlaceOf(keyframe);
+  const std::optional<LikelyPlace> place = state_->PlaceOf(keyframe);
   if (!place) return {.reason = "the keyframe is flagged bad, or has no camera or no pose"};
   return state_->Locate(FeaturesOf(state_->atlas, state_->atlas.maps[keyframe.map].keyframes[keyframe.keyframe]),
                         {place->map, place->candidate.first});

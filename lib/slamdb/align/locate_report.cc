@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <numbers>
 
+#include "slamdb/align/detail/report_json.h"
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
-#include "slamdb/model/detail/json.h"
 
 namespace slamdb {
 namespace {
@@ -69,18 +69,12 @@ Json JsonOf(const std::optional<PoseError>& error) {
 
 Json JsonOf(const Localization& localization) {
   if (!localization.has_pose) return nullptr;
-  Json covariance = Json::array();
-  for (const auto& row : localization.covariance.rowwise()) {
-    Json cells = Json::array();
-    for (const double cell : row) cells.push_back(cell);
-    covariance.push_back(cells);
-  }
   const PosePrecision precision = PrecisionOf(localization);
   return {{"map", detail::JsonId(localization.map)},
           {"world_from_camera",
            detail::JsonOf(Similarity3d{.rotation = localization.rotation, .translation = localization.position})},
           {"precision", {{"rotation_degrees", precision.rotation_degrees}, {"position", precision.position}}},
-          {"covariance", covariance},
+          {"covariance", detail::MatrixJson(localization.covariance)},
           {"resembles", detail::JsonId(localization.resembles)}};
 }
 

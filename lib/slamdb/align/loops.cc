@@ -182,7 +182,7 @@ class LoopFinder {
     }
     loop.evidence.first_keyframes = first.size();
     loop.evidence.second_keyframes = second.size();
-    std::ranges::stable_sort(loop.pairs, std::greater(), &LoopPair::inliers);
+    std::ranges::stable_sort(loop.pairs, std::greater(), &AlignedPair::inliers);
     const auto [transform, matches] = FitOf(region, best);
     AddMatches(matches, transform, loop);
     loop.gap = GapOf(transform, region[best.members.front()].candidate);
@@ -226,7 +226,7 @@ class LoopFinder {
             .scale = transform.scale};
   }
 
-  LoopPair PairOf(const Hypothesis& hypothesis) const {
+  AlignedPair PairOf(const Hypothesis& hypothesis) const {
     const View &first = map_.views.views()[hypothesis.candidate.first],
                &second = map_.views.views()[hypothesis.candidate.second];
     return {map_.views.KeyFrameOf(first).id, map_.views.KeyFrameOf(second).id, hypothesis.inliers.size(),

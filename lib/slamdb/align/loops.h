@@ -25,13 +25,6 @@ enum class LoopVerdict {
 // `missed`, `closed`, `doubtful`, `refuted`.
 [[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(LoopVerdict verdict);
 
-// Two keyframes, the first of them earlier, and how they really lie to each other.
-struct LoopPair {
-  KeyFrameId first, second;
-  std::uint64_t inliers = 0;       // points of both that agree on it
-  Similarity3d first_from_second;  // of left cameras; its scale is a length of the first per length of the second
-};
-
 // What a verdict rests on: keyframes and points about both ends alone, as a map that drifted fits nowhere else.
 struct LoopEvidence {
   std::uint64_t agreeing = 0;              // pairs of keyframes that agree
@@ -60,7 +53,7 @@ struct Loop {
   std::string reason;  // one sentence: what decided
   LoopGap gap;
   LoopEvidence evidence;
-  std::vector<LoopPair> pairs;         // that agree, most inliers first
+  std::vector<AlignedPair> pairs;      // that agree, most inliers first; the first of each is the earlier keyframe
   std::vector<MatchedPoints> matches;  // the first of the earlier end
 };
 

@@ -91,27 +91,24 @@ void SetPicture(View& view, const ImageBounds& bounds, const ScalePyramid& pyram
 
 KeypointCells::KeypointCells(std::span<const Keypoint> keypoints) : keypoints_(keypoints) {
   Eigen::AlignedBox2d extent;
-  const auto place = [](const Keypoint& keypoint) {
-    return Eigen::Vector2d(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
-  };
   for (const Keypoint& keypoint : keypoints)
-    if (const Eigen::Vector2d at = place(keypoint); at.allFinite()) extent.extend(at);
+    if (const Eigen::Vector2d at = PixelOf(keypoint); at.allFinite()) extent.extend(at);
   if (extent.isEmpty()) return;
   low_ = extent.min().array();
   cells_ = (extent.sizes().array() / kCell).min(kMostCells - 1).cast<int>() + 1;
   const auto cell_of = [&](const Keypoint& keypoint) {
-    const Eigen::Array2d at = (place(keypoint).array() - low_) / kCell;
+    const Eigen::Array2d at = (PixelOf(keypoint).array() - low_) / kCell;
     const Eigen::Array2i cell = at.max(0).min((cells_ - 1).cast<double>()).cast<int>();
     return static_cast<std::size_t>(cell.y() * cells_.x() + cell.x());
   };
   begins_.assign(static_cast<std::size_t>(cells_.prod()) + 1, 0);
   for (const Keypoint& keypoint : keypoints)
-    if (place(keypoint).allFinite()) ++begins_[cell_of(keypoint) + 1];
+    if (PixelOf(keypoint).allFinite()) ++begins_[cell_of(keypoint) + 1];
   for (std::size_t cell = 1; cell < begins_.size(); ++cell) begins_[cell] += begins_[cell - 1];
   rows_.resize(begins_.back());
   std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
   for (std::size_t row = 0; row < keypoints.size(); ++row)
-    if (place(keypoints[row]).allFinite()) rows_[next[cell_of(keypoints[row])]++] = static_cast<std::uint32_t>(row);
+    if (PixelOf(keypoints[row]).allFinite()) rows_[next[cell_of(keypoints[row])]++] = static_cast<std::uint32_t>(row);
 }
 
 double View::ScaleOf(std::int32_t octave) const {

@@ -52,9 +52,7 @@ class Joined {
   void VisitLinks(const Visit& visit) const {
     const std::size_t group = report_.aligned.places[root_].group;
     for (const MapLink& link : report_.aligned.links)
-      if ((link.use == LinkUse::kJoins || link.use == LinkUse::kCloses) &&
-          report_.aligned.places[link.first].group == group)
-        visit(link);
+      if (link.is_used() && report_.aligned.places[link.first].group == group) visit(link);
   }
 
   // Lengths of this map per length of one that went into it.

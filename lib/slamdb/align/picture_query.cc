@@ -20,10 +20,6 @@ constexpr double kSameCorner = 4;       // pixels at the octave: nearer keypoint
 constexpr double kLeastCosine = 0.5;    // of the angle to where a point was seen from: 60 degrees
 constexpr std::uint16_t kFar = 0x7FFF;  // more bits than there are
 
-Eigen::Vector2d PlaceOf(const Keypoint& keypoint) {
-  return {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
-}
-
 // What views saw of points: a look for each that looks different, those of one point side by side.
 struct Appearances {
   std::vector<Bits> looks;
@@ -148,7 +144,7 @@ class Matcher {
     const double same_corner = kSameCorner * picture_.ScaleOf(own.octave);
     for (std::uint32_t i = 0; i < to_keypoints_.size(); ++i)
       if (i != keypoint && to_keypoints_[i] < nearest &&
-          (PlaceOf(picture_.keypoints[i]) - PlaceOf(own)).norm() > same_corner)
+          (PixelOf(picture_.keypoints[i]) - PixelOf(own)).norm() > same_corner)
         nearest = to_keypoints_[i];
     return nearest;
   }

@@ -42,8 +42,7 @@ RobustNormal<7> Linearised(const MapViews& map, const View& view, std::span<cons
     motion.leftCols<3>() = Hat(point - camera_center);
     const Keypoint& keypoint = view.keypoints[match.keypoint];
     const double inverse_sigma = 1 / view.ScaleOf(keypoint.octave);
-    const Eigen::Vector2d place(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)),
-        from_center = shot.focal_factor * (pixel - image_center);
+    const Eigen::Vector2d place = PixelOf(keypoint), from_center = shot.focal_factor * (pixel - image_center);
     Eigen::Matrix<double, 2, 7> jacobian;
     jacobian.leftCols<6>() = shot.focal_factor * by_point * shot.pose.rotation * motion;
     jacobian.col(6) = from_center;

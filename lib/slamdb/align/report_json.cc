@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/align/report_json.h"
 
+#include "slamdb/align/detail/report_json.h"
 #include "slamdb/edit/merge/detail/report_json.h"
-#include "slamdb/model/detail/json.h"
 #include "slamdb/optimize/detail/report_json.h"
 
 namespace slamdb {
@@ -35,23 +35,12 @@ Json JsonOf(const Alignment& alignment) {
     json["precision"] = {{"rotation_degrees", precision.rotation_degrees},
                          {"translation", precision.translation},
                          {"scale", precision.scale}};
-    Json covariance = Json::array();
-    for (const auto& row : alignment.covariance.rowwise()) {
-      Json cells = Json::array();
-      for (const double cell : row) cells.push_back(cell);
-      covariance.push_back(cells);
-    }
-    json["covariance"] = covariance;
+    json["covariance"] = detail::MatrixJson(alignment.covariance);
     json["center"] = {alignment.center.x(), alignment.center.y(), alignment.center.z()};
   }
   json["scale_is_free"] = alignment.scale_is_free;
   json["evidence"] = JsonOf(alignment.evidence);
-  json["pairs"] = Json::array();
-  for (const AlignedPair& pair : alignment.pairs)
-    json["pairs"].push_back({{"first", detail::JsonId(pair.first)},
-                             {"second", detail::JsonId(pair.second)},
-                             {"inliers", pair.inliers},
-                             {"first_from_second", detail::JsonOf(pair.first_from_second)}});
+  json["pairs"] = detail::PairsJson(alignment.pairs);
   return json;
 }
 

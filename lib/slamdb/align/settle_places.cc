@@ -10,8 +10,6 @@ namespace {
 
 constexpr int kSweeps = 50;
 
-bool IsUsed(const MapLink& link) { return link.use == LinkUse::kJoins || link.use == LinkUse::kCloses; }
-
 // What the links of a map say about its place.
 class MeanPlace {
  public:
@@ -46,7 +44,7 @@ Similarity3d MeanPlaceOf(std::size_t map, const std::vector<MapLink>& links, boo
                          const std::vector<MapPlace>& places) {
   MeanPlace mean(places[map].group_from_map);
   for (const MapLink& link : links) {
-    if (!IsUsed(link) || (link.first != map && link.second != map)) continue;
+    if (!link.is_used() || (link.first != map && link.second != map)) continue;
     const Similarity3d& first_from_second = *link.alignment.first_from_second;
     const Eigen::Vector3d& center = link.alignment.center;
     const auto weight = static_cast<double>(link.alignment.evidence.points);
@@ -71,7 +69,7 @@ void SettlePlaces(const std::vector<MapLink>& links, const std::vector<MapTraits
   for (int sweep = 0; sweep < kSweeps; ++sweep)
     for (std::size_t map = 0; map < places.size(); ++map) {
       const bool alone = std::ranges::none_of(
-          links, [&](const MapLink& link) { return IsUsed(link) && (link.first == map || link.second == map); });
+          links, [&](const MapLink& link) { return link.is_used() && (link.first == map || link.second == map); });
       if (alone || anchor_of(places[map].group) == map) continue;
       places[map].group_from_map = MeanPlaceOf(map, links, maps[map].metric, places);
     }

@@ -72,9 +72,7 @@ class Picture {
     double least = kOwnRadius * kOwnRadius;
     view_.cells.VisitNear(pixel, kOwnRadius, [&](std::uint32_t row) {
       if (depths_[row] == 0) return;
-      const Eigen::Vector2d place(static_cast<double>(view_.keypoints[row].x),
-                                  static_cast<double>(view_.keypoints[row].y));
-      const double distance = (place - pixel).squaredNorm();
+      const double distance = (PixelOf(view_.keypoints[row]) - pixel).squaredNorm();
       if (distance >= least) return;
       least = distance;
       nearest = depths_[row];

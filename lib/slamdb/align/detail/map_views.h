@@ -14,6 +14,10 @@
 
 namespace slamdb::detail {
 
+inline Eigen::Vector2d PixelOf(const Keypoint& keypoint) {
+  return {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)};
+}
+
 // The keypoints of a picture by the cell that they are in, for look-up by place.
 class KeypointCells {
  public:
