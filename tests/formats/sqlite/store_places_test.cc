@@ -85,7 +85,9 @@ TEST(PlaceWords, AreTheSameForever) {
 
 TEST_F(StorePlaces, RowsFollowAnyEdits) {
   Atlas atlas = OddAtlas();
-  for (KeyFrame& keyframe : Room(3).maps[0].keyframes) atlas.maps[0].keyframes.push_back(keyframe);
+  const Atlas room = Room(3);
+  atlas.maps[0].keyframes.insert(atlas.maps[0].keyframes.end(), room.maps[0].keyframes.begin(),
+                                 room.maps[0].keyframes.end());
   std::mt19937 random(7);
   const auto pick = [&](std::size_t size) { return static_cast<std::ptrdiff_t>(random() % size); };
   for (int step = 0; step < 40; ++step) {
