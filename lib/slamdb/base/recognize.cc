@@ -245,7 +245,7 @@ constexpr Known kKnown[] = {
      IsBinaryVocabulary},
     {"vocabulary-yaml", 0, "", "a DBoW2 vocabulary as YAML, which ORB-SLAM3 does not read", "save it as text",
      IsVocabularyYaml},
-    {"osmap", 0, "", "the header of an osmap map (ORB-SLAM2), which slamdb does not read", "", IsOsmapHeader},
+    {"osmap", 0, "", "the header of an osmap map (ORB-SLAM2)", "", IsOsmapHeader},
     {"yaml", 0, "", "a YAML file of OpenCV, such as the settings of ORB-SLAM3",
      "the atlas is the .osa file that System.SaveAtlasToFile names in it", IsCameraSettings},
     {"colmap-points", 0, "# 3D point list with one line of data per point"sv,
@@ -297,8 +297,8 @@ std::optional<Recognized> Recognize(const Probe& probe) {
   for (const Known& known : kKnown)
     if (known.is != nullptr ? known.is(probe) : HasAt(head, known.offset, known.signature)) return Make(known);
   if (const std::string_view part = OsmapPart(probe); !part.empty())
-    return Recognized{"osmap", ErrorKind::kUnsupported,
-                      Concat("the ", part, " of an osmap map (ORB-SLAM2), which slamdb does not read"), ""};
+    return Recognized{"osmap", ErrorKind::kUnsupported, Concat("the ", part, " of an osmap map (ORB-SLAM2)"),
+                      "give its .yaml file"};
   if (auto mrpt = RecognizeMrpt(head)) return mrpt;
   if (IsArchive(probe))
     return Recognized{"archive", ErrorKind::kUnsupported, "an atlas of ORB-SLAM3, or another archive of Boost", ""};

@@ -19,6 +19,7 @@
 #include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "slamdb/formats/orbslam2/detail/orbslam2.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/formats/pcd/detail/pcd.h"
 #include "slamdb/formats/ply/detail/ply.h"
 #include "slamdb/formats/sqlite/detail/store_format.h"
@@ -29,26 +30,13 @@ namespace slamdb {
 // In the order in which sniffers are asked: formats with a signature before those that are only lines of numbers.
 std::span<const Format> Formats() {
   static const std::array kFormats = {
-      kOrbslam3Format,
-      kOrbslam3TextFormat,
-      detail::kOrbslam2Format,
-      detail::kStoreFormat,
-      detail::kMrptFormat,
-      detail::kMrpt3Format,
-      detail::kMrptTextFormat,
-      detail::kPlyFormat,
-      detail::kPcdFormat,
-      detail::kGltfFormat,
-      detail::kMcapFormat,
-      detail::kKmlFormat,
-      detail::kGeojsonFormat,
-      detail::kNdjsonFormat,
-      detail::kCsvFormat,
-      detail::kCsvKeyFramesFormat,
-      detail::kCsvObservationsFormat,
-      detail::kEurocFormat,
-      detail::kTumFormat,
-      detail::kKittiFormat,
+      kOrbslam3Format,      kOrbslam3TextFormat,         detail::kOrbslam2Format,
+      detail::kOsmapFormat, detail::kStoreFormat,        detail::kMrptFormat,
+      detail::kMrpt3Format, detail::kMrptTextFormat,     detail::kPlyFormat,
+      detail::kPcdFormat,   detail::kGltfFormat,         detail::kMcapFormat,
+      detail::kKmlFormat,   detail::kGeojsonFormat,      detail::kNdjsonFormat,
+      detail::kCsvFormat,   detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
+      detail::kEurocFormat, detail::kTumFormat,          detail::kKittiFormat,
   };
   return kFormats;
 }

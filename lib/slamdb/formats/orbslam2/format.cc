@@ -72,7 +72,7 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices& notices) {
   atlas.next_ids.map_point = recorded.next_point;
   MakeCameras(atlas);
   for (KeyFrame& keyframe : map.keyframes) FillSizes(keyframe);
-  detail::CompleteAtlas(atlas, detail::kOrbslam2Format.id, options.threads, notices);
+  detail::CompleteAtlas(atlas, "ORB-SLAM2", options.threads, notices);
   Select(options.selection, map);
   if (options.selection.map && *options.selection.map != map.id) atlas.maps.clear();
   return atlas;
