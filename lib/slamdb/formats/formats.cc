@@ -12,6 +12,7 @@
 #include "slamdb/formats/csv/detail/csv.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
+#include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/geographic/detail/geographic.h"
 #include "slamdb/formats/gltf/detail/gltf.h"
 #include "slamdb/formats/mcap/detail/mcap.h"
@@ -24,6 +25,7 @@
 #include "slamdb/formats/ply/detail/ply.h"
 #include "slamdb/formats/sqlite/detail/store_format.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
+#include "slamdb/formats/vins/detail/vins.h"
 
 namespace slamdb {
 

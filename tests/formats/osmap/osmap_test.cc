@@ -330,7 +330,7 @@ TEST_F(Osmap, GivesBackRealMaps) {
 }
 
 TEST_F(Osmap, ReplacesSidesOnlyWhenTold) {
-  const Atlas atlas = SynthesizeAtlas({.keyframes = 3, .points = 50, .features = 50});
+  const Atlas atlas = SynthesizeAtlas({.keyframes = 4, .points = 50, .features = 100});
   folder_.Make("map.features", "mine");
   EXPECT_THROW(osmap::Write(atlas, folder_.Path("map.yaml"), {}, notices_), Error);
   EXPECT_THAT(folder_.Names(), ElementsAre("map.features"));
@@ -340,14 +340,14 @@ TEST_F(Osmap, ReplacesSidesOnlyWhenTold) {
 }
 
 TEST_F(Osmap, RefusesIdsThatItCannotHold) {
-  Atlas atlas = SynthesizeAtlas({.keyframes = 3, .points = 50, .features = 50});
+  Atlas atlas = SynthesizeAtlas({.keyframes = 4, .points = 50, .features = 100});
   atlas.maps[0].points[0].id = MapPointId(std::uint64_t{1} << 33U);
   EXPECT_THROW(osmap::Write(atlas, folder_.Path("map.yaml"), {}, notices_), Error);
   EXPECT_TRUE(folder_.Names().empty());
 }
 
 TEST_F(Osmap, NamesMapsThatItLeavesOut) {
-  const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 5, .points = 60, .features = 50});
+  const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 5, .points = 60, .features = 100});
   osmap::Write(atlas, folder_.Path("map.yaml"), {}, notices_);
   EXPECT_THAT(notices_.items(), Contains(Field(&Notice::text, HasSubstr("left out is map "))));
 }

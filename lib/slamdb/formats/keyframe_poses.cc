@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/keyframe_poses.h"
+
+#include "slamdb/formats/detail/choose.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/g2o/detail/g2o.h"
+#include "slamdb/formats/trajectories.h"
+
+namespace slamdb {
+namespace {
+
+std::vector<KeyFramePose> OfTrajectories(const HeldSource& held, const ReadOptions& options, Notices& notices) {
+  std::vector<KeyFramePose> poses;
+  for (const MapTrajectory& map : ReadTrajectories(held, options, &notices))
+    for (const TrajectoryPose& pose : map.poses)
+      poses.push_back({.timestamp = pose.timestamp, .world_from_camera = {1, pose.rotation, pose.position}});
+  return poses;
+}
+
+std::vector<KeyFramePose> OfAtlas(const Atlas& atlas) {
+  std::vector<KeyFramePose> poses;
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) {
+      if (keyframe.bad) continue;
+      const Rigid3f& recorded = keyframe.camera_from_world;
+      const Similarity3d camera_from_world{1, Eigen::Quaternionf(recorded.rotation).cast<double>().normalized(),
+                                           recorded.translation.cast<double>()};
+      poses.push_back({keyframe.id, keyframe.timestamp, camera_from_world.Inverse()});
+    }
+  return poses;
+}
+
+}  // namespace
+
+std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held, const ReadOptions& options, Notices* notices) {
+  Notices unheard;
+  Notices& heard = notices == nullptr ? unheard : *notices;
+  ReadOptions poses = options;
+  poses.needs = Content::kPoses;
+  poses.features = FeatureColumns::kNone;
+  const Format& format = detail::FormatToRead(held.source(), poses);
+  if (IsTrajectory(format)) return OfTrajectories(held, poses, heard);
+  if (format.id == detail::kG2oFormat.id) return detail::ReadG2oPoses(held.source(), heard);
+  return OfAtlas(ReadAtlas(held, poses, &heard));
+}
+
+}  // namespace slamdb
