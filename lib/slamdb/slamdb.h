@@ -70,6 +70,7 @@
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/geographic/options.h"
 #include "slamdb/formats/info.h"
+#include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/location.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/ndjson/json.h"
