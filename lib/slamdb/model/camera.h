@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "slamdb/model/carried.h"
 #include "slamdb/model/ids.h"
 
 namespace slamdb {
@@ -20,6 +21,7 @@ struct Camera {
   std::uint32_t recorded_type = 0;            // mnType, which should agree with the class: 0 pinhole, 1 fisheye
   std::vector<float> parameters;              // mvParameters
   float precision = 1e-6F;                    // KannalaBrandt8 only: where its unprojection stops iterating
+  Boxed<Carried> carried;                     // of a fork's file; null as a rule
 };
 
 }  // namespace slamdb

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "slamdb/model/carried.h"
 #include "slamdb/model/features.h"
 #include "slamdb/model/flag.h"
 
@@ -49,6 +50,7 @@ struct MapPoint {
   KeyFrameId reference;                      // reference keyframe; uninitialised if not in the map   mBackupRefKFId
   MapPointId replaced_by;                    // fused into                       mBackupReplacedId
   float min_distance = 0, max_distance = 0;  // scale-invariance range           mfMinDistance, mfMaxDistance
+  Boxed<Carried> carried;                    // of a fork's file; null as a rule
 
   bool has_descriptor() const {
     return descriptor_form == MatrixForm::kUsual || descriptor_form == MatrixForm::kUsualNotContinuous;
