@@ -88,6 +88,12 @@ struct KeyFrame {
   Flag has_velocity;                                        //                                         mbHasVelocity
 
   Boxed<Carried> carried;  // of a fork's file; null as a rule
+
+  // How many keypoints have a descriptor, ORB's or another.
+  std::size_t descriptor_count() const {
+    if (carried && carried->descriptors.columns != 0) return static_cast<std::size_t>(carried->descriptors.rows);
+    return features.descriptors.size();
+  }
 };
 
 }  // namespace slamdb

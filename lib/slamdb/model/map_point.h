@@ -55,6 +55,8 @@ struct MapPoint {
   bool has_descriptor() const {
     return descriptor_form == MatrixForm::kUsual || descriptor_form == MatrixForm::kUsualNotContinuous;
   }
+  // Whether it has one of another kind than ORB's.
+  bool has_other_descriptor() const { return carried && carried->descriptors.columns != 0; }
   // Whether anything is recorded that ORB-SLAM3 has in memory only.
   bool has_tracking() const { return origin_map != kNoOrigin || visible_count != kNoCount || found_count != kNoCount; }
 };

@@ -181,7 +181,8 @@ void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
     Camera& camera = atlas.cameras.emplace_back();
     carried.Read(CarriedCameraRow(row, atlas.cameras.size() - 1), camera.carried);
     camera.id = CameraId(static_cast<std::uint64_t>(statement.Integer(0)));
-    camera.model = static_cast<CameraModel>(statement.Integer(1) & 1);
+    const std::int64_t model = statement.Integer(1);
+    camera.model = model == 2 ? CameraModel::kEquirectangular : static_cast<CameraModel>(model & 1);
     camera.recorded_type = static_cast<std::uint32_t>(statement.Integer(2));
     const Bytes exact = statement.Blob(5);
     if (exact.empty()) {
