@@ -147,6 +147,12 @@ TEST(Orbslam2, ReadsWhatBoostWrote) {
   EXPECT_EQ(map.points[1].max_distance, 2);
   EXPECT_EQ(map.points[1].found_count, 1);
   EXPECT_EQ(atlas.next_ids.map_point, 9U);
+  // Descriptors of 8 floats, which are no ORB.
+  ASSERT_TRUE(first.carried);
+  EXPECT_EQ(first.carried->descriptors.rows, 2);
+  EXPECT_EQ(first.carried->descriptors.columns, 8);
+  EXPECT_EQ(first.carried->descriptors.type, 5);
+  EXPECT_EQ(map.points[0].carried->descriptors.data.size(), 32U);
 }
 
 TEST(Orbslam2, GivesBackWhatAnEncoderOfItsOwnWrote) { ExpectGivenBack(MonocularAtlas()); }

@@ -51,8 +51,6 @@ void Tell(const orbslam2::RecordedMap& recorded, Notices& notices) {
     notices.Warn(
         Concat("not in the map, but linked to it, and not flagged bad: ", Counted(recorded.loose_keyframes, "keyframe"),
                ", ", Counted(recorded.loose_points, "map point"), "; they are kept"));
-  if (recorded.odd_descriptors > 0)
-    notices.Lose(Concat(Counted(recorded.odd_descriptors, "descriptor"), " left out that are not 32 bytes"));
 }
 
 void Select(const Selection& selection, Map& map) {

@@ -329,13 +329,13 @@ class MapReader {
 
   void ReadPointMatrices(MapPoint& point) {
     archive_.TakeFloats("mNormalVector", point.normal.data(), 3, 1);
-    const Matrix descriptor = archive_.TakeMatrix("mDescriptor");
+    Matrix descriptor = archive_.TakeMatrix("mDescriptor");
     if (IsOrb(descriptor) && descriptor.rows == 1) {
       std::memcpy(point.descriptor.data(), descriptor.data.data(), sizeof(Descriptor));
       return;
     }
     point.descriptor_form = MatrixForm::kEmpty;
-    recorded_.odd_descriptors += descriptor.data.empty() ? 0 : 1;
+    if (!descriptor.data.empty()) point.carried.Make().descriptors = std::move(descriptor);
   }
 
   // The row of a keypoint, of 64 bits.
@@ -452,13 +452,13 @@ class MapReader {
     archive_.TakeKeypoints("mvKeysUn", features.undistorted);
     archive_.TakeNumbers("mvuRight", WireClass::kFloats, features.right_x);
     archive_.TakeNumbers("mvDepth", WireClass::kFloats, features.depth);
-    const Matrix descriptors = archive_.TakeMatrix("mDescriptors");
+    Matrix descriptors = archive_.TakeMatrix("mDescriptors");
     if (IsOrb(descriptors)) {
       features.descriptors.resize(static_cast<std::size_t>(descriptors.rows));
       if (!descriptors.data.empty())
         std::memcpy(features.descriptors.data(), descriptors.data.data(), descriptors.data.size());
     } else if (!descriptors.data.empty()) {
-      recorded_.odd_descriptors += static_cast<std::uint64_t>(descriptors.rows);
+      keyframe.carried.Make().descriptors = std::move(descriptors);
     }
     archive_.TakeBagOfWords(features.bag_of_words);
     archive_.TakeFeatureVector(features.feature_vector);

@@ -11,7 +11,6 @@ struct RecordedMap {
   std::uint64_t next_keyframe = 0, next_point = 0;  // static members, the largest recorded
   // Neither flagged bad nor in the map's own sets.
   std::uint64_t loose_keyframes = 0, loose_points = 0;
-  std::uint64_t odd_descriptors = 0;  // descriptors of keyframes and points that are not 32 bytes
 };
 
 // Throws Error.

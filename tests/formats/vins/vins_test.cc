@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/vins/detail/vins.h"
+
+#include <gmock/gmock.h>
+
+#include "slamdb/base/error.h"
+#include "slamdb/model/derive.h"
+#include "tests/support/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+
+// index, time, position and optimised position, rotation and optimised rotation, loop, what was measured of it,
+// number of keypoints.
+const std::string kGraph =
+    " 0 100.5 9 9 9 1 2 3 1 0 0 0 1 0 0 0 -1 0 0 0 0 0 0 0 0 2\n"
+    " 1 101.5 9 9 9 4 5 6 1 0 0 0 0 0 0 1 -1 0 0 0 0 0 0 0 0 0\n"
+    " 2 102.5 9 9 9 1 2 4 1 0 0 0 1 0 0 0 0 0.1 0 0 1 0 0 0 5 0\n";
+
+std::string Bits(std::size_t lowest) {
+  std::string bits(256, '0');
+  bits[255 - lowest] = '1';
+  return bits + "\n";
+}
+
+class Vins : public ::testing::Test {
+ protected:
+  Atlas Read(const std::string& graph) {
+    std::filesystem::remove(folder_.Path("pose_graph.txt"));
+    folder_.Make("pose_graph.txt", graph);
+    notices_ = {};
+    return detail::kVinsFormat.read(folder_.path().string(), {}, notices_);
+  }
+  std::string Refusal(const std::string& graph) {
+    try {
+      Read(graph);
+    } catch (const Error& error) {
+      return error.place() + ": " + error.problem();
+    }
+    return "read";
+  }
+
+  TemporaryFolder folder_;
+  Notices notices_;
+};
+
+TEST_F(Vins, ReadsPosesLoopsAndKeypoints) {
+  folder_.Make("0_keypoints.txt", "10.5 20 0.1 0.2\n30 40 0.3 0.4\n");
+  folder_.Make("0_briefdes.dat", Bits(0) + Bits(9));
+  const Atlas atlas = Read(kGraph);
+  const Map& map = atlas.maps[0];
+  ASSERT_EQ(map.keyframes.size(), 3U);
+  EXPECT_EQ(map.keyframes[0].timestamp, 100.5);
+  EXPECT_EQ(CameraCenter(map.keyframes[0]), Eigen::Vector3f(1, 2, 3));
+  EXPECT_TRUE(CameraCenter(map.keyframes[1]).isApprox(Eigen::Vector3f(4, 5, 6)));
+  EXPECT_EQ(map.keyframes[1].camera_from_world.rotation.z(), -1);
+  EXPECT_EQ(map.keyframes[2].parent, KeyFrameId(1));
+  EXPECT_THAT(map.keyframes[0].loop_edges, ElementsAre(KeyFrameId(2)));
+  EXPECT_THAT(map.keyframes[2].loop_edges, ElementsAre(KeyFrameId(0)));
+  const Features& features = map.keyframes[0].features;
+  ASSERT_EQ(features.keypoints.size(), 2U);
+  EXPECT_EQ(features.keypoints[0].x, 10.5F);
+  EXPECT_EQ(features.descriptors[0][0], 1);
+  EXPECT_EQ(features.descriptors[1][1], 2);
+}
+
+TEST_F(Vins, SaysWhatIsMissing) {
+  Read(kGraph + " 3 103 9 9 9 1 2 4 1 0 0 0 1 0 0 0 77 0 0 0 1 0 0 0 0 0\n");
+  EXPECT_THAT(notices_.items(),
+              Contains(Field(&Notice::text, HasSubstr("1 keyframe without the file of its keypoints"))));
+  EXPECT_THAT(notices_.items(), Contains(Field(&Notice::text, HasSubstr("1 loop left out"))));
+}
+
+TEST_F(Vins, IsToldByItsGraph) {
+  EXPECT_FALSE(detail::kVinsFormat.sniff(Probe::Of(folder_.path().string())));
+  folder_.Make("pose_graph.txt", kGraph);
+  EXPECT_TRUE(detail::kVinsFormat.sniff(Probe::Of(folder_.path().string())));
+}
+
+TEST_F(Vins, BadLinesAreErrorsWithTheirPlace) {
+  EXPECT_THAT(Refusal("0 1 2\n"), HasSubstr("line 1: expected 26 numbers, found in place of number 4"));
+  EXPECT_THAT(Refusal("0.5" + kGraph.substr(2)), HasSubstr("line 1: number 1 must be a whole one"));
+  std::string no_turn = kGraph;
+  no_turn.replace(no_turn.find(" 1 0 0 0 -1"), 8, " 0 0 0 0");
+  EXPECT_THAT(Refusal(no_turn), HasSubstr("a quaternion of length 0"));
+  folder_.Make("0_keypoints.txt", "1 2 3 4\n");
+  folder_.Make("0_briefdes.dat", "0101\n");
+  EXPECT_THAT(Refusal(kGraph), HasSubstr("expected a descriptor of 256 digits"));
+}
+
+TEST_F(Vins, AnyCutIsReadOrRefused) {
+  for (std::size_t size = 0; size < kGraph.size(); ++size) Refusal(kGraph.substr(0, size));
+}
+
+}  // namespace
+}  // namespace slamdb
