@@ -8,6 +8,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/options.h"
+#include "cli/reconstructions.h"
 #include "cli/report/layout.h"
 #include "cli/selected.h"
 #include "cli/times.h"
@@ -31,6 +32,7 @@ struct ConvertOptions {
   TargetOptions target;
   SelectionOptions selection;
   ViewerOptions viewers;
+  ReconstructionOptions reconstructions;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false;
   bool mrpt_own_slots = false, json = false, dry_run = false;
   std::optional<int> long_bytes;
@@ -73,6 +75,7 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   write.of<Orbslam3WriteOptions>().long_bytes = options.long_bytes;
   write.of<ExportOptions>().map = selection.map;
   SetViewerOptions(options.viewers, options.ascii, write);
+  SetReconstructionOptions(options.reconstructions, write);
   write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
   write.of<MrptWriteOptions>().own_slots = options.mrpt_own_slots;
   return write;
@@ -146,6 +149,7 @@ void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
   RefuseIdleViewerOptions(output, options.viewers);
+  RefuseIdleReconstructionOptions(output, options.reconstructions);
   if (options.long_bytes && !output.id.starts_with("orbslam3"))
     RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
@@ -179,6 +183,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
 
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.of<TrajectoryReadOptions>() = options.times.ForReading();
+  SetReconstructionOptions(options.reconstructions, read);
   const HeldSource held = HoldInput(input, read);
   if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
   read.selection = ParseSelection(options.selection, held, read);
@@ -233,6 +238,7 @@ Run AddConvert(CLI::App& verb) {
   verb.add_flag("--dry-run", options->dry_run, "Say what would be written and lost, and write nothing");
   BindFormatOptions(verb, *options);
   AddViewerOptions(verb, options->viewers);
+  AddReconstructionOptions(verb, options->reconstructions);
   AddSelection(verb, options->selection);
   return [options](Console& console) { return RunConvert(*options, console); };
 }

@@ -63,6 +63,7 @@
 #include "slamdb/evaluate/error_statistics.h"
 #include "slamdb/evaluate/evaluate.h"
 #include "slamdb/evaluate/limits.h"
+#include "slamdb/formats/colmap/options.h"
 #include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/export/options.h"

@@ -9,6 +9,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/colmap/detail/colmap.h"
 #include "slamdb/formats/csv/detail/csv.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
@@ -32,7 +33,8 @@ std::span<const Format> Formats() {
       detail::kMrpt3Format,  detail::kMrptTextFormat, detail::kPlyFormat,          detail::kPcdFormat,
       detail::kGltfFormat,   detail::kMcapFormat,     detail::kKmlFormat,          detail::kGeojsonFormat,
       detail::kNdjsonFormat, detail::kCsvFormat,      detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
-      detail::kEurocFormat,  detail::kTumFormat,      detail::kKittiFormat,
+      detail::kEurocFormat,  detail::kTumFormat,      detail::kKittiFormat,        detail::kColmapFormat,
+      detail::kColmapTextFormat, detail::kColmapDatabaseFormat,
   };
   return kFormats;
 }
