@@ -37,7 +37,7 @@ struct Unread {
   std::uint64_t moved_models = 0;  // whose ids others had
   std::uint64_t rigs = 0;          // of other kinds than a fisheye stereo pair
   std::uint64_t strangers = 0;     // images that the database has not
-  std::uint64_t descriptors = 0;   // that are not ORB's
+  std::uint64_t descriptors = 0;   // of keypoints, that are not ORB's
   std::uint64_t undescribed = 0;   // keypoints without descriptor
 };
 
@@ -235,11 +235,27 @@ class MapMaker {
     if (place.right) AddRight(model_.images[*place.right], place, keyframe);
     Features& features = keyframe.features;
     if (settings.camera.model == CameraModel::kPinhole) Undistort(settings, features);
-    if (features.descriptors.size() != features.map_points.size()) {
-      unread_.undescribed += features.map_points.size();
-      features.descriptors.clear();
-    }
+    SetDescriptors(keyframe);
     return keyframe;
+  }
+
+  // Of all keypoints or of none: ORB's are columns, others travel along.
+  void SetDescriptors(KeyFrame& keyframe) {
+    constexpr std::int32_t kBytes = 0;  // OpenCV's type code
+    Features& features = keyframe.features;
+    const std::size_t count = features.map_points.size();
+    const bool whole = descriptor_bytes_ > 0 && descriptors_.size() == count * descriptor_bytes_;
+    if (whole && descriptor_bytes_ == sizeof(Descriptor)) {
+      features.descriptors.resize(count);
+      if (count > 0) std::memcpy(features.descriptors.front().data(), descriptors_.data(), descriptors_.size());
+    } else if (whole && count > 0) {
+      keyframe.carried.Make().descriptors = {static_cast<std::int32_t>(count),
+                                             static_cast<std::int32_t>(descriptor_bytes_), kBytes, true, descriptors_};
+      unread_.descriptors += count;
+    } else {
+      unread_.undescribed += count;
+    }
+    descriptors_.clear();
   }
 
   void AddRight(const Image& image, const Place& place, KeyFrame& keyframe) {
@@ -252,7 +268,24 @@ class MapMaker {
     keyframe.half_baseline = keyframe.intrinsics.baseline / 2;
     features.left_count = static_cast<std::int32_t>(features.keypoints.size());
     AddKeypoints(image, features.right_keypoints, features);
+    MatchSides(features);
     features.right_count = static_cast<std::int32_t>(features.right_keypoints.size());
+  }
+
+  // Keypoints of both sides that are the same point.
+  static void MatchSides(Features& features) {
+    const auto left = static_cast<std::size_t>(features.left_count);
+    features.right_of_left.assign(left, -1);
+    features.left_of_right.assign(features.right_keypoints.size(), -1);
+    std::unordered_map<std::uint64_t, std::size_t> left_of_point;
+    for (std::size_t row = 0; row < left; ++row)
+      if (features.map_points[row]) left_of_point.emplace(features.map_points[row].value(), row);
+    for (std::size_t row = left; row < features.map_points.size(); ++row) {
+      const auto match = left_of_point.find(features.map_points[row].value());
+      if (match == left_of_point.end()) continue;
+      features.right_of_left[match->second] = static_cast<std::int32_t>(row - left);
+      features.left_of_right[row - left] = static_cast<std::int32_t>(match->second);
+    }
   }
 
   static void SetCalibration(const CameraSettings& settings, KeyFrame& keyframe) {
@@ -291,11 +324,11 @@ class MapMaker {
     }
     if (strange) unread_.undistorted += image.points.size();
     features.count = static_cast<std::int32_t>(features.map_points.size());
-    if (database_ != nullptr) AddKnown(image, keypoints, features);
+    if (database_ != nullptr) AddKnown(image, keypoints);
   }
 
   // What the database has of the image.
-  void AddKnown(const Image& image, Column<Keypoint>& keypoints, Features& features) {
+  void AddKnown(const Image& image, Column<Keypoint>& keypoints) {
     const std::optional<ImageFeatures> known = database_->Find(image);
     if (!known) {
       ++unread_.strangers;
@@ -303,14 +336,8 @@ class MapMaker {
     }
     for (std::size_t row = 0; row < known->scales.size(); ++row)
       SetShape(known->scales[row], known->angles[row], keypoints[row]);
-    if (known->descriptor_bytes != sizeof(Descriptor)) {
-      unread_.descriptors += known->descriptor_bytes == 0 ? 0 : keypoints.size();
-      return;
-    }
-    const std::size_t before = features.descriptors.size();
-    features.descriptors.resize(before + keypoints.size());
-    if (!keypoints.empty())
-      std::memcpy(features.descriptors[before].data(), known->descriptors.data(), known->descriptors.size());
+    descriptor_bytes_ = known->descriptor_bytes;
+    descriptors_.insert(descriptors_.end(), known->descriptors.begin(), known->descriptors.end());
   }
 
   // Pyramids are of eight levels of 1.2, as ORB-SLAM3's examples have them.
@@ -353,6 +380,8 @@ class MapMaker {
   std::unordered_map<std::uint32_t, CameraSettings> settings_;
   std::unordered_map<std::uint32_t, const Camera*> colmap_cameras_;
   std::unordered_set<std::uint64_t> known_points_, points_seen_;
+  Column<std::byte> descriptors_;  // of the keyframe so far
+  std::size_t descriptor_bytes_ = 0;
 };
 
 // COLMAP counts ids of each model from 1 on, and an atlas has each id once.
@@ -429,8 +458,10 @@ void Tell(const Unread& unread, bool has_database, Notices& notices) {
   lose(unread.names, "image", "lose their names, which are no times: timestamps are their order, in seconds");
   lose(unread.undistorted, "keypoint",
        "are of lenses that slamdb has not, and are read where a lens without distortion would see them");
-  lose(unread.descriptors, "keypoint", "lose their descriptors, which are not the 32 bytes of ORB");
-  if (unread.undescribed > 0 && unread.descriptors == 0)
+  if (unread.descriptors > 0)
+    notices.Warn(Concat(Counted(unread.descriptors, "keypoint"),
+                        " have descriptors that are not the 32 bytes of ORB: they are kept, and points have none"));
+  if (unread.undescribed > 0)
     notices.Warn(Concat(Counted(unread.undescribed, "keypoint"), " and all points have no ORB descriptors: ",
                         has_database ? "the database has none of them"
                                      : "a model has none; ColmapReadOptions::database names the database that has"));

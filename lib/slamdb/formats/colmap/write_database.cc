@@ -51,6 +51,20 @@ std::vector<KeypointRow> RowsOf(const Column<Keypoint>& keypoints, const ScalePy
   return rows;
 }
 
+// ORB's, or those that travel with the keyframe.
+struct Described {
+  Bytes bytes;
+  std::size_t each = 0;  // bytes
+};
+
+Described DescriptorsOf(const KeyFrame& keyframe) {
+  const Column<Descriptor>& column = keyframe.features.descriptors;
+  if (!column.empty()) return {std::as_bytes(std::span(column)), sizeof(Descriptor)};
+  if (!keyframe.carried || keyframe.carried->descriptors.rows <= 0) return {};
+  const Column<std::byte>& data = keyframe.carried->descriptors.data;
+  return {data, data.size() / static_cast<std::size_t>(keyframe.carried->descriptors.rows)};
+}
+
 // ---- pairs of images
 
 using Match = std::array<std::uint32_t, 2>;
@@ -201,7 +215,7 @@ void DatabaseWriter::AddImages() {
   const bool is_new = schema_ == ColmapSchema::kNew;
   Statement images(database_, "INSERT INTO images (image_id, name, camera_id) VALUES (?1, ?2, ?3)");
   Statement keypoints(database_, "INSERT INTO keypoints VALUES (?1, ?2, 4, ?3)");
-  Statement descriptors(database_, "INSERT INTO descriptors (image_id, rows, cols, data) VALUES (?1, ?2, 32, ?3)");
+  Statement descriptors(database_, "INSERT INTO descriptors (image_id, rows, cols, data) VALUES (?1, ?2, ?3, ?4)");
   std::optional<Statement> frames, data;
   if (is_new) {
     frames.emplace(database_, "INSERT INTO frames VALUES (?1, ?2)");
@@ -226,10 +240,11 @@ void DatabaseWriter::AddFeatures(const View& view, Statement& keypoints, Stateme
   const auto count = static_cast<std::int64_t>(rows.size());
   keypoints_ += rows.size();
   keypoints.Bind(1, view.image).Bind(2, count).BindBlob(3, BytesOf(rows)).Run();
-  const Column<Descriptor>& column = view.keyframe->features.descriptors;
-  if (column.size() < of_view.first_row + rows.size() || rows.empty()) return;
-  const std::span of_image = std::span(column).subspan(of_view.first_row, rows.size());
-  descriptors.Bind(1, view.image).Bind(2, count).BindBlob(3, BytesOf(of_image)).Run();
+  const Described described = DescriptorsOf(*view.keyframe);
+  const std::size_t begin = of_view.first_row * described.each;
+  if (rows.empty() || described.each == 0 || described.bytes.size() < begin + rows.size() * described.each) return;
+  descriptors.Bind(1, view.image).Bind(2, count).Bind(3, static_cast<std::int64_t>(described.each));
+  descriptors.BindBlob(4, described.bytes.subspan(begin, rows.size() * described.each)).Run();
 }
 
 void DatabaseWriter::AddPairs(const MapOutline& map, const Model& model) {

@@ -21,6 +21,10 @@ bool IsSoundId(std::uint64_t id, std::uint32_t row, const IdTable& rows) {
   return id != kNoPoint && rows.Find(id) == row;
 }
 
+std::uint64_t CarriedRows(const KeyFrame& keyframe) {
+  return static_cast<std::uint64_t>(std::max(keyframe.carried->descriptors.rows, 0));
+}
+
 // Makes one model.
 class Maker {
  public:
@@ -66,7 +70,10 @@ class Maker {
     for (const Image& image : model_.images) unheld_.keypoints += image.points.size();
     for (const View& view : map_.views) {
       const Features& features = view.keyframe->features;
-      if (!view.right && !features.is_fisheye_stereo())
+      if (view.right) continue;
+      unheld_.descriptors += features.descriptors.size();
+      if (view.keyframe->carried) unheld_.descriptors += CarriedRows(*view.keyframe);
+      if (!features.is_fisheye_stereo())
         unheld_.stereo += static_cast<std::uint64_t>(
             std::ranges::count_if(features.right_x, [](float x) { return x >= 0; }));
     }
@@ -125,9 +132,17 @@ class Maker {
       if (observation.left >= 0) See(written.id, view, observation.left);
       if (observation.right >= 0) See(written.id, view, observation.right);
     }
+    if (model_.tracks.size() == written.track_begin + 1) ForgetLast();
     written.track_length = model_.tracks.size() - written.track_begin;
     model_.points.push_back(written);
     sources_.push_back(&point);
+  }
+
+  // COLMAP's bundle adjustment ends the program at points that one image alone sees.
+  void ForgetLast() {
+    model_.images[last_seen_].points[model_.tracks.back().row].point = kNoPoint;
+    model_.tracks.pop_back();
+    ++unheld_.alone;
   }
 
   // The keypoint `row` of the keyframe with that first view is the point.
@@ -143,6 +158,7 @@ class Maker {
       Column<Point2>& points = model_.images[view].points;
       if (at < points.size() && points[at].point == kNoPoint) {
         points[at].point = point;
+        last_seen_ = view;
         model_.tracks.push_back({map_.views[view].image, static_cast<std::uint32_t>(at)});
         return;
       }
@@ -159,6 +175,7 @@ class Maker {
       for (std::size_t row = 0; row < points.size() && first + row < slots.size(); ++row)
         if (slots[first + row] && points[row].point != slots[first + row].value()) ++unheld_.slots;
     }
+    unheld_.slots -= std::min(unheld_.slots, unheld_.alone);  // which were told
   }
 
   void AddErrors() {
@@ -179,6 +196,7 @@ class Maker {
   Unheld& unheld_;
   Model model_;
   std::vector<const MapPoint*> sources_;  // of Model::points
+  std::uint32_t last_seen_ = 0;           // the view of the last element of Model::tracks
 };
 
 }  // namespace
@@ -198,10 +216,15 @@ void Tell(const Outline& outline, const Unheld& unheld, std::string_view format,
   lose(unheld.bad_points, "point", "flagged bad");
   lose(unheld.strange_points, "point", "not finite, or with the id of another one");
   lose(unheld.observations, "observation", "by a keypoint that is not there, or that another point has");
-  lose(unheld.slots, "keypoint", "that names a point which does not name it");
+  lose(unheld.alone, "observation", "of points that no other image sees, at which COLMAP's bundle adjustment stops");
+  if (unheld.slots > 0)
+    notices.Lose(Concat("see no point now, since the point does not name them: ", Counted(unheld.slots, "keypoint")));
   if (unheld.stereo > 0)
     notices.Lose(Concat(format, " cannot hold right columns and depths of stereo keypoints (",
                         detail::Thousands(unheld.stereo), ")"));
+  if (unheld.descriptors > 0 && !with_database)
+    notices.Lose(
+        Concat(format, " cannot hold descriptors without a database (", detail::Thousands(unheld.descriptors), ")"));
   if (unheld.keypoints > 0)
     notices.Lose(Concat(format, " cannot hold ", with_database ? "scores" : "scales, angles and scores",
                         " of keypoints (", detail::Thousands(unheld.keypoints), ")"));

@@ -14,8 +14,10 @@ struct Unheld {
   std::uint64_t bad_points = 0;      // flagged bad
   std::uint64_t strange_points = 0;  // not finite, or with an id that another one of the map has, or none
   std::uint64_t observations = 0;    // of keypoints that are not there, or that another point has
+  std::uint64_t alone = 0;           // of points that no other image sees
   std::uint64_t slots = 0;           // keypoints that say they see a point which does not say so
   std::uint64_t stereo = 0;          // right columns and depths
+  std::uint64_t descriptors = 0;     // of keypoints, which a database holds
   std::uint64_t keypoints = 0;       // whose scales, angles and scores are not held
 };
 
