@@ -14,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool IsColmap(const Format& format) { return format.id.starts_with("colmap"); }
+bool NamesPictures(const Format& format) { return IsColmap(format) || format.id == "nerf" || format.id == "3dgs"; }
 bool IsModel(const Format& format) { return IsColmap(format) && format.is_folder; }
 
 KeyFramePictures PicturesOf(const std::string& named) {
@@ -49,7 +50,8 @@ void AddReconstructionOptions(CLI::App& verb, ReconstructionOptions& options) {
 
 void RefuseIdleReconstructionOptions(const Format& output, const ReconstructionOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
-  if (!options.images.empty() && !IsColmap(output)) RefuseUsage("--images is for reconstructions" + is);
+  if (!options.images.empty() && !NamesPictures(output))
+    RefuseUsage("--images is for COLMAP, NeRF and Gaussian splatting" + is);
   if (options.with_database && !IsModel(output)) RefuseUsage("--with-database is for COLMAP models" + is);
   const bool writes_database = options.with_database || (IsColmap(output) && !IsModel(output));
   if (!options.schema.empty() && !writes_database)

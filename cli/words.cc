@@ -21,6 +21,7 @@ constexpr std::array kWords = {
     Word{"Orbslam3WriteOptions::sanitize", "--sanitize"},
     Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
     Word{"ColmapReadOptions::database", "--database"},
+    Word{"KeyFramePictures::files names", "--images names"},
     Word{"StoreReadOptions::accept_edits", "`slamdb recover --accept-edits`"},
     Word{"SalvageAtlas", "`slamdb recover`"},
     Word{"`overwrite` of Store::Backup", "-O/--overwrite"},

@@ -130,6 +130,7 @@
 #include "slamdb/optimize/optimize.h"
 #include "slamdb/optimize/pose_graph.h"
 #include "slamdb/pictures/camera_settings.h"
+#include "slamdb/pictures/color_picture.h"
 #include "slamdb/pictures/picture_list.h"
 #include "slamdb/pictures/pictures.h"
 #include "slamdb/plot/alignment.h"

@@ -21,6 +21,7 @@
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/pcd/detail/pcd.h"
 #include "slamdb/formats/ply/detail/ply.h"
+#include "slamdb/formats/splats/detail/splats.h"
 #include "slamdb/formats/sqlite/detail/store_format.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 
@@ -34,7 +35,7 @@ std::span<const Format> Formats() {
       detail::kGltfFormat,   detail::kMcapFormat,     detail::kKmlFormat,          detail::kGeojsonFormat,
       detail::kNdjsonFormat, detail::kCsvFormat,      detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
       detail::kEurocFormat,  detail::kTumFormat,      detail::kKittiFormat,        detail::kColmapFormat,
-      detail::kColmapTextFormat, detail::kColmapDatabaseFormat,
+      detail::kColmapTextFormat, detail::kColmapDatabaseFormat, detail::kNerfFormat, detail::kGaussianFormat,
   };
   return kFormats;
 }

@@ -60,13 +60,13 @@ TEST(ColmapDatabase, HoldsWhatTheMapImplies) {
   EXPECT_EQ(Ask(path, "SELECT pair_id, rows, cols, hex(data) FROM matches"), pair + "|1|2|0000000000000000\n");
   // Second from first: -1 along x, so E = [-x] and F is not NULL.
   EXPECT_EQ(Ask(path, "SELECT pair_id, rows, config, length(F), H IS NULL, hex(tvec) FROM two_view_geometries"),
-            pair + "|1|2|72|1|000000000000F0BF00000000000000000000000000000000\n");
+            pair + "|1|2|72|1|000000000000F0BF00000000000000800000000000000080\n");
 }
 
 TEST(ColmapDatabase, OfTheNewSchemaHasRigsAndFrames) {
   const TemporaryFolder folder;
   const Atlas atlas = SynthesizeAtlas(
-      {.sensor = Sensor::kFisheyeStereo, .keyframes = 3, .points = 100, .features = 100});
+      {.sensor = Sensor::kFisheyeStereo, .keyframes = 3, .points = 100, .features = 250});
   const std::string path = Written(folder, atlas, ColmapSchema::kNew);
   EXPECT_EQ(Ask(path, "PRAGMA foreign_key_check"), "");
   EXPECT_EQ(Ask(path, "SELECT * FROM rigs"), "1|1|0\n");
@@ -79,7 +79,7 @@ TEST(ColmapDatabase, OfTheNewSchemaHasRigsAndFrames) {
 // x2' E x1 = 0, up to the noise of keypoints; and F likewise, in pixels.
 TEST(ColmapDatabase, GeometriesFitTheirMatches) {
   const TemporaryFolder folder;
-  const Atlas atlas = SynthesizeAtlas({.keyframes = 5, .points = 300, .features = 200, .pixel_noise = 0});
+  const Atlas atlas = SynthesizeAtlas({.keyframes = 5, .points = 300, .features = 400, .pixel_noise = 0});
   const std::string path = Written(folder, atlas);
   sqlite::Database database(path, sqlite::Access::kRead, 0);
   sqlite::Statement geometries(database, "SELECT pair_id, rows, data, F, E FROM two_view_geometries");

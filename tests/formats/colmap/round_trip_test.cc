@@ -110,7 +110,7 @@ std::vector<Way> Ways() {
 
 TEST(ColmapRoundTrip, OfEverySensor) {
   for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kFisheyeStereo}) {
-    const Atlas atlas = SynthesizeAtlas({.sensor = sensor, .maps = 2, .keyframes = 6, .points = 200, .features = 150});
+    const Atlas atlas = SynthesizeAtlas({.sensor = sensor, .maps = 2, .keyframes = 6, .points = 200, .features = 300});
     for (const Way& way : Ways()) ExpectSame(Through(atlas, way), atlas, way.database);
   }
 }
@@ -118,7 +118,7 @@ TEST(ColmapRoundTrip, OfEverySensor) {
 TEST(ColmapRoundTrip, OfLensesThatDistort) {
   for (const std::vector<float>& distortion :
        {std::vector<float>{-0.25F, 0.0625F, 0.001F, -0.002F}, std::vector<float>{-0.25F, 0.0625F, 0, 0, 0.01F}}) {
-    Atlas atlas = SynthesizeAtlas({.keyframes = 4, .points = 200, .features = 150});
+    Atlas atlas = SynthesizeAtlas({.keyframes = 4, .points = 200, .features = 300});
     SetDistortion(atlas, distortion);
     CameraSettings settings{.camera = atlas.cameras[0], .distortion = DistortionOf(atlas.maps[0].keyframes[0])};
     for (KeyFrame& keyframe : atlas.maps[0].keyframes) {

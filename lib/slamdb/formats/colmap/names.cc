@@ -71,6 +71,7 @@ void NameImages(Outline& outline, const KeyFramePictures& pictures) {
     for (View& view : map.views) {
       const PictureFile* file = view.right ? nullptr : files.Nearest(view.keyframe->timestamp);
       if (file == nullptr && !view.right && !pictures.files.empty()) ++outline.without_picture;
+      if (file != nullptr) view.picture = file->path;
       const std::string name = file == nullptr ? NameByTime(view) : files.NameOf(*file);
       view.name = name;
       if (!taken.insert(view.name).second) {

@@ -9,6 +9,7 @@
 
 #include "slamdb/formats/colmap/detail/database.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
+#include "slamdb/formats/colmap/detail/models.h"
 #include "slamdb/formats/colmap/detail/schemas.h"
 #include "slamdb/model/index.h"
 
@@ -119,14 +120,7 @@ Relation RelationOf(const Image& first, const Image& second, const Camera& first
 // The images of a model that see the same points.
 class Pairs {
  public:
-  explicit Pairs(const Model& model) : model_(model) {
-    std::uint64_t lowest = kNoPoint, highest = 0;
-    for (const Point& point : model.points) {
-      lowest = std::min(lowest, point.id);
-      highest = std::max(highest, point.id);
-    }
-    points_ = IdTable(lowest, highest, model.points.size());
-    for (std::uint32_t row = 0; row < model.points.size(); ++row) points_.Insert(model.points[row].id, row);
+  explicit Pairs(const Model& model) : model_(model), points_(PointRowsOf(model)) {
     std::uint32_t first = ~0U, last = 0;
     for (const Image& image : model.images) {
       first = std::min(first, image.id);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "slamdb/base/detail/concat.h"
@@ -204,6 +203,17 @@ class Maker {
 Model ModelOf(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options,
               Unheld& unheld) {
   return Maker(atlas, outline, map, options, unheld).Make();
+}
+
+IdTable PointRowsOf(const Model& model) {
+  std::uint64_t lowest = kNoPoint, highest = 0;
+  for (const Point& point : model.points) {
+    lowest = std::min(lowest, point.id);
+    highest = std::max(highest, point.id);
+  }
+  IdTable rows(lowest, highest, model.points.size());
+  for (std::uint32_t row = 0; row < model.points.size(); ++row) rows.Insert(model.points[row].id, row);
+  return rows;
 }
 
 void Tell(const Outline& outline, const Unheld& unheld, std::string_view format, bool with_database,

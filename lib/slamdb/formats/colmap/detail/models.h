@@ -5,6 +5,7 @@
 #include <string>
 
 #include "slamdb/formats/colmap/detail/outline.h"
+#include "slamdb/model/index.h"
 
 // Atlases as models of COLMAP, and back.
 namespace slamdb::colmap {
@@ -27,6 +28,9 @@ struct Unheld {
 // Cost: linear. Deterministic whatever the threads.
 Model ModelOf(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options,
               Unheld& unheld);
+
+// Which row of Model::points an id is.
+IdTable PointRowsOf(const Model& model);
 
 // Says what was left out.
 void Tell(const Outline& outline, const Unheld& unheld, std::string_view format, bool with_database, Notices& notices);

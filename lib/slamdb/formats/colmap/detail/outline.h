@@ -22,6 +22,7 @@ struct View {
   std::uint32_t rig = 0;     // row of Outline::rigs
   bool right = false;        // stands behind its left one
   std::string name;
+  std::string picture;  // the path of its file; empty: not known
 };
 
 struct MapOutline {
