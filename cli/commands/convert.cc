@@ -13,11 +13,15 @@
 #include "cli/selected.h"
 #include "cli/times.h"
 #include "cli/viewers.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/put_poses.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/g2o/options.h"
+#include "slamdb/formats/keyframe_poses.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/trajectories.h"
@@ -27,13 +31,13 @@ namespace slamdb::cli {
 namespace {
 
 struct ConvertOptions {
-  std::string input, output, from;
+  std::string input, output, from, onto;
   TimesOptions times;
   TargetOptions target;
   SelectionOptions selection;
   ViewerOptions viewers;
   ReconstructionOptions reconstructions;
-  bool sanitize = false, text = false, ascii = false, body = false, strict = false;
+  bool sanitize = false, text = false, ascii = false, body = false, strict = false, sim3 = false;
   bool mrpt_own_slots = false, json = false, dry_run = false;
   std::optional<int> long_bytes;
   double wait = kUsualWait;
@@ -78,6 +82,7 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   SetReconstructionOptions(options.reconstructions, write);
   write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
   write.of<MrptWriteOptions>().own_slots = options.mrpt_own_slots;
+  write.of<G2oWriteOptions>().similarities = options.sim3;
   return write;
 }
 
@@ -123,7 +128,7 @@ const Format* FindFormat(const HeldSource& input, const ConvertOptions& options)
 // A trajectory becomes a trajectory without an atlas between, in whose single precision digits would be lost. The body
 // is known to atlases alone.
 bool IsOfTrajectories(const HeldSource& input, const Format& output, const ConvertOptions& options) {
-  if (!IsTrajectory(output) || options.body) return false;
+  if (!IsTrajectory(output) || options.body || !options.onto.empty()) return false;
   const Format* format = FindFormat(input, options);
   return format != nullptr && IsTrajectory(*format);
 }
@@ -148,16 +153,32 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
 void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
+  if (options.sim3 && output.id != "g2o") RefuseUsage("--sim3 is for g2o" + is);
   RefuseIdleViewerOptions(output, options.viewers);
   RefuseIdleReconstructionOptions(output, options.reconstructions);
   if (options.long_bytes && !output.id.starts_with("orbslam3"))
     RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
 
+// The atlas of --onto with the poses of the input.
+Atlas PutOnto(const HeldSource& poses, const ReadOptions& read, const ConvertOptions& options, Console& console,
+              Notices& notices) {
+  if (!read.selection.everything()) RefuseUsage("--onto takes all poses of the input: it goes with no selection");
+  Atlas atlas = ReadAtlas(Location(options.onto), MakeReadOptions(console, {}, options.wait), &notices);
+  PutPosesOptions places{.threads = console.threads()};
+  const std::vector<KeyFramePose> found = ReadKeyFramePoses(poses, read, &notices, &places.points);
+  const PutPosesReport put = PutPoses(atlas, found, places);
+  notices.Note("put " + Counted(put.keyframes, "pose") + " and " + Counted(put.points, "point") + " into " +
+               options.onto +
+               "; the largest shift of a camera is " + detail::Digits(put.largest_shift, 3));
+  for (const std::string& warning : put.warnings) notices.Warn(warning);
+  return atlas;
+}
+
 // The atlas as it is to be written, or an Error: the selection, the repairs that --sanitize asks for, what is refused.
 Atlas Prepare(const HeldSource& held, const ReadOptions& read, const Location& output, const Format& format,
               const ConvertOptions& options, Console& console, Notices& notices, bool& sound) {
-  Atlas atlas = ReadAtlas(held, read, &notices);
+  Atlas atlas = options.onto.empty() ? ReadAtlas(held, read, &notices) : PutOnto(held, read, options, console, notices);
   Inputs inputs;
   inputs.Add(atlas);
   sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
@@ -219,6 +240,7 @@ void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
   verb.add_flag("--ascii", options.ascii, "Write PLY and PCD as text")->group(kExport);
   verb.add_flag("--body", options.body, "Write trajectories of the body (IMU) frame instead of the camera's")
       ->group(kExport);
+  verb.add_flag("--sim3", options.sim3, "Write g2o with a scale for each keyframe: VERTEX_SIM3:EXPMAP")->group(kExport);
   AddTimes(verb, options.times, "a trajectory", kExport);
   verb.add_flag("--mrpt-own-slots", options.mrpt_own_slots,
                 "Write ORB descriptors where MRPT 2 itself writes them, though it then reads them as BLD")
@@ -232,6 +254,11 @@ Run AddConvert(CLI::App& verb) {
       ->required();
   AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
   AddFrom(verb, options->from);
+  verb.add_option(
+          "--onto", options->onto,
+          "Write this atlas with the poses and points of INPUT, such as a graph or a reconstruction that was optimised: by "
+          "id, or by time where INPUT is a trajectory; other points follow their reference keyframe")
+      ->type_name("FILE");
   AddTarget(verb, options->target);
   AddWait(verb, options->wait);
   AddJson(verb, options->json);

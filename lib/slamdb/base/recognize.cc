@@ -237,9 +237,7 @@ constexpr Known kKnown[] = {
     {"gpx", 0, "", "a GPX track", kConvertTrack, IsGpx},
     {"kml", 0, "", "a KML track", kConvertTrack, IsKml},
     {"junit", 0, "<?xml"sv, "an XML file", "ORB-SLAM3 saves binary or text archives"},
-    {"orbslam2", 0, "",
-     "a map of a fork of ORB-SLAM2 (a Boost archive without a header, map.bin), which slamdb does not read",
-     "it names neither its classes nor its version; save it again as osmap or as an atlas of ORB-SLAM3", IsOrbslam2Map},
+    {"orbslam2", 0, "", "a map of ORB-SLAM2 (a Boost archive without a header)", "", IsOrbslam2Map},
     {"stella", 0, "", "a stella_vslam map (MessagePack), which slamdb does not read", "", IsStella},
     {"fbow", 0, "\xfc\xce\x53\x03\0\0\0\0"sv, "an FBoW vocabulary, whose words are numbered otherwise than DBoW2's"},
     {"dbow3", 0, "\x81\x3f\x86\xb1\x14\0\0\0"sv, "a DBoW3 vocabulary, which ORB-SLAM3 does not read"},
@@ -249,7 +247,7 @@ constexpr Known kKnown[] = {
      IsBinaryVocabulary},
     {"vocabulary-yaml", 0, "", "a DBoW2 vocabulary as YAML, which ORB-SLAM3 does not read", "save it as text",
      IsVocabularyYaml},
-    {"osmap", 0, "", "the header of an osmap map (ORB-SLAM2), which slamdb does not read", "", IsOsmapHeader},
+    {"osmap", 0, "", "the header of an osmap map (ORB-SLAM2)", "", IsOsmapHeader},
     {"yaml", 0, "", "a YAML file of OpenCV, such as the settings of ORB-SLAM3",
      "the atlas is the .osa file that System.SaveAtlasToFile names in it", IsCameraSettings},
     {"colmap-points", 0, "# 3D point list with one line of data per point"sv,
@@ -301,8 +299,8 @@ std::optional<Recognized> Recognize(const Probe& probe) {
   for (const Known& known : kKnown)
     if (known.is != nullptr ? known.is(probe) : HasAt(head, known.offset, known.signature)) return Make(known);
   if (const std::string_view part = OsmapPart(probe); !part.empty())
-    return Recognized{"osmap", ErrorKind::kUnsupported,
-                      Concat("the ", part, " of an osmap map (ORB-SLAM2), which slamdb does not read"), ""};
+    return Recognized{"osmap", ErrorKind::kUnsupported, Concat("the ", part, " of an osmap map (ORB-SLAM2)"),
+                      "give its .yaml file"};
   if (auto mrpt = RecognizeMrpt(head)) return mrpt;
   if (IsArchive(probe))
     return Recognized{"archive", ErrorKind::kUnsupported, "an atlas of ORB-SLAM3, or another archive of Boost", ""};

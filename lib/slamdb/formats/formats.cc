@@ -13,29 +13,36 @@
 #include "slamdb/formats/csv/detail/csv.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
+#include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/geographic/detail/geographic.h"
 #include "slamdb/formats/gltf/detail/gltf.h"
 #include "slamdb/formats/mcap/detail/mcap.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "slamdb/formats/ndjson/detail/ndjson.h"
+#include "slamdb/formats/orbslam2/detail/orbslam2.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/formats/pcd/detail/pcd.h"
 #include "slamdb/formats/ply/detail/ply.h"
 #include "slamdb/formats/splats/detail/splats.h"
 #include "slamdb/formats/sqlite/detail/store_format.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
+#include "slamdb/formats/vins/detail/vins.h"
 
 namespace slamdb {
 
 // In the order in which sniffers are asked: formats with a signature before those that are only lines of numbers.
 std::span<const Format> Formats() {
   static const std::array kFormats = {
-      kOrbslam3Format,       kOrbslam3TextFormat,     detail::kStoreFormat,        detail::kMrptFormat,
-      detail::kMrpt3Format,  detail::kMrptTextFormat, detail::kPlyFormat,          detail::kPcdFormat,
-      detail::kGltfFormat,   detail::kMcapFormat,     detail::kKmlFormat,          detail::kGeojsonFormat,
-      detail::kNdjsonFormat, detail::kCsvFormat,      detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
-      detail::kEurocFormat,  detail::kTumFormat,      detail::kKittiFormat,        detail::kColmapFormat,
-      detail::kColmapTextFormat, detail::kColmapDatabaseFormat, detail::kNerfFormat, detail::kGaussianFormat,
+      kOrbslam3Format,      kOrbslam3TextFormat,         detail::kOrbslam2Format,
+      detail::kOsmapFormat, detail::kStoreFormat,        detail::kMrptFormat,
+      detail::kMrpt3Format, detail::kMrptTextFormat,     detail::kPlyFormat,
+      detail::kPcdFormat,   detail::kGltfFormat,         detail::kMcapFormat,
+      detail::kKmlFormat,   detail::kGeojsonFormat,      detail::kNdjsonFormat,
+      detail::kCsvFormat,   detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
+      detail::kEurocFormat, detail::kTumFormat,          detail::kKittiFormat,
+      detail::kColmapFormat, detail::kColmapTextFormat, detail::kColmapDatabaseFormat,
+      detail::kNerfFormat, detail::kGaussianFormat,
   };
   return kFormats;
 }

@@ -8,7 +8,7 @@
 
 #include "slamdb/model/index.h"
 #include "slamdb/model/up.h"
-#include "slamdb/optimize/detail/states.h"
+#include "slamdb/edit/frame/detail/states.h"
 
 namespace slamdb::detail {
 namespace {

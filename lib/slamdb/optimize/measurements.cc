@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "slamdb/model/derive.h"
-#include "slamdb/optimize/detail/states.h"
+#include "slamdb/edit/frame/detail/states.h"
 
 namespace slamdb::detail {
 namespace {

@@ -51,6 +51,15 @@ std::vector<std::string> Ids(bool both_ways) {
   return ids;
 }
 
+// Of several maps it takes the one with the most points.
+bool HoldsOneMap(const Format& format) { return !format.is_export && !HasAny(format.writes, Content::kMaps); }
+
+Atlas LargestMap(Atlas atlas) {
+  std::ranges::stable_sort(atlas.maps, std::greater(), [](const Map& map) { return map.points.size(); });
+  atlas.maps.resize(1);
+  return atlas;
+}
+
 class BothWays : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(BothWays, ReadsWhatItWrites) {
@@ -60,7 +69,7 @@ TEST_P(BothWays, ReadsWhatItWrites) {
   for (const Atlas& atlas : {SmallAtlas(), LandmarkAtlas(), InertialAtlas(), synthetic}) {
     const Atlas back = ThroughFormat(atlas, format);
     if (HasAny(format.writes, Content::kPoses)) {
-      EXPECT_EQ(Times(back), Times(atlas));
+      EXPECT_EQ(Times(back), HoldsOneMap(format) ? Times(LargestMap(atlas)) : Times(atlas));
     }
     if (HasAny(format.writes, Content::kLandmarks)) {
       EXPECT_EQ(back.maps[0].landmarks.size(), atlas.maps[0].landmarks.size());
@@ -80,13 +89,14 @@ TEST_P(Conversion, GivesAFileOfThatFormat) {
   const TemporaryFolder folder;
   const WriteOptions options = ForAnyFormat({.format = to, .sync = false});
   const Atlas atlas = ThroughFormat(SmallAtlas(), FormatById(from));
-  WriteAtlas(atlas, folder.Path("b"), options);
-  const Probe probe = Probe::Of(folder.Path("b"));
+  for (const char* name : {"b", "c"}) std::filesystem::create_directory(folder.Path(name));
+  WriteAtlas(atlas, folder.Path("b/map"), options);
+  const Probe probe = Probe::Of(folder.Path("b/map"));
   const bool has_something = HasAny(FormatById(from).reads & FormatById(to).writes, ~Content::kMaps);
   EXPECT_TRUE(!has_something || FormatById(to).sniff == nullptr || FormatById(to).sniff(probe) ||
               (to == "mrpt3" && FormatById("mrpt").sniff(probe)));
   if (!HasAll(FormatById(from).reads, Content::kAtlas) || to == "store" || to == "ndjson") return;
-  WriteAtlas(SmallAtlas(), folder.Path("c"), options);
+  WriteAtlas(SmallAtlas(), folder.Path("c/map"), options);
   EXPECT_EQ(ReadFileOrFolder(folder.Path("b")), ReadFileOrFolder(folder.Path("c")));
 }
 

@@ -88,7 +88,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"lfs", "version https://git-lfs.github.com/spec/v1\noid", "git lfs pull"},
         WrongFile{"xml", "<?xml version=\"1.0\"?>", "XML file"}, WrongFile{"web_page", "<!DOCTYPE html>", "web page"},
         WrongFile{"settings", "%YAML:1.0\n---\nCamera.type: \"PinHole\"\n", "settings of ORB-SLAM3"},
-        WrongFile{"osmap", "%YAML:1.0\n---\nmappointsFile: m.mappoints\n", "osmap map"},
+        WrongFile{"osmap", "\x0a\x13\x08\x01\x12\x0f\x0d\0\0\x80?\x15\0\0\x80?\x1d\0\0\x80?"s,
+                  "the map points of an osmap map (ORB-SLAM2); give its .yaml file"},
         WrongFile{"vocabulary", "10 6  0 0 \n0 0 252 188", "DBoW2 vocabulary"},
         WrongFile{"vocabulary_mark",
                   "\xef\xbb\xbf"

@@ -10,7 +10,7 @@
 #include <limits>
 #include <map>
 
-#include "slamdb/formats/mcap/detail/protobuf.h"
+#include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/mcap/detail/schemas.h"
 #include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"

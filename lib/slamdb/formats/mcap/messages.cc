@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "slamdb/formats/mcap/detail/protobuf.h"
+#include "slamdb/formats/export/detail/protobuf.h"
 
 namespace slamdb::detail {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/formats/mcap/detail/protobuf.h"
+#include "slamdb/formats/export/detail/protobuf.h"
 
 namespace slamdb::detail {
 namespace {

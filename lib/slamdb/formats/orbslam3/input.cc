@@ -11,8 +11,8 @@ std::string Place::ToString(std::size_t offset) const {
   if (map >= 0) text += ", map " + std::to_string(map);
   if (entity != nullptr) {
     text += std::string(", ") + entity + " ";
-    text += id != Id<KeyFrame>::kNone ? std::to_string(id)
-                                      : "no. " + std::to_string(ordinal + 1) + " of " + std::to_string(of);
+    text += id != Id<KeyFrame>::kNone ? std::to_string(id) : "no. " + std::to_string(ordinal + 1);
+    if (id == Id<KeyFrame>::kNone && of > 0) text += " of " + std::to_string(of);
   }
   if (field != nullptr) text += std::string(", ") + field;
   return text;
@@ -30,7 +30,7 @@ void Cursor::Refuse(const std::string& problem) const {
 
 // How much of the list that the cursor is in was read before it.
 std::string Cursor::WholeSoFar() const {
-  if (place.entity == nullptr) return {};
+  if (place.entity == nullptr || place.of == 0) return {};
   const char* kind = std::string_view(place.entity) == "kf" ? "keyframes" : "map points";
   return "; " + std::to_string(place.ordinal) + " of " + std::to_string(place.of) + " " + kind +
          " of this map are whole";

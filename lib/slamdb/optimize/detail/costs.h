@@ -6,7 +6,7 @@
 
 #include "slamdb/optimize/detail/inertial_links.h"
 #include "slamdb/optimize/detail/measurements.h"
-#include "slamdb/optimize/detail/states.h"
+#include "slamdb/edit/frame/detail/states.h"
 
 // What Ceres minimises, with analytic derivatives. The block of a pose has seven numbers and six degrees of freedom;
 // its derivatives are by the six, in the first columns, and the manifold passes them on.

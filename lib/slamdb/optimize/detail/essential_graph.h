@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "slamdb/optimize/detail/states.h"
+#include "slamdb/edit/frame/detail/states.h"
 #include "slamdb/optimize/pose_graph.h"
 
 namespace slamdb::detail {

@@ -24,7 +24,7 @@ struct Place {
   std::int64_t map = -1;         // position in the list of maps
   const char* entity = nullptr;  // "kf" or "mp"
   std::uint64_t ordinal = 0;     // its position in its list ...
-  std::uint64_t of = 0;          // ... of that many
+  std::uint64_t of = 0;          // ... of that many; 0: not known
   std::uint64_t id = Id<KeyFrame>::kNone;
   const char* field = nullptr;
 

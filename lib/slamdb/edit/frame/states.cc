@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/optimize/detail/states.h"
+#include "slamdb/edit/frame/detail/states.h"
 
 #include <algorithm>
 #include <cstring>

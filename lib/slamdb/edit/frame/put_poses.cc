@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/frame/put_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/frame/detail/states.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Concat;
+using detail::Counted;
+
+void RequireFinite(const std::vector<KeyFramePose>& poses, const std::vector<PointPosition>& points) {
+  for (const KeyFramePose& pose : poses) {
+    const Similarity3d& it = pose.world_from_camera;
+    const bool sound = it.rotation.coeffs().allFinite() && it.rotation.norm() > 0.5 &&
+                       it.translation.cast<float>().allFinite() && std::isfinite(it.scale) && it.scale > 0;
+    if (!sound) throw Error(ErrorKind::kUsage, Concat("the new pose of ", pose.keyframe, " is none, or not finite"));
+  }
+  for (const PointPosition& point : points)
+    if (!point.position.cast<float>().allFinite())
+      throw Error(ErrorKind::kUsage, Concat("the new position of ", point.point, " is not finite"));
+}
+
+// Keyframes of all maps by time.
+class Clock {
+ public:
+  explicit Clock(const Atlas& atlas) {
+    for (std::uint32_t map = 0; map < atlas.maps.size(); ++map)
+      for (std::uint32_t row = 0; row < atlas.maps[map].keyframes.size(); ++row)
+        if (const KeyFrame& keyframe = atlas.maps[map].keyframes[row];
+            std::isfinite(keyframe.timestamp) && !keyframe.bad)
+          ticks_.push_back({keyframe.timestamp, {map, row}});
+    std::ranges::stable_sort(ticks_, {}, &Tick::time);
+  }
+
+  EntityRow Nearest(double time, double most) const {
+    auto after = std::ranges::lower_bound(ticks_, time, {}, &Tick::time);
+    if (after != ticks_.begin() && (after == ticks_.end() || time - std::prev(after)->time <= after->time - time))
+      --after;
+    const bool near = after != ticks_.end() && std::abs(after->time - time) <= most;
+    return near ? after->place : EntityRow();
+  }
+
+ private:
+  struct Tick {
+    double time;
+    EntityRow place;
+  };
+  std::vector<Tick> ticks_;
+};
+
+// What is new in one map: by row.
+struct News {
+  std::vector<std::pair<std::uint32_t, const Similarity3d*>> poses;
+  std::vector<std::pair<std::uint32_t, const Eigen::Vector3d*>> points;
+  bool any() const { return !poses.empty() || !points.empty(); }
+};
+
+class Putter {
+ public:
+  Putter(Atlas& atlas, const PutPosesOptions& options)
+      : atlas_(atlas), options_(options), index_(atlas), news_(atlas.maps.size()) {}
+
+  void Find(const std::vector<KeyFramePose>& poses) {
+    std::optional<Clock> clock;
+    std::vector<std::vector<std::uint8_t>> taken;
+    for (const Map& map : atlas_.maps) taken.emplace_back(map.keyframes.size(), 0);
+    for (const KeyFramePose& pose : poses) {
+      if (!pose.keyframe && !clock) clock.emplace(atlas_);
+      const EntityRow place = pose.keyframe ? index_.LocateKeyFrame(pose.keyframe)
+                                            : clock->Nearest(pose.timestamp, options_.max_time_difference);
+      if (!place || !detail::IsPosed(atlas_.maps[place.map].keyframes[place.row]) ||
+          std::exchange(taken[place.map][place.row], 1) != 0) {
+        ++report_.unknown_poses;
+        continue;
+      }
+      news_[place.map].poses.emplace_back(place.row, &pose.world_from_camera);
+      ++report_.keyframes;
+    }
+    for (const PointPosition& point : options_.points) {
+      const EntityRow place = index_.LocatePoint(point.point);
+      if (!place || atlas_.maps[place.map].points[place.row].bad) {
+        ++report_.unknown_points;
+        continue;
+      }
+      news_[place.map].points.emplace_back(place.row, &point.position);
+      ++report_.points;
+    }
+    if (report_.keyframes + report_.points == 0)
+      throw Error(ErrorKind::kNotPossible,
+                  Concat("none of the ", Counted(poses.size(), "pose"), " is of a keyframe of the atlas"));
+  }
+
+  PutPosesReport Put() {
+    for (std::size_t map = 0; map < news_.size(); ++map)
+      if (news_[map].any()) PutMap(atlas_.maps[map], news_[map]);
+    Warn(report_.unknown_poses, "pose",
+         " left out: of no good keyframe of the atlas, or of one that had a pose already");
+    Warn(report_.unknown_points, "position", " left out: of no good point of the atlas");
+    Warn(report_.followers, "keyframe", " without a new pose went with the parent in the spanning tree");
+    return std::move(report_);
+  }
+
+ private:
+  void PutMap(Map& map, const News& news) {
+    const detail::MapStates before(map);
+    detail::MapStates after = before;
+    detail::Moved moved{std::vector<std::uint8_t>(map.keyframes.size(), 0),
+                        std::vector<std::uint8_t>(map.points.size(), 0)};
+    std::vector<Similarity3d> motions(map.keyframes.size());
+    for (const auto& [row, pose] : news.poses) {
+      const Similarity3d old = before.poses[row].WorldFromCamera();
+      const Eigen::Quaterniond rotation = pose->rotation.normalized();
+      after.poses[row].SetWorldFromCamera(rotation, pose->translation);
+      motions[row] = Similarity3d{pose->scale, rotation, pose->translation} * old.Inverse();
+      moved.keyframes[row] = 1;
+      report_.largest_shift = std::max(report_.largest_shift, (pose->translation - old.translation).norm());
+    }
+    for (const auto& [row, position] : news.points) {
+      after.points[row] = *position;
+      moved.points[row] = 1;
+    }
+    const detail::MapStates put = after;
+    detail::CarryAlong(map, moved, motions, after);
+    for (std::size_t row = 0; row < put.poses.size(); ++row)
+      report_.followers += put.poses[row].values != after.poses[row].values ? 1 : 0;
+    detail::Record(before, after, options_.threads, map);
+    ++report_.maps;
+  }
+
+  void Warn(std::uint64_t count, std::string_view noun, std::string_view what) {
+    if (count > 0) report_.warnings.push_back(Counted(count, noun) + std::string(what));
+  }
+
+  Atlas& atlas_;
+  const PutPosesOptions& options_;
+  const AtlasIndex index_;
+  std::vector<News> news_;
+  PutPosesReport report_;
+};
+
+}  // namespace
+
+PutPosesReport PutPoses(Atlas& atlas, const std::vector<KeyFramePose>& poses, const PutPosesOptions& options) {
+  RequireFinite(poses, options.points);
+  Putter putter(atlas, options);
+  putter.Find(poses);
+  return putter.Put();
+}
+
+}  // namespace slamdb

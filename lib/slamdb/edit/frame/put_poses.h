@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "slamdb/export.h"
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/keyframe_pose.h"
+
+namespace slamdb {
+
+struct PutPosesOptions {
+  std::vector<PointPosition> points;   // those of which it is known; the others follow their reference keyframe
+  double max_time_difference = 0.005;  // seconds, between a keyframe and a pose without an id
+  int threads = 0;                     // 0: every core
+};
+
+// What PutPoses did.
+struct PutPosesReport {
+  std::uint64_t keyframes = 0;        // that were put
+  std::uint64_t followers = 0;        // keyframes without a pose, that went with their parent
+  std::uint64_t points = 0;           // that were put
+  std::uint64_t unknown_poses = 0;    // of no keyframe of the atlas, or of one that is bad or had a pose already
+  std::uint64_t unknown_points = 0;   // of no point of the atlas, or of one that is bad
+  std::uint64_t maps = 0;             // in which something was put
+  double largest_shift = 0;           // of a camera, the map's units
+  std::vector<std::string> warnings;  // a sentence each
+};
+
+// Puts what another program made of the poses of an atlas into it: keyframes by id, or by time where a pose has none.
+// A keyframe without a pose goes with its parent in the spanning tree; a point without a position goes with its
+// reference keyframe, and scales about it where the pose has a scale. Viewing directions and distance ranges of points,
+// positions of bodies and directions of velocities follow. All else stays as it is.
+// Maps for which there is nothing are not touched, and what did not change keeps its bytes.
+//
+// Throws Error, and then changes nothing: kNotPossible when no pose is of a keyframe of the atlas; kUsage when a pose
+// or a position is not finite. Cost: linear, but for sorting times; the bytes are the same for any number of threads.
+SLAMDB_EXPORT PutPosesReport PutPoses(Atlas& atlas, const std::vector<KeyFramePose>& poses,
+                                      const PutPosesOptions& options = {});
+
+}  // namespace slamdb

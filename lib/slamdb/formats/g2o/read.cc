@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <string>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/formats/g2o/detail/g2o.h"
+#include "slamdb/formats/g2o/detail/similarity_log.h"
+#include "slamdb/model/counters.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Concat;
+using detail::Counted;
+
+struct Link {
+  std::uint64_t first, second;
+};
+
+// What a file says, as far as it is about poses.
+struct PoseGraph {
+  std::vector<KeyFramePose> poses;  // in the file's order
+  std::vector<Link> links;
+  std::vector<std::uint64_t> fixed;
+  std::uint64_t times = 0;                                     // of poses
+  std::map<std::string, std::uint64_t, std::less<>> left_out;  // lines by what they begin with
+};
+
+class Parser {
+ public:
+  explicit Parser(const WholeFile& file) : path_(file.path()), rest_(detail::WithoutMark(file.text())) {}
+
+  PoseGraph Parse() {
+    while (!rest_.empty()) {
+      line_ = detail::TakeLine(rest_);
+      ++number_;
+      const std::string_view tag = detail::TakeWord(line_, detail::kBlanks);
+      if (tag == "#")
+        TakeTime();
+      else if (!tag.empty() && tag[0] != '#')
+        TakeRecord(tag);
+    }
+    SetTimes();
+    return std::move(graph_);
+  }
+
+ private:
+  void TakeRecord(std::string_view tag) {
+    if (tag == "VERTEX_SE3:QUAT") {
+      const std::uint64_t id = TakeId();
+      graph_.poses.push_back({KeyFrameId(id), 0, TakePose()});
+    } else if (tag == "VERTEX_SIM3:EXPMAP") {
+      const std::uint64_t id = TakeId();
+      graph_.poses.push_back({KeyFrameId(id), 0, TakeSimilarity()});
+    } else if (tag == "EDGE_SE3:QUAT" || tag == "EDGE_SIM3:EXPMAP") {
+      const std::uint64_t first = TakeId(), second = TakeId();
+      for (int i = 0; i < 7; ++i) TakeNumber();
+      graph_.links.push_back({first, second});
+    } else if (tag == "FIX") {
+      while (!detail::Trimmed(line_).empty()) graph_.fixed.push_back(TakeId());
+    } else {
+      ++graph_.left_out[std::string(tag.substr(0, 40))];
+    }
+  }
+
+  // `# TIME 12 1403636579.76`, which g2o passes by.
+  void TakeTime() {
+    if (detail::TakeWord(line_, detail::kBlanks) != "TIME") return;
+    const auto id = detail::ParseNumber<std::uint64_t>(detail::TakeWord(line_, detail::kBlanks));
+    const auto time = detail::ParseNumber<double>(detail::TakeWord(line_, detail::kBlanks));
+    if (id && time) times_.emplace(*id, *time);
+  }
+
+  void SetTimes() {
+    for (std::size_t row = 0; row < graph_.poses.size(); ++row) {
+      KeyFramePose& pose = graph_.poses[row];
+      const auto time = times_.find(pose.keyframe.value());
+      pose.timestamp = time == times_.end() ? static_cast<double>(row) : time->second;
+      graph_.times += time == times_.end() ? 0 : 1;
+    }
+  }
+
+  [[noreturn]] void Fail(const std::string& problem) const {
+    throw Error(ErrorKind::kDamaged, path_, Concat("line ", number_), problem);
+  }
+
+  std::uint64_t TakeId() {
+    const std::string_view word = detail::TakeWord(line_, detail::kBlanks);
+    const auto id = detail::ParseNumber<std::uint64_t>(word);
+    if (!id || *id == KeyFrameId::kNone) Fail(Concat("expected the id of a vertex, ", detail::Excerpt(word)));
+    return *id;
+  }
+  double TakeNumber() {
+    const std::string_view word = detail::TakeWord(line_, detail::kBlanks);
+    const auto number = detail::ParseNumber<double>(word);
+    if (!number) Fail(Concat("expected a number, ", detail::Excerpt(word)));
+    return *number;
+  }
+
+  Similarity3d TakePose() {
+    Similarity3d pose;
+    for (double& value : pose.translation) value = TakeNumber();
+    for (double& value : pose.rotation.coeffs()) value = TakeNumber();
+    constexpr double kLeastNorm = 1e-6;
+    if (!(pose.rotation.norm() > kLeastNorm)) Fail("a quaternion of length 0");
+    pose.rotation.normalize();
+    return pose;
+  }
+  Similarity3d TakeSimilarity() {
+    g2o::Vector7d logarithm;
+    for (double& value : logarithm) value = TakeNumber();
+    const Similarity3d pose = g2o::ExpOf(logarithm);
+    if (!(pose.scale > 0) || !pose.translation.allFinite()) Fail("the logarithm of no similarity");
+    return pose;
+  }
+
+  std::string path_;
+  std::string_view rest_, line_;
+  std::size_t number_ = 0;
+  PoseGraph graph_;
+  std::map<std::uint64_t, double> times_;
+};
+
+PoseGraph Parse(const Source& source, Notices& notices) {
+  const WholeFile file(source);
+  PoseGraph graph = Parser(file).Parse();
+  for (const auto& [tag, count] : graph.left_out)
+    notices.Warn(Concat("left out: ", detail::Thousands(count), " lines ", tag, ", which are no poses"));
+  return graph;
+}
+
+// Sets of vertices that edges hold together, by row.
+class Components {
+ public:
+  explicit Components(std::size_t vertices) : leaders_(vertices) { std::iota(leaders_.begin(), leaders_.end(), 0U); }
+
+  std::uint32_t Find(std::uint32_t row) {
+    for (; leaders_[row] != row; row = leaders_[row]) leaders_[row] = leaders_[leaders_[row]];
+    return row;
+  }
+  void Join(std::uint32_t a, std::uint32_t b) { leaders_[std::max(Find(a), Find(b))] = std::min(Find(a), Find(b)); }
+
+ private:
+  std::vector<std::uint32_t> leaders_;
+};
+
+class AtlasMaker {
+ public:
+  explicit AtlasMaker(const PoseGraph& graph) : graph_(graph) {
+    std::uint64_t lowest = KeyFrameId::kNone, highest = 0;
+    for (const KeyFramePose& pose : graph.poses) {
+      lowest = std::min(lowest, pose.keyframe.value());
+      highest = std::max(highest, pose.keyframe.value());
+    }
+    if (graph.poses.empty()) lowest = 0;
+    rows_ = IdTable(lowest, highest, graph.poses.size());
+    for (std::uint32_t row = 0; row < graph.poses.size(); ++row) rows_.Insert(graph.poses[row].keyframe.value(), row);
+  }
+
+  Atlas Make(Notices& notices) {
+    Atlas atlas;
+    atlas.maps.resize(1);
+    const std::vector<std::uint32_t> map_of = AssignMaps(atlas);
+    for (std::uint32_t row = 0; row < graph_.poses.size(); ++row) AddKeyFrame(atlas.maps[map_of[row]], row);
+    for (Map& map : atlas.maps) Connect(map);
+    for (std::uint64_t id = 0; Map & map : atlas.maps) map.id = MapId(id++);
+    RaiseCounters(atlas);
+    if (!graph_.links.empty())
+      notices.Note(
+          "edges between neighbours by id are the way that was gone, all others are loops; measurements and "
+          "information of edges have no place in an atlas");
+    if (dangling_ > 0) notices.Warn(Counted(dangling_, "edge") + " left out, to a vertex that is not there");
+    if (graph_.times < graph_.poses.size())
+      notices.Warn(Concat("g2o has no times: ", Counted(graph_.poses.size() - graph_.times, "keyframe"),
+                          " numbered in the order of the file instead"));
+    return atlas;
+  }
+
+ private:
+  // By row of the poses: which map.
+  std::vector<std::uint32_t> AssignMaps(Atlas& atlas) {
+    Components components(graph_.poses.size());
+    for (const Link& link : graph_.links) {
+      const std::uint32_t first = rows_.Find(link.first), second = rows_.Find(link.second);
+      if (first == kNoRow || second == kNoRow)
+        ++dangling_;
+      else
+        components.Join(first, second);
+    }
+    std::vector<std::uint32_t> map_of_component(graph_.poses.size(), 0);
+    std::vector<std::uint8_t> taken(graph_.poses.size(), 0);
+    std::size_t maps = 0;
+    for (const std::uint64_t id : graph_.fixed) {
+      const std::uint32_t row = rows_.Find(id);
+      if (row == kNoRow || std::exchange(taken[components.Find(row)], 1) != 0) continue;
+      atlas.maps.resize(std::max(atlas.maps.size(), maps + 1));
+      map_of_component[components.Find(row)] = static_cast<std::uint32_t>(maps);
+      atlas.maps[maps++].initial_keyframe = KeyFrameId(id);
+    }
+    std::vector<std::uint32_t> map_of(graph_.poses.size());
+    for (std::uint32_t row = 0; row < map_of.size(); ++row) map_of[row] = map_of_component[components.Find(row)];
+    return map_of;
+  }
+
+  void AddKeyFrame(Map& map, std::uint32_t row) const {
+    const KeyFramePose& pose = graph_.poses[row];
+    KeyFrame& keyframe = map.keyframes.emplace_back();
+    keyframe.id = pose.keyframe;
+    keyframe.timestamp = pose.timestamp;
+    const Quaternionf rotation(pose.world_from_camera.rotation.conjugate().cast<float>());
+    // The camera's centre is where rotation and translation say together, so the rotation is the rounded one.
+    const Eigen::Quaterniond rounded = Eigen::Quaternionf(rotation).cast<double>().normalized();
+    keyframe.camera_from_world = {rotation, (-(rounded * pose.world_from_camera.translation)).cast<float>()};
+  }
+
+  void Connect(Map& map) const {
+    std::ranges::stable_sort(map.keyframes, {}, &KeyFrame::id);
+    if (map.keyframes.empty()) return;
+    map.lowest_keyframe = map.keyframes.front().id;
+    map.max_keyframe_id = map.keyframes.back().id.value();
+    if (!map.initial_keyframe) map.initial_keyframe = map.lowest_keyframe;
+    map.first_keyframe = map.lowest_keyframe;
+    map.origins = {map.first_keyframe};
+    const IdTable rows = KeyFrameTable(map);
+    for (const Link& link : graph_.links) {
+      const std::uint32_t a = rows.Find(std::min(link.first, link.second));
+      const std::uint32_t b = rows.Find(std::max(link.first, link.second));
+      if (a == kNoRow || b == kNoRow || a == b) continue;
+      KeyFrame &first = map.keyframes[a], &second = map.keyframes[b];
+      if (b != a + 1) {
+        first.loop_edges.push_back(second.id);
+        second.loop_edges.push_back(first.id);
+      } else if (!second.parent) {
+        second.parent = first.id;
+        first.children.push_back(second.id);
+      }
+    }
+    for (KeyFrame& keyframe : map.keyframes) {
+      auto& edges = keyframe.loop_edges;
+      std::sort(edges.begin(), edges.end());
+      edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    }
+  }
+
+  const PoseGraph& graph_;
+  IdTable rows_;  // of poses
+  std::uint64_t dangling_ = 0;
+};
+
+}  // namespace
+
+bool detail::SniffG2o(const Probe& probe) {
+  std::string_view text = probe.head;
+  while (!text.empty()) {
+    std::string_view line = TakeLine(text);
+    const std::string_view tag = TakeWord(line, kBlanks);
+    if (tag.empty() || tag[0] == '#') continue;
+    return tag.starts_with("VERTEX_") || tag.starts_with("EDGE_") || tag.starts_with("PARAMS_") || tag == "FIX";
+  }
+  return false;
+}
+
+Atlas detail::ReadG2o(const Source& source, const ReadOptions& options, Notices& notices) {
+  const PoseGraph graph = Parse(source, notices);
+  if (graph.poses.empty() && !graph.left_out.empty())
+    throw Error(ErrorKind::kUnsupported, source.path, "",
+                "has no vertices of the kinds VERTEX_SE3:QUAT and VERTEX_SIM3:EXPMAP");
+  Atlas atlas = AtlasMaker(graph).Make(notices);
+  const Selection& selection = options.selection;
+  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
+  for (Map& map : atlas.maps)
+    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
+  return atlas;
+}
+
+std::vector<KeyFramePose> detail::ReadG2oPoses(const Source& source, Notices& notices) {
+  return Parse(source, notices).poses;
+}
+
+}  // namespace slamdb

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/keyframe_poses.h"
+
+#include "slamdb/formats/detail/choose.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/g2o/detail/g2o.h"
+#include "slamdb/formats/trajectories.h"
+
+namespace slamdb {
+namespace {
+
+std::vector<KeyFramePose> OfTrajectories(const HeldSource& held, const ReadOptions& options, Notices& notices) {
+  std::vector<KeyFramePose> poses;
+  for (const MapTrajectory& map : ReadTrajectories(held, options, &notices))
+    for (const TrajectoryPose& pose : map.poses)
+      poses.push_back({.timestamp = pose.timestamp, .world_from_camera = {1, pose.rotation, pose.position}});
+  return poses;
+}
+
+std::vector<KeyFramePose> OfAtlas(const Atlas& atlas) {
+  std::vector<KeyFramePose> poses;
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) {
+      if (keyframe.bad) continue;
+      const Rigid3f& recorded = keyframe.camera_from_world;
+      const Similarity3d camera_from_world{1, Eigen::Quaternionf(recorded.rotation).cast<double>().normalized(),
+                                           recorded.translation.cast<double>()};
+      poses.push_back({keyframe.id, keyframe.timestamp, camera_from_world.Inverse()});
+    }
+  return poses;
+}
+
+std::vector<PointPosition> PointsOf(const Atlas& atlas) {
+  std::vector<PointPosition> points;
+  for (const Map& map : atlas.maps)
+    for (const MapPoint& point : map.points)
+      if (!point.bad && !point.observations.empty()) points.push_back({point.id, point.position.cast<double>()});
+  return points;
+}
+
+}  // namespace
+
+std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held, const ReadOptions& options, Notices* notices,
+                                            std::vector<PointPosition>* points) {
+  Notices unheard;
+  Notices& heard = notices == nullptr ? unheard : *notices;
+  ReadOptions poses = options;
+  poses.needs = Content::kPoses;
+  poses.features = FeatureColumns::kNone;
+  const Format& format = detail::FormatToRead(held.source(), poses);
+  if (IsTrajectory(format)) return OfTrajectories(held, poses, heard);
+  if (format.id == detail::kG2oFormat.id) return detail::ReadG2oPoses(held.source(), heard);
+  const Atlas atlas = ReadAtlas(held, poses, &heard);
+  if (points != nullptr) *points = PointsOf(atlas);
+  return OfAtlas(atlas);
+}
+
+}  // namespace slamdb

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <map>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/slam_files.h"
+#include "slamdb/formats/import/detail/complete.h"
+#include "slamdb/formats/orbslam2/detail/orbslam2.h"
+#include "slamdb/formats/orbslam2/detail/read.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Concat;
+using detail::Counted;
+
+constexpr float kPatch = 31;  // pixels: what ORB describes at octave 0
+
+// A camera for each calibration matrix that keyframes have, told apart by their bits.
+void MakeCameras(Atlas& atlas) {
+  std::map<std::array<std::uint32_t, 4>, CameraId> known;
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes) {
+    const Eigen::Matrix3f& k = keyframe.calibration_matrix;
+    const std::array<float, 4> parameters = {k(0, 0), k(1, 1), k(0, 2), k(1, 2)};
+    const auto [camera, is_new] =
+        known.try_emplace(std::bit_cast<std::array<std::uint32_t, 4>>(parameters), CameraId(known.size()));
+    if (is_new) atlas.cameras.push_back({.id = camera->second, .parameters = {parameters.begin(), parameters.end()}});
+    keyframe.camera = camera->second;
+  }
+}
+
+// The diameter of a keypoint is that of the patch at its octave, in whole pixels.
+void FillSizes(KeyFrame& keyframe) {
+  const std::vector<float>& factors = keyframe.pyramid.factors;
+  for (Column<Keypoint>* keypoints : {&keyframe.features.keypoints, &keyframe.features.undistorted})
+    for (Keypoint& keypoint : *keypoints) {
+      const auto octave = static_cast<std::size_t>(keypoint.octave);
+      keypoint.size = octave < factors.size() ? std::trunc(kPatch * factors[octave]) : kPatch;
+    }
+}
+
+void Tell(const orbslam2::RecordedMap& recorded, Notices& notices) {
+  notices.Note(
+      "a map of ORB-SLAM2 does not say what camera and vocabulary it was made with: cameras are pinholes of the "
+      "undistorted image, distortion is unknown, diameters of keypoints are those of their octaves, the vocabulary has "
+      "no name");
+  if (recorded.loose_keyframes + recorded.loose_points > 0)
+    notices.Warn(
+        Concat("not in the map, but linked to it, and not flagged bad: ", Counted(recorded.loose_keyframes, "keyframe"),
+               ", ", Counted(recorded.loose_points, "map point"), "; they are kept"));
+  if (recorded.odd_descriptors > 0)
+    notices.Lose(Concat(Counted(recorded.odd_descriptors, "descriptor"), " left out that are not 32 bytes"));
+}
+
+void Select(const Selection& selection, Map& map) {
+  if (selection.everything()) return;
+  std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
+  std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
+}
+
+Atlas Read(const Source& source, const ReadOptions& options, Notices& notices) {
+  orbslam2::RecordedMap recorded = orbslam2::ReadMap(source, options);
+  Tell(recorded, notices);
+  Atlas atlas;
+  atlas.maps.push_back(std::move(recorded.map));
+  Map& map = atlas.maps[0];
+  map.id = MapId(0);
+  atlas.next_ids.keyframe = recorded.next_keyframe;
+  atlas.next_ids.map_point = recorded.next_point;
+  MakeCameras(atlas);
+  for (KeyFrame& keyframe : map.keyframes) FillSizes(keyframe);
+  detail::CompleteAtlas(atlas, "ORB-SLAM2", options.threads, notices);
+  Select(options.selection, map);
+  if (options.selection.map && *options.selection.map != map.id) atlas.maps.clear();
+  return atlas;
+}
+
+}  // namespace
+
+const Format detail::kOrbslam2Format{
+    .id = "orbslam2",
+    .title = "ORB-SLAM2 map (BoostArchiver)",
+    .kind = FileKind::kBinary,
+    .reads = (Content::kAtlas & ~(Content::kInertial | Content::kMaps)) | Content::kTracking,
+    .sniff = detail::IsOrbslam2Map,
+    .read = Read};
+
+}  // namespace slamdb

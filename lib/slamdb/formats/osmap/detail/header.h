@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slamdb::osmap {
+
+// The bits of Options that a reader has to know.
+inline constexpr std::uint32_t kDelimited = 1U << 0;     // features file: messages behind their lengths
+inline constexpr std::uint32_t kNotDelimited = 1U << 1;  //
+inline constexpr std::uint32_t kNoFeatureDescriptors = 1U << 5;
+inline constexpr std::uint32_t kPointFeaturesOnly = 1U << 6;  // keypoints without a point are left out
+inline constexpr std::uint32_t kNoLoops = 1U << 7;
+inline constexpr std::uint32_t kKInKeyFrame = 1U << 8;
+
+// fx, fy, cx, cy. Pixels.
+using CameraMatrix = std::array<float, 4>;
+
+struct Side {
+  std::string file;                    // name; empty: there is none
+  std::optional<std::uint64_t> count;  // of what is in it
+};
+
+// The YAML file.
+struct Header {
+  Side points, keyframes, features;
+  std::uint32_t options = 0;
+  std::vector<CameraMatrix> cameras;
+};
+
+// Reads YAML as OpenCV writes it. Throws Error (kDamaged) with the line.
+Header ParseHeader(std::string_view text, const std::string& path);
+std::string HeaderText(const Header& header);
+
+}  // namespace slamdb::osmap

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <map>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/formats/export/detail/protobuf.h"
+#include "slamdb/formats/import/detail/complete.h"
+#include "slamdb/formats/osmap/detail/header.h"
+#include "slamdb/formats/osmap/detail/osmap.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb::osmap {
+namespace {
+
+using detail::Concat;
+using detail::Counted;
+using detail::ProtoField;
+using detail::ProtoFile;
+using detail::ProtoReader;
+
+constexpr float kPatch = 31;  // pixels: what ORB describes at octave 0
+
+// A file beside the header; the folder that its name begins with is that of whoever saved it.
+class SideFile {
+ public:
+  SideFile(const std::string& header, const Side& side)
+      : file_(Source(
+            (std::filesystem::path(header).parent_path() / std::filesystem::path(side.file).filename()).string())),
+        proto_{file_.text(), file_.path()} {}
+  const ProtoFile& proto() const { return proto_; }
+
+ private:
+  WholeFile file_;
+  ProtoFile proto_;
+};
+
+// What a field that must be a message or text holds.
+std::string_view BytesOf(const ProtoFile& file, const ProtoField& field) {
+  if (!field.is_bytes()) file.Fail(nullptr, Concat("field ", field.number, " is a number, expected a message"));
+  return field.bytes;
+}
+
+template <class Visit>
+void ForEachField(const ProtoFile& file, std::string_view message, const Visit& visit) {
+  ProtoReader reader(file, message);
+  for (ProtoField field; reader.Next(field);) visit(field);
+}
+
+void ReadDescriptor(const ProtoFile& file, std::string_view message, Descriptor& descriptor) {
+  std::vector<std::uint32_t> words;
+  ForEachField(file, message, [&](const ProtoField& field) {
+    if (field.number == 1) AppendFixed32(file, field, words);
+  });
+  if (words.size() * sizeof(std::uint32_t) != descriptor.size())
+    file.Fail(message.data(), Concat("a descriptor of ", words.size(), " words, expected 8"));
+  std::memcpy(descriptor.data(), words.data(), descriptor.size());
+}
+
+CameraMatrix ReadCameraMatrix(const ProtoFile& file, std::string_view message) {
+  CameraMatrix camera{};
+  ForEachField(file, message, [&](const ProtoField& field) {
+    if (field.number >= 1 && field.number <= camera.size()) camera[field.number - 1] = field.AsFloat();
+  });
+  return camera;
+}
+
+// A count is a float there.
+std::int32_t CountOf(float value) {
+  constexpr float kMost = 1 << 30;
+  return value >= 1 && value < kMost ? static_cast<std::int32_t>(value) : MapPoint::kNoCount;
+}
+
+MapPoint ReadPoint(const ProtoFile& file, std::string_view message) {
+  MapPoint point;
+  point.id = MapPointId(0);
+  point.descriptor_form = MatrixForm::kEmpty;
+  ForEachField(file, message, [&](const ProtoField& field) {
+    switch (field.number) {
+      case 1:
+        point.id = MapPointId(field.value);
+        break;
+      case 2:
+        ForEachField(file, BytesOf(file, field), [&](const ProtoField& axis) {
+          if (axis.number >= 1 && axis.number <= 3) point.position[axis.number - 1] = axis.AsFloat();
+        });
+        break;
+      case 3:
+        point.visible_count = CountOf(field.AsFloat());
+        break;
+      case 4:
+        point.found_count = CountOf(field.AsFloat());
+        break;
+      case 5:
+        ReadDescriptor(file, BytesOf(file, field), point.descriptor);
+        point.descriptor_form = MatrixForm::kUsual;
+        break;
+      default:;
+    }
+  });
+  return point;
+}
+
+Rigid3f ReadPose(const ProtoFile& file, std::string_view message) {
+  std::vector<float> values;
+  ForEachField(file, message, [&](const ProtoField& field) {
+    if (field.number == 1) AppendFixed32(file, field, values);
+  });
+  if (values.size() != 12) file.Fail(message.data(), Concat("a pose of ", values.size(), " numbers, expected 12"));
+  const Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>> matrix(values.data());
+  const Eigen::Matrix3d rotation = matrix.leftCols<3>().cast<double>();
+  Rigid3f pose;
+  pose.rotation = Quaternionf(Eigen::Quaterniond(rotation).normalized().cast<float>());
+  pose.translation = matrix.col(3);
+  return pose;
+}
+
+struct ReadKeyFrame {
+  KeyFrame keyframe;
+  std::uint64_t camera = 0;  // row of Header::cameras
+  std::optional<CameraMatrix> own_camera;
+};
+
+ReadKeyFrame ReadOne(const ProtoFile& file, std::string_view message) {
+  ReadKeyFrame read;
+  KeyFrame& keyframe = read.keyframe;
+  keyframe.id = KeyFrameId(0);
+  ForEachField(file, message, [&](const ProtoField& field) {
+    switch (field.number) {
+      case 1:
+        keyframe.id = KeyFrameId(field.value);
+        break;
+      case 2:
+        keyframe.camera_from_world = ReadPose(file, BytesOf(file, field));
+        break;
+      case 3:
+        read.own_camera = ReadCameraMatrix(file, BytesOf(file, field));
+        break;
+      case 4:
+        read.camera = field.value;
+        break;
+      case 5: {
+        if (!field.is_bytes()) {
+          keyframe.loop_edges.push_back(KeyFrameId(field.value));
+          break;
+        }
+        for (ProtoReader packed(file, field.bytes); !packed.rest().empty();)
+          keyframe.loop_edges.push_back(KeyFrameId(packed.TakeVarint()));
+        break;
+      }
+      case 6:
+        keyframe.timestamp = field.AsDouble();
+        break;
+      default:;
+    }
+  });
+  return read;
+}
+
+class MapReader {
+ public:
+  MapReader(const Source& source, const ReadOptions& options, Notices& notices)
+      : path_(source.path), options_(options), notices_(notices) {
+    header_ = ParseHeader(WholeFile(source).text(), path_);
+  }
+
+  Atlas Read() {
+    Map& map = atlas_.maps.emplace_back();
+    map.id = MapId(0);
+    if (!header_.points.file.empty()) ReadPoints(map);
+    if (!header_.keyframes.file.empty()) ReadKeyFrames(map);
+    if (!header_.features.file.empty()) ReadFeatures(map);
+    Tell();
+    detail::CompleteAtlas(atlas_, "osmap", options_.threads, notices_);
+    return std::move(atlas_);
+  }
+
+ private:
+  void ReadPoints(Map& map) {
+    const SideFile side(path_, header_.points);
+    const ProtoFile& file = side.proto();
+    ForEachField(file, file.bytes, [&](const ProtoField& field) {
+      if (field.number == 1) map.points.push_back(ReadPoint(file, BytesOf(file, field)));
+    });
+    Compare(header_.points, map.points.size(), "map point");
+  }
+
+  void ReadKeyFrames(Map& map) {
+    const SideFile side(path_, header_.keyframes);
+    const ProtoFile& file = side.proto();
+    ForEachField(file, file.bytes, [&](const ProtoField& field) {
+      if (field.number != 1) return;
+      ReadKeyFrame read = ReadOne(file, BytesOf(file, field));
+      SetCamera(read, field.bytes.data(), file);
+      map.keyframes.push_back(std::move(read.keyframe));
+    });
+    Compare(header_.keyframes, map.keyframes.size(), "keyframe");
+    CloseLoops(map);
+  }
+
+  void SetCamera(ReadKeyFrame& read, const char* at, const ProtoFile& file) {
+    if (!read.own_camera && read.camera >= header_.cameras.size())
+      file.Fail(at, Concat("camera ", read.camera, " of the ", header_.cameras.size(), " in ", path_));
+    const CameraMatrix k = read.own_camera ? *read.own_camera : header_.cameras[read.camera];
+    detail::SetPinhole(read.keyframe, k[0], k[1], k[2], k[3]);
+    std::array<std::uint32_t, 4> bits{};
+    std::memcpy(bits.data(), k.data(), sizeof bits);
+    const auto [camera, is_new] = cameras_.try_emplace(bits, CameraId(cameras_.size()));
+    if (is_new) atlas_.cameras.push_back({.id = camera->second, .parameters = {k.begin(), k.end()}});
+    read.keyframe.camera = camera->second;
+  }
+
+  // Of each loop the keyframe of the larger id has the edge.
+  static void CloseLoops(Map& map) {
+    const IdTable rows = KeyFrameTable(map);
+    for (std::size_t row = 0; row < map.keyframes.size(); ++row) {
+      const KeyFrameId id = map.keyframes[row].id;
+      const std::vector<KeyFrameId> edges(map.keyframes[row].loop_edges.begin(), map.keyframes[row].loop_edges.end());
+      for (const KeyFrameId other : edges)
+        if (const std::uint32_t found = rows.Find(other.value()); found != kNoRow && other != id)
+          map.keyframes[found].loop_edges.push_back(id);
+    }
+    for (KeyFrame& keyframe : map.keyframes) {
+      auto& edges = keyframe.loop_edges;
+      std::sort(edges.begin(), edges.end());
+      edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    }
+  }
+
+  // The features of one keyframe: where they are in the file.
+  struct Block {
+    std::uint64_t keyframe = 0;
+    std::vector<std::string_view> features;
+  };
+
+  void ReadFeatures(Map& map) {
+    const SideFile side(path_, header_.features);
+    const ProtoFile& file = side.proto();
+    std::vector<Block> blocks;
+    if ((header_.options & kDelimited) != 0) {
+      for (ProtoReader messages(file, file.bytes); !messages.rest().empty();)
+        FindBlocks(file, messages.TakeDelimited(), blocks);
+    } else {
+      FindBlocks(file, file.bytes, blocks);
+    }
+    const IdTable rows = KeyFrameTable(map);
+    std::vector<const Block*> of_row(map.keyframes.size());
+    std::uint64_t features = 0, strangers = 0;
+    for (const Block& block : blocks) {
+      features += block.features.size();
+      const std::uint32_t row = rows.Find(block.keyframe);
+      if (row == kNoRow || of_row[row] != nullptr)
+        ++strangers;
+      else
+        of_row[row] = &block;
+    }
+    Compare(header_.features, features, "feature");
+    if (strangers > 0)
+      notices_.Lose("left out: features of keyframes that are not there, or had some already: " +
+                    Counted(strangers, "keyframe"));
+    detail::ParallelFor(of_row.size(), 8, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row)
+        if (of_row[row] != nullptr) Fill(file, *of_row[row], map.keyframes[row].features);
+    });
+  }
+
+  static void FindBlocks(const ProtoFile& file, std::string_view message, std::vector<Block>& blocks) {
+    ForEachField(file, message, [&](const ProtoField& field) {
+      if (field.number != 1) return;
+      Block& block = blocks.emplace_back();
+      ForEachField(file, BytesOf(file, field), [&](const ProtoField& inner) {
+        if (inner.number == 1) block.keyframe = inner.value;
+        if (inner.number == 2) block.features.push_back(BytesOf(file, inner));
+      });
+    });
+  }
+
+  static void Fill(const ProtoFile& file, const Block& block, Features& features) {
+    const std::size_t count = block.features.size();
+    features.undistorted.resize(count);
+    features.map_points.resize(count);
+    features.descriptors.resize(count);
+    std::size_t described = 0;
+    for (std::size_t row = 0; row < count; ++row) {
+      Keypoint& keypoint = features.undistorted[row];
+      keypoint = {.angle = 0, .response = 0, .size = kPatch, .x = 0, .y = 0, .class_id = -1, .octave = 0};
+      ForEachField(file, block.features[row], [&](const ProtoField& field) {
+        if (field.number == 2 && field.value != 0) features.map_points[row] = MapPointId(field.value);
+        if (field.number == 3) ReadKeypoint(file, BytesOf(file, field), keypoint);
+        if (field.number != 4) return;
+        ReadDescriptor(file, BytesOf(file, field), features.descriptors[row]);
+        ++described;
+      });
+    }
+    if (described < count) features.descriptors.clear();  // of a file that keeps those of points alone
+  }
+
+  static void ReadKeypoint(const ProtoFile& file, std::string_view message, Keypoint& keypoint) {
+    ForEachField(file, message, [&](const ProtoField& field) {
+      if (field.number == 1) keypoint.x = field.AsFloat();
+      if (field.number == 2) keypoint.y = field.AsFloat();
+      if (field.number == 3) keypoint.angle = field.AsFloat();
+      constexpr float kMostOctaves = 64;
+      if (field.number != 4) return;
+      const float octave = field.AsFloat();
+      keypoint.octave = octave >= 0 && octave < kMostOctaves ? static_cast<std::int32_t>(octave) : 0;
+      keypoint.size = std::trunc(kPatch * std::pow(1.2F, static_cast<float>(keypoint.octave)));
+    });
+  }
+
+  void Compare(const Side& side, std::uint64_t count, std::string_view what) {
+    if (side.count && *side.count != count)
+      notices_.Warn(Concat(side.file, " holds ", Counted(count, what), ", its header says ", *side.count));
+  }
+
+  void Tell() {
+    notices_.Note(
+        "an osmap map knows keypoints by their undistorted positions, and cameras without distortion; diameters of "
+        "keypoints are those of their octaves, responses are 0, the vocabulary has no name");
+    if ((header_.options & kPointFeaturesOnly) != 0)
+      notices_.Warn("the map was saved without the keypoints that see no point");
+  }
+
+  std::string path_;
+  const ReadOptions& options_;
+  Notices& notices_;
+  Header header_;
+  Atlas atlas_;
+  std::map<std::array<std::uint32_t, 4>, CameraId> cameras_;
+};
+
+}  // namespace
+
+Atlas Read(const Source& source, const ReadOptions& options, Notices& notices) {
+  if (!source.is_file())
+    throw Error(ErrorKind::kUsage, source.path, "", "an osmap map is four files: give the path of its .yaml file");
+  Atlas atlas = MapReader(source, options, notices).Read();
+  const Selection& selection = options.selection;
+  Map& map = atlas.maps[0];
+  std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
+  std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
+  if (selection.map && *selection.map != map.id) atlas.maps.clear();
+  return atlas;
+}
+
+}  // namespace slamdb::osmap
