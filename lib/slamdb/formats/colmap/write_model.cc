@@ -230,7 +230,7 @@ void Tell(const Outline& outline, const Unheld& unheld, std::string_view format,
   if (unheld.slots > 0)
     notices.Lose(Concat("see no point now, since the point does not name them: ", Counted(unheld.slots, "keypoint")));
   if (unheld.stereo > 0)
-    notices.Lose(Concat(format, " cannot hold right columns and depths of stereo keypoints (",
+    notices.Lose(Concat(format, " cannot hold the right keypoints and depths of rectified stereo and depth cameras (",
                         detail::Thousands(unheld.stereo), ")"));
   if (unheld.descriptors > 0 && !with_database)
     notices.Lose(
