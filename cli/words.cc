@@ -20,6 +20,8 @@ constexpr std::array kWords = {
          "--origin LAT,LON,ALT, which `slamdb transform --georeference` finds and keeps beside its output"},
     Word{"Orbslam3WriteOptions::sanitize", "--sanitize"},
     Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
+    Word{"ColmapReadOptions::database", "--database"},
+    Word{"KeyFramePictures::files names", "--images names"},
     Word{"StoreReadOptions::accept_edits", "`slamdb recover --accept-edits`"},
     Word{"SalvageAtlas", "`slamdb recover`"},
     Word{"`overwrite` of Store::Backup", "-O/--overwrite"},

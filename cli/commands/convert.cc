@@ -8,6 +8,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/options.h"
+#include "cli/reconstructions.h"
 #include "cli/report/layout.h"
 #include "cli/selected.h"
 #include "cli/times.h"
@@ -35,6 +36,7 @@ struct ConvertOptions {
   TargetOptions target;
   SelectionOptions selection;
   ViewerOptions viewers;
+  ReconstructionOptions reconstructions;
   bool sanitize = false, text = false, ascii = false, body = false, strict = false, sim3 = false;
   bool mrpt_own_slots = false, json = false, dry_run = false;
   std::optional<int> long_bytes;
@@ -77,6 +79,7 @@ WriteOptions WriteOptionsOf(const ConvertOptions& options, const Selection& sele
   write.of<Orbslam3WriteOptions>().long_bytes = options.long_bytes;
   write.of<ExportOptions>().map = selection.map;
   SetViewerOptions(options.viewers, options.ascii, write);
+  SetReconstructionOptions(options.reconstructions, write);
   write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
   write.of<MrptWriteOptions>().own_slots = options.mrpt_own_slots;
   write.of<G2oWriteOptions>().similarities = options.sim3;
@@ -152,6 +155,7 @@ void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
   if (options.sim3 && output.id != "g2o") RefuseUsage("--sim3 is for g2o" + is);
   RefuseIdleViewerOptions(output, options.viewers);
+  RefuseIdleReconstructionOptions(output, options.reconstructions);
   if (options.long_bytes && !output.id.starts_with("orbslam3"))
     RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
@@ -161,8 +165,11 @@ Atlas PutOnto(const HeldSource& poses, const ReadOptions& read, const ConvertOpt
               Notices& notices) {
   if (!read.selection.everything()) RefuseUsage("--onto takes all poses of the input: it goes with no selection");
   Atlas atlas = ReadAtlas(Location(options.onto), MakeReadOptions(console, {}, options.wait), &notices);
-  const PutPosesReport put = PutPoses(atlas, ReadKeyFramePoses(poses, read, &notices), {.threads = console.threads()});
-  notices.Note("put " + Counted(put.keyframes, "pose") + " into " + options.onto +
+  PutPosesOptions places{.threads = console.threads()};
+  const std::vector<KeyFramePose> found = ReadKeyFramePoses(poses, read, &notices, &places.points);
+  const PutPosesReport put = PutPoses(atlas, found, places);
+  notices.Note("put " + Counted(put.keyframes, "pose") + " and " + Counted(put.points, "point") + " into " +
+               options.onto +
                "; the largest shift of a camera is " + detail::Digits(put.largest_shift, 3));
   for (const std::string& warning : put.warnings) notices.Warn(warning);
   return atlas;
@@ -197,6 +204,7 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
 
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.of<TrajectoryReadOptions>() = options.times.ForReading();
+  SetReconstructionOptions(options.reconstructions, read);
   const HeldSource held = HoldInput(input, read);
   if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
   read.selection = ParseSelection(options.selection, held, read);
@@ -248,8 +256,8 @@ Run AddConvert(CLI::App& verb) {
   AddFrom(verb, options->from);
   verb.add_option(
           "--onto", options->onto,
-          "Write this atlas with the poses of INPUT, such as a graph that was optimised: keyframes by id, or by "
-          "time where INPUT is a trajectory; points follow their reference keyframe")
+          "Write this atlas with the poses and points of INPUT, such as a graph or a reconstruction that was optimised: by "
+          "id, or by time where INPUT is a trajectory; other points follow their reference keyframe")
       ->type_name("FILE");
   AddTarget(verb, options->target);
   AddWait(verb, options->wait);
@@ -257,6 +265,7 @@ Run AddConvert(CLI::App& verb) {
   verb.add_flag("--dry-run", options->dry_run, "Say what would be written and lost, and write nothing");
   BindFormatOptions(verb, *options);
   AddViewerOptions(verb, options->viewers);
+  AddReconstructionOptions(verb, options->reconstructions);
   AddSelection(verb, options->selection);
   return [options](Console& console) { return RunConvert(*options, console); };
 }

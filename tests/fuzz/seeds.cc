@@ -16,6 +16,7 @@
 #include "slamdb/model/detail/record.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
+#include "tests/fuzz/colmap_parts.h"
 #include "tests/fuzz/osa_mutator.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
@@ -110,6 +111,19 @@ void WriteSeedsOfFixtures(const path& base) {
                "#timestamp, p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,0,0,0,0,0,0\n");
 }
 
+void WriteSeedsOfColmap(const path& folder) {
+  constexpr std::array kParts = {"cameras", "images", "points3D", "rigs", "frames"};
+  for (const bool binary : {true, false}) {
+    fuzz::ColmapParts parts{.binary = binary, .files = {}};
+    const std::string place = std::string("formats/colmap") + (binary ? "/0/" : "-text/0/");
+    for (std::size_t part = 0; part < kParts.size(); ++part)
+      parts.files[part] = ReadFixture(place + kParts[part] + (binary ? ".bin" : ".txt"));
+    WriteChanged(folder, binary ? "binary" : "text", JoinColmap(parts));
+    parts.files[3].clear(), parts.files[4].clear();
+    Write(folder / (binary ? "old_binary" : "old_text"), JoinColmap(parts));
+  }
+}
+
 void WriteSeedsOfTables(const path& folder) {
   WriteChanged(folder, "fixes", "\xef\xbb\xbfTime [s];Lat;Lon;alt_ft\r\n+1.5;47.25;8.5;400\r\n2.5;-47;8;nan\r\n");
   WriteChanged(folder, "anchors", "# pairs\nfirst, second, first_x\n0, 1,\n\n2, 3, 1e3\n");
@@ -181,6 +195,7 @@ void WriteSeeds(const path& base) {
   WriteAtlases(base / "atlases");
   WriteSeedsOfFixtures(base);
   WriteSeedsOfTables(base / "table");
+  WriteSeedsOfColmap(base / "colmap");
   WriteSeedsOfJson(base / "json");
   const path archives = base / "orbslam3", blobs = base / "store_blobs";
   std::filesystem::create_directories(archives);

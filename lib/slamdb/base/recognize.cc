@@ -124,7 +124,8 @@ Recognized RecognizeSqlite(const Probe& probe) {
     return false;
   };
   if (Has(text, "keypoints") && (Has(text, "two_view_geometries") || Has(text, "inlier_matches")))
-    return is("colmap-database", "a COLMAP database (features and matches, no map)", "");
+    return is("colmap-database", "a COLMAP database (features and matches, no map)",
+              "the model that was made of it has the map: give its folder");
   if (table("Node") && table("Link") && table("Admin"))
     return is("rtabmap", "an RTAB-Map database, which slamdb does not read", "");
   if (Has(text, "associations") && (Has(text, "undist_keypts") || (table("keyframes") && table("landmarks"))))
@@ -146,6 +147,7 @@ struct Known {
   bool (*is)(const Probe&) = nullptr;
 };
 
+constexpr std::string_view kWholeModel = "give the folder that it is in";
 constexpr std::string_view kUnpack = "unpack it and give the file in it";
 constexpr std::string_view kConvertTrack =
     "make a table of time, latitude, longitude and altitude of it (gpsbabel -o unicsv)";
@@ -249,17 +251,17 @@ constexpr Known kKnown[] = {
     {"yaml", 0, "", "a YAML file of OpenCV, such as the settings of ORB-SLAM3",
      "the atlas is the .osa file that System.SaveAtlasToFile names in it", IsCameraSettings},
     {"colmap-points", 0, "# 3D point list with one line of data per point"sv,
-     "points3D.txt of a COLMAP model, which slamdb does not read", ""},
-    {"colmap-rigs", 0, "# Rig calib list with one line"sv, "rigs.txt of a COLMAP model, which slamdb does not read",
-     ""},
+     "points3D.txt of a COLMAP model", kWholeModel},
+    {"colmap-rigs", 0, "# Rig calib list with one line"sv, "rigs.txt of a COLMAP model",
+     kWholeModel},
     {"colmap-frames", 0, "# Frame list with one line"sv, "frames.txt of a COLMAP model, which slamdb does not read",
      ""},
-    {"colmap-cameras", 0, "", "cameras.txt of a COLMAP model, which slamdb does not read", "", IsColmapCamerasText},
-    {"colmap-images", 0, "", "images.txt of a COLMAP model, which slamdb does not read", "", IsColmapImagesText},
-    {"colmap-cameras", 0, "", "cameras.bin of a COLMAP model, which slamdb does not read", "", IsColmapCameras},
-    {"colmap-images", 0, "", "images.bin of a COLMAP model, which slamdb does not read", "", IsColmapImages},
-    {"colmap-frames", 0, "", "frames.bin of a COLMAP model, which slamdb does not read", "", IsColmapFrames},
-    {"colmap-points", 0, "", "points3D.bin of a COLMAP model, which slamdb does not read", "", IsColmapPoints},
+    {"colmap-cameras", 0, "", "cameras.txt of a COLMAP model", kWholeModel, IsColmapCamerasText},
+    {"colmap-images", 0, "", "images.txt of a COLMAP model", kWholeModel, IsColmapImagesText},
+    {"colmap-cameras", 0, "", "cameras.bin of a COLMAP model", kWholeModel, IsColmapCameras},
+    {"colmap-images", 0, "", "images.bin of a COLMAP model", kWholeModel, IsColmapImages},
+    {"colmap-frames", 0, "", "frames.bin of a COLMAP model", kWholeModel, IsColmapFrames},
+    {"colmap-points", 0, "", "points3D.bin of a COLMAP model", kWholeModel, IsColmapPoints},
     {"ply", 0, "ply\n"sv, "a PLY point cloud"},
     {"ply", 0, "ply\r\n"sv, "a PLY point cloud"},
     {"pcd", 0, "# .PCD"sv, "a PCD point cloud"},

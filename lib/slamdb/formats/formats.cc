@@ -9,6 +9,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/colmap/detail/colmap.h"
 #include "slamdb/formats/csv/detail/csv.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
@@ -23,6 +24,7 @@
 #include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/formats/pcd/detail/pcd.h"
 #include "slamdb/formats/ply/detail/ply.h"
+#include "slamdb/formats/splats/detail/splats.h"
 #include "slamdb/formats/sqlite/detail/store_format.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 #include "slamdb/formats/vins/detail/vins.h"
@@ -39,6 +41,8 @@ std::span<const Format> Formats() {
       detail::kKmlFormat,   detail::kGeojsonFormat,      detail::kNdjsonFormat,
       detail::kCsvFormat,   detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
       detail::kEurocFormat, detail::kTumFormat,          detail::kKittiFormat,
+      detail::kColmapFormat, detail::kColmapTextFormat, detail::kColmapDatabaseFormat,
+      detail::kNerfFormat, detail::kGaussianFormat,
   };
   return kFormats;
 }

@@ -30,9 +30,18 @@ std::vector<KeyFramePose> OfAtlas(const Atlas& atlas) {
   return poses;
 }
 
+std::vector<PointPosition> PointsOf(const Atlas& atlas) {
+  std::vector<PointPosition> points;
+  for (const Map& map : atlas.maps)
+    for (const MapPoint& point : map.points)
+      if (!point.bad && !point.observations.empty()) points.push_back({point.id, point.position.cast<double>()});
+  return points;
+}
+
 }  // namespace
 
-std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held, const ReadOptions& options, Notices* notices) {
+std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held, const ReadOptions& options, Notices* notices,
+                                            std::vector<PointPosition>* points) {
   Notices unheard;
   Notices& heard = notices == nullptr ? unheard : *notices;
   ReadOptions poses = options;
@@ -41,7 +50,9 @@ std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held, const ReadOp
   const Format& format = detail::FormatToRead(held.source(), poses);
   if (IsTrajectory(format)) return OfTrajectories(held, poses, heard);
   if (format.id == detail::kG2oFormat.id) return detail::ReadG2oPoses(held.source(), heard);
-  return OfAtlas(ReadAtlas(held, poses, &heard));
+  const Atlas atlas = ReadAtlas(held, poses, &heard);
+  if (points != nullptr) *points = PointsOf(atlas);
+  return OfAtlas(atlas);
 }
 
 }  // namespace slamdb

@@ -11,10 +11,13 @@ namespace slamdb {
 
 // The poses of any input that holds some: by time of trajectories, by id of all others, with scales of their own where
 // the format has them (g2o's similarities). Bad keyframes are left out.
+// `points`, when given, receives where the points are of an input that has some, by id: those that keyframes see, since
+// nothing has moved the others.
 //
 // Throws Error as ReadAtlas.
 [[nodiscard]] SLAMDB_EXPORT std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held,
                                                                         const ReadOptions& options = {},
-                                                                        Notices* notices = nullptr);
+                                                                        Notices* notices = nullptr,
+                                                                        std::vector<PointPosition>* points = nullptr);
 
 }  // namespace slamdb

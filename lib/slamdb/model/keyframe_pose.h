@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+
 #include "slamdb/model/ids.h"
 #include "slamdb/model/similarity.h"
 
@@ -13,6 +15,12 @@ struct KeyFramePose {
   // Its scale is how many lengths of the world one of the keyframe's map is: 1 unless the program estimates one for
   // each keyframe.
   Similarity3d world_from_camera;
+};
+
+// Where another program has a map point. World coordinates.
+struct PointPosition {
+  MapPointId point;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
 
 }  // namespace slamdb

@@ -117,22 +117,6 @@ void SetSize(const Lines& lines, CameraSettings& settings) {
     parameters[static_cast<std::size_t>(row)] *= factor;
 }
 
-// Of a keyframe of a pinhole, where its matrix holds floats; empty for others.
-std::vector<double> DistortionOf(const KeyFrame& keyframe) {
-  constexpr std::int32_t kFloats = 5;  // OpenCV's type code
-  const Matrix& matrix = keyframe.distortion;
-  std::vector<double> distortion;
-  if (matrix.type != kFloats) return distortion;
-  for (std::size_t at = 0; at + sizeof(float) <= matrix.data.size() && distortion.size() < 5; at += sizeof(float)) {
-    float value = 0;
-    std::memcpy(&value, &matrix.data[at], sizeof(float));
-    if (!std::isfinite(value)) return {};
-    distortion.push_back(static_cast<double>(value));
-  }
-  while (!distortion.empty() && distortion.back() == 0) distortion.pop_back();
-  return distortion;
-}
-
 // Whether bounds are those of pictures of one size: where a lens distorts, ORB-SLAM3 looks at the corners alone.
 bool IsAbout(const ImageBounds& one, const ImageBounds& other) {
   const std::int32_t width = one.max_x - one.min_x, height = one.max_y - one.min_y;
@@ -164,6 +148,21 @@ CameraSettings Parse(std::string_view text) {
 
 CameraSettings ReadCameraSettings(const Source& source) {
   return detail::ParseFile(source, "settings of a camera", Parse, {"yaml"});
+}
+
+std::vector<double> DistortionOf(const KeyFrame& keyframe) {
+  constexpr std::int32_t kFloats = 5;  // OpenCV's type code
+  const Matrix& matrix = keyframe.distortion;
+  std::vector<double> distortion;
+  if (matrix.type != kFloats) return distortion;
+  for (std::size_t at = 0; at + sizeof(float) <= matrix.data.size() && distortion.size() < 5; at += sizeof(float)) {
+    float value = 0;
+    std::memcpy(&value, &matrix.data[at], sizeof(float));
+    if (!std::isfinite(value)) return {};
+    distortion.push_back(static_cast<double>(value));
+  }
+  while (!distortion.empty() && distortion.back() == 0) distortion.pop_back();
+  return distortion;
 }
 
 Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2d& pixel) {

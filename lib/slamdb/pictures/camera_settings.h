@@ -36,6 +36,10 @@ struct CameraSettings {
 // size not positive, or the model of the camera unknown.
 [[nodiscard]] SLAMDB_EXPORT CameraSettings ReadCameraSettings(const Source& source);
 
+// The distortion that a keyframe of a pinhole records, k1 k2 p1 p2 [k3] without zeros at its end, where it is floats;
+// empty: none, or not finite.
+[[nodiscard]] SLAMDB_EXPORT std::vector<double> DistortionOf(const KeyFrame& keyframe);
+
 // Where a pixel would be, had the lens no distortion: found by iterating Brown's model, as cv::undistortPoints does.
 // Without distortion, or for Kannala-Brandt, the pixel itself.
 [[nodiscard]] SLAMDB_EXPORT Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2d& pixel);

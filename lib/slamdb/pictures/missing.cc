@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // In place of extract.cc and read_picture.cc where a library that they need is not there.
 #include "slamdb/base/error.h"
+#include "slamdb/pictures/color_picture.h"
 #include "slamdb/pictures/pictures.h"
 
 namespace slamdb {
@@ -15,6 +16,9 @@ namespace {
 
 }  // namespace
 
+ColorPicture ReadColorPicture(const Source&) { RefuseAll(); }
+std::string EncodePicture(const ColorPicture&, PictureFormat) { RefuseAll(); }
+ColorPicture Undistorted(const ColorPicture&, const CameraSettings&) { RefuseAll(); }
 GrayPicture ReadPicture(const Source&) { RefuseAll(); }
 
 PictureFeatures ExtractFeatures(const GrayPicture&, const CameraSettings&, std::int32_t) { RefuseAll(); }

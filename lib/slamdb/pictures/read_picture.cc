@@ -8,9 +8,11 @@
 #include <memory>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
+#include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/pictures/color_picture.h"
 #include "slamdb/pictures/pictures.h"
 
 namespace slamdb {
@@ -27,22 +29,44 @@ struct NotReadable {
 
 std::string_view TextOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
+enum class Wanted { kGray, kColor };
+
+// Gray, or red, green and blue.
+struct Pixels {
+  std::int32_t width = 0, height = 0;
+  std::size_t channels = 1;
+  std::vector<std::uint8_t> values;
+};
+
 // Before anything is allocated.
-GrayPicture PictureOf(std::uint64_t width, std::uint64_t height) {
+Pixels PixelsOf(std::uint64_t width, std::uint64_t height, std::size_t channels) {
   if (width == 0 || height == 0) throw NotReadable{"has no pixels"};
   if (width > kMostPixels || height > kMostPixels || width * height > kMostPixels)
     throw Error(ErrorKind::kOutOfResources, Concat("has ", width, " x ", height, " pixels: too many"));
-  GrayPicture picture{
-      .width = static_cast<std::int32_t>(width), .height = static_cast<std::int32_t>(height), .pixels = {}};
-  picture.pixels.resize(width * height);
-  return picture;
+  Pixels pixels{.width = static_cast<std::int32_t>(width),
+                .height = static_cast<std::int32_t>(height),
+                .channels = channels,
+                .values = {}};
+  pixels.values.resize(width * height * channels);
+  return pixels;
 }
 
 // As ORB-SLAM3 turns colours into gray.
-void TurnGray(std::vector<std::uint8_t>& colors, GrayPicture& picture) {
-  const cv::Mat from(picture.height, picture.width, CV_8UC3, colors.data());
-  const cv::Mat to(picture.height, picture.width, CV_8UC1, picture.pixels.data());
+std::vector<std::uint8_t> GrayOf(Pixels&& pixels) {
+  if (pixels.channels == 1) return std::move(pixels.values);
+  std::vector<std::uint8_t> gray(pixels.values.size() / pixels.channels);
+  const cv::Mat from(pixels.height, pixels.width, CV_8UC3, pixels.values.data());
+  const cv::Mat to(pixels.height, pixels.width, CV_8UC1, gray.data());
   cv::cvtColor(from, to, cv::COLOR_RGB2GRAY);
+  return gray;
+}
+
+std::vector<std::uint8_t> ColorsOf(Pixels&& pixels) {
+  if (pixels.channels == 3) return std::move(pixels.values);
+  std::vector<std::uint8_t> colors;
+  colors.reserve(3 * pixels.values.size());
+  for (const std::uint8_t value : pixels.values) colors.insert(colors.end(), 3, value);
+  return colors;
 }
 
 // Without what says how values are to be shown: they are taken as they are, as OpenCV and so ORB-SLAM3 take them.
@@ -59,7 +83,7 @@ std::string WithoutGamma(std::string_view png) {
   return plain;
 }
 
-GrayPicture ReadPng(Bytes bytes) {
+Pixels ReadPng(Bytes bytes) {
   const std::string plain = WithoutGamma(TextOf(bytes));
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -68,27 +92,24 @@ GrayPicture ReadPng(Bytes bytes) {
     if (done == 0 || PNG_IMAGE_FAILED(image)) throw NotReadable{image.message};
   };
   need(png_image_begin_read_from_memory(&image, plain.data(), plain.size()));
-  GrayPicture picture = PictureOf(image.width, image.height);
+  const bool wide = (image.format & PNG_FORMAT_FLAG_LINEAR) != 0;  // 16 bits
+  const bool color = (image.format & PNG_FORMAT_FLAG_COLOR) != 0;
+  Pixels pixels = PixelsOf(image.width, image.height, color && !wide ? 3 : 1);
   const png_color black{};
-  if ((image.format & PNG_FORMAT_FLAG_LINEAR) != 0) {  // 16 bits
+  if (wide) {
     image.format = PNG_FORMAT_LINEAR_Y;
-    std::vector<std::uint16_t> wide(picture.pixels.size());
-    need(png_image_finish_read(&image, &black, wide.data(), 0, nullptr));
-    std::ranges::transform(wide, picture.pixels.begin(),
+    std::vector<std::uint16_t> values(pixels.values.size());
+    need(png_image_finish_read(&image, &black, values.data(), 0, nullptr));
+    std::ranges::transform(values, pixels.values.begin(),
                            [](std::uint16_t value) { return static_cast<std::uint8_t>(value >> 8U); });
-  } else if ((image.format & PNG_FORMAT_FLAG_COLOR) != 0) {
-    image.format = PNG_FORMAT_RGB;
-    std::vector<std::uint8_t> colors(3 * picture.pixels.size());
-    need(png_image_finish_read(&image, &black, colors.data(), 0, nullptr));
-    TurnGray(colors, picture);
-  } else {
-    image.format = PNG_FORMAT_GRAY;
-    need(png_image_finish_read(&image, &black, picture.pixels.data(), 0, nullptr));
+    return pixels;
   }
-  return picture;
+  image.format = color ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
+  need(png_image_finish_read(&image, &black, pixels.values.data(), 0, nullptr));
+  return pixels;
 }
 
-GrayPicture ReadJpeg(Bytes bytes) {
+Pixels ReadJpeg(Bytes bytes, Wanted wanted) {
   const std::unique_ptr<void, decltype(&tjDestroy)> decoder(tjInitDecompress(), tjDestroy);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   const auto need = [&](int failed) {
@@ -96,14 +117,15 @@ GrayPicture ReadJpeg(Bytes bytes) {
   };
   int width = 0, height = 0, sampling = 0, colors = 0;
   need(tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &sampling, &colors));
-  GrayPicture picture = PictureOf(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height));
-  need(tjDecompress2(decoder.get(), data, bytes.size(), picture.pixels.data(), width, 0, height, TJPF_GRAY,
-                     TJFLAG_LIMITSCANS | TJFLAG_STOPONWARNING));
-  return picture;
+  const bool color = wanted == Wanted::kColor && colors != TJCS_GRAY;
+  Pixels pixels = PixelsOf(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height), color ? 3 : 1);
+  need(tjDecompress2(decoder.get(), data, bytes.size(), pixels.values.data(), width, 0, height,
+                     color ? TJPF_RGB : TJPF_GRAY, TJFLAG_LIMITSCANS | TJFLAG_STOPONWARNING));
+  return pixels;
 }
 
 // "P5 WIDTH HEIGHT 255" or P6, with comments between, a single space, then the pixels.
-GrayPicture ReadPnm(Bytes bytes) {
+Pixels ReadPnm(Bytes bytes) {
   std::string_view text = TextOf(bytes);
   const std::size_t channels = text[1] == '6' ? 3 : 1;
   text.remove_prefix(2);
@@ -120,24 +142,18 @@ GrayPicture ReadPnm(Bytes bytes) {
   if (next() != 255) throw NotReadable{"has other values than of a byte"};
   if (text.empty() || width == 0 || height == 0 || (text.size() - 1) / channels / width < height)
     throw NotReadable{"ends within its pixels"};
-  GrayPicture picture = PictureOf(width, height);
-  text = text.substr(1, picture.pixels.size() * channels);
-  std::vector<std::uint8_t> values(text.begin(), text.end());
-  if (channels == 3)
-    TurnGray(values, picture);
-  else
-    picture.pixels = std::move(values);
-  return picture;
+  Pixels pixels = PixelsOf(width, height, channels);
+  text = text.substr(1, pixels.values.size());
+  std::copy(text.begin(), text.end(), pixels.values.begin());
+  return pixels;
 }
 
-}  // namespace
-
-GrayPicture ReadPicture(const Source& source) {
+Pixels Read(const Source& source, Wanted wanted) {
   const WholeFile file(source);
   const std::string_view text = TextOf(file.bytes());
   try {
     if (text.starts_with("\x89PNG")) return ReadPng(file.bytes());
-    if (text.starts_with("\xff\xd8\xff")) return ReadJpeg(file.bytes());
+    if (text.starts_with("\xff\xd8\xff")) return ReadJpeg(file.bytes(), wanted);
     if (text.starts_with("P5") || text.starts_with("P6")) return ReadPnm(file.bytes());
   } catch (const NotReadable& error) {
     throw Error(ErrorKind::kDamaged, file.path(), "", "is a damaged picture: " + error.why);
@@ -145,6 +161,18 @@ GrayPicture ReadPicture(const Source& source) {
     throw Error(error.kind(), file.path(), "", error.problem());
   }
   throw Error(ErrorKind::kDamaged, file.path(), "", "is no picture: PNG, JPEG, PGM and PPM are read");
+}
+
+}  // namespace
+
+GrayPicture ReadPicture(const Source& source) {
+  Pixels pixels = Read(source, Wanted::kGray);
+  return {.width = pixels.width, .height = pixels.height, .pixels = GrayOf(std::move(pixels))};
+}
+
+ColorPicture ReadColorPicture(const Source& source) {
+  Pixels pixels = Read(source, Wanted::kColor);
+  return {.width = pixels.width, .height = pixels.height, .pixels = ColorsOf(std::move(pixels))};
 }
 
 }  // namespace slamdb

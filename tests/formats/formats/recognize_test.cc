@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"ply", "ply\nformat ascii 1.0\n", "is a PLY point cloud, which slamdb writes but does not read"}),
     [](const auto& instance) { return instance.param.name; });
 
-TEST(RecognizeFolder, KnowsColmapModels) {
+TEST(RecognizeFolder, KnowsColmapModelsThatLackAFile) {
   const TemporaryFolder folder;
   folder.Make("images.bin", ""), folder.Make("points3D.bin", "");
   EXPECT_THAT(Problem(folder.Path("")), HasSubstr("COLMAP model"));

@@ -12,12 +12,6 @@
 
 namespace slamdb {
 
-// Where another program has a map point. World coordinates.
-struct PointPosition {
-  MapPointId point;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-};
-
 struct PutPosesOptions {
   std::vector<PointPosition> points;   // those of which it is known; the others follow their reference keyframe
   double max_time_difference = 0.005;  // seconds, between a keyframe and a pose without an id

@@ -219,6 +219,32 @@ Database::Database(const std::string& path, Access access, double lock_timeout, 
     OpenToWrite(access);
 }
 
+Database Database::InMemory(const std::string& path) {
+  Database database;
+  database.path_ = path;
+  database.waiting_ = std::make_unique<Waiting>(0);
+  sqlite3* handle = nullptr;
+  const int code = sqlite3_open_v2(
+      ":memory:", &handle,
+      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, nullptr);
+  database.handle_.reset(handle);
+  if (code != SQLITE_OK) throw FailureOf(handle, code, path, "");
+  return database;
+}
+
+void Database::WriteTo(AtomicFile& file) const {
+  sqlite3_int64 size = 0;
+  const std::unique_ptr<unsigned char, decltype(&sqlite3_free)> bytes(sqlite3_serialize(handle(), "main", &size, 0),
+                                                                      sqlite3_free);
+  if (bytes == nullptr)
+    throw Error(ErrorKind::kNotPossible, path_, "",
+                "the database has more than the 2 GB that can be written at once; write one map alone");
+  constexpr std::size_t kVersion = 96;  // of SQLite, which nothing reads
+  auto* begin = reinterpret_cast<std::byte*>(bytes.get());
+  std::fill_n(begin + kVersion, 4, std::byte{0});
+  file.Write(Bytes(begin, static_cast<std::size_t>(size)));
+}
+
 void Database::OpenHandle(int flags, const char* vfs) {
   sqlite3* handle = nullptr;
   const int code =

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 #include "slamdb/base/progress.h"
@@ -66,6 +67,15 @@ class Database {
   // Throws Error: no such file, a directory or another thing that is no file, not a database, no permission.
   Database(const std::string& path, Access access, double lock_timeout, Progress progress = {});
 
+  // An empty one in memory, for the databases of other programs: what is written at once and never changed again.
+  // Errors call it `path`.
+  static Database InMemory(const std::string& path);
+  // The bytes of the file that one in memory would be, without the version of SQLite in its header, so that equal
+  // content is equal bytes everywhere.
+  //
+  // Throws Error (kNotPossible) beyond 2 GB.
+  void WriteTo(AtomicFile& file) const;
+
   const std::string& path() const { return path_; }
   sqlite3* handle() const { return handle_.get(); }
 
@@ -89,6 +99,7 @@ class Database {
   Error Failure(const std::string& place, int code) const;
 
  private:
+  Database() = default;
   struct Close {
     void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
   };

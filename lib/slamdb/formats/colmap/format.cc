@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "slamdb/base/atomic_folder.h"
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/colmap/detail/codec.h"
+#include "slamdb/formats/colmap/detail/colmap.h"
+#include "slamdb/formats/colmap/detail/database.h"
+#include "slamdb/formats/colmap/detail/models.h"
+#include "slamdb/formats/export/detail/rows.h"
+
+namespace slamdb {
+namespace {
+
+namespace fs = std::filesystem;
+using colmap::kPartNames;
+using colmap::Part;
+using detail::Concat;
+
+constexpr std::string_view kBinary = ".bin", kText = ".txt";
+constexpr std::string_view kDatabase = "database.db";
+constexpr std::size_t kNeeded = 3;  // of kPartNames; older versions write no more
+
+// ---- where models are in a folder
+
+std::string FileOf(const std::string& folder, std::string_view part, std::string_view suffix) {
+  return (fs::path(folder) / Concat(part, suffix)).string();
+}
+
+bool HasModel(const std::string& folder, std::string_view suffix) {
+  std::error_code missing;
+  return std::ranges::all_of(kPartNames.begin(), kPartNames.begin() + kNeeded, [&](std::string_view part) {
+    return fs::is_regular_file(FileOf(folder, part, suffix), missing);
+  });
+}
+bool HasModel(const std::string& folder) { return HasModel(folder, kBinary) || HasModel(folder, kText); }
+
+struct Place {
+  std::string folder;
+  std::uint64_t number = 0;
+};
+
+// The folder itself, or the numbered ones in it, as COLMAP's mapper makes them.
+std::vector<Place> FindModelsIn(const std::string& folder) {
+  if (HasModel(folder)) return {{folder, 0}};
+  constexpr std::size_t kMost = 10'000;
+  std::vector<Place> places;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    const auto number = detail::ParseNumber<std::uint32_t>(entry->path().filename().string());
+    if (number && places.size() < kMost && HasModel(entry->path().string()))
+      places.push_back({entry->path().string(), *number});
+  }
+  std::ranges::sort(places, {}, &Place::number);
+  return places;
+}
+
+// Of a model, or of the workspace that COLMAP and those who take its models keep them in.
+std::vector<Place> FindModels(const std::string& folder) {
+  std::vector<Place> places = FindModelsIn(folder);
+  return places.empty() ? FindModelsIn((fs::path(folder) / "sparse").string()) : places;
+}
+
+// Whether COLMAP would read the binary files: those of the first model.
+std::optional<bool> IsBinary(const std::string& folder) {
+  const std::vector<Place> places = FindModels(folder);
+  if (places.empty()) return std::nullopt;
+  return HasModel(places.front().folder, kBinary);
+}
+
+bool SniffBinary(const Probe& probe) { return IsBinary(probe.path) == true; }
+bool SniffText(const Probe& probe) { return IsBinary(probe.path) == false; }
+
+// ---- reading and writing
+
+colmap::Model ReadModel(const std::string& folder) {
+  const bool binary = HasModel(folder, kBinary);
+  const std::string_view suffix = binary ? kBinary : kText;
+  colmap::Model model;
+  for (std::size_t part = 0; part < kPartNames.size(); ++part) {
+    const std::string path = FileOf(folder, kPartNames[part], suffix);
+    std::error_code missing;
+    if (part >= kNeeded && !fs::exists(path, missing)) continue;
+    const WholeFile file{Source(path)};
+    (binary ? colmap::DecodeBinary : colmap::DecodeText)(static_cast<Part>(part), file, model);
+  }
+  return model;
+}
+
+// In the folder of the model, or where COLMAP's tutorials lay it: above `sparse/0`.
+std::optional<std::string> FindDatabase(const std::string& given, const std::string& folder) {
+  if (!given.empty()) return given;
+  std::error_code missing;
+  fs::path place = fs::absolute(folder, missing).lexically_normal();
+  if (!place.has_filename()) place = place.parent_path();
+  constexpr int kUp = 2;
+  for (int up = 0; up <= kUp; ++up, place = place.parent_path())
+    if (fs::is_regular_file(place / kDatabase, missing)) return (place / kDatabase).string();
+  return std::nullopt;
+}
+
+Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& notices) {
+  std::vector<colmap::NamedModel> models;
+  for (const Place& place : FindModels(source.path))
+    models.push_back({.path = place.folder, .map = place.number, .model = ReadModel(place.folder)});
+  if (models.empty())
+    throw Error(ErrorKind::kDamaged, source.path, "",
+                "holds no model of COLMAP: cameras, images and points3D, all .bin or all .txt");
+  std::optional<colmap::FeatureDatabase> database;
+  if (const auto path = FindDatabase(options.of<ColmapReadOptions>().database, models.front().path))
+    database.emplace(*path);
+  return colmap::AtlasOf(models, database ? &*database : nullptr, options, notices);
+}
+
+using Encode = void (*)(Part, const colmap::Model&, AtomicFile&, const WriteOptions&);
+
+void WriteFiles(const colmap::Model& model, const std::string& folder_in, std::string_view suffix, Encode encode,
+                AtomicFolder& folder, const WriteOptions& options) {
+  for (std::size_t part = 0; part < kPartNames.size(); ++part) {
+    const std::unique_ptr<AtomicFile> file = folder.Make(Concat(folder_in, kPartNames[part], suffix));
+    encode(static_cast<Part>(part), model, *file, options);
+    file->Commit();
+  }
+}
+
+void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices,
+                 std::string_view suffix, Encode encode, std::string_view id) {
+  AtomicFolder folder(target, detail::FileOptions(options));
+  const ColmapWriteOptions& wanted = options.of<ColmapWriteOptions>();
+  const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, wanted.pictures);
+  std::optional<colmap::DatabaseWriter> database;
+  if (wanted.with_database) database.emplace(outline, wanted.schema, target.path);
+  colmap::Unheld unheld;
+  for (std::size_t row = 0; row < outline.maps.size(); ++row) {
+    const colmap::Model model = colmap::ModelOf(atlas, outline, outline.maps[row], options, unheld);
+    WriteFiles(model, outline.maps.size() == 1 ? "" : Concat(row, "/"), suffix, encode, folder, options);
+    if (database) database->AddPairs(outline.maps[row], model);
+  }
+  if (outline.maps.empty()) WriteFiles({}, "", suffix, encode, folder, options);
+  if (database) {
+    const std::unique_ptr<AtomicFile> file = folder.Make(std::string(kDatabase));
+    database->Write(*file);
+    file->Commit();
+  }
+  folder.Commit();
+  colmap::Tell(outline, unheld, id, wanted.with_database, notices);
+}
+
+void WriteDatabase(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  AtomicFile file(target, detail::FileOptions(options));
+  const ColmapWriteOptions& wanted = options.of<ColmapWriteOptions>();
+  const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, wanted.pictures);
+  colmap::DatabaseWriter database(outline, wanted.schema, target.path);
+  colmap::Unheld unheld;
+  for (std::size_t row = 0; row < outline.maps.size(); ++row) {
+    if (options.progress)
+      options.progress("writing", static_cast<double>(row) / static_cast<double>(outline.maps.size()));
+    const colmap::MapOutline& map = outline.maps[row];
+    database.AddPairs(map, colmap::ModelOf(atlas, outline, map, options, unheld));
+  }
+  database.Write(file);
+  file.Commit();
+  notices.Tell(Concat(detail::Counted(database.images(), "image"), ", ",
+                      detail::Counted(database.keypoints(), "keypoint"), ", matches of ",
+                      detail::Counted(database.pairs(), "pair")));
+}
+
+void WriteBinary(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  WriteModels(atlas, target, options, notices, kBinary, colmap::EncodeBinary, "colmap");
+}
+void WriteText(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  WriteModels(atlas, target, options, notices, kText, colmap::EncodeText, "colmap-text");
+}
+
+constexpr Content kHolds = Content::kPoses | Content::kPoints | Content::kObservations | Content::kKeypoints |
+                           Content::kDescriptors | Content::kCameras | Content::kMaps;
+constexpr std::array<std::string_view, 1> kBinarySuffixes = {".colmap"}, kTextSuffixes = {".colmap.txt"},
+                                            kDatabaseSuffixes = {".colmap.db"};
+
+}  // namespace
+
+namespace detail {
+
+const Format kColmapFormat = {.id = "colmap",
+                              .title = "COLMAP model",
+                              .suffixes = kBinarySuffixes,
+                              .kind = FileKind::kBinary,
+                              .is_folder = true,
+                              .chooses_maps = true,
+                              .reads = kHolds,
+                              .writes = kHolds,
+                              .sniff = SniffBinary,
+                              .read = ReadColmap,
+                              .write = WriteBinary};
+
+const Format kColmapTextFormat = {.id = "colmap-text",
+                                  .title = "COLMAP model as text",
+                                  .suffixes = kTextSuffixes,
+                                  .kind = FileKind::kText,
+                                  .is_folder = true,
+                                  .chooses_maps = true,
+                                  .reads = kHolds,
+                                  .writes = kHolds,
+                                  .sniff = SniffText,
+                                  .read = ReadColmap,
+                                  .write = WriteText};
+
+const Format kColmapDatabaseFormat = {
+    .id = "colmap-database",
+    .title = "COLMAP database",
+    .suffixes = kDatabaseSuffixes,
+    .kind = FileKind::kBinary,
+    .chooses_maps = true,
+    .is_export = true,
+    .writes = Content::kObservations | Content::kKeypoints | Content::kDescriptors | Content::kCameras | Content::kMaps,
+    .write = WriteDatabase};
+
+}  // namespace detail
+}  // namespace slamdb

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/colmap/detail/names.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <unordered_set>
+#include <utility>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/median.h"
+#include "slamdb/base/detail/text.h"
+
+namespace slamdb::colmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The pictures in order of time.
+class Pictures {
+ public:
+  explicit Pictures(const KeyFramePictures& pictures) : folder_(pictures.folder) {
+    for (const PictureFile& file : pictures.files)
+      if (file.has_time) files_.push_back(&file);
+    std::ranges::stable_sort(files_, {}, &PictureFile::timestamp);
+    std::vector<double> ways;
+    for (std::size_t row = 1; row < files_.size(); ++row)
+      ways.push_back(files_[row]->timestamp - files_[row - 1]->timestamp);
+    constexpr double kAlone = 0.02;  // seconds
+    most_ = ways.empty() ? kAlone : detail::ElementInOrder(ways, ways.size() / 2) / 2;
+  }
+
+  // Null when the nearest is too far away.
+  const PictureFile* Nearest(double time) const {
+    const auto after = std::ranges::lower_bound(files_, time, {}, &PictureFile::timestamp);
+    const PictureFile* nearest = after == files_.end() ? nullptr : *after;
+    if (after != files_.begin()) {
+      const PictureFile* before = *(after - 1);
+      if (nearest == nullptr || time - before->timestamp <= nearest->timestamp - time) nearest = before;
+    }
+    return nearest != nullptr && std::abs(nearest->timestamp - time) <= most_ ? nearest : nullptr;
+  }
+
+  std::string NameOf(const PictureFile& file) const {
+    const fs::path path(file.path);
+    return (folder_.empty() ? path.filename() : path.lexically_relative(folder_)).string();
+  }
+
+ private:
+  std::string folder_;
+  std::vector<const PictureFile*> files_;
+  double most_ = 0;  // seconds
+};
+
+std::string NameByTime(const View& view) {
+  std::string name;
+  if (std::isfinite(view.keyframe->timestamp))
+    detail::AppendSeconds(name, view.keyframe->timestamp);
+  else
+    name = detail::Concat("kf", view.keyframe->id.value());
+  const bool pair = view.keyframe->features.is_fisheye_stereo();
+  return (pair ? view.right ? "right/" : "left/" : "") + name + ".png";
+}
+
+}  // namespace
+
+void NameImages(Outline& outline, const KeyFramePictures& pictures) {
+  const Pictures files(pictures);
+  std::unordered_set<std::string> taken;
+  for (MapOutline& map : outline.maps)
+    for (View& view : map.views) {
+      const PictureFile* file = view.right ? nullptr : files.Nearest(view.keyframe->timestamp);
+      if (file == nullptr && !view.right && !pictures.files.empty()) ++outline.without_picture;
+      if (file != nullptr) view.picture = file->path;
+      const std::string name = file == nullptr ? NameByTime(view) : files.NameOf(*file);
+      view.name = name;
+      if (!taken.insert(view.name).second) {
+        view.name = detail::Concat(view.image, "/", name);
+        taken.insert(view.name);
+      }
+    }
+}
+
+std::optional<double> TimeInName(std::string_view name) {
+  constexpr double kNanoseconds = 1e15;  // from here on a time is in these
+  const std::string stem = fs::path(name).stem().string();
+  const std::optional<double> number = detail::ParseNumber<double>(stem);
+  if (!number || !std::isfinite(*number)) return std::nullopt;
+  return *number >= kNanoseconds ? *number / 1e9 : *number;
+}
+
+}  // namespace slamdb::colmap

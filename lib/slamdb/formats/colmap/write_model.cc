@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/colmap/detail/lenses.h"
+#include "slamdb/formats/colmap/detail/models.h"
+#include "slamdb/model/colors.h"
+#include "slamdb/model/index.h"
+#include "slamdb/model/reprojection.h"
+
+namespace slamdb::colmap {
+namespace {
+
+using detail::Concat;
+using detail::Counted;
+
+bool IsSoundId(std::uint64_t id, std::uint32_t row, const IdTable& rows) {
+  return id != kNoPoint && rows.Find(id) == row;
+}
+
+std::uint64_t CarriedRows(const KeyFrame& keyframe) {
+  return static_cast<std::uint64_t>(std::max(keyframe.carried->descriptors.rows, 0));
+}
+
+// Makes one model.
+class Maker {
+ public:
+  Maker(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld)
+      : atlas_(atlas), outline_(outline), map_(map), options_(options), unheld_(unheld) {}
+
+  Model Make() {
+    AddCameras();
+    AddImages();
+    AddFrames();
+    AddPoints();
+    CountSlots();
+    AddErrors();
+    return std::move(model_);
+  }
+
+ private:
+  void AddCameras() {
+    std::vector<bool> used(outline_.rigs.size(), false);
+    for (const View& view : map_.views) used[view.rig] = true;
+    for (std::size_t row = 0; row < used.size(); ++row) {
+      if (!used[row]) continue;
+      const OutlineRig& rig = outline_.rigs[row];
+      Rig& written = model_.rigs.emplace_back();
+      written.id = rig.id;
+      Add(rig.left, std::nullopt, written);
+      if (rig.is_pair()) Add(rig.right, rig.right_from_left, written);
+    }
+  }
+
+  void Add(std::uint32_t row, const std::optional<Pose>& pose, Rig& rig) {
+    const OutlineCamera& camera = outline_.cameras[row];
+    model_.cameras.push_back(CameraOf(camera.settings, camera.id));
+    rig.sensors.push_back({{SensorType::kCamera, camera.id}, pose});
+  }
+
+  void AddImages() {
+    constexpr std::size_t kGrain = 16;
+    model_.images.resize(map_.views.size());
+    detail::ParallelFor(map_.views.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) FillImage(map_.views[row], model_.images[row]);
+    });
+    for (const Image& image : model_.images) unheld_.keypoints += image.points.size();
+    for (const View& view : map_.views) {
+      const Features& features = view.keyframe->features;
+      if (view.right) continue;
+      unheld_.descriptors += features.descriptors.size();
+      if (view.keyframe->carried) unheld_.descriptors += CarriedRows(*view.keyframe);
+      if (!features.is_fisheye_stereo())
+        unheld_.stereo += static_cast<std::uint64_t>(
+            std::ranges::count_if(features.right_x, [](float x) { return x >= 0; }));
+    }
+  }
+
+  void FillImage(const View& view, Image& image) const {
+    const OutlineCamera& camera = outline_.cameras[view.camera];
+    image.id = view.image;
+    image.camera = camera.id;
+    image.camera_from_world = PoseOf(view);
+    image.name = view.name;
+    const Column<Keypoint>& keypoints = *KeypointsOf(view, camera.settings).keypoints;
+    image.points.resize(keypoints.size());
+    for (std::size_t row = 0; row < keypoints.size(); ++row)
+      image.points[row] = {static_cast<double>(keypoints[row].x) + kHalfPixel,
+                           static_cast<double>(keypoints[row].y) + kHalfPixel, kNoPoint};
+  }
+
+  // One for each keyframe.
+  void AddFrames() {
+    for (std::size_t row = 0; row < map_.views.size(); ++row) {
+      const View& view = map_.views[row];
+      const FrameData data{{SensorType::kCamera, outline_.cameras[view.camera].id}, view.image};
+      if (view.right)
+        model_.frames.back().data.push_back(data);
+      else
+        model_.frames.push_back(
+            {view.image, outline_.rigs[view.rig].id, model_.images[row].camera_from_world, {data}});
+    }
+  }
+
+  void AddPoints() {
+    const IdTable keyframes = KeyFrameTable(*map_.map), rows = PointTable(*map_.map);
+    const Column<MapPoint>& points = map_.map->points;
+    model_.points.reserve(points.size());
+    sources_.reserve(points.size());
+    for (std::uint32_t row = 0; row < points.size(); ++row) {
+      const MapPoint& point = points[row];
+      if (point.bad) {
+        ++unheld_.bad_points;
+      } else if (!IsSoundId(point.id.value(), row, rows) || !point.position.allFinite()) {
+        ++unheld_.strange_points;
+      } else {
+        AddPoint(point, keyframes);
+      }
+    }
+  }
+
+  void AddPoint(const MapPoint& point, const IdTable& keyframes) {
+    Point written{.id = point.id.value(), .color = kNoColor, .track_begin = model_.tracks.size()};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      written.position[axis] = static_cast<double>(point.position[static_cast<Eigen::Index>(axis)]);
+    for (const Observation& observation : point.observations) {
+      const std::uint32_t row = keyframes.Find(observation.keyframe.value());
+      const std::uint32_t view = row == kNoRow ? kNoRow : map_.view_of_row[row];
+      if (observation.left >= 0) See(written.id, view, observation.left);
+      if (observation.right >= 0) See(written.id, view, observation.right);
+    }
+    if (model_.tracks.size() == written.track_begin + 1) ForgetLast();
+    written.track_length = model_.tracks.size() - written.track_begin;
+    model_.points.push_back(written);
+    sources_.push_back(&point);
+  }
+
+  // COLMAP's bundle adjustment ends the program at points that one image alone sees.
+  void ForgetLast() {
+    model_.images[last_seen_].points[model_.tracks.back().row].point = kNoPoint;
+    model_.tracks.pop_back();
+    ++unheld_.alone;
+  }
+
+  // The keypoint `row` of the keyframe with that first view is the point.
+  void See(std::uint64_t point, std::uint32_t view, std::int32_t row) {
+    auto at = static_cast<std::size_t>(row);
+    if (view != kNoRow) {
+      const Features& features = map_.views[view].keyframe->features;
+      const auto left = static_cast<std::size_t>(std::max(features.left_count, 0));
+      if (features.is_fisheye_stereo() && at >= left) {
+        at -= left;
+        ++view;
+      }
+      Column<Point2>& points = model_.images[view].points;
+      if (at < points.size() && points[at].point == kNoPoint) {
+        points[at].point = point;
+        last_seen_ = view;
+        model_.tracks.push_back({map_.views[view].image, static_cast<std::uint32_t>(at)});
+        return;
+      }
+    }
+    ++unheld_.observations;
+  }
+
+  void CountSlots() {
+    for (std::size_t view = 0; view < map_.views.size(); ++view) {
+      const View& seen = map_.views[view];
+      const std::size_t first = KeypointsOf(seen, outline_.cameras[seen.camera].settings).first_row;
+      const Column<MapPointId>& slots = seen.keyframe->features.map_points;
+      const Column<Point2>& points = model_.images[view].points;
+      for (std::size_t row = 0; row < points.size() && first + row < slots.size(); ++row)
+        if (slots[first + row] && points[row].point != slots[first + row].value()) ++unheld_.slots;
+    }
+    unheld_.slots -= std::min(unheld_.slots, unheld_.alone);  // which were told
+  }
+
+  void AddErrors() {
+    constexpr std::size_t kGrain = 4096;
+    const Reprojection reprojection(atlas_, *map_.map);
+    detail::ParallelFor(sources_.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) {
+        const float error = reprojection.Mean(*sources_[row]);
+        model_.points[row].error = std::isfinite(error) ? static_cast<double>(error) : -1;
+      }
+    });
+  }
+
+  const Atlas& atlas_;
+  const Outline& outline_;
+  const MapOutline& map_;
+  const WriteOptions& options_;
+  Unheld& unheld_;
+  Model model_;
+  std::vector<const MapPoint*> sources_;  // of Model::points
+  std::uint32_t last_seen_ = 0;           // the view of the last element of Model::tracks
+};
+
+}  // namespace
+
+Model ModelOf(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options,
+              Unheld& unheld) {
+  return Maker(atlas, outline, map, options, unheld).Make();
+}
+
+IdTable PointRowsOf(const Model& model) {
+  std::uint64_t lowest = kNoPoint, highest = 0;
+  for (const Point& point : model.points) {
+    lowest = std::min(lowest, point.id);
+    highest = std::max(highest, point.id);
+  }
+  IdTable rows(lowest, highest, model.points.size());
+  for (std::uint32_t row = 0; row < model.points.size(); ++row) rows.Insert(model.points[row].id, row);
+  return rows;
+}
+
+void Tell(const Outline& outline, const Unheld& unheld, std::string_view format, bool with_database,
+          Notices& notices) {
+  const auto lose = [&](std::uint64_t count, std::string_view noun, std::string_view why) {
+    if (count > 0) notices.Lose(Concat("left out: ", Counted(count, noun), " ", why));
+  };
+  lose(outline.bad_keyframes, "keyframe", "flagged bad");
+  lose(outline.not_finite, "keyframe", "whose pose is not finite");
+  lose(unheld.bad_points, "point", "flagged bad");
+  lose(unheld.strange_points, "point", "not finite, or with the id of another one");
+  lose(unheld.observations, "observation", "by a keypoint that is not there, or that another point has");
+  lose(unheld.alone, "observation", "of points that no other image sees, at which COLMAP's bundle adjustment stops");
+  if (unheld.slots > 0)
+    notices.Lose(Concat("see no point now, since the point does not name them: ", Counted(unheld.slots, "keypoint")));
+  if (unheld.stereo > 0)
+    notices.Lose(Concat(format, " cannot hold the right keypoints and depths of rectified stereo and depth cameras (",
+                        detail::Thousands(unheld.stereo), ")"));
+  if (unheld.descriptors > 0 && !with_database)
+    notices.Lose(
+        Concat(format, " cannot hold descriptors without a database (", detail::Thousands(unheld.descriptors), ")"));
+  if (unheld.keypoints > 0)
+    notices.Lose(Concat(format, " cannot hold ", with_database ? "scores" : "scales, angles and scores",
+                        " of keypoints (", detail::Thousands(unheld.keypoints), ")"));
+  if (outline.renumbered)
+    notices.Warn("the ids of the keyframes do not fit into those of images: images are numbered from 1 on");
+  if (outline.without_picture > 0)
+    notices.Warn(Concat(Counted(outline.without_picture, "keyframe"),
+                        " without a picture file near in time; named by timestamp"));
+}
+
+}  // namespace slamdb::colmap

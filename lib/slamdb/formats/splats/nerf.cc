@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Geometry>
+#include <array>
+#include <filesystem>
+#include <memory>
+
+#include "slamdb/formats/colmap/detail/lenses.h"
+#include "slamdb/formats/export/detail/json_appender.h"
+#include "slamdb/formats/export/detail/rows.h"
+#include "slamdb/formats/splats/detail/scene.h"
+#include "slamdb/formats/splats/detail/splats.h"
+
+namespace slamdb {
+namespace {
+
+namespace fs = std::filesystem;
+using colmap::Image;
+using colmap::View;
+using splats::Developed;
+using splats::Scene;
+
+constexpr std::string_view kPoints = "points.ply";
+
+// World coordinates are turned so that z is up where y was down, as nerfstudio does with COLMAP's.
+Eigen::Matrix3d UpwardFromWorld() {
+  Eigen::Matrix3d turn;
+  turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  return turn;
+}
+
+template <class Matrix>
+void AddMatrix(detail::JsonAppender& json, std::string_view name, const Matrix& matrix) {
+  json.BeginArray(name);
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) json.Value(matrix.row(row));
+  json.EndArray();
+}
+
+void AddCamera(detail::JsonAppender& json, const colmap::Camera& camera) {
+  const std::vector<double>& p = camera.parameters;
+  const bool fisheye = camera.model == colmap::kOpencvFisheye;
+  json.Field("camera_model", fisheye ? "OPENCV_FISHEYE" : "OPENCV");
+  json.Field("w", camera.width);
+  json.Field("h", camera.height);
+  constexpr std::array<std::string_view, 4> kPinhole = {"fl_x", "fl_y", "cx", "cy"};
+  for (std::size_t row = 0; row < kPinhole.size(); ++row) json.Field(kPinhole[row], p[row]);
+  constexpr std::array<std::string_view, 4> kFisheye = {"k1", "k2", "k3", "k4"};
+  constexpr std::array<std::string_view, 5> kBrown = {"k1", "k2", "p1", "p2", "k3"};
+  for (std::size_t row = 0; fisheye && row < kFisheye.size(); ++row) json.Field(kFisheye[row], p[4 + row]);
+  for (std::size_t row = 0; !fisheye && row < kBrown.size() && 4 + row < p.size(); ++row)
+    json.Field(kBrown[row], p[4 + row]);
+}
+
+// World from camera, of the turned world and a camera that looks along -z, y up.
+Eigen::Matrix4d TransformOf(const Image& image) {
+  const auto& q = image.camera_from_world.wxyz;
+  const Eigen::Quaterniond rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().conjugate();
+  const Eigen::Vector3d center =
+      -(rotation * Eigen::Map<const Eigen::Vector3d>(image.camera_from_world.translation.data()));
+  Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();
+  transform.topLeftCorner<3, 3>() =
+      UpwardFromWorld() * rotation.toRotationMatrix() * Eigen::Vector3d(1, -1, -1).asDiagonal();
+  transform.topRightCorner<3, 1>() = UpwardFromWorld() * center;
+  return transform;
+}
+
+// From where transforms.json is.
+std::string PathOf(const View& view, const fs::path& folder) {
+  if (view.picture.empty()) return view.name;
+  std::error_code failed;
+  const fs::path from = fs::absolute(folder, failed), to = fs::absolute(view.picture, failed);
+  return to.lexically_normal().lexically_relative(from.lexically_normal()).string();
+}
+
+std::string TransformsOf(const Scene& scene, const fs::path& folder) {
+  const colmap::Model& model = scene.model;
+  std::string text;
+  detail::JsonAppender json(text);
+  json.BeginObject();
+  if (model.cameras.size() == 1) AddCamera(json, model.cameras[0]);
+  Eigen::Matrix<double, 3, 4> applied = Eigen::Matrix<double, 3, 4>::Zero();
+  applied.leftCols<3>() = UpwardFromWorld();
+  AddMatrix(json, "applied_transform", applied);
+  json.Field("ply_file_path", kPoints);
+  json.BeginArray("frames");
+  for (std::size_t row = 0; row < model.images.size(); ++row) {
+    json.BeginObject();
+    json.Field("file_path", std::string_view(PathOf(scene.outline.views[row], folder)));
+    for (const colmap::Camera& camera : model.cameras)
+      if (model.cameras.size() > 1 && camera.id == model.images[row].camera) AddCamera(json, camera);
+    AddMatrix(json, "transform_matrix", TransformOf(model.images[row]));
+    json.EndObject();
+    text += '\n';
+  }
+  json.EndArray();
+  json.EndObject();
+  return text + "\n";
+}
+
+void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  AtomicFolder folder(target, detail::FileOptions(options));
+  const colmap::Outline outline =
+      colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
+  std::vector<Scene> scenes = splats::ScenesOf(atlas, outline, options);
+  for (Scene& scene : scenes) {
+    const auto leave = [](const View&, const std::string&, const ColorPicture&) { return Developed{}; };
+    splats::ShowPictures(outline, scene, options, leave, [](const Developed&) {});
+    const auto write = [&](std::string_view name, const std::string& bytes) {
+      const std::unique_ptr<AtomicFile> file = folder.Make(scene.folder + std::string(name));
+      file->Write(bytes);
+      file->Commit();
+    };
+    write("transforms.json", TransformsOf(scene, fs::path(target.path) / scene.folder));
+    write(kPoints, splats::PlyOf(scene.model, UpwardFromWorld()));
+  }
+  folder.Commit();
+  splats::Tell(scenes, outline, notices);
+}
+
+constexpr std::array<std::string_view, 1> kSuffixes = {".nerf"};
+
+}  // namespace
+
+const Format detail::kNerfFormat = {.id = "nerf",
+                                    .title = "scene for NeRFs",
+                                    .suffixes = kSuffixes,
+                                    .kind = FileKind::kBinary,
+                                    .is_folder = true,
+                                    .chooses_maps = true,
+                                    .is_export = true,
+                                    .writes = Content::kPoses | Content::kPoints | Content::kCameras | Content::kMaps,
+                                    .write = WriteNerf};
+
+}  // namespace slamdb

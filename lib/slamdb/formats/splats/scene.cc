@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/splats/detail/scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/export/detail/raw.h"
+
+namespace slamdb::splats {
+namespace {
+
+using detail::Concat;
+using detail::Counted;
+
+// The colour of one keypoint that is a point.
+struct Sample {
+  std::uint32_t point;  // row of Model::points
+  std::array<std::uint8_t, 3> color;
+};
+
+struct Shown {
+  std::vector<Sample> samples;
+  Developed developed;
+};
+
+// Where keypoints are that slots name; observations that a model leaves out count too.
+std::vector<Sample> SamplesOf(const colmap::View& view, const CameraSettings& settings, const ColorPicture& picture,
+                              const IdTable& rows) {
+  const colmap::ViewKeypoints of_view = colmap::KeypointsOf(view, settings);
+  const Column<MapPointId>& slots = view.keyframe->features.map_points;
+  std::vector<Sample> samples;
+  for (std::size_t row = 0; row < of_view.keypoints->size() && of_view.first_row + row < slots.size(); ++row) {
+    const MapPointId id = slots[of_view.first_row + row];
+    const std::uint32_t point = id ? rows.Find(id.value()) : kNoRow;
+    const Keypoint& at = (*of_view.keypoints)[row];
+    const float x = std::round(at.x), y = std::round(at.y);
+    if (point == kNoRow || !(x >= 0 && y >= 0 && x < static_cast<float>(picture.width) &&
+                             y < static_cast<float>(picture.height)))
+      continue;
+    const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                              static_cast<std::size_t>(x);
+    const std::uint8_t* color = &picture.pixels[3 * pixel];
+    samples.push_back({point, {color[0], color[1], color[2]}});
+  }
+  return samples;
+}
+
+// Sizes of cameras are known to a few pixels where a lens distorts.
+void RequireSize(const colmap::View& view, const CameraSettings& settings, const ColorPicture& picture) {
+  constexpr std::int32_t kOff = 16;
+  if (std::abs(picture.width - settings.width) <= kOff && std::abs(picture.height - settings.height) <= kOff) return;
+  throw Error(ErrorKind::kNotPossible, view.picture, "",
+              Concat("has ", picture.width, " x ", picture.height, " pixels, and the images of ", view.keyframe->id,
+                     " had ", settings.width, " x ", settings.height));
+}
+
+// Sums of colours by point.
+class Colors {
+ public:
+  explicit Colors(std::size_t points) : sums_(points), counts_(points) {}
+  void Add(const Sample& sample) {
+    for (std::size_t channel = 0; channel < 3; ++channel) sums_[sample.point][channel] += sample.color[channel];
+    ++counts_[sample.point];
+  }
+  void Give(std::vector<colmap::Point>& points) const {
+    for (std::size_t row = 0; row < points.size(); ++row)
+      for (std::size_t channel = 0; channel < 3 && counts_[row] > 0; ++channel)
+        points[row].color[channel] =
+            static_cast<std::uint8_t>((sums_[row][channel] + counts_[row] / 2) / counts_[row]);
+  }
+
+ private:
+  std::vector<std::array<std::uint64_t, 3>> sums_;
+  std::vector<std::uint64_t> counts_;
+};
+
+// All pictures of a camera have one size, which the camera gets.
+void SetSize(const ColorPicture& picture, std::uint32_t id, colmap::Model& model) {
+  const auto camera = std::ranges::find(model.cameras, id, &colmap::Camera::id);
+  camera->width = static_cast<std::uint64_t>(picture.width);
+  camera->height = static_cast<std::uint64_t>(picture.height);
+}
+
+}  // namespace
+
+void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptions& options,
+                  const std::function<Developed(const colmap::View&, const std::string&, const ColorPicture&)>& develop,
+                  const std::function<void(Developed)>& take) {
+  std::vector<std::size_t> with_picture;
+  for (std::size_t row = 0; row < scene.outline.views.size(); ++row)
+    if (!scene.outline.views[row].picture.empty()) with_picture.push_back(row);
+  const IdTable rows = colmap::PointRowsOf(scene.model);
+  Colors colors(scene.model.points.size());
+  const std::size_t at_once = 2 * static_cast<std::size_t>(detail::ThreadCount(options.threads));
+  for (std::size_t begin = 0; begin < with_picture.size(); begin += at_once) {
+    std::vector<Shown> shown(std::min(at_once, with_picture.size() - begin));
+    std::vector<ColorPicture> sizes(shown.size());
+    detail::ParallelFor(shown.size(), 1, options.threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t row = first; row < last; ++row) {
+        const colmap::View& view = scene.outline.views[with_picture[begin + row]];
+        const CameraSettings& settings = outline.cameras[view.camera].settings;
+        const WholeFile file{Source(view.picture)};
+        const ColorPicture picture = ReadColorPicture({file.bytes(), view.picture});
+        RequireSize(view, settings, picture);
+        shown[row] = {SamplesOf(view, settings, picture, rows), develop(view, std::string(file.text()), picture)};
+        sizes[row] = {.width = picture.width, .height = picture.height, .pixels = {}};
+      }
+    });
+    for (std::size_t row = 0; row < shown.size(); ++row) {
+      for (const Sample& sample : shown[row].samples) colors.Add(sample);
+      SetSize(sizes[row], outline.cameras[scene.outline.views[with_picture[begin + row]].camera].id, scene.model);
+      take(std::move(shown[row].developed));
+    }
+    if (options.progress)
+      options.progress("pictures", static_cast<double>(begin) / static_cast<double>(with_picture.size()));
+  }
+  colors.Give(scene.model.points);
+}
+
+std::string PlyOf(const colmap::Model& model, const Eigen::Matrix3d& turn) {
+  std::string ply = Concat("ply\nformat binary_little_endian 1.0\nelement vertex ", model.points.size(),
+                           "\nproperty float x\nproperty float y\nproperty float z\n"
+                           "property float nx\nproperty float ny\nproperty float nz\n"
+                           "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n");
+  constexpr std::size_t kVertex = 27;
+  ply.reserve(ply.size() + kVertex * model.points.size());
+  for (const colmap::Point& point : model.points) {
+    const Eigen::Vector3d at = turn * Eigen::Map<const Eigen::Vector3d>(point.position.data());
+    for (const double value : at) detail::AppendRaw(ply, static_cast<float>(value));
+    ply.append(3 * sizeof(float), '\0');
+    for (const std::uint8_t value : point.color) detail::AppendRaw(ply, value);
+  }
+  return ply;
+}
+
+std::vector<Scene> ScenesOf(const Atlas& atlas, const colmap::Outline& outline, const WriteOptions& options) {
+  colmap::Unheld ignored;  // exports say what they hold
+  std::vector<Scene> scenes;
+  for (std::size_t row = 0; row < outline.maps.size(); ++row)
+    scenes.push_back({.outline = outline.maps[row],
+                      .model = colmap::ModelOf(atlas, outline, outline.maps[row], options, ignored),
+                      .folder = outline.maps.size() == 1 ? "" : Concat(row, "/")});
+  if (scenes.empty()) scenes.emplace_back();
+  return scenes;
+}
+
+void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Notices& notices) {
+  std::size_t images = 0, pictures = 0, points = 0;
+  for (const Scene& scene : scenes) {
+    images += scene.model.images.size();
+    points += scene.model.points.size();
+    pictures += static_cast<std::size_t>(
+        std::ranges::count_if(scene.outline.views, [](const colmap::View& view) { return !view.picture.empty(); }));
+  }
+  if (images > 0 && pictures == 0)
+    notices.Warn("without pictures: images are named by their timestamps, and points are grey; "
+                 "KeyFramePictures::files names them");
+  else if (outline.without_picture > 0)
+    notices.Warn(Concat(Counted(outline.without_picture, "keyframe"), " without a picture file near in time"));
+  if (scenes.size() > 1)
+    notices.Note(Concat(scenes.size(), " maps are in folders 0 to ", scenes.size() - 1, ", a scene each"));
+  notices.Tell(Concat(Counted(images, "image"), ", ", Counted(points, "point")));
+}
+
+}  // namespace slamdb::splats

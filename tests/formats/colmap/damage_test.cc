@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What no COLMAP wrote: cut, flipped and hostile files, and models whose parts do not fit together.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "slamdb/base/error.h"
+#include "slamdb/formats/colmap/detail/colmap.h"
+#include "slamdb/formats/colmap/options.h"
+#include "tests/formats/colmap/model_files.h"
+
+namespace slamdb::colmap {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
+
+constexpr std::array kParts = {Part::kCameras, Part::kImages, Part::kPoints, Part::kRigs, Part::kFrames};
+
+TEST(ColmapDamage, EveryCutIsAnErrorWithItsPlace) {
+  for (const Part part : kParts) {
+    const std::string whole = SmallBytes(part);
+    for (std::size_t size = 0; size < whole.size(); ++size)
+      EXPECT_THAT(Refusal(part, whole.substr(0, size)), AllOf(HasSubstr("byte "), HasSubstr("truncated")))
+          << int(part) << " " << size;
+    EXPECT_THAT(Refusal(part, whole + "x"), HasSubstr("1 bytes follow behind the last "));
+  }
+}
+
+TEST(ColmapDamage, AnyFlipIsReadOrRefused) {
+  for (const Part part : kParts)
+    for (const bool binary : {true, false}) {
+      const std::string whole = binary ? SmallBytes(part) : SmallText(part);
+      for (std::size_t at = 0; at < whole.size(); ++at)
+        for (const int bit : {0x01, 0x10, 0x80}) {
+          std::string flipped = whole;
+          flipped[at] = static_cast<char>(flipped[at] ^ bit);
+          Refusal(part, flipped, binary);
+        }
+    }
+}
+
+TEST(ColmapDamage, CountsAreComparedWithTheBytesLeft) {
+  std::string bytes = SmallBytes(Part::kCameras);
+  bytes.replace(0, 8, "\xff\xff\xff\xff\xff\xff\xff\x0f");
+  EXPECT_THAT(Refusal(Part::kCameras, bytes), HasSubstr("a count of 1152921504606846975 cameras does not fit"));
+  bytes = SmallBytes(Part::kRigs);
+  bytes.replace(12, 4, "\xff\xff\xff\xff");
+  EXPECT_THAT(Refusal(Part::kRigs, bytes), HasSubstr("a count of 4294967295 sensors does not fit"));
+  EXPECT_THAT(Refusal(Part::kRigs, "1 4000000000 CAMERA 1\n", false), HasSubstr("does not fit into the line"));
+}
+
+TEST(ColmapDamage, WordsAreNamedWithTheirLine) {
+  EXPECT_THAT(Refusal(Part::kCameras, "# c\n1 OWL 1 1 1\n", false), HasSubstr("line 2: there is no camera model"));
+  EXPECT_THAT(Refusal(Part::kCameras, "1 PINHOLE 64 48 100 101 32.5\n", false), HasSubstr("the line ends where"));
+  EXPECT_THAT(Refusal(Part::kCameras, "1 PINHOLE 64 48 1 1 1 1 1\n", false), HasSubstr("too much in the line"));
+  EXPECT_THAT(Refusal(Part::kPoints, "1 a 0 0 0 0 0 0\n", false), HasSubstr("expected a position, found"));
+  EXPECT_THAT(Refusal(Part::kPoints, "1 0 0 0 256 0 0 0\n", false), HasSubstr("expected a colour, found"));
+  EXPECT_THAT(Refusal(Part::kRigs, "1 1 OWL 1\n", false), HasSubstr("there is no sensor of type"));
+}
+
+struct Read {
+  Atlas atlas;
+  Notices notices;
+};
+
+Read ReadFiles(const std::map<std::string, std::string>& instead, bool binary = false) {
+  const TemporaryFolder folder;
+  MakeFiles(folder, binary, instead);
+  Read read;
+  read.atlas = slamdb::detail::kColmapFormat.read(folder.Path(""), {}, read.notices);
+  return read;
+}
+
+auto Says(const std::string& text) { return Contains(Field(&Notice::text, HasSubstr(text))); }
+
+TEST(ColmapContent, BinaryAndTextAreTheSameAtlas) {
+  for (const bool binary : {true, false}) {
+    const Read read = ReadFiles({}, binary);
+    ASSERT_EQ(read.atlas.maps.size(), 1U);
+    const Map& map = read.atlas.maps[0];
+    ASSERT_EQ(map.keyframes.size(), 2U);  // no fisheye pair: each image is a keyframe
+    EXPECT_EQ(map.keyframes[0].id, KeyFrameId(4));
+    EXPECT_EQ(map.keyframes[0].timestamp, 1.5);
+    EXPECT_EQ(map.keyframes[0].features.keypoints[0].x, 1);
+    EXPECT_EQ(map.keyframes[0].features.keypoints[0].y, 1.5);
+    EXPECT_EQ(map.keyframes[0].features.map_points[0], MapPointId(9));
+    EXPECT_EQ(map.keyframes[0].intrinsics.cx, 32);
+    // right_from_left * left_from_world: (0.5, -1, 2) turned to (2, -0.5, 1)... by (0.5, 0.5, -0.5, 0.5)
+    EXPECT_TRUE(map.keyframes[1].camera_from_world.rotation.isApprox(Quaternionf(0.5F, 0.5F, -0.5F, 0.5F)));
+    ASSERT_EQ(map.points.size(), 2U);
+    EXPECT_EQ(map.points[0].position, Eigen::Vector3f(1, 2, -3));
+    EXPECT_EQ(map.points[0].observations.size(), 2U);
+    EXPECT_THAT(read.notices.items(), Says("1 point lose their colours"));
+    EXPECT_THAT(read.notices.items(), Says("have no ORB descriptors"));
+  }
+}
+
+TEST(ColmapContent, WhatLeadsNowhereIsLeftOutAndCounted) {
+  EXPECT_THAT(ReadFiles({{"points3D.txt", "11 0 0 1 0 0 0 -1\n"}}).notices.items(), Says("2 keypoints see nothing now"));
+  EXPECT_THAT(ReadFiles({{"points3D.txt", "9 0 0 1 0 0 0 -1\n9 0 0 1 0 0 0 -1\n"}}).notices.items(),
+              Says("1 point left out: their id is there twice"));
+  EXPECT_THAT(ReadFiles({{"cameras.txt", "1 PINHOLE 64 48 100 101 32.5 24.5\n"}}).notices.items(),
+              Says("1 image left out"));
+  const Read twice = ReadFiles({{"images.txt", "5 1 0 0 0 0 0 0 1 a.png\n1 2 9 3 4 9\n"}});
+  EXPECT_THAT(twice.notices.items(), Says("1 keypoint see nothing now"));
+  EXPECT_THAT(twice.notices.items(), Says("1 image lose their names"));
+  EXPECT_EQ(twice.atlas.maps[0].keyframes[0].timestamp, 1);
+}
+
+TEST(ColmapContent, StrangeNumbersAreRead) {
+  const Read read = ReadFiles({{"images.txt", "5 nan 0 0 0 inf 0 0 1 1.png\n1e300 -inf 9\n4294967295 0 0 0 0 0 0 0 1 2.png\n\n"},
+                               {"points3D.txt", "18446744073709551614 1e300 nan 0 0 0 0 -1\n9 0 0 0 0 0 0 -1 77 99\n"},
+                               {"frames.txt", "1 99 1 0 0 0 0 0 0 1 CAMERA 1 5\n"}});
+  EXPECT_EQ(read.atlas.maps[0].keyframes.size(), 2U);
+  EXPECT_EQ(read.atlas.maps[0].points.size(), 2U);
+}
+
+TEST(ColmapContent, CamerasThatSlamdbHasNotAreRefusedByName) {
+  const auto refusal = [](const std::string& cameras) {
+    try {
+      ReadFiles({{"cameras.txt", cameras}});
+    } catch (const Error& error) {
+      return error.kind() == ErrorKind::kUnsupported ? error.problem() : "another kind";
+    }
+    return std::string("read");
+  };
+  EXPECT_THAT(refusal("1 EQUIRECTANGULAR 64 48 64 48\n"), HasSubstr("of model EQUIRECTANGULAR is not read"));
+  EXPECT_THAT(refusal("1 PINHOLE 0 48 100 100 32 24\n"), HasSubstr("impossible size"));
+  EXPECT_THAT(refusal("1 PINHOLE 64 48 nan 100 32 24\n"), HasSubstr("no numbers"));
+  EXPECT_THAT(refusal("1 PINHOLE 64 48 -1 100 32 24\n"), HasSubstr("not positive"));
+}
+
+TEST(ColmapContent, FoldersWithoutAWholeModelAreRefused) {
+  const TemporaryFolder folder;
+  Notices notices;
+  EXPECT_THROW(static_cast<void>(slamdb::detail::kColmapFormat.read(folder.Path(""), {}, notices)), Error);
+  folder.Make("cameras.bin", SmallBytes(Part::kCameras));
+  EXPECT_FALSE(slamdb::detail::kColmapFormat.sniff(Probe::Of(folder.Path(""))));
+}
+
+}  // namespace
+}  // namespace slamdb::colmap

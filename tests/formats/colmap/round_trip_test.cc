@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a model holds of an atlas comes back to the last bit.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "slamdb/formats/colmap/detail/colmap.h"
+#include "slamdb/formats/colmap/options.h"
+#include "slamdb/model/index.h"
+#include "slamdb/pictures/camera_settings.h"
+#include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/formats/small_atlas.h"
+#include "tests/support/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+struct Way {
+  const Format& format;
+  bool database = false;
+};
+
+Atlas Through(const Atlas& atlas, const Way& way) {
+  const TemporaryFolder folder;
+  Notices notices;
+  const WriteOptions options = WriteOptions{.sync = false}.With(ColmapWriteOptions{.with_database = way.database});
+  way.format.write(atlas, folder.Path("model"), options, notices);
+  return way.format.read(folder.Path("model"), {}, notices);
+}
+
+void SetDistortion(Atlas& atlas, const std::vector<float>& distortion) {
+  for (Map& map : atlas.maps)
+    for (KeyFrame& keyframe : map.keyframes) {
+      keyframe.distortion.rows = static_cast<std::int32_t>(distortion.size());
+      keyframe.distortion.data.resize(4 * distortion.size());
+      std::memcpy(keyframe.distortion.data.data(), distortion.data(), keyframe.distortion.data.size());
+    }
+}
+
+std::vector<std::pair<float, float>> PlacesOf(const Column<Keypoint>& keypoints) {
+  std::vector<std::pair<float, float>> places;
+  for (const Keypoint& keypoint : keypoints) places.emplace_back(keypoint.x, keypoint.y);
+  return places;
+}
+
+void ExpectSamePose(const Rigid3f& a, const Rigid3f& b) {
+  EXPECT_EQ(a.rotation.coeffs(), b.rotation.coeffs());
+  EXPECT_EQ(a.translation, b.translation);
+}
+
+void ExpectSameKeyFrame(const KeyFrame& back, const KeyFrame& keyframe, bool database) {
+  EXPECT_EQ(back.id, keyframe.id);
+  EXPECT_EQ(back.timestamp, keyframe.timestamp);
+  EXPECT_EQ(back.camera, keyframe.camera);
+  EXPECT_EQ(back.right_camera, keyframe.right_camera);
+  EXPECT_EQ(back.distortion.data, keyframe.distortion.data);
+  EXPECT_EQ(back.bounds, keyframe.bounds);
+  ExpectSamePose(back.camera_from_world, keyframe.camera_from_world);
+  ExpectSamePose(back.left_from_right, keyframe.left_from_right);
+  const Features &a = back.features, &b = keyframe.features;
+  EXPECT_EQ(a.count, b.count);
+  EXPECT_EQ(a.left_count, b.left_count);
+  EXPECT_EQ(PlacesOf(a.keypoints), PlacesOf(b.keypoints));
+  if (b.is_fisheye_stereo()) {
+    EXPECT_EQ(PlacesOf(a.right_keypoints), PlacesOf(b.right_keypoints));
+  }
+  if (!database) return;
+  EXPECT_EQ(a.descriptors, b.descriptors);
+  for (std::size_t row = 0; row < std::min(a.keypoints.size(), b.keypoints.size()); ++row) {
+    EXPECT_EQ(a.keypoints[row].octave, b.keypoints[row].octave);
+    EXPECT_NEAR(a.keypoints[row].angle, b.keypoints[row].angle, 1e-4);
+  }
+}
+
+// Of points that one image alone sees, the position comes back.
+void ExpectSamePoint(const MapPoint& back, const MapPoint& point) {
+  EXPECT_EQ(back.id, point.id);
+  EXPECT_EQ(back.position, point.position);
+  std::size_t images = 0;
+  for (const Observation& observation : point.observations)
+    images += (observation.left >= 0 ? 1U : 0U) + (observation.right >= 0 ? 1U : 0U);
+  if (images > 1) {
+    EXPECT_EQ(back.observations, point.observations) << point.id.value();
+  } else {
+    EXPECT_TRUE(back.observations.empty());
+  }
+}
+
+void ExpectSame(const Atlas& back, const Atlas& atlas, bool database) {
+  ASSERT_EQ(back.maps.size(), atlas.maps.size());
+  ASSERT_EQ(back.cameras.size(), atlas.cameras.size());
+  for (std::size_t row = 0; row < atlas.cameras.size(); ++row) {
+    EXPECT_EQ(back.cameras[row].id, atlas.cameras[row].id);
+    EXPECT_EQ(back.cameras[row].model, atlas.cameras[row].model);
+    EXPECT_EQ(back.cameras[row].parameters, atlas.cameras[row].parameters);
+  }
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    const Map &a = back.maps[row], &b = atlas.maps[row];
+    ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
+    ASSERT_EQ(a.points.size(), b.points.size());
+    for (std::size_t at = 0; at < b.keyframes.size(); ++at)
+      ExpectSameKeyFrame(a.keyframes[at], b.keyframes[at], database);
+    for (std::size_t at = 0; at < b.points.size(); ++at) ExpectSamePoint(a.points[at], b.points[at]);
+  }
+}
+
+std::vector<Way> Ways() {
+  return {{detail::kColmapFormat}, {detail::kColmapTextFormat}, {detail::kColmapFormat, true}};
+}
+
+TEST(ColmapRoundTrip, OfEverySensor) {
+  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kFisheyeStereo}) {
+    const Atlas atlas = SynthesizeAtlas({.sensor = sensor, .maps = 2, .keyframes = 6, .points = 200, .features = 300});
+    for (const Way& way : Ways()) ExpectSame(Through(atlas, way), atlas, way.database);
+  }
+}
+
+TEST(ColmapRoundTrip, OfLensesThatDistort) {
+  for (const std::vector<float>& distortion :
+       {std::vector<float>{-0.25F, 0.0625F, 0.001F, -0.002F}, std::vector<float>{-0.25F, 0.0625F, 0, 0, 0.01F}}) {
+    Atlas atlas = SynthesizeAtlas({.keyframes = 4, .points = 200, .features = 300});
+    SetDistortion(atlas, distortion);
+    CameraSettings settings{.camera = atlas.cameras[0], .distortion = DistortionOf(atlas.maps[0].keyframes[0])};
+    for (KeyFrame& keyframe : atlas.maps[0].keyframes) {
+      const ImageBounds bounds = UndistortedBounds(settings, 640, 480);
+      keyframe.bounds.min_x = bounds.min_x, keyframe.bounds.max_x = bounds.max_x;
+      keyframe.bounds.min_y = bounds.min_y, keyframe.bounds.max_y = bounds.max_y;
+      keyframe.bounds.inverse_cell_width = 64 / static_cast<float>(bounds.max_x - bounds.min_x);
+      keyframe.bounds.inverse_cell_height = 48 / static_cast<float>(bounds.max_y - bounds.min_y);
+    }
+    for (const Way& way : Ways()) {
+      const Atlas back = Through(atlas, way);
+      ExpectSame(back, atlas, way.database);
+      const Features& features = back.maps[0].keyframes[0].features;
+      const Eigen::Vector2d at = Undistorted(settings, {features.keypoints[0].x, features.keypoints[0].y});
+      EXPECT_EQ(features.undistorted[0].x, static_cast<float>(at.x()));
+    }
+  }
+}
+
+// Ids that do not fit, or are there twice, are renumbered; nothing is lost by it.
+TEST(ColmapRoundTrip, OfStrangeIds) {
+  Atlas atlas = SmallAtlas();
+  atlas.maps[1].keyframes[0].id = KeyFrameId(1);
+  atlas.maps[0].keyframes[0].id = KeyFrameId(std::uint64_t{1} << 40);
+  const Atlas back = Through(atlas, {detail::kColmapFormat});
+  EXPECT_EQ(back.maps[0].keyframes[0].id, KeyFrameId(0));
+  EXPECT_EQ(back.maps[0].keyframes[1].id, KeyFrameId(1));
+  EXPECT_EQ(back.maps[1].keyframes[0].id, KeyFrameId(2));
+}
+
+// Of each kind there is one loss, with its count.
+TEST(ColmapRoundTrip, NamesWhatIsLeftOut) {
+  Atlas atlas = OneMapAtlas();
+  Map& map = atlas.maps[0];
+  map.points[2].position.x() = std::numeric_limits<float>::quiet_NaN();
+  map.points[0].observations[0].left = 99;
+  const TemporaryFolder folder;
+  Notices notices;
+  detail::kColmapFormat.write(atlas, folder.Path("model"), {.sync = false}, notices);
+  std::string said;
+  for (const Notice& notice : notices.items()) said += notice.text + "\n";
+  EXPECT_EQ(said,
+            "left out: 1 point flagged bad\n"
+            "left out: 1 point not finite, or with the id of another one\n"
+            "left out: 1 observation by a keypoint that is not there, or that another point has\n"
+            "left out: 1 observation of points that no other image sees, at which COLMAP's bundle adjustment stops\n"
+            "see no point now, since the point does not name them: 1 keypoint\n"
+            "colmap cannot hold descriptors without a database (2)\n"
+            "colmap cannot hold scales, angles and scores of keypoints (2)\n");
+}
+
+TEST(ColmapRoundTrip, ModelsOfOneNumberingAreMovedApart) {
+  const TemporaryFolder folder;
+  Notices notices;
+  const Atlas atlas = OneMapAtlas();
+  for (const char* name : {"0", "1"})
+    detail::kColmapFormat.write(atlas, folder.Path(name), {.sync = false}, notices);
+  const Atlas back = detail::kColmapFormat.read(folder.Path(""), {}, notices);
+  ASSERT_EQ(back.maps.size(), 2U);
+  EXPECT_EQ(back.cameras.size(), 1U);
+  const AtlasIndex index(back);
+  EXPECT_TRUE(index.duplicate_keyframes().empty());
+  EXPECT_TRUE(index.duplicate_points().empty());
+  EXPECT_EQ(back.maps[1].points[0].observations.size(), 2U);
+}
+
+}  // namespace
+}  // namespace slamdb
