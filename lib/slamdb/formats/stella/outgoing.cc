@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/stella/detail/outgoing.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/stella/detail/cameras.h"
+#include "slamdb/formats/stella/detail/lens.h"
+
+namespace slamdb::stella {
+namespace {
+
+using detail::Concat;
+using detail::Counted;
+
+constexpr std::uint64_t kMostIds = std::uint64_t{1} << 31;  // links are signed, of 32 bits
+
+// Sorts by id, and makes the table of rows.
+template <class Items, class IdOf>
+IdTable SortById(Items& items, const IdOf& id_of, const std::string& path) {
+  std::ranges::stable_sort(items, {}, id_of);
+  if (items.empty()) return {};
+  const std::uint64_t highest = id_of(items.back()).value();
+  if (highest >= kMostIds)
+    throw Error(ErrorKind::kNotPossible, path, "",
+                Concat(id_of(items.back()), " does not fit: ids of stella_vslam have 31 bits; renumber the atlas first"));
+  IdTable rows(id_of(items.front()).value(), highest, items.size());
+  for (std::size_t row = 0; row < items.size(); ++row)
+    if (rows.Insert(id_of(items[row]).value(), static_cast<std::uint32_t>(row)) != kNoRow)
+      throw Error(ErrorKind::kNotPossible, path, "",
+                  Concat(id_of(items[row]),
+                         " is there twice, and all that is in one file of stella_vslam needs ids of its own; write one "
+                         "map alone, or renumber the atlas first"));
+  return rows;
+}
+
+KeyFrameId IdOf(const OutgoingKeyFrame& written) { return written.keyframe->id; }
+MapPointId IdOfPoint(const OutgoingPoint& written) { return written.point->id; }
+
+// The next id to hand out: the recorded one where it is one.
+template <class Items, class GetId>
+std::uint64_t NextId(const Items& items, const GetId& id_of, std::uint64_t recorded) {
+  const std::uint64_t least = items.empty() ? 0 : id_of(items.back()).value() + 1;
+  return recorded >= least && recorded < kMostIds ? recorded : least;
+}
+
+bool HasStereo(const Features& features) {
+  if (features.is_fisheye_stereo()) return false;
+  return std::ranges::any_of(features.right_x, [](float x) { return x >= 0; }) ||
+         std::ranges::any_of(features.depth, [](float depth) { return depth > 0; });
+}
+
+Column<float> Padded(const Column<float>& column, std::size_t rows) {
+  Column<float> padded(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(std::min(rows, column.size())));
+  padded.resize(rows, -1.0F);
+  return padded;
+}
+
+}  // namespace
+
+std::int64_t FirstKeyFrameOf(const MapPoint& point) {
+  return point.first_keyframe >= 0 && point.first_keyframe < static_cast<std::int64_t>(kMostIds) ? point.first_keyframe
+                                                                                                  : -1;
+}
+
+Outgoing::Outgoing(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices)
+    : path_(target.path) {
+  const std::vector<const Map*> maps = detail::ChooseMaps(atlas, options, target);
+  CollectKeyFrames(maps);
+  CollectPoints(maps);
+  KeepSeenPoints();
+  FindTree();
+  FindCameras(atlas);
+  FindOrbParams();
+  next_keyframe_ = NextId(keyframes_, IdOf, atlas.next_ids.keyframe);
+  next_point_ = NextId(points_, IdOfPoint, atlas.next_ids.map_point);
+  losses_.Tell(notices);
+  if (!atlas.vocabulary.name.empty() || !atlas.vocabulary.checksum.empty())
+    notices.Lose("the name and checksum of the vocabulary are left out");
+}
+
+void Outgoing::CollectKeyFrames(const std::vector<const Map*>& maps) {
+  for (const Map* map : maps)
+    for (const KeyFrame& keyframe : map->keyframes) {
+      if (keyframe.bad)
+        ++losses_.bad_keyframes;
+      else
+        CountRows(keyframes_.emplace_back(OutgoingKeyFrame{.keyframe = &keyframe}));
+    }
+  keyframe_rows_ = SortById(keyframes_, IdOf, path_);
+}
+
+// Keypoints of the left camera, as many as all columns have.
+void Outgoing::CountRows(OutgoingKeyFrame& written) {
+  const Features& features = written.keyframe->features;
+  written.rows = std::min(features.undistorted.size(), features.map_points.size());
+  if (features.is_fisheye_stereo()) {
+    written.rows = std::min(features.keypoints.size(), features.map_points.size());
+    losses_.right_keypoints += features.right_keypoints.size();
+  }
+  losses_.rows += (features.is_fisheye_stereo() ? features.keypoints : features.undistorted).size() - written.rows;
+  losses_.without_descriptor += written.rows - std::min(written.rows, features.descriptors.size());
+  losses_.merges += written.keyframe->merge_edges.size();
+}
+
+void Outgoing::CollectPoints(const std::vector<const Map*>& maps) {
+  for (const Map* map : maps)
+    for (const MapPoint& point : map->points) {
+      if (point.bad)
+        ++losses_.bad_points;
+      else
+        points_.push_back({.point = &point, .reference = {}});
+    }
+  point_rows_ = SortById(points_, IdOfPoint, path_);
+}
+
+// stella_vslam needs a keyframe that sees a point, to describe it.
+void Outgoing::KeepSeenPoints() {
+  std::vector<KeyFrameId> seen_by(points_.size());
+  for (const OutgoingKeyFrame& written : keyframes_)
+    for (std::size_t row = 0; row < written.rows; ++row) {
+      const MapPointId id = written.keyframe->features.map_points[row];
+      const std::uint32_t point = id ? point_rows_.Find(id.value()) : kNoRow;
+      if (point == kNoRow) continue;
+      OutgoingPoint& seen = points_[point];
+      if (!seen_by[point]) seen_by[point] = IdOf(written);
+      if (seen.point->reference == IdOf(written)) seen.reference = IdOf(written);
+    }
+  for (std::size_t row = 0; row < points_.size(); ++row)
+    if (!points_[row].reference) points_[row].reference = seen_by[row];
+  losses_.unseen_points = std::erase_if(points_, [](const OutgoingPoint& point) { return !point.reference; });
+  point_rows_ = SortById(points_, IdOfPoint, path_);
+}
+
+// Parents lead to a root, as stella_vslam follows them without end; children are what parents say.
+void Outgoing::FindTree() {
+  std::vector<std::uint32_t> parents(keyframes_.size(), kNoRow), seen_from(keyframes_.size(), kNoRow);
+  for (std::size_t row = 0; row < keyframes_.size(); ++row)
+    if (const KeyFrameId parent = keyframes_[row].keyframe->parent; IsWritten(parent))
+      parents[row] = keyframe_rows_.Find(parent.value());
+  for (std::uint32_t start = 0; start < keyframes_.size(); ++start) {
+    std::uint32_t row = start;
+    while (seen_from[row] == kNoRow) {
+      seen_from[row] = start;
+      if (parents[row] == kNoRow) break;
+      if (seen_from[parents[row]] == start) {
+        parents[row] = kNoRow;  // a circle
+        ++losses_.cut_loops;
+        break;
+      }
+      row = parents[row];
+    }
+  }
+  for (std::uint32_t row = 0; row < keyframes_.size(); ++row) {
+    OutgoingKeyFrame& written = keyframes_[row];
+    if (parents[row] != kNoRow) {
+      written.parent = IdOf(keyframes_[parents[row]]);
+      keyframes_[parents[row]].children.push_back(IdOf(written));
+    }
+    for (const KeyFrameId other : written.keyframe->loop_edges)
+      if (IsWritten(other)) written.loop_edges.push_back(other);
+    std::ranges::sort(written.loop_edges);
+  }
+}
+
+void Outgoing::FindCameras(const Atlas& atlas) {
+  const AtlasIndex index(atlas);
+  std::vector<LensCamera> lenses;  // without names and setups
+  std::vector<std::uint64_t> uses;
+  for (OutgoingKeyFrame& written : keyframes_) {
+    const KeyFrame& keyframe = *written.keyframe;
+    LensCamera lens = LensOf(keyframe, index.FindCamera(keyframe.camera));
+    if (!SetSize(lens, keyframe.bounds)) ++losses_.sizes;
+    // Names keep apart what the atlas does.
+    lens.name = Concat("camera ", keyframe.camera ? std::to_string(keyframe.camera.value()) : "none");
+    const auto found = std::ranges::find(lenses, lens);
+    written.camera = static_cast<std::size_t>(found - lenses.begin());
+    if (found == lenses.end()) {
+      const auto twins = static_cast<std::size_t>(std::ranges::count(lenses, lens.name, &LensCamera::name));
+      cameras_.push_back(lens);
+      if (twins > 0) cameras_.back().name += Concat(" (", twins + 1, ")");
+      lenses.push_back(std::move(lens));
+    }
+    if (HasStereo(keyframe.features) && lenses[written.camera].focal_x_baseline > 0)
+      cameras_[written.camera].setup = Setup::kStereo;
+  }
+  for (OutgoingKeyFrame& written : keyframes_)
+    written.has_stereo = cameras_[written.camera].setup != Setup::kMonocular;
+}
+
+void Outgoing::FindOrbParams() {
+  for (OutgoingKeyFrame& written : keyframes_) {
+    const ScalePyramid& pyramid = written.keyframe->pyramid;
+    OrbParams params;
+    if (pyramid.levels > 0) params.levels = static_cast<std::uint32_t>(pyramid.levels);
+    if (pyramid.factor > 0) params.scale_factor = pyramid.factor;
+    params.name = Concat("ORB of ", params.levels, " levels, scale ");
+    detail::AppendNumber(params.name, params.scale_factor);
+    const auto found = std::ranges::find(orb_params_, params);
+    written.orb_params = static_cast<std::size_t>(found - orb_params_.begin());
+    if (found == orb_params_.end()) orb_params_.push_back(std::move(params));
+  }
+}
+
+OutgoingFeatures Outgoing::FeaturesOf(const OutgoingKeyFrame& written) const {
+  const Features& features = written.keyframe->features;
+  const Column<Keypoint>& seen = features.is_fisheye_stereo() ? features.keypoints : features.undistorted;
+  OutgoingFeatures out;
+  out.undistorted.assign(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(written.rows));
+  // ORB-SLAM3 leaves keypoints of fisheye cameras as they were detected.
+  if (cameras_[written.camera].model == Model::kFisheye)
+    out.undistorted = Undistorted(cameras_[written.camera], out.undistorted);
+  if (written.has_stereo) {
+    out.right_x = Padded(features.right_x, written.rows);
+    out.depth = Padded(features.depth, written.rows);
+  }
+  out.points.resize(written.rows, -1);
+  for (std::size_t row = 0; row < written.rows; ++row) {
+    const MapPointId id = features.map_points[row];
+    if (id && point_rows_.Find(id.value()) != kNoRow) out.points[row] = static_cast<std::int32_t>(id.value());
+  }
+  return out;
+}
+
+void Outgoing::Losses::Tell(Notices& notices) const {
+  const auto lose = [&](std::uint64_t count, std::string_view noun, std::string_view what) {
+    if (count > 0) notices.Lose(Concat(Counted(count, noun), what));
+  };
+  lose(bad_keyframes, "keyframe", " flagged bad: left out");
+  lose(bad_points, "point", " flagged bad: left out");
+  lose(unseen_points, "point", " that no keyframe sees: left out, since stella_vslam could not load them");
+  lose(right_keypoints, "keypoint", " of the right camera of a fisheye pair: left out, as stella_vslam has none such");
+  lose(rows, "keypoint", " in columns of different lengths: left out");
+  lose(merges, "merge edge", ": left out, as stella_vslam has none");
+  lose(cut_loops, "keyframe", " whose parents go round in a circle: made a root");
+  if (without_descriptor > 0)
+    notices.Warn(Concat(Counted(without_descriptor, "keypoint"), " without a descriptor of 32 bytes: zeros stand for it"));
+  if (sizes > 0)
+    notices.Warn(Concat("the size of the picture is a guess from its undistorted corners: ", Counted(sizes, "keyframe")));
+}
+
+}  // namespace slamdb::stella
