@@ -237,8 +237,7 @@ Database Database::OfBytes(Bytes bytes, const std::string& called) {
     data = reinterpret_cast<unsigned char*>(database.copy_.data());
   }
   const auto size = static_cast<sqlite3_int64>(bytes.size());
-  const int code =
-      sqlite3_deserialize(database.handle(), "main", data, size, size, SQLITE_DESERIALIZE_READONLY);
+  const int code = sqlite3_deserialize(database.handle(), "main", data, size, size, SQLITE_DESERIALIZE_READONLY);
   if (code != SQLITE_OK) throw database.Failure("", code);
   if (const int begun = database.BeginReading(); begun != SQLITE_OK) throw database.Failure("", begun);
   return database;

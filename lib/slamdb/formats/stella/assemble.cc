@@ -55,14 +55,16 @@ struct Derived {
     const auto lose = [&](std::uint64_t count, std::string_view what) {
       if (count > 0) notices.Lose(Concat(what, ": ", Counted(count, "keyframe")));
     };
-    lose(equirectangular,
-         "no camera of ORB-SLAM3 is equirectangular; a pinhole stands for it that fits in the middle of the picture, so "
-         "that reprojection errors mean nothing");
+    lose(
+        equirectangular,
+        "no camera of ORB-SLAM3 is equirectangular; a pinhole stands for it that fits in the middle of the picture, so "
+        "that reprojection errors mean nothing");
     lose(divided, "the distortion of RadialDivision cameras is left out; undistorted keypoints are those of a pinhole");
     if (redistorted > 0)
-      notices.Warn(Concat("keypoints as detected are not in the file; they were found from the undistorted ones and the "
-                          "distortion of the lens: ",
-                          Counted(redistorted, "keyframe")));
+      notices.Warn(
+          Concat("keypoints as detected are not in the file; they were found from the undistorted ones and the "
+                 "distortion of the lens: ",
+                 Counted(redistorted, "keyframe")));
     if (unknown_params > 0)
       notices.Warn(Concat("the file does not tell the image pyramid, taken to be 8 levels of 1.2: ",
                           Counted(unknown_params, "keyframe")));
@@ -84,8 +86,7 @@ class Assembler {
     lenses_.reserve(stored_.keyframes.size());
     for (StoredKeyFrame& stored : stored_.keyframes) SetCamera(stored, atlas, derived);
     detail::ParallelFor(stored_.keyframes.size(), 1, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row)
-        SetKeypoints(stored_.keyframes[row].keyframe, *lenses_[row]);
+      for (std::size_t row = begin; row < end; ++row) SetKeypoints(stored_.keyframes[row].keyframe, *lenses_[row]);
     });
     MakeMaps(atlas);
     atlas.next_ids = {.map = atlas.maps.size(),
@@ -174,15 +175,14 @@ void Select(Atlas& atlas, const Selection& selection) {
 
 }  // namespace
 
-Atlas Assemble(StoredMap stored, std::string_view format_id, const std::string& path, const ReadOptions& options,
-               Notices& notices) {
+Atlas Assemble(StoredMap stored, const std::string& path, const ReadOptions& options, Notices& notices) {
   CleanLinks(stored, notices);
   if (stored.markers + stored.marker_sightings > 0)
     notices.Lose(Concat(Counted(stored.markers, "marker"), ", seen ", Counted(stored.marker_sightings, "time"),
                         ": left out, as an atlas has none"));
   Atlas atlas;
   Assembler(stored, path, options).Run(atlas).Tell(notices);
-  detail::CompleteAtlas(atlas, format_id, options.threads, notices);
+  detail::CompleteAtlas(atlas, "stella_vslam", options.threads, notices);
   Select(atlas, options.selection);
   return atlas;
 }

@@ -35,7 +35,8 @@ LensCamera Pinhole(const LensCamera& lens) {
 
 Matrix MatrixOf(const std::array<double, 5>& distortion) {
   const std::size_t count = distortion[4] == 0 ? 4 : 5;
-  Matrix matrix{.rows = static_cast<std::int32_t>(count), .columns = 1, .type = kFloats, .continuous = true, .data = {}};
+  Matrix matrix{
+      .rows = static_cast<std::int32_t>(count), .columns = 1, .type = kFloats, .continuous = true, .data = {}};
   matrix.data.resize(count * sizeof(float));
   for (std::size_t i = 0; i < count; ++i) {
     const auto value = static_cast<float>(distortion[i]);

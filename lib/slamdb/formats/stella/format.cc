@@ -25,7 +25,9 @@ bool Is(const Probe& probe, std::string_view id) {
   return recognized && recognized->id == id;
 }
 
-bool SniffMessagePack(const Probe& probe) { return !probe.head.empty() && !IsSqlite(probe.head) && Is(probe, "stella"); }
+bool SniffMessagePack(const Probe& probe) {
+  return !probe.head.empty() && !IsSqlite(probe.head) && Is(probe, "stella");
+}
 bool SniffDatabase(const Probe& probe) { return IsSqlite(probe.head) && Is(probe, "stella-sqlite"); }
 
 Atlas ReadStella(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -34,7 +36,7 @@ Atlas ReadStella(const Source& source, const ReadOptions& options, Notices& noti
     const WholeFile file(source);
     map = stella::DecodeMessagePack(file.text(), source.path, options);
   }
-  return stella::Assemble(std::move(map), "stella", source.path, options, notices);
+  return stella::Assemble(std::move(map), source.path, options, notices);
 }
 
 void WriteStella(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
@@ -44,7 +46,7 @@ void WriteStella(const Atlas& atlas, const Target& target, const WriteOptions& o
 
 Atlas ReadStellaDatabase(const Source& source, const ReadOptions& options, Notices& notices) {
   sqlite::Database database = sqlite::OpenForeign(source);
-  return stella::Assemble(stella::ReadDatabase(database, options), "stella-sqlite", source.path, options, notices);
+  return stella::Assemble(stella::ReadDatabase(database, options), source.path, options, notices);
 }
 
 void WriteStellaDatabase(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {

@@ -110,15 +110,13 @@ Vector2d Undistorted(const LensCamera& camera, const Vector2d& pixel) {
 }
 
 Column<Keypoint> Distorted(const LensCamera& camera, const Column<Keypoint>& keypoints) {
-  return ChangedAll(camera, keypoints, [](const LensCamera& lens, const Vector2d& pixel) {
-    return Distorted(lens, pixel);
-  });
+  return ChangedAll(camera, keypoints,
+                    [](const LensCamera& lens, const Vector2d& pixel) { return Distorted(lens, pixel); });
 }
 
 Column<Keypoint> Undistorted(const LensCamera& camera, const Column<Keypoint>& keypoints) {
-  return ChangedAll(camera, keypoints, [](const LensCamera& lens, const Vector2d& pixel) {
-    return Undistorted(lens, pixel);
-  });
+  return ChangedAll(camera, keypoints,
+                    [](const LensCamera& lens, const Vector2d& pixel) { return Undistorted(lens, pixel); });
 }
 
 ImageBounds BoundsOf(const LensCamera& camera) {
@@ -132,10 +130,8 @@ ImageBounds BoundsOf(const LensCamera& camera) {
   bounds.max_x = Whole(std::max(upper_right.x(), lower_right.x()));
   bounds.min_y = Whole(std::min(upper_left.y(), upper_right.y()));
   bounds.max_y = Whole(std::max(lower_left.y(), lower_right.y()));
-  if (bounds.max_x > bounds.min_x)
-    bounds.inverse_cell_width = 64 / static_cast<float>(bounds.max_x - bounds.min_x);
-  if (bounds.max_y > bounds.min_y)
-    bounds.inverse_cell_height = 48 / static_cast<float>(bounds.max_y - bounds.min_y);
+  if (bounds.max_x > bounds.min_x) bounds.inverse_cell_width = 64 / static_cast<float>(bounds.max_x - bounds.min_x);
+  if (bounds.max_y > bounds.min_y) bounds.inverse_cell_height = 48 / static_cast<float>(bounds.max_y - bounds.min_y);
   return bounds;
 }
 

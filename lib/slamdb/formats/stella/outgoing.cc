@@ -27,8 +27,9 @@ IdTable SortById(Items& items, const IdOf& id_of, const std::string& path) {
   if (items.empty()) return {};
   const std::uint64_t highest = id_of(items.back()).value();
   if (highest >= kMostIds)
-    throw Error(ErrorKind::kNotPossible, path, "",
-                Concat(id_of(items.back()), " does not fit: ids of stella_vslam have 31 bits; renumber the atlas first"));
+    throw Error(
+        ErrorKind::kNotPossible, path, "",
+        Concat(id_of(items.back()), " does not fit: ids of stella_vslam have 31 bits; renumber the atlas first"));
   IdTable rows(id_of(items.front()).value(), highest, items.size());
   for (std::size_t row = 0; row < items.size(); ++row)
     if (rows.Insert(id_of(items[row]).value(), static_cast<std::uint32_t>(row)) != kNoRow)
@@ -65,7 +66,7 @@ Column<float> Padded(const Column<float>& column, std::size_t rows) {
 
 std::int64_t FirstKeyFrameOf(const MapPoint& point) {
   return point.first_keyframe >= 0 && point.first_keyframe < static_cast<std::int64_t>(kMostIds) ? point.first_keyframe
-                                                                                                  : -1;
+                                                                                                 : -1;
 }
 
 Outgoing::Outgoing(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices)
@@ -189,8 +190,7 @@ void Outgoing::FindCameras(const Atlas& atlas) {
     if (HasStereo(keyframe.features) && lenses[written.camera].focal_x_baseline > 0)
       cameras_[written.camera].setup = Setup::kStereo;
   }
-  for (OutgoingKeyFrame& written : keyframes_)
-    written.has_stereo = cameras_[written.camera].setup != Setup::kMonocular;
+  for (OutgoingKeyFrame& written : keyframes_) written.has_stereo = cameras_[written.camera].setup != Setup::kMonocular;
 }
 
 void Outgoing::FindOrbParams() {
@@ -239,9 +239,11 @@ void Outgoing::Losses::Tell(Notices& notices) const {
   lose(merges, "merge edge", ": left out, as stella_vslam has none");
   lose(cut_loops, "keyframe", " whose parents go round in a circle: made a root");
   if (without_descriptor > 0)
-    notices.Warn(Concat(Counted(without_descriptor, "keypoint"), " without a descriptor of 32 bytes: zeros stand for it"));
+    notices.Warn(
+        Concat(Counted(without_descriptor, "keypoint"), " without a descriptor of 32 bytes: zeros stand for it"));
   if (sizes > 0)
-    notices.Warn(Concat("the size of the picture is a guess from its undistorted corners: ", Counted(sizes, "keyframe")));
+    notices.Warn(
+        Concat("the size of the picture is a guess from its undistorted corners: ", Counted(sizes, "keyframe")));
 }
 
 }  // namespace slamdb::stella

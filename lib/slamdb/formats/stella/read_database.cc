@@ -81,8 +81,26 @@ Value Require(const std::optional<Value>& value, const std::string& name, Databa
 
 void ReadCameras(Database& database, StoredMap& map) {
   ForEachRow(database, "cameras",
-             {"id", "name", "setup_type", "model_type", "color_type", "cols", "rows", "fps", "fx", "fy", "cx", "cy", "k1",
-              "k2", "p1", "p2", "k3", "k4", "focal_x_baseline", "distortion"},
+             {"id",
+              "name",
+              "setup_type",
+              "model_type",
+              "color_type",
+              "cols",
+              "rows",
+              "fps",
+              "fx",
+              "fy",
+              "cx",
+              "cy",
+              "k1",
+              "k2",
+              "p1",
+              "p2",
+              "k3",
+              "k4",
+              "focal_x_baseline",
+              "distortion"},
              [&](const Row& row) {
                LensCamera& camera = map.cameras.emplace_back();
                camera.name = row.Text(1);
@@ -133,8 +151,8 @@ void ReadFeatures(const Row& row, Features& features) {
 void ReadKeyFrames(Database& database, StoredMap& map, const ReadOptions& options) {
   const std::int64_t total = database.Integer("SELECT count(*) FROM keyframes");
   ForEachRow(database, "keyframes",
-             {"id", "src_frm_id", "ts", "cam", "orb_params", "pose_cw", "n_keypts", "undist_keypts", "x_rights", "depths",
-              "descs", "n_markers"},
+             {"id", "src_frm_id", "ts", "cam", "orb_params", "pose_cw", "n_keypts", "undist_keypts", "x_rights",
+              "depths", "descs", "n_markers"},
              [&](const Row& row) {
                StoredKeyFrame& stored = map.keyframes.emplace_back();
                stored.keyframe.id = KeyFrameId(row.Id(0));
@@ -192,7 +210,8 @@ void ReadPoints(Database& database, StoredMap& map) {
                point.first_keyframe = row.Integer(1);
                std::vector<double> position;
                row.Fill(2, position, 3, "pos_w");
-               for (int i = 0; i < 3; ++i) point.position[i] = static_cast<float>(position[static_cast<std::size_t>(i)]);
+               for (int i = 0; i < 3; ++i)
+                 point.position[i] = static_cast<float>(position[static_cast<std::size_t>(i)]);
                point.reference = KeyFrameOf(row.Integer(3));
                const auto count = [&](int column) {
                  return static_cast<std::int32_t>(std::min<std::uint32_t>(row.Size(column), 0x7fffffff));

@@ -277,9 +277,8 @@ void Decoder::Finish(StoredKeyFrame& stored, Seen& seen) {
   if (seen.has_undistorted) {
     features.undistorted = features.keypoints;
     if (features.keypoints.empty())
-      features.undistorted.resize(
-          seen.undistorted.size(),
-          {.angle = 0, .response = 0, .size = 0, .x = 0, .y = 0, .class_id = -1, .octave = 0});
+      features.undistorted.resize(seen.undistorted.size(),
+                                  {.angle = 0, .response = 0, .size = 0, .x = 0, .y = 0, .class_id = -1, .octave = 0});
     if (features.undistorted.size() != seen.undistorted.size())
       reader_.Fail(Concat("has ", seen.undistorted.size(), " undists of ", features.keypoints.size(), " keypts"));
     for (std::size_t row = 0; row < seen.undistorted.size(); ++row) {

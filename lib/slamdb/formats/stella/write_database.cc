@@ -49,8 +49,9 @@ std::vector<char> KeypointBytes(const Column<Keypoint>& keypoints) {
 }
 
 void InsertCameras(sqlite::Database& database, const Outgoing& map) {
-  sqlite::Statement insert(database, "INSERT INTO cameras VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,"
-                                     "?17,?18,?19,NULL)");
+  sqlite::Statement insert(database,
+                           "INSERT INTO cameras VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,"
+                           "?17,?18,?19,NULL)");
   std::int64_t id = 0;
   for (const LensCamera& camera : map.cameras()) {
     const bool fisheye = camera.model == Model::kFisheye;
@@ -59,7 +60,8 @@ void InsertCameras(sqlite::Database& database, const Outgoing& map) {
     insert.BindBlob(4, BytesOf(NameOf(camera.model))).BindBlob(5, BytesOf(camera.color_order));
     insert.Bind(6, std::int64_t{camera.columns}).Bind(7, std::int64_t{camera.rows}).BindReal(8, camera.fps);
     int column = 9;
-    for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy, k[0], k[1]}) insert.BindReal(column++, value);
+    for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy, k[0], k[1]})
+      insert.BindReal(column++, value);
     if (fisheye)
       insert.BindNull(15).BindNull(16).BindReal(17, k[2]).BindReal(18, k[3]);
     else
@@ -119,7 +121,9 @@ void WriteDatabase(const Outgoing& map, const Target& target, const WriteOptions
   InsertKeyFrames(database, map, options);
   InsertPoints(database, map);
   sqlite::Statement stats(database, "INSERT INTO stats VALUES(0,NULL,?1,?2)");
-  stats.Bind(1, static_cast<std::int64_t>(map.next_keyframe())).Bind(2, static_cast<std::int64_t>(map.next_point())).Run();
+  stats.Bind(1, static_cast<std::int64_t>(map.next_keyframe()))
+      .Bind(2, static_cast<std::int64_t>(map.next_point()))
+      .Run();
   transaction.Commit();
   file.Write(database.Serialized());
   file.Commit();

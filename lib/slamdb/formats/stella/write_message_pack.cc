@@ -87,14 +87,17 @@ void AppendKeypoints(MessagePackAppender& out, const Column<Keypoint>& keypoints
   out.Text("undist_keypts");
   out.List(keypoints.size());
   for (const Keypoint& keypoint : keypoints) {
-    out.Raw("\x83\xa3"
-            "ang");
+    out.Raw(
+        "\x83\xa3"
+        "ang");
     out.Real(static_cast<double>(keypoint.angle));
-    out.Raw("\xa3"
-            "oct");
+    out.Raw(
+        "\xa3"
+        "oct");
     out.Integer(std::uint64_t{static_cast<std::uint32_t>(keypoint.octave)});
-    out.Raw("\xa2"
-            "pt\x92");
+    out.Raw(
+        "\xa2"
+        "pt\x92");
     out.Real(static_cast<double>(keypoint.x));
     out.Real(static_cast<double>(keypoint.y));
   }
@@ -143,8 +146,7 @@ template <class Rows, class IdOf>
 std::vector<std::uint32_t> TextOrder(const Rows& rows, const IdOf& id_of) {
   std::vector<std::pair<std::string, std::uint32_t>> keys;
   keys.reserve(rows.size());
-  for (const auto& row : rows)
-    keys.emplace_back(std::to_string(id_of(row)), static_cast<std::uint32_t>(keys.size()));
+  for (const auto& row : rows) keys.emplace_back(std::to_string(id_of(row)), static_cast<std::uint32_t>(keys.size()));
   std::ranges::sort(keys);
   std::vector<std::uint32_t> order;
   order.reserve(keys.size());

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "slamdb/formats/format.h"
 #include "slamdb/formats/stella/detail/stella_map.h"
@@ -13,7 +12,6 @@ namespace slamdb::stella {
 // others, since those lie in frames of their own. What ORB-SLAM3 needs beyond is derived; notices say what is.
 //
 // Throws Error when a keyframe names a camera that is not there.
-Atlas Assemble(StoredMap stored, std::string_view format_id, const std::string& path, const ReadOptions& options,
-               Notices& notices);
+Atlas Assemble(StoredMap stored, const std::string& path, const ReadOptions& options, Notices& notices);
 
 }  // namespace slamdb::stella
