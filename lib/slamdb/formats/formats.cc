@@ -20,6 +20,7 @@
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/pcd/detail/pcd.h"
 #include "slamdb/formats/ply/detail/ply.h"
+#include "slamdb/formats/rtabmap/detail/rtabmap.h"
 #include "slamdb/formats/sqlite/detail/store_format.h"
 #include "slamdb/formats/stella/detail/stella.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
@@ -34,6 +35,8 @@ std::span<const Format> Formats() {
       detail::kStoreFormat,
       detail::kStellaFormat,
       detail::kStellaDatabaseFormat,
+      detail::kRtabmapFormat,
+      detail::kRtabmapTruthFormat,
       detail::kMrptFormat,
       detail::kMrpt3Format,
       detail::kMrptTextFormat,

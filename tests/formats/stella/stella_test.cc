@@ -198,14 +198,23 @@ TEST(Stella, CamerasThatOrbSlamHasNotAreNamed) {
   const double x = (features.keypoints[0].x - 320) / 500.5, y = (features.keypoints[0].y - 240) / 501;
   EXPECT_NEAR(320 + 500.5 * x / (1 - 0.1 * (x * x + y * y)), 10.5, 1e-3);
 
-  camera = {{"model_type", "Equirectangular"}, {"setup_type", "Monocular"}, {"color_order", "RGB"}, {"cols", 2000},
-            {"rows", 1000}, {"fps", 30.0}, {"focal_x_baseline", 0.0}};
+  camera = {{"model_type", "Equirectangular"},
+            {"setup_type", "Monocular"},
+            {"color_order", "RGB"},
+            {"cols", 2000},
+            {"rows", 1000},
+            {"fps", 30.0},
+            {"focal_x_baseline", 0.0}};
   Notices panorama;
   const Atlas round = ReadStella(Packed(map), panorama);
   EXPECT_TRUE(panorama.lossy());
-  EXPECT_NEAR(round.cameras[0].parameters[0], 2000 / (2 * M_PI), 1e-3);
+  EXPECT_EQ(round.cameras[0].model, CameraModel::kEquirectangular);
+  EXPECT_NEAR(round.maps[0].keyframes[0].intrinsics.fx, 2000 / (2 * M_PI), 1e-3);
   EXPECT_EQ(round.maps[0].keyframes[0].features.keypoints[0].x, 10.5F);
   EXPECT_THAT(round.maps[0].points, SizeIs(1));
+  const json back = json::from_msgpack(Encoded(detail::kStellaFormat, round));
+  camera["color_order"] = "Gray";
+  EXPECT_EQ(back["cameras"]["camera 0"], camera);
 }
 
 TEST(Stella, WhatRefersToNothingIsTakenOutAndNamed) {
@@ -227,10 +236,10 @@ TEST(Stella, WhatRefersToNothingIsTakenOutAndNamed) {
 TEST(Stella, WritesWhatItsLoaderNeeds) {
   Atlas atlas = SmallAtlas();
   Map& map = atlas.maps[0];
-  map.points[2].observations.clear();                            // no key frame sees it
-  map.points[0].reference = KeyFrameId(77);                      // not there
-  map.keyframes[1].parent = KeyFrameId(3);                       // a circle
-  map.keyframes[0].features.map_points[0] = MapPointId(11);      // bad
+  map.points[2].observations.clear();                        // no key frame sees it
+  map.points[0].reference = KeyFrameId(77);                  // not there
+  map.keyframes[1].parent = KeyFrameId(3);                   // a circle
+  map.keyframes[0].features.map_points[0] = MapPointId(11);  // bad
   Notices notices;
   const json written = json::from_msgpack(Encoded(detail::kStellaFormat, atlas, {}, notices));
   EXPECT_TRUE(notices.lossy());

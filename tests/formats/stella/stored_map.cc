@@ -36,7 +36,8 @@ json KeyFrame(double time, double x, std::vector<json> keypoints, std::vector<in
 }  // namespace
 
 json SmallStellaMap() {
-  json first = KeyFrame(0.5, 0, {Keypoint(10.5F, 20, 90, 0), Keypoint(100.1F, 20, 1, 3), Keypoint(5, 6, 7, 1)}, {7, -1, -1});
+  json first =
+      KeyFrame(0.5, 0, {Keypoint(10.5F, 20, 90, 0), Keypoint(100.1F, 20, 1, 3), Keypoint(5, 6, 7, 1)}, {7, -1, -1});
   json second = KeyFrame(1.1, -1, {Keypoint(12, 21, 91, 1), Keypoint(64, 48, 0, 0)}, {-1, 7});
   first["span_children"] = {12};
   second["span_parent"] = 4;
@@ -44,12 +45,28 @@ json SmallStellaMap() {
   first["loop_edges"] = {12};
   return {{"cameras",
            {{"lab",
-             {{"model_type", "Perspective"}, {"setup_type", "Monocular"}, {"color_order", "RGB"}, {"cols", 640},
-              {"rows", 480}, {"fps", 30.0}, {"focal_x_baseline", 0.0}, {"fx", 500.5}, {"fy", 501.0}, {"cx", 320.0},
-              {"cy", 240.0}, {"k1", 0.0}, {"k2", 0.0}, {"p1", 0.0}, {"p2", 0.0}, {"k3", 0.0}}}}},
+             {{"model_type", "Perspective"},
+              {"setup_type", "Monocular"},
+              {"color_order", "RGB"},
+              {"cols", 640},
+              {"rows", 480},
+              {"fps", 30.0},
+              {"focal_x_baseline", 0.0},
+              {"fx", 500.5},
+              {"fy", 501.0},
+              {"cx", 320.0},
+              {"cy", 240.0},
+              {"k1", 0.0},
+              {"k2", 0.0},
+              {"p1", 0.0},
+              {"p2", 0.0},
+              {"k3", 0.0}}}}},
           {"orb_params",
            {{"fine",
-             {{"name", "fine"}, {"scale_factor", 1.5F}, {"num_levels", 5}, {"ini_fast_threshold", 20},
+             {{"name", "fine"},
+              {"scale_factor", 1.5F},
+              {"num_levels", 5},
+              {"ini_fast_threshold", 20},
               {"min_fast_threshold", 7}}}}},
           {"keyframes", {{"4", first}, {"12", second}}},
           {"landmarks",

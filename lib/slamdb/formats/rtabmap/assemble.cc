@@ -2,6 +2,7 @@
 #include "slamdb/formats/rtabmap/detail/assemble.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "slamdb/base/detail/concat.h"
@@ -138,15 +139,13 @@ class Assembler {
     if (from.width > 0 && from.height > 0) keyframe.bounds = detail::BoundsOfImage(from.width, from.height);
     if (from.baseline <= 0) ++virtual_baselines_;
     SetBaseline(keyframe, from.baseline > 0 ? from.baseline : kVirtualBaseline);
-    const std::vector<float> parameters = {from.fx, from.fy, from.cx, from.cy};
-    auto found = std::ranges::find(atlas.cameras, parameters, &Camera::parameters);
-    if (found == atlas.cameras.end()) {
-      atlas.cameras.push_back({.id = CameraId(atlas.cameras.size()), .parameters = parameters});
-      found = atlas.cameras.end() - 1;
-    }
-    keyframe.camera = found->id;
+    const auto [camera, is_new] =
+        cameras_.try_emplace({from.fx, from.fy, from.cx, from.cy}, CameraId(atlas.cameras.size()));
+    if (is_new) atlas.cameras.push_back({.id = camera->second, .parameters = {from.fx, from.fy, from.cx, from.cy}});
+    keyframe.camera = camera->second;
   }
 
+  std::map<std::array<float, 4>, CameraId> cameras_;  // by their parameters
   Placement placement_;
   std::uint64_t without_picture_ = 0, virtual_baselines_ = 0;
 };
@@ -211,7 +210,7 @@ void TellLosses(const Graph& graph, const FeatureCounts& features, const PointCo
   lose(graph.other_links, "link",
        " that join no two nodes, or none that see the same (priors, landmarks, gravity): left out");
   lose(features.without_node, "feature", " of nodes that are no keyframes, or beyond every picture: left out");
-  lose(features.other_descriptors, "descriptor", " that are not of 32 bytes: left out");
+  lose(features.other_descriptors, "descriptor", " of another kind than others of their picture: left out");
   lose(points.words_without_place, "word", " that no feature has depth of: no points");
   lose(points.loose, "feature", " that do not fit to the point of their word: they see none");
   const auto gps = std::ranges::count_if(graph.nodes, &Node::has_gps);

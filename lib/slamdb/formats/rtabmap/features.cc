@@ -30,11 +30,19 @@ std::int32_t OctaveOf(std::int64_t recorded) {
 
 float Real(const Statement& statement, int column) { return static_cast<float>(statement.Real(column)); }
 
+// Descriptors that are not ORB's.
+struct Other {
+  std::size_t bytes = 0;  // of each; 0: there are none
+  bool has_floats = false;
+  Column<std::byte> data;
+};
+
 class FeatureReader {
  public:
   FeatureReader(Database& database, Shots& shots) : database_(database), shots_(shots) {
     for (const Shot& shot : shots.list) from_base_.push_back(BaseOf(shot).inverse().cast<float>());
     lacking_.resize(shots.list.size());
+    others_.resize(shots.list.size());
   }
 
   FeatureCounts Run(const ReadOptions& options) {
@@ -42,22 +50,26 @@ class FeatureReader {
     const char* table = sqlite::ColumnsOf(database_, "Feature").empty() ? "Map_Node_Word" : "Feature";
     const std::string place = Concat("table ", table);
     if (options.progress) options.progress("reading features", 0);
-    Statement statement(database_,
-                        sqlite::SelectColumns(database_, table,
-                                              {"node_id", "word_id", "pos_x", "pos_y", "size", "dir", "response",
-                                               "octave", "depth_x", "depth_y", "depth_z", "descriptor"}),
-                        place);
+    Statement statement(
+        database_,
+        sqlite::SelectColumns(database_, table,
+                              {"node_id", "word_id", "pos_x", "pos_y", "size", "dir", "response", "octave", "depth_x",
+                               "depth_y", "depth_z", "descriptor_size", "descriptor"}),
+        place);
     constexpr std::uint64_t kStep = 100'000;
     while (statement.Step()) {
       Add(statement);
       if (options.progress && ++counts_.features % kStep == 0) options.progress("reading features", 0.5);
     }
+    CarryOthers();
     FillByWords();
     return counts_;
   }
 
  private:
-  static const Pose& BaseOf(const Shot& shot) { return shot.node->cameras[shot.camera].base_from_camera; }
+  static Pose BaseOf(const Shot& shot) {
+    return shot.node->cameras.empty() ? Pose::Identity() : shot.node->cameras[shot.camera].base_from_camera;
+  }
 
   void Add(const Statement& statement) {
     const std::int64_t node = statement.Integer(0);
@@ -81,7 +93,7 @@ class FeatureReader {
                                   .class_id = -1,
                                   .octave = OctaveOf(statement.Integer(7))});
     AddPlace(shot, from_base_[row], {Real(statement, 8), Real(statement, 9), Real(statement, 10)});
-    AddDescriptor(row, statement.Blob(11));
+    AddDescriptor(row, statement.Integer(11), statement.Blob(12));
   }
 
   // In the frame of the robot's base.
@@ -96,16 +108,48 @@ class FeatureReader {
     if (features.right_x.back() < 0) features.depth.back() = features.right_x.back() = -1;
   }
 
-  void AddDescriptor(std::uint32_t row, Bytes blob) {
+  // `size`: of numbers, which are bytes or floats.
+  void AddDescriptor(std::uint32_t row, std::int64_t size, Bytes blob) {
     Column<Descriptor>& descriptors = shots_.list[row].keyframe.features.descriptors;
     Descriptor descriptor{};
-    if (blob.size() == descriptor.size())
+    const bool has_floats = size > 0 && blob.size() == static_cast<std::uint64_t>(size) * sizeof(float);
+    if (blob.size() == descriptor.size() && !has_floats)
       std::memcpy(descriptor.data(), blob.data(), blob.size());
     else if (blob.empty())
       lacking_[row].push_back(static_cast<std::uint32_t>(descriptors.size()));
     else
-      ++counts_.other_descriptors;
+      AddOther(others_[row], descriptors.size(), has_floats, blob);
     descriptors.push_back(descriptor);
+  }
+
+  // All of a picture are of one kind.
+  void AddOther(Other& other, std::size_t keypoint, bool has_floats, Bytes blob) {
+    if (other.bytes == 0) other = {.bytes = blob.size(), .has_floats = has_floats, .data = {}};
+    if (other.bytes != blob.size() || other.has_floats != has_floats) {
+      ++counts_.other_descriptors;
+      return;
+    }
+    other.data.resize(keypoint * other.bytes, std::byte{0});
+    other.data.insert(other.data.end(), blob.begin(), blob.end());
+  }
+
+  void CarryOthers() {
+    for (std::size_t row = 0; row < shots_.list.size(); ++row) {
+      Other& other = others_[row];
+      if (other.bytes == 0) continue;
+      constexpr std::int32_t kBytes = 0, kFloats = 5;  // OpenCV's types
+      KeyFrame& keyframe = shots_.list[row].keyframe;
+      const std::size_t rows = keyframe.features.keypoints.size();
+      other.data.resize(rows * other.bytes, std::byte{0});
+      Matrix& matrix = keyframe.carried.Make().descriptors;
+      matrix.rows = static_cast<std::int32_t>(rows);
+      matrix.columns = static_cast<std::int32_t>(other.has_floats ? other.bytes / sizeof(float) : other.bytes);
+      matrix.type = other.has_floats ? kFloats : kBytes;
+      matrix.continuous = true;
+      matrix.data = std::move(other.data);
+      keyframe.features.descriptors.clear();
+      lacking_[row].clear();
+    }
   }
 
   // Where a file keeps no descriptors of features, those of their words stand for them.
@@ -129,6 +173,7 @@ class FeatureReader {
 
   Database& database_;
   Shots& shots_;
+  std::vector<Other> others_;  // of each shot
   std::vector<Eigen::Isometry3f> from_base_;
   std::vector<std::vector<std::uint32_t>> lacking_;  // keypoints without descriptor, of each shot
   FeatureCounts counts_;
@@ -161,7 +206,8 @@ FeatureCounts ReadFeatures(Database& database, Shots& shots, double scale_factor
     features.map_points.assign(features.keypoints.size(), MapPointId());
     SetPyramid(shot.keyframe, scale_factor);
     const bool has_depth = std::ranges::any_of(features.depth, [](float depth) { return depth > 0; });
-    if (!has_depth && shot.node->cameras[shot.camera].baseline == 0) SetBaseline(shot.keyframe, 0);
+    if (!has_depth && !shot.node->cameras.empty() && shot.node->cameras[shot.camera].baseline == 0)
+      SetBaseline(shot.keyframe, 0);
   }
   return counts;
 }

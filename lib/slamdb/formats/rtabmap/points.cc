@@ -119,6 +119,17 @@ class PointMaker {
     return !std::isfinite(depth) || std::abs(depth - in_camera.z()) <= kMostDepth * depth;
   }
 
+  // Of the first picture that has others than ORB's.
+  static void SetDescriptor(MapPoint& point, const KeyFrame& keyframe, std::size_t keypoint) {
+    if (!keyframe.carried || point.has_other_descriptor()) return;
+    const Matrix& all = keyframe.carried->descriptors;
+    const std::size_t bytes = all.data.size() / std::max<std::size_t>(1, static_cast<std::size_t>(all.rows));
+    Matrix& one = point.carried.Make().descriptors;
+    one = {.rows = 1, .columns = all.columns, .type = all.type, .continuous = true, .data = {}};
+    const auto begin = all.data.begin() + static_cast<std::ptrdiff_t>(keypoint * bytes);
+    one.data.assign(begin, begin + static_cast<std::ptrdiff_t>(bytes));
+  }
+
   // Of each picture the first keypoint.
   void AddPoint(Group seen) {
     MapPoint& point = maps_[seen.front().map].points.emplace_back();
@@ -132,7 +143,9 @@ class PointMaker {
         continue;
       }
       last = sighting.shot;
-      shots_.list[last].keyframe.features.map_points[sighting.keypoint] = point.id;
+      KeyFrame& keyframe = shots_.list[last].keyframe;
+      keyframe.features.map_points[sighting.keypoint] = point.id;
+      SetDescriptor(point, keyframe, sighting.keypoint);
     }
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
@@ -33,17 +34,18 @@ std::optional<std::uint64_t> NamedId(const std::string& name) {
 
 std::vector<Camera> CamerasOf(const std::vector<LensCamera>& lenses) {
   std::vector<Camera> cameras;
-  const auto taken = [&](CameraId id) { return std::ranges::find(cameras, id, &Camera::id) != cameras.end(); };
+  std::set<CameraId> taken;
   for (const LensCamera& lens : lenses) {
     const auto named = NamedId(lens.name);
-    const bool free = named && !taken(CameraId(*named));
+    const bool free = named && taken.insert(CameraId(*named)).second;
     cameras.push_back(CameraOf(lens, free ? CameraId(*named) : CameraId()));
   }
   std::uint64_t next = 0;
-  for (Camera& camera : cameras) {
-    while (!camera.id && taken(CameraId(next))) ++next;
-    if (!camera.id) camera.id = CameraId(next);
-  }
+  for (Camera& camera : cameras)
+    if (!camera.id) {
+      while (!taken.insert(CameraId(next)).second) ++next;
+      camera.id = CameraId(next);
+    }
   return cameras;
 }
 
@@ -77,7 +79,6 @@ class Assembler {
       : stored_(stored), path_(path), options_(options) {
     for (std::size_t row = 0; row < stored.cameras.size(); ++row) camera_rows_.emplace(stored.cameras[row].name, row);
     for (const OrbParams& params : stored.orb_params) pyramids_.emplace(params.name, PyramidOf(params));
-    pyramids_.emplace("", PyramidOf(OrbParams{}));
   }
 
   Derived Run(Atlas& atlas) {
@@ -98,8 +99,7 @@ class Assembler {
 
  private:
   ScalePyramid PyramidOf(const OrbParams& params) const {
-    constexpr std::uint32_t kMostLevels = 64;
-    if (params.levels < 1 || params.levels > kMostLevels || !(params.scale_factor > 1 && params.scale_factor < 10))
+    if (!params.is_sound())
       throw Error(ErrorKind::kDamaged, path_, Concat("orb_params `", params.name, "`"),
                   Concat("has ", params.levels, " levels, each ", static_cast<double>(params.scale_factor),
                          " times as small; expected 1 to 64, and a factor between 1 and 10"));
@@ -115,12 +115,14 @@ class Assembler {
     const LensCamera& lens = stored_.cameras[found->second];
     keyframe.camera = atlas.cameras[found->second].id;
     SetLens(keyframe, lens, stored.depth_threshold);
-    const auto pyramid = pyramids_.find(stored.orb_params);
+    if (!stored.own_params && !pyramids_.contains(stored.orb_params))
+      stored.own_params = OrbParams::Named(stored.orb_params);
+    const auto known = pyramids_.find(stored.orb_params);
+    derived.unknown_params += !stored.own_params && known == pyramids_.end() ? 1 : 0;
     if (stored.own_params)
       keyframe.pyramid = PyramidOf(*stored.own_params);
     else
-      keyframe.pyramid = pyramid != pyramids_.end() ? pyramid->second : pyramids_.at("");
-    derived.unknown_params += !stored.own_params && (pyramid == pyramids_.end() || stored.orb_params.empty()) ? 1 : 0;
+      keyframe.pyramid = known != pyramids_.end() ? known->second : PyramidOf(OrbParams{});
     derived.equirectangular += lens.model == Model::kEquirectangular ? 1 : 0;
     derived.divided += lens.model == Model::kRadialDivision && lens.is_distorted() ? 1 : 0;
     const bool changed = lens.model == Model::kFisheye || lens.is_distorted();

@@ -5,12 +5,16 @@
 #include <cstring>
 #include <numbers>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/stella/detail/lens.h"
 
 namespace slamdb::stella {
 namespace {
 
 constexpr std::int32_t kFloats = 5, kDoubles = 6;  // OpenCV's types
+
+constexpr std::string_view kScale = " levels, scale ";  // in names of ORB parameters
 
 constexpr std::array<std::string_view, 4> kModels = {"Perspective", "Fisheye", "Equirectangular", "RadialDivision"};
 constexpr std::array<std::string_view, 3> kSetups = {"Monocular", "Stereo", "RGBD"};
@@ -63,12 +67,38 @@ std::string_view NameOf(Setup setup) { return kSetups[static_cast<std::size_t>(s
 std::optional<Model> ModelOf(std::string_view name) { return Find<Model>(kModels, name); }
 std::optional<Setup> SetupOf(std::string_view name) { return Find<Setup>(kSetups, name); }
 
+OrbParams OrbParams::Of(const ScalePyramid& pyramid) {
+  OrbParams params;
+  params.levels = pyramid.levels > 0 ? static_cast<std::uint32_t>(pyramid.levels) : 0;
+  params.scale_factor = pyramid.factor;
+  if (!params.is_sound()) params = {};
+  params.name = detail::Concat("ORB of ", params.levels, kScale);
+  detail::AppendNumber(params.name, params.scale_factor);
+  return params;
+}
+
+std::optional<OrbParams> OrbParams::Named(const std::string& name) {
+  const std::size_t scale = name.find(kScale);
+  if (!name.starts_with("ORB of ") || scale == std::string::npos) return std::nullopt;
+  const std::string_view text = name;
+  const auto levels = detail::ParseNumber<std::uint32_t>(text.substr(7, scale - 7));
+  const auto factor = detail::ParseNumber<float>(text.substr(scale + kScale.size()));
+  OrbParams params{.name = name, .scale_factor = factor.value_or(0), .levels = levels.value_or(0)};
+  if (!params.is_sound()) return std::nullopt;
+  return params;
+}
+
 Camera CameraOf(const LensCamera& lens, CameraId id) {
   const LensCamera pinhole = Pinhole(lens);
   Camera camera;
   camera.id = id;
   for (const double parameter : {pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy})
     camera.parameters.push_back(static_cast<float>(parameter));
+  if (lens.model == Model::kEquirectangular) {
+    camera.model = CameraModel::kEquirectangular;
+    camera.recorded_type = static_cast<std::uint32_t>(camera.model);
+    camera.parameters = {static_cast<float>(lens.columns), static_cast<float>(lens.rows)};
+  }
   if (lens.model != Model::kFisheye) return camera;
   camera.model = CameraModel::kKannalaBrandt8;
   camera.recorded_type = 1;
@@ -103,6 +133,10 @@ LensCamera LensOf(const KeyFrame& keyframe, const Camera* camera) {
     const auto parameter = [&](std::size_t i) { return static_cast<double>(camera->parameters[i]); };
     lens.fx = parameter(0), lens.fy = parameter(1), lens.cx = parameter(2), lens.cy = parameter(3);
     for (std::size_t i = 0; i < 4; ++i) lens.distortion[i] = parameter(i + 4);
+    return lens;
+  }
+  if (camera != nullptr && camera->model == CameraModel::kEquirectangular) {
+    lens.model = Model::kEquirectangular;
     return lens;
   }
   lens.fx = static_cast<double>(keyframe.intrinsics.fx), lens.fy = static_cast<double>(keyframe.intrinsics.fy);

@@ -2,11 +2,14 @@
 #include "slamdb/formats/stella/detail/outgoing.h"
 
 #include <algorithm>
-#include <limits>
+#include <atomic>
+#include <map>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/text.h"
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/stella/detail/cameras.h"
@@ -56,10 +59,33 @@ bool HasStereo(const Features& features) {
          std::ranges::any_of(features.depth, [](float depth) { return depth > 0; });
 }
 
+// Whether a point is observed at a row of a keyframe. One without any observations is where keypoints say.
+bool Agrees(const MapPoint& point, KeyFrameId keyframe, std::size_t row) {
+  if (point.observations.empty()) return true;
+  const auto seen = std::ranges::find(point.observations, keyframe, &Observation::keyframe);
+  return seen != point.observations.end() && seen->left == static_cast<std::int32_t>(row);
+}
+
 Column<float> Padded(const Column<float>& column, std::size_t rows) {
   Column<float> padded(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(std::min(rows, column.size())));
   padded.resize(rows, -1.0F);
   return padded;
+}
+
+// As in every map of stella_vslam. Keyframes learn where theirs is now.
+template <class Named>
+void SortByName(std::vector<Named>& items, std::vector<OutgoingKeyFrame>& keyframes,
+                std::size_t OutgoingKeyFrame::*row) {
+  std::vector<std::size_t> order(items.size()), places(items.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t item) { return items[item].name; });
+  std::vector<Named> sorted;
+  for (const std::size_t item : order) {
+    places[item] = sorted.size();
+    sorted.push_back(std::move(items[item]));
+  }
+  items = std::move(sorted);
+  for (OutgoingKeyFrame& keyframe : keyframes) keyframe.*row = places[keyframe.*row];
 }
 
 }  // namespace
@@ -74,6 +100,7 @@ Outgoing::Outgoing(const Atlas& atlas, const Target& target, const WriteOptions&
   const std::vector<const Map*> maps = detail::ChooseMaps(atlas, options, target);
   CollectKeyFrames(maps);
   CollectPoints(maps);
+  FindSlots(options.threads);
   KeepSeenPoints();
   FindTree();
   FindCameras(atlas);
@@ -120,14 +147,33 @@ void Outgoing::CollectPoints(const std::vector<const Map*>& maps) {
   point_rows_ = SortById(points_, IdOfPoint, path_);
 }
 
+// ORB-SLAM3 leaves keypoints that say they see a point which knows better.
+void Outgoing::FindSlots(int threads) {
+  std::atomic<std::uint64_t> lost = 0;
+  detail::ParallelFor(keyframes_.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (OutgoingKeyFrame& written : std::span(keyframes_).subspan(begin, end - begin)) {
+      written.points.assign(written.rows, -1);
+      for (std::size_t row = 0; row < written.rows; ++row) {
+        const MapPointId id = written.keyframe->features.map_points[row];
+        const std::uint32_t point = id ? point_rows_.Find(id.value()) : kNoRow;
+        if (point == kNoRow) continue;
+        if (Agrees(*points_[point].point, IdOf(written), row))
+          written.points[row] = static_cast<std::int32_t>(id.value());
+        else
+          ++lost;
+      }
+    }
+  });
+  losses_.slots = lost;
+}
+
 // stella_vslam needs a keyframe that sees a point, to describe it.
 void Outgoing::KeepSeenPoints() {
   std::vector<KeyFrameId> seen_by(points_.size());
   for (const OutgoingKeyFrame& written : keyframes_)
-    for (std::size_t row = 0; row < written.rows; ++row) {
-      const MapPointId id = written.keyframe->features.map_points[row];
-      const std::uint32_t point = id ? point_rows_.Find(id.value()) : kNoRow;
-      if (point == kNoRow) continue;
+    for (const std::int32_t id : written.points) {
+      if (id < 0) continue;
+      const std::uint32_t point = point_rows_.Find(static_cast<std::uint64_t>(id));
       OutgoingPoint& seen = points_[point];
       if (!seen_by[point]) seen_by[point] = IdOf(written);
       if (seen.point->reference == IdOf(written)) seen.reference = IdOf(written);
@@ -135,7 +181,6 @@ void Outgoing::KeepSeenPoints() {
   for (std::size_t row = 0; row < points_.size(); ++row)
     if (!points_[row].reference) points_[row].reference = seen_by[row];
   losses_.unseen_points = std::erase_if(points_, [](const OutgoingPoint& point) { return !point.reference; });
-  point_rows_ = SortById(points_, IdOfPoint, path_);
 }
 
 // Parents lead to a root, as stella_vslam follows them without end; children are what parents say.
@@ -171,40 +216,37 @@ void Outgoing::FindTree() {
 
 void Outgoing::FindCameras(const Atlas& atlas) {
   const AtlasIndex index(atlas);
-  std::vector<LensCamera> lenses;  // without names and setups
-  std::vector<std::uint64_t> uses;
+  std::map<LensCamera, std::size_t> rows;  // without setups
+  std::map<std::string, int> names;
   for (OutgoingKeyFrame& written : keyframes_) {
     const KeyFrame& keyframe = *written.keyframe;
     LensCamera lens = LensOf(keyframe, index.FindCamera(keyframe.camera));
     if (!SetSize(lens, keyframe.bounds)) ++losses_.sizes;
     // Names keep apart what the atlas does.
     lens.name = Concat("camera ", keyframe.camera ? std::to_string(keyframe.camera.value()) : "none");
-    const auto found = std::ranges::find(lenses, lens);
-    written.camera = static_cast<std::size_t>(found - lenses.begin());
-    if (found == lenses.end()) {
-      const auto twins = static_cast<std::size_t>(std::ranges::count(lenses, lens.name, &LensCamera::name));
-      cameras_.push_back(lens);
-      if (twins > 0) cameras_.back().name += Concat(" (", twins + 1, ")");
-      lenses.push_back(std::move(lens));
+    const auto [row, is_new] = rows.try_emplace(lens, cameras_.size());
+    written.camera = row->second;
+    if (is_new) {
+      const int twins = names[lens.name]++;
+      if (twins > 0) lens.name += Concat(" (", twins + 1, ")");
+      cameras_.push_back(std::move(lens));
     }
-    if (HasStereo(keyframe.features) && lenses[written.camera].focal_x_baseline > 0)
+    if (HasStereo(keyframe.features) && cameras_[written.camera].focal_x_baseline > 0)
       cameras_[written.camera].setup = Setup::kStereo;
   }
+  SortByName(cameras_, keyframes_, &OutgoingKeyFrame::camera);
   for (OutgoingKeyFrame& written : keyframes_) written.has_stereo = cameras_[written.camera].setup != Setup::kMonocular;
 }
 
 void Outgoing::FindOrbParams() {
+  std::map<OrbParams, std::size_t> rows;
   for (OutgoingKeyFrame& written : keyframes_) {
-    const ScalePyramid& pyramid = written.keyframe->pyramid;
-    OrbParams params;
-    if (pyramid.levels > 0) params.levels = static_cast<std::uint32_t>(pyramid.levels);
-    if (pyramid.factor > 0) params.scale_factor = pyramid.factor;
-    params.name = Concat("ORB of ", params.levels, " levels, scale ");
-    detail::AppendNumber(params.name, params.scale_factor);
-    const auto found = std::ranges::find(orb_params_, params);
-    written.orb_params = static_cast<std::size_t>(found - orb_params_.begin());
-    if (found == orb_params_.end()) orb_params_.push_back(std::move(params));
+    const OrbParams params = OrbParams::Of(written.keyframe->pyramid);
+    const auto [row, is_new] = rows.try_emplace(params, orb_params_.size());
+    written.orb_params = row->second;
+    if (is_new) orb_params_.push_back(params);
   }
+  SortByName(orb_params_, keyframes_, &OutgoingKeyFrame::orb_params);
 }
 
 OutgoingFeatures Outgoing::FeaturesOf(const OutgoingKeyFrame& written) const {
@@ -219,11 +261,6 @@ OutgoingFeatures Outgoing::FeaturesOf(const OutgoingKeyFrame& written) const {
     out.right_x = Padded(features.right_x, written.rows);
     out.depth = Padded(features.depth, written.rows);
   }
-  out.points.resize(written.rows, -1);
-  for (std::size_t row = 0; row < written.rows; ++row) {
-    const MapPointId id = features.map_points[row];
-    if (id && point_rows_.Find(id.value()) != kNoRow) out.points[row] = static_cast<std::int32_t>(id.value());
-  }
   return out;
 }
 
@@ -236,6 +273,8 @@ void Outgoing::Losses::Tell(Notices& notices) const {
   lose(unseen_points, "point", " that no keyframe sees: left out, since stella_vslam could not load them");
   lose(right_keypoints, "keypoint", " of the right camera of a fisheye pair: left out, as stella_vslam has none such");
   lose(rows, "keypoint", " in columns of different lengths: left out");
+  lose(slots, "keypoint",
+       " that see a point which is observed elsewhere in their picture, or not at all: they see none");
   lose(merges, "merge edge", ": left out, as stella_vslam has none");
   lose(cut_loops, "keyframe", " whose parents go round in a circle: made a root");
   if (without_descriptor > 0)

@@ -54,18 +54,17 @@ void InsertCameras(sqlite::Database& database, const Outgoing& map) {
                            "?17,?18,?19,NULL)");
   std::int64_t id = 0;
   for (const LensCamera& camera : map.cameras()) {
-    const bool fisheye = camera.model == Model::kFisheye;
     const std::array<double, 5>& k = camera.distortion;
     insert.Bind(1, id++).BindBlob(2, BytesOf(camera.name)).BindBlob(3, BytesOf(NameOf(camera.setup)));
     insert.BindBlob(4, BytesOf(NameOf(camera.model))).BindBlob(5, BytesOf(camera.color_order));
     insert.Bind(6, std::int64_t{camera.columns}).Bind(7, std::int64_t{camera.rows}).BindReal(8, camera.fps);
+    for (int column = 9; column <= 18; ++column) insert.BindNull(column);
     int column = 9;
-    for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy, k[0], k[1]})
-      insert.BindReal(column++, value);
-    if (fisheye)
-      insert.BindNull(15).BindNull(16).BindReal(17, k[2]).BindReal(18, k[3]);
-    else
-      insert.BindReal(15, k[2]).BindReal(16, k[3]).BindReal(17, k[4]).BindNull(18);
+    if (camera.model != Model::kEquirectangular)
+      for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy, k[0], k[1]})
+        insert.BindReal(column++, value);
+    if (camera.model == Model::kPerspective) insert.BindReal(15, k[2]).BindReal(16, k[3]).BindReal(17, k[4]);
+    if (camera.model == Model::kFisheye) insert.BindReal(17, k[2]).BindReal(18, k[3]);
     insert.BindReal(19, camera.focal_x_baseline).Run();
   }
 }
@@ -88,7 +87,7 @@ void InsertKeyFrames(sqlite::Database& database, const Outgoing& map, const Writ
     keyframe.BindBlob(7, BytesOfColumn(keypoints)).BindBlob(8, BytesOfColumn(features.right_x));
     keyframe.BindBlob(9, BytesOfColumn(features.depth)).BindBlob(10, BytesOfColumn(descriptors)).Run();
     const std::vector<std::int32_t> children = Numbers(written.children), loops = Numbers(written.loop_edges);
-    association.Bind(1, id).BindBlob(2, BytesOfColumn(features.points));
+    association.Bind(1, id).BindBlob(2, BytesOfColumn(written.points));
     association.Bind(3, written.parent ? static_cast<std::int64_t>(written.parent.value()) : -1);
     association.Bind(4, static_cast<std::int64_t>(children.size())).BindBlob(5, BytesOfColumn(children));
     association.Bind(6, static_cast<std::int64_t>(loops.size())).BindBlob(7, BytesOfColumn(loops)).Run();

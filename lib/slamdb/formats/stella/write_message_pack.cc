@@ -39,25 +39,30 @@ void AppendIds(MessagePackAppender& out, std::string_view key, const std::vector
   for (const KeyFrameId id : ids) out.Integer(id.value());
 }
 
-void AppendCamera(MessagePackAppender& out, const LensCamera& camera) {
-  const bool fisheye = camera.model == Model::kFisheye;
+void AppendLens(MessagePackAppender& out, const LensCamera& camera) {
   const std::array<double, 5>& k = camera.distortion;
-  out.Map(fisheye ? 15 : 16);
-  Append(out, "color_order", camera.color_order);
-  Append(out, "cols", std::uint64_t{camera.columns});
-  Append(out, "cx", camera.cx);
-  Append(out, "cy", camera.cy);
-  Append(out, "focal_x_baseline", camera.focal_x_baseline);
-  Append(out, "fps", camera.fps);
+  const bool fisheye = camera.model == Model::kFisheye;
   Append(out, "fx", camera.fx);
   Append(out, "fy", camera.fy);
   Append(out, "k1", k[0]);
   Append(out, "k2", k[1]);
   Append(out, "k3", fisheye ? k[2] : k[4]);
   if (fisheye) Append(out, "k4", k[3]);
+}
+
+void AppendCamera(MessagePackAppender& out, const LensCamera& camera) {
+  const bool fisheye = camera.model == Model::kFisheye, panorama = camera.model == Model::kEquirectangular;
+  out.Map(panorama ? 7 : fisheye ? 15 : 16);
+  Append(out, "color_order", camera.color_order);
+  Append(out, "cols", std::uint64_t{camera.columns});
+  if (!panorama) Append(out, "cx", camera.cx);
+  if (!panorama) Append(out, "cy", camera.cy);
+  Append(out, "focal_x_baseline", camera.focal_x_baseline);
+  Append(out, "fps", camera.fps);
+  if (!panorama) AppendLens(out, camera);
   Append(out, "model_type", NameOf(camera.model));
-  if (!fisheye) Append(out, "p1", k[2]);
-  if (!fisheye) Append(out, "p2", k[3]);
+  if (!panorama && !fisheye) Append(out, "p1", camera.distortion[2]);
+  if (!panorama && !fisheye) Append(out, "p2", camera.distortion[3]);
   Append(out, "rows", std::uint64_t{camera.rows});
   Append(out, "setup_type", NameOf(camera.setup));
 }
@@ -113,8 +118,8 @@ void AppendKeyFrame(std::string& bytes, const Outgoing& map, const OutgoingKeyFr
   AppendReals(out, "depths", features.depth);
   AppendDescriptors(out, keyframe.features.descriptors, written.rows);
   out.Text("lm_ids");
-  out.List(features.points.size());
-  for (const std::int32_t id : features.points) out.Integer(std::int64_t{id});
+  out.List(written.points.size());
+  for (const std::int32_t id : written.points) out.Integer(std::int64_t{id});
   AppendIds(out, "loop_edges", written.loop_edges);
   Append(out, "n_keypts", std::uint64_t{written.rows});
   Append(out, "orb_params", map.orb_params()[written.orb_params].name);

@@ -6,15 +6,13 @@
 // Cameras of stella_vslam and of ORB-SLAM3.
 namespace slamdb::stella {
 
-// Whether a camera of ORB-SLAM3 projects as this one does.
-inline bool IsKept(Model model) { return model == Model::kPerspective || model == Model::kFisheye; }
-
 // Perspective: a pinhole. Fisheye: Kannala-Brandt. RadialDivision: a pinhole, as which it sees undistorted keypoints.
-// Equirectangular: a pinhole that fits in the middle of the picture.
+// Equirectangular: what it is, its parameters the size of the picture; ORB-SLAM3 has no such camera.
 Camera CameraOf(const LensCamera& lens, CameraId id);
 
-// What keyframes have of their camera: intrinsics, distortion, bounds, baselines. `depth_threshold`: in metres; where
-// there is none, 40 baselines, which is the default of both programs.
+// What keyframes have of their camera, of an equirectangular one as a pinhole that fits in the middle: intrinsics,
+// distortion, bounds, baselines. `depth_threshold`: in metres; where there is none, 40 baselines, which is the default
+// of both programs.
 void SetLens(KeyFrame& keyframe, const LensCamera& lens, std::optional<double> depth_threshold);
 
 // The camera that a keyframe was taken with, without its name, its setup and the size of its picture. `camera`: the one

@@ -16,6 +16,7 @@ struct OutgoingKeyFrame {
   const KeyFrame* keyframe = nullptr;
   std::size_t camera = 0, orb_params = 0;  // rows of the lists of Outgoing
   std::size_t rows = 0;                    // keypoints, of the left camera
+  std::vector<std::int32_t> points;        // which they see, -1: none
   bool has_stereo = false;                 // x_rights and depths are written
   KeyFrameId parent;
   std::vector<KeyFrameId> children, loop_edges;  // ascending
@@ -31,7 +32,6 @@ struct OutgoingPoint {
 struct OutgoingFeatures {
   Column<Keypoint> undistorted;
   Column<float> right_x, depth;  // or none
-  std::vector<std::int32_t> points;
 };
 
 // What both formats write of a point: `1st_keyfrm`, -1 where none fits; how often it was seen or found, from 1 on, as
@@ -59,12 +59,13 @@ class Outgoing {
   // What the notices tell.
   struct Losses {
     std::uint64_t bad_keyframes = 0, bad_points = 0, unseen_points = 0, cut_loops = 0, right_keypoints = 0, merges = 0,
-                  without_descriptor = 0, rows = 0, sizes = 0;
+                  without_descriptor = 0, rows = 0, sizes = 0, slots = 0;
     void Tell(Notices& notices) const;
   };
 
   void CollectKeyFrames(const std::vector<const Map*>& maps);
   void CollectPoints(const std::vector<const Map*>& maps);
+  void FindSlots(int threads);
   void KeepSeenPoints();
   void FindTree();
   void FindCameras(const Atlas& atlas);

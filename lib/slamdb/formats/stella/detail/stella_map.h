@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -34,7 +35,7 @@ struct LensCamera {
   double focal_x_baseline = 0;  // pixels * metres; 0: monocular
 
   bool is_distorted() const { return distortion != std::array<double, 5>{}; }
-  friend bool operator==(const LensCamera&, const LensCamera&) = default;
+  friend auto operator<=>(const LensCamera&, const LensCamera&) = default;
 };
 
 // How ORB features were extracted.
@@ -42,7 +43,15 @@ struct OrbParams {
   std::string name;
   float scale_factor = 1.2F;
   std::uint32_t levels = 8, ini_fast_threshold = 20, min_fast_threshold = 7;
-  friend bool operator==(const OrbParams&, const OrbParams&) = default;
+
+  // Of a pyramid, or the usual ones where that is none. The name tells them: `ORB of 8 levels, scale 1.2`.
+  static OrbParams Of(const ScalePyramid& pyramid);
+  // What a name tells, if it is one that slamdb gave.
+  static std::optional<OrbParams> Named(const std::string& name);
+  // Whether levels and scale are those of a pyramid.
+  bool is_sound() const { return levels >= 1 && levels <= 64 && scale_factor > 1 && scale_factor < 10; }
+
+  friend auto operator<=>(const OrbParams&, const OrbParams&) = default;
 };
 
 // A keyframe with what it names.
