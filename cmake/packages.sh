@@ -14,7 +14,7 @@ declare -A packages=(
   [libraries]="libopencv-core-dev libboost-serialization-dev"
   # What cpack makes packages with.
   [packaging]="file dpkg-dev"
-  [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler mandoc file dpkg-dev"
+  [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler python3-msgpack mandoc file dpkg-dev"
   # What tells which libraries a static Cairo is made of.
   [static]="pkg-config"
   # What .ci/run adds: another compiler and what looks at sources, a browser, clean systems to install into.

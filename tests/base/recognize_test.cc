@@ -103,7 +103,7 @@ const Known kKnown[] = {
      "colmap-points"},
     {"colmap", Sqlite("CREATE TABLE keypoints CREATE TABLE two_view_geometries"), "colmap-database"},
     {"old_colmap", Sqlite("CREATE TABLE keypoints CREATE TABLE inlier_matches"), "colmap-database"},
-    {"stella_db", Sqlite("CREATE TABLE keyframes CREATE TABLE landmarks CREATE TABLE associations"), "stella-database"},
+    {"stella_db", Sqlite("CREATE TABLE keyframes CREATE TABLE landmarks CREATE TABLE associations"), "stella-sqlite"},
     {"stella",
      "\x86\xa7"
      "cameras\x81",

@@ -103,6 +103,9 @@ void WriteSeedsOfFixtures(const path& base) {
     compressor.Finish();
     WriteChanged(base / "mrpt", name + ".gz", compressed);
   }
+  for (const std::string name : {"stella", "stella-sqlite"})
+    WriteChanged(base / "stella", name, ReadFixture("formats/" + name));
+  WriteChanged(base / "rtabmap", "rtabmap", ReadFixture("formats/rtabmap"));
   for (const std::string name : {"small.txt", "small.bin"})
     WriteChanged(base / "vocabulary", name, ReadFixture("vocabulary/" + name));
   WriteChanged(base / "picture", "camera.yaml", ReadFixture("room/camera.yaml"));

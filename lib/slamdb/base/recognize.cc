@@ -110,6 +110,7 @@ std::string SqliteText(const Probe& probe) {
   return text;
 }
 
+constexpr std::string_view kConvert = "it is a map, which can be converted";
 constexpr std::string_view kRecording = "run a SLAM system on it and give the atlas that it saves";
 
 Recognized RecognizeSqlite(const Probe& probe) {
@@ -126,10 +127,9 @@ Recognized RecognizeSqlite(const Probe& probe) {
   if (Has(text, "keypoints") && (Has(text, "two_view_geometries") || Has(text, "inlier_matches")))
     return is("colmap-database", "a COLMAP database (features and matches, no map)",
               "the model that was made of it has the map: give its folder");
-  if (table("Node") && table("Link") && table("Admin"))
-    return is("rtabmap", "an RTAB-Map database, which slamdb does not read", "");
+  if (table("Node") && table("Link") && table("Admin")) return is("rtabmap", "an RTAB-Map database", kConvert);
   if (Has(text, "associations") && (Has(text, "undist_keypts") || (table("keyframes") && table("landmarks"))))
-    return is("stella-database", "a stella_vslam map database, which slamdb does not read", "");
+    return is("stella-sqlite", "a stella_vslam map database", kConvert);
   if (Has(text, "serialized_data") || (table("topics") && table("messages")))
     return is("rosbag2", "a ROS 2 bag, the recording a map is made from", kRecording);
   return is("sqlite", "an SQLite database, but not a slamdb store", "");
@@ -237,8 +237,8 @@ constexpr Known kKnown[] = {
     {"gpx", 0, "", "a GPX track", kConvertTrack, IsGpx},
     {"kml", 0, "", "a KML track", kConvertTrack, IsKml},
     {"junit", 0, "<?xml"sv, "an XML file", "ORB-SLAM3 saves binary or text archives"},
-    {"orbslam2", 0, "", "a map of ORB-SLAM2 (a Boost archive without a header)", "", IsOrbslam2Map},
-    {"stella", 0, "", "a stella_vslam map (MessagePack), which slamdb does not read", "", IsStella},
+    {"orbslam2", 0, "", "a map of ORB-SLAM2 (a Boost archive without a header)", kConvert, IsOrbslam2Map},
+    {"stella", 0, "", "a stella_vslam map (MessagePack)", kConvert, IsStella},
     {"fbow", 0, "\xfc\xce\x53\x03\0\0\0\0"sv, "an FBoW vocabulary, whose words are numbered otherwise than DBoW2's"},
     {"dbow3", 0, "\x81\x3f\x86\xb1\x14\0\0\0"sv, "a DBoW3 vocabulary, which ORB-SLAM3 does not read"},
     {"vocabulary", 0, "", "a DBoW2 vocabulary as ORB-SLAM3 uses it", "ReadVocabularyFile tells its name and MD5",

@@ -24,8 +24,9 @@
 #include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/formats/pcd/detail/pcd.h"
 #include "slamdb/formats/ply/detail/ply.h"
-#include "slamdb/formats/splats/detail/splats.h"
+#include "slamdb/formats/rtabmap/detail/rtabmap.h"
 #include "slamdb/formats/sqlite/detail/store_format.h"
+#include "slamdb/formats/stella/detail/stella.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 #include "slamdb/formats/vins/detail/vins.h"
 
@@ -34,15 +35,38 @@ namespace slamdb {
 // In the order in which sniffers are asked: formats with a signature before those that are only lines of numbers.
 std::span<const Format> Formats() {
   static const std::array kFormats = {
-      kOrbslam3Format,      kOrbslam3TextFormat,         detail::kOrbslam2Format,
-      detail::kOsmapFormat, detail::kStoreFormat,        detail::kMrptFormat,
-      detail::kMrpt3Format, detail::kMrptTextFormat,     detail::kPlyFormat,
-      detail::kPcdFormat,   detail::kGltfFormat,         detail::kMcapFormat,
-      detail::kKmlFormat,   detail::kGeojsonFormat,      detail::kNdjsonFormat,
-      detail::kCsvFormat,   detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
-      detail::kEurocFormat, detail::kTumFormat,          detail::kKittiFormat,
-      detail::kColmapFormat, detail::kColmapTextFormat, detail::kColmapDatabaseFormat,
-      detail::kNerfFormat, detail::kGaussianFormat,
+      kOrbslam3Format,
+      kOrbslam3TextFormat,
+      detail::kOrbslam2Format,
+      detail::kOsmapFormat,
+      detail::kStoreFormat,
+      detail::kStellaFormat,
+      detail::kStellaDatabaseFormat,
+      detail::kRtabmapFormat,
+      detail::kRtabmapTruthFormat,
+      detail::kColmapFormat,
+      detail::kColmapTextFormat,
+      detail::kColmapDatabaseFormat,
+      detail::kG2oFormat,
+      detail::kVinsFormat,
+      detail::kMrptFormat,
+      detail::kMrpt3Format,
+      detail::kMrptTextFormat,
+      detail::kPlyFormat,
+      detail::kPcdFormat,
+      detail::kGltfFormat,
+      detail::kMcapFormat,
+      detail::kKmlFormat,
+      detail::kGeojsonFormat,
+      detail::kNerfFormat,
+      detail::kGaussianFormat,
+      detail::kNdjsonFormat,
+      detail::kCsvFormat,
+      detail::kCsvKeyFramesFormat,
+      detail::kCsvObservationsFormat,
+      detail::kEurocFormat,
+      detail::kTumFormat,
+      detail::kKittiFormat,
   };
   return kFormats;
 }
@@ -278,19 +302,19 @@ const Format* FindFormatOfInput(const Location& location) {
 
 const Format* FindFormatOfInput(const HeldSource& held) { return FindReadable(held.source()); }
 
+// What is there tells by its content; what is not yet, by its suffix, which stores share with databases of others.
 bool HoldsNamedAtlases(const std::string& path) {
-  constexpr auto kNamed = [](const Format& format) { return format.named; };
-  if (FormatBySuffix(path, kNamed) != nullptr) return true;
+  const bool by_suffix = FormatBySuffix(path, [](const Format& format) { return format.named; }) != nullptr;
   std::error_code missing;
-  if (!std::filesystem::is_regular_file(path, missing)) return false;
+  if (!std::filesystem::is_regular_file(path, missing)) return by_suffix;
   try {
     const Probe probe = Probe::Of(path);
-    return std::ranges::any_of(Formats(), [&](const Format& format) {
-      return format.named && format.sniff != nullptr && format.sniff(probe);
-    });
+    for (const Format& format : Formats())
+      if (format.sniff != nullptr && format.sniff(probe)) return format.named;
   } catch (const Error&) {
-    return false;  // whoever reads it will say why it cannot be read
+    return by_suffix;  // whoever reads it will say why it cannot be read
   }
+  return by_suffix;
 }
 
 const Format& FormatOfOutput(const Location& location, std::string_view id) {

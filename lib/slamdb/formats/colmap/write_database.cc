@@ -275,7 +275,7 @@ void DatabaseWriter::AddPairs(const MapOutline& map, const Model& model) {
 
 void DatabaseWriter::Write(AtomicFile& file) {
   transaction_.Commit();
-  database_.WriteTo(file);
+  file.Write(database_.Serialized());
 }
 
 }  // namespace slamdb::colmap

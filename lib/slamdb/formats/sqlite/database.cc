@@ -165,6 +165,7 @@ void LimitWhatFilesCanDo(sqlite3* handle) {
 
 // What a file is that SQLite does not take for its own; nullopt when nothing is known, or that it was a store.
 std::optional<detail::Recognized> RecognizeOther(const std::string& path) {
+  if (std::error_code failed; !std::filesystem::is_regular_file(path, failed)) return std::nullopt;  // it is in memory
   auto recognized = detail::Recognize(Probe::Of(path));
   if (recognized && recognized->id == "store") recognized.reset();
   if (recognized && recognized->id == "archive") recognized->next = "save it into a store first";
@@ -211,7 +212,7 @@ Database::Database(const std::string& path, Access access, double lock_timeout, 
   CheckIsFile(path, access == Access::kCreate);
   const bool writes = access == Access::kWrite || access == Access::kCreate;
   writes ? CheckHasOneName(path) : CheckLogIsOfThisName(path);
-  if (access == Access::kSalvage)
+  if (access == Access::kSalvage || access == Access::kImage)
     OpenImage(access);
   else if (access == Access::kRead)
     OpenToRead();
@@ -219,30 +220,49 @@ Database::Database(const std::string& path, Access access, double lock_timeout, 
     OpenToWrite(access);
 }
 
-Database Database::InMemory(const std::string& path) {
-  Database database;
-  database.path_ = path;
-  database.waiting_ = std::make_unique<Waiting>(0);
-  sqlite3* handle = nullptr;
-  const int code = sqlite3_open_v2(
-      ":memory:", &handle,
-      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, nullptr);
-  database.handle_.reset(handle);
-  if (code != SQLITE_OK) throw FailureOf(handle, code, path, "");
+Database Database::InMemory(const std::string& called) {
+  Database database(called);
+  database.OpenMemory();
   return database;
 }
 
-void Database::WriteTo(AtomicFile& file) const {
+Database Database::OfBytes(Bytes bytes, const std::string& called) {
+  Database database(called);
+  database.OpenMemory();
+  auto* data = reinterpret_cast<unsigned char*>(const_cast<std::byte*>(bytes.data()));  // read only, as the flag says
+  constexpr std::size_t kFormats = 18;  // two bytes of the header: 2 where there is, or was, a log beside the file
+  if (bytes.size() > kFormats + 2 && (bytes[kFormats] == std::byte{2} || bytes[kFormats + 1] == std::byte{2})) {
+    database.copy_.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    database.copy_[kFormats] = database.copy_[kFormats + 1] = 1;
+    data = reinterpret_cast<unsigned char*>(database.copy_.data());
+  }
+  const auto size = static_cast<sqlite3_int64>(bytes.size());
+  const int code = sqlite3_deserialize(database.handle(), "main", data, size, size, SQLITE_DESERIALIZE_READONLY);
+  if (code != SQLITE_OK) throw database.Failure("", code);
+  if (const int begun = database.BeginReading(); begun != SQLITE_OK) throw database.Failure("", begun);
+  return database;
+}
+
+void Database::OpenMemory() {
+  sqlite3* handle = nullptr;
+  const int code = sqlite3_open_v2(
+      "slamdb", &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
+      "memdb");
+  handle_.reset(handle);
+  if (code != SQLITE_OK) throw FailureOf(handle, code, path_, "", "cannot open: ");
+  LimitWhatFilesCanDo(handle);
+  sqlite3_int64 most = std::int64_t{1} << 40;
+  sqlite3_file_control(handle, "main", SQLITE_FCNTL_SIZE_LIMIT, &most);
+}
+
+Bytes Database::Serialized() {
   sqlite3_int64 size = 0;
-  const std::unique_ptr<unsigned char, decltype(&sqlite3_free)> bytes(sqlite3_serialize(handle(), "main", &size, 0),
-                                                                      sqlite3_free);
-  if (bytes == nullptr)
-    throw Error(ErrorKind::kNotPossible, path_, "",
-                "the database has more than the 2 GB that can be written at once; write one map alone");
-  constexpr std::size_t kVersion = 96;  // of SQLite, which nothing reads
-  auto* begin = reinterpret_cast<std::byte*>(bytes.get());
-  std::fill_n(begin + kVersion, 4, std::byte{0});
-  file.Write(Bytes(begin, static_cast<std::size_t>(size)));
+  auto* bytes = sqlite3_serialize(handle(), "main", &size, SQLITE_SERIALIZE_NOCOPY);
+  if (bytes == nullptr || size < 100)
+    throw Error(ErrorKind::kInternal, path_, "", "SQLite does not give what was written to memory");
+  constexpr std::uint32_t kVersion = 3040001;  // the header tells which version of SQLite wrote it
+  for (int i = 0; i < 4; ++i) bytes[96 + i] = static_cast<unsigned char>(kVersion >> (8 * (3 - i)));
+  return {reinterpret_cast<const std::byte*>(bytes), static_cast<std::size_t>(size)};
 }
 
 void Database::OpenHandle(int flags, const char* vfs) {

@@ -27,16 +27,6 @@ std::string OwnerOf(Database& database) {
                                                                      : "the SQLite database of another program";
 }
 
-// What the database has under a name: tables with rows of their own, and the R*Tree. A view, another virtual table, or
-// columns that are computed would run what the file says.
-bool HasPlainTable(Database& database, std::string_view table) {
-  Statement statement(database,
-                      "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1 AND (rootpage > 0 OR sql LIKE "
-                      "'CREATE VIRTUAL TABLE map_point_box USING rtree%') AND NOT EXISTS "
-                      "(SELECT 1 FROM pragma_table_xinfo(?1) WHERE hidden > 1)");
-  return statement.BindText(1, table).Step();
-}
-
 // A damaged or hostile file may lack a table, or have something else of its name.
 void CheckTables(Database& database, int version, Derived derived) {
   for (const char* table :
@@ -54,6 +44,14 @@ void CheckTables(Database& database, int version, Derived derived) {
 }
 
 }  // namespace
+
+bool HasPlainTable(Database& database, std::string_view table) {
+  Statement statement(database,
+                      "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1 AND (rootpage > 0 OR sql LIKE "
+                      "'CREATE VIRTUAL TABLE map_point_box USING rtree%') AND NOT EXISTS "
+                      "(SELECT 1 FROM pragma_table_xinfo(?1) WHERE hidden > 1)");
+  return statement.BindText(1, table).Step();
+}
 
 Header HeaderOf(std::string_view head) {
   Header header;

@@ -23,7 +23,8 @@ namespace slamdb::sqlite {
 
 enum class Access {
   kRead,     // never changes the file; works on read-only disks and in read-only folders
-  kSalvage,  // as kRead, with what can be read of a damaged schema and of a file that was cut
+  kImage,    // as kRead, without locks: the files of other programs, of which not even a journal is worked through
+  kSalvage,  // as kImage, with what can be read of a damaged schema and of a file that was cut
   kWrite,    // the file is there
   kCreate,   // the file is made when it is missing
 };
@@ -67,14 +68,13 @@ class Database {
   // Throws Error: no such file, a directory or another thing that is no file, not a database, no permission.
   Database(const std::string& path, Access access, double lock_timeout, Progress progress = {});
 
-  // An empty one in memory, for the databases of other programs: what is written at once and never changed again.
-  // Errors call it `path`.
-  static Database InMemory(const std::string& path);
-  // The bytes of the file that one in memory would be, without the version of SQLite in its header, so that equal
-  // content is equal bytes everywhere.
-  //
-  // Throws Error (kNotPossible) beyond 2 GB.
-  void WriteTo(AtomicFile& file) const;
+  // A database in memory: an empty one, to be filled, or of bytes, to be read, which are copied only where SQLite could
+  // not read them as they are. `called` is what errors call it.
+  static Database InMemory(const std::string& called);
+  static Database OfBytes(Bytes bytes, const std::string& called);
+  // The bytes of one that was filled. Valid until it is changed. Of the same content they are the same, whichever
+  // version of SQLite made them.
+  Bytes Serialized();
 
   const std::string& path() const { return path_; }
   sqlite3* handle() const { return handle_.get(); }
@@ -103,7 +103,9 @@ class Database {
   struct Close {
     void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
   };
+  explicit Database(std::string called) : path_(std::move(called)), waiting_(std::make_unique<Waiting>(0)) {}
   void OpenHandle(int flags, const char* vfs = nullptr);
+  void OpenMemory();
   void OpenToRead();
   void OpenImage(Access access);
   int BeginReading();
@@ -112,6 +114,7 @@ class Database {
 
   std::string path_;
   std::unique_ptr<Waiting> waiting_;  // SQLite keeps its address
+  std::string copy_;                  // of bytes that SQLite reads
   std::unique_ptr<sqlite3, Close> handle_;
   bool is_image_ = false;
   std::vector<EditedRow>* edits_ = nullptr;

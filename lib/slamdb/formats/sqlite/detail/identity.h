@@ -17,6 +17,10 @@ struct Header {
 };
 Header HeaderOf(std::string_view head);
 
+// Whether the database has a table of that name with rows of its own, or the R*Tree of a store. A view, another virtual
+// table, or columns that are computed would run what the file says.
+bool HasPlainTable(Database& database, std::string_view table);
+
 enum class Older { kRefuse, kAccept };
 enum class Derived { kNeeded, kNotNeeded };  // tables that follow from others: the R*Tree, the words of keyframes
 

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/rtabmap/detail/blobs.h"
+
+#include <zlib.h>
+
+#include <Eigen/SVD>
+#include <array>
+#include <cstring>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb::rtabmap {
+namespace {
+
+using detail::Concat;
+
+constexpr std::int32_t kIntegers = 4, kFloats = 5;  // OpenCV's types of one channel
+
+// A zlib stream, and behind it rows, columns and type. Both types have 4 bytes an element.
+template <class Value>
+std::vector<Value> ValuesOf(Bytes blob, std::int32_t type, const Place& place) {
+  static_assert(sizeof(Value) == 4);
+  constexpr std::uint64_t kMostSwelling = 1032;  // zlib's own limit
+  std::array<std::int32_t, 3> shape{};
+  if (blob.empty()) return {};
+  if (blob.size() < sizeof shape) place.Fail("a compressed matrix is cut");
+  std::memcpy(shape.data(), blob.data() + blob.size() - sizeof shape, sizeof shape);
+  const auto [rows, columns, found] = shape;
+  if (found != type) place.Fail(Concat("a matrix has OpenCV's type ", found, ", expected ", type));
+  if (rows < 0 || columns < 0) place.Fail(Concat("a matrix has ", rows, " rows and ", columns, " columns"));
+  const Bytes stream = blob.first(blob.size() - sizeof shape);
+  const std::uint64_t count = static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(columns);
+  if (count > kMostSwelling * stream.size() / sizeof(Value))
+    place.Fail(Concat("a matrix claims ", count, " numbers, which its ", stream.size(), " bytes cannot hold"));
+  std::vector<Value> values(count);
+  auto size = static_cast<uLongf>(count * sizeof(Value));
+  const uLongf expected = size;
+  if (count > 0 &&
+      (uncompress(reinterpret_cast<Bytef*>(values.data()), &size, reinterpret_cast<const Bytef*>(stream.data()),
+                  static_cast<uLong>(stream.size())) != Z_OK ||
+       size != expected))
+    place.Fail("a compressed matrix cannot be unpacked");
+  return values;
+}
+
+}  // namespace
+
+void Place::Fail(const std::string& problem) const { throw Error(ErrorKind::kDamaged, path, where, problem); }
+
+std::optional<Pose> PoseOf(const float* rows) {
+  Eigen::Matrix<double, 3, 4> matrix;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) matrix(row, column) = static_cast<double>(rows[4 * row + column]);
+  if (!matrix.allFinite() || matrix.isZero(0)) return std::nullopt;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix.leftCols<3>(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+  if (!(rotation.determinant() > 0)) return std::nullopt;
+  Pose pose = Pose::Identity();
+  pose.linear() = rotation;
+  pose.translation() = matrix.col(3);
+  return pose;
+}
+
+std::optional<Pose> PoseOf(Bytes blob, const Place& place) {
+  if (blob.empty()) return std::nullopt;
+  std::array<float, 12> rows;
+  if (blob.size() != sizeof rows) place.Fail(Concat("a pose has ", blob.size(), " bytes, expected ", sizeof rows));
+  std::memcpy(rows.data(), blob.data(), sizeof rows);
+  return PoseOf(rows.data());
+}
+
+std::vector<std::int32_t> IntegersOf(Bytes blob, const Place& place) {
+  return ValuesOf<std::int32_t>(blob, kIntegers, place);
+}
+std::vector<float> FloatsOf(Bytes blob, const Place& place) { return ValuesOf<float>(blob, kFloats, place); }
+
+}  // namespace slamdb::rtabmap

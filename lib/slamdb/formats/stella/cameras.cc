@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/stella/detail/cameras.h"
+
+#include <array>
+#include <cstring>
+#include <numbers>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/formats/stella/detail/lens.h"
+
+namespace slamdb::stella {
+namespace {
+
+constexpr std::int32_t kFloats = 5, kDoubles = 6;  // OpenCV's types
+
+constexpr std::string_view kScale = " levels, scale ";  // in names of ORB parameters
+
+constexpr std::array<std::string_view, 4> kModels = {"Perspective", "Fisheye", "Equirectangular", "RadialDivision"};
+constexpr std::array<std::string_view, 3> kSetups = {"Monocular", "Stereo", "RGBD"};
+
+template <class Value, std::size_t count>
+std::optional<Value> Find(const std::array<std::string_view, count>& names, std::string_view name) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (names[i] == name) return static_cast<Value>(i);
+  return std::nullopt;
+}
+
+// As many pixels in a radian as the middle of an equirectangular picture has.
+LensCamera Pinhole(const LensCamera& lens) {
+  if (lens.model != Model::kEquirectangular) return lens;
+  LensCamera pinhole = lens;
+  pinhole.fx = lens.columns / (2 * std::numbers::pi);
+  pinhole.fy = lens.rows / std::numbers::pi;
+  pinhole.cx = lens.columns / 2.0;
+  pinhole.cy = lens.rows / 2.0;
+  return pinhole;
+}
+
+Matrix MatrixOf(const std::array<double, 5>& distortion) {
+  const std::size_t count = distortion[4] == 0 ? 4 : 5;
+  Matrix matrix{
+      .rows = static_cast<std::int32_t>(count), .columns = 1, .type = kFloats, .continuous = true, .data = {}};
+  matrix.data.resize(count * sizeof(float));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto value = static_cast<float>(distortion[i]);
+    std::memcpy(matrix.data.data() + i * sizeof value, &value, sizeof value);
+  }
+  return matrix;
+}
+
+template <class Value>
+std::array<double, 5> NumbersOf(const Matrix& matrix) {
+  std::array<double, 5> numbers{};
+  for (std::size_t i = 0; i < numbers.size() && (i + 1) * sizeof(Value) <= matrix.data.size(); ++i) {
+    Value value;
+    std::memcpy(&value, matrix.data.data() + i * sizeof value, sizeof value);
+    numbers[i] = static_cast<double>(value);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::string_view NameOf(Model model) { return kModels[static_cast<std::size_t>(model)]; }
+std::string_view NameOf(Setup setup) { return kSetups[static_cast<std::size_t>(setup)]; }
+std::optional<Model> ModelOf(std::string_view name) { return Find<Model>(kModels, name); }
+std::optional<Setup> SetupOf(std::string_view name) { return Find<Setup>(kSetups, name); }
+
+OrbParams OrbParams::Of(const ScalePyramid& pyramid) {
+  OrbParams params;
+  params.levels = pyramid.levels > 0 ? static_cast<std::uint32_t>(pyramid.levels) : 0;
+  params.scale_factor = pyramid.factor;
+  if (!params.is_sound()) params = {};
+  params.name = detail::Concat("ORB of ", params.levels, kScale);
+  detail::AppendNumber(params.name, params.scale_factor);
+  return params;
+}
+
+std::optional<OrbParams> OrbParams::Named(const std::string& name) {
+  const std::size_t scale = name.find(kScale);
+  if (!name.starts_with("ORB of ") || scale == std::string::npos) return std::nullopt;
+  const std::string_view text = name;
+  const auto levels = detail::ParseNumber<std::uint32_t>(text.substr(7, scale - 7));
+  const auto factor = detail::ParseNumber<float>(text.substr(scale + kScale.size()));
+  OrbParams params{.name = name, .scale_factor = factor.value_or(0), .levels = levels.value_or(0)};
+  if (!params.is_sound()) return std::nullopt;
+  return params;
+}
+
+Camera CameraOf(const LensCamera& lens, CameraId id) {
+  const LensCamera pinhole = Pinhole(lens);
+  Camera camera;
+  camera.id = id;
+  for (const double parameter : {pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy})
+    camera.parameters.push_back(static_cast<float>(parameter));
+  if (lens.model == Model::kEquirectangular) {
+    camera.model = CameraModel::kEquirectangular;
+    camera.recorded_type = static_cast<std::uint32_t>(camera.model);
+    camera.parameters = {static_cast<float>(lens.columns), static_cast<float>(lens.rows)};
+  }
+  if (lens.model != Model::kFisheye) return camera;
+  camera.model = CameraModel::kKannalaBrandt8;
+  camera.recorded_type = 1;
+  for (std::size_t i = 0; i < 4; ++i) camera.parameters.push_back(static_cast<float>(lens.distortion[i]));
+  return camera;
+}
+
+void SetLens(KeyFrame& keyframe, const LensCamera& lens, std::optional<double> depth_threshold) {
+  constexpr double kBaselines = 40;
+  const LensCamera pinhole = Pinhole(lens);
+  Intrinsics& intrinsics = keyframe.intrinsics;
+  intrinsics.fx = static_cast<float>(pinhole.fx);
+  intrinsics.fy = static_cast<float>(pinhole.fy);
+  intrinsics.cx = static_cast<float>(pinhole.cx);
+  intrinsics.cy = static_cast<float>(pinhole.cy);
+  intrinsics.baseline_fx = static_cast<float>(lens.focal_x_baseline);
+  if (lens.focal_x_baseline > 0 && pinhole.fx > 0) {
+    const double baseline = lens.focal_x_baseline / pinhole.fx;
+    intrinsics.baseline = static_cast<float>(baseline);
+    intrinsics.depth_threshold = static_cast<float>(depth_threshold.value_or(kBaselines * baseline));
+    keyframe.half_baseline = intrinsics.baseline / 2;
+  }
+  keyframe.distortion = MatrixOf(lens.model == Model::kPerspective ? lens.distortion : std::array<double, 5>{});
+  if (lens.columns > 0 && lens.rows > 0) keyframe.bounds = BoundsOf(lens);
+}
+
+LensCamera LensOf(const KeyFrame& keyframe, const Camera* camera) {
+  LensCamera lens;
+  lens.focal_x_baseline = static_cast<double>(keyframe.intrinsics.baseline_fx);
+  if (camera != nullptr && camera->model == CameraModel::kKannalaBrandt8 && camera->parameters.size() == 8) {
+    lens.model = Model::kFisheye;
+    const auto parameter = [&](std::size_t i) { return static_cast<double>(camera->parameters[i]); };
+    lens.fx = parameter(0), lens.fy = parameter(1), lens.cx = parameter(2), lens.cy = parameter(3);
+    for (std::size_t i = 0; i < 4; ++i) lens.distortion[i] = parameter(i + 4);
+    return lens;
+  }
+  if (camera != nullptr && camera->model == CameraModel::kEquirectangular) {
+    lens.model = Model::kEquirectangular;
+    return lens;
+  }
+  lens.fx = static_cast<double>(keyframe.intrinsics.fx), lens.fy = static_cast<double>(keyframe.intrinsics.fy);
+  lens.cx = static_cast<double>(keyframe.intrinsics.cx), lens.cy = static_cast<double>(keyframe.intrinsics.cy);
+  if (keyframe.distortion.type == kFloats) lens.distortion = NumbersOf<float>(keyframe.distortion);
+  if (keyframe.distortion.type == kDoubles) lens.distortion = NumbersOf<double>(keyframe.distortion);
+  return lens;
+}
+
+}  // namespace slamdb::stella

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/export/detail/rows.h"
+#include "slamdb/formats/stella/detail/message_pack.h"
+#include "slamdb/formats/stella/detail/message_pack_format.h"
+
+namespace slamdb::stella {
+namespace {
+
+// Keys stand in the order of their bytes, as std::map has them.
+
+void Append(MessagePackAppender& out, std::string_view key, double value) {
+  out.Text(key);
+  out.Real(value);
+}
+void Append(MessagePackAppender& out, std::string_view key, std::uint64_t value) {
+  out.Text(key);
+  out.Integer(value);
+}
+void Append(MessagePackAppender& out, std::string_view key, std::string_view text) {
+  out.Text(key);
+  out.Text(text);
+}
+
+template <class Reals>
+void AppendReals(MessagePackAppender& out, std::string_view key, const Reals& reals) {
+  out.Text(key);
+  out.List(static_cast<std::size_t>(reals.size()));
+  for (const auto value : reals) out.Real(static_cast<double>(value));
+}
+
+void AppendIds(MessagePackAppender& out, std::string_view key, const std::vector<KeyFrameId>& ids) {
+  out.Text(key);
+  out.List(ids.size());
+  for (const KeyFrameId id : ids) out.Integer(id.value());
+}
+
+void AppendLens(MessagePackAppender& out, const LensCamera& camera) {
+  const std::array<double, 5>& k = camera.distortion;
+  const bool fisheye = camera.model == Model::kFisheye;
+  Append(out, "fx", camera.fx);
+  Append(out, "fy", camera.fy);
+  Append(out, "k1", k[0]);
+  Append(out, "k2", k[1]);
+  Append(out, "k3", fisheye ? k[2] : k[4]);
+  if (fisheye) Append(out, "k4", k[3]);
+}
+
+void AppendCamera(MessagePackAppender& out, const LensCamera& camera) {
+  const bool fisheye = camera.model == Model::kFisheye, panorama = camera.model == Model::kEquirectangular;
+  out.Map(panorama ? 7 : fisheye ? 15 : 16);
+  Append(out, "color_order", camera.color_order);
+  Append(out, "cols", std::uint64_t{camera.columns});
+  if (!panorama) Append(out, "cx", camera.cx);
+  if (!panorama) Append(out, "cy", camera.cy);
+  Append(out, "focal_x_baseline", camera.focal_x_baseline);
+  Append(out, "fps", camera.fps);
+  if (!panorama) AppendLens(out, camera);
+  Append(out, "model_type", NameOf(camera.model));
+  if (!panorama && !fisheye) Append(out, "p1", camera.distortion[2]);
+  if (!panorama && !fisheye) Append(out, "p2", camera.distortion[3]);
+  Append(out, "rows", std::uint64_t{camera.rows});
+  Append(out, "setup_type", NameOf(camera.setup));
+}
+
+void AppendOrbParams(MessagePackAppender& out, const OrbParams& params) {
+  out.Map(5);
+  Append(out, "ini_fast_threshold", std::uint64_t{params.ini_fast_threshold});
+  Append(out, "min_fast_threshold", std::uint64_t{params.min_fast_threshold});
+  Append(out, "name", params.name);
+  Append(out, "num_levels", std::uint64_t{params.levels});
+  Append(out, "scale_factor", static_cast<double>(params.scale_factor));
+}
+
+void AppendDescriptors(MessagePackAppender& out, const Column<Descriptor>& descriptors, std::size_t rows) {
+  static constexpr Descriptor kNone{};
+  out.Text("descs");
+  out.List(rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    std::array<std::uint32_t, 8> words;
+    std::memcpy(words.data(), row < descriptors.size() ? descriptors[row].data() : kNone.data(), sizeof words);
+    out.List(words.size());
+    for (const std::uint32_t word : words) out.Integer(std::uint64_t{word});
+  }
+}
+
+void AppendKeypoints(MessagePackAppender& out, const Column<Keypoint>& keypoints) {
+  out.Text("undist_keypts");
+  out.List(keypoints.size());
+  for (const Keypoint& keypoint : keypoints) {
+    out.Raw(
+        "\x83\xa3"
+        "ang");
+    out.Real(static_cast<double>(keypoint.angle));
+    out.Raw(
+        "\xa3"
+        "oct");
+    out.Integer(std::uint64_t{static_cast<std::uint32_t>(keypoint.octave)});
+    out.Raw(
+        "\xa2"
+        "pt\x92");
+    out.Real(static_cast<double>(keypoint.x));
+    out.Real(static_cast<double>(keypoint.y));
+  }
+}
+
+void AppendKeyFrame(std::string& bytes, const Outgoing& map, const OutgoingKeyFrame& written) {
+  const KeyFrame& keyframe = *written.keyframe;
+  const OutgoingFeatures features = map.FeaturesOf(written);
+  MessagePackAppender out(bytes);
+  out.Text(std::to_string(keyframe.id.value()));
+  out.Map(14);
+  Append(out, "cam", map.cameras()[written.camera].name);
+  AppendReals(out, "depths", features.depth);
+  AppendDescriptors(out, keyframe.features.descriptors, written.rows);
+  out.Text("lm_ids");
+  out.List(written.points.size());
+  for (const std::int32_t id : written.points) out.Integer(std::int64_t{id});
+  AppendIds(out, "loop_edges", written.loop_edges);
+  Append(out, "n_keypts", std::uint64_t{written.rows});
+  Append(out, "orb_params", map.orb_params()[written.orb_params].name);
+  AppendReals(out, "rot_cw", keyframe.camera_from_world.rotation.coeffs());  // x y z w
+  AppendIds(out, "span_children", written.children);
+  out.Text("span_parent");
+  out.Integer(written.parent ? static_cast<std::int64_t>(written.parent.value()) : -1);
+  AppendReals(out, "trans_cw", keyframe.camera_from_world.translation);
+  Append(out, "ts", keyframe.timestamp);
+  AppendKeypoints(out, features.undistorted);
+  AppendReals(out, "x_rights", features.right_x);
+}
+
+void AppendPoint(std::string& bytes, const OutgoingPoint& written) {
+  const MapPoint& point = *written.point;
+  MessagePackAppender out(bytes);
+  out.Text(std::to_string(point.id.value()));
+  out.Map(5);
+  out.Text("1st_keyfrm");
+  out.Integer(FirstKeyFrameOf(point));
+  Append(out, "n_fnd", CountOf(point.found_count));
+  Append(out, "n_vis", CountOf(point.visible_count));
+  AppendReals(out, "pos_w", point.position);
+  Append(out, "ref_keyfrm", written.reference.value());
+}
+
+// Rows in the order of their ids as texts: 1, 10, 11, 2.
+template <class Rows, class IdOf>
+std::vector<std::uint32_t> TextOrder(const Rows& rows, const IdOf& id_of) {
+  std::vector<std::pair<std::string, std::uint32_t>> keys;
+  keys.reserve(rows.size());
+  for (const auto& row : rows) keys.emplace_back(std::to_string(id_of(row)), static_cast<std::uint32_t>(keys.size()));
+  std::ranges::sort(keys);
+  std::vector<std::uint32_t> order;
+  order.reserve(keys.size());
+  for (const auto& key : keys) order.push_back(key.second);
+  return order;
+}
+
+template <class Items, class AppendItem>
+void WriteTable(AtomicFile& file, std::string_view name, const Items& items, const AppendItem& append) {
+  std::string bytes;
+  MessagePackAppender out(bytes);
+  out.Text(name);
+  out.Map(items.size());
+  for (const auto& item : items) {
+    out.Text(item.name);
+    append(out, item);
+  }
+  file.Write(bytes);
+}
+
+void WriteCount(AtomicFile& file, std::string_view name, std::uint64_t count) {
+  std::string bytes;
+  MessagePackAppender out(bytes);
+  Append(out, name, count);
+  file.Write(bytes);
+}
+
+void WriteHead(AtomicFile& file, std::string_view name, std::size_t entries) {
+  std::string bytes;
+  MessagePackAppender out(bytes);
+  out.Text(name);
+  out.Map(entries);
+  file.Write(bytes);
+}
+
+}  // namespace
+
+void WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options) {
+  constexpr std::size_t kPointsPerBlock = 4096;
+  AtomicFile file(target, detail::FileOptions(options));
+  const auto keyframes = TextOrder(map.keyframes(), [](const auto& row) { return row.keyframe->id.value(); });
+  const auto points = TextOrder(map.points(), [](const auto& row) { return row.point->id.value(); });
+  file.Write("\x86");
+  WriteTable(file, "cameras", map.cameras(), AppendCamera);
+  WriteCount(file, "keyframe_next_id", map.next_keyframe());
+  WriteHead(file, "keyframes", keyframes.size());
+  detail::WriteRows(file, keyframes.size(), 1, options, [&](std::size_t begin, std::size_t end, std::string& out) {
+    for (std::size_t row = begin; row < end; ++row) AppendKeyFrame(out, map, map.keyframes()[keyframes[row]]);
+  });
+  WriteCount(file, "landmark_next_id", map.next_point());
+  WriteHead(file, "landmarks", points.size());
+  detail::WriteRows(file, points.size(), kPointsPerBlock, options,
+                    [&](std::size_t begin, std::size_t end, std::string& out) {
+                      for (std::size_t row = begin; row < end; ++row) AppendPoint(out, map.points()[points[row]]);
+                    });
+  WriteTable(file, "orb_params", map.orb_params(), AppendOrbParams);
+  file.Commit();
+}
+
+}  // namespace slamdb::stella
