@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/ndjson/detail/read.h"
+#include "slamdb/model/counters.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb::detail {
+namespace {
+
+// Whether a field was there.
+template <class Entity>
+class Has {
+ public:
+  Has(const MemberTable<Entity>& table, std::string_view name) : node_(table.Find(name)) {}
+  bool operator()(const Given& given) const { return given[node_]; }
+
+ private:
+  std::size_t node_;
+};
+
+void SetCameras(ReadLines& lines) {
+  const Has has_type(CameraMembers(), "recorded_type");
+  for (std::size_t i = 0; i < lines.cameras.size(); ++i) {
+    Camera& camera = lines.atlas.cameras[i];
+    if (!has_type(lines.cameras[i])) camera.recorded_type = static_cast<std::uint32_t>(camera.model);
+  }
+}
+
+// Of its camera, where the line has none.
+void SetIntrinsics(const Given& given, const Camera* camera, Intrinsics& intrinsics) {
+  static const std::array<Has<KeyFrame>, 4> has{
+      Has(KeyFrameMembers(), "intrinsics.fx"), Has(KeyFrameMembers(), "intrinsics.fy"),
+      Has(KeyFrameMembers(), "intrinsics.cx"), Has(KeyFrameMembers(), "intrinsics.cy")};
+  if (camera == nullptr || camera->parameters.size() < has.size()) return;
+  const std::array<float*, 4> values{&intrinsics.fx, &intrinsics.fy, &intrinsics.cx, &intrinsics.cy};
+  for (std::size_t i = 0; i < has.size(); ++i)
+    if (!has[i](given)) *values[i] = camera->parameters[i];
+}
+
+void SetKeyFrames(ReadLines& lines) {
+  static const Has has_form(KeyFrameMembers(), "features.descriptors_form"),
+      has_origin(KeyFrameMembers(), "origin_map");
+  const AtlasIndex index(lines.atlas);
+  for (std::size_t m = 0; m < lines.maps.size(); ++m) {
+    Map& map = lines.atlas.maps[m];
+    for (std::size_t row = 0; row < map.keyframes.size(); ++row) {
+      const Given& given = lines.maps[m].keyframes[row];
+      KeyFrame& keyframe = map.keyframes[row];
+      SetIntrinsics(given, index.FindCamera(keyframe.camera), keyframe.intrinsics);
+      if (!has_form(given) && keyframe.features.descriptors.empty())
+        keyframe.features.descriptors_form = MatrixForm::kEmpty;
+      if (!has_origin(given)) keyframe.origin_map = static_cast<std::uint32_t>(map.id.value());
+    }
+  }
+}
+
+void SetPoints(ReadLines& lines) {
+  static const Has has_form(PointMembers(), "descriptor_form"), has_descriptor(PointMembers(), "descriptor");
+  for (std::size_t m = 0; m < lines.maps.size(); ++m)
+    for (std::size_t row = 0; row < lines.maps[m].points.size(); ++row) {
+      const Given& given = lines.maps[m].points[row];
+      if (!has_form(given) && !has_descriptor(given))
+        lines.atlas.maps[m].points[row].descriptor_form = MatrixForm::kEmpty;
+    }
+}
+
+// Those of points that .osa files do not hold; absent, they are not recorded.
+Given OptionalOfPoints() {
+  Given optional;
+  fields::ForEachTrackingField([&](std::string_view name, auto) { optional.set(PointMembers().Find(name)); });
+  return optional;
+}
+
+bool HasAll(const ReadLines& lines) {
+  static const Given kNone, kTracking = OptionalOfPoints();
+  const auto all = [](const auto& table, const std::vector<Given>& given, const Given& optional) {
+    return std::ranges::all_of(given, [&](const Given& each) { return table.HasAllFields(each, optional); });
+  };
+  return AtlasMembers().HasAllFields(lines.given, kNone) && all(CameraMembers(), lines.cameras, kNone) &&
+         std::ranges::all_of(lines.maps, [&](const ReadLines::GivenOfMap& map) {
+           return MapMembers().HasAllFields(map.map, kNone) && all(KeyFrameMembers(), map.keyframes, kNone) &&
+                  all(PointMembers(), map.points, kTracking);
+         });
+}
+
+template <class Entity, class List>
+void RestoreEach(const MemberTable<Entity>& table, const std::vector<Given>& given, const List& original, List& list) {
+  for (std::size_t row = 0; row < given.size(); ++row) table.Restore(given[row], original[row], list[row]);
+}
+
+// What the lines have stays as they have it.
+void Restore(const ReadLines& lines, const Atlas& original, Atlas& atlas) {
+  AtlasMembers().Restore(lines.given, original, atlas);
+  RestoreEach(CameraMembers(), lines.cameras, original.cameras, atlas.cameras);
+  for (std::size_t m = 0; m < lines.maps.size(); ++m) {
+    MapMembers().Restore(lines.maps[m].map, original.maps[m], atlas.maps[m]);
+    RestoreEach(KeyFrameMembers(), lines.maps[m].keyframes, original.maps[m].keyframes, atlas.maps[m].keyframes);
+    RestoreEach(PointMembers(), lines.maps[m].points, original.maps[m].points, atlas.maps[m].points);
+  }
+}
+
+}  // namespace
+
+void CompleteLines(ReadLines& lines, int threads, Notices& notices) {
+  if (HasAll(lines)) return;
+  SetCameras(lines);
+  SetKeyFrames(lines);
+  SetPoints(lines);
+  const Atlas original = lines.atlas;
+  (void)threads, (void)notices;
+  RaiseCounters(lines.atlas);
+  Restore(lines, original, lines.atlas);
+}
+
+}  // namespace slamdb::detail
