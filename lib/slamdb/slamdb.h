@@ -18,6 +18,7 @@
 #include "slamdb/align/report_json.h"
 #include "slamdb/align/shrink_for_locating.h"
 #include "slamdb/base/atomic_file.h"
+#include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/column.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"

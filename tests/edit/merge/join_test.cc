@@ -10,7 +10,7 @@
 #include "slamdb/edit/landmarks/landmarks.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/merge.h"
-#include "slamdb/edit/part/detail/covisibility.h"
+#include "slamdb/model/detail/covisibility.h"
 #include "slamdb/model/content.h"
 #include "slamdb/model/derive.h"
 #include "tests/edit/worlds.h"

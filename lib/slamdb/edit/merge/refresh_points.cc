@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "slamdb/edit/part/detail/covisibility.h"
+#include "slamdb/model/detail/covisibility.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/observed.h"
 #include "slamdb/model/index.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/edit/part/detail/covisibility.h"
+#include "slamdb/model/detail/covisibility.h"
 
 #include <algorithm>
 #include <vector>
