@@ -117,7 +117,14 @@ TEST(NdjsonReader, FillsInWhatAScriptLeavesOut) {
   EXPECT_EQ(keyframe.features.keypoints[1].size, 31);
   EXPECT_EQ(keyframe.features.keypoints[1].y, 40);
   EXPECT_EQ(keyframe.features.descriptors_form, MatrixForm::kEmpty);
-  EXPECT_FALSE(atlas.maps[0].points[0].has_descriptor());
+  EXPECT_EQ(keyframe.features.undistorted.size(), 2U);
+  EXPECT_EQ(keyframe.features.count, 2);
+  EXPECT_EQ(keyframe.pyramid.levels, 8);
+  const MapPoint& point = atlas.maps[0].points[0];
+  EXPECT_FALSE(point.has_descriptor());
+  EXPECT_THAT(point.observations, ElementsAre(Observation{KeyFrameId(5), 0, -1}));
+  EXPECT_EQ(point.reference, KeyFrameId(5));
+  EXPECT_EQ(atlas.maps[0].lowest_keyframe, KeyFrameId(5));
   EXPECT_EQ(atlas.next_ids.keyframe, 6U);
   EXPECT_GE(atlas.next_ids.map_point, 10U);
   EXPECT_FALSE(atlas.maps[0].landmarks[0].id);
@@ -133,6 +140,21 @@ TEST(NdjsonReader, LeavesAloneWhatIsThere) {
   Atlas read = Read(text.substr(0, begin) + text.substr(text.find("\"encoding\"")));
   EXPECT_EQ(read.next_ids.keyframe, 4U);
   read.next_ids = atlas.next_ids;
+  EXPECT_EQ(HashOf(read), HashOf(atlas));
+}
+
+// A point of which the observations are left out, among others that have theirs.
+TEST(NdjsonReader, DerivesWhatSomeLinesLack) {
+  const Atlas atlas = SynthesizeAtlas({.keyframes = 4, .points = 60, .features = 100});
+  std::string text = Text(atlas);
+  const std::size_t point = text.find("{\"type\":\"map_point\"");
+  for (const std::string name : {"\"observations\"", "\"observation_count\""}) {
+    const std::size_t begin = text.find(name, point);
+    text.erase(begin,
+               text.find(name == "\"observations\"" ? ']' : ',', begin) + (name == "\"observations\"" ? 2 : 1) - begin);
+  }
+  const Atlas read = Read(text);
+  EXPECT_EQ(read.maps[0].points[0].observations, atlas.maps[0].points[0].observations);
   EXPECT_EQ(HashOf(read), HashOf(atlas));
 }
 

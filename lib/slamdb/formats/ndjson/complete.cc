@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/import/detail/complete.h"
+
 #include "slamdb/formats/ndjson/detail/read.h"
-#include "slamdb/model/counters.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::detail {
@@ -63,6 +64,34 @@ void SetPoints(ReadLines& lines) {
     }
 }
 
+// CompleteAtlas derives a relation where none of a map's entities has any. Where some of them lack it, it is derived of
+// all, and those that had it get theirs back.
+template <class Entity, class List>
+void ClearUnlessAllHave(const Has<Entity>& has, const std::vector<Given>& given, List& list, const auto& clear) {
+  const auto lacks = [&](const Given& each) { return !has(each); };
+  if (std::ranges::any_of(given, lacks)) std::ranges::for_each(list, clear);
+}
+
+void ClearWhatIsDerived(ReadLines& lines) {
+  static const Has has_observations(PointMembers(), "observations");
+  static const Has has_connections(KeyFrameMembers(), "connections");
+  for (std::size_t m = 0; m < lines.maps.size(); ++m) {
+    Map& map = lines.atlas.maps[m];
+    ClearUnlessAllHave(has_observations, lines.maps[m].points, map.points,
+                       [](MapPoint& point) { point.observations.clear(); });
+    ClearUnlessAllHave(has_connections, lines.maps[m].keyframes, map.keyframes,
+                       [](KeyFrame& keyframe) { keyframe.connections.clear(); });
+  }
+}
+
+// Its notes; it also warns of keypoints that it frees, of which all get their points back that had any.
+void Derive(Atlas& atlas, int threads, Notices& notices) {
+  Notices all;
+  CompleteAtlas(atlas, "the file", threads, all);
+  for (const Notice& notice : all.items())
+    if (notice.kind == Notice::Kind::kNote) notices.Note(notice.text);
+}
+
 // Those of points that .osa files do not hold; absent, they are not recorded.
 Given OptionalOfPoints() {
   Given optional;
@@ -106,8 +135,8 @@ void CompleteLines(ReadLines& lines, int threads, Notices& notices) {
   SetKeyFrames(lines);
   SetPoints(lines);
   const Atlas original = lines.atlas;
-  (void)threads, (void)notices;
-  RaiseCounters(lines.atlas);
+  ClearWhatIsDerived(lines);
+  Derive(lines.atlas, threads, notices);
   Restore(lines, original, lines.atlas);
 }
 
