@@ -14,6 +14,7 @@
 #include "slamdb/formats/detail/recognize.h"
 #include "slamdb/formats/geographic/detail/geographic.h"
 #include "slamdb/formats/gltf/detail/gltf.h"
+#include "slamdb/formats/las/detail/las.h"
 #include "slamdb/formats/mcap/detail/mcap.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "slamdb/formats/ndjson/detail/ndjson.h"
@@ -22,17 +23,34 @@
 #include "slamdb/formats/ply/detail/ply.h"
 #include "slamdb/formats/sqlite/detail/store_format.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
+#include "slamdb/formats/xyz/detail/xyz.h"
 
 namespace slamdb {
 
 // In the order in which sniffers are asked: formats with a signature before those that are only lines of numbers.
 std::span<const Format> Formats() {
   static const std::array kFormats = {
-      kOrbslam3Format,       kOrbslam3TextFormat,     detail::kStoreFormat,        detail::kMrptFormat,
-      detail::kMrpt3Format,  detail::kMrptTextFormat, detail::kPlyFormat,          detail::kPcdFormat,
-      detail::kGltfFormat,   detail::kMcapFormat,     detail::kKmlFormat,          detail::kGeojsonFormat,
-      detail::kNdjsonFormat, detail::kCsvFormat,      detail::kCsvKeyFramesFormat, detail::kCsvObservationsFormat,
-      detail::kEurocFormat,  detail::kTumFormat,      detail::kKittiFormat,
+      kOrbslam3Format,
+      kOrbslam3TextFormat,
+      detail::kStoreFormat,
+      detail::kMrptFormat,
+      detail::kMrpt3Format,
+      detail::kMrptTextFormat,
+      detail::kPlyFormat,
+      detail::kPcdFormat,
+      detail::kLasFormat,
+      detail::kGltfFormat,
+      detail::kMcapFormat,
+      detail::kKmlFormat,
+      detail::kGeojsonFormat,
+      detail::kNdjsonFormat,
+      detail::kCsvFormat,
+      detail::kCsvKeyFramesFormat,
+      detail::kCsvObservationsFormat,
+      detail::kEurocFormat,
+      detail::kTumFormat,
+      detail::kKittiFormat,
+      detail::kXyzFormat,
   };
   return kFormats;
 }
@@ -66,9 +84,9 @@ struct KindredSuffix {
   bool misleads = false;
 };
 constexpr KindredSuffix kKindred[] = {
-    {".gltf", ".glb", true}, {".kmz", ".kml", true},  {".obj", ".ply", true}, {".stl", ".ply", true},
-    {".las", ".ply", true},  {".bag", ".mcap", true}, {".db3", ".mcap"},      {".xyz", ".ply"},
-    {".json", ".ndjson"},    {".tsv", ".csv"},        {".gz", ".mrpt.gz"},    {".bin", ".osa"},
+    {".gltf", ".glb", true}, {".kmz", ".kml", true}, {".obj", ".ply", true}, {".stl", ".ply", true},
+    {".bag", ".mcap", true}, {".db3", ".mcap"},      {".json", ".ndjson"},   {".tsv", ".csv"},
+    {".gz", ".mrpt.gz"},     {".bin", ".osa"},
 };
 
 const KindredSuffix* FindKindred(const std::string& path) {

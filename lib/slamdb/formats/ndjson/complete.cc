@@ -31,7 +31,8 @@ void SetIntrinsics(const Given& given, const Camera* camera, Intrinsics& intrins
   static const std::array<Has<KeyFrame>, 4> has{
       Has(KeyFrameMembers(), "intrinsics.fx"), Has(KeyFrameMembers(), "intrinsics.fy"),
       Has(KeyFrameMembers(), "intrinsics.cx"), Has(KeyFrameMembers(), "intrinsics.cy")};
-  if (camera == nullptr || camera->parameters.size() < has.size()) return;
+  if (camera == nullptr || camera->model == CameraModel::kEquirectangular || camera->parameters.size() < has.size())
+    return;
   const std::array<float*, 4> values{&intrinsics.fx, &intrinsics.fy, &intrinsics.cx, &intrinsics.cy};
   for (std::size_t i = 0; i < has.size(); ++i)
     if (!has[i](given)) *values[i] = camera->parameters[i];
@@ -92,22 +93,26 @@ void Derive(Atlas& atlas, int threads, Notices& notices) {
     if (notice.kind == Notice::Kind::kNote) notices.Note(notice.text);
 }
 
-// Those of points that .osa files do not hold; absent, they are not recorded.
-Given OptionalOfPoints() {
+// Those that are written only where they are recorded.
+template <class Entity>
+Given OptionalOf(const MemberTable<Entity>& table, std::initializer_list<std::string_view> names) {
   Given optional;
-  fields::ForEachTrackingField([&](std::string_view name, auto) { optional.set(PointMembers().Find(name)); });
+  for (const std::string_view name : names) optional.set(table.Find(name));
   return optional;
 }
 
+template <class Entity>
+bool HaveAll(const MemberTable<Entity>& table, const std::vector<Given>& given,
+             std::initializer_list<std::string_view> but = {"carried"}) {
+  const Given optional = OptionalOf(table, but);
+  return std::ranges::all_of(given, [&](const Given& each) { return table.HasAllFields(each, optional); });
+}
+
 bool HasAll(const ReadLines& lines) {
-  static const Given kNone, kTracking = OptionalOfPoints();
-  const auto all = [](const auto& table, const std::vector<Given>& given, const Given& optional) {
-    return std::ranges::all_of(given, [&](const Given& each) { return table.HasAllFields(each, optional); });
-  };
-  return AtlasMembers().HasAllFields(lines.given, kNone) && all(CameraMembers(), lines.cameras, kNone) &&
-         std::ranges::all_of(lines.maps, [&](const ReadLines::GivenOfMap& map) {
-           return MapMembers().HasAllFields(map.map, kNone) && all(KeyFrameMembers(), map.keyframes, kNone) &&
-                  all(PointMembers(), map.points, kTracking);
+  return HaveAll(AtlasMembers(), {lines.given}, {"layout", "carried"}) && HaveAll(CameraMembers(), lines.cameras) &&
+         std::ranges::all_of(lines.maps, [](const ReadLines::GivenOfMap& map) {
+           return HaveAll(MapMembers(), {map.map}) && HaveAll(KeyFrameMembers(), map.keyframes) &&
+                  HaveAll(PointMembers(), map.points, {"origin_map", "visible_count", "found_count", "carried"});
          });
 }
 

@@ -53,6 +53,13 @@ bool BytesOfHex(std::string_view hex, std::uint8_t* bytes) {
   return wrong >= 0;
 }
 
+// What OpenCV's type code takes for one element; 0: it is none.
+std::uint64_t BytesOfType(std::int32_t type) {
+  constexpr std::array<std::uint64_t, 8> kDepthBytes{1, 1, 2, 2, 4, 4, 8, 2};  // CV_8U .. CV_16F
+  if (type < 0 || type >= 4096) return 0;
+  return kDepthBytes[static_cast<std::size_t>(type & 7)] * (static_cast<std::uint64_t>(type >> 3) + 1);
+}
+
 }  // namespace
 
 void ReadHex(JsonScanner& json, std::vector<std::uint8_t>& bytes) {
@@ -73,6 +80,16 @@ void ReadMatrixBytes(JsonScanner& json, Column<std::byte>& bytes) {
   ReadHex(json, read);
   const auto from = std::as_bytes(std::span(read));
   bytes.assign(from.begin(), from.end());
+}
+
+void RequireSound(JsonScanner& json, std::string_view name, const Matrix& matrix) {
+  const std::uint64_t element = BytesOfType(matrix.type);
+  if (matrix.rows < 0 || matrix.columns < 0 || element == 0)
+    json.Refuse(Concat(name, "there is no matrix of such rows, columns and type"));
+  const std::uint64_t cells = static_cast<std::uint64_t>(matrix.rows) * static_cast<std::uint64_t>(matrix.columns);
+  if (cells != matrix.data.size() / element || matrix.data.size() % element != 0)
+    json.Refuse(Concat(name, "a matrix of ", matrix.rows, " x ", matrix.columns, ", type ", matrix.type,
+                       ", does not have ", matrix.data.size(), " bytes"));
 }
 
 void ReadMember(JsonScanner& json, Descriptor& descriptor) {
@@ -99,7 +116,7 @@ void ReadMember(JsonScanner& json, MatrixForm& form) {
 }
 
 void ReadMember(JsonScanner& json, CameraModel& model) {
-  constexpr std::array kModels{CameraModel::kPinhole, CameraModel::kKannalaBrandt8};
+  constexpr std::array kModels{CameraModel::kPinhole, CameraModel::kKannalaBrandt8, CameraModel::kEquirectangular};
   ReadNamed(json, kModels, model);
 }
 
@@ -188,6 +205,23 @@ void ReadMember(JsonScanner& json, LandmarkFeature& feature) {
       }
     });
     if (!known) json.Refuse("there is no such member");
+  });
+}
+
+void ReadMember(JsonScanner& json, Boxed<Carried>& carried) {
+  constexpr std::array kMembers{Needed("members"), Optional("descriptors")};
+  constexpr std::array kOfMatrix{Needed("rows"), Needed("columns"), Needed("type"), Needed("continuous"),
+                                 Needed("bytes")};
+  Carried& read = carried.Make();
+  ReadObject(json, kMembers, [&](std::size_t which) {
+    if (which == 0) return ReadMatrixBytes(json, read.members);
+    Matrix& matrix = read.descriptors;
+    ReadObject(json, kOfMatrix, [&](std::size_t member) {
+      if (member == 3) return ReadMember(json, matrix.continuous);
+      if (member == 4) return ReadMatrixBytes(json, matrix.data);
+      ReadMember(json, member == 0 ? matrix.rows : member == 1 ? matrix.columns : matrix.type);
+    });
+    RequireSound(json, "", matrix);
   });
 }
 

@@ -21,13 +21,6 @@ void RequireGrid(JsonScanner& json, std::string_view name, const FeatureGrid& gr
                        grid.keypoints.size(), " keypoints"));
 }
 
-// What OpenCV's type code takes for one element; 0: it is none.
-std::uint64_t BytesOfType(std::int32_t type) {
-  constexpr std::array<std::uint64_t, 8> kDepthBytes{1, 1, 2, 2, 4, 4, 8, 2};  // CV_8U .. CV_16F
-  if (type < 0 || type >= 4096) return 0;
-  return kDepthBytes[static_cast<std::size_t>(type & 7)] * (static_cast<std::uint64_t>(type >> 3) + 1);
-}
-
 // What is left out of a matrix of numbers is that of a column of floats.
 void FinishMatrix(JsonScanner& json, Given& given, Matrix& matrix) {
   static const std::size_t kValues = KeyFrameMembers().Find(kMatrixValues),
@@ -43,13 +36,7 @@ void FinishMatrix(JsonScanner& json, Given& given, Matrix& matrix) {
     if (matrix.type != kOpenCvFloat) json.Refuse("distortion: matrices of other types than 5 have bytes, not values");
   }
   if (given[kBytes]) given.set(kValues);
-  const std::uint64_t element = BytesOfType(matrix.type);
-  if (matrix.rows < 0 || matrix.columns < 0 || element == 0)
-    json.Refuse("distortion: there is no matrix of such rows, columns and type");
-  const std::uint64_t cells = static_cast<std::uint64_t>(matrix.rows) * static_cast<std::uint64_t>(matrix.columns);
-  if (cells != matrix.data.size() / element || matrix.data.size() % element != 0)
-    json.Refuse(Concat("distortion: a matrix of ", matrix.rows, " x ", matrix.columns, ", type ", matrix.type,
-                       ", does not have ", matrix.data.size(), " bytes"));
+  RequireSound(json, "distortion: ", matrix);
 }
 
 void RequireEntries(const std::vector<RepeatedEntry>& entries, std::string_view name, const auto& size_of) {

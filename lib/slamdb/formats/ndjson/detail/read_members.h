@@ -33,6 +33,7 @@ void ReadMember(JsonScanner& json, RepeatedEntry& entry);
 void ReadMember(JsonScanner& json, LandmarkFeature& feature);
 void ReadMember(JsonScanner& json, Column<Keypoint>& keypoints);
 void ReadMember(JsonScanner& json, std::vector<FeatureDescriptor>& descriptors);
+void ReadMember(JsonScanner& json, Boxed<Carried>& carried);
 
 template <class Entity>
 void ReadMember(JsonScanner& json, Id<Entity>& id) {
@@ -70,6 +71,9 @@ void ReadMember(JsonScanner& json, std::vector<T, Allocator>& values) {
 inline constexpr std::string_view kMatrixValues = "distortion.values", kMatrixBytes = "distortion.bytes";
 void ReadMember(JsonScanner& json, Column<std::byte>& floats);
 void ReadMatrixBytes(JsonScanner& json, Column<std::byte>& bytes);
+
+// Throws Error with the place when a matrix does not have as much data as its rows, columns and type say.
+void RequireSound(JsonScanner& json, std::string_view name, const Matrix& matrix);
 
 // Bytes as hex digits.
 void ReadHex(JsonScanner& json, std::vector<std::uint8_t>& bytes);
