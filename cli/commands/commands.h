@@ -11,7 +11,7 @@ extern const Command kAlign, kMerge, kReassignOrigin, kRenumber;
 extern const Command kExtract, kSplit, kCull, kShrink, kFragments;
 extern const Command kRecover, kRepair;
 extern const Command kOptimize, kCloseLoops;
-extern const Command kTransform, kDiff, kEvaluate, kLocate;
+extern const Command kEdit, kTransform, kDiff, kEvaluate, kLocate;
 extern const Command kAdd, kList, kLog, kRemove, kStats, kVacuum, kBackup, kMigrate;
 extern const Command kLandmarksCommand;
 extern const Command kHelp, kComplete, kCompletion, kVersion, kMan;

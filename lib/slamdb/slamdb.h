@@ -59,6 +59,7 @@
 #include "slamdb/edit/repair/journal.h"
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/edit/repair/repair.h"
+#include "slamdb/edit/tables/tables.h"
 #include "slamdb/edit/words/mend.h"
 #include "slamdb/edit/words/words.h"
 #include "slamdb/evaluate/error_statistics.h"

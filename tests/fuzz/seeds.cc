@@ -108,6 +108,14 @@ void WriteSeedsOfFixtures(const path& base) {
   WriteChanged(base / "rtabmap", "rtabmap", ReadFixture("formats/rtabmap"));
   for (const std::string name : {"small.txt", "small.bin"})
     WriteChanged(base / "vocabulary", name, ReadFixture("vocabulary/" + name));
+  WriteChanged(base / "ndjson", "whole", ReadFixture("formats/ndjson"));
+  WriteChanged(
+      base / "ndjson", "sparse",
+      "{\"type\":\"atlas\"}\n{\"type\":\"camera\",\"id\":0,\"model\":\"pinhole\",\"parameters\":[9,9,1,1]}\n"
+      "{\"type\":\"map\",\"id\":1}\n{\"type\":\"keyframe\",\"id\":2,\"timestamp\":1,\"camera\":0,"
+      "\"camera_from_world\":{\"rotation_xyzw\":[0,0,0,1],\"translation\":[0,0,0]},\"features\":{\"keypoints\":"
+      "{\"x\":[1,2],\"y\":[3,4]},\"map_points\":[5,null]}}\n{\"type\":\"map_point\",\"id\":5,"
+      "\"position\":[0,0,\"NaN\"]}\n{\"type\":\"landmark\",\"mean\":[1,2,3],\"features\":[{\"type\":\"orb\"}]}\n");
   WriteChanged(base / "picture", "camera.yaml", ReadFixture("room/camera.yaml"));
   WriteChanged(base / "trajectory", "tum", "# time x y z qx qy qz qw\n1.5 1 2 3 0 0 0 1\n2.5e0 -1 nan 3 0 0.6 0 0.8\n");
   WriteChanged(base / "trajectory", "euroc",

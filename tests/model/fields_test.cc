@@ -12,10 +12,12 @@
 #include "slamdb/edit/diff/diff.h"
 #include "slamdb/edit/repair/detail/field_bits.h"
 #include "slamdb/edit/repair/journal.h"
+#include "slamdb/formats/ndjson/detail/ndjson.h"
 #include "slamdb/formats/ndjson/json.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/model/digest.h"
 #include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/formats/in_memory.h"
 #include "tests/formats/sqlite/atlases.h"
 
 namespace slamdb {
@@ -246,6 +248,19 @@ constexpr Exception kExceptions[] = {
     {"osa", "Landmark.*", "no .osa file holds them; a loss"},
     {"osa", "LandmarkFeature.*", "no .osa file holds them; a loss"},
     {"osa", "FeatureDescriptor.*", "no .osa file holds them; a loss"},
+    {"ndjson reader", "Atlas.repeated_maps", "there is nothing at that place or row"},
+    {"ndjson reader", "Atlas.repeated_cameras", "there is nothing at that place or row"},
+    {"ndjson reader", "Map.repeated_keyframes", "there is nothing at that place or row"},
+    {"ndjson reader", "Map.repeated_points", "there is nothing at that place or row"},
+    {"ndjson reader", "KeyFrame.distortion.*", "rows, columns and type tell how much data there is"},
+    {"ndjson reader", "KeyFrame.features.grid.*", "column_sizes count cell_sizes, and those keypoints"},
+    {"ndjson reader", "KeyFrame.features.right_grid.*", "column_sizes count cell_sizes, and those keypoints"},
+    {"ndjson reader", "KeyFrame.features.bag_of_words.*", "each word has a weight"},
+    {"ndjson reader", "KeyFrame.features.feature_vector.*", "sizes count features"},
+    {"ndjson reader", "Atlas.vocabulary.name", "bytes that are no UTF-8 are written as Latin-1"},
+    {"ndjson reader", "Atlas.vocabulary.checksum", "bytes that are no UTF-8 are written as Latin-1"},
+    {"ndjson reader", "LandmarkFeature.has_patch", "a patch that is not there has no bytes"},
+    {"ndjson reader", "LandmarkFeature.descriptors", "there is one of each kind"},
     {"diff", "Atlas.repeated_maps", "irregular entries count by their number (diff.h)"},
     {"diff", "Atlas.repeated_cameras", "irregular entries count by their number (diff.h)"},
     {"diff", "Map.repeated_keyframes", "irregular entries count by their number (diff.h)"},
@@ -322,6 +337,27 @@ TEST_P(Fields, AnIncrementalSaveWritesEveryChange) {
     Atlas loaded = store_.Load("a", {.threads = 1});
     EXPECT_TRUE(field.same(loaded, changed)) << "the store does not keep " << field.name << ": " << change.what;
     EXPECT_EQ(FirstDifference(loaded, changed), "") << change.what;
+  }
+}
+
+// What the reader of ndjson makes of what its writer wrote: the same, or an error where lists do not fit each other.
+bool IsReadBack(const Atlas& changed) {
+  try {
+    const Atlas read = Decoded(detail::kNdjsonFormat, Encoded(detail::kNdjsonFormat, changed, {.threads = 1}));
+    return FirstDifference(read, changed).empty() && HashOf(read) == HashOf(changed);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kDamaged) << error.what();
+    EXPECT_THAT(error.place(), ::testing::Not("")) << error.what();
+    return false;
+  }
+}
+
+TEST_P(Fields, NdjsonReadsEveryChangeBack) {
+  ASSERT_TRUE(IsReadBack(Base()));
+  for (const Change& change : GetParam().changes) {
+    Atlas changed = Base();
+    change.make(changed);
+    Expect(IsReadBack(changed), "ndjson reader", change.what);
   }
 }
 

@@ -16,6 +16,7 @@
 #include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/geographic/detail/geographic.h"
 #include "slamdb/formats/gltf/detail/gltf.h"
+#include "slamdb/formats/las/detail/las.h"
 #include "slamdb/formats/mcap/detail/mcap.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "slamdb/formats/ndjson/detail/ndjson.h"
@@ -29,6 +30,7 @@
 #include "slamdb/formats/stella/detail/stella.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 #include "slamdb/formats/vins/detail/vins.h"
+#include "slamdb/formats/xyz/detail/xyz.h"
 
 namespace slamdb {
 
@@ -54,6 +56,7 @@ std::span<const Format> Formats() {
       detail::kMrptTextFormat,
       detail::kPlyFormat,
       detail::kPcdFormat,
+      detail::kLasFormat,
       detail::kGltfFormat,
       detail::kMcapFormat,
       detail::kKmlFormat,
@@ -67,6 +70,7 @@ std::span<const Format> Formats() {
       detail::kEurocFormat,
       detail::kTumFormat,
       detail::kKittiFormat,
+      detail::kXyzFormat,
   };
   return kFormats;
 }
@@ -100,9 +104,9 @@ struct KindredSuffix {
   bool misleads = false;
 };
 constexpr KindredSuffix kKindred[] = {
-    {".gltf", ".glb", true}, {".kmz", ".kml", true},  {".obj", ".ply", true}, {".stl", ".ply", true},
-    {".las", ".ply", true},  {".bag", ".mcap", true}, {".db3", ".mcap"},      {".xyz", ".ply"},
-    {".json", ".ndjson"},    {".tsv", ".csv"},        {".gz", ".mrpt.gz"},    {".bin", ".osa"},
+    {".gltf", ".glb", true}, {".kmz", ".kml", true}, {".obj", ".ply", true}, {".stl", ".ply", true},
+    {".bag", ".mcap", true}, {".db3", ".mcap"},      {".json", ".ndjson"},   {".tsv", ".csv"},
+    {".gz", ".mrpt.gz"},     {".bin", ".osa"},
 };
 
 const KindredSuffix* FindKindred(const std::string& path) {

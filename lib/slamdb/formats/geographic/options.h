@@ -9,10 +9,10 @@
 
 namespace slamdb {
 
-// How KML and GeoJSON are written, of maps whose frames are east, north, up.
+// How KML, GeoJSON and LAS are written, of maps whose frames are east, north, up.
 struct SLAMDB_EXPORT GeographicOptions {
   std::optional<Geodetic> origin;    // of the maps' frame; without it they are refused
-  std::size_t most_points = 10'000;  // map points, taken evenly from all; 0: none
+  std::size_t most_points = 10'000;  // map points, taken evenly from all; 0: none. LAS has all of them
 };
 
 }  // namespace slamdb

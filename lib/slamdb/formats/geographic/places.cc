@@ -10,8 +10,6 @@
 #include "slamdb/formats/geographic/options.h"
 
 namespace slamdb::detail {
-namespace {
-
 const Geodetic& OriginOf(const Target& target, const WriteOptions& options) {
   const std::optional<Geodetic>& origin = options.of<GeographicOptions>().origin;
   if (!origin)
@@ -20,8 +18,6 @@ const Geodetic& OriginOf(const Target& target, const WriteOptions& options) {
                 "GeographicOptions::origin, which georeferencing finds");
   return *origin;
 }
-
-}  // namespace
 
 Places::Places(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices)
     : frame_(OriginOf(target, options)),

@@ -9,7 +9,7 @@
 
 // Every field of an entity as JSON, by the names of the model's headers.
 // schema/ndjson.md and schema/ndjson.schema.json describe the objects.
-// They are not read back.
+// Formats() reads the lines of ndjson back.
 //
 // Thread-safe.
 namespace slamdb {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/ndjson/detail/ndjson.h"
 
+#include <algorithm>
 #include <array>
 
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/rows.h"
+#include "slamdb/formats/ndjson/detail/read.h"
 #include "slamdb/formats/ndjson/json.h"
 
 namespace slamdb::detail {
@@ -72,7 +75,19 @@ void WriteNdjson(const Atlas& atlas, const Target& target, const WriteOptions& o
   file.Commit();
 }
 
-bool SniffNdjson(const Probe& probe) { return probe.head.starts_with("{\"type\":\"atlas\""); }
+// The first line is an object whose type is `atlas`, wherever in it that stands.
+bool SniffNdjson(const Probe& probe) {
+  constexpr std::string_view kBlank = " \t\r\n", kType = "\"type\"";
+  std::string_view text = probe.head;
+  text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
+  if (!text.starts_with('{')) return false;
+  text = text.substr(0, text.find('\n'));
+  for (std::size_t at = text.find(kType); at != text.npos; at = text.find(kType, at + 1)) {
+    std::string_view rest = text.substr(at + kType.size());
+    if (TakeWord(rest, " \t:,}") == "\"atlas\"") return true;
+  }
+  return false;
+}
 
 constexpr std::array<std::string_view, 2> kSuffixes = {".ndjson", ".jsonl"};
 
@@ -82,8 +97,11 @@ const Format kNdjsonFormat = {.id = "ndjson",
                               .title = "JSON lines dump",
                               .suffixes = kSuffixes,
                               .chooses_maps = true,
+                              .keeps_encoding = true,
+                              .reads = Content::kEverything,
                               .writes = Content::kEverything,
                               .sniff = SniffNdjson,
+                              .read = ReadNdjson,
                               .write = WriteNdjson};
 
 }  // namespace slamdb::detail

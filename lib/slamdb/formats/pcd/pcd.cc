@@ -11,6 +11,7 @@
 #include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/export/options.h"
+#include "slamdb/formats/pcd/detail/read.h"
 
 namespace slamdb::detail {
 namespace {
@@ -97,9 +98,12 @@ void WritePcd(const Atlas& atlas, const Target& target, const WriteOptions& opti
   notices.Tell(points.Summary());
 }
 
+// A line of its header behind comments.
 bool SniffPcd(const Probe& probe) {
-  return probe.head.starts_with("# .PCD v") || probe.head.starts_with("VERSION 0.7\nFIELDS") ||
-         probe.head.starts_with("VERSION .7\nFIELDS");
+  if (probe.head.starts_with("# .PCD v")) return true;
+  std::string_view text = probe.head;
+  while (text.starts_with('#')) TakeLine(text);
+  return text.starts_with("VERSION ") && text.find("\nFIELDS ") != text.npos;
 }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".pcd"};
@@ -113,8 +117,10 @@ const Format kPcdFormat = {.id = "pcd",
                            .chooses_maps = true,
                            .has_colors = true,
                            .is_export = true,
+                           .reads = Content::kPoints | Content::kNormals | Content::kMaps,
                            .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = SniffPcd,
+                           .read = ReadPcd,
                            .write = WritePcd};
 
 }  // namespace slamdb::detail

@@ -12,6 +12,7 @@
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/ply/detail/cameras.h"
+#include "slamdb/formats/ply/detail/read.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
 
 namespace slamdb::detail {
@@ -165,8 +166,10 @@ const Format kPlyFormat = {.id = "ply",
                            .chooses_maps = true,
                            .has_colors = true,
                            .is_export = true,
+                           .reads = Content::kPoints | Content::kNormals | Content::kMaps,
                            .writes = Content::kPoints | Content::kNormals | Content::kMaps,
                            .sniff = SniffPly,
+                           .read = ReadPly,
                            .write = WritePly};
 
 }  // namespace slamdb::detail

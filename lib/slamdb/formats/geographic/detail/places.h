@@ -19,6 +19,9 @@ struct PlacedKeyFrame {
   const TimedPose* pose;
 };
 
+// Where the frame of the maps is. Throws Error (kUsage) when the options do not say.
+const Geodetic& OriginOf(const Target& target, const WriteOptions& options);
+
 // What of an atlas is shown on the globe. Refers to the atlas.
 class Places {
  public:

@@ -6,7 +6,8 @@
 namespace slamdb::detail {
 
 // The whole atlas as JSON, one object per line: the atlas, its cameras, then each map with its keyframes and its map
-// points and landmarks. Write only. schema/ndjson.md describes the lines. For jq, data frames and scripts.
+// points and landmarks. Read back with every field; what is left out is derived. schema/ndjson.md describes the lines.
+// For jq, data frames and scripts.
 extern const Format kNdjsonFormat;
 
 }  // namespace slamdb::detail

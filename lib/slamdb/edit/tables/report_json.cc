@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/tables/tables.h"
+#include "slamdb/model/detail/json.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Json;
+
+Json JsonOf(const TableChanges& changes) {
+  return {{"rows", changes.rows},
+          {"moved", changes.moved},
+          {"changed", changes.changed},
+          {"deleted", changes.deleted},
+          {"ignored_columns", changes.ignored}};
+}
+
+}  // namespace
+
+std::string ToJson(const TableEditReport& report, const ReportFiles& files) {
+  const SubsetReport& removed = report.removed;
+  Json json = detail::ReportHead("edit", files);
+  json["points"] = JsonOf(report.points);
+  json["keyframes"] = JsonOf(report.keyframes);
+  json["refreshed"] = report.refreshed;
+  json["removed"] = {{"maps", removed.maps},       {"keyframes", removed.keyframes},
+                     {"points", removed.points},   {"landmarks", removed.landmarks},
+                     {"cameras", removed.cameras}, {"observations", removed.observations},
+                     {"slots", removed.slots},     {"edges", removed.edges}};
+  json["edits"] = report.journal.edits.size();
+  return detail::JsonText(json);
+}
+
+}  // namespace slamdb

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/tables/tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/parse_file.h"
+#include "slamdb/base/detail/table.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/tables/detail/edited.h"
+#include "slamdb/model/derive.h"
+#include "slamdb/model/detail/camera_in_world.h"
+#include "slamdb/model/digest.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb {
+namespace {
+
+using detail::Concat;
+using detail::Table;
+using detail::TableKind;
+
+// ---- what tables have
+
+// Columns of a group are there together, or not at all.
+enum PointColumn : std::size_t {
+  kPointId,
+  kPointMap,
+  kX,
+  kNormalX = kX + 3,
+  kReference = kNormalX + 3,
+  kNearest,
+  kFarthest,
+  kPointBad
+};
+
+const TableKind& PointTable() {
+  constexpr int kOptional = detail::Column::kOptional;
+  static const TableKind kind = {.columns = {{{"id"}, 0},
+                                             {{"map"}, kOptional},
+                                             {{"x"}, 1},
+                                             {{"y"}, 1},
+                                             {{"z"}, 1},
+                                             {{"nx"}, 2},
+                                             {{"ny"}, 2},
+                                             {{"nz"}, 2},
+                                             {{"reference_keyframe"}, kOptional},
+                                             {{"min_distance"}, kOptional},
+                                             {{"max_distance"}, kOptional},
+                                             {{"bad"}, kOptional}},
+                                 .expected = "a table of points whose first line names its columns, `id` among them",
+                                 .by_position = false};
+  return kind;
+}
+// What slamdb writes besides: it follows from the rest.
+constexpr std::string_view kDerivedOfPoints[] = {"observations", "reprojection_error"};
+
+enum KeyFrameColumn : std::size_t {
+  kKeyFrameId,
+  kKeyFrameMap,
+  kTimestamp,
+  kFrameId,
+  kPose,
+  kVelocity = kPose + 7,
+  kNotErase = kVelocity + 3,
+  kKeyFrameBad
+};
+
+const TableKind& KeyFrameTableKind() {
+  constexpr int kOptional = detail::Column::kOptional;
+  static const TableKind kind = {.columns = {{{"id"}, 0},
+                                             {{"map"}, kOptional},
+                                             {{"timestamp"}, kOptional},
+                                             {{"frame_id"}, kOptional},
+                                             {{"x"}, 1},
+                                             {{"y"}, 1},
+                                             {{"z"}, 1},
+                                             {{"qx"}, 1},
+                                             {{"qy"}, 1},
+                                             {{"qz"}, 1},
+                                             {{"qw"}, 1},
+                                             {{"vx"}, 2},
+                                             {{"vy"}, 2},
+                                             {{"vz"}, 2},
+                                             {{"not_erase"}, kOptional},
+                                             {{"bad"}, kOptional}},
+                                 .expected = "a table of keyframes whose first line names its columns, `id` among them",
+                                 .by_position = false};
+  return kind;
+}
+constexpr std::string_view kDerivedOfKeyFrames[] = {"camera",     "parent",      "children",  "connections",
+                                                    "loop_edges", "merge_edges", "keypoints", "map_points"};
+
+std::vector<std::string> IgnoredColumns(const Table& table, const TableKind& kind,
+                                        std::span<const std::string_view> derived) {
+  std::vector<std::string> ignored;
+  for (const detail::ColumnName& column : table.names()) {
+    const bool known = std::ranges::any_of(kind.columns, [&](const detail::Column& wanted) {
+      return std::ranges::find(wanted.names, column.name) != wanted.names.end();
+    });
+    if (!known && std::ranges::find(derived, column.name) == derived.end()) ignored.push_back(column.text);
+  }
+  return ignored;
+}
+
+// ---- cells
+
+bool SameNumber(auto a, auto b) { return a == b || (a != a && b != b); }
+
+// Whether the cell says something else than the field has, which it then has.
+template <class Number>
+bool Set(const Table& table, std::size_t column, Number& field) {
+  if (table.Raw(column).empty()) return false;
+  const auto value = table.Get<Number>(column);
+  if (SameNumber(value, field)) return false;
+  field = value;
+  return true;
+}
+
+bool Set(const Table& table, std::size_t column, KeyFrameId& field) {
+  std::uint64_t id = field.value();
+  const bool changed = Set(table, column, id);
+  field = KeyFrameId(id);
+  return changed;
+}
+
+bool Set(const Table& table, std::size_t column, Flag& field) {
+  const std::string_view text = table.Raw(column);
+  if (text.empty()) return false;
+  const bool value = text == "1" || text == "true";
+  if (!value && text != "0" && text != "false") throw table.CellError(column, "0 or 1, false or true");
+  if (value == static_cast<bool>(field)) return false;
+  field = value;
+  return true;
+}
+
+// So many numbers from the column on; nullopt when all are empty, or the columns are not there.
+template <std::size_t kCount>
+std::optional<std::array<float, kCount>> NumbersAt(const Table& table, std::size_t first) {
+  bool any = false;
+  for (std::size_t i = 0; i < kCount; ++i) any |= !table.Raw(first + i).empty();
+  if (!any) return std::nullopt;
+  std::array<float, kCount> numbers{};
+  for (std::size_t i = 0; i < kCount; ++i) numbers[i] = table.Get<float>(first + i);
+  return numbers;
+}
+
+bool SetVector(const Table& table, std::size_t first, Eigen::Vector3f& field) {
+  const auto numbers = NumbersAt<3>(table, first);
+  if (!numbers) return false;
+  const Eigen::Vector3f value((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  if (SameNumber(value.x(), field.x()) && SameNumber(value.y(), field.y()) && SameNumber(value.z(), field.z()))
+    return false;
+  if (!value.allFinite())
+    throw table.LineError(Concat("no finite numbers in the columns from ", table.NameOf(first)->text, " on"));
+  field = value;
+  return true;
+}
+
+// A pose counts as the same when it is written as slamdb writes the one that the keyframe has.
+bool SetPose(const Table& table, Rigid3f& camera_from_world) {
+  const auto numbers = NumbersAt<7>(table, kPose);
+  if (!numbers) return false;
+  const auto& n = *numbers;
+  Rigid3f pose;
+  pose.translation = {n[0], n[1], n[2]};
+  pose.rotation.coeffs() = Eigen::Vector4f(n[3], n[4], n[5], n[6]);
+  const Rigid3f before = detail::CameraInWorld(camera_from_world);
+  std::array<float, 7> had{};
+  std::copy_n(before.translation.data(), 3, had.begin());
+  std::copy_n(before.rotation.coeffs().data(), 4, had.begin() + 3);
+  if (std::ranges::equal(n, had, [](float a, float b) { return SameNumber(a, b); })) return false;
+  const float length = pose.rotation.norm();
+  if (!pose.translation.allFinite() || !std::isfinite(length) || length < 0.5F || length > 2)
+    throw table.LineError("no pose: x, y, z are to be finite, and qx, qy, qz, qw a rotation of length 1");
+  camera_from_world = pose.Normalized().Inverse();
+  return true;
+}
+
+// ---- rows
+
+class Editor {
+ public:
+  explicit Editor(Atlas& atlas) : atlas_(atlas), index_(atlas) {
+    for (const Map& map : atlas.maps) flags_.emplace_back(map);
+  }
+
+  void ReadPoints(std::string_view text, TableChanges& changes) {
+    Table table(text, PointTable());
+    RequireIds(table, kPointId);
+    changes.ignored = IgnoredColumns(table, PointTable(), kDerivedOfPoints);
+    while (table.Next()) {
+      const EntityRow place = Find(
+          table, kPointId, kPointMap, index_.duplicate_points(), "point",
+          [&](std::uint64_t id) { return index_.LocatePoint(MapPointId(id)); },
+          [&](std::size_t map, std::uint64_t id) { return index_.PointRow(map, MapPointId(id)); });
+      Take(table, flags_[place.map].points.seen, place.row);
+      EditPoint(table, place, changes);
+    }
+  }
+
+  void ReadKeyFrames(std::string_view text, TableChanges& changes) {
+    Table table(text, KeyFrameTableKind());
+    RequireIds(table, kKeyFrameId);
+    changes.ignored = IgnoredColumns(table, KeyFrameTableKind(), kDerivedOfKeyFrames);
+    while (table.Next()) {
+      const EntityRow place = Find(
+          table, kKeyFrameId, kKeyFrameMap, index_.duplicate_keyframes(), "keyframe",
+          [&](std::uint64_t id) { return index_.LocateKeyFrame(KeyFrameId(id)); },
+          [&](std::size_t map, std::uint64_t id) { return index_.KeyFrameRow(map, KeyFrameId(id)); });
+      Take(table, flags_[place.map].keyframes.seen, place.row);
+      EditKeyFrame(table, place, changes);
+    }
+  }
+
+  std::uint64_t Refresh() { return detail::RefreshMoved(index_, flags_, atlas_); }
+
+  // What has no row, of the maps that have rows, and is not flagged bad.
+  void Drop(bool points, bool keyframes, Subset& subset, TableEditReport& report) const {
+    for (std::size_t m = 0; m < flags_.size(); ++m) {
+      const Map& map = atlas_.maps[m];
+      if (points) DropUnseen(map.points, flags_[m].points, subset.maps[m].points, report.points);
+      if (keyframes) DropUnseen(map.keyframes, flags_[m].keyframes, subset.maps[m].keyframes, report.keyframes);
+    }
+  }
+
+ private:
+  static void RequireIds(const Table& table, std::size_t column) {
+    if (!table.Has(column)) throw Error(ErrorKind::kDamaged, "", "line 1", "names no column `id`");
+  }
+
+  template <class Locate, class RowIn>
+  EntityRow Find(const Table& table, std::size_t id_column, std::size_t map_column,
+                 std::span<const DuplicateId> duplicates, std::string_view noun, const Locate& locate,
+                 const RowIn& row_in) const {
+    const auto id = table.Get<std::uint64_t>(id_column, "an id");
+    EntityRow place;
+    if (table.Has(map_column)) {
+      const auto map_id = table.Get<std::uint64_t>(map_column, "the id of a map");
+      place.map = index_.MapRow(MapId(map_id));
+      if (place.map == kNoRow) throw table.LineError(Concat("the atlas has no map ", map_id));
+      place.row = row_in(place.map, id);
+      if (!place) throw table.LineError(Concat("map ", map_id, " has no ", noun, " ", id));
+      return place;
+    }
+    place = locate(id);
+    if (!place) throw table.LineError(Concat("the atlas has no ", noun, " ", id));
+    if (!duplicates.empty() && atlas_.maps.size() > 1)
+      throw table.LineError(
+          Concat("ids of ", noun, "s are not unique in the atlas; a column `map` is to tell which is meant"));
+    return place;
+  }
+  static void Take(const Table& table, std::vector<std::uint8_t>& seen, std::uint32_t row) {
+    if (std::exchange(seen[row], std::uint8_t{1}) != 0) throw table.LineError("has the id of a row above");
+  }
+
+  void EditPoint(const Table& table, const EntityRow& place, TableChanges& changes) {
+    MapPoint& point = atlas_.maps[place.map].points[place.row];
+    detail::EditedRows& flags = flags_[place.map].points;
+    flags.moved[place.row] = SetVector(table, kX, point.position);
+    flags.own_normal[place.row] = SetVector(table, kNormalX, point.normal);
+    flags.own_range[place.row] = Set(table, kNearest, point.min_distance) | Set(table, kFarthest, point.max_distance);
+    const bool reference = SetReference(table, place.map, point.reference);
+    const bool bad = Set(table, kPointBad, point.bad);
+    ++changes.rows;
+    changes.moved += flags.moved[place.row];
+    changes.changed += flags.own_normal[place.row] || flags.own_range[place.row] || reference || bad;
+  }
+  bool SetReference(const Table& table, std::uint32_t map, KeyFrameId& reference) const {
+    if (!Set(table, kReference, reference)) return false;
+    if (index_.KeyFrameRow(map, reference) == kNoRow)
+      throw table.LineError(Concat("its map has no keyframe ", reference.value(), " for a reference"));
+    return true;
+  }
+
+  void EditKeyFrame(const Table& table, const EntityRow& place, TableChanges& changes) {
+    KeyFrame& keyframe = atlas_.maps[place.map].keyframes[place.row];
+    const bool moved = SetPose(table, keyframe.camera_from_world);
+    flags_[place.map].keyframes.moved[place.row] = moved;
+    if (moved && keyframe.imu_calibration.is_set) keyframe.body_position = WorldFromBody(keyframe).translation;
+    bool changed = Set(table, kTimestamp, keyframe.timestamp);
+    changed |= Set(table, kFrameId, keyframe.frame_id);
+    const bool has_velocity = NumbersAt<3>(table, kVelocity).has_value();
+    changed |= SetVector(table, kVelocity, keyframe.velocity) || (has_velocity && !keyframe.has_velocity);
+    if (has_velocity && !keyframe.has_velocity) keyframe.has_velocity = true;
+    changed |= Set(table, kNotErase, keyframe.not_erase);
+    changed |= Set(table, kKeyFrameBad, keyframe.bad);
+    if (!std::isfinite(keyframe.timestamp) && changed) throw table.CellError(kTimestamp, "a time");
+    ++changes.rows;
+    changes.moved += moved;
+    changes.changed += changed;
+  }
+
+  template <class List>
+  static void DropUnseen(const List& list, const detail::EditedRows& flags, std::vector<std::uint8_t>& kept,
+                         TableChanges& changes) {
+    if (std::ranges::find(flags.seen, 1) == flags.seen.end()) return;
+    for (std::size_t row = 0; row < list.size(); ++row) {
+      if (flags.seen[row] != 0 || list[row].bad) continue;
+      kept[row] = 0;
+      ++changes.deleted;
+    }
+  }
+
+  Atlas& atlas_;
+  AtlasIndex index_;
+  std::vector<detail::EditedMap> flags_;
+};
+
+void ApplyTables(Atlas& atlas, const TableEditOptions& options, TableEditReport& report) {
+  Editor editor(atlas);
+  if (options.points)
+    detail::ParseFile(*options.points, "a table of points",
+                      [&](std::string_view text) { editor.ReadPoints(text, report.points); });
+  if (options.keyframes)
+    detail::ParseFile(*options.keyframes, "a table of keyframes",
+                      [&](std::string_view text) { editor.ReadKeyFrames(text, report.keyframes); });
+  report.refreshed = editor.Refresh();
+  report.removed.before = report.removed.after = CountEntities(atlas);
+  if (!options.delete_missing) return;
+  Subset subset = Subset::Everything(atlas);
+  editor.Drop(options.points.has_value(), options.keyframes.has_value(), subset, report);
+  if (report.points.deleted + report.keyframes.deleted == 0) return;
+  if (report.keyframes.deleted > 0) SettleBorder(AtlasIndex(atlas), Border::kStrict, subset, options.threads);
+  report.removed = KeepSubset(atlas, subset, options.threads);
+}
+
+}  // namespace
+
+TableEditReport EditByTables(Atlas& atlas, const TableEditOptions& options) {
+  if (!options.points && !options.keyframes)
+    throw Error(ErrorKind::kUsage, "no table to edit by; TableEditOptions::points or keyframes names one");
+  TableEditReport report;
+  Atlas edited = atlas;
+  ApplyTables(edited, options, report);
+  if (options.journal) {
+    report.journal = {.original = HashWithoutEncoding(atlas, options.threads), .encoding = atlas.encoding};
+    AppendChanges(atlas, edited, "edit", report.journal);
+    report.journal.repaired = HashWithoutEncoding(edited, options.threads);
+  }
+  atlas = std::move(edited);
+  return report;
+}
+
+}  // namespace slamdb

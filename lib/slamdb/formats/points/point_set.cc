@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/points/detail/point_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/model/counters.h"
+
+namespace slamdb::detail {
+namespace {
+
+struct NamedField {
+  std::string_view name;
+  PointField field;
+};
+constexpr NamedField kFields[] = {
+    {"x", PointField::kX},
+    {"y", PointField::kY},
+    {"z", PointField::kZ},
+    {"nx", PointField::kNormalX},
+    {"ny", PointField::kNormalY},
+    {"nz", PointField::kNormalZ},
+    {"normal_x", PointField::kNormalX},
+    {"normal_y", PointField::kNormalY},
+    {"normal_z", PointField::kNormalZ},
+    {"min_distance", PointField::kMinDistance},
+    {"max_distance", PointField::kMaxDistance},
+    {"map", PointField::kMap},
+    {"id", PointField::kId},
+    {"camera", PointField::kCamera},
+    {"observations", PointField::kDerived},
+    {"reprojection_error", PointField::kDerived},
+    {"red", PointField::kDerived},
+    {"green", PointField::kDerived},
+    {"blue", PointField::kDerived},
+    {"rgb", PointField::kDerived},
+    {"_", PointField::kDerived},  // PCL's padding
+};
+
+template <class Number>
+Number Load(const std::byte* bytes, bool swapped) {
+  std::byte ordered[sizeof(Number)];
+  std::copy_n(bytes, sizeof(Number), ordered);
+  if (swapped) std::reverse(std::begin(ordered), std::end(ordered));
+  Number number;
+  std::memcpy(&number, ordered, sizeof number);
+  return number;
+}
+
+// use(number) of the number's own type.
+template <class Use>
+void Visit(NumberType type, const std::byte* bytes, bool swapped, const Use& use) {
+  switch (type) {
+    case NumberType::kInt8:
+      return use(Load<std::int8_t>(bytes, swapped));
+    case NumberType::kUint8:
+      return use(Load<std::uint8_t>(bytes, swapped));
+    case NumberType::kInt16:
+      return use(Load<std::int16_t>(bytes, swapped));
+    case NumberType::kUint16:
+      return use(Load<std::uint16_t>(bytes, swapped));
+    case NumberType::kInt32:
+      return use(Load<std::int32_t>(bytes, swapped));
+    case NumberType::kUint32:
+      return use(Load<std::uint32_t>(bytes, swapped));
+    case NumberType::kInt64:
+      return use(Load<std::int64_t>(bytes, swapped));
+    case NumberType::kUint64:
+      return use(Load<std::uint64_t>(bytes, swapped));
+    case NumberType::kFloat:
+      return use(Load<float>(bytes, swapped));
+    case NumberType::kDouble:
+      return use(Load<double>(bytes, swapped));
+  }
+}
+
+bool IsWhole(PointField field) {
+  return field == PointField::kMap || field == PointField::kId || field == PointField::kCamera;
+}
+bool IsLeftOut(PointField field) { return field == PointField::kDerived || field == PointField::kUnknown; }
+
+// An id; nothing for numbers that are none.
+template <class Number>
+std::optional<std::uint64_t> WholeOf(Number value) {
+  if constexpr (std::is_floating_point_v<Number>) {
+    if (!(value >= 0) || value >= Number(0x1p63) || value != std::floor(value)) return std::nullopt;
+  } else if constexpr (std::is_signed_v<Number>) {
+    if (value < 0) return std::nullopt;
+  }
+  return static_cast<std::uint64_t>(value);
+}
+
+}  // namespace
+
+std::size_t SizeOf(NumberType type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+PointField FieldByName(std::string_view name) {
+  const auto found = std::ranges::find(kFields, name, &NamedField::name);
+  return found == std::end(kFields) ? PointField::kUnknown : found->field;
+}
+
+void RequireRoom(const std::string& path, std::uint64_t rows, std::uint64_t bytes_of_row, std::uint64_t left) {
+  if (bytes_of_row > 0 && rows <= left / bytes_of_row) return;
+  throw Error(ErrorKind::kDamaged, path, "",
+              Concat("claims ", Counted(rows, "point"), " of ", bytes_of_row, " bytes or more, but ", left,
+                     " bytes follow; the file is cut off, or its head is damaged"));
+}
+
+PointSet::PointSet(const std::string& path, const std::vector<CloudColumn>& columns) : path_(path) {
+  for (const PointField axis : {PointField::kX, PointField::kY, PointField::kZ})
+    if (std::ranges::find(columns, axis, &CloudColumn::field) == columns.end())
+      throw Error(ErrorKind::kUnsupported, path, "", "is a point cloud without columns x, y and z");
+  for (const CloudColumn& column : columns) {
+    has_ids_ |= column.field == PointField::kId;
+    has_doubles_ |= column.field == PointField::kX && column.type == NumberType::kDouble;
+    if (column.field == PointField::kUnknown) unknown_.append(unknown_.empty() ? "" : ", ").append(column.name);
+  }
+}
+
+void PointSet::Set(const CloudColumn& column, const std::byte* number, bool swapped) {
+  if (IsLeftOut(column.field)) return;
+  Visit(column.type, number, swapped, [&](auto value) {
+    if (IsWhole(column.field))
+      SetWhole(column.field, WholeOf(value));
+    else
+      SetReal(column.field, static_cast<double>(value));
+  });
+}
+
+bool PointSet::Set(const CloudColumn& column, std::string_view number) {
+  if (column.type == NumberType::kFloat && !IsWhole(column.field)) {  // rounded once
+    const auto value = ParseNumber<float>(number);
+    if (value) SetReal(column.field, *value);
+    return value.has_value();
+  }
+  if (const auto whole = ParseNumber<std::uint64_t>(number); whole && IsWhole(column.field)) {
+    SetWhole(column.field, *whole);
+    return true;
+  }
+  const auto value = ParseNumber<double>(number);
+  if (!value) return false;
+  if (IsWhole(column.field))
+    SetWhole(column.field, WholeOf(*value));
+  else
+    SetReal(column.field, *value);
+  return true;
+}
+
+void PointSet::SetReal(PointField field, double value) {
+  const auto real = static_cast<float>(value);
+  if (field <= PointField::kZ)
+    now_.position[static_cast<int>(field)] = real;
+  else if (field <= PointField::kNormalZ)
+    now_.normal[static_cast<int>(field) - static_cast<int>(PointField::kNormalX)] = real;
+  else if (field == PointField::kMinDistance)
+    now_.min_distance = real;
+  else if (field == PointField::kMaxDistance)
+    now_.max_distance = real;
+}
+
+void PointSet::SetWhole(PointField field, std::optional<std::uint64_t> value) {
+  if (field == PointField::kMap)
+    now_.map = value;
+  else if (field == PointField::kId)
+    now_.id = value;
+  else
+    now_.camera = value != std::uint64_t{0};
+}
+
+void PointSet::EndPoint() {
+  if (!has_ids_) now_.id = row_;
+  ++row_;
+  if (now_.camera)
+    ++cameras_;
+  else
+    points_.push_back(now_);
+}
+
+Atlas PointSet::Finish(const Selection& selection, Notices& notices) {
+  std::map<std::uint64_t, Column<MapPoint>> maps;
+  for (const Row& row : points_) {
+    MapPoint point;
+    point.id = row.id ? MapPointId(*row.id) : MapPointId();
+    point.position = row.position;
+    point.normal = row.normal;
+    point.min_distance = row.min_distance;
+    point.max_distance = row.max_distance;
+    point.descriptor_form = MatrixForm::kEmpty;
+    if (selection.Has(point)) maps[row.map.value_or(0)].push_back(std::move(point));
+  }
+  Atlas atlas;
+  for (auto& [id, points] : maps) {
+    if (selection.map && *selection.map != MapId(id)) continue;
+    Map& map = atlas.maps.emplace_back();
+    map.id = MapId(id);
+    map.points = std::move(points);
+  }
+  RaiseCounters(atlas);
+  if (!unknown_.empty()) notices.Lose("an atlas has no place for the columns " + unknown_ + "; they are left out");
+  if (cameras_ > 0) notices.Note("left out cameras that are drawn: " + Counted(cameras_, "vertex"));
+  if (has_doubles_) notices.Warn("coordinates of 64 bits are rounded to the 32 that an atlas has");
+  return atlas;
+}
+
+}  // namespace slamdb::detail
