@@ -107,7 +107,7 @@ ExitCode Finish(ConvertReport report, const Location& output, const ConvertOptio
 // What writing would say, and how long the output would be where it is one file of its own.
 std::optional<std::uint64_t> TryToWrite(const Atlas& atlas, const Format& format, WriteOptions write,
                                         Notices& notices) {
-  if (format.named) return std::nullopt;  // a store holds everything, and keeps what it has
+  if (format.named || format.is_folder || format.needs_path) return std::nullopt;
   write.format = format.id;
   return EncodeAtlas(atlas, write, &notices).size();
 }

@@ -183,20 +183,20 @@ std::string TemporaryNameFor(const std::string& name) {
 TEST_F(AtomicFiles, RemoveDeadTemporariesAndNothingElse) {
   const TemporaryFolder& folder = folder_;
   const std::string dead = TemporaryNameFor("map.osa"), alive_name = TemporaryNameFor("alive"),
-                    is_folder = TemporaryNameFor("folder"), link = TemporaryNameFor("link"),
+                    dead_folder = TemporaryNameFor("folder"), link = TemporaryNameFor("link"),
                     twice = TemporaryNameFor("twice"), other = ".lab.slamdb-backup",
                     forged = "." + dead.substr(2);  // whose hash is not that of its name
   folder.Make(dead, "dead");
   folder.Make(dead.substr(1), "not hidden");
   for (const std::string& mine : {std::string(".notes"), other, forged}) folder.Make(mine, "mine");
-  fs::create_directory(Path(is_folder));
+  fs::create_directory(Path(dead_folder));
   fs::create_symlink(Path(".notes"), Path(link));
   fs::create_hard_link(Path(".notes"), Path(twice));
   const int alive = ::open(folder.Make(alive_name, "").c_str(), O_WRONLY);
   ASSERT_EQ(::flock(alive, LOCK_EX), 0);
   WriteInto(Path("new"), "x");
   EXPECT_THAT(folder.Names(),
-              UnorderedElementsAre(alive_name, is_folder, link, ".notes", other, forged, twice, dead.substr(1), "new"));
+              UnorderedElementsAre(alive_name, link, ".notes", other, forged, twice, dead.substr(1), "new"));
   ::close(alive);
 }
 

@@ -44,6 +44,17 @@ std::string ReadFile(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
+std::string ReadFileOrFolder(const std::string& path) {
+  if (!std::filesystem::is_directory(path)) return ReadFile(path);
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path))
+    if (entry.is_regular_file()) names.push_back(entry.path().string());
+  std::sort(names.begin(), names.end());
+  std::string all;
+  for (const std::string& name : names) all += name.substr(path.size()) + "\n" + ReadFile(name);
+  return all;
+}
+
 std::string CaptureStandardOutput(const std::function<void()>& work) {
   const TemporaryFolder folder;
   std::fflush(stdout);

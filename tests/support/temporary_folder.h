@@ -28,6 +28,8 @@ class TemporaryFolder {
 };
 
 std::string ReadFile(const std::string& path);
+// Of a folder: the names of all files in it, each with its bytes behind it, sorted.
+std::string ReadFileOrFolder(const std::string& path);
 
 // What `work` writes to file descriptor 1.
 std::string CaptureStandardOutput(const std::function<void()>& work);

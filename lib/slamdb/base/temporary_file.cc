@@ -5,6 +5,7 @@
 #include <linux/magic.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
@@ -91,6 +93,42 @@ void GiveBackSlot(int index) {
   slot.taken = false;
 }
 
+// ---- removal, also where nothing but system calls is allowed: in a signal handler
+
+// What getdents64 gives: the system's own struct has no name in its headers.
+struct Entry {
+  std::uint64_t inode;
+  std::int64_t next;
+  std::uint16_t size;
+  std::uint8_t type;
+  char name[1];
+};
+
+bool IsDots(const char* name) { return name[0] == '.' && (name[1] == 0 || (name[1] == '.' && name[2] == 0)); }
+
+// A file, or a folder with what is in it. What is deeper than any format goes stays.
+void RemoveTree(int folder, const char* name, int depth = 8) noexcept {
+  if (::unlinkat(folder, name, 0) == 0 || depth == 0) return;
+  const int inside = ::openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (inside < 0) return;
+  alignas(Entry) std::array<char, 4096> block;
+  for (bool removed = true; removed;) {  // from the beginning again: removing moves what is behind
+    removed = false;
+    ::lseek(inside, 0, SEEK_SET);
+    const long bytes = ::syscall(SYS_getdents64, inside, block.data(), block.size());
+    for (long at = 0; at < bytes;) {
+      const auto* entry = reinterpret_cast<const Entry*>(block.data() + at);
+      at += entry->size;
+      if (IsDots(entry->name)) continue;
+      RemoveTree(inside, entry->name, depth - 1);
+      struct stat left {};
+      removed = removed || ::fstatat(inside, entry->name, &left, AT_SYMLINK_NOFOLLOW) != 0;
+    }
+  }
+  ::close(inside);
+  ::unlinkat(folder, name, AT_REMOVEDIR);
+}
+
 // ---- locks
 
 bool Lock(int descriptor, int how) {
@@ -126,9 +164,10 @@ void RemoveIfDead(const std::string& path) {
   if (file.value < 0 || ::fstat(file.value, &status) != 0) return;
   // The superuser's belong to the owner of what they were to replace.
   const bool is_ours = status.st_uid == ::geteuid() || ::geteuid() == 0;
-  if (!S_ISREG(status.st_mode) || status.st_nlink != 1 || !is_ours) return;
+  const bool is_file = S_ISREG(status.st_mode) && status.st_nlink == 1;
+  if ((!is_file && !S_ISDIR(status.st_mode)) || !is_ours) return;
   if (!IsLocal(file.value) && std::time(nullptr) - status.st_mtime < kDay) return;
-  if (Lock(file.value, LOCK_EX | LOCK_NB) && IsStillAt(path, status)) ::unlink(path.c_str());
+  if (Lock(file.value, LOCK_EX | LOCK_NB) && IsStillAt(path, status)) RemoveTree(AT_FDCWD, path.c_str());
 }
 
 Error CannotRename(const std::string& path) { return SystemError(path, "cannot rename the finished file into place"); }
@@ -185,6 +224,41 @@ void TemporaryFile::Keep() {
   GiveBackSlot(std::exchange(slot_, -1));
 }
 
+TemporaryFolder::TemporaryFolder(const std::string& target, const std::string& path) : named_(path) {
+  const auto cannot = [&] {
+    return SystemError(path, "cannot create a temporary folder in " + FolderOf(target).string());
+  };
+  for (struct stat status{};;) {  // until none takes a new one for a dead one before it is locked
+    path_ = NameFor(target);
+    if (::mkdir(path_.c_str(), 0777) != 0) {
+      if (errno == EEXIST) continue;
+      throw cannot();
+    }
+    lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (lock_ < 0 && errno != ENOENT) throw cannot();
+    if (lock_ >= 0 && (!Lock(lock_, LOCK_EX) || (::fstat(lock_, &status) == 0 && IsStillAt(path_, status)))) break;
+    if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+  }
+  slot_ = TakeSlot(path_);
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  if (!path_.empty()) RemoveTree(AT_FDCWD, path_.c_str());
+  if (lock_ >= 0) ::close(lock_);
+  GiveBackSlot(slot_);
+}
+
+// rename() replaces an empty folder, and no other.
+void TemporaryFolder::Place(const std::string& target) {
+  if (CallsOfFiles().rename(path_.c_str(), target.c_str()) != 0) {
+    if (errno == ENOTEMPTY || errno == EEXIST)
+      throw Error(ErrorKind::kAlreadyExists, named_, "", "holds files by now, made by another program meanwhile");
+    throw CannotRename(named_);
+  }
+  path_.clear();
+  GiveBackSlot(std::exchange(slot_, -1));
+}
+
 void RemoveDeadTemporaryFiles(const std::string& target) {
   static std::mutex mutex;
   static std::set<std::tuple<dev_t, ino_t, std::string>> done;  // by path, too: the system gives numbers again
@@ -202,7 +276,7 @@ void RemoveDeadTemporaryFiles(const std::string& target) {
 
 void RemoveTemporaryFiles() noexcept {
   for (const Slot& slot : slots)
-    if (slot.filled) ::unlink(slot.path.data());
+    if (slot.filled) RemoveTree(AT_FDCWD, slot.path.data());
 }
 
 void SyncFolderOf(const std::string& target, const std::string& path) {

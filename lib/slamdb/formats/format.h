@@ -134,6 +134,8 @@ struct Format {
   std::string_view title;                      // for people
   std::span<const std::string_view> suffixes;  // `.osa`
   FileKind kind = FileKind::kText;
+  bool is_folder = false;       // a folder of files
+  bool needs_path = false;      // several files, or a database: neither standard input or output nor memory
   bool named = false;           // a file holds several atlases, each under a name
   bool chooses_maps = false;    // writes the map of ExportOptions::map alone; others write all maps whatever it says
   bool keeps_encoding = false;  // reads and keeps ArchiveEncoding

@@ -110,6 +110,14 @@ void RequireWritable(const Format& format, const std::string& path) {
               Concat("format `", format.id, "` can only be read; writable are ", Ids(CanWrite)));
 }
 
+// Where one stream of bytes is not enough.
+void RequirePath(const Format& format, const std::string& path, bool is_path) {
+  if (is_path || !(format.is_folder || format.needs_path)) return;
+  throw Error(ErrorKind::kUsage, path, "",
+              Concat("is one stream of bytes, and a ", format.title,
+                     format.is_folder ? " is a folder of files" : " is no stream", "; give a path"));
+}
+
 // `file#name` is for stores.
 void RequirePlain(const Format& format, const std::string& path, const std::string& name) {
   if (name.empty() || format.named) return;
@@ -117,6 +125,10 @@ void RequirePlain(const Format& format, const std::string& path, const std::stri
       ErrorKind::kUsage, path, "",
       Concat("`#", name, "` names one atlas of a store, but ", format.title,
              " files hold one atlas without a name; a `#` in the name of a file needs the file's suffix behind it"));
+}
+
+bool Sniffs(const Format& format, const Probe& probe) {
+  return format.sniff != nullptr && format.is_folder == probe.is_directory && format.sniff(probe);
 }
 
 // What a file is: of a format, or something else that is known, or neither.
@@ -127,7 +139,7 @@ struct Detected {
 
 Detected Detect(const Probe& probe) {
   for (const Format& format : Formats())
-    if (format.sniff != nullptr && format.sniff(probe)) return {.format = &format};
+    if (Sniffs(format, probe)) return {.format = &format};
   if (auto foreign = detail::RecognizeOther(probe)) return {.foreign = std::move(foreign)};
   return {.format = FormatBySuffix(probe.path, CanRead)};
 }
@@ -147,7 +159,7 @@ const Format& DetectFormat(const Probe& probe) {
 // go by several names, as of text and binary archives.
 void RefuseOther(const Format& format, const Probe& probe) {
   for (const Format& known : Formats())
-    if (known.read == format.read && known.sniff != nullptr && known.sniff(probe)) return;
+    if (known.read == format.read && Sniffs(known, probe)) return;
   if (const auto foreign = detail::RecognizeOther(probe)) RefuseForeign(*foreign, probe.path);
 }
 
@@ -219,6 +231,7 @@ const Format& detail::FormatToRead(const Source& source, const ReadOptions& opti
     throw Error(ErrorKind::kUsage, source.path, "",
                 Concat("format `", format.id, "` can only be written; readable are ", Ids(CanRead)));
   RequireReadable(format, source.path);
+  RequirePath(format, source.path, source.is_file());
   RequireContent(format, options.needs, source.path);
   RequirePlain(format, source.path, source.name);
   return format;
@@ -228,6 +241,7 @@ const Format& detail::FormatToWrite(const Target& target, const WriteOptions& op
   const Format* format = options.custom_format;
   if (format == nullptr) format = options.format.empty() ? &FormatOfSuffix(target) : &FormatById(options.format);
   RequireWritable(*format, target.path);
+  RequirePath(*format, target.path, target.is_file());
   RequirePlain(*format, target.path, target.name);
   if (options.custom_format == nullptr) RefuseMisleadingSuffix(*format, target);
   return *format;

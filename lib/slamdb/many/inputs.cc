@@ -43,7 +43,9 @@ const Format* FormatByContent(const std::string& path) {
   try {
     const Probe probe = Probe::Of(path);
     for (const Format& format : Formats())
-      if (HoldsAtlases(format) && format.sniff != nullptr && format.sniff(probe)) return &format;
+      if (HoldsAtlases(format) && format.is_folder == probe.is_directory && format.sniff != nullptr &&
+          format.sniff(probe))
+        return &format;
   } catch (const Error&) {  // nothing that can be read
   }
   return nullptr;
@@ -64,7 +66,7 @@ class Finder {
 
   void Find(const std::string& name) {
     std::error_code failed;
-    if (name != "-" && fs::is_directory(name, failed)) return FindInFolder(name);
+    if (name != "-" && fs::is_directory(name, failed) && FormatByContent(name) == nullptr) return FindInFolder(name);
     const Location location(name);
     if (HoldsNamedAtlases(location.path) && (location.name.empty() || IsPattern(location.name)))
       return FindInStore(location, "");

@@ -37,7 +37,7 @@ std::string Written(const Format& format, const Atlas& atlas, WriteOptions optio
   Notices notices;
   options.sync = false;
   format.write(atlas, folder.Path("out"), ForAnyFormat(options), notices);
-  return ReadFile(folder.Path("out"));
+  return ReadFileOrFolder(folder.Path("out"));
 }
 
 const WriteOptions kAscii = WriteOptions{}.With(PointCloudOptions{.binary = false});
@@ -122,6 +122,7 @@ class EveryFormat : public ::testing::TestWithParam<std::string> {
  protected:
   const Format& format() const { return FormatById(GetParam()); }
   bool is_store() const { return format().named; }  // updates files in place instead of replacing them
+  bool is_stream() const { return !is_store() && !format().is_folder && !format().needs_path; }
 };
 
 TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
@@ -131,7 +132,7 @@ TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
   const Probe probe = Probe::Of(folder.Path("out"));
   for (const Format& other : Formats())
     if (other.sniff != nullptr) {
-      EXPECT_EQ(other.sniff(probe), other.id == format().id) << other.id;
+      EXPECT_EQ(other.is_folder == probe.is_directory && other.sniff(probe), other.id == format().id) << other.id;
     }
 }
 
@@ -140,13 +141,14 @@ TEST_P(EveryFormat, WritesAnEmptyAtlas) {
   Notices notices;
   format().write({}, {folder.Path("out"), ""}, ForAnyFormat(), notices);
   EXPECT_FALSE(notices.lossy());
-  if (format().read == nullptr || ReadFile(folder.Path("out")).empty()) return;  // which no reader takes for an atlas
+  if (format().read == nullptr || ReadFileOrFolder(folder.Path("out")).empty())
+    return;  // which no reader takes for an atlas
   const Atlas atlas = format().read({folder.Path("out"), ""}, {}, notices);
   for (const Map& map : atlas.maps) EXPECT_TRUE(map.keyframes.empty() && map.points.empty());
 }
 
 TEST_P(EveryFormat, WritesToStandardOutput) {
-  if (is_store()) GTEST_SKIP() << "a database is no stream";
+  if (!is_stream()) GTEST_SKIP() << "a database or a folder is no stream";
   Notices notices;
   const std::string text = CaptureStandardOutput([&] {
     format().write(SmallAtlas(), {"-", ""}, ForAnyFormat(), notices);
@@ -160,6 +162,11 @@ TEST_P(EveryFormat, ReadsAndWritesMemory) {
     EXPECT_THAT(ProblemOf([&] { Decoded(format(), "SQLite format 3"); }), HasSubstr("a store is a file"));
     return;
   }
+  if (!is_stream()) {
+    const auto written = [&] { WriteAtlas(SmallAtlas(), "-", ForAnyFormat({.format = std::string(format().id)})); };
+    EXPECT_THAT(ProblemOf(written), HasSubstr("is one stream of bytes"));
+    return;
+  }
   const std::string bytes = Encoded(format(), LandmarkAtlas(), ForAnyFormat());
   EXPECT_EQ(bytes, Written(format(), LandmarkAtlas()));
   if (format().read == nullptr) return;
@@ -170,22 +177,33 @@ TEST_P(EveryFormat, SaysWhetherItHasColorsAndAPlaceOnEarth) {
   if (is_store()) GTEST_SKIP() << "its bytes are never the same";
   const WriteOptions colored = WriteOptions{}.With(PointCloudOptions{.color = PointColor::kObservations});
   EXPECT_EQ(Written(format(), SmallAtlas(), colored) != Written(format(), SmallAtlas()), format().has_colors);
-  const std::string nowhere = ProblemOf([&] { Encoded(format(), SmallAtlas(), {}); });
+  const TemporaryFolder folder;
+  Notices notices;
+  const std::string nowhere = ProblemOf([&] { format().write(SmallAtlas(), folder.Path("out"), {}, notices); });
   EXPECT_EQ(nowhere.starts_with("places on earth need"), format().is_on_globe) << nowhere;
 }
 
 TEST_P(EveryFormat, OverwritesOnlyWhenTold) {
   if (is_store()) GTEST_SKIP() << "a store is added to";
   const TemporaryFolder folder;
-  const std::string path = folder.Make("out", "mine");
   Notices notices;
+  if (format().is_folder) {
+    std::filesystem::create_directory(folder.Path("out"));
+    folder.Make("out/mine", "mine");
+  }
+  const std::string path = format().is_folder ? folder.Path("out") : folder.Make("out", "mine");
+  const std::string mine = ReadFileOrFolder(path);
   EXPECT_THAT(ProblemOf([&] {
                 format().write(SmallAtlas(), {path, ""}, ForAnyFormat(), notices);
               }),
-              HasSubstr("is there already; WriteOptions::overwrite replaces it"));
-  EXPECT_EQ(ReadFile(path), "mine");
+              HasSubstr("WriteOptions::overwrite replaces"));
+  EXPECT_EQ(ReadFileOrFolder(path), mine);
   format().write(SmallAtlas(), {path, ""}, ForAnyFormat({.overwrite = true}), notices);
-  EXPECT_EQ(ReadFile(path), Written(format(), SmallAtlas()));
+  if (format().is_folder) {
+    EXPECT_EQ(ReadFile(path + "/mine"), "mine");
+    std::filesystem::remove(path + "/mine");
+  }
+  EXPECT_EQ(ReadFileOrFolder(path), Written(format(), SmallAtlas()));
 }
 
 TEST_P(EveryFormat, LeavesNothingBehindWhenItFails) {

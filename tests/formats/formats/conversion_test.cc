@@ -87,7 +87,7 @@ TEST_P(Conversion, GivesAFileOfThatFormat) {
               (to == "mrpt3" && FormatById("mrpt").sniff(probe)));
   if (!HasAll(FormatById(from).reads, Content::kAtlas) || to == "store" || to == "ndjson") return;
   WriteAtlas(SmallAtlas(), folder.Path("c"), options);
-  EXPECT_EQ(ReadFile(folder.Path("b")), ReadFile(folder.Path("c")));
+  EXPECT_EQ(ReadFileOrFolder(folder.Path("b")), ReadFileOrFolder(folder.Path("c")));
 }
 
 std::string Name(std::string id) {

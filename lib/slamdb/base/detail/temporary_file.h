@@ -14,7 +14,7 @@ namespace slamdb::detail {
 // goes.
 //
 // What kills a program leaves such a file behind. So it is locked (flock) while its writer lives, and
-// RemoveDeadTemporaryFiles() removes those in a folder that nobody holds any more: regular files of this user (of any,
+// RemoveDeadTemporaryFiles() removes those in a folder that nobody holds any more: regular files and folders of this user (of any,
 // for the superuser), of such a name, with one link, whose lock is free, and which this run does not read. Locks of
 // another machine cannot be seen on every network file system; on any file system that is not known to be local, a dead
 // one goes only when it was not written for a day.
@@ -49,6 +49,31 @@ class TemporaryFile {
   int descriptor_ = -1;
   int lock_ = -1;  // of the same open file, so that it stays locked until it is in place
   int slot_ = -1;  // among those that RemoveTemporaryFiles knows
+};
+
+// A folder beside the place where it belongs once it is whole, of such a name, locked and removed as a temporary file is,
+// with all that is in it.
+class TemporaryFolder {
+ public:
+  // Beside `target`; errors name `path`.
+  //
+  // Throws Error (SystemError) when it cannot be made.
+  TemporaryFolder(const std::string& target, const std::string& path);
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::string& path() const { return path_; }
+
+  // Gives it the name `target`, where nothing or an empty folder is, in one step.
+  //
+  // Throws Error: kAlreadyExists when somebody has put files there; as the system has it otherwise.
+  void Place(const std::string& target);
+
+ private:
+  std::string named_, path_;
+  int lock_ = -1;
+  int slot_ = -1;
 };
 
 // Makes the name of a new file survive a power cut. Errors name `path`.

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "slamdb/formats/layouts/layout.h"
+
+namespace slamdb::detail {
+
+// ParseLayout, with the layouts that it may be a change of.
+Layout ParseLayoutOver(std::string_view json, const std::string& path, std::span<const Layout> bases);
+
+// Gives members ORB-SLAM3's own names where a layout has the short ones of older layout files: `gw` becomes
+// mfGridElementWidthInv, and `fx: arr<f32,9>` nine members.
+void UseOwnNames(Layout& layout);
+
+}  // namespace slamdb::detail
