@@ -18,15 +18,15 @@ bool Has(Tokens tokens, std::string_view text) {
 }
 
 std::size_t IndexOf(Tokens tokens, std::string_view text) {
-  return static_cast<std::size_t>(
-      std::ranges::find_if(tokens, [&](const CppToken& token) { return token.Is(text); }) - tokens.begin());
+  return static_cast<std::size_t>(std::ranges::find_if(tokens, [&](const CppToken& token) { return token.Is(text); }) -
+                                  tokens.begin());
 }
 
 // Words in front of a declaration that say nothing about its type.
 bool IsSpecifier(const CppToken& token) {
   static constexpr std::array<std::string_view, 14> kSpecifiers = {
-      "static", "const", "mutable", "inline", "constexpr", "volatile", "virtual",
-      "explicit", "friend", "typename", "struct", "class", "extern", "register"};
+      "static",   "const",  "mutable",  "inline", "constexpr", "volatile", "virtual",
+      "explicit", "friend", "typename", "struct", "class",     "extern",   "register"};
   return token.is_word() && std::ranges::find(kSpecifiers, token.text) != kSpecifiers.end();
 }
 
@@ -43,6 +43,7 @@ class Walk {
  private:
   struct Scope {
     std::string class_name;  // empty: a namespace
+    std::string space;
   };
 
   // One declaration, or what opens or closes a scope.
@@ -201,9 +202,9 @@ class Walk {
 
   void Block(Tokens head) {
     const std::size_t parenthesis = IndexOf(head, "("), assigned = IndexOf(head, "=");
-    if (Has(head, "enum")) return Enumeration(head);
-    if (parenthesis == head.size() && Has(head, "namespace")) return Open("");
-    if (parenthesis == head.size() && head.size() > 0 && (Has(head, "extern") && head.size() <= 2)) return Open("");
+    if (Has(head, "enum") && parenthesis == head.size()) return Enumeration(head);
+    if (parenthesis == head.size() && Has(head, "namespace")) return Open({{}, std::string(head.back().text)});
+    if (parenthesis == head.size() && Has(head, "extern") && head.size() <= 2) return Open({});
     if (parenthesis == head.size() && assigned == head.size() && IsClassHead(head)) return OpenClass(head);
     if (parenthesis < head.size() && parenthesis < assigned) return FunctionBody(head, parenthesis);
     PassBraces();  // an initialiser: `int a{3};`
@@ -213,18 +214,24 @@ class Walk {
     return !head.empty() && (head.front().Is("class") || head.front().Is("struct") || head.front().Is("union") ||
                              head.front().Is("typedef"));
   }
-  void Open(std::string class_name) {
+  void Open(Scope scope) {
     ++at_;
-    scopes_.push_back({std::move(class_name)});
+    scopes_.push_back(std::move(scope));
+  }
+  // `GlobalPosition::Calib` in a namespace of a namespace, where IMU's Calib is called so too.
+  std::string Qualified(const std::string& name) const {
+    const bool nested = scopes_.size() > 1 && scopes_.back().class_name.empty() && !scopes_.front().space.empty();
+    return nested && scopes_.back().space != "IMU" ? scopes_.back().space + "::" + name : name;
   }
   void OpenClass(Tokens head) {
     const std::size_t bases = IndexOf(head, ":");
     std::string name;
     for (const CppToken& token : head.first(bases))
       if (token.is_word() && !token.Is("final") && !IsSpecifier(token) && !token.Is("typedef")) name = token.text;
+    name = name.empty() ? "(anonymous)" : Qualified(name);
     CppClass& found = index_.classes[name];
     if (found.place.file.empty()) found.place = {file_, head.front().line};
-    Open(name.empty() ? "(anonymous)" : name);
+    Open({name, {}});
   }
   void Enumeration(Tokens head) {
     std::string name;
@@ -243,8 +250,10 @@ class Walk {
     while (at_ < tokens_.size() && (tokens_[at_].Is(",") || tokens_[at_].Is("{"))) {
       while (at_ < tokens_.size() && !IsOpening(tokens_[at_]) && !tokens_[at_].Is(";")) ++at_;
       body = at_;
-      if (at_ < tokens_.size() && IsOpening(tokens_[at_])) PassBraces();
-      else break;
+      if (at_ < tokens_.size() && IsOpening(tokens_[at_]))
+        PassBraces();
+      else
+        break;
     }
     if (parenthesis == 0 || !head[parenthesis - 1].is_word()) return;
     Keep(head, parenthesis, tokens_.subspan(body, at_ - body));

@@ -34,7 +34,7 @@ class Tokenizer {
 
  private:
   struct Condition {
-    bool taken = true;    // this branch is looked at
+    bool taken = true;      // this branch is looked at
     bool was_taken = true;  // this one or one before it
   };
 

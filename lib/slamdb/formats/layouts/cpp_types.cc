@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <optional>
 #include <vector>
 
 namespace slamdb::layouts {
@@ -18,10 +17,12 @@ struct Named {
   std::string_view name, word;
 };
 constexpr std::array kScalars = {
-    Named{"bool", "bool"},     Named{"float", "f32"},    Named{"double", "f64"},   Named{"string", "string"},
-    Named{"size_t", "u64"},    Named{"int8_t", "i8"},    Named{"uint8_t", "u8"},   Named{"uchar", "u8"},
-    Named{"int16_t", "i16"},   Named{"uint16_t", "u16"}, Named{"int32_t", "i32"},  Named{"uint32_t", "u32"},
-    Named{"int64_t", "i64"},   Named{"uint64_t", "u64"}, Named{"Mat", "mat"},      Named{"ushort", "u16"},
+    // the last three are DBoW2's
+    Named{"bool", "bool"},     Named{"float", "f32"},    Named{"double", "f64"},  Named{"string", "string"},
+    Named{"size_t", "u64"},    Named{"int8_t", "i8"},    Named{"uint8_t", "u8"},  Named{"uchar", "u8"},
+    Named{"int16_t", "i16"},   Named{"uint16_t", "u16"}, Named{"int32_t", "i32"}, Named{"uint32_t", "u32"},
+    Named{"int64_t", "long"},  Named{"uint64_t", "u64"}, Named{"Mat", "mat"},     Named{"WordId", "u32"},
+    Named{"WordValue", "f64"}, Named{"NodeId", "u32"},   Named{"ushort", "u16"},
 };
 // Eigen's and Sophus' types of fixed size, without their last letter.
 struct Fixed {
@@ -29,9 +30,9 @@ struct Fixed {
   std::size_t count;
 };
 constexpr std::array kFixed = {
-    Fixed{"Vector2", 2},     Fixed{"Vector3", 3},    Fixed{"Vector4", 4},   Fixed{"Matrix2", 4}, Fixed{"Matrix3", 9},
-    Fixed{"Matrix4", 16},    Fixed{"Quaternion", 4}, Fixed{"RowVector3", 3}, Fixed{"SE3", 7},    Fixed{"Sim3", 7},
-    Fixed{"SO3", 4},         Fixed{"AngleAxis", 4},
+    Fixed{"Vector2", 2}, Fixed{"Vector3", 3},  Fixed{"Vector4", 4},    Fixed{"Matrix2", 4},
+    Fixed{"Matrix3", 9}, Fixed{"Matrix4", 16}, Fixed{"Quaternion", 4}, Fixed{"RowVector3", 3},
+    Fixed{"SE3", 7},     Fixed{"Sim3", 7},     Fixed{"SO3", 4},        Fixed{"AngleAxis", 4},
 };
 
 std::string ScalarOfLetter(char letter) {
@@ -41,8 +42,7 @@ std::string ScalarOfLetter(char letter) {
 }
 
 bool IsIntegerWord(std::string_view word) {
-  return word == "unsigned" || word == "signed" || word == "long" || word == "short" || word == "int" ||
-         word == "char";
+  return word == "unsigned" || word == "signed" || word == "long" || word == "short" || word == "int" || word == "char";
 }
 
 // `long unsigned int`, in any order.
@@ -55,7 +55,9 @@ std::string Integer(Tokens type) {
   const std::string sign = count("unsigned") > 0 ? "u" : "i";
   if (count("char") > 0) return sign + "8";
   if (count("short") > 0) return sign + "16";
-  return sign + (count("long") > 0 ? "64" : "32");
+  if (count("long") == 0) return sign + "32";
+  if (count("long") == 1) return sign == "u" ? "u64" : "long";
+  return sign == "u" ? "ulonglong" : "i64";
 }
 
 // The arguments between `<` and `>`, split at commas.
@@ -76,26 +78,44 @@ std::vector<Tokens> Arguments(Tokens list) {
 
 // Where `<` of the outermost template stands; size when there is none.
 std::size_t TemplateBegin(Tokens type) {
-  return static_cast<std::size_t>(
-      std::ranges::find_if(type, [](const CppToken& token) { return token.Is("<"); }) - type.begin());
+  return static_cast<std::size_t>(std::ranges::find_if(type, [](const CppToken& token) { return token.Is("<"); }) -
+                                  type.begin());
 }
 
-std::optional<std::size_t> Number(Tokens tokens) {
+// 0 when it is no number, or too large a one.
+std::size_t Number(Tokens tokens) {
   std::size_t number = 0;
-  if (tokens.size() != 1) return std::nullopt;
+  if (tokens.size() != 1) return 0;
   const std::string_view text = tokens[0].text;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || number > 1U << 20U) return std::nullopt;
-  return number;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number > 1U << 20U ? 0 : number;
+}
+
+}  // namespace
+
+namespace {
+
+Tokens WithoutSpecifiers(Tokens type) {
+  while (!type.empty() && (type.front().Is("const") || type.front().Is("typename") || type.front().Is("struct") ||
+                           type.front().Is("class") || type.front().Is("static") || type.front().Is("::")))
+    type = type.subspan(1);
+  while (!type.empty() && (type.back().Is("&") || type.back().Is("const"))) type = type.first(type.size() - 1);
+  return type;
+}
+
+// `GlobalPosition::Calib` of `ORB_SLAM3::GlobalPosition::Calib`; empty when there are no namespaces.
+std::string LastTwoNames(Tokens type) {
+  type = WithoutSpecifiers(type);
+  while (!type.empty() && type.back().Is("*")) type = type.first(type.size() - 1);
+  const std::size_t size = type.size();
+  if (size < 3 || !type[size - 1].is_word() || !type[size - 2].Is("::") || !type[size - 3].is_word()) return "";
+  return std::string(type[size - 3].text) + "::" + std::string(type[size - 1].text);
 }
 
 }  // namespace
 
 Tokens WithoutQualifiers(Tokens type) {
-  while (!type.empty() && (type.front().Is("const") || type.front().Is("typename") || type.front().Is("struct") ||
-                           type.front().Is("class") || type.front().Is("static") || type.front().Is("::")))
-    type = type.subspan(1);
-  while (!type.empty() && (type.back().Is("&") || type.back().Is("const"))) type = type.first(type.size() - 1);
+  type = WithoutSpecifiers(type);
   // Namespaces and outer classes: `a::b::` in front of the last name.
   while (type.size() > 2 && type[0].is_word() && type[1].Is("::") && type[2].is_word()) type = type.subspan(2);
   return type;
@@ -127,6 +147,8 @@ std::string CppTypes::WordOf(Tokens type, std::string_view in_class) const { ret
 
 std::string CppTypes::WordOf(Tokens type, std::string_view in_class, int depth) const {
   const std::string unknown(kUnknownType);
+  if (const std::string qualified = LastTwoNames(type); index_.classes.contains(qualified))
+    return (type.back().Is("*") ? "ptr<" : "val<") + qualified + ">";
   type = Resolved(type, in_class);
   if (type.empty() || depth > kDeepest) return unknown;
   if (type.back().Is("*")) {
@@ -140,13 +162,15 @@ std::string CppTypes::WordOf(Tokens type, std::string_view in_class, int depth) 
   if (type.size() != 1) return unknown;
   for (const Named& scalar : kScalars)
     if (scalar.name == type[0].text) return std::string(scalar.word);
-  if (index_.classes.contains(type[0].text)) return "val<" + std::string(type[0].text) + ">";
+  // DBoW2 may be a library that stands elsewhere.
+  const bool of_dbow2 = type[0].text == "BowVector" || type[0].text == "FeatureVector";
+  if (of_dbow2 || index_.classes.contains(type[0].text)) return "val<" + std::string(type[0].text) + ">";
   return unknown;
 }
 
 std::string CppTypes::Template(std::string_view name, Tokens list, std::string_view in_class, int depth) const {
   static constexpr std::array kContainers = {Named{"vector", "vec"}, Named{"set", "set"}, Named{"list", "list"},
-                                             Named{"deque", "vec"},  Named{"map", "map"}};
+                                             Named{"deque", "vec"}, Named{"map", "map"}};
   const std::string unknown(kUnknownType);
   const auto container = std::ranges::find(kContainers, name, &Named::name);
   const std::vector<Tokens> arguments = Arguments(list);
@@ -172,10 +196,10 @@ CppTypes::Array CppTypes::ArrayOf(Tokens type, std::string_view in_class) const 
     Array array{.scalar = WordOf(arguments[0], in_class)};
     for (const Fixed& fixed : kFixed)
       if (name == fixed.name) array.count = fixed.count;
-    const auto rows = arguments.size() > 1 ? Number(arguments[1]) : std::nullopt;
-    const auto columns = arguments.size() > 2 ? Number(arguments[2]) : std::nullopt;
-    if ((name == "Matrix" || name == "Array") && rows && columns) array.count = *rows * *columns;
-    if ((name == "DiagonalMatrix" || name == "array" || name == "Vector") && rows) array.count = *rows;
+    const std::size_t rows = arguments.size() > 1 ? Number(arguments[1]) : 0;
+    const std::size_t columns = arguments.size() > 2 ? Number(arguments[2]) : 0;
+    if (name == "Matrix" || name == "Array") array.count = rows * columns;
+    if (name == "DiagonalMatrix" || name == "array" || name == "Vector") array.count = rows;
     return array.count > 0 ? array : Array{};
   }
   if (type.size() != 1 || name.empty()) return {};

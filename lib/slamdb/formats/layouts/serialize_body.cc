@@ -78,11 +78,13 @@ Tokens WithoutParentheses(Tokens tokens) {
 struct HelperWord {
   std::string_view name, word;
 };
-constexpr std::array kHelpers = {
-    HelperWord{"serializeMatrix", ""},           HelperWord{"serializeVectorKeyPoints", "kps"},
-    HelperWord{"serializeSophusSE3", "arr"},     HelperWord{"serializeDiagonalMatrix", "arr"},
-    HelperWord{"serializeEigenMatrix", "arr"},   HelperWord{"serializeEigenVector", "arr"},
-    HelperWord{"serializeEigenQuaternion", "arr"}};
+constexpr std::array kHelpers = {HelperWord{"serializeMatrix", ""},
+                                 HelperWord{"serializeVectorKeyPoints", "kps"},
+                                 HelperWord{"serializeSophusSE3", "arr"},
+                                 HelperWord{"serializeDiagonalMatrix", "arr"},
+                                 HelperWord{"serializeEigenMatrix", "arr"},
+                                 HelperWord{"serializeEigenVector", "arr"},
+                                 HelperWord{"serializeEigenQuaternion", "arr"}};
 
 // Members of OpenCV's key points, which no source of the fork declares.
 std::string MemberOfKeyPoint(std::string_view name) {
@@ -93,6 +95,15 @@ std::string MemberOfKeyPoint(std::string_view name) {
 }
 
 }  // namespace
+
+std::string FirstParameter(std::span<const CppToken> parameters) {
+  std::string name = "ar";
+  for (const CppToken& token : parameters) {
+    if (token.Is(",")) break;
+    if (token.is_word()) name = token.text;
+  }
+  return name;
+}
 
 SerializeBody::SerializeBody(const CppIndex& index, const CppFunction& function, std::vector<SourceQuestion>& questions)
     : index_(index), function_(function), questions_(questions), types_(index), body_(function.body) {
@@ -167,10 +178,11 @@ bool SerializeBody::Archives(Tokens tokens) const { return Has(tokens, archive_)
 void SerializeBody::Simple(Tokens statement) {
   if (!statement.empty() && statement.back().Is(";")) statement = statement.first(statement.size() - 1);
   if (statement.empty()) return;
-  if (!Archives(statement)) return MembersOfDeclaration(statement, locals_);
+  const bool makes_it = statement.size() > 1 && statement[statement.size() - 1].Is(")") &&
+                        (Has(statement, "binary_oarchive") || Has(statement, "text_oarchive"));
+  if (!Archives(statement) || makes_it) return MembersOfDeclaration(statement, locals_);
   const bool begins = statement.front().Is(archive_) && statement.size() > 2;
-  if (begins && (statement[1].Is("&") || (statement[1].Is("<") && statement[2].Is("<"))))
-    return Operands(statement);
+  if (begins && (statement[1].Is("&") || (statement[1].Is("<") && statement[2].Is("<")))) return Operands(statement);
   if (begins && statement[1].Is(">") && statement[2].Is(">")) return;  // of loading
   if (begins && statement[1].Is(".")) return Method(statement);
   if (!Helper(statement)) AskMember(statement, "(statement)", detail::Concat("not understood: ", TextOf(statement)));
@@ -216,8 +228,8 @@ bool SerializeBody::Helper(Tokens call) {
 
 bool SerializeBody::HelperOf(std::string_view helper, Tokens argument) {
   const auto known = std::ranges::find(kHelpers, helper, &HelperWord::name);
-  if (known == kHelpers.end()) return false;
   const Variable variable = Find(argument);
+  if (known == kHelpers.end()) return OwnHelper(helper, variable);
   const CppTypes::Array array = types_.ArrayOf(variable.member.type, variable.in_class);
   if (known->word == "kps" || (known->word.empty() && array.count == 0)) {
     members.push_back({variable.name, known->word.empty() ? "mat" : "kps"});
@@ -228,6 +240,19 @@ bool SerializeBody::HelperOf(std::string_view helper, Tokens argument) {
     return true;
   }
   AskMember(argument, variable.name, detail::Concat("the type of ", TextOf(argument), " is not known"));
+  return true;
+}
+
+// A function of the sources' own: what it archives belongs to the member.
+bool SerializeBody::OwnHelper(std::string_view helper, const Variable& variable) {
+  const std::vector<const CppFunction*> functions = index_.Find("", helper);
+  if (functions.empty() || depth_ >= kDeepestHelper) return false;
+  CppFunction function = *functions.front();
+  function.owner = CppTypes::NameOf(variable.member.type);
+  SerializeBody body(index_, function, questions_);
+  body.depth_ = depth_ + 1;
+  body.Read(FirstParameter(function.parameters), /*all_branches=*/false);
+  for (SourceMember& member : body.members) members.push_back({variable.name + "." + member.name, member.type});
   return true;
 }
 
@@ -272,7 +297,8 @@ void SerializeBody::Call(std::string_view name, Tokens type, Tokens arguments, T
     const std::string word = types_.WordOf(type, function_.owner);
     if (word == kUnknownType)
       return AskMember(expression, "base", detail::Concat("the base class ", TextOf(type), " is not known"));
-    members.push_back({"base", word});
+    const bool whole = arguments.empty() || Has(arguments, "this");
+    members.push_back({whole ? "base" : Find(arguments).name, word});
     return;
   }
   if (name == "make_nvp") {

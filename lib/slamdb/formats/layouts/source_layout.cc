@@ -11,20 +11,9 @@ namespace {
 
 using Tokens = std::span<const CppToken>;
 
-// The name of the last word in front of the first comma: `Archive& ar`.
-std::string FirstParameter(Tokens parameters) {
-  std::string name = "ar";
-  for (const CppToken& token : parameters) {
-    if (token.Is(",")) break;
-    if (token.is_word()) name = token.text;
-  }
-  return name;
-}
-
 // Whether the second parameter of a free function is of that class: `serialize(Archive& ar, BowVector& v, ...)`.
 bool IsFor(const CppFunction& function, std::string_view class_name) {
-  const auto comma =
-      std::ranges::find_if(function.parameters, [](const CppToken& token) { return token.Is(","); });
+  const auto comma = std::ranges::find_if(function.parameters, [](const CppToken& token) { return token.Is(","); });
   if (comma == function.parameters.end()) return false;
   Tokens second(comma + 1, function.parameters.end());
   const auto end = std::ranges::find_if(second, [](const CppToken& token) { return token.Is(",") || token.Is("&"); });
@@ -72,7 +61,7 @@ class Gatherer {
     }
     const bool found = best_rank > 0;
     if (!found) {
-      layout_.questions.push_back({{}, "no function writes an atlas to an archive: taken to be two strings and Atlas*"});
+      Ask({}, "no function writes an atlas to an archive: taken to be two strings and Atlas*");
       best.members = {{"vocabulary", "string"}, {"checksum", "string"}, {"atlas", "ptr<Atlas>"}};
     }
     layout_.root = std::move(best.members);
@@ -105,6 +94,12 @@ class Gatherer {
     return names;
   }
 
+  void Ask(const CppPlace& place, const std::string& text) {
+    SourceQuestion& question = layout_.questions.emplace_back();
+    question.place = place;
+    question.text = text;
+  }
+
   // ---- Classes
 
   // The classes that a word of a layout names.
@@ -126,11 +121,14 @@ class Gatherer {
     const auto declared = index_.classes.find(name);
     added.abstract = declared != index_.classes.end() && declared->second.abstract;
     if (const auto version = index_.versions.find(name); version != index_.versions.end())
-      layout_.questions.push_back({version->second, name + " has a class version: what depends on it is not followed"});
+      Ask(version->second, name + " has a class version: what depends on it is not followed");
     const CppFunction* function = FunctionOf(name);
-    if (function == nullptr) {
-      layout_.questions.push_back({declared == index_.classes.end() ? CppPlace{} : declared->second.place,
-                                   name + " is archived, and no serialize function of it was found"});
+    if (function == nullptr && BowMap(name) != nullptr) {
+      Ask({}, name + " is not in these sources: taken to be DBoW2's");
+      added.members.push_back({"m", BowMap(name)});
+    } else if (function == nullptr) {
+      Ask(declared == index_.classes.end() ? CppPlace() : declared->second.place,
+          name + " is archived, and no serialize function of it was found");
       added.members.push_back({"(all)", std::string(kUnknownType)});
     } else {
       CppFunction owned = *function;
@@ -143,6 +141,12 @@ class Gatherer {
     for (const std::string& registered : added.registers) Want(registered, 0);
     for (const SourceMember& member : added.members) Want(member.type);
     layout_.classes.push_back(std::move(added));
+  }
+
+  // What DBoW2's classes archive; null for others.
+  static const char* BowMap(std::string_view name) {
+    if (name == "BowVector") return "map<u32,f64>";
+    return name == "FeatureVector" ? "map<u32,vec<u32>>" : nullptr;
   }
 
   // What archives a class: `save` where loading differs.
@@ -160,8 +164,8 @@ class Gatherer {
       return !std::ranges::equal(other->body, found[0]->body, {}, &CppToken::text, &CppToken::text);
     });
     if (differs != found.end())
-      layout_.questions.push_back({(*differs)->place, detail::Concat("another function that archives ", name, " than ",
-                                                                     found[0]->place.ToString(), ", which was taken")});
+      Ask((*differs)->place, detail::Concat("another function that archives ", name, " than ",
+                                            found[0]->place.ToString(), ", which was taken"));
     return found[0];
   }
   // Other classes have functions `save` and `load` too, of files.

@@ -12,7 +12,7 @@
 #include "slamdb/formats/layouts/detail/cpp_tokens.h"
 
 // What the classes and functions of C++ sources declare, as far as it tells what their archives hold. Names are without
-// namespaces: no SLAM system has two classes of one name in an archive.
+// namespaces, but for those in a namespace of the system's own.
 namespace slamdb::layouts {
 
 struct CppPlace {

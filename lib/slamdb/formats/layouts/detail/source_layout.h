@@ -34,6 +34,9 @@ struct SourceLayout {
   std::vector<SourceQuestion> questions;
 };
 
+// The name of the archive: the last word in front of the first comma of `Archive& ar, const unsigned int version`.
+std::string FirstParameter(std::span<const CppToken> parameters);
+
 // Reads the body of a function that archives.
 class SerializeBody {
  public:
@@ -47,6 +50,8 @@ class SerializeBody {
   std::vector<std::string> registers;
 
  private:
+  static constexpr int kDeepestHelper = 4;
+
   using Tokens = std::span<const CppToken>;
   struct Variable {
     CppMember member;
@@ -58,7 +63,6 @@ class SerializeBody {
   void Step();
   void If();
   std::size_t EndOfStatement(std::size_t from) const;
-  std::size_t EndOfBraces(std::size_t from) const;
   bool Archives(Tokens tokens) const;
   void Simple(Tokens statement);
   void Operands(Tokens list);
@@ -66,6 +70,7 @@ class SerializeBody {
   void Method(Tokens call);
   bool Helper(Tokens call);
   bool HelperOf(std::string_view helper, Tokens argument);
+  bool OwnHelper(std::string_view helper, const Variable& variable);
   void Call(std::string_view name, Tokens type, Tokens arguments, Tokens expression);
   void MakeArray(Tokens arguments, Tokens expression);
   void Add(const Variable& variable, Tokens expression);
@@ -82,6 +87,7 @@ class SerializeBody {
   std::string archive_;
   bool all_branches_ = false;
   std::size_t at_ = 0;
+  int depth_ = 0;             // of helpers in helpers
   bool was_loading_ = false;  // the last condition, whose `else` is for saving
   std::map<std::string, CppMember, std::less<>> locals_;
 };
