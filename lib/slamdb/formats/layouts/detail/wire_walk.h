@@ -46,7 +46,7 @@ class WarmWalk {
   const std::uint8_t size_bytes_;
 };
 
-// Sees each keyframe and map point that a walk passes.
+// Sees each keyframe, map point, map and atlas that a walk has passed.
 class RecordVisitor {
  public:
   virtual ~RecordVisitor() = default;
@@ -64,7 +64,7 @@ class WireWalk {
   // How far it came.
   std::uint64_t at() const { return at_; }
 
-  RecordVisitor* visitor = nullptr;           // of KeyFrame and MapPoint
+  RecordVisitor* visitor = nullptr;           // may be null
   std::span<const std::uint64_t> known_ends;  // by object id: where records end that were seen before; 0: unknown
 
  private:
