@@ -90,6 +90,8 @@ bool IsArchived(const MapPoint*, std::string_view name) {
 }
 bool IsArchived(const Map*, std::string_view name) { return name != "landmarks"; }
 bool IsArchived(const void*, std::string_view) { return true; }
+// Of a fork, which stock classes are not.
+bool IsOfAFork(std::string_view name) { return name == "carried" || name == "layout"; }
 
 template <class Kind>
 class BoostFields : public ::testing::Test {
@@ -110,6 +112,7 @@ class BoostFields : public ::testing::Test {
   int Walk(const Get& get) {
     int fields = 0;
     ForEachField(static_cast<const Entity*>(nullptr), [&](std::string_view name, auto... members) {
+      if (IsOfAFork(name)) return;
       SCOPED_TRACE(name);
       Atlas touched = base_;
       TouchField(name, get(touched), Member(get(touched), members...));

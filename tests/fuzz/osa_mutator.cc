@@ -121,7 +121,7 @@ class Mutator {
 
   template <class Field>
   void Change(Field& field) {
-    if constexpr (std::is_same_v<Field, field_bits::LandmarkFeatures>) {
+    if constexpr (field_bits::kIsRecord<Field>) {
     } else if constexpr (field_bits::kIsSequence<Field>) {
       if (field.empty())
         field.push_back(Zero<typename Field::value_type>());

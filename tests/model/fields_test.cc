@@ -70,6 +70,11 @@ void FillEmptyLists(Entity& entity) {
     using Field = std::remove_cvref_t<decltype(field)>;
     if constexpr (kIsSequence<Field> && !std::is_same_v<Field, Column<ImuMeasurement>>)  // of which there are some
       if (field.empty()) field.push_back({});
+    if constexpr (std::is_same_v<Field, Boxed<Carried>>) {
+      field.Make().members.resize(3, std::byte{7});
+      field.Make().descriptors = {.rows = 1, .columns = 2, .type = 5};
+      field.Make().descriptors.data.resize(8, std::byte{9});
+    }
   });
 }
 
@@ -96,6 +101,7 @@ const Atlas& Base() {
     FillEmptyLists(The<KeyFrame>(atlas));
     FillEmptyLists(point);
     FillEmptyLists(The<Map>(atlas));
+    FillEmptyLists(The<Camera>(atlas));
     FillEmptyLists(atlas);
     for (auto* entries : {&atlas.repeated_maps, &atlas.repeated_cameras, &atlas.maps[0].repeated_keyframes,
                           &atlas.maps[0].repeated_points})
@@ -170,8 +176,16 @@ std::vector<Change> ChangesTo(const Access& field) {
     changes.push_back({"one more", [=](Atlas& atlas) { field(atlas).push_back(field(atlas).back()); }});
     changes.push_back({"one less", [=](Atlas& atlas) { field(atlas).pop_back(); }});
   }
-  constexpr bool kHasLists =
-      std::is_same_v<Field, std::vector<LandmarkFeature>> || std::is_same_v<Field, std::vector<FeatureDescriptor>>;
+  if constexpr (std::is_same_v<Field, Boxed<Carried>>) {
+    changes.push_back({"none", [=](Atlas& atlas) { field(atlas).Reset(); }});
+    changes.push_back({"a byte", [=](Atlas& atlas) { Touch(field(atlas).Make().members.front()); }});
+    changes.push_back({"one less", [=](Atlas& atlas) { field(atlas).Make().members.pop_back(); }});
+    changes.push_back({"descriptors", [=](Atlas& atlas) { Touch(field(atlas).Make().descriptors.data.front()); }});
+    changes.push_back({"their type", [=](Atlas& atlas) { Touch(field(atlas).Make().descriptors.type); }});
+  }
+  constexpr bool kHasLists = std::is_same_v<Field, std::vector<LandmarkFeature>> ||
+                             std::is_same_v<Field, std::vector<FeatureDescriptor>> ||
+                             std::is_same_v<Field, Boxed<Carried>>;
   if constexpr (!kHasLists) AddTouches<Field>(field, changes);  // those have cases of their own
   return changes;
 }

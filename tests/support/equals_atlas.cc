@@ -80,6 +80,7 @@ std::string Difference(const RepeatedEntry& a, const RepeatedEntry& b);
 std::string Difference(const ImuMeasurement& a, const ImuMeasurement& b);
 std::string Difference(const Quaternionf& a, const Quaternionf& b);
 std::string Difference(const Rigid3f& a, const Rigid3f& b);
+std::string Difference(const Boxed<Carried>& a, const Boxed<Carried>& b);
 template <class Entity>
 requires kHasFields<Entity> std::string Difference(const Entity& a, const Entity& b);
 template <class T, class Allocator>
@@ -157,6 +158,13 @@ std::string Difference(const ImuMeasurement& a, const ImuMeasurement& b) {
 std::string Difference(const Quaternionf& a, const Quaternionf& b) {
   const Eigen::Vector4f actual = a.coeffs(), expected = b.coeffs();
   return Difference(actual, expected);
+}
+
+std::string Difference(const Boxed<Carried>& a, const Boxed<Carried>& b) {
+  if (a == b) return {};
+  if (!a || !b) return b ? ": nothing carried" : ": something carried instead of nothing";
+  const std::string members = Difference(a->members, b->members);
+  return members.empty() ? ".descriptors: others" : ".members" + members;
 }
 
 std::string Difference(const Rigid3f& a, const Rigid3f& b) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cameras, and what keyframes keep of them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "slamdb/checks/detail/catalogue.h"
@@ -11,12 +12,19 @@ namespace {
 
 bool Near(float a, float b) { return std::abs(a - b) <= 1e-3F * std::max(1.0F, std::abs(b)); }
 
-std::size_t ParameterCount(CameraModel model) { return model == CameraModel::kKannalaBrandt8 ? 8 : 4; }
+std::size_t ParameterCount(CameraModel model) {
+  constexpr std::array<std::size_t, 3> kCounts = {4, 8, 2};
+  return kCounts.at(static_cast<std::size_t>(model));
+}
+std::string_view ClassOf(CameraModel model) {
+  constexpr std::array<std::string_view, 3> kClasses = {"Pinhole (0)", "KannalaBrandt8 (1)", "Equirectangular (2)"};
+  return kClasses.at(static_cast<std::size_t>(model));
+}
 
 bool IsSound(const Camera& camera) {
   const std::vector<float>& p = camera.parameters;
-  return p.size() == ParameterCount(camera.model) && p[0] > 0 && p[1] > 0 &&
-         std::ranges::all_of(p, [](float value) { return std::isfinite(value); });
+  return camera.model != CameraModel::kEquirectangular && p.size() == ParameterCount(camera.model) && p[0] > 0 &&
+         p[1] > 0 && std::ranges::all_of(p, [](float value) { return std::isfinite(value); });
 }
 
 bool IsPositive(const Intrinsics& k) {
@@ -164,7 +172,7 @@ void CheckCameraType(const Subject& subject, Findings& findings) {
   for (const Camera& camera : subject.atlas.cameras)
     if (camera.recorded_type != static_cast<std::uint32_t>(camera.model))
       findings.Add(Place{.camera = camera.id}, "has type ", camera.recorded_type, ", but is stored as ",
-                   camera.model == CameraModel::kPinhole ? "Pinhole (0)" : "KannalaBrandt8 (1)");
+                   ClassOf(camera.model));
 }
 
 std::size_t SetCameraTypes(Atlas& atlas) {

@@ -43,7 +43,8 @@ enum class Content : std::uint32_t {
   kAtlas = (1U << 12) - 1,  // all of the above: what an .osa file holds
   kLandmarks = 1U << 12,    // MRPT's, with their covariances
   kTracking = 1U << 13,     // of points: origin maps, visible and found counts
-  kEverything = kAtlas | kLandmarks | kTracking,
+  kCarried = 1U << 14,      // members of a fork's classes
+  kEverything = kAtlas | kLandmarks | kTracking | kCarried,
 };
 constexpr Content operator|(Content a, Content b) {
   return static_cast<Content>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -143,6 +144,8 @@ struct Format {
   bool is_on_globe = false;     // lays maps onto the earth, from GeographicOptions::origin on
   bool is_export = false;       // claims to hold points or poses, and no atlas: what it leaves out is no loss
   Content reads = Content::kNothing, writes = Content::kNothing;
+  // What it can hold of this atlas, where that depends on more than the format; null: `writes`.
+  Content (*holds)(const Atlas&, const WriteOptions&) = nullptr;
   bool (*sniff)(const Probe&) = nullptr;  // by first bytes; null: by suffix only
   Atlas (*read)(const Source&, const ReadOptions&, Notices&) = nullptr;
   void (*write)(const Atlas&, const Target&, const WriteOptions&, Notices&) = nullptr;

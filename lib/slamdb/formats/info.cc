@@ -170,10 +170,12 @@ std::string_view NameOf(MapSensor sensor) {
 }
 
 std::string_view NameOf(CameraModel model) {
-  return model == CameraModel::kKannalaBrandt8 ? "kannala-brandt-8" : "pinhole";
+  constexpr std::array<std::string_view, 3> kNames = {"pinhole", "kannala-brandt-8", "equirectangular"};
+  return kNames.at(static_cast<std::size_t>(model));
 }
 
 std::vector<std::string> ParameterNames(CameraModel model) {
+  if (model == CameraModel::kEquirectangular) return {"columns", "rows"};
   if (model == CameraModel::kPinhole) return {"fx", "fy", "cx", "cy"};
   return {"fx", "fy", "cx", "cy", "k0", "k1", "k2", "k3"};
 }

@@ -15,7 +15,7 @@ struct Kind {
 };
 
 // In the order of Content. The counts are of what the words name first.
-constexpr std::array<Kind, 14> kKinds = {{
+constexpr std::array<Kind, 15> kKinds = {{
     {Content::kPoses, "keyframe poses"},
     {Content::kPoints, "map points"},
     {Content::kNormals, "normals and distance ranges of map points"},
@@ -30,6 +30,7 @@ constexpr std::array<Kind, 14> kKinds = {{
     {Content::kIdentity, "all ids and flags, the counters and the vocabulary's name"},
     {Content::kLandmarks, "landmarks"},
     {Content::kTracking, "origins and visible and found counts of map points"},
+    {Content::kCarried, "members of a fork's classes"},
 }};
 
 using Counts = std::array<std::uint64_t, kKinds.size()>;
@@ -39,6 +40,8 @@ std::uint64_t& Count(Counts& counts, Content content) {
   while (kKinds[kind].content != content) ++kind;
   return counts[kind];
 }
+
+bool CarriesMembers(const Boxed<Carried>& carried) { return carried && !carried->members.empty(); }
 
 bool HasInertialData(const KeyFrame& keyframe) {
   return keyframe.imu_calibration.is_set || keyframe.has_velocity || keyframe.imu_initialized ||
@@ -50,7 +53,8 @@ void CountKeyFrame(const KeyFrame& keyframe, Counts& counts) {
   ++Count(counts, Content::kPoses);
   Count(counts, Content::kKeypoints) +=
       features.keypoints.size() + (features.is_fisheye_stereo() ? features.right_keypoints.size() : 0);
-  Count(counts, Content::kDescriptors) += features.descriptors.size();
+  Count(counts, Content::kDescriptors) += keyframe.descriptor_count();
+  Count(counts, Content::kCarried) += CarriesMembers(keyframe.carried) ? 1 : 0;
   Count(counts, Content::kBagOfWords) += features.bag_of_words.words.empty() ? 0 : 1;
   Count(counts, Content::kGraph) += keyframe.connections.size() + (keyframe.parent ? 1 : 0) +
                                     keyframe.loop_edges.size() + keyframe.merge_edges.size();
@@ -62,7 +66,8 @@ void CountPoint(const MapPoint& point, Counts& counts) {
   const bool range = point.min_distance != 0 || point.max_distance != 0;
   Count(counts, Content::kNormals) += range || point.normal != Eigen::Vector3f::Zero() ? 1 : 0;
   Count(counts, Content::kObservations) += point.observations.size();
-  Count(counts, Content::kDescriptors) += point.has_descriptor() ? 1 : 0;
+  Count(counts, Content::kDescriptors) += point.has_descriptor() || point.has_other_descriptor() ? 1 : 0;
+  Count(counts, Content::kCarried) += CarriesMembers(point.carried) ? 1 : 0;
   Count(counts, Content::kTracking) += point.has_tracking() ? 1 : 0;
 }
 
@@ -72,11 +77,14 @@ Counts CountContent(const Atlas& atlas, std::optional<MapId> chosen) {
     if (chosen && map.id != *chosen) continue;
     ++Count(counts, Content::kMaps);
     Count(counts, Content::kLandmarks) += map.landmarks.size();
+    Count(counts, Content::kCarried) += CarriesMembers(map.carried) ? 1 : 0;
     for (const KeyFrame& keyframe : map.keyframes) CountKeyFrame(keyframe, counts);
     for (const MapPoint& point : map.points) CountPoint(point, counts);
   }
   if (Count(counts, Content::kMaps) == 1) Count(counts, Content::kMaps) = 0;
   Count(counts, Content::kCameras) = atlas.cameras.size();
+  Count(counts, Content::kCarried) += CarriesMembers(atlas.carried) ? 1 : 0;
+  for (const Camera& camera : atlas.cameras) Count(counts, Content::kCarried) += CarriesMembers(camera.carried) ? 1 : 0;
   const std::uint64_t entities =
       Count(counts, Content::kPoses) + Count(counts, Content::kPoints) + atlas.cameras.size();
   Count(counts, Content::kIdentity) = entities == 0 ? 0 : entities + Count(counts, Content::kMaps);
@@ -96,8 +104,9 @@ Content ContentOf(const Atlas& atlas, std::optional<MapId> map) {
 std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, const WriteOptions& options) {
   std::vector<std::string> losses;
   const Counts counts = CountContent(atlas, format.chooses_maps ? options.of<ExportOptions>().map : std::nullopt);
+  const Content held = format.holds != nullptr ? format.holds(atlas, options) : format.writes;
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
-    if (counts[kind] == 0 || HasAny(format.writes, kKinds[kind].content)) continue;
+    if (counts[kind] == 0 || HasAny(held, kKinds[kind].content)) continue;
     std::string loss = std::string(format.id) + " cannot hold " + std::string(kKinds[kind].what);
     if (kKinds[kind].content != Content::kIdentity) loss += " (" + Thousands(counts[kind]) + ")";
     losses.push_back(std::move(loss));

@@ -41,6 +41,7 @@ struct Map {
   KeyFrameId first_keyframe;                         // root of the spanning tree              mnBackupKFinitialID
   KeyFrameId lowest_keyframe;                        // smallest id                            mnBackupKFlowerID
   Flag imu_initialized, inertial, imu_ba1, imu_ba2;  // mbImuInitialized, mbIsInertial, mbIMU_BA1, mbIMU_BA2
+  Boxed<Carried> carried;                            // of a fork's file; null as a rule
 };
 
 // The next id that ORB-SLAM3 hands out of each kind.
@@ -83,6 +84,10 @@ struct Atlas {
   std::vector<RepeatedEntry> repeated_cameras;
   Counters next_ids;
   ArchiveEncoding encoding;
+  // The layout of the fork's file that it was read from, which says what `carried` means: the id of a known one, or
+  // its JSON (formats/layouts/layout.h). Empty: ORB-SLAM3 v1.0.
+  std::string layout;
+  Boxed<Carried> carried;  // of the atlas itself
 };
 
 }  // namespace slamdb

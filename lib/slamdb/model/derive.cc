@@ -44,6 +44,8 @@ bool HasParameters(const Camera& camera) {
       return camera.parameters.size() == kPinholeParameters;
     case CameraModel::kKannalaBrandt8:
       return camera.parameters.size() == kKannalaBrandtParameters;
+    case CameraModel::kEquirectangular:
+      return false;
   }
   return false;
 }

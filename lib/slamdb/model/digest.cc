@@ -51,6 +51,7 @@ std::int64_t HashOfAtlasHeader(const Atlas& atlas, const ArchiveEncoding& encodi
     fields::ForEachHeadField(EachTo(writer, atlas));
     fields::ForEachEncodingField([&](std::string_view, auto, auto member) { writer.Field(Member(encoding, member)); });
     fields::ForEachRepeatedField(EachTo(writer, atlas));
+    if (!atlas.layout.empty() || atlas.carried) fields::ForEachForkField(EachTo(writer, atlas));
   });
 }
 
@@ -73,6 +74,7 @@ std::int64_t HashOfRow(const KeyFrame& keyframe) {
                             keyframe.imu_initialized, keyframe.has_velocity})
       writer.Field(flag);
     EncodeDetails(keyframe, bytes);
+    writer.Field(keyframe.carried);
   });
 }
 
@@ -110,6 +112,7 @@ std::int64_t HashOfRow(const MapPoint& point) {
       if constexpr (!std::is_same_v<decltype(member), Column<Observation> MapPoint::*>) each(name, member);
     });
     if (point.has_tracking()) fields::ForEachTrackingField(each);
+    writer.Field(point.carried);
   });
 }
 

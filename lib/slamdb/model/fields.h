@@ -52,6 +52,7 @@ template <class Visit>
 void ForEachField(const MapPoint*, const Visit& visit) {
   fields::ForEachArchivedPointField(visit);
   fields::ForEachTrackingField(visit);
+  visit("carried", &MapPoint::carried);
 }
 
 template <class Visit>
@@ -61,6 +62,7 @@ void ForEachField(const Camera*, const Visit& visit) {
   visit("recorded_type", &Camera::recorded_type);
   visit("parameters", &Camera::parameters);
   visit("precision", &Camera::precision);
+  visit("carried", &Camera::carried);
 }
 
 // Without the lists of keyframes, points and landmarks.
@@ -79,6 +81,7 @@ void ForEachField(const Map*, const Visit& visit) {
   visit("inertial", &Map::inertial);
   visit("imu_ba1", &Map::imu_ba1);
   visit("imu_ba2", &Map::imu_ba2);
+  visit("carried", &Map::carried);
 }
 
 namespace fields {
@@ -111,6 +114,13 @@ void ForEachRepeatedField(const Visit& visit) {
   visit("repeated_cameras", &Atlas::repeated_cameras);
 }
 
+// The layout of a fork, and what only it has.
+template <class Visit>
+void ForEachForkField(const Visit& visit) {
+  visit("layout", &Atlas::layout);
+  visit("carried", &Atlas::carried);
+}
+
 // How an atlas is written down, which is not what it says: not in ForEachField.
 template <class Visit>
 void ForEachEncodingField(const Visit& visit) {
@@ -127,6 +137,7 @@ template <class Visit>
 void ForEachField(const Atlas*, const Visit& visit) {
   fields::ForEachHeadField(visit);
   fields::ForEachRepeatedField(visit);
+  fields::ForEachForkField(visit);
 }
 
 template <class Visit>
@@ -325,6 +336,7 @@ void ForEachField(const KeyFrame*, const Visit& visit) {
   visit("previous", &KeyFrame::previous);
   visit("next", &KeyFrame::next);
   fields::ForEachMotionField(visit);
+  visit("carried", &KeyFrame::carried);
 }
 
 }  // namespace slamdb

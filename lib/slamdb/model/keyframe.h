@@ -5,18 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "slamdb/model/carried.h"
 #include "slamdb/model/features.h"
 #include "slamdb/model/imu.h"
 
 namespace slamdb {
-
-// A small matrix of any OpenCV type as a file holds it. cv::Mat.
-struct Matrix {
-  std::int32_t rows = 0, columns = 0;
-  std::int32_t type = 0;  // OpenCV's type code: 5 = one channel of 32-bit floats
-  Flag continuous;
-  Column<std::byte> data;  // row after row
-};
 
 // Pinhole intrinsics of the undistorted image as ORB-SLAM3 copies them into each keyframe. Pixels.
 struct Intrinsics {
@@ -93,6 +86,14 @@ struct KeyFrame {
   Eigen::Vector3f velocity = Eigen::Vector3f::Zero();       // m/s, world                mVw
   Eigen::Vector3f body_position = Eigen::Vector3f::Zero();  // m, world; uninitialised without IMU   mOwb
   Flag has_velocity;                                        //                                         mbHasVelocity
+
+  Boxed<Carried> carried;  // of a fork's file; null as a rule
+
+  // How many keypoints have a descriptor, ORB's or another.
+  std::size_t descriptor_count() const {
+    if (carried && carried->descriptors.columns != 0) return static_cast<std::size_t>(carried->descriptors.rows);
+    return features.descriptors.size();
+  }
 };
 
 }  // namespace slamdb

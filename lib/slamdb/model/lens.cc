@@ -45,6 +45,7 @@ bool ProjectKannalaBrandt(const Lens& lens, const Eigen::Vector3d& point, Eigen:
 }  // namespace
 
 std::optional<Lens> Lens::Of(const Camera& camera) {
+  if (camera.model == CameraModel::kEquirectangular) return std::nullopt;
   const std::size_t needed = camera.model == CameraModel::kPinhole ? 4 : 8;
   if (camera.parameters.size() != needed) return std::nullopt;
   if (!std::ranges::all_of(camera.parameters, [](float value) { return std::isfinite(value); })) return std::nullopt;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "slamdb/model/carried.h"
 #include "slamdb/model/features.h"
 #include "slamdb/model/flag.h"
 
@@ -49,10 +50,13 @@ struct MapPoint {
   KeyFrameId reference;                      // reference keyframe; uninitialised if not in the map   mBackupRefKFId
   MapPointId replaced_by;                    // fused into                       mBackupReplacedId
   float min_distance = 0, max_distance = 0;  // scale-invariance range           mfMinDistance, mfMaxDistance
+  Boxed<Carried> carried;                    // of a fork's file; null as a rule
 
   bool has_descriptor() const {
     return descriptor_form == MatrixForm::kUsual || descriptor_form == MatrixForm::kUsualNotContinuous;
   }
+  // Whether it has one of another kind than ORB's.
+  bool has_other_descriptor() const { return carried && carried->descriptors.columns != 0; }
   // Whether anything is recorded that ORB-SLAM3 has in memory only.
   bool has_tracking() const { return origin_map != kNoOrigin || visible_count != kNoCount || found_count != kNoCount; }
 };

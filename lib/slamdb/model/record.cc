@@ -8,7 +8,7 @@
 namespace slamdb::detail {
 namespace {
 
-constexpr std::uint8_t kDetailsLayout = 1, kLandmarkLayout = 1;
+constexpr std::uint8_t kDetailsLayout = 1, kLandmarkLayout = 1, kCarriedLayout = 1;
 
 void CheckLayout(std::uint8_t layout, std::uint8_t expected, std::string_view of) {
   if (layout == expected) return;
@@ -86,6 +86,31 @@ std::vector<LandmarkFeature> DecodeLandmarkFeatures(Bytes blob) {
   }
   in.ExpectEnd();
   return features;
+}
+
+void EncodeCarried(const Boxed<Carried>& carried, ByteWriter& out) {
+  if (!carried) return;
+  out.Put(kCarriedLayout);
+  out.PutVector(carried->members);
+  const Matrix& descriptors = carried->descriptors;
+  for (const std::int32_t number : {descriptors.rows, descriptors.columns, descriptors.type}) out.Put(number);
+  out.Put(descriptors.continuous);
+  out.PutVector(descriptors.data);
+}
+
+Boxed<Carried> DecodeCarried(Bytes blob) {
+  Boxed<Carried> carried;
+  if (blob.empty()) return carried;
+  ByteReader in(blob);
+  CheckLayout(in.Get<std::uint8_t>(), kCarriedLayout, "carried members");
+  in.GetVector(carried.Make().members);
+  Matrix& descriptors = carried.Make().descriptors;
+  for (std::int32_t* number : {&descriptors.rows, &descriptors.columns, &descriptors.type})
+    *number = in.Get<std::int32_t>();
+  descriptors.continuous = in.Get<Flag>();
+  in.GetVector(descriptors.data);
+  in.ExpectEnd();
+  return carried;
 }
 
 KeyframeReals RealsOf(const KeyFrame& keyframe) {

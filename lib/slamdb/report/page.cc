@@ -94,8 +94,10 @@ void AppendDetails(Html& html, const Atlas& atlas) {
     std::string parameters;
     for (const float value : camera.parameters) parameters += Concat(" ", static_cast<double>(value));
     html << "<p>" << ToString(camera.id)
-         << (camera.model == CameraModel::kPinhole ? Literal(", pinhole:") : Literal(", Kannala-Brandt:")) << parameters
-         << "</p>\n";
+         << (camera.model == CameraModel::kPinhole          ? Literal(", pinhole:")
+             : camera.model == CameraModel::kKannalaBrandt8 ? Literal(", Kannala-Brandt:")
+                                                            : Literal(", equirectangular:"))
+         << parameters << "</p>\n";
   }
 }
 

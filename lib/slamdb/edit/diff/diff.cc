@@ -300,6 +300,8 @@ class Comparison {
     const Atlas &a = before_.atlas(), &b = after_.atlas();
     AddField(diff_.fields, "vocabulary", a.vocabulary.name, b.vocabulary.name);
     AddField(diff_.fields, "vocabulary checksum", a.vocabulary.checksum, b.vocabulary.checksum);
+    AddField(diff_.fields, "layout", a.layout, b.layout);
+    if (a.carried != b.carried) AddField(diff_.fields, "members of a fork", "some", "others");
     AddField(diff_.fields, "null or repeated entries", IrregularEntries(a), IrregularEntries(b));
     if (!AddLandmarks(diff_.fields, "landmarks that the other has not", false, a, b))
       AddLandmarks(diff_.numbering, "landmarks of other ids", true, a, b);

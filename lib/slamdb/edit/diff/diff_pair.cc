@@ -106,6 +106,7 @@ KeyFramePairDiff PairComparison::CompareKeyFrame(std::uint32_t n) const {
                         a.to_be_erased == b.to_be_erased && a.bad == b.bad && same_(a.merge_scale, b.merge_scale) &&
                         same_(a.camera_from_parent, b.camera_from_parent));
   diff.Note(kOriginMap, SameOrigin(a.origin_map, b.origin_map));
+  diff.Note(kCarriedByKeyFrame, a.carried == b.carried);
   CompareEdges(n, partner, diff);
   CompareSlots(n, partner, diff.links[kSlots]);
   return diff;
@@ -174,6 +175,7 @@ PointPairDiff PairComparison::ComparePoint(std::uint32_t n) const {
   diff.Note(kBad, a.bad == b.bad);
   diff.Note(kPointOrigin, SameOrigin(a.origin_map, b.origin_map));
   diff.Note(kFrameCounts, a.visible_count == b.visible_count && a.found_count == b.found_count);
+  diff.Note(kCarriedByPoint, a.carried == b.carried);
   CompareFirst(n, partner, diff);
   CompareObservations(n, partner, diff.observations);
   return diff;
@@ -217,6 +219,7 @@ PairDiff PairComparison::CompareMap(std::uint32_t row) const {
                same(a.lowest_keyframe, b.lowest_keyframe) && a.origins.size() == b.origins.size();
   for (std::size_t i = 0; roots && i < a.origins.size(); ++i) roots = same(a.origins[i], b.origins[i]);
   diff.Note(kRoots, roots);
+  diff.Note(kCarriedByMap, a.carried == b.carried);
   return diff;
 }
 

@@ -55,8 +55,9 @@ void AppendFieldChanges(std::string_view name, const Field& before, const Field&
   add(begin, before_end, after_end);
 }
 
-void AppendFieldChanges(std::string_view name, const field_bits::LandmarkFeatures& before,
-                        const field_bits::LandmarkFeatures& after, std::vector<FieldEdit>& edits) {
+template <class Field>
+requires field_bits::kIsRecord<Field>
+void AppendFieldChanges(std::string_view name, const Field& before, const Field& after, std::vector<FieldEdit>& edits) {
   AppendFieldChanges(name, field_bits::BytesOf(before), field_bits::BytesOf(after), edits);
 }
 
@@ -242,10 +243,12 @@ void TakeBackField(const FieldEdit& edit, Field& field) {
   }
 }
 
-void TakeBackField(const FieldEdit& edit, field_bits::LandmarkFeatures& features) {
-  std::vector<std::uint8_t> bytes = field_bits::BytesOf(features);
+template <class Field>
+requires field_bits::kIsRecord<Field>
+void TakeBackField(const FieldEdit& edit, Field& field) {
+  std::vector<std::uint8_t> bytes = field_bits::BytesOf(field);
   TakeBackField(edit, bytes);
-  features = field_bits::FeaturesOf(bytes);
+  field_bits::FromBytes(bytes, field);
 }
 
 template <class Entity>

@@ -96,6 +96,7 @@ void AppendJson(std::string& out, const MapPoint& point, std::optional<MapId> ma
   fields::ForEachTrackingField([&](std::string_view name, auto member) {
     if (point.*member != nothing.*member) json.Field(name, point.*member);  // left out: not recorded
   });
+  detail::AppendMember(json, "carried", point.carried);
   json.EndObject();
 }
 
@@ -145,6 +146,8 @@ void AppendJson(std::string& out, const Atlas& atlas) {
     append("repeated_cameras", &Atlas::repeated_cameras);
     fields::ForEachCounterField(append);
     fields::ForEachEncodingField(append);
+    if (!atlas.layout.empty()) append("layout", &Atlas::layout);
+    append("carried", &Atlas::carried);
   }
   json.EndObject();
 }

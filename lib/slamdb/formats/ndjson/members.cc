@@ -106,6 +106,23 @@ void AppendMember(JsonAppender& json, std::string_view name, const std::vector<L
   });
 }
 
+void AppendMember(JsonAppender& json, std::string_view name, const Boxed<Carried>& carried) {
+  if (!carried) return;
+  const Matrix& descriptors = carried->descriptors;
+  json.BeginObject(name);
+  json.Hex("members", carried->members.data(), carried->members.size());
+  if (descriptors != Matrix()) {
+    json.BeginObject("descriptors");
+    json.Field("rows", descriptors.rows);
+    json.Field("columns", descriptors.columns);
+    json.Field("type", descriptors.type);
+    json.Field("continuous", descriptors.continuous);
+    json.Hex("bytes", descriptors.data.data(), descriptors.data.size());
+    json.EndObject();
+  }
+  json.EndObject();
+}
+
 std::string_view DottedMembers::Enter(std::string_view name) {
   const std::string_view object = ObjectOf(name);
   LeaveTo(object);

@@ -18,7 +18,7 @@ bool LooksWhole(const KeyFrame& keyframe) {
   const auto levels = static_cast<std::size_t>(std::max(keyframe.pyramid.levels, 0));
   const auto columns = static_cast<std::size_t>(std::max(keyframe.bounds.grid_columns, 0));
   return features.keypoints.size() == left && features.undistorted.size() == left &&
-         features.descriptors.size() == count && features.map_points.size() == count &&
+         keyframe.descriptor_count() == count && features.map_points.size() == count &&
          keyframe.pyramid.factors.size() == levels && features.grid.column_sizes.size() == columns &&
          std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F && Holds(keyframe.first_connection) &&
          Holds(keyframe.not_erase) && Holds(keyframe.to_be_erased) && Holds(keyframe.bad) &&
@@ -29,7 +29,7 @@ bool LooksWhole(const MapPoint& point) {
   const auto paired = [](const Observation& observation) {
     return observation.left != Observation::kAbsent && observation.right != Observation::kAbsent;
   };
-  return point.has_descriptor() && Holds(point.bad) && point.position.allFinite() && point.normal.allFinite() &&
+  return (point.has_descriptor() || point.has_other_descriptor()) && Holds(point.bad) && point.position.allFinite() && point.normal.allFinite() &&
          point.min_distance <= point.max_distance && std::isfinite(point.max_distance) &&
          std::ranges::all_of(point.observations, paired) &&
          std::ranges::is_sorted(point.observations, {}, &Observation::keyframe);

@@ -3,10 +3,18 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "slamdb/export.h"
 
 namespace slamdb {
+
+// How .osa files are read.
+struct SLAMDB_EXPORT Orbslam3ReadOptions {
+  // The layout of the file: the id of a known one, or its JSON (formats/layouts/layout.h). `v1.0` is ORB-SLAM3's own.
+  // Empty: v1.0, and where the file is not of that, the known one that fits.
+  std::string layout;
+};
 
 // How .osa files are written, binary and text.
 struct SLAMDB_EXPORT Orbslam3WriteOptions {
@@ -18,6 +26,9 @@ struct SLAMDB_EXPORT Orbslam3WriteOptions {
   std::optional<int> long_bytes;
   // Write what ORB-SLAM3 itself reads safely: uninitialised members zeroed, repeated and empty maps dropped.
   bool sanitize = false;
+  // The layout that is written: the id of a known one, or its JSON. `v1.0` is ORB-SLAM3's own.
+  // nullopt: as read.
+  std::optional<std::string> layout;
 };
 
 }  // namespace slamdb

@@ -41,8 +41,9 @@ bool HasPlainTable(Database& database, std::string_view table) {
 void CheckTables(Database& database, int version, Derived derived) {
   for (const char* table :
        {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
-        "map_point", "map_point_box", "observation", "history", "writer", "landmark", "keyframe_words"}) {
+        "map_point", "map_point_box", "observation", "history", "writer", "landmark", "keyframe_words", "carried"}) {
     if (version < kFirstVersionWithLandmarks && table == std::string_view("landmark")) continue;
+    if (version < kFirstVersionWithCarried && table == std::string_view("carried")) continue;
     if (version < kFirstVersionWithPlaces && table == std::string_view("keyframe_words")) continue;
     const bool is_derived = table == std::string_view("map_point_box") || table == std::string_view("keyframe_words");
     if (derived == Derived::kNotNeeded && is_derived) continue;

@@ -7,7 +7,10 @@
 #include <cstring>
 #include <thread>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/sqlite/detail/carried.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/model/detail/packing.h"
 
@@ -140,11 +143,15 @@ void LoadLists(Database& database, std::int64_t atlas_row, const ReadOptions& op
 }  // namespace
 
 void LoadHeader(Database& database, std::int64_t row, Atlas& atlas) {
+  // What is salvaged may be of an older version, which has no such column.
+  const bool has_layout = VersionOf(database) >= kFirstVersionWithCarried;
   Statement statement(
       database,
-      "SELECT vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, next_map_point, "
-      "next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
-      "archive_size_bytes FROM atlas WHERE row = ?1",
+      detail::Concat(
+          "SELECT vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, next_map_point, "
+          "next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
+          "archive_size_bytes, ",
+          has_layout ? "layout" : "NULL", " FROM atlas WHERE row = ?1"),
       "table atlas");
   if (!statement.Bind(1, row).Step()) throw SnapshotChanged();
   atlas.vocabulary = {statement.Text(0), statement.Text(1)};
@@ -158,6 +165,8 @@ void LoadHeader(Database& database, std::int64_t row, Atlas& atlas) {
   atlas.encoding.boost_version = static_cast<std::uint32_t>(statement.Integer(9));
   atlas.encoding.long_bytes = static_cast<std::uint8_t>(statement.Integer(10));
   atlas.encoding.size_bytes = static_cast<std::uint8_t>(statement.Integer(11));
+  if (!statement.IsNull(12)) atlas.layout = statement.Text(12);
+  atlas.carried = LoadCarried(database, CarriedKind::kAtlas, row);
 }
 
 void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
@@ -166,10 +175,14 @@ void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
                       "ORDER BY position",
                       "table camera");
   statement.Bind(1, row);
+  CarriedReader carried(database, CarriedKind::kCamera);
+  carried.Start(CarriedCameraRow(row, 0), CarriedCameraRow(row, 0xffffffff));
   while (statement.Step()) {
     Camera& camera = atlas.cameras.emplace_back();
+    carried.Read(CarriedCameraRow(row, atlas.cameras.size() - 1), camera.carried);
     camera.id = CameraId(static_cast<std::uint64_t>(statement.Integer(0)));
-    camera.model = static_cast<CameraModel>(statement.Integer(1) & 1);
+    const std::int64_t model = statement.Integer(1);
+    camera.model = model == 2 ? CameraModel::kEquirectangular : static_cast<CameraModel>(model & 1);
     camera.recorded_type = static_cast<std::uint32_t>(statement.Integer(2));
     const Bytes exact = statement.Blob(5);
     if (exact.empty()) {
@@ -228,6 +241,7 @@ Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row) {
     flag->recorded = static_cast<std::uint8_t>(statement.Integer(column++));
   }
   LoadOrigins(database, row, map);
+  map.carried = LoadCarried(database, CarriedKind::kMap, row);
   map.repeated_keyframes = LoadRepeated(database, atlas, "keyframes", row);
   map.repeated_points = LoadRepeated(database, atlas, "points", row);
   RequireSame(database, "map", row, map.id.value(), detail::HashOfHeader(map) == statement.Integer(10));

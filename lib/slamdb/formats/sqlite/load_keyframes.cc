@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstring>
 
+#include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/model/detail/record.h"
@@ -76,10 +77,13 @@ void ReadRows(Database& database, std::span<const std::int64_t> rows, std::span<
       "details, exact FROM keyframe WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
       "table keyframe");
   statement.Bind(1, rows.front()).Bind(2, rows.back());
+  CarriedReader carried(database, CarriedKind::kKeyframe);
+  carried.Start(rows.front(), rows.back());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe", rows[i]);
     bool same = true;
     DecodeAt(database, "keyframe", rows[i], [&] { same = ReadKeyframe(statement, keyframes[i]); });
+    carried.Read(rows[i], keyframes[i].carried);
     hashes[i] = detail::HashOfRow(keyframes[i]);
     links_hashes[i] = statement.Integer(3);
     RequireSame(database, "keyframe", rows[i], keyframes[i].id.value(), same && hashes[i] == statement.Integer(2));

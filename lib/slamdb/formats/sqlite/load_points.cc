@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 
@@ -105,14 +106,17 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
           "FROM map_point WHERE row BETWEEN ?1 AND ?2 ORDER BY row"),
       "table map_point");
   ObservationReader observations(database);
+  CarriedReader carried(database, CarriedKind::kPoint);
   ForEachRun(rows, [&](std::size_t first, std::size_t count) {
     statement.Reset();
     statement.Bind(1, rows[first]).Bind(2, rows[first + count - 1]);
     observations.Start(rows[first], rows[first + count - 1]);
+    carried.Start(rows[first], rows[first + count - 1]);
     for (std::size_t i = first; i < first + count; ++i) {
       if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "map_point", rows[i]);
       const bool same = ReadPoint(database, statement, points[i]);
       observations.Read(rows[i], points[i].observations);
+      carried.Read(rows[i], points[i].carried);
       hashes[i] = detail::HashOfRow(points[i]);
       observations_hashes[i] = detail::HashOf(points[i].observations);
       const std::uint64_t id = points[i].id.value();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/place_words.h"
 #include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
@@ -39,13 +40,13 @@ std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas
       database,
       "INSERT INTO atlas (row, name, vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, "
       "next_map_point, next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
-      "archive_size_bytes, revision, saved_at, maps, keyframes, points, observations, hash) "
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 1, ?15, ?16, ?17, ?18, ?19, ?20) "
+      "archive_size_bytes, revision, saved_at, maps, keyframes, points, observations, hash, layout) "
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 1, ?15, ?16, ?17, ?18, ?19, ?20, ?21) "
       "ON CONFLICT (row) DO UPDATE SET vocabulary_name = ?3, vocabulary_checksum = ?4, next_map = ?5, "
       "next_frame = ?6, next_keyframe = ?7, next_map_point = ?8, next_camera = ?9, next_initial_keyframe = ?10, "
       "archive_text = ?11, archive_boost_version = ?12, archive_long_bytes = ?13, archive_size_bytes = ?14, "
       "revision = revision + 1, saved_at = ?15, maps = ?16, keyframes = ?17, points = ?18, observations = ?19, hash = "
-      "?20 "
+      "?20, layout = ?21 "
       "RETURNING row",
       "table atlas");
   const Counters& next = atlas.next_ids;
@@ -66,6 +67,10 @@ std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas
     statement.Bind(column++, ToColumn(value));
   }
   statement.Bind(column++, hash);
+  if (atlas.layout.empty())
+    statement.BindNull(column);
+  else
+    statement.BindText(column, atlas.layout);
   statement.Step();
   const std::int64_t row = statement.Integer(0);
   while (statement.Step()) {
@@ -144,6 +149,22 @@ void SaveOrigins(SaveContext& context, std::int64_t row, const Map& map) {
   context.changes["map_origin"].inserted += map.origins.size();
 }
 
+// All or nothing: nearly always there is nothing.
+void SaveCarried(SaveContext& context, const Atlas& atlas) {
+  const auto replace = [&](CarriedKind kind, std::int64_t first, std::int64_t last, const auto& write) {
+    DeleteCarried(context.database, kind, first, last);
+    CarriedWriter writer(context.database, kind);
+    write(writer);
+  };
+  replace(CarriedKind::kAtlas, context.atlas, context.atlas,
+          [&](CarriedWriter& writer) { writer.Write(context.atlas, atlas.carried); });
+  const std::int64_t first = CarriedCameraRow(context.atlas, 0);
+  replace(CarriedKind::kCamera, first, first | 0xffffffff, [&](CarriedWriter& writer) {
+    for (std::size_t i = 0; i < atlas.cameras.size(); ++i)
+      writer.Write(CarriedCameraRow(context.atlas, i), atlas.cameras[i].carried);
+  });
+}
+
 struct StoredMap {
   std::int64_t row = 0, id = 0, position = 0, hash = 0;
   bool used = false;
@@ -184,6 +205,9 @@ void DeleteRange(Database& database, const char* table, const char* key, std::in
 }
 
 void DeleteMap(Database& database, std::int64_t map, ChangeCounter& changes) {
+  DeleteCarried(database, CarriedKind::kMap, map, map);
+  DeleteCarried(database, CarriedKind::kKeyframe, FirstRowOfMap(map), LastRowOfMap(map));
+  DeleteCarried(database, CarriedKind::kPoint, FirstRowOfMap(map), LastRowOfMap(map));
   DeleteRange(database, "observation", "point", map, changes);
   DeleteRange(database, "map_point_box", "row", map, changes);
   DeleteRange(database, "map_point", "row", map, changes);
@@ -229,6 +253,8 @@ std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, 
     if (same) continue;
     WriteMapRow(context, row, i, atlas.maps[i], hashes.maps[i].header);
     SaveOrigins(context, row, atlas.maps[i]);
+    DeleteCarried(context.database, CarriedKind::kMap, row, row);
+    CarriedWriter(context.database, CarriedKind::kMap).Write(row, atlas.maps[i].carried);
   }
   return rows;
 }
@@ -286,6 +312,7 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
   const std::vector<std::int64_t> rows = SaveMapRows(context, atlas, hashes);
   if (may_differ) {
     SaveCameras(context, atlas);
+    SaveCarried(context, atlas);
     SaveAllRepeated(context, atlas, rows);
   } else {
     changes["camera"].unchanged += atlas.cameras.size();
@@ -301,6 +328,8 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
 }
 
 void DeleteAtlas(Database& database, std::int64_t atlas, ChangeCounter& changes) {
+  DeleteCarried(database, CarriedKind::kAtlas, atlas, atlas);
+  DeleteCarried(database, CarriedKind::kCamera, CarriedCameraRow(atlas, 0), CarriedCameraRow(atlas, 0xffffffff));
   for (const StoredMap& map : ReadStoredMaps(database, atlas)) DeleteMap(database, map.row, changes);
   for (const char* table : {"camera", "repeated_entry"}) {
     Statement remove(database, std::string("DELETE FROM ") + table + " WHERE atlas = ?1",

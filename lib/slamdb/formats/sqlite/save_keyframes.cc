@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/model/detail/record.h"
@@ -34,6 +35,7 @@ class KeyframeWriter {
  public:
   explicit KeyframeWriter(SaveContext& context)
       : atlas_(context.atlas),
+        carried_(context.database, CarriedKind::kKeyframe),
         insert_(
             context.database,
             "INSERT OR REPLACE INTO keyframe VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, "
@@ -61,10 +63,13 @@ class KeyframeWriter {
     details_.Clear();
     detail::EncodeDetails(keyframe, details_);
     insert_.BindBlob(41, details_.bytes()).Run();
+    if (entry.stored != nullptr) carried_.Remove(entry.row);
+    carried_.Write(entry.row, keyframe.carried);
   }
 
  private:
   std::int64_t atlas_;
+  CarriedWriter carried_;
   Statement insert_;
   ByteWriter details_, exact_;
 };
@@ -174,10 +179,12 @@ void RemoveKeyframes(SaveContext& context, LinkWriter& links, const std::vector<
   if (rows.empty()) return;
   Statement features(context.database, "DELETE FROM keyframe_features WHERE keyframe = ?1", "table keyframe_features");
   Statement keyframe(context.database, "DELETE FROM keyframe WHERE row = ?1", "table keyframe");
+  CarriedWriter carried(context.database, CarriedKind::kKeyframe);
   for (const std::int64_t row : rows) {
     context.changes["keyframe_link"].deleted += links.Remove(row);
     features.Bind(1, row).Run();
     keyframe.Bind(1, row).Run();
+    carried.Remove(row);
   }
   context.changes["keyframe"].deleted += rows.size();
   context.changes["keyframe_features"].deleted += rows.size();

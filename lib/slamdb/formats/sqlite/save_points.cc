@@ -3,6 +3,7 @@
 #include <array>
 
 #include "slamdb/formats/sqlite/detail/box_tree.h"
+#include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 
 namespace slamdb::sqlite {
@@ -17,7 +18,8 @@ class PointWriter {
       : insert_(database,
                 "INSERT OR REPLACE INTO map_point VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
                 "?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26)",
-                "table map_point") {}
+                "table map_point"),
+        carried_(database, CarriedKind::kPoint) {}
 
   void Write(std::int64_t map, const ListPlan::Entry& entry, const MapPoint& point, std::int64_t hash,
              std::int64_t observations_hash) {
@@ -43,6 +45,8 @@ class PointWriter {
     BindRecorded(25, point.visible_count, MapPoint::kNoCount);
     BindRecorded(26, point.found_count, MapPoint::kNoCount);
     insert_.Run();
+    if (entry.stored != nullptr) carried_.Remove(entry.row);
+    carried_.Write(entry.row, point.carried);
   }
 
  private:
@@ -52,6 +56,7 @@ class PointWriter {
   }
 
   Statement insert_;
+  CarriedWriter carried_;
 };
 
 // The rows of observation. They are many and small, so they go in by the batch: a statement of several rows costs
@@ -128,11 +133,13 @@ void RemovePoints(SaveContext& context, ObservationWriter& observations, const s
   if (rows.empty()) return;
   Statement box(context.database, "DELETE FROM map_point_box WHERE row = ?1", "table map_point_box");
   Statement point(context.database, "DELETE FROM map_point WHERE row = ?1", "table map_point");
+  CarriedWriter carried(context.database, CarriedKind::kPoint);
   TableChanges& deleted_observations = context.changes["observation"];
   for (const std::int64_t row : rows) {
     deleted_observations.deleted += observations.Remove(row);
     box.Bind(1, row).Run();
     point.Bind(1, row).Run();
+    carried.Remove(row);
   }
   context.changes["map_point"].deleted += rows.size();
 }

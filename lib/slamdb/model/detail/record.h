@@ -23,6 +23,11 @@ void EncodeLandmarkFeatures(const std::vector<LandmarkFeature>& features, ByteWr
 // Throws Error (kDamaged) when the bytes are not those of EncodeLandmarkFeatures.
 std::vector<LandmarkFeature> DecodeLandmarkFeatures(Bytes blob);
 
+// Nothing for null.
+void EncodeCarried(const Boxed<Carried>& carried, ByteWriter& out);
+// Null for no bytes. Throws Error (kDamaged) when the bytes are not those of EncodeCarried.
+Boxed<Carried> DecodeCarried(Bytes blob);
+
 // camera_from_world (w x y z, then the translation), velocity and IMU bias of a keyframe.
 using KeyframeReals = std::array<float, 16>;
 KeyframeReals RealsOf(const KeyFrame& keyframe);

@@ -42,6 +42,8 @@ class RecordWriter {
     }
   }
   void Field(const std::vector<LandmarkFeature>& features) { EncodeLandmarkFeatures(features, out_); }
+  // Nothing for null, so that hashes of what has none are what they were.
+  void Field(const Boxed<Carried>& carried) { EncodeCarried(carried, out_); }
   void Field(const std::vector<RepeatedEntry>& entries) {
     Field(static_cast<std::uint64_t>(entries.size()));
     for (const RepeatedEntry& entry : entries) {

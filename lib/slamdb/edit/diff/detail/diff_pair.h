@@ -22,11 +22,12 @@ enum KeyFrameAspect : std::size_t {
   kInertial,
   kState,
   kOriginMap,
+  kCarriedByKeyFrame,
   kKeyFrameAspects
 };
 inline constexpr std::array<std::string_view, kKeyFrameAspects> kKeyFrameAspectNames = {
-    "pose",         "time",          "camera and calibration", "features",  "features lost",
-    "bag of words", "inertial data", "flags and state",        "origin map"};
+    "pose",         "time",          "camera and calibration", "features",   "features lost",
+    "bag of words", "inertial data", "flags and state",        "origin map", "members of a fork"};
 
 enum PointAspect : std::size_t {
   kPosition,
@@ -40,15 +41,16 @@ enum PointAspect : std::size_t {
   kFirstKeyFrame,
   kPointOrigin,
   kFrameCounts,
+  kCarriedByPoint,
   kPointAspects
 };
 inline constexpr std::array<std::string_view, kPointAspects> kPointAspectNames = {
-    "position",    "normal",   "distance range", "descriptor", "observation count",       "reference keyframe",
-    "replacement", "bad flag", "first keyframe", "origin map", "visible and found counts"};
+    "position",    "normal",   "distance range", "descriptor", "observation count",        "reference keyframe",
+    "replacement", "bad flag", "first keyframe", "origin map", "visible and found counts", "members of a fork"};
 
-enum MapAspect : std::size_t { kFlags, kBigChange, kRoots, kMapAspects };
-inline constexpr std::array<std::string_view, kMapAspects> kMapAspectNames = {"inertial flags", "count of big changes",
-                                                                              "initial, lowest and origin keyframes"};
+enum MapAspect : std::size_t { kFlags, kBigChange, kRoots, kCarriedByMap, kMapAspects };
+inline constexpr std::array<std::string_view, kMapAspects> kMapAspectNames = {
+    "inertial flags", "count of big changes", "initial, lowest and origin keyframes", "members of a fork"};
 
 enum CameraAspect : std::size_t { kParameters, kCameraAspects };
 inline constexpr std::array<std::string_view, kCameraAspects> kCameraAspectNames = {"parameters"};

@@ -11,7 +11,8 @@
 
 // A field of the model as bits: elements of so many scalars, each as the bits that it has, so that NaNs and what is
 // uninitialised survive. Private to the journal.
-// The features of a landmark, which hold lists themselves, are the bytes of EncodeLandmarkFeatures.
+// The features of a landmark, which hold lists themselves, are the bytes of EncodeLandmarkFeatures; what is carried for
+// a fork, those of EncodeCarried.
 namespace slamdb::field_bits {
 
 template <class T>
@@ -41,6 +42,24 @@ inline std::vector<std::uint8_t> BytesOf(const LandmarkFeatures& features) {
 inline LandmarkFeatures FeaturesOf(const std::vector<std::uint8_t>& bytes) {
   return bytes.empty() ? LandmarkFeatures() : detail::DecodeLandmarkFeatures(std::as_bytes(std::span(bytes)));
 }
+
+using CarriedField = Boxed<Carried>;
+inline std::vector<std::uint8_t> BytesOf(const CarriedField& carried) {
+  detail::ByteWriter writer;
+  detail::EncodeCarried(carried, writer);
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(writer.bytes().data());
+  return {bytes, bytes + writer.bytes().size()};
+}
+// Throws Error when the bytes are not those of BytesOf.
+inline void FromBytes(const std::vector<std::uint8_t>& bytes, LandmarkFeatures& features) {
+  features = FeaturesOf(bytes);
+}
+inline void FromBytes(const std::vector<std::uint8_t>& bytes, CarriedField& carried) {
+  carried = detail::DecodeCarried(std::as_bytes(std::span(bytes)));
+}
+// What is edited as bytes.
+template <class T>
+inline constexpr bool kIsRecord = std::is_same_v<T, LandmarkFeatures> || std::is_same_v<T, CarriedField>;
 
 // visit(scalar) for each scalar of an element.
 template <class Element, class Visit>
@@ -148,7 +167,9 @@ bool SameElement(const Element& a, const Element& b) {
 }
 
 // Whether two fields hold the same bits.
-inline bool SameField(const LandmarkFeatures& a, const LandmarkFeatures& b) { return BytesOf(a) == BytesOf(b); }
+template <class Field>
+requires kIsRecord<Field>
+bool SameField(const Field& a, const Field& b) { return BytesOf(a) == BytesOf(b); }
 template <class Field>
 bool SameField(const Field& a, const Field& b) {
   const std::size_t size = SizeOf(a);

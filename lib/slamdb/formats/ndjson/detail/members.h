@@ -30,6 +30,7 @@ void AppendMember(JsonAppender& json, std::string_view name, const Column<Observ
 void AppendMember(JsonAppender& json, std::string_view name, const Column<ImuMeasurement>& measurements);
 void AppendMember(JsonAppender& json, std::string_view name, const std::vector<RepeatedEntry>& entries);
 void AppendMember(JsonAppender& json, std::string_view name, const std::vector<LandmarkFeature>& features);
+void AppendMember(JsonAppender& json, std::string_view name, const Boxed<Carried>& carried);  // nothing for null
 
 // Members by dotted names: `features.grid.cell_sizes` is a member of an object in an object. Names that begin alike
 // must follow each other.

@@ -31,6 +31,8 @@ constexpr std::string_view NameOf(CameraModel model) {
       return "pinhole";
     case CameraModel::kKannalaBrandt8:
       return "kannala_brandt_8";
+    case CameraModel::kEquirectangular:
+      return "equirectangular";
   }
   return "unknown";
 }

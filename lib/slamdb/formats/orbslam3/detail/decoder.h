@@ -80,19 +80,25 @@ class Decoder : public ReadingArchive<Input> {
     matrix.data.resize(this->MatrixBytes(matrix));
     this->input.TakeArray(reinterpret_cast<std::uint8_t*>(matrix.data.data()), matrix.data.size());
   }
-  void Descriptors(const char* name, Column<Descriptor>& descriptors, MatrixForm& form) {
+  void Descriptors(const char* name, Column<Descriptor>& descriptors, MatrixForm& form, Boxed<Carried>& carried) {
     Field(name);
-    const std::uint64_t rows = this->DescriptorRows(&form);
+    Matrix other;
+    const std::uint64_t rows = this->DescriptorRows(&form, other);
+    if (other.columns != 0) return OtherDescriptors(other, carried);
     if (!appearance_) return this->input.template SkipArray<std::uint8_t>(rows * sizeof(Descriptor));
     descriptors.resize(rows);
     this->input.TakeArray(reinterpret_cast<std::uint8_t*>(descriptors.data()), rows * sizeof(Descriptor));
   }
-  void PointDescriptor(const char* name, Descriptor& descriptor, MatrixForm& form) {
+  void PointDescriptor(const char* name, Descriptor& descriptor, MatrixForm& form, Boxed<Carried>& carried) {
     Field(name);
-    const std::uint64_t rows = this->DescriptorRows(&form);
+    Matrix other;
+    const std::uint64_t rows = this->DescriptorRows(&form, other);
+    if (other.columns != 0) {
+      if (other.rows != 1) FailRows(static_cast<std::uint64_t>(other.rows));
+      return OtherDescriptors(other, carried);
+    }
     const bool has_columns = form == MatrixForm::kUsual || form == MatrixForm::kUsualNotContinuous;
-    if (rows != (has_columns ? 1U : 0U))
-      this->input.Fail("a descriptor of " + std::to_string(rows) + " rows, expected 1: the file is damaged");
+    if (rows != (has_columns ? 1U : 0U)) FailRows(rows);
     if (has_columns) this->input.TakeArray(descriptor.data(), descriptor.size());
   }
   void Keypoints(const char* name, Column<Keypoint>& keypoints) {
@@ -179,6 +185,16 @@ class Decoder : public ReadingArchive<Input> {
 
  private:
   void Field(const char* name) { this->input.place.field = name; }
+  [[gnu::cold, gnu::noinline]] void OtherDescriptors(Matrix& matrix, Boxed<Carried>& carried) {
+    const std::uint64_t bytes = this->DataBytes(matrix);
+    if (!appearance_) return this->input.template SkipArray<std::uint8_t>(bytes);
+    matrix.data.resize(bytes);
+    this->input.TakeArray(reinterpret_cast<std::uint8_t*>(matrix.data.data()), bytes);
+    carried.Make().descriptors = std::move(matrix);
+  }
+  [[noreturn]] void FailRows(std::uint64_t rows) {
+    this->input.Fail("a descriptor of " + std::to_string(rows) + " rows, expected 1: the file is damaged");
+  }
   template <class T>
   void Number(const char* name, T& value) {
     Field(name);

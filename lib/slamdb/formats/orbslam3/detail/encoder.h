@@ -68,10 +68,13 @@ class Encoder {
     PutMatrixHeader(matrix.columns, matrix.rows, matrix.type, matrix.continuous.recorded);
     output.PutArray(reinterpret_cast<const std::uint8_t*>(matrix.data.data()), matrix.data.size());
   }
-  void Descriptors(const char*, const Column<Descriptor>& descriptors, MatrixForm form) {
+  void Descriptors(const char* name, const Column<Descriptor>& descriptors, MatrixForm form,
+                   const Boxed<Carried>& carried) {
+    if (carried && carried->descriptors.columns != 0) return MatrixValue(name, carried->descriptors);
     PutDescriptors(descriptors.data(), descriptors.size(), form);
   }
-  void PointDescriptor(const char*, const Descriptor& descriptor, MatrixForm form) {
+  void PointDescriptor(const char* name, const Descriptor& descriptor, MatrixForm form, const Boxed<Carried>& carried) {
+    if (carried && carried->descriptors.columns != 0) return MatrixValue(name, carried->descriptors);
     PutDescriptors(&descriptor, form == MatrixForm::kUsual || form == MatrixForm::kUsualNotContinuous ? 1 : 0, form);
   }
   void Keypoints(const char*, const Column<Keypoint>& keypoints) {

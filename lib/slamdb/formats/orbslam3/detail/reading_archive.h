@@ -64,8 +64,9 @@ class ReadingArchive {
     if (count < 0) input.FailCount(static_cast<std::uint32_t>(count));
     return input.CheckCount(static_cast<std::uint64_t>(count), sizeof(Keypoint), 7);
   }
-  // A descriptor matrix: rows, after checking that it is one.
-  std::uint64_t DescriptorRows(MatrixForm* form) {
+  // A descriptor matrix: rows of ORB descriptors. One of another kind is `other`, without its data, and has no rows of
+  // ORB's; `other` is left as it is otherwise.
+  std::uint64_t DescriptorRows(MatrixForm* form, Matrix& other) {
     const auto columns = input.template Take<std::int32_t>();
     const auto rows = input.template Take<std::int32_t>();
     const auto type = input.template Take<std::int32_t>();
@@ -75,9 +76,19 @@ class ReadingArchive {
       *form = continuous != 0 ? MatrixForm::kEmptyContinuous : MatrixForm::kEmpty;
       return 0;
     }
-    if (columns != 32 || type != 0 || rows < 0)
+    constexpr std::int32_t kMostColumns = 4096, kKinds = 7;  // one channel of OpenCV's CV_8U .. CV_64F
+    if (columns < 1 || columns > kMostColumns || type < 0 || type >= kKinds || rows < 0)
       input.Fail("a descriptor matrix of " + std::to_string(rows) + " x " + std::to_string(columns) + ", type " +
-                 std::to_string(type) + ", expected N x 32, type 0: not ORB descriptors (a fork's file?), or damaged");
+                 std::to_string(type) +
+                 ", expected N x 32, type 0: the file is damaged, or written by a fork with other members");
+    if (columns != 32 || type != 0) {
+      other.rows = rows;
+      other.columns = columns;
+      other.type = type;
+      other.continuous.recorded = continuous;
+      *form = MatrixForm::kEmpty;
+      return 0;
+    }
     *form = continuous != 0 ? MatrixForm::kUsual : MatrixForm::kUsualNotContinuous;
     return input.CheckCount(static_cast<std::uint64_t>(rows), sizeof(Descriptor), sizeof(Descriptor));
   }
@@ -87,10 +98,14 @@ class ReadingArchive {
     matrix.rows = input.template Take<std::int32_t>();
     matrix.type = input.template Take<std::int32_t>();
     matrix.continuous.recorded = input.template Take<std::uint8_t>();
-    constexpr std::array<std::uint64_t, 8> kDepthBytes{1, 1, 2, 2, 4, 4, 8, 2};  // OpenCV's CV_8U .. CV_16F
     if (matrix.columns < 0 || matrix.rows < 0 || matrix.type < 0 || matrix.type >= 4096)
       input.Fail("a matrix of " + std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns) + ", type " +
                  std::to_string(matrix.type) + ": the file is damaged, or written by a fork with other members");
+    return DataBytes(matrix);
+  }
+  // How many bytes the data of a matrix has, of which the header is known.
+  std::uint64_t DataBytes(const Matrix& matrix) const {
+    constexpr std::array<std::uint64_t, 8> kDepthBytes{1, 1, 2, 2, 4, 4, 8, 2};  // OpenCV's CV_8U .. CV_16F
     const std::uint64_t element =
         kDepthBytes[static_cast<std::size_t>(matrix.type & 7)] * (static_cast<std::uint64_t>(matrix.type >> 3) + 1);
     const std::uint64_t cells = static_cast<std::uint64_t>(matrix.columns) * static_cast<std::uint64_t>(matrix.rows);

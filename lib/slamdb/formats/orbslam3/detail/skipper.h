@@ -46,8 +46,12 @@ class Skipper : public ReadingArchive<Input> {
     Matrix header;
     this->input.template SkipArray<std::uint8_t>(this->MatrixBytes(header));
   }
-  void Descriptors(const char* name, const Column<Descriptor>&, MatrixForm) { SkipDescriptors(name); }
-  void PointDescriptor(const char* name, const Descriptor&, MatrixForm) { SkipDescriptors(name); }
+  void Descriptors(const char* name, const Column<Descriptor>&, MatrixForm, const Boxed<Carried>&) {
+    SkipDescriptors(name);
+  }
+  void PointDescriptor(const char* name, const Descriptor&, MatrixForm, const Boxed<Carried>&) {
+    SkipDescriptors(name);
+  }
   void Keypoints(const char* name, const Column<Keypoint>&) {
     Field(name);
     this->input.template SkipArray<float>(this->KeypointCount() * 7);
@@ -118,7 +122,10 @@ class Skipper : public ReadingArchive<Input> {
   void SkipDescriptors(const char* name) {
     Field(name);
     MatrixForm form;
-    this->input.template SkipArray<std::uint8_t>(this->DescriptorRows(&form) * sizeof(Descriptor));
+    Matrix other;
+    const std::uint64_t rows = this->DescriptorRows(&form, other);
+    this->input.template SkipArray<std::uint8_t>(other.columns != 0 ? this->DataBytes(other)
+                                                                    : rows * sizeof(Descriptor));
   }
   void SkipWeights(const char* name) {
     Field(name);

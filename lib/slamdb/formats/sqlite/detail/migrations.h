@@ -34,7 +34,7 @@ int VersionOf(Database& database);
 
 // The versions that brought tables and columns which older stores lack.
 inline constexpr int kFirstVersionWithLandmarks = 2, kFirstVersionWithTracking = 3, kFirstVersionWithSummaries = 4,
-                     kFirstVersionWithPlaces = 5;
+                     kFirstVersionWithPlaces = 5, kFirstVersionWithCarried = 6;
 
 // Runs the steps that `database` lacks, inside the caller's transaction, and stamps it with the last one's number.
 void RunMigrations(Database& database, std::span<const Migration> migrations);
