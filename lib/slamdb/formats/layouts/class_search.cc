@@ -11,8 +11,9 @@ namespace {
 
 using detail::Concat;
 
-constexpr std::size_t kSamples = 6, kMostRounds = 8, kJudged = 100;
+constexpr std::size_t kSamples = 6, kMostRounds = 8, kJudged = 100, kMostOptions = 24;
 constexpr double kMostUnfit = 0.02;  // of records: those that bring a class for the first time
+constexpr double kAlike = 0.5;       // penalties that do not tell one from the other
 constexpr std::string_view kUnknown = "unknown";
 
 // The classes that a class holds, itself first.
@@ -26,7 +27,8 @@ void AddHeld(const Layout& layout, const std::string& name, std::vector<std::str
     while (!types.empty()) {
       const LayoutType type = std::move(types.back());
       types.pop_back();
-      if (type.kind == LayoutType::Kind::kValue || type.kind == LayoutType::Kind::kRaw) AddHeld(layout, type.name, held);
+      if (type.kind == LayoutType::Kind::kValue || type.kind == LayoutType::Kind::kRaw)
+        AddHeld(layout, type.name, held);
       types.insert(types.end(), type.elements.begin(), type.elements.end());
     }
   }
@@ -49,7 +51,7 @@ class ClassSearch {
   ClassSearch(const ArchiveBytes& archive, std::string_view class_name, std::span<const MemberPlace> records)
       : archive_(archive), class_name_(class_name), records_(records) {}
 
-  bool FindKnown(Layout& layout, Findings& findings) const {
+  std::optional<ClassOption> Known(const Layout& layout) const {
     const Layout* best = nullptr;
     double least = kMostPenalty;
     for (const Layout& known : KnownLayouts()) {
@@ -60,57 +62,77 @@ class ClassSearch {
       least = penalty;
       best = &known;
     }
-    if (best == nullptr) return false;
-    if (best != &KnownLayouts().front()) findings.differences.push_back(Concat(class_name_, ": as in ", best->id));
-    TakeClass(*best, std::string(class_name_), layout);
-    return true;
+    if (best == nullptr) return std::nullopt;
+    ClassOption option{layout, {}};
+    if (best != &KnownLayouts().front())
+      option.findings.differences.push_back(Concat(class_name_, ": as in ", best->id));
+    TakeClass(*best, std::string(class_name_), option.layout);
+    return option;
   }
 
-  bool FindChange(Layout& layout, Findings& findings) const {
+  std::vector<ClassOption> Changed(const Layout& layout) const {
     Wire wire(layout, archive_.encoding);
     RecordSearch search(wire, archive_.file, archive_.encoding, StepsOf(wire, class_name_));
     std::vector<MemberPlace> samples = Samples();
     for (std::size_t round = 0; round < kMostRounds; ++round) {
-      const std::vector<RecordSolution> solutions = search.Run(samples);
-      if (solutions.empty()) return false;
-      Layout changed = layout;
-      Findings found;
-      Apply(solutions.front(), search.steps(), changed, found);
-      const Wire result(changed, archive_.encoding);
-      if (const std::optional<MemberPlace> other = Unfit(result, 0)) {
-        if (round + 1 < kMostRounds && Unfit(result, 1)) {
-          samples.push_back(*other);
-          continue;
+      const std::vector<RecordSolution> solutions = Likeliest(search.Run(samples), search.steps(), layout);
+      std::vector<ClassOption> options;
+      for (std::size_t i = 0; i < solutions.size() && options.size() < kMostOptions; ++i) {
+        ClassOption option{layout, {}};
+        Apply(solutions[i], search.steps(), option.layout, option.findings);
+        const Wire result(option.layout, archive_.encoding);
+        if (i == 0 && Unfit(result, 1)) {
+          samples.push_back(*Unfit(result, 0));
+          break;
         }
-        if (Unfit(result, 1)) return false;
+        Compare(i, solutions, search.steps(), option.findings);
+        options.push_back(std::move(option));
       }
-      Compare(solutions, search.steps(), found);
-      layout = std::move(changed);
-      for (auto [to, from] : {std::pair(&findings.differences, &found.differences),
-                              std::pair(&findings.alternatives, &found.alternatives),
-                              std::pair(&findings.doubts, &found.doubts)})
-        to->insert(to->end(), from->begin(), from->end());
-      return true;
+      if (solutions.empty() || !options.empty()) return options;
     }
-    return false;
+    return {};
   }
 
  private:
+  // Those against which least speaks in all records.
+  std::vector<RecordSolution> Likeliest(std::vector<RecordSolution> solutions, const std::vector<SearchStep>& steps,
+                                        const Layout& layout) const {
+    if (solutions.size() < 2) return solutions;
+    std::vector<double> penalties;
+    for (const RecordSolution& solution : solutions) {
+      Layout changed = layout;
+      Findings found;
+      Apply(solution, steps, changed, found);
+      penalties.push_back(Penalty(Wire(changed, archive_.encoding)));
+    }
+    const double most = *std::ranges::min_element(penalties) + kAlike;
+    std::vector<RecordSolution> likeliest;
+    for (std::size_t i = 0; i < solutions.size(); ++i)
+      if (penalties[i] <= most) likeliest.push_back(std::move(solutions[i]));
+    return likeliest;
+  }
+
   // A record that the layout does not read from end to end; none while they are few, where `some` may be.
   std::optional<MemberPlace> Unfit(const Wire& wire, int some) const {
     const WarmWalk walk(wire, archive_.file, archive_.encoding);
     const WireClass& of = wire.classes[static_cast<std::size_t>(wire.RowOf(class_name_))];
-    const auto most = some == 0 ? 0.0 : kMostUnfit * static_cast<double>(records_.size());
+    const double most = some == 0 ? 0 : MostUnfit();
     std::size_t unfit = 0;
     for (const MemberPlace& record : records_)
       if (walk.BehindMembers(of, record.begin, 0) != record.end && static_cast<double>(++unfit) > most) return record;
     return std::nullopt;
   }
 
+  // A list brings its classes with the first record in which it is not empty.
+  double MostUnfit() const {
+    const auto count = static_cast<double>(records_.size());
+    return std::max(kMostUnfit * count, std::min(3.0, count / 3));
+  }
+
   // What speaks against the members, by record.
   double Penalty(const Wire& wire) const {
     const WarmWalk walk(wire, archive_.file, archive_.encoding);
-    std::vector<MemberPlace> at = Spread(kJudged);
+    std::vector<MemberPlace> at = Spread(records_, kJudged);
     std::erase_if(at, [&](const MemberPlace& record) {
       return walk.BehindMembers(wire.classes[static_cast<std::size_t>(wire.RowOf(class_name_))], record.begin, 0) !=
              record.end;
@@ -129,17 +151,19 @@ class ClassSearch {
     return penalty;
   }
 
-  std::vector<MemberPlace> Spread(std::size_t most) const {
+  static std::vector<MemberPlace> Spread(std::span<const MemberPlace> records, std::size_t most) {
     std::vector<MemberPlace> spread;
-    const std::size_t count = std::min(most, records_.size());
-    for (std::size_t i = 0; i < count; ++i) spread.push_back(records_[i * records_.size() / count]);
+    const std::size_t count = std::min(most, records.size());
+    for (std::size_t i = 0; i < count; ++i) spread.push_back(records[i * records.size() / count]);
     return spread;
   }
-  // Spread over the file, and the longest one, in which every list has something.
+  // Spread over the file behind the first third, which may bring classes, and the longest one there, in which every
+  // list has something.
   std::vector<MemberPlace> Samples() const {
-    std::vector<MemberPlace> samples = Spread(kSamples);
-    const auto longest = std::ranges::max_element(
-        records_, {}, [](const MemberPlace& record) { return record.end - record.begin; });
+    const std::span<const MemberPlace> later = records_.subspan(records_.size() / 3);
+    std::vector<MemberPlace> samples = Spread(later, kSamples);
+    const auto longest =
+        std::ranges::max_element(records_, {}, [](const MemberPlace& record) { return record.end - record.begin; });
     const auto same = [&](const MemberPlace& sample) { return sample.begin == longest->begin; };
     if (std::ranges::none_of(samples, same)) samples.push_back(*longest);
     return samples;
@@ -159,14 +183,12 @@ class ClassSearch {
   }
   // The member that holds a class by value.
   static std::size_t RowOfValue(const LayoutClass& of, const std::string& held) {
-    return static_cast<std::size_t>(
-        std::ranges::find(of.members, Concat("val<", held, ">"), &LayoutMember::type) - of.members.begin());
+    return static_cast<std::size_t>(std::ranges::find(of.members, Concat("val<", held, ">"), &LayoutMember::type) -
+                                    of.members.begin());
   }
 
   // Where a member of the class stands that comes in front of a step.
-  std::size_t RowInFront(const Layout& layout, const LayoutClass& of, const std::vector<SearchStep>& steps,
-                         std::uint32_t step) const {
-    (void)layout;
+  static std::size_t RowInFront(const LayoutClass& of, const std::vector<SearchStep>& steps, std::uint32_t step) {
     if (step == steps.size()) return of.members.size();
     return steps[step].of_class == of.name ? RowOf(of, steps[step].name) : RowOfValue(of, steps[step].of_class);
   }
@@ -174,23 +196,21 @@ class ClassSearch {
   void Apply(const RecordSolution& solution, const std::vector<SearchStep>& steps, Layout& layout,
              Findings& found) const {
     int unknown = Unknowns(layout);
-    // From the back, so that rows stay; the numbers of new members count from the front.
-    int number = unknown + static_cast<int>(std::ranges::count(solution.edits, RecordEdit::Kind::kInsert, &RecordEdit::kind)) +
-                 static_cast<int>(solution.doubtful.size());
-    for (auto edit = solution.edits.rbegin(); edit != solution.edits.rend(); ++edit) {
-      LayoutClass& of = *layout.Find(edit->kind == RecordEdit::Kind::kRemove ? steps[edit->step].of_class
-                                                                            : OwnerOf(steps, edit->step));
-      const std::size_t row = RowInFront(layout, of, steps, edit->step);
-      const auto at = of.members.begin() + static_cast<std::ptrdiff_t>(row);
-      if (edit->kind == RecordEdit::Kind::kRemove)
+    for (const RecordEdit& edit : solution.edits) {
+      const bool removes = edit.kind == RecordEdit::Kind::kRemove;
+      LayoutClass& of = *layout.Find(removes ? steps[edit.step].of_class : OwnerOf(steps, edit.step));
+      const auto at = of.members.begin() + static_cast<std::ptrdiff_t>(RowInFront(of, steps, edit.step));
+      if (removes)
         of.members.erase(at);
       else
-        of.members.insert(at, {Concat(kUnknown, number--), edit->type});
+        of.members.insert(at, {Concat(kUnknown, ++unknown), edit.type});
     }
     for (const std::uint32_t step : solution.doubtful) {
-      LayoutMember& member = layout.Find(steps[step].of_class)->members[RowOf(*layout.Find(steps[step].of_class), steps[step].name)];
-      found.doubts.push_back(Concat(steps[step].of_class, ": the values of ", member.name, " are not like it; they are kept as unknown"));
-      member.name = Concat(kUnknown, number--);
+      LayoutMember& member =
+          layout.Find(steps[step].of_class)->members[RowOf(*layout.Find(steps[step].of_class), steps[step].name)];
+      found.doubts.push_back(
+          Concat(steps[step].of_class, ": the values of ", member.name, " are not like it; they are kept as unknown"));
+      member.name = Concat(kUnknown, ++unknown);
     }
     for (const RecordEdit& edit : solution.edits) found.differences.push_back(Text(edit, steps));
   }
@@ -206,19 +226,21 @@ class ClassSearch {
     const std::string name = edit.step < steps.size() ? steps[edit.step].name : "";
     if (edit.kind == RecordEdit::Kind::kRemove) return Concat(steps[edit.step].of_class, ": no ", name);
     const std::string owner = OwnerOf(steps, edit.step);
-    const std::string where = edit.step == 0               ? Concat("in front of ", name)
-                              : edit.step == steps.size() ? Concat("at the end, behind ", steps.back().name)
-                                                          : Concat("between ", steps[edit.step - 1].name, " and ", name);
+    const std::string where = edit.step == 0 ? Concat("in front of ", name)
+                              : edit.step == steps.size()
+                                  ? Concat("at the end, behind ", steps.back().name)
+                                  : Concat("between ", steps[edit.step - 1].name, " and ", name);
     return Concat(owner, ": ", edit.type, " more, ", where);
   }
 
   // Says which other changes explain the records as well.
-  void Compare(const std::vector<RecordSolution>& solutions, const std::vector<SearchStep>& steps,
+  void Compare(std::size_t chosen, const std::vector<RecordSolution>& solutions, const std::vector<SearchStep>& steps,
                Findings& found) const {
-    for (std::size_t i = 1; i < solutions.size(); ++i) {
+    for (std::size_t i = 0; i < solutions.size(); ++i) {
+      if (i == chosen) continue;
       std::string text;
       for (const RecordEdit& edit : solutions[i].edits)
-        if (std::ranges::find(solutions[0].edits, edit) == solutions[0].edits.end())
+        if (std::ranges::find(solutions[chosen].edits, edit) == solutions[chosen].edits.end())
           text += (text.empty() ? "" : "; ") + Text(edit, steps);
       if (!text.empty()) found.alternatives.push_back(std::move(text));
     }
@@ -233,11 +255,12 @@ class ClassSearch {
 
 bool IsUnknown(const LayoutMember& member) { return member.name.starts_with(kUnknown); }
 
-bool FindClass(const ArchiveBytes& archive, std::string_view class_name, std::span<const MemberPlace> records,
-               Layout& layout, Findings& findings) {
-  if (records.empty()) return true;  // nothing speaks against the members that it has
+std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
+                                   std::span<const MemberPlace> records, const Layout& layout) {
+  if (records.empty()) return {{layout, {}}};  // nothing speaks against the members that it has
   const ClassSearch search(archive, class_name, records);
-  return search.FindKnown(layout, findings) || search.FindChange(layout, findings);
+  if (std::optional<ClassOption> known = search.Known(layout)) return {std::move(*known)};
+  return search.Changed(layout);
 }
 
 // ---- Types of unknown members
@@ -262,6 +285,7 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
   if (warm_type == "vec<u32>") return {"vec<u32>", "vec<i32>", "vec<f32>"};
   if (warm_type == "vec<u64>") return {"vec<u64>", "vec<i64>", "vec<f64>"};
   if (warm_type == "vec<u8>") return {"string", "vec<u8>", "vec<bool>"};
+  if (warm_type == "vec<vec<u8>>" || warm_type == "vec<string>") return {"vec<string>", "vec<vec<u8>>", "set<string>"};
   if (warm_type == "vec<vec<u64>>") return {"vec<vec<u64>>", "vec<vec<f64>>"};
   if (warm_type == "vec<vec<u32>>") return {"vec<vec<u32>>", "vec<vec<i32>>", "vec<vec<f32>>"};
   if (type.kind != LayoutType::Kind::kVector || type.elements[0].kind != LayoutType::Kind::kArray) return {warm_type};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/layouts/detail/inference.h"
@@ -12,16 +11,47 @@ using detail::Concat;
 
 constexpr std::size_t kBeam = 24, kMostEdits = 4;
 constexpr std::size_t kLongestRemoval = 6;
+constexpr std::size_t kMostTrials = 12'000;
 
-// What forks' maps and atlases may have more.
-constexpr std::array kTypes = {
-    "u8",           "u32",          "u64",           "arr<u8,12>",    "arr<u8,16>",   "arr<u8,24>",
-    "arr<u8,28>",   "arr<u8,36>",   "arr<u8,64>",    "arr<u8,2>",     "arr<u8,3>",    "arr<u8,48>",
-    "string",       "vec<u64>",     "vec<u32>",      "vec<f64>",      "set<u64>",     "vec<string>",
-    "map<u64,i32>", "map<u64,u64>", "map<u64,f64>",  "mat",           "ptr<KeyFrame>", "ptr<Map>",
-    "vec<ptr<KeyFrame>>",           "vec<ptr<MapPoint>>",             "set<ptr<KeyFrame>>",
-    "set<ptr<Map>>",                "vec<vec<u64>>",                  "val<Unknown4>", "val<Unknown8>",
-    "val<Unknown12>",               "val<Unknown16>",                 "val<Unknown24>"};
+// What forks' maps and atlases may have more, likeliest first.
+std::vector<std::string> FrameTypes() {
+  std::vector<std::string> types = {"u64",
+                                    "u32",
+                                    "u8",
+                                    "arr<u8,12>",
+                                    "arr<u8,28>",
+                                    "string",
+                                    "vec<u64>",
+                                    "vec<u32>",
+                                    "vec<f64>",
+                                    "set<u64>",
+                                    "map<u64,i32>",
+                                    "map<u64,u64>",
+                                    "map<u64,f64>",
+                                    "map<u32,u32>",
+                                    "vec<string>",
+                                    "mat",
+                                    "kps",
+                                    "ptr<KeyFrame>",
+                                    "ptr<MapPoint>",
+                                    "ptr<Map>",
+                                    "vec<ptr<KeyFrame>>",
+                                    "vec<ptr<MapPoint>>",
+                                    "set<ptr<KeyFrame>>",
+                                    "set<ptr<Map>>",
+                                    "vec<vec<u64>>",
+                                    "vec<vec<f64>>",
+                                    "vec<u8>",
+                                    "vec<u16>"};
+  for (const std::uint32_t bytes :
+       {2, 3, 5, 6, 7, 9, 10, 11, 13, 14, 15, 16, 17, 18, 20, 24, 32, 36, 40, 48, 56, 64, 72, 96, 128})
+    types.push_back(Concat("arr<u8,", bytes, ">"));
+  for (std::uint32_t bytes = 1; bytes <= 64; bytes += bytes < 17 ? 1 : 4)
+    types.push_back(Concat("val<Unknown", bytes, ">"));
+  for (const std::uint32_t bytes : {4, 8, 9, 12, 16, 20, 24, 28, 32, 36})
+    types.push_back(Concat("vec<val<Unknown", bytes, ">>"));
+  return types;
+}
 
 struct Candidate {
   Layout layout;
@@ -83,7 +113,7 @@ class FrameSearch {
     for (const char* name : {"Map", "Atlas"}) {
       const std::size_t members = from.layout.Find(name)->members.size();
       for (std::size_t row = 0; row <= members; ++row) {
-        for (std::size_t type = 0; type < kTypes.size(); ++type) Insert(from, name, row, type);
+        for (std::size_t type = 0; type < types_.size(); ++type) Insert(from, name, row, type);
         for (std::size_t count = 1; count <= kLongestRemoval && row + count <= members; ++count)
           Remove(from, name, row, count);
       }
@@ -96,9 +126,9 @@ class FrameSearch {
     std::size_t number = 1;
     for (const LayoutClass& other : next.layout.classes)
       number += static_cast<std::size_t>(std::ranges::count_if(other.members, IsUnknown));
-    of.members.insert(of.members.begin() + static_cast<std::ptrdiff_t>(row), {Concat("unknown", number), kTypes[type]});
-    SetType(next.layout, next.layout.Find(name)->members[row], kTypes[type]);
-    next.edits.push_back(Concat(name, ": ", kTypes[type], " more, ", behind));
+    of.members.insert(of.members.begin() + static_cast<std::ptrdiff_t>(row), {Concat("unknown", number), types_[type]});
+    SetType(next.layout, next.layout.Find(name)->members[row], types_[type]);
+    next.edits.push_back(Concat(name, ": ", types_[type], " more, ", behind));
     next.kind = type;
     Try(std::move(next), from);
   }
@@ -114,11 +144,13 @@ class FrameSearch {
     const auto begin = of.members.begin() + static_cast<std::ptrdiff_t>(row);
     of.members.erase(begin, begin + static_cast<std::ptrdiff_t>(count));
     next.edits.push_back(Concat(name, ": no ", names));
-    next.kind = kTypes.size() + count;
+    next.kind = types_.size() + count;
     Try(std::move(next), from);
   }
   void Try(Candidate next, const Candidate& from) {
+    if (++trials_ > kMostTrials) return;
     next.verdict = Judge(archive_, next.layout, known_ends_);
+    if (next.verdict.whole) next.verdict.penalty = Judge(archive_, next.layout).penalty;
     if (next.verdict.whole && next.verdict.penalty < kMostPenalty)
       whole_.push_back(std::move(next));
     else if (next.verdict.reached > from.verdict.reached && !next.verdict.whole)
@@ -143,7 +175,9 @@ class FrameSearch {
 
   const ArchiveBytes& archive_;
   const std::span<const std::uint64_t> known_ends_;
+  const std::vector<std::string> types_ = FrameTypes();
   std::vector<Candidate> next_, whole_;
+  std::size_t trials_ = 0;
 };
 
 }  // namespace

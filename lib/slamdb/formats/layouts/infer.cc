@@ -17,27 +17,38 @@ using detail::Concat;
 // Adds up what speaks against the members of all records that a walk passes.
 class Judging : public RecordVisitor {
  public:
-  Judging(const ArchiveBytes& archive, const Wire& wire) : file_(archive.file), known_(wire.classes.size()), wire_(wire) {}
+  Judging(const ArchiveBytes& archive, const Wire& wire)
+      : file_(archive.file), known_(wire.classes.size()), wire_(wire), sums_(wire.classes.size()) {}
 
   void Record(const WireClass& of, std::span<const std::uint64_t> offsets) override {
     std::vector<const KnownMember*>& known = known_[static_cast<std::size_t>(&of - wire_.classes.data())];
     if (known.empty())
       for (const WireMember& member : of.members) known.push_back(FindKnownMember(of.name, member.name));
+    Sum& sum = sums_[static_cast<std::size_t>(&of - wire_.classes.data())];
     RecordFacts facts;
     for (std::size_t i = 0; i < known.size(); ++i) {
       if (known[i] == nullptr) continue;
       const MemberPlace place{offsets[i], offsets[i + 1]};
-      penalty_ += PenaltyOf(*known[i], file_, std::span(&place, 1), std::span(&facts, 1));
+      sum.penalty += PenaltyOf(*known[i], file_, std::span(&place, 1), std::span(&facts, 1));
     }
-    ++records_;
+    ++sum.records;
   }
-  double penalty() const { return records_ == 0 ? 0 : static_cast<double>(penalty_) / static_cast<double>(records_); }
+  // By record, of the class against which most speaks.
+  double penalty() const {
+    double most = 0;
+    for (const Sum& sum : sums_)
+      if (sum.records > 0) most = std::max(most, static_cast<double>(sum.penalty) / static_cast<double>(sum.records));
+    return most;
+  }
 
  private:
   const std::string_view file_;
   std::vector<std::vector<const KnownMember*>> known_;
   const Wire& wire_;
-  std::int64_t penalty_ = 0, records_ = 0;
+  struct Sum {
+    std::int64_t penalty = 0, records = 0;
+  };
+  std::vector<Sum> sums_;
 };
 
 }  // namespace
@@ -83,12 +94,13 @@ class Inference {
     if (maps_.empty()) Fail("it is of none of the known layouts, and no keyframe was found by the size of its grid");
     layout_.id = layout_.title = layout_.who = "";
     const std::vector<MemberPlace> keyframes = Whole(&MapRecords::keyframes), points = Whole(&MapRecords::points);
-    if (!FindClass(archive_, "KeyFrame", keyframes, layout_, findings_))
+    keyframe_options_ = FindClass(archive_, "KeyFrame", keyframes, layout_);
+    if (keyframe_options_.empty())
       Fail(Concat("no change of a known layout explains the ", keyframes.size(), " keyframes that were found"));
-    if (!FindClass(archive_, "MapPoint", points, layout_, findings_))
+    point_options_ = FindClass(archive_, "MapPoint", points, keyframe_options_.front().layout);
+    if (point_options_.empty())
       Fail(Concat("no change of a known layout explains the ", points.size(), " map points that were found"));
-    FindEnds();
-    if (!Types()) Fail("keyframes and map points are understood, but no change of Map and Atlas explains the rest");
+    if (!Choose()) Fail("keyframes and map points are understood, but no change of Map and Atlas explains the rest");
     Name();
     InferredLayout inferred{.layout = std::move(layout_)};
     inferred.differences = std::move(findings_.differences);
@@ -116,7 +128,9 @@ class Inference {
     return inferred;
   }
   [[noreturn]] void Fail(const std::string& problem) const {
-    throw Error(ErrorKind::kNotPossible, "",  "", Concat("no layout found: ", problem, ". `slamdb layouts from-source` derives it from the sources of the program that wrote it"));
+    throw Error(ErrorKind::kNotPossible, "", "",
+                Concat("no layout found: ", problem,
+                       ". `slamdb layouts from-source` derives it from the sources of the program that wrote it"));
   }
 
   // Records whose end is the beginning of the next one; without the first of all, in front of whose values class
@@ -134,60 +148,92 @@ class Inference {
     return whole;
   }
 
-  // By object id: the ends of records that are whole.
-  void FindEnds() {
-    const Wire wire(layout_, archive_.encoding);
+  // By object id: the ends of records that the layout reads from end to end.
+  std::vector<std::uint64_t> EndsIn(const Layout& layout) const {
+    std::vector<std::uint64_t> ends;
+    const Wire wire(layout, archive_.encoding);
     const WarmWalk walk(wire, archive_.file, archive_.encoding);
     for (const auto list : {&MapRecords::keyframes, &MapRecords::points}) {
       const std::int64_t row = wire.RowOf(list == &MapRecords::keyframes ? "KeyFrame" : "MapPoint");
+      const WireClass& of = wire.classes[static_cast<std::size_t>(row)];
       for (const MapRecords& map : maps_) {
         const std::vector<Record>& records = (map.*list).records;
         for (std::size_t i = 0; i + 1 < records.size(); ++i) {
-          if (walk.BehindMembers(wire.classes[static_cast<std::size_t>(row)], records[i].body, 0) != records[i + 1].begin) continue;
-          if (ends_.size() <= records[i].object) ends_.resize(records[i].object + 1, 0);
-          ends_[records[i].object] = records[i + 1].begin;
+          if (walk.BehindMembers(of, records[i].body, 0) != records[i + 1].begin) continue;
+          if (ends.size() <= records[i].object) ends.resize(records[i].object + 1, 0);
+          ends[records[i].object] = records[i + 1].begin;
         }
       }
     }
+    return ends;
   }
 
-  // Finds what the unknown members are, by the first record of each class and the class ids behind it, and the rest of
-  // the layout with it.
-  bool Types() {
-    constexpr std::size_t kMostTrials = 512;
+  // The first choice of keyframes and map points that the first records and the class ids behind them bear out, and
+  // with it what the unknown members are, or else the rest of the layout.
+  bool Choose() {
+    for (const ClassOption& keyframe : keyframe_options_)
+      for (const ClassOption& point : point_options_) {
+        Layout layout = keyframe.layout;
+        *layout.Find("MapPoint") = *point.layout.Find("MapPoint");
+        const std::vector<std::uint64_t> ends = EndsIn(layout);
+        if (!Types(std::move(layout), ends)) continue;
+        Take(keyframe.findings);
+        Take(point.findings);
+        return true;
+      }
+    for (Farthest& farthest : farthest_)
+      if (FindFrame(archive_, farthest.ends, farthest.layout, findings_)) {
+        layout_ = std::move(farthest.layout);
+        Take(keyframe_options_.front().findings);
+        Take(point_options_.front().findings);
+        return true;
+      }
+    return false;
+  }
+  void Take(const Findings& findings) {
+    for (const auto part : {&Findings::differences, &Findings::alternatives, &Findings::doubts})
+      (findings_.*part).insert((findings_.*part).end(), (findings.*part).begin(), (findings.*part).end());
+  }
+
+  // Finds types of the unknown members with which the layout comes to the end; keeps those that come farthest.
+  bool Types(Layout layout, const std::vector<std::uint64_t>& ends) {
     std::vector<Unknown> unknown;
     std::size_t trials = 1;
-    for (const LayoutClass& of : layout_.classes)
+    for (const LayoutClass& of : layout.classes)
       for (std::size_t row = 0; row < of.members.size(); ++row)
         if (IsUnknown(of.members[row])) {
           unknown.push_back({of.name, row, TypesLike(of.members[row].type)});
           trials = std::min(kMostTrials, trials * unknown.back().types.size());
         }
-    std::vector<Layout> farthest;
-    std::uint64_t most = 0;
-    for (std::size_t trial = 0; trial < trials; ++trial) {
-      Layout typed = layout_;
+    for (std::size_t trial = 0; trial < trials && trials_ < kMostTrials; ++trial, ++trials_) {
+      Layout typed = layout;
       std::size_t rest = trial;
       for (const Unknown& one : unknown) {
         LayoutMember& member = typed.Find(one.of_class)->members[one.row];
-        SetType(typed, member, one.types[rest % one.types.size()]);
+        const std::string type = one.types[rest % one.types.size()];
         rest /= one.types.size();
+        SetType(typed, member, type);
       }
-      const Verdict verdict = Judge(archive_, typed, ends_);
-      if (verdict.whole && verdict.penalty < kMostPenalty) {
+      const Verdict verdict = Judge(archive_, typed, ends);
+      if (verdict.whole && Judge(archive_, typed).penalty < kMostPenalty) {
         layout_ = std::move(typed);
         return true;
       }
-      if (verdict.reached > most) farthest.clear();
-      most = std::max(most, verdict.reached);
-      if (verdict.reached == most) farthest.push_back(std::move(typed));
+      if (verdict.reached < most_ || IsInFirstRecord(verdict.reached)) continue;
+      if (verdict.reached > most_) farthest_.clear();
+      most_ = verdict.reached;
+      if (farthest_.size() < kMostFarthest) farthest_.push_back({std::move(typed), ends});
     }
-    for (Layout& typed : farthest)
-      if (FindFrame(archive_, ends_, typed, findings_)) {
-        layout_ = std::move(typed);
-        return true;
-      }
     return false;
+  }
+
+  // Whether a walk ended in the first keyframe or map point, where no change of Map and Atlas helps.
+  bool IsInFirstRecord(std::uint64_t at) const {
+    const auto is_in = [&](const RecordList& list) {
+      return !list.records.empty() && at >= list.records.front().body &&
+             (list.records.size() < 2 || at < list.records[1].begin);
+    };
+    return is_in(maps_.front().keyframes) || is_in(maps_.front().points);
   }
 
   void Name() {
@@ -195,14 +241,29 @@ class Inference {
     layout_.title = "inferred from a file";
   }
 
+  struct Farthest {
+    Layout layout;
+    std::vector<std::uint64_t> ends;
+  };
+  static constexpr std::size_t kMostTrials = 1024, kMostFarthest = 3;
+
   const ArchiveBytes archive_;
   const std::vector<MapRecords> maps_;
   Layout layout_;
   Findings findings_;
-  std::vector<std::uint64_t> ends_;
+  std::vector<ClassOption> keyframe_options_, point_options_;
+  std::vector<Farthest> farthest_;
+  std::uint64_t most_ = 0;
+  std::size_t trials_ = 0;
   std::uint64_t keyframes_ = 0, points_ = 0;
 };
 
 }  // namespace
 }  // namespace layouts
+
+InferredLayout InferLayoutOf(Bytes archive, const ArchiveEncoding& encoding, std::uint64_t begin) {
+  const std::string_view file(reinterpret_cast<const char*>(archive.data()), archive.size());
+  return layouts::Inference({file, encoding, begin}).Run();
+}
+
 }  // namespace slamdb

@@ -29,9 +29,11 @@ struct SLAMDB_EXPORT InferredLayout {
 // Members that are new are called unknown1, unknown2, ..., with a type that has their bytes. Of several places that fit
 // as well, the last one counts.
 //
-// A binary archive of 64-bit Linux; of others known layouts alone. Tries are bounded: seconds. Deterministic.
-// Throws Error: kDamaged when it is no archive, kNotPossible when no layout was found, saying how far it came, and as
-// WholeFile does. Thread-safe.
-[[nodiscard]] SLAMDB_EXPORT InferredLayout InferLayout(const Source& source);
+// `encoding`: of a binary archive; `begin`: behind its header. Where longs have 4 bytes, of known layouts alone.
+// Tries are bounded: seconds. Deterministic. Thread-safe.
+// Throws Error (kNotPossible) when no layout was found, saying how far it came. InferLayout in orbslam3/infer_layout.h
+// takes files.
+[[nodiscard]] SLAMDB_EXPORT InferredLayout InferLayoutOf(Bytes archive, const ArchiveEncoding& encoding,
+                                                         std::uint64_t begin);
 
 }  // namespace slamdb

@@ -12,7 +12,7 @@ namespace {
 using Facts = RecordFacts;
 
 constexpr double kMostId = 2147483648.0, kMostCount = 1e6;
-constexpr int kDoubtful = 30, kWrong = 60;
+constexpr int kUnproven = 5, kDoubtful = 30, kWrong = 60;
 
 template <class Number>
 double At(std::string_view file, std::uint64_t at) {
@@ -148,6 +148,7 @@ int KeypointsCheck(std::string_view file, MemberPlace place, Facts& facts) {
 }
 int UndistortedCheck(std::string_view file, MemberPlace place, Facts& facts) {
   if (!AreKeypoints(file, place)) return kWrong;
+  if (facts[Facts::kKeypoints] < 0) return kUnproven;
   return Unless(Is(I32(file, place.begin), facts[Facts::kKeypoints]), kWrong);
 }
 int RightKeypointsCheck(std::string_view file, MemberPlace place, Facts&) {
@@ -159,6 +160,7 @@ int StereoCheck(std::string_view file, MemberPlace place, Facts& facts) {
 }
 int DescriptorsCheck(std::string_view file, MemberPlace place, Facts& facts) {
   const double columns = I32(file, place.begin), rows = I32(file, place.begin + 4), type = I32(file, place.begin + 8);
+  if (facts[Facts::kFeatures] < 0) return kUnproven;
   if (!Is(rows, facts[Facts::kFeatures]) && rows != 0) return kWrong;
   return Unless((columns == 32 && type == 0) || rows == 0, 5);
 }
@@ -269,6 +271,7 @@ int ObservationsCheck(std::string_view file, MemberPlace place, Facts& facts) {
 }
 int RightObservationsCheck(std::string_view file, MemberPlace place, Facts& facts) {
   const double count = I64(file, place.begin);
+  if (facts[Facts::kObservers] < 0) return kUnproven;
   if (!Is(count, facts[Facts::kObservers])) return kWrong;
   return Unless(count < 1 || Is(I64(file, place.begin + 12), facts[Facts::kFirstObserver]), kWrong);
 }

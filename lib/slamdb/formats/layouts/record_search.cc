@@ -11,10 +11,10 @@
 namespace slamdb::layouts {
 namespace {
 
-constexpr int kEdit = 100;        // costs a member that is more or less,
-constexpr int kNextRemoval = 35;  // one more that is missing behind it,
-constexpr int kTie = 4;           // and what is as good as the best
-constexpr int kSlack = 45;        // behind an anchor, what costs more in front of it is given up
+constexpr int kEdit = 100;                 // costs a member that is more or less,
+constexpr int kNextRemoval = 35;           // one more that is missing behind it,
+constexpr int kTie = 4;                    // and what is as good as the best
+constexpr std::array kSlacks = {45, 160};  // where an anchor was passed, ways that cost more are given up
 constexpr int kMostCost = 700;
 constexpr int kDoubt = 45;
 constexpr std::size_t kMostNodes = 120'000;
@@ -86,6 +86,15 @@ void RecordSearch::MakeShapes() {
 // ---- The search
 
 std::vector<RecordSolution> RecordSearch::Run(std::span<const MemberPlace> samples) {
+  for (const int slack : kSlacks) {
+    slack_ = slack;
+    Search(samples);
+    if (!goals_.empty()) break;
+  }
+  return Solutions();
+}
+
+void RecordSearch::Search(std::span<const MemberPlace> samples) {
   samples_.assign(samples.begin(), samples.end());
   nodes_.clear();
   cursors_.clear();
@@ -118,7 +127,6 @@ std::vector<RecordSolution> RecordSearch::Run(std::span<const MemberPlace> sampl
       Insert(entry.node, static_cast<std::size_t>(entry.action), entry.cost);
     }
   }
-  return Solutions();
 }
 
 void RecordSearch::Push(int cost, std::int32_t node, std::int32_t action) {
@@ -128,7 +136,7 @@ void RecordSearch::Push(int cost, std::int32_t node, std::int32_t action) {
 // Another way has passed an anchor that this one has not, and costs less.
 bool RecordSearch::IsBehindHope(const Node& node) const {
   for (std::size_t step = node.step; step < steps_.size(); ++step)
-    if (anchored_[step] + kSlack < node.cost) return true;
+    if (anchored_[step] + slack_ < node.cost) return true;
   return false;
 }
 

@@ -287,8 +287,8 @@ bool WireWalk::Pointer(const WireType& type, int depth) {
 
 bool WireWalk::Members(const WireClass& of, int depth) {
   for (const std::uint32_t key : of.registers) Register(key);
-  const bool seen = visitor != nullptr && (of.name == "KeyFrame" || of.name == "MapPoint" || of.name == "Map" ||
-                                            of.name == "Atlas");
+  const bool seen =
+      visitor != nullptr && (of.name == "KeyFrame" || of.name == "MapPoint" || of.name == "Map" || of.name == "Atlas");
   std::vector<std::uint64_t> offsets;
   if (seen) offsets.reserve(of.members.size() + 1);
   for (const WireMember& member : of.members) {

@@ -35,10 +35,16 @@ struct Findings {
   std::vector<std::string> differences, alternatives, doubts;
 };
 
-// Gives the layout the members of a class that its records have: those of a known layout, or of its own with the fewest
-// members more or less. `records`: from end to end, every class met before. Returns whether it found any.
-bool FindClass(const ArchiveBytes& archive, std::string_view class_name, std::span<const MemberPlace> records,
-               Layout& layout, Findings& findings);
+// A layout with other members of a class.
+struct ClassOption {
+  Layout layout;
+  Findings findings;
+};
+
+// What the members of a class may be that its records have: those of a known layout, or of `layout` with the fewest
+// members more or less, likeliest first. `records`: from end to end, with every class met before; none: `layout` it is.
+std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
+                                   std::span<const MemberPlace> records, const Layout& layout);
 
 // Whether a member is one that FindClass put in.
 bool IsUnknown(const LayoutMember& member);

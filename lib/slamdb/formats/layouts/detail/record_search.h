@@ -79,6 +79,7 @@ class RecordSearch {
     std::int32_t parent = 0, action = 0;
   };
 
+  void Search(std::span<const MemberPlace> samples);
   void MakeShapes();
   void AddShape(std::string type, int cost, bool raw);
   void Push(int cost, std::int32_t node, std::int32_t action);
@@ -112,6 +113,7 @@ class RecordSearch {
   std::vector<int> anchored_;  // by step: the least cost behind that anchor
   std::vector<std::int32_t> goals_;
   std::uint64_t order_ = 0;
+  int slack_ = 0;
 };
 
 }  // namespace slamdb::layouts
