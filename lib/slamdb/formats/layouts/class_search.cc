@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/layouts/detail/inference.h"
+
+namespace slamdb::layouts {
+namespace {
+
+using detail::Concat;
+
+constexpr std::size_t kSamples = 6, kMostRounds = 8, kJudged = 100, kMostOptions = 24;
+constexpr double kMostUnfit = 0.02;  // of records: those that bring a class for the first time
+constexpr double kAlike = 0.5;       // penalties that do not tell one from the other
+constexpr std::string_view kUnknown = "unknown";
+
+// The classes that a class holds, itself first.
+void AddHeld(const Layout& layout, const std::string& name, std::vector<std::string>& held) {
+  if (std::ranges::find(held, name) != held.end()) return;
+  held.push_back(name);
+  const LayoutClass* of = layout.Find(name);
+  if (of == nullptr) return;
+  for (const LayoutMember& member : of->members) {
+    std::vector<LayoutType> types{ParseLayoutType(member.type)};
+    while (!types.empty()) {
+      const LayoutType type = std::move(types.back());
+      types.pop_back();
+      if (type.kind == LayoutType::Kind::kValue || type.kind == LayoutType::Kind::kRaw)
+        AddHeld(layout, type.name, held);
+      types.insert(types.end(), type.elements.begin(), type.elements.end());
+    }
+  }
+}
+
+void TakeClass(const Layout& from, const std::string& name, Layout& to) {
+  std::vector<std::string> held;
+  AddHeld(from, name, held);
+  for (const std::string& one : held) {
+    if (LayoutClass* known = to.Find(one))
+      *known = *from.Find(one);
+    else
+      to.classes.push_back(*from.Find(one));
+  }
+}
+
+// Looks at the records of one class.
+class ClassSearch {
+ public:
+  ClassSearch(const ArchiveBytes& archive, std::string_view class_name, std::span<const MemberPlace> records)
+      : archive_(archive), class_name_(class_name), records_(records) {}
+
+  std::optional<ClassOption> Known(const Layout& layout) const {
+    const Layout* best = nullptr;
+    double least = kMostPenalty;
+    for (const Layout& known : KnownLayouts()) {
+      const Wire wire(known, archive_.encoding);
+      if (wire.RowOf(class_name_) < 0 || Unfit(wire, 1)) continue;
+      const double penalty = Penalty(wire);
+      if (penalty >= least) continue;
+      least = penalty;
+      best = &known;
+    }
+    if (best == nullptr) return std::nullopt;
+    ClassOption option{layout, {}};
+    if (best != &KnownLayouts().front())
+      option.findings.differences.push_back(Concat(class_name_, ": as in ", best->id));
+    TakeClass(*best, std::string(class_name_), option.layout);
+    return option;
+  }
+
+  std::vector<ClassOption> Changed(const Layout& layout) const {
+    Wire wire(layout, archive_.encoding);
+    RecordSearch search(wire, archive_.file, archive_.encoding, StepsOf(wire, class_name_));
+    std::vector<MemberPlace> samples = Samples();
+    for (std::size_t round = 0; round < kMostRounds; ++round) {
+      const std::vector<RecordSolution> solutions = Likeliest(search.Run(samples), search.steps(), layout);
+      std::vector<ClassOption> options;
+      for (std::size_t i = 0; i < solutions.size() && options.size() < kMostOptions; ++i) {
+        ClassOption option{layout, {}};
+        Apply(solutions[i], search.steps(), option.layout, option.findings);
+        const Wire result(option.layout, archive_.encoding);
+        if (i == 0 && Unfit(result, 1)) {
+          samples.push_back(*Unfit(result, 0));
+          break;
+        }
+        Compare(i, solutions, search.steps(), option.findings);
+        options.push_back(std::move(option));
+      }
+      if (solutions.empty() || !options.empty()) return options;
+    }
+    return {};
+  }
+
+ private:
+  // Those against which least speaks in all records.
+  std::vector<RecordSolution> Likeliest(std::vector<RecordSolution> solutions, const std::vector<SearchStep>& steps,
+                                        const Layout& layout) const {
+    if (solutions.size() < 2) return solutions;
+    std::vector<double> penalties;
+    for (const RecordSolution& solution : solutions) {
+      Layout changed = layout;
+      Findings found;
+      Apply(solution, steps, changed, found);
+      penalties.push_back(Penalty(Wire(changed, archive_.encoding)));
+    }
+    const double most = *std::ranges::min_element(penalties) + kAlike;
+    std::vector<RecordSolution> likeliest;
+    for (std::size_t i = 0; i < solutions.size(); ++i)
+      if (penalties[i] <= most) likeliest.push_back(std::move(solutions[i]));
+    return likeliest;
+  }
+
+  // A record that the layout does not read from end to end; none while they are few, where `some` may be.
+  std::optional<MemberPlace> Unfit(const Wire& wire, int some) const {
+    const WarmWalk walk(wire, archive_.file, archive_.encoding);
+    const WireClass& of = wire.classes[static_cast<std::size_t>(wire.RowOf(class_name_))];
+    const double most = some == 0 ? 0 : MostUnfit();
+    std::size_t unfit = 0;
+    for (const MemberPlace& record : records_)
+      if (walk.BehindMembers(of, record.begin, 0) != record.end && static_cast<double>(++unfit) > most) return record;
+    return std::nullopt;
+  }
+
+  // A list brings its classes with the first record in which it is not empty.
+  double MostUnfit() const {
+    const auto count = static_cast<double>(records_.size());
+    return std::max(kMostUnfit * count, std::min(3.0, count / 3));
+  }
+
+  // What speaks against the members, by record.
+  double Penalty(const Wire& wire) const {
+    const WarmWalk walk(wire, archive_.file, archive_.encoding);
+    std::vector<MemberPlace> at = Spread(records_, kJudged);
+    std::erase_if(at, [&](const MemberPlace& record) {
+      return walk.BehindMembers(wire.classes[static_cast<std::size_t>(wire.RowOf(class_name_))], record.begin, 0) !=
+             record.end;
+    });
+    std::vector<RecordFacts> facts(at.size());
+    double penalty = 0;
+    for (const SearchStep& step : StepsOf(wire, class_name_)) {
+      std::vector<MemberPlace> places;
+      for (MemberPlace& record : at) {
+        const std::uint64_t behind = walk.Behind(step.type, record.begin);
+        places.push_back({record.begin, behind});
+        record.begin = behind;
+      }
+      if (step.known != nullptr) penalty += PenaltyOf(*step.known, archive_.file, places, facts);
+    }
+    return penalty;
+  }
+
+  static std::vector<MemberPlace> Spread(std::span<const MemberPlace> records, std::size_t most) {
+    std::vector<MemberPlace> spread;
+    const std::size_t count = std::min(most, records.size());
+    for (std::size_t i = 0; i < count; ++i) spread.push_back(records[i * records.size() / count]);
+    return spread;
+  }
+  // Spread over the file behind the first third, which may bring classes, and the longest one there, in which every
+  // list has something.
+  std::vector<MemberPlace> Samples() const {
+    const std::span<const MemberPlace> later = records_.subspan(records_.size() / 3);
+    std::vector<MemberPlace> samples = Spread(later, kSamples);
+    const auto longest =
+        std::ranges::max_element(records_, {}, [](const MemberPlace& record) { return record.end - record.begin; });
+    const auto same = [&](const MemberPlace& sample) { return sample.begin == longest->begin; };
+    if (std::ranges::none_of(samples, same)) samples.push_back(*longest);
+    return samples;
+  }
+
+  // ---- Changes
+
+  // The class that a step's neighbour belongs to: new members between two classes are of the outer one.
+  std::string OwnerOf(const std::vector<SearchStep>& steps, std::uint32_t step) const {
+    if (step == 0 || step == steps.size() || steps[step - 1].of_class != steps[step].of_class)
+      return std::string(class_name_);
+    return steps[step].of_class;
+  }
+
+  static std::size_t RowOf(const LayoutClass& of, const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(of.members, name, &LayoutMember::name) - of.members.begin());
+  }
+  // The member that holds a class by value.
+  static std::size_t RowOfValue(const LayoutClass& of, const std::string& held) {
+    return static_cast<std::size_t>(std::ranges::find(of.members, Concat("val<", held, ">"), &LayoutMember::type) -
+                                    of.members.begin());
+  }
+
+  // Where a member of the class stands that comes in front of a step.
+  static std::size_t RowInFront(const LayoutClass& of, const std::vector<SearchStep>& steps, std::uint32_t step) {
+    if (step == steps.size()) return of.members.size();
+    return steps[step].of_class == of.name ? RowOf(of, steps[step].name) : RowOfValue(of, steps[step].of_class);
+  }
+
+  void Apply(const RecordSolution& solution, const std::vector<SearchStep>& steps, Layout& layout,
+             Findings& found) const {
+    int unknown = Unknowns(layout);
+    for (const RecordEdit& edit : solution.edits) {
+      const bool removes = edit.kind == RecordEdit::Kind::kRemove;
+      LayoutClass& of = *layout.Find(removes ? steps[edit.step].of_class : OwnerOf(steps, edit.step));
+      const auto at = of.members.begin() + static_cast<std::ptrdiff_t>(RowInFront(of, steps, edit.step));
+      if (removes)
+        of.members.erase(at);
+      else
+        of.members.insert(at, {Concat(kUnknown, ++unknown), edit.type});
+    }
+    for (const std::uint32_t step : solution.doubtful) {
+      LayoutMember& member =
+          layout.Find(steps[step].of_class)->members[RowOf(*layout.Find(steps[step].of_class), steps[step].name)];
+      found.doubts.push_back(
+          Concat(steps[step].of_class, ": the values of ", member.name, " are not like it; they are kept as unknown"));
+      member.name = Concat(kUnknown, ++unknown);
+    }
+    for (const RecordEdit& edit : solution.edits) found.differences.push_back(Text(edit, steps));
+  }
+
+  static int Unknowns(const Layout& layout) {
+    int count = 0;
+    for (const LayoutClass& of : layout.classes)
+      count += static_cast<int>(std::ranges::count_if(of.members, IsUnknown));
+    return count;
+  }
+
+  std::string Text(const RecordEdit& edit, const std::vector<SearchStep>& steps) const {
+    const std::string name = edit.step < steps.size() ? steps[edit.step].name : "";
+    if (edit.kind == RecordEdit::Kind::kRemove) return Concat(steps[edit.step].of_class, ": no ", name);
+    const std::string owner = OwnerOf(steps, edit.step);
+    const std::string where = edit.step == 0 ? Concat("in front of ", name)
+                              : edit.step == steps.size()
+                                  ? Concat("at the end, behind ", steps.back().name)
+                                  : Concat("between ", steps[edit.step - 1].name, " and ", name);
+    return Concat(owner, ": ", edit.type, " more, ", where);
+  }
+
+  // Says which other changes explain the records as well.
+  void Compare(std::size_t chosen, const std::vector<RecordSolution>& solutions, const std::vector<SearchStep>& steps,
+               Findings& found) const {
+    for (std::size_t i = 0; i < solutions.size(); ++i) {
+      if (i == chosen) continue;
+      std::string text;
+      for (const RecordEdit& edit : solutions[i].edits)
+        if (std::ranges::find(solutions[chosen].edits, edit) == solutions[chosen].edits.end())
+          text += (text.empty() ? "" : "; ") + Text(edit, steps);
+      if (!text.empty()) found.alternatives.push_back(std::move(text));
+    }
+  }
+
+  const ArchiveBytes& archive_;
+  const std::string_view class_name_;
+  const std::span<const MemberPlace> records_;
+};
+
+}  // namespace
+
+bool IsUnknown(const LayoutMember& member) { return member.name.starts_with(kUnknown); }
+
+std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
+                                   std::span<const MemberPlace> records, const Layout& layout) {
+  if (records.empty()) return {{layout, {}}};  // nothing speaks against the members that it has
+  const ClassSearch search(archive, class_name, records);
+  if (std::optional<ClassOption> known = search.Known(layout)) return {std::move(*known)};
+  return search.Changed(layout);
+}
+
+// ---- Types of unknown members
+
+std::vector<std::string> TypesLike(const std::string& warm_type) {
+  const LayoutType type = ParseLayoutType(warm_type);
+  const auto value = [](std::uint32_t bytes) { return Concat("val<Unknown", bytes, ">"); };
+  if (type.kind == LayoutType::Kind::kArray) {
+    const std::uint32_t bytes = type.count;
+    std::vector<std::string> types{warm_type};
+    if (bytes == 1) types = {"u8"};
+    if (bytes == 2) types = {"u16", "ptr<GeometricCamera>"};
+    if (bytes == 4) types = {"u32"};
+    if (bytes == 6) types = {"ptr<GeometricCamera>", warm_type};
+    if (bytes == 8) types = {"u64"};
+    if (bytes > 2 && bytes != 6) types.push_back(value(bytes));
+    if (bytes == 8) types.insert(types.end(), {"vec<f64>", "vec<u8>"});  // empty ones
+    if (bytes == 12)
+      types.insert(types.end(), {"set<u64>", "map<u64,u64>", "map<u64,i32>", "vec<vec<u64>>", "vec<vec<i32>>"});
+    return types;
+  }
+  if (warm_type == "vec<u32>") return {"vec<u32>", "vec<i32>", "vec<f32>"};
+  if (warm_type == "vec<u64>") return {"vec<u64>", "vec<i64>", "vec<f64>"};
+  if (warm_type == "vec<u8>") return {"string", "vec<u8>", "vec<bool>"};
+  if (warm_type == "vec<vec<u8>>" || warm_type == "vec<string>") return {"vec<string>", "vec<vec<u8>>", "set<string>"};
+  if (warm_type == "vec<vec<u64>>") return {"vec<vec<u64>>", "vec<vec<f64>>"};
+  if (warm_type == "vec<vec<u32>>") return {"vec<vec<u32>>", "vec<vec<i32>>", "vec<vec<f32>>"};
+  if (type.kind != LayoutType::Kind::kVector || type.elements[0].kind != LayoutType::Kind::kArray) return {warm_type};
+  const std::uint32_t bytes = type.elements[0].count;
+  std::vector<std::string> types;
+  if (bytes == 4) types = {"set<u32>", "list<f32>"};
+  if (bytes == 8) types = {"set<u64>", "map<u32,u32>", "map<i32,f32>"};
+  if (bytes == 12) types = {"map<u64,i32>", "map<u64,f32>", "map<u32,f64>", "map<i64,i32>"};
+  if (bytes == 16) types = {"map<u64,u64>", "map<u64,f64>"};
+  types.push_back(Concat("vec<", value(bytes), ">"));
+  types.push_back(Concat("set<arr<u8,", bytes, ">>"));
+  return types;
+}
+
+void SetType(Layout& layout, LayoutMember& member, const std::string& type) {
+  member.type = type;
+  const std::size_t at = type.find("val<Unknown");
+  if (at == std::string::npos) return;
+  const std::string name = type.substr(at + 4, type.find('>', at) - at - 4);
+  if (layout.Find(name) != nullptr) return;
+  LayoutClass added;
+  added.name = name;
+  added.members.push_back({"bytes", Concat("arr<u8,", name.substr(7), ">")});
+  layout.classes.push_back(std::move(added));
+}
+
+}  // namespace slamdb::layouts

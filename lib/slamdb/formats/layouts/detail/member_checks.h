@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+// What the members of ORB-SLAM3's keyframes and map points are like: how well bytes fit the member that they are taken
+// for.
+namespace slamdb::layouts {
+
+// What a record has told so far, for members that must agree with it. Negative: nothing.
+struct RecordFacts {
+  enum Fact : std::uint8_t {
+    kId,
+    kColumns,  // of the grid
+    kFx,
+    kFy,
+    kBaseline,
+    kFeatures,   // N
+    kKeypoints,  // of the left image
+    kLevels,
+    kFactor,
+    kCount,  // nObs
+    kObservers,
+    kFirstObserver,
+    kLastObserver,
+    kLeast,  // mfMinDistance
+    kFacts
+  };
+  std::array<double, kFacts> values;
+
+  RecordFacts() { values.fill(-1); }
+  double operator[](Fact fact) const { return values[fact]; }
+  double& operator[](Fact fact) { return values[fact]; }
+  friend bool operator==(const RecordFacts&, const RecordFacts&) = default;
+};
+
+// Where a member of a record would stand.
+struct MemberPlace {
+  std::uint64_t begin = 0, end = 0;
+};
+
+inline constexpr int kNoPenalty = 0;
+inline constexpr int kBadPenalty = 100;  // it can hardly be the member
+
+// What speaks against the bytes being the member, from 0 to kBadPenalty.
+using MemberCheck = int (*)(std::string_view file, MemberPlace place, RecordFacts& facts);
+
+struct KnownMember {
+  std::string_view of_class, name;
+  MemberCheck check = nullptr;
+  std::uint64_t bytes = 0;  // of the type that the check knows; 0: of any length
+  bool differs = false;     // from record to record
+  bool constant = false;    // in all records of a session
+  bool anchor = false;      // a place that cannot be mistaken: when it fits, so does what stands in front
+};
+
+// The member of that class and name; null when it is none of ORB-SLAM3's that can be told from others.
+const KnownMember* FindKnownMember(std::string_view of_class, std::string_view name);
+
+// The penalty of a member in several records, from 0 to 2 * kBadPenalty; `facts` learn from it.
+int PenaltyOf(const KnownMember& member, std::string_view file, std::span<const MemberPlace> places,
+              std::span<RecordFacts> facts);
+
+}  // namespace slamdb::layouts

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <queue>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "slamdb/formats/layouts/detail/member_checks.h"
+#include "slamdb/formats/layouts/detail/wire_walk.h"
+
+// Finds how the records of a class differ from a known layout: the cheapest way to read several of them from end to
+// end, where a member that is missing or one that is more costs, and so does one whose bytes are not like it.
+namespace slamdb::layouts {
+
+// A member of the class, or of one that it holds by value.
+struct SearchStep {
+  std::string of_class, name;
+  std::uint32_t type = 0;  // row
+  const KnownMember* known = nullptr;
+};
+
+// The members of a class in order, those of Preintegrated and Calib among them.
+std::vector<SearchStep> StepsOf(const Wire& wire, std::string_view class_name);
+
+// What a fork may have put in.
+struct InsertShape {
+  std::string type;  // a word of a layout; the bytes where all its classes have been met
+  std::uint32_t row = 0;
+  int cost = 0;
+  bool raw = false;  // bytes of a fixed number
+};
+
+struct RecordEdit {
+  enum class Kind : std::uint8_t { kInsert, kRemove } kind = Kind::kInsert;
+  std::uint32_t step = 0;  // in front of it; the one that is removed
+  std::string type;        // kInsert
+
+  friend bool operator==(const RecordEdit&, const RecordEdit&) = default;
+  friend auto operator<=>(const RecordEdit&, const RecordEdit&) = default;
+};
+
+struct RecordSolution {
+  int cost = 0;
+  std::vector<RecordEdit> edits;        // by step
+  std::vector<std::uint32_t> doubtful;  // steps whose bytes are not like the member
+  friend bool operator==(const RecordSolution&, const RecordSolution&) = default;
+};
+
+class RecordSearch {
+ public:
+  // Adds the types of what may be inserted to the wire.
+  RecordSearch(Wire& wire, std::string_view file, const ArchiveEncoding& encoding, std::vector<SearchStep> steps);
+
+  // All solutions that are as good as the best one, in a fixed order; empty when there is none within the tries.
+  std::vector<RecordSolution> Run(std::span<const MemberPlace> samples);
+  const std::vector<SearchStep>& steps() const { return steps_; }
+
+ private:
+  enum class Last : std::uint8_t { kTake, kRemove, kRaw, kInsert };
+  static constexpr std::int32_t kTake = -1, kRemove = -2, kTiers = -3;  // actions; else the row of a shape
+  struct Node {
+    std::int32_t parent = -1, action = kTake;
+    std::uint32_t step = 0;
+    int cost = 0, penalty = 0;
+    Last last = Last::kTake;
+    std::uint8_t inserts = 0;  // in this gap
+  };
+  struct Entry {
+    int cost = 0;
+    std::uint64_t order = 0;
+    std::int32_t node = 0, action = 0;  // `kTake`: the node is there
+    bool operator>(const Entry& other) const { return cost != other.cost ? cost > other.cost : order > other.order; }
+  };
+  struct Alternative {
+    std::int32_t parent = 0, action = 0;
+  };
+
+  void Search(std::span<const MemberPlace> samples);
+  void MakeShapes();
+  void AddShape(std::string type, int cost, bool raw);
+  void Push(int cost, std::int32_t node, std::int32_t action);
+  void Expand(std::int32_t node);
+  void TakeStep(std::int32_t node);
+  bool RemoveStep(std::int32_t node, int cost);
+  void Insert(std::int32_t node, std::size_t shape, int cost);
+  void Tier(std::int32_t node, int tier, int cost);
+  bool FitsBehind(std::int32_t node, std::uint64_t bytes);
+  void Settle(const Node& node);
+  bool IsBehindHope(const Node& node) const;
+  std::uint64_t Behind(std::uint32_t type, std::size_t sample, std::uint64_t at);
+  std::vector<RecordSolution> Solutions() const;
+  RecordSolution SolutionOf(const std::vector<Alternative>& way) const;
+
+  Wire& wire_;
+  const std::string_view file_;
+  const ArchiveEncoding encoding_;
+  const std::vector<SearchStep> steps_;
+  std::vector<InsertShape> shapes_;
+  std::vector<MemberPlace> samples_;
+  std::vector<Node> nodes_;
+  std::vector<std::uint64_t> cursors_;  // a row of samples for each node
+  std::vector<RecordFacts> facts_;
+  std::vector<std::vector<Alternative>> others_;  // ways to a node that cost as much
+  std::vector<std::uint64_t> next_cursors_;
+  std::vector<RecordFacts> next_facts_;
+  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> known_;  // nodes by the hash of what they are
+  std::unordered_map<std::uint64_t, std::uint64_t> behind_;             // where long values end
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  std::vector<int> anchored_;  // by step: the least cost behind that anchor
+  std::vector<std::int32_t> goals_;
+  std::uint64_t order_ = 0;
+  int slack_ = 0;
+};
+
+}  // namespace slamdb::layouts

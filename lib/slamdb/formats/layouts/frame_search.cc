@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/layouts/detail/inference.h"
+
+namespace slamdb::layouts {
+namespace {
+
+using detail::Concat;
+
+constexpr std::size_t kBeam = 24, kMostEdits = 4;
+constexpr std::size_t kLongestRemoval = 6;
+constexpr std::size_t kMostTrials = 12'000;
+
+// What forks' maps and atlases may have more, likeliest first.
+std::vector<std::string> FrameTypes() {
+  std::vector<std::string> types = {"u64",
+                                    "u32",
+                                    "u8",
+                                    "arr<u8,12>",
+                                    "arr<u8,28>",
+                                    "string",
+                                    "vec<u64>",
+                                    "vec<u32>",
+                                    "vec<f64>",
+                                    "set<u64>",
+                                    "map<u64,i32>",
+                                    "map<u64,u64>",
+                                    "map<u64,f64>",
+                                    "map<u32,u32>",
+                                    "vec<string>",
+                                    "mat",
+                                    "kps",
+                                    "ptr<KeyFrame>",
+                                    "ptr<MapPoint>",
+                                    "ptr<Map>",
+                                    "vec<ptr<KeyFrame>>",
+                                    "vec<ptr<MapPoint>>",
+                                    "set<ptr<KeyFrame>>",
+                                    "set<ptr<Map>>",
+                                    "vec<vec<u64>>",
+                                    "vec<vec<f64>>",
+                                    "vec<u8>",
+                                    "vec<u16>"};
+  for (const std::uint32_t bytes :
+       {2, 3, 5, 6, 7, 9, 10, 11, 13, 14, 15, 16, 17, 18, 20, 24, 32, 36, 40, 48, 56, 64, 72, 96, 128})
+    types.push_back(Concat("arr<u8,", bytes, ">"));
+  for (std::uint32_t bytes = 1; bytes <= 64; bytes += bytes < 17 ? 1 : 4)
+    types.push_back(Concat("val<Unknown", bytes, ">"));
+  for (const std::uint32_t bytes : {4, 8, 9, 12, 16, 20, 24, 28, 32, 36})
+    types.push_back(Concat("vec<val<Unknown", bytes, ">>"));
+  return types;
+}
+
+struct Candidate {
+  Layout layout;
+  Verdict verdict;
+  std::vector<std::string> edits;
+  std::size_t kind = 0;  // of the last edit: rarer types come later
+};
+
+class FrameSearch {
+ public:
+  FrameSearch(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends)
+      : archive_(archive), known_ends_(known_ends) {}
+
+  // Edits one after the other; those that come farthest go on.
+  bool Run(Layout& layout, Findings& findings) {
+    std::vector<Candidate> beam{{.layout = layout}};
+    if (FromKnown(layout, beam, findings)) return true;
+    for (std::size_t edits = 0; edits < kMostEdits; ++edits) {
+      next_.clear();
+      whole_.clear();
+      for (const Candidate& candidate : beam) Extend(candidate);
+      if (!whole_.empty()) return Choose(layout, findings);
+      std::ranges::stable_sort(next_, [](const Candidate& a, const Candidate& b) {
+        return a.verdict.reached != b.verdict.reached ? a.verdict.reached > b.verdict.reached
+                                                      : a.verdict.penalty < b.verdict.penalty;
+      });
+      if (next_.size() > kBeam) next_.erase(next_.begin() + kBeam, next_.end());
+      beam = std::move(next_);
+    }
+    return false;
+  }
+
+ private:
+  // The frame of another known layout.
+  bool FromKnown(Layout& layout, std::vector<Candidate>& beam, Findings& findings) {
+    for (const Layout& known : KnownLayouts().subspan(1)) {
+      Candidate candidate{.layout = layout};
+      candidate.layout.root = known.root;
+      for (const LayoutClass& of : known.classes) {
+        LayoutClass* own = candidate.layout.Find(of.name);
+        if (own == nullptr)
+          candidate.layout.classes.push_back(of);
+        else if (of.name == "Map" || of.name == "Atlas")
+          *own = of;
+      }
+      candidate.edits = {Concat("Atlas and Map: as in ", known.id)};
+      candidate.verdict = Judge(archive_, candidate.layout, known_ends_);
+      if (candidate.verdict.whole && candidate.verdict.penalty < kMostPenalty) {
+        layout = std::move(candidate.layout);
+        findings.differences.insert(findings.differences.end(), candidate.edits.begin(), candidate.edits.end());
+        return true;
+      }
+      if (candidate.layout.root != layout.root) beam.push_back(std::move(candidate));
+    }
+    return false;
+  }
+
+  void Extend(const Candidate& from) {
+    for (const char* name : {"Map", "Atlas"}) {
+      const std::size_t members = from.layout.Find(name)->members.size();
+      for (std::size_t row = 0; row <= members; ++row) {
+        for (std::size_t type = 0; type < types_.size(); ++type) Insert(from, name, row, type);
+        for (std::size_t count = 1; count <= kLongestRemoval && row + count <= members; ++count)
+          Remove(from, name, row, count);
+      }
+    }
+  }
+  void Insert(const Candidate& from, const char* name, std::size_t row, std::size_t type) {
+    Candidate next = from;
+    LayoutClass& of = *next.layout.Find(name);
+    const std::string behind = row == 0 ? "in front" : Concat("behind ", of.members[row - 1].name);
+    std::size_t number = 1;
+    for (const LayoutClass& other : next.layout.classes)
+      number += static_cast<std::size_t>(std::ranges::count_if(other.members, IsUnknown));
+    of.members.insert(of.members.begin() + static_cast<std::ptrdiff_t>(row), {Concat("unknown", number), types_[type]});
+    SetType(next.layout, next.layout.Find(name)->members[row], types_[type]);
+    next.edits.push_back(Concat(name, ": ", types_[type], " more, ", behind));
+    next.kind = type;
+    Try(std::move(next), from);
+  }
+  void Remove(const Candidate& from, const char* name, std::size_t row, std::size_t count) {
+    Candidate next = from;
+    LayoutClass& of = *next.layout.Find(name);
+    std::string names;
+    for (std::size_t i = row; i < row + count; ++i) {
+      const std::string& type = of.members[i].type;
+      if (type.find("ptr<") != std::string::npos || IsUnknown(of.members[i])) return;
+      names += (i > row ? ", " : "") + of.members[i].name;
+    }
+    const auto begin = of.members.begin() + static_cast<std::ptrdiff_t>(row);
+    of.members.erase(begin, begin + static_cast<std::ptrdiff_t>(count));
+    next.edits.push_back(Concat(name, ": no ", names));
+    next.kind = types_.size() + count;
+    Try(std::move(next), from);
+  }
+  void Try(Candidate next, const Candidate& from) {
+    if (++trials_ > kMostTrials) return;
+    next.verdict = Judge(archive_, next.layout, known_ends_);
+    if (next.verdict.whole) next.verdict.penalty = Judge(archive_, next.layout).penalty;
+    if (next.verdict.whole && next.verdict.penalty < kMostPenalty)
+      whole_.push_back(std::move(next));
+    else if (next.verdict.reached > from.verdict.reached && !next.verdict.whole)
+      next_.push_back(std::move(next));
+  }
+
+  // The one against which least speaks; of those alike the likeliest type, at the last place.
+  bool Choose(Layout& layout, Findings& findings) {
+    const auto better = [](const Candidate& a, const Candidate& b) {
+      return a.verdict.penalty != b.verdict.penalty ? a.verdict.penalty < b.verdict.penalty : a.kind < b.kind;
+    };
+    std::ranges::reverse(whole_);
+    std::ranges::stable_sort(whole_, better);
+    const Candidate& best = whole_.front();
+    for (const Candidate& other : std::span(whole_).subspan(1))
+      if (other.verdict.penalty == best.verdict.penalty && other.edits != best.edits)
+        findings.alternatives.push_back(other.edits.back());
+    findings.differences.insert(findings.differences.end(), best.edits.begin(), best.edits.end());
+    layout = best.layout;
+    return true;
+  }
+
+  const ArchiveBytes& archive_;
+  const std::span<const std::uint64_t> known_ends_;
+  const std::vector<std::string> types_ = FrameTypes();
+  std::vector<Candidate> next_, whole_;
+  std::size_t trials_ = 0;
+};
+
+}  // namespace
+
+bool FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends, Layout& layout,
+               Findings& findings) {
+  return FrameSearch(archive, known_ends).Run(layout, findings);
+}
+
+}  // namespace slamdb::layouts

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/layouts/infer.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/layouts/detail/inference.h"
+
+namespace slamdb {
+namespace layouts {
+namespace {
+
+using detail::Concat;
+
+// Adds up what speaks against the members of all records that a walk passes.
+class Judging : public RecordVisitor {
+ public:
+  Judging(const ArchiveBytes& archive, const Wire& wire)
+      : file_(archive.file), known_(wire.classes.size()), wire_(wire), sums_(wire.classes.size()) {}
+
+  void Record(const WireClass& of, std::span<const std::uint64_t> offsets) override {
+    std::vector<const KnownMember*>& known = known_[static_cast<std::size_t>(&of - wire_.classes.data())];
+    if (known.empty())
+      for (const WireMember& member : of.members) known.push_back(FindKnownMember(of.name, member.name));
+    Sum& sum = sums_[static_cast<std::size_t>(&of - wire_.classes.data())];
+    RecordFacts facts;
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      if (known[i] == nullptr) continue;
+      const MemberPlace place{offsets[i], offsets[i + 1]};
+      sum.penalty += PenaltyOf(*known[i], file_, std::span(&place, 1), std::span(&facts, 1));
+    }
+    ++sum.records;
+  }
+  // By record, of the class against which most speaks.
+  double penalty() const {
+    double most = 0;
+    for (const Sum& sum : sums_)
+      if (sum.records > 0) most = std::max(most, static_cast<double>(sum.penalty) / static_cast<double>(sum.records));
+    return most;
+  }
+
+ private:
+  const std::string_view file_;
+  std::vector<std::vector<const KnownMember*>> known_;
+  const Wire& wire_;
+  struct Sum {
+    std::int64_t penalty = 0, records = 0;
+  };
+  std::vector<Sum> sums_;
+};
+
+}  // namespace
+
+Verdict Judge(const ArchiveBytes& archive, const Layout& layout, std::span<const std::uint64_t> known_ends) {
+  const Wire wire(layout, archive.encoding);
+  WireWalk walk(wire, archive.file, archive.encoding);
+  Judging judging(archive, wire);
+  walk.visitor = &judging;
+  walk.known_ends = known_ends;
+  Verdict verdict;
+  verdict.whole = walk.Run(layout.header ? archive.begin : 0);
+  verdict.reached = walk.at();
+  verdict.penalty = judging.penalty();
+  return verdict;
+}
+
+namespace {
+
+// A known layout that comes to the end; the one that reads what ORB-SLAM3 writes.
+std::optional<InferredLayout> Known(const ArchiveBytes& archive) {
+  std::optional<InferredLayout> best;
+  double least = kMostPenalty;
+  for (const Layout& layout : KnownLayouts()) {
+    const Verdict verdict = Judge(archive, layout);
+    if (!verdict.whole || verdict.penalty >= least) continue;
+    least = verdict.penalty;
+    best = InferredLayout{.layout = layout, .known = true};
+  }
+  return best;
+}
+
+class Inference {
+ public:
+  explicit Inference(const ArchiveBytes& archive)
+      : archive_(archive), maps_(FindRecords(archive.file, archive.encoding)), layout_(KnownLayouts().front()) {}
+
+  InferredLayout Run() {
+    Count();
+    if (auto known = Known(archive_)) return Finished(std::move(*known));
+    if (archive_.encoding.long_bytes != 8 || archive_.encoding.size_bytes != 8)
+      Fail("it is of none of the known layouts, and others are only found in archives with longs of 8 bytes");
+    if (maps_.empty()) Fail("it is of none of the known layouts, and no keyframe was found by the size of its grid");
+    layout_.id = layout_.title = layout_.who = "";
+    const std::vector<MemberPlace> keyframes = Whole(&MapRecords::keyframes), points = Whole(&MapRecords::points);
+    keyframe_options_ = FindClass(archive_, "KeyFrame", keyframes, layout_);
+    if (keyframe_options_.empty())
+      Fail(Concat("no change of a known layout explains the ", keyframes.size(), " keyframes that were found"));
+    point_options_ = FindClass(archive_, "MapPoint", points, keyframe_options_.front().layout);
+    if (point_options_.empty())
+      Fail(Concat("no change of a known layout explains the ", points.size(), " map points that were found"));
+    if (!Choose()) Fail("keyframes and map points are understood, but no change of Map and Atlas explains the rest");
+    Name();
+    InferredLayout inferred{.layout = std::move(layout_)};
+    inferred.differences = std::move(findings_.differences);
+    inferred.alternatives = std::move(findings_.alternatives);
+    inferred.doubts = std::move(findings_.doubts);
+    return Finished(std::move(inferred));
+  }
+
+ private:
+  struct Unknown {
+    std::string of_class;
+    std::size_t row = 0;
+    std::vector<std::string> types;
+  };
+
+  void Count() {
+    for (const MapRecords& map : maps_) {
+      keyframes_ += map.keyframes.records.size();
+      points_ += map.points.records.size();
+    }
+  }
+  InferredLayout Finished(InferredLayout inferred) const {
+    inferred.keyframes = keyframes_;
+    inferred.points = points_;
+    return inferred;
+  }
+  [[noreturn]] void Fail(const std::string& problem) const {
+    throw Error(ErrorKind::kNotPossible, "", "",
+                Concat("no layout found: ", problem,
+                       ". `slamdb layouts from-source` derives it from the sources of the program that wrote it"));
+  }
+
+  // Records whose end is the beginning of the next one; without the first of all, in front of whose values class
+  // information stands.
+  std::vector<MemberPlace> Whole(RecordList MapRecords::*list) const {
+    std::vector<MemberPlace> whole;
+    bool first = true;
+    for (const MapRecords& map : maps_) {
+      const std::vector<Record>& records = (map.*list).records;
+      for (std::size_t i = 0; i + 1 < records.size(); ++i) {
+        if (!first) whole.push_back({records[i].body, records[i + 1].begin});
+        first = false;
+      }
+    }
+    return whole;
+  }
+
+  // By object id: the ends of records that the layout reads from end to end.
+  std::vector<std::uint64_t> EndsIn(const Layout& layout) const {
+    std::vector<std::uint64_t> ends;
+    const Wire wire(layout, archive_.encoding);
+    const WarmWalk walk(wire, archive_.file, archive_.encoding);
+    for (const auto list : {&MapRecords::keyframes, &MapRecords::points}) {
+      const std::int64_t row = wire.RowOf(list == &MapRecords::keyframes ? "KeyFrame" : "MapPoint");
+      const WireClass& of = wire.classes[static_cast<std::size_t>(row)];
+      for (const MapRecords& map : maps_) {
+        const std::vector<Record>& records = (map.*list).records;
+        for (std::size_t i = 0; i + 1 < records.size(); ++i) {
+          if (walk.BehindMembers(of, records[i].body, 0) != records[i + 1].begin) continue;
+          if (ends.size() <= records[i].object) ends.resize(records[i].object + 1, 0);
+          ends[records[i].object] = records[i + 1].begin;
+        }
+      }
+    }
+    return ends;
+  }
+
+  // The first choice of keyframes and map points that the first records and the class ids behind them bear out, and
+  // with it what the unknown members are, or else the rest of the layout.
+  bool Choose() {
+    for (const ClassOption& keyframe : keyframe_options_)
+      for (const ClassOption& point : point_options_) {
+        Layout layout = keyframe.layout;
+        *layout.Find("MapPoint") = *point.layout.Find("MapPoint");
+        const std::vector<std::uint64_t> ends = EndsIn(layout);
+        if (!Types(std::move(layout), ends)) continue;
+        Take(keyframe.findings);
+        Take(point.findings);
+        return true;
+      }
+    for (Farthest& farthest : farthest_)
+      if (FindFrame(archive_, farthest.ends, farthest.layout, findings_)) {
+        layout_ = std::move(farthest.layout);
+        Take(keyframe_options_.front().findings);
+        Take(point_options_.front().findings);
+        return true;
+      }
+    return false;
+  }
+  void Take(const Findings& findings) {
+    for (const auto part : {&Findings::differences, &Findings::alternatives, &Findings::doubts})
+      (findings_.*part).insert((findings_.*part).end(), (findings.*part).begin(), (findings.*part).end());
+  }
+
+  // Finds types of the unknown members with which the layout comes to the end; keeps those that come farthest.
+  bool Types(Layout layout, const std::vector<std::uint64_t>& ends) {
+    std::vector<Unknown> unknown;
+    std::size_t trials = 1;
+    for (const LayoutClass& of : layout.classes)
+      for (std::size_t row = 0; row < of.members.size(); ++row)
+        if (IsUnknown(of.members[row])) {
+          unknown.push_back({of.name, row, TypesLike(of.members[row].type)});
+          trials = std::min(kMostTrials, trials * unknown.back().types.size());
+        }
+    for (std::size_t trial = 0; trial < trials && trials_ < kMostTrials; ++trial, ++trials_) {
+      Layout typed = layout;
+      std::size_t rest = trial;
+      for (const Unknown& one : unknown) {
+        LayoutMember& member = typed.Find(one.of_class)->members[one.row];
+        const std::string type = one.types[rest % one.types.size()];
+        rest /= one.types.size();
+        SetType(typed, member, type);
+      }
+      const Verdict verdict = Judge(archive_, typed, ends);
+      if (verdict.whole && Judge(archive_, typed).penalty < kMostPenalty) {
+        layout_ = std::move(typed);
+        return true;
+      }
+      if (verdict.reached < most_ || IsInFirstRecord(verdict.reached)) continue;
+      if (verdict.reached > most_) farthest_.clear();
+      most_ = verdict.reached;
+      if (farthest_.size() < kMostFarthest) farthest_.push_back({std::move(typed), ends});
+    }
+    return false;
+  }
+
+  // Whether a walk ended in the first keyframe or map point, where no change of Map and Atlas helps.
+  bool IsInFirstRecord(std::uint64_t at) const {
+    const auto is_in = [&](const RecordList& list) {
+      return !list.records.empty() && at >= list.records.front().body &&
+             (list.records.size() < 2 || at < list.records[1].begin);
+    };
+    return is_in(maps_.front().keyframes) || is_in(maps_.front().points);
+  }
+
+  void Name() {
+    layout_.id = "inferred";
+    layout_.title = "inferred from a file";
+  }
+
+  struct Farthest {
+    Layout layout;
+    std::vector<std::uint64_t> ends;
+  };
+  static constexpr std::size_t kMostTrials = 1024, kMostFarthest = 3;
+
+  const ArchiveBytes archive_;
+  const std::vector<MapRecords> maps_;
+  Layout layout_;
+  Findings findings_;
+  std::vector<ClassOption> keyframe_options_, point_options_;
+  std::vector<Farthest> farthest_;
+  std::uint64_t most_ = 0;
+  std::size_t trials_ = 0;
+  std::uint64_t keyframes_ = 0, points_ = 0;
+};
+
+}  // namespace
+}  // namespace layouts
+
+InferredLayout InferLayoutOf(Bytes archive, const ArchiveEncoding& encoding, std::uint64_t begin) {
+  const std::string_view file(reinterpret_cast<const char*>(archive.data()), archive.size());
+  return layouts::Inference({file, encoding, begin}).Run();
+}
+
+}  // namespace slamdb
