@@ -29,7 +29,7 @@ std::string NameFor(const Layout& layout) {
     if (SameBytes(known, layout)) return known.id == kOwn ? std::string() : known.id;
   return ToJson(layout);
 }
-std::string_view TitleOf(const Layout& layout) { return layout.id.empty() ? "a given layout" : layout.id; }
+std::string TitleOf(const Layout& layout) { return layout.id.empty() ? "of a file" : layout.id; }
 
 bool IsOfTheBytes(const Error& error) {
   return error.kind() == ErrorKind::kDamaged || error.kind() == ErrorKind::kUnsupported;
