@@ -31,7 +31,7 @@ struct Outcome {
 // Calls work(path, read options, notices) for every input, several at a time; an input that fails does not stop the
 // others. Outcomes are in the order of the inputs. One input alone has all threads and a progress bar of its own.
 template <class Result, class Work>
-std::vector<Outcome<Result>> ForEachInput(const std::vector<AtlasInput>& inputs, const std::string& from,
+std::vector<Outcome<Result>> ForEachInput(const std::vector<AtlasInput>& inputs, const InputFormat& from,
                                           Console& console, const Work& work) {
   std::vector<Outcome<Result>> outcomes(inputs.size());
   ReadOptions options = MakeReadOptions(console, from);

@@ -39,7 +39,8 @@ void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::str
                        bool dry_run, Notices& notices);
 
 struct EditOptions {
-  std::string input, output, from;
+  std::string input, output;
+  InputFormat from;
   TargetOptions target;
   Content needs = Content::kNothing;  // of the input: see ReadOptions::needs
   bool json = false, dry_run = false;

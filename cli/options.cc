@@ -11,6 +11,7 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 
@@ -93,8 +94,13 @@ CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string&
   return files;
 }
 
-void AddFrom(CLI::App& verb, std::string& from) {
-  verb.add_option("--from", from, "Format of the input; by default told by its content, then its suffix")
+void AddFrom(CLI::App& verb, InputFormat& from) {
+  verb.add_option("--layout", from.layout,
+                  "Layout of an .osa file of a fork of ORB-SLAM3: one that is known, as obvi, or a JSON file; by default "
+                  "the one that fits")
+      ->type_name("LAYOUT")
+      ->group(kArchiveGroup);
+  verb.add_option("--from", from.format, "Format of the input; by default told by its content, then its suffix")
       ->type_name("FORMAT")
       ->check(CLI::IsMember(FormatIds(true)));
 }
@@ -127,6 +133,10 @@ void AddTarget(CLI::App& verb, TargetOptions& options) {
       ->check(CLI::IsMember(FormatIds(false)));
   verb.add_flag("-O,--overwrite", options.overwrite, "Replace the output if it is there");
   verb.add_flag("--no-sync", options.no_sync, "Do not wait for the disk: faster, but a power cut may lose the output");
+  verb.add_option("--to-layout", options.layout,
+                  "Write .osa files in that layout, of a fork of ORB-SLAM3 or v1.0; by default as read")
+      ->type_name("LAYOUT")
+      ->group(kArchiveGroup);
   verb.add_option(
           "--boost-version", options.boost_version,
           "The Boost that is to load the .osa file: a release (1.71), a system (ubuntu20.04, debian12, noetic), or a "
@@ -198,9 +208,20 @@ void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool a
                                      " is binary and would garble the terminal; name a file, or redirect the output");
 }
 
-ReadOptions MakeReadOptions(Console& console, const std::string& from, double wait) {
+void RefuseLayout(const InputFormat& from) {
+  if (!from.layout.empty()) RefuseUsage("--layout is for verbs that read one atlas");
+}
+
+std::string LayoutNamed(const std::string& id_or_path) {
+  const Layout layout = LoadLayout(id_or_path);
+  const Layout* known = FindKnownLayout(layout.id);
+  return known != nullptr && SameBytes(*known, layout) ? known->id : ToJson(layout);
+}
+
+ReadOptions MakeReadOptions(Console& console, const InputFormat& from, double wait) {
   ReadOptions options;
-  options.format = from;
+  options.format = from.format;
+  if (!from.layout.empty()) options.of<Orbslam3ReadOptions>().layout = LayoutNamed(from.layout);
   options.of<StoreReadOptions>().lock_timeout = wait;
   options.threads = console.threads();
   options.progress = console.MakeProgress();
@@ -217,6 +238,7 @@ WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target, con
   options.sync = !target.no_sync;
   options.threads = console.threads();
   options.progress = console.MakeProgress();
+  if (!target.layout.empty()) options.of<Orbslam3WriteOptions>().layout = LayoutNamed(target.layout);
   return options;
 }
 

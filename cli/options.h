@@ -22,15 +22,27 @@ constexpr double kUsualWait = 5;  // seconds, for another program that writes to
 // ID refuse what is no whole number, with a sign or without.
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options);
 
-// The positional FILE..., required unless the verb says otherwise, and --from FORMAT.
+// --from FORMAT and --layout LAYOUT.
+struct InputFormat {
+  std::string format, layout;
+  bool empty() const { return format.empty() && layout.empty(); }
+};
+
+// The positional FILE..., required unless the verb says otherwise, and those.
 struct InputOptions {
   std::vector<std::string> paths;
-  std::string from;
+  InputFormat from;
 };
 CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string& description);
 
-// --from FORMAT alone, for verbs that name their inputs otherwise.
-void AddFrom(CLI::App& verb, std::string& from);
+// --from and --layout alone, for verbs that name their inputs otherwise.
+void AddFrom(CLI::App& verb, InputFormat& from);
+// For verbs that read many files, which have many layouts: ends with exit code 2 when one is named.
+void RefuseLayout(const InputFormat& from);
+// What options of the library have of a layout that the user names by its id or its file.
+//
+// Throws Error as LoadLayout does.
+std::string LayoutNamed(const std::string& id_or_path);
 
 // -o/--output FILE and -O/--overwrite, for verbs whose result is a text that goes to standard output by default.
 struct OutputOptions {
@@ -47,9 +59,9 @@ constexpr const char* kWhereTo = "Where to: a file, STORE.db#NAME, or - for stan
 // Ends with exit code 2 when there is no output.
 void RequireOutput(const std::string& output);
 
-// --to FORMAT, -O/--overwrite, --no-sync and --boost-version, for verbs that write an atlas.
+// --to FORMAT, -O/--overwrite, --no-sync, --to-layout and --boost-version, for verbs that write an atlas.
 struct TargetOptions {
-  std::string to;
+  std::string to, layout;
   std::optional<std::uint32_t> boost_version;
   bool overwrite = false;
   bool no_sync = false;
@@ -104,7 +116,7 @@ void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool a
 
 // Read and write options as the console and the groups above have them. Stores are waited for `wait` seconds, and
 // enter `provenance` in their history.
-ReadOptions MakeReadOptions(Console& console, const std::string& from = {}, double wait = kUsualWait);
+ReadOptions MakeReadOptions(Console& console, const InputFormat& from = {}, double wait = kUsualWait);
 WriteOptions MakeWriteOptions(Console& console, const TargetOptions& target, const std::string& provenance,
                               double wait = kUsualWait);
 

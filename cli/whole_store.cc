@@ -7,7 +7,7 @@
 
 namespace slamdb::cli {
 
-std::optional<Store> OpenWholeStore(const std::string& input, const std::string& from, double wait) {
+std::optional<Store> OpenWholeStore(const std::string& input, const InputFormat& from, double wait) {
   const Location location(input);
   if (!from.empty() || !location.name.empty() || !HoldsNamedAtlases(location.path)) return std::nullopt;
   Store store = Store::Open(location.path, wait);

@@ -19,6 +19,7 @@ constexpr std::array kWords = {
     Word{"GeographicOptions::origin, which georeferencing finds",
          "--origin LAT,LON,ALT, which `slamdb transform --georeference` finds and keeps beside its output"},
     Word{"Orbslam3WriteOptions::sanitize", "--sanitize"},
+    Word{"Orbslam3ReadOptions::layout", "--layout"},
     Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
     Word{"ColmapReadOptions::database", "--database"},
     Word{"KeyFramePictures::files names", "--images names"},

@@ -75,7 +75,8 @@ ExitCode RunAdd(const AddVerbOptions& options, Console& console) {
     RefuseUsage("the store is named without an atlas; --as names what is added");
   const AtlasInputs inputs = FindInputs(options.many, console, options.wait);
   AddOptions add = options.add;
-  add.format = options.many.inputs.from;
+  RefuseLayout(options.many.inputs.from);
+  add.format = options.many.inputs.from.format;
   add.sync = !options.no_sync;
   add.lock_timeout = options.wait;
   add.provenance = "add ";

@@ -29,7 +29,8 @@ namespace {
 
 struct AlignVerbOptions {
   std::vector<std::string> inputs;
-  std::string from, save, plot;
+  InputFormat from;
+  std::string save, plot;
   bool own_vocabulary = false, overwrite = false, json = false;
   double wait = kUsualWait;
 };

@@ -31,7 +31,8 @@ namespace slamdb::cli {
 namespace {
 
 struct ConvertOptions {
-  std::string input, output, from, onto;
+  std::string input, output, onto;
+  InputFormat from;
   TimesOptions times;
   TargetOptions target;
   SelectionOptions selection;
@@ -122,7 +123,7 @@ std::optional<std::uint64_t> TryToWrite(const Atlas& atlas, const Format& format
 
 // Null where nothing tells it.
 const Format* FindFormat(const HeldSource& input, const ConvertOptions& options) {
-  return options.from.empty() ? FindFormatOfInput(input) : &FormatById(options.from);
+  return options.from.format.empty() ? FindFormatOfInput(input) : &FormatById(options.from.format);
 }
 
 // A trajectory becomes a trajectory without an atlas between, in whose single precision digits would be lost. The body

@@ -15,7 +15,8 @@ namespace {
 using Verdict = AtlasDiff::Verdict;
 
 struct DiffVerbOptions {
-  std::string before, after, from;
+  std::string before, after;
+  InputFormat from;
   double tolerance = 0;
   bool ignore_ids = false, summary = false, json = false;
   std::optional<std::size_t> max_listed;

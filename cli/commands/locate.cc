@@ -32,7 +32,8 @@ namespace {
 using detail::Concat;
 
 struct LocateVerbOptions {
-  std::string input, from, camera, vocabulary, against, output;
+  std::string input, camera, vocabulary, against, output;
+  InputFormat from;
   std::vector<std::string> pictures;
   std::int32_t features = 2000;
   bool benchmark = false, json = false, overwrite = false;

@@ -21,7 +21,8 @@ namespace slamdb::cli {
 namespace {
 
 struct PlotVerbOptions {
-  std::string input, from, output, with, format, kind;
+  std::string input, output, with, format, kind;
+  InputFormat from;
   bool overwrite = false, body = false;
   SelectionOptions selection;
   TimesOptions times;

@@ -17,7 +17,8 @@ namespace {
 using nlohmann::ordered_json;
 
 struct ShowOptions {
-  std::string input, from;
+  std::string input;
+  InputFormat from;
   std::vector<std::string> entities;
   bool json = false, all = false;
 };

@@ -33,7 +33,8 @@ struct VerifyOptions {
 };
 
 struct SetOptions {
-  std::string input, output, from, vocabulary, name, checksum;
+  std::string input, output, vocabulary, name, checksum;
+  InputFormat from;
   TargetOptions target;
   bool force = false;
 };

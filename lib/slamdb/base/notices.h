@@ -28,6 +28,9 @@ class Notices {
   void Warn(std::string text) { items_.push_back({Notice::Kind::kWarning, std::move(text)}); }
   void Lose(std::string text) { items_.push_back({Notice::Kind::kLoss, std::move(text)}); }
 
+  // All of those, behind the ones that are there.
+  void Add(const Notices& others) { items_.insert(items_.end(), others.items_.begin(), others.items_.end()); }
+
   // What an export holds: `12,345 points, 41 bad ones left out`.
   void Tell(std::string written) { written_ = std::move(written); }
 

@@ -2,7 +2,9 @@
 #include <array>
 
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/fork_files.h"
 #include "slamdb/formats/orbslam3/detail/salvage.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 
 namespace slamdb {
@@ -10,6 +12,10 @@ namespace {
 
 constexpr std::array<std::string_view, 1> kSuffixes{".osa"};
 constexpr std::array<std::string_view, 1> kTextSuffixes{".osa.txt"};
+
+Content Holds(const Atlas& atlas, const WriteOptions& options) {
+  return orbslam3::HeldBy(atlas, options.of<Orbslam3WriteOptions>().layout.value_or(atlas.layout));
+}
 
 bool SniffBinary(const Probe& probe) { return orbslam3::SniffArchive(probe.head) == false; }
 bool SniffText(const Probe& probe) { return orbslam3::SniffArchive(probe.head) == true; }
@@ -36,6 +42,7 @@ const Format kOrbslam3Format{.id = "orbslam3",
                              .keeps_encoding = true,
                              .reads = Content::kAtlas,
                              .writes = Content::kAtlas,
+                             .holds = Holds,
                              .sniff = SniffBinary,
                              .read = ReadOrbslam3,
                              .write = WriteBinary,
@@ -47,6 +54,7 @@ const Format kOrbslam3TextFormat{.id = "orbslam3-text",
                                  .keeps_encoding = true,
                                  .reads = Content::kAtlas,
                                  .writes = Content::kAtlas,
+                                 .holds = Holds,
                                  .sniff = SniffText,
                                  .read = ReadOrbslam3,
                                  .write = WriteText,

@@ -29,8 +29,8 @@ bool LooksWhole(const MapPoint& point) {
   const auto paired = [](const Observation& observation) {
     return observation.left != Observation::kAbsent && observation.right != Observation::kAbsent;
   };
-  return (point.has_descriptor() || point.has_other_descriptor()) && Holds(point.bad) && point.position.allFinite() && point.normal.allFinite() &&
-         point.min_distance <= point.max_distance && std::isfinite(point.max_distance) &&
+  return (point.has_descriptor() || point.has_other_descriptor()) && Holds(point.bad) && point.position.allFinite() &&
+         point.normal.allFinite() && point.min_distance <= point.max_distance && std::isfinite(point.max_distance) &&
          std::ranges::all_of(point.observations, paired) &&
          std::ranges::is_sorted(point.observations, {}, &Observation::keyframe);
 }

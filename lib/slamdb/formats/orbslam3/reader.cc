@@ -7,9 +7,13 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/decode_jobs.h"
+#include "slamdb/formats/orbslam3/detail/fork.h"
+#include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/detail/part_sizes.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/formats/orbslam3/detail/skipper.h"
 #include "slamdb/formats/orbslam3/detail/transfer.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 
 // How an atlas is read: the calling thread walks the file once from front to back, follows pointers and the class
@@ -48,11 +52,14 @@ class AtlasReader {
       throw;
     }
     team_.Finish();
-    if (!main_.input.AtEnd())
+    whole_ = main_.input.AtEnd();
+    if (!whole_)
       notices.Lose(file_.path() + ": " + std::to_string(main_.input.remaining()) +
                    " bytes behind the end of the atlas are not part of it and were left out");
     return std::move(atlas_);
   }
+  // Whether the atlas ends where the file does.
+  bool whole() const { return whole_; }
   // Bytes of each part; what belongs to none is kOther.
   PartBytes part_bytes() const { return team_.part_bytes(); }
 
@@ -215,41 +222,26 @@ class AtlasReader {
   detail::FileStream& file_;
   const ReadOptions& options_;
   Atlas atlas_;
+  bool whole_ = true;
   ObjectTable objects_;
   Decoder<Input> main_;     // the cursor of the calling thread
   DecodeTeam<Input> team_;  // last: it stops before what it fills goes away
 };
 
-void ListPartSizes(const PartBytes& bytes, std::size_t file_bytes, std::vector<PartSize>& sizes) {
-  constexpr std::array<const char*, static_cast<std::size_t>(Part::kCount)> kNames{
-      "keyframes", "keypoints", "stereo and depth", "descriptors", "bags of words", "matches",
-      "grids",     "graph",     "inertial",         "map points",  "observations",  "other"};
-  std::uint64_t known = 0;
-  for (std::size_t i = 0; i + 1 < kNames.size(); ++i) {
-    sizes.push_back({kNames[i], bytes[i]});
-    known += bytes[i];
-  }
-  sizes.push_back({kNames.back(), file_bytes - known});
-}
-
-void Select(const Selection& selection, Atlas& atlas) {
-  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
-  for (Map& map : atlas.maps) {
-    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-    std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
-    map.repeated_keyframes.clear();
-    map.repeated_points.clear();
-  }
-  atlas.repeated_maps.clear();
-}
+// What was read as of v1.0, and whether nothing stands behind it.
+struct OwnReading {
+  Atlas atlas;
+  bool whole = true;
+};
 
 template <class Input>
-Atlas ReadArchive(detail::FileStream& file, const ArchiveHeader& header, const ReadOptions& options, Notices& notices) {
+OwnReading ReadArchive(detail::FileStream& file, const ArchiveHeader& header, const ReadOptions& options,
+                       Notices& notices) {
   AtlasReader<Input> reader(file, header, options);
-  Atlas atlas = reader.Read(notices);
+  OwnReading reading{reader.Read(notices), reader.whole()};
   if (options.part_sizes != nullptr) ListPartSizes(reader.part_bytes(), file.size(), *options.part_sizes);
-  if (!options.selection.everything()) Select(options.selection, atlas);
-  return atlas;
+  if (!options.selection.everything()) Select(options.selection, reading.atlas);
+  return reading;
 }
 
 // What makes a reading with other widths of long and size_t worth a try; not that the disk fails or the user cancels.
@@ -260,7 +252,7 @@ bool IsOfTheBytes(const Error& error) {
 // Text does not say how wide the writer's long and size_t were, which decides what vectors are of one class. Nearly
 // every writer is a 64-bit Unix; what does not read as such may be from Windows or a 32-bit system. Nothing when it is
 // not.
-std::optional<Atlas> ReadTextOfShorterLongs(const Source& source, const ReadOptions& options, Notices& notices) {
+std::optional<OwnReading> ReadTextOfShorterLongs(const Source& source, const ReadOptions& options, Notices& notices) {
   for (const std::uint8_t size_bytes : {std::uint8_t{8}, std::uint8_t{4}}) {
     try {
       detail::FileStream file(source);
@@ -276,7 +268,7 @@ std::optional<Atlas> ReadTextOfShorterLongs(const Source& source, const ReadOpti
   return std::nullopt;
 }
 
-Atlas ReadEither(const Source& source, const ReadOptions& options, Notices& notices) {
+OwnReading ReadEither(const Source& source, const ReadOptions& options, Notices& notices) {
   detail::FileStream file(source);
   const ArchiveHeader header = ReadArchiveHeader(file, notices);
   if (!header.encoding.text) return ReadArchive<BinaryInput>(file, header, options, notices);
@@ -284,7 +276,7 @@ Atlas ReadEither(const Source& source, const ReadOptions& options, Notices& noti
     return ReadArchive<TextInput>(file, header, options, notices);
   } catch (const Error& error) {
     if (!IsOfTheBytes(error)) throw;
-    if (auto atlas = ReadTextOfShorterLongs(source, options, notices)) return *std::move(atlas);
+    if (auto reading = ReadTextOfShorterLongs(source, options, notices)) return *std::move(reading);
     throw;
   }
 }
@@ -309,10 +301,22 @@ namespace slamdb {
 Atlas ReadOrbslam3(const Source& given, const ReadOptions& options, Notices& notices) {
   const HeldSource held(given);
   const Source& source = held.source();
+  const std::string& layout = options.of<Orbslam3ReadOptions>().layout;
+  if (!orbslam3::IsOwnLayout(layout)) return orbslam3::ReadInLayout(source, layout, options, notices);
+  const auto as_fork = [&] {
+    return layout.empty() ? orbslam3::ReadInKnownLayout(source, options, notices) : std::nullopt;
+  };
   try {
-    return orbslam3::ReadEither(source, options, notices);
+    Notices own;
+    orbslam3::OwnReading reading = orbslam3::ReadEither(source, options, own);
+    const Atlas& atlas = reading.atlas;
+    if (!reading.whole || orbslam3::LooksLikeAnotherLayout(atlas, orbslam3::CountImplausible(atlas)))
+      if (auto fork = as_fork()) return *std::move(fork);
+    notices.Add(own);
+    return std::move(reading.atlas);
   } catch (const Error& error) {
     if (!orbslam3::IsOfTheBytes(error)) throw;
+    if (auto fork = as_fork()) return *std::move(fork);
     orbslam3::NameTransfer(source, error);
     if (error.kind() != ErrorKind::kDamaged || error.place().find(", map ") == std::string::npos) throw;
     throw Error(error.kind(), error.path(), error.place(), error.problem() + "; `RecoverAtlas` saves what is whole");

@@ -5,6 +5,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/archive_plan.h"
+#include "slamdb/formats/orbslam3/detail/fork_files.h"
 #include "slamdb/formats/orbslam3/detail/sanitize.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -58,20 +59,47 @@ void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& 
 
 }  // namespace
 
+namespace {
+
+std::string LayoutFor(const Atlas& atlas, const WriteOptions& options) {
+  return options.of<Orbslam3WriteOptions>().layout.value_or(atlas.layout);
+}
+
+void WriteInAnyLayout(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  const std::string layout = LayoutFor(atlas, options);
+  if (orbslam3::IsOwnLayout(layout)) {
+    orbslam3::NameLossesToOwnLayout(atlas, notices);
+    return WriteArchive(atlas, target, options, notices);
+  }
+  AtomicFile file(target, {options.overwrite, options.sync, options.before_commit});
+  const ArchiveEncoding encoding = EncodingFor(atlas, options.of<Orbslam3WriteOptions>());
+  orbslam3::WriteInLayout(
+      atlas, encoding, layout, [&](Bytes bytes) { file.Write(bytes); }, target.path, notices);
+  file.Commit();
+}
+
+}  // namespace
+
 void WriteOrbslam3(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  if (!options.of<Orbslam3WriteOptions>().sanitize) return WriteArchive(atlas, target, options, notices);
+  if (!options.of<Orbslam3WriteOptions>().sanitize) return WriteInAnyLayout(atlas, target, options, notices);
   Atlas sanitized = atlas;
   for (std::string& change : detail::SanitizeForOrbslam3(sanitized)) notices.Note("sanitized: " + std::move(change));
-  WriteArchive(sanitized, target, options, notices);
+  WriteInAnyLayout(sanitized, target, options, notices);
 }
 
 std::string EncodeOrbslam3(const Atlas& atlas) {
+  std::string encoded;
+  if (!orbslam3::IsOwnLayout(atlas.layout)) {
+    Notices unsaid;
+    const auto append = [&](Bytes bytes) { encoded.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
+    orbslam3::WriteInLayout(atlas, EncodingFor(atlas, {}), atlas.layout, append, "memory", unsaid);
+    return encoded;
+  }
   const orbslam3::ArchivePlan plan(atlas, EncodingFor(atlas, {}));
-  std::string archive;
   detail::ProduceInOrder(
       plan.size(), 0, [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
-      [&](std::size_t, const Column<char>& buffer) { archive.append(buffer.data(), buffer.size()); });
-  return archive;
+      [&](std::size_t, const Column<char>& buffer) { encoded.append(buffer.data(), buffer.size()); });
+  return encoded;
 }
 
 }  // namespace slamdb

@@ -86,6 +86,8 @@ class ByteReader {
     values.resize(count);
     if (count > 0) std::memcpy(static_cast<void*>(values.data()), begin, count * sizeof(typename Vector::value_type));
   }
+  std::size_t left() const { return rest_.size(); }
+  Bytes rest() const { return rest_; }
   void ExpectEnd() const {
     if (!rest_.empty()) throw Error(ErrorKind::kDamaged, Concat("blob too long: ", rest_.size(), " bytes left over"));
   }

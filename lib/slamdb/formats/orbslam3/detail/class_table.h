@@ -45,6 +45,9 @@ enum class WireClass : std::uint8_t {
   kCount,
 };
 
+// Classes of a fork are numbered behind kCount, see fork_program.h.
+inline constexpr std::size_t kMostWireClasses = 64;
+
 // Boost's table of classes: a class gets the next id when it is first met, so ids depend on the data. Both sides of an
 // archive keep one and must agree. A small value: each block of work that runs on its own starts from a copy.
 class ClassTable {
@@ -66,6 +69,10 @@ class ClassTable {
     used_ |= bit;
     return first;
   }
+
+  bool Has(WireClass wire_class) const { return ids_[Slot(wire_class)] >= 0; }
+  // The id that the next class gets.
+  std::int16_t next() const { return next_; }
 
   // The class of that id, kCount when there is none.
   WireClass Find(std::int16_t id) const {
@@ -90,7 +97,7 @@ class ClassTable {
     return static_cast<std::size_t>(wire_class == WireClass::kSizes ? sizes_alias_ : wire_class);
   }
 
-  std::array<std::int16_t, static_cast<std::size_t>(WireClass::kCount)> ids_{};
+  std::array<std::int16_t, kMostWireClasses> ids_{};
   std::uint64_t used_ = 0;
   std::int16_t next_ = 0;
   WireClass sizes_alias_ = WireClass::kSizes;

@@ -281,6 +281,15 @@ void ForEachMapPointMember(const Visit& visit) {
   visit("mfMaxDistance", [](auto& archive, const char* name, auto& point) { archive.Float(name, point.max_distance); });
 }
 
+// What some forks write too.
+template <class Visit>
+void ForEachTrackingMember(const Visit& visit) {
+  visit("mnOriginMapId",
+        [](auto& archive, const char* name, auto& point) { archive.Unsigned(name, point.origin_map); });
+  visit("mnVisible", [](auto& archive, const char* name, auto& point) { archive.Int(name, point.visible_count); });
+  visit("mnFound", [](auto& archive, const char* name, auto& point) { archive.Int(name, point.found_count); });
+}
+
 template <class Archive, class Entity>
 void LayoutMapPoint(Archive& archive, Entity& point) {
   ForEachMapPointMember(StepRunner(archive, point));

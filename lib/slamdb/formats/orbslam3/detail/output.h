@@ -169,6 +169,7 @@ class NoOutput {
   void PutUnsignedLongs(const std::uint64_t*, std::size_t) {}
   void PutSize(std::uint64_t) {}
   void PutSizes(const std::uint64_t*, std::size_t) {}
+  void PutString(std::string_view) {}
 };
 
 }  // namespace slamdb::orbslam3

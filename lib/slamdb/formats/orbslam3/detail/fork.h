@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slamdb/base/detail/file_stream.h"
+#include "slamdb/formats/format.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/decoder.h"
+#include "slamdb/formats/orbslam3/detail/fork_program.h"
+
+// Reading and writing archives of forks.
+namespace slamdb::orbslam3 {
+
+struct ForkReading {
+  Atlas atlas;
+  std::size_t left = 0;           // bytes behind its end
+  std::uint64_t implausible = 0;  // keyframes of which a converted member makes no sense
+  PartBytes part_bytes{};
+  std::vector<std::string> derived;  // what the layout lacks and was derived from the rest
+};
+
+// Reads an archive, whose header was read, on the calling thread. atlas.layout stays empty.
+//
+// Throws Error as ReadOrbslam3 does: what is no archive of that layout is kDamaged.
+ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program,
+                     const ReadOptions& options);
+
+// How many keyframes have no sensible time or orientation, as those of a file of another layout have.
+std::uint64_t CountImplausible(const Atlas& atlas);
+// Whether more than one keyframe in two is such.
+bool LooksLikeAnotherLayout(const Atlas& atlas, std::uint64_t implausible);
+
+// What of an atlas is no part of a layout.
+struct ForkWriting {
+  std::uint64_t filled_keyframes = 0, filled_points = 0, filled_others = 0;  // entities without members of the fork
+  std::uint64_t encoded_anew = 0;  // converted members that changed since they were read
+  std::uint64_t dropped_pointers = 0;
+};
+
+// Hands the bytes of the atlas, header included, to `write`, in the layout of the program. `carried_fits`: its carried
+// members are of it.
+//
+// Throws Error: kDamaged where carried members are not of the layout, kNotPossible where it cannot hold a camera or an
+// id.
+ForkWriting WriteFork(const Atlas& atlas, const ArchiveEncoding& encoding, const ForkProgram& program,
+                      bool carried_fits, const Target::Sink& write);
+
+}  // namespace slamdb::orbslam3

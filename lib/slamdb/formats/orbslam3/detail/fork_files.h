@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "slamdb/formats/format.h"
+
+// Files of forks: which layout they are read in, and what is said about it.
+namespace slamdb::orbslam3 {
+
+// Whether a layout, as options and atlases name it, is that of ORB-SLAM3 itself.
+bool IsOwnLayout(std::string_view layout);
+
+// Reads a file in the layout that the options name.
+Atlas ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options, Notices& notices);
+
+// Reads a file in the known layout that fits: its last byte is reached, and keyframes have sensible times and
+// orientations. Nothing when none does.
+std::optional<Atlas> ReadInKnownLayout(const Source& source, const ReadOptions& options, Notices& notices);
+
+// Hands the bytes of an atlas in another layout than v1.0 to `write`.
+void WriteInLayout(const Atlas& atlas, const ArchiveEncoding& encoding, const std::string& layout,
+                   const Target::Sink& write, const std::string& path, Notices& notices);
+
+// Says what of a fork's atlas v1.0 does not hold. Throws Error (kNotPossible) for a camera that it has no class for.
+void NameLossesToOwnLayout(const Atlas& atlas, Notices& notices);
+
+// What a file of the layout can hold.
+Content HeldBy(const Atlas& atlas, const std::string& layout);
+
+}  // namespace slamdb::orbslam3

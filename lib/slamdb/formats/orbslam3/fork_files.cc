@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/detail/fork_files.h"
+
+#include <algorithm>
+#include <array>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/orbslam3/detail/fork.h"
+#include "slamdb/formats/orbslam3/detail/part_sizes.h"
+
+namespace slamdb::orbslam3 {
+namespace {
+
+using detail::Concat;
+
+constexpr std::string_view kOwn = "v1.0";
+
+std::string Joined(const std::vector<std::string>& names) {
+  constexpr std::size_t kMostNamed = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i) text += (i == 0 ? "" : ", ") + names[i];
+  if (names.size() > kMostNamed) text += Concat(" and ", names.size() - kMostNamed, " more");
+  return text;
+}
+
+// How an atlas names the layout that it was read in: a known one by its id.
+std::string NameFor(const Layout& layout) {
+  for (const Layout& known : KnownLayouts())
+    if (SameBytes(known, layout)) return known.id == kOwn ? std::string() : known.id;
+  return ToJson(layout);
+}
+std::string TitleOf(const Layout& layout) { return layout.id.empty() ? "of a file" : layout.id; }
+
+bool IsOfTheBytes(const Error& error) {
+  return error.kind() == ErrorKind::kDamaged || error.kind() == ErrorKind::kUnsupported;
+}
+
+// Text does not say how wide the writer's long and size_t were.
+ForkReading ReadWithWidths(const Source& source, ForkProgram& program, const ReadOptions& options) {
+  struct Widths {
+    std::uint8_t long_bytes, size_bytes;
+  };
+  constexpr std::array<Widths, 3> kWidths{{{8, 8}, {4, 8}, {4, 4}}};
+  std::optional<Error> first;
+  for (const Widths& widths : kWidths) {
+    detail::FileStream file(source);
+    Notices known;
+    ArchiveHeader header = ReadArchiveHeader(file, known);
+    if (header.encoding.text) {
+      header.encoding.long_bytes = widths.long_bytes;
+      header.encoding.size_bytes = widths.size_bytes;
+    }
+    try {
+      return ReadFork(file, header, program, options);
+    } catch (const Error& error) {
+      if (!header.encoding.text || !IsOfTheBytes(error)) throw;
+      if (!first) first = error;
+    }
+  }
+  throw *first;  // NOLINT(cert-err60-cpp)
+}
+
+void Finish(ForkReading& reading, const ForkProgram& program, const Source& source, const ReadOptions& options,
+            Notices& notices) {
+  reading.atlas.layout = NameFor(program.layout);
+  if (reading.left > 0)
+    notices.Lose(Concat(source.path, ": ", reading.left,
+                        " bytes behind the end of the atlas are not part of it and were left out"));
+  if (!reading.derived.empty())
+    notices.Warn(Concat(source.path, ": derived what the layout ", TitleOf(program.layout),
+                        " lacks: ", Joined(reading.derived)));
+  if (options.part_sizes != nullptr)
+    ListPartSizes(reading.part_bytes, static_cast<std::size_t>(detail::FileStream(source).size()), *options.part_sizes);
+  if (!options.selection.everything()) Select(options.selection, reading.atlas);
+}
+
+// ---- what carries members of a fork
+
+struct Carriers {
+  std::uint64_t keyframes = 0, points = 0, others = 0;
+};
+
+bool Carries(const Boxed<Carried>& carried) { return carried && !carried->members.empty(); }
+
+Carriers CountCarriers(const Atlas& atlas) {
+  Carriers count{.others = Carries(atlas.carried) ? 1U : 0U};
+  for (const Map& map : atlas.maps) {
+    count.others += Carries(map.carried);
+    for (const KeyFrame& keyframe : map.keyframes) count.keyframes += Carries(keyframe.carried);
+    for (const MapPoint& point : map.points) count.points += Carries(point.carried);
+  }
+  for (const Camera& camera : atlas.cameras) count.others += Carries(camera.carried);
+  return count;
+}
+
+// `mnExtra of 14 keyframes; mpCamera3 of 200 map points`.
+std::string Members(const ForkProgram& program, std::uint64_t keyframes, std::uint64_t points, std::uint64_t others) {
+  std::string text;
+  const auto add = [&](const std::vector<std::string>& names, std::uint64_t count, std::string_view of) {
+    if (names.empty() || count == 0) return;
+    text += Concat(text.empty() ? "" : "; ", Joined(names), " of ", detail::Thousands(count), " ", of);
+  };
+  add(program.foreign_keyframe, keyframes, keyframes == 1 ? "keyframe" : "keyframes");
+  add(program.foreign_point, points, points == 1 ? "map point" : "map points");
+  std::vector<std::string> names = program.foreign_atlas;
+  names.insert(names.end(), program.foreign_map.begin(), program.foreign_map.end());
+  names.insert(names.end(), program.foreign_camera.begin(), program.foreign_camera.end());
+  add(names, others, others == 1 ? "other entity" : "others: the atlas, maps and cameras");
+  return text;
+}
+
+// What is lost of an atlas whose carried members cannot be written.
+void NameDropped(const Atlas& atlas, std::string_view target, Notices& notices) {
+  const Carriers count = CountCarriers(atlas);
+  if (count.keyframes + count.points + count.others == 0) return;
+  if (IsOwnLayout(atlas.layout)) {
+    notices.Lose(Concat("the layout ", target, " cannot hold the members of a fork that ",
+                        detail::Thousands(count.keyframes), " keyframes and ", detail::Thousands(count.points),
+                        " map points carry"));
+    return;
+  }
+  const std::string members = Members(ForkProgram(LayoutOf(atlas.layout)), count.keyframes, count.points, count.others);
+  if (!members.empty()) notices.Lose(Concat("the layout ", target, " cannot hold ", members));
+}
+
+std::uint64_t Reachable(const std::vector<std::string>& names, std::uint64_t count) {
+  return names.empty() ? 0 : count;
+}
+
+}  // namespace
+
+bool IsOwnLayout(std::string_view layout) { return layout.empty() || layout == kOwn; }
+
+Atlas ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options, Notices& notices) {
+  ForkProgram program(LayoutOf(layout));
+  ForkReading reading = ReadWithWidths(source, program, options);
+  Finish(reading, program, source, options, notices);
+  if (LooksLikeAnotherLayout(reading.atlas, CountImplausible(reading.atlas) + reading.implausible))
+    notices.Warn(Concat(source.path, ": most keyframes have no sensible time or orientation in the layout ",
+                        TitleOf(program.layout), ": it may be of another one"));
+  return std::move(reading.atlas);
+}
+
+std::optional<Atlas> ReadInKnownLayout(const Source& source, const ReadOptions& options, Notices& notices) {
+  std::optional<ForkReading> best;
+  std::optional<ForkProgram> program;
+  std::vector<std::string> fitting;
+  for (const Layout& layout : KnownLayouts().subspan(1)) {
+    try {
+      ForkProgram candidate(layout);
+      ForkReading reading = ReadWithWidths(source, candidate, options);
+      reading.implausible += CountImplausible(reading.atlas);
+      if (reading.left > 0 || LooksLikeAnotherLayout(reading.atlas, reading.implausible)) continue;
+      fitting.push_back(layout.id);
+      if (best && best->implausible <= reading.implausible) continue;
+      best = std::move(reading);
+      program = std::move(candidate);
+    } catch (const Error& error) {
+      if (!IsOfTheBytes(error)) throw;
+    }
+  }
+  if (!best) return std::nullopt;
+  if (options.part_sizes != nullptr) options.part_sizes->clear();
+  Finish(*best, *program, source, options, notices);
+  notices.Note(Concat(source.path, ": read in the layout ", program->layout.id, " (", program->layout.title, ", as ",
+                      program->layout.who, " write it), as it is not of ORB-SLAM3 v1.0"));
+  if (fitting.size() > 1)
+    notices.Warn(
+        Concat(source.path, ": the layouts ", Joined(fitting), " all fit; Orbslam3ReadOptions::layout chooses"));
+  return std::move(best->atlas);
+}
+
+void WriteInLayout(const Atlas& atlas, const ArchiveEncoding& encoding, const std::string& layout,
+                   const Target::Sink& write, const std::string& path, Notices& notices) {
+  const ForkProgram program(LayoutOf(layout));
+  const bool fits = !atlas.layout.empty() && SameBytes(program.layout, LayoutOf(atlas.layout));
+  if (!fits) NameDropped(atlas, TitleOf(program.layout), notices);
+  const ForkWriting done = WriteFork(atlas, encoding, program, fits, write);
+  const std::string filled = Members(program, Reachable(program.foreign_keyframe, done.filled_keyframes),
+                                     Reachable(program.foreign_point, done.filled_points), done.filled_others);
+  if (!filled.empty()) notices.Warn(Concat(path, ": zeros stand for what the atlas does not have: ", filled));
+  if (done.dropped_pointers > 0)
+    notices.Lose(Concat(path, ": ", done.dropped_pointers, " pointers to what is no longer there are null"));
+}
+
+void NameLossesToOwnLayout(const Atlas& atlas, Notices& notices) {
+  for (const Camera& camera : atlas.cameras)
+    if (camera.model == CameraModel::kEquirectangular)
+      throw Error(ErrorKind::kNotPossible, "", ToString(camera.id),
+                  "is equirectangular, for which ORB-SLAM3 v1.0 has no class");
+  NameDropped(atlas, kOwn, notices);
+}
+
+Content HeldBy(const Atlas& atlas, const std::string& layout) {
+  // What is carried is named member by member where it is written.
+  Content held = Content::kAtlas | Content::kCarried;
+  if (IsOwnLayout(layout)) return held;
+  const ForkProgram program(LayoutOf(layout));
+  if (std::ranges::find(program.point, "mnVisible", &Op<MapPoint>::name) != program.point.end()) {
+    const auto has_origin = [](const Map& map) {
+      return std::ranges::any_of(map.points,
+                                 [](const MapPoint& point) { return point.origin_map != MapPoint::kNoOrigin; });
+    };
+    if (std::ranges::none_of(atlas.maps, has_origin)) held |= Content::kTracking;
+  }
+  if (program.Lacks("KeyFrame.mDescriptors")) held &= ~Content::kDescriptors;
+  if (program.Lacks("KeyFrame.mBowVec")) held &= ~Content::kBagOfWords;
+  if (program.Lacks("KeyFrame.mBackupImuPreintegrated")) held &= ~Content::kInertial;
+  return held;
+}
+
+}  // namespace slamdb::orbslam3

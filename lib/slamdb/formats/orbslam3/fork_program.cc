@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/detail/fork_program.h"
+
+#include <algorithm>
+#include <array>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/orbslam3/detail/fork_conversions.h"
+#include "slamdb/formats/orbslam3/detail/fork_steps.h"
+#include "slamdb/formats/orbslam3/detail/number_archive.h"
+
+namespace slamdb::orbslam3 {
+namespace {
+
+using detail::Concat;
+using LayoutKind = LayoutType::Kind;
+
+// The classes that ORB-SLAM3 has too, by the type that a layout gives them.
+struct KnownClass {
+  std::string_view type;
+  WireClass wire_class;
+};
+constexpr std::array kKnownClasses = std::to_array<KnownClass>({
+    {"Atlas", WireClass::kAtlas},
+    {"Pinhole", WireClass::kPinhole},
+    {"KannalaBrandt8", WireClass::kKannalaBrandt8},
+    {"vec<ptr<Map>>", WireClass::kMapList},
+    {"Map", WireClass::kMap},
+    {"vec<ptr<KeyFrame>>", WireClass::kKeyFrameList},
+    {"KeyFrame", WireClass::kKeyFrame},
+    {"vec<f32>", WireClass::kFloats},
+    {"BowVector", WireClass::kBowVector},
+    {"map<u32,f64>", WireClass::kBowMap},
+    {"pair map<u32,f64>", WireClass::kBowPair},
+    {"FeatureVector", WireClass::kFeatureVector},
+    {"map<u32,vec<u32>>", WireClass::kFeatureMap},
+    {"pair map<u32,vec<u32>>", WireClass::kFeaturePair},
+    {"vec<u32>", WireClass::kUnsigneds},
+    {"vec<i64>", WireClass::kLongLongs},
+    {"vec<vec<vec<size>>>", WireClass::kGrid},
+    {"vec<vec<size>>", WireClass::kGridColumn},
+    {"vec<size>", WireClass::kSizes},
+    {"map<u64,i32>", WireClass::kWeightMap},
+    {"pair map<u64,i32>", WireClass::kWeightPair},
+    {"vec<u64>", WireClass::kUnsignedLongs},
+    {"vec<i32>", WireClass::kInts},
+    {"Bias", WireClass::kBias},
+    {"Preintegrated", WireClass::kPreintegrated},
+    {"vec<val<integrable>>", WireClass::kMeasurementList},
+    {"integrable", WireClass::kMeasurement},
+    {"Calib", WireClass::kCalib},
+    {"vec<ptr<MapPoint>>", WireClass::kMapPointList},
+    {"MapPoint", WireClass::kMapPoint},
+    {"vec<ptr<GeometricCamera>>", WireClass::kCameraList},
+    {"GeometricCamera", WireClass::kGeometricCamera},
+});
+
+constexpr std::string_view kEntities[] = {"Atlas", "Map", "KeyFrame", "MapPoint"};
+
+bool IsOneOf(std::string_view name, std::span<const std::string_view> names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+class Compiler {
+ public:
+  explicit Compiler(const Layout& layout) : layout_(layout), own_(*FindKnownLayout("v1.0")) {}
+
+  [[noreturn]] void Refuse(const std::string& problem) const {
+    throw Error(ErrorKind::kUnsupported,
+                Concat("layout ", layout_.id.empty() ? "of a file" : layout_.id, ": ", problem));
+  }
+
+  WireClass ClassOf(const std::string& type) {
+    const auto known = std::find_if(kKnownClasses.begin(), kKnownClasses.end(),
+                                    [&](const KnownClass& each) { return each.type == type; });
+    if (known != kKnownClasses.end()) return known->wire_class;
+    const auto [found, is_new] = classes_.try_emplace(
+        type, static_cast<WireClass>(static_cast<std::size_t>(WireClass::kCount) + 1 + classes_.size()));
+    if (static_cast<std::size_t>(found->second) >= kMostWireClasses)
+      Refuse(Concat("more than ", classes_.size() - 1, " classes that ORB-SLAM3 does not have"));
+    return found->second;
+  }
+
+  TypeNode NodeOf(const LayoutType& given, int depth = 0) {
+    constexpr int kDeepest = 24;
+    if (depth > kDeepest) Refuse("its objects hold each other through pointers, which is not read");
+    const LayoutType type = given.kind == LayoutKind::kVector ? WithSizes(given) : given;
+    TypeNode node;
+    switch (type.kind) {
+      case LayoutKind::kNumber:
+        node.number = type.number;
+        return node;
+      case LayoutKind::kString:
+        node.kind = TypeNode::Kind::kString;
+        return node;
+      case LayoutKind::kArray:
+        return ArrayOf(type, depth);
+      case LayoutKind::kVector:
+      case LayoutKind::kSet:
+      case LayoutKind::kList:
+        return ListOf(type, depth);
+      case LayoutKind::kMap:
+        node.kind = TypeNode::Kind::kMap;
+        node.wire_class = ClassOf(ToString(type));
+        node.pair_class = ClassOf("pair " + ToString(type));
+        for (const LayoutType& element : type.elements) node.children.push_back(NodeOf(element, depth + 1));
+        return node;
+      case LayoutKind::kValue:
+      case LayoutKind::kRaw:
+        return ClassNode(type, depth);
+      case LayoutKind::kMatrix:
+        node.kind = TypeNode::Kind::kMatrix;
+        return node;
+      case LayoutKind::kMatrix2:
+        node.kind = TypeNode::Kind::kMatrix2;
+        node.wire_class = ClassOf("Mat");
+        return node;
+      case LayoutKind::kKeypoints:
+        node.kind = TypeNode::Kind::kKeypoints;
+        return node;
+      case LayoutKind::kPointer:
+        return PointerTo(type, depth);
+    }
+    return node;
+  }
+
+  bool IsCamera(const std::string& name) const {
+    if (name == "GeometricCamera") return true;
+    const LayoutClass* of = layout_.Find(name);
+    return of != nullptr && std::ranges::any_of(of->members, [](const LayoutMember& member) {
+             return member.type == "val<GeometricCamera>" || member.type == "raw<GeometricCamera>";
+           });
+  }
+
+  // Whether the class, and all in it, is as in v1.0.
+  bool IsOwn(const std::string& name) const {
+    const LayoutClass *of = layout_.Find(name), *own = own_.Find(name);
+    if (of == nullptr || own == nullptr || of->members.size() != own->members.size()) return false;
+    for (std::size_t i = 0; i < of->members.size(); ++i)
+      if (of->members[i].type != own->members[i].type || !IsOwn(ParseLayoutType(of->members[i].type))) return false;
+    return true;
+  }
+  bool IsOwn(const LayoutType& type) const {
+    const bool holds = type.kind == LayoutKind::kValue || type.kind == LayoutKind::kRaw;
+    return (!holds || IsOwn(type.name)) &&
+           std::ranges::all_of(type.elements, [this](const LayoutType& element) { return IsOwn(element); });
+  }
+
+  // Which type the model expects of a member; empty for one that it does not know.
+  std::string_view OwnType(std::string_view of_class, std::string_view name) const {
+    if (of_class == "MapPoint" && (name == "mnVisible" || name == "mnFound")) return "i32";
+    if (of_class == "MapPoint" && name == "mnOriginMapId") return "u32";
+    const LayoutClass* own = own_.Find(of_class);
+    if (own == nullptr) return {};
+    const auto found = std::ranges::find(own->members, name, &LayoutMember::name);
+    return found == own->members.end() ? std::string_view() : found->type;
+  }
+
+  template <class Entity, class StepsOf = Entity>
+  void Add(const LayoutClass& of, Program<Entity>& program, std::vector<std::string>& foreign) {
+    for (std::size_t i = 0; i < of.members.size();) i += AddMember<Entity, StepsOf>(of, i, program, foreign);
+  }
+
+ private:
+  // vector<vector<size_t>> is what grids consist of; vector<unsigned long> alone are ids.
+  static LayoutType WithSizes(LayoutType type, bool nested = false) {
+    LayoutType& element = type.elements.front();
+    if (element.kind == LayoutKind::kVector)
+      element = WithSizes(element, true);
+    else if (nested && element.kind == LayoutKind::kNumber && element.number == LayoutType::Number::kU64)
+      element.number = LayoutType::Number::kSize;
+    return type;
+  }
+
+  TypeNode ArrayOf(const LayoutType& type, int depth) {
+    TypeNode element = NodeOf(type.elements.front(), depth + 1);
+    if (element.kind == TypeNode::Kind::kNumbers && std::uint64_t{element.count} * type.count < (1U << 20)) {
+      element.count *= type.count;
+      return element;
+    }
+    TypeNode node{.kind = TypeNode::Kind::kArray, .count = type.count};
+    node.children.push_back(std::move(element));
+    return node;
+  }
+  TypeNode ListOf(const LayoutType& type, int depth) {
+    TypeNode element = NodeOf(type.elements.front(), depth + 1);
+    TypeNode node{.kind = TypeNode::Kind::kList, .wire_class = ClassOf(ToString(type))};
+    const bool plain = element.kind == TypeNode::Kind::kNumbers && element.count == 1;
+    if (plain && type.kind == LayoutKind::kVector) {
+      node.kind = TypeNode::Kind::kVector;
+      node.number = element.number;
+      return node;
+    }
+    if (element.kind == TypeNode::Kind::kClass && element.children.empty()) Refuse("a list of nothing");
+    node.children.push_back(std::move(element));
+    return node;
+  }
+  TypeNode ClassNode(const LayoutType& type, int depth) {
+    TypeNode node{.kind = TypeNode::Kind::kClass};
+    if (type.kind == LayoutKind::kValue) node.wire_class = ClassOf(type.name);
+    for (const LayoutMember& member : layout_.Find(type.name)->members)
+      node.children.push_back(NodeOf(ParseLayoutType(member.type), depth + 1));
+    for (const TypeNode& child : node.children) {
+      constexpr std::uint32_t kMostBytes = 1U << 20;
+      if (child.kind != TypeNode::Kind::kNumbers || node.run_bytes > kMostBytes) break;
+      node.run_bytes += static_cast<std::uint32_t>(WidthOf(child.number) * child.count);
+      ++node.run_nodes;
+    }
+    return node;
+  }
+  TypeNode PointerTo(const LayoutType& type, int depth) {
+    TypeNode node{.kind = TypeNode::Kind::kPointer, .class_name = type.name};
+    if (!layout_.Find(type.name)->abstract) node.wire_class = ClassOf(type.name);
+    if (IsCamera(type.name) || IsOneOf(type.name, kEntities)) return node;
+    if (layout_.Find(type.name)->abstract) Refuse(Concat("pointers to the abstract class ", type.name));
+    node.children.push_back(NodeOf({.kind = LayoutKind::kRaw, .name = type.name}, depth + 1));
+    return node;
+  }
+
+  // Adds member i, and those that belong to it; returns how many those are.
+  template <class Entity, class StepsOf>
+  std::size_t AddMember(const LayoutClass& of, std::size_t i, Program<Entity>& program,
+                        std::vector<std::string>& foreign) {
+    const LayoutMember& member = of.members[i];
+    const LayoutType type = ParseLayoutType(member.type);
+    if (AddList(member, type, program)) return 1;
+    if (AddPart<Entity, StepsOf>(member, type, program, foreign)) return 1;
+    const bool twice = std::any_of(of.members.begin(), of.members.begin() + static_cast<std::ptrdiff_t>(i),
+                                   [&](const LayoutMember& other) { return other.name == member.name; });
+    const bool same_type = OwnType(of.name, member.name) == member.type && IsOwn(type);
+    const bool observations = std::is_same_v<Entity, MapPoint> && member.name == "mBackupObservationsId1";
+    const bool has_second = i + 1 < of.members.size() && of.members[i + 1].name == "mBackupObservationsId2" &&
+                            of.members[i + 1].type == member.type;
+    if (same_type && !twice && (!observations || has_second)) {
+      const auto& steps = StepTable<NumberArchive<false>, const StepsOf>::Steps();
+      for (std::size_t step = 0; step < steps.size(); ++step) {
+        if (steps[step].name != member.name) continue;
+        program.push_back({.kind = Op<Entity>::Kind::kStep, .index = step, .name = member.name});
+        return observations ? 2 : 1;
+      }
+    }
+    return AddCarried(of, i, twice, program, foreign);
+  }
+
+  template <class Entity>
+  std::size_t AddCarried(const LayoutClass& of, std::size_t i, bool twice, Program<Entity>& program,
+                         std::vector<std::string>& foreign) {
+    Op<Entity> op{.kind = Op<Entity>::Kind::kCarried, .name = of.members[i].name};
+    const std::size_t behind = std::min(i + 2, of.members.size());
+    const std::span<const LayoutMember> members(of.members.data() + i, behind - i);
+    for (const LayoutMember& member : members) op.nodes.push_back(NodeOf(ParseLayoutType(member.type)));
+    FoundConversion<Entity> found;
+    if (!twice) found = FindConversion<Entity>(members, op.nodes);
+    op.conversion = found.conversion;
+    op.nodes.resize(found.conversion ? found.members : 1);
+    if (!found.conversion) foreign.push_back(op.name);
+    const std::size_t taken = op.nodes.size();
+    program.push_back(std::move(op));
+    return taken;
+  }
+
+  // The lists of the model.
+  template <class Entity>
+  bool AddList(const LayoutMember& member, const LayoutType& type, Program<Entity>& program) {
+    const bool of_pointers = !type.elements.empty() && type.elements.front().kind == LayoutKind::kPointer;
+    if (!of_pointers || type.kind == LayoutKind::kMap) return false;
+    const std::string& target = type.elements.front().name;
+    auto kind = Op<Entity>::Kind::kStep;
+    if constexpr (std::is_same_v<Entity, Atlas>) {
+      if (member.name == "mvpBackupMaps" && target == "Map") kind = Op<Entity>::Kind::kMaps;
+      if (member.name == "mvpCameras" && IsCamera(target)) kind = Op<Entity>::Kind::kCameras;
+    } else if constexpr (std::is_same_v<Entity, Map>) {
+      if (member.name == "mvpBackupKeyFrames" && target == "KeyFrame") kind = Op<Entity>::Kind::kKeyFrames;
+      if (member.name == "mvpBackupMapPoints" && target == "MapPoint") kind = Op<Entity>::Kind::kPoints;
+    }
+    if (kind == Op<Entity>::Kind::kStep) return false;
+    if (type.kind != LayoutKind::kVector) Refuse(Concat(member.name, " is of type ", member.type, ", expected a vec"));
+    const bool abstract = layout_.Find(target)->abstract;
+    program.push_back({.kind = kind,
+                       .wire_class = ClassOf(ToString(type)),
+                       .element_class = abstract ? WireClass::kCount : ClassOf(target),
+                       .name = member.name});
+    return true;
+  }
+
+  // The base class of cameras, and a preintegration that is another than v1.0's: their members one by one.
+  template <class Entity, class StepsOf>
+  bool AddPart(const LayoutMember& member, const LayoutType& type, Program<Entity>& program,
+               std::vector<std::string>& foreign) {
+    const bool is_value = type.kind == LayoutKind::kValue || type.kind == LayoutKind::kRaw;
+    if (!is_value) return false;
+    const auto class_info = [&] {
+      if (type.kind == LayoutKind::kValue)
+        program.push_back({.kind = Op<Entity>::Kind::kClassInfo, .wire_class = ClassOf(type.name)});
+    };
+    if constexpr (std::is_same_v<Entity, Camera>) {
+      if (type.name != "GeometricCamera") return false;
+      class_info();
+      Add<Entity, StepsOf>(*layout_.Find(type.name), program, foreign);
+      return true;
+    } else if constexpr (std::is_same_v<Entity, KeyFrame>) {
+      if (member.name != "mBackupImuPreintegrated" || IsOwn(type.name)) return false;
+      class_info();
+      program.push_back({.kind = Op<Entity>::Kind::kPreintegration, .name = member.name});
+      return true;
+    } else {
+      return false;
+    }
+  }
+
+  const Layout& layout_;
+  const Layout& own_;
+  std::map<std::string, WireClass> classes_;
+};
+
+CameraModel ModelOf(const std::string& name) {
+  if (name == "Pinhole") return CameraModel::kPinhole;
+  return name == "KannalaBrandt8" ? CameraModel::kKannalaBrandt8 : CameraModel::kEquirectangular;
+}
+
+// `ORB_SLAM3::Pinhole` is the class Pinhole.
+std::string_view WithoutScope(std::string_view name) {
+  const std::size_t colon = name.rfind(':');
+  return colon == name.npos ? name : name.substr(colon + 1);
+}
+
+}  // namespace
+
+std::size_t WidthOf(LayoutType::Number number) {
+  constexpr std::array<std::size_t, 13> kWidths{1, 1, 2, 2, 4, 4, 8, 8, 4, 8, 8, 8, 8};
+  return kWidths.at(static_cast<std::size_t>(number));
+}
+
+ForkProgram::ForkProgram(Layout given) : layout(std::move(given)) {
+  Compiler compiler(layout);
+  for (const char* name : {"Atlas", "Map", "KeyFrame", "MapPoint", "GeometricCamera"})
+    if (layout.Find(name) == nullptr) compiler.Refuse(Concat("it has no class ", name, ", so it is of no atlas"));
+  if (std::ranges::count(layout.root, "ptr<Atlas>") != 1) compiler.Refuse("its root is no atlas");
+  std::size_t strings = 0;
+  for (const std::string& type : layout.root) {
+    Op<Atlas> op{.kind = Op<Atlas>::Kind::kCarried, .name = type};
+    if (type == "ptr<Atlas>")
+      op.kind = Op<Atlas>::Kind::kMaps;
+    else if (type == "string" && strings < 2)
+      op = {.kind = Op<Atlas>::Kind::kStep, .index = strings++};
+    else
+      op.nodes.push_back(compiler.NodeOf(ParseLayoutType(type)));
+    if (op.kind == Op<Atlas>::Kind::kCarried) foreign_atlas.push_back(type);
+    root.push_back(std::move(op));
+  }
+  for (const LayoutClass& of : layout.classes) {
+    if (of.abstract || !compiler.IsCamera(of.name) || of.name == "GeometricCamera") continue;
+    cameras.push_back({of.name, of.exported, compiler.ClassOf(of.name), ModelOf(of.name), {}});
+    compiler.Add<Camera>(of, cameras.back().program, foreign_camera);
+  }
+  for (const std::string& name : layout.Find("Atlas")->registers) registered.push_back(compiler.ClassOf(name));
+  compiler.Add<Atlas, Counters>(*layout.Find("Atlas"), atlas, foreign_atlas);
+  compiler.Add<Map>(*layout.Find("Map"), map, foreign_map);
+  compiler.Add<KeyFrame>(*layout.Find("KeyFrame"), keyframe, foreign_keyframe);
+  compiler.Add<MapPoint>(*layout.Find("MapPoint"), point, foreign_point);
+  if (const LayoutClass* imu = layout.Find("Preintegrated"))
+    compiler.Add<ImuPreintegration>(*imu, preintegration, foreign_keyframe);
+  for (const auto& [ops, list] : {std::pair(&atlas, Op<Atlas>::Kind::kMaps)})
+    if (std::ranges::find(*ops, list, &Op<Atlas>::kind) == ops->end()) compiler.Refuse("Atlas has no mvpBackupMaps");
+  for (const auto list : {Op<Map>::Kind::kKeyFrames, Op<Map>::Kind::kPoints})
+    if (std::ranges::find(map, list, &Op<Map>::kind) == map.end())
+      compiler.Refuse("Map has no vectors of keyframes and map points");
+  const Layout& own = *FindKnownLayout("v1.0");
+  for (const LayoutClass& of : own.classes)
+    for (const LayoutMember& member : of.members) {
+      const LayoutClass* here = layout.Find(of.name);
+      const auto is_it = [&](const LayoutMember& other) {
+        return other.name == member.name || other.name.starts_with(member.name + ".");
+      };
+      if (here == nullptr || std::ranges::none_of(here->members, is_it)) missing.push_back(of.name + "." + member.name);
+    }
+}
+
+bool ForkProgram::Lacks(std::string_view member) const { return std::ranges::find(missing, member) != missing.end(); }
+
+const CameraClass* ForkProgram::FindCamera(WireClass wire_class) const {
+  const auto found = std::ranges::find(cameras, wire_class, &CameraClass::wire_class);
+  return found == cameras.end() ? nullptr : &*found;
+}
+const CameraClass* ForkProgram::FindCamera(CameraModel model) const {
+  const auto found = std::ranges::find(cameras, model, &CameraClass::model);
+  return found == cameras.end() ? nullptr : &*found;
+}
+const CameraClass* ForkProgram::FindExported(std::string_view key) const {
+  const auto found = std::ranges::find_if(cameras, [key](const CameraClass& camera) {
+    return (!camera.exported.empty() && camera.exported == key) || camera.name == WithoutScope(key);
+  });
+  return found == cameras.end() ? nullptr : &*found;
+}
+
+}  // namespace slamdb::orbslam3
