@@ -284,7 +284,7 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
   }
   if (warm_type == "vec<u32>") return {"vec<u32>", "vec<i32>", "vec<f32>"};
   if (warm_type == "vec<u64>") return {"vec<u64>", "vec<i64>", "vec<f64>"};
-  if (warm_type == "vec<u8>") return {"string", "vec<u8>", "vec<bool>"};
+  if (warm_type == "vec<u8>") return {"string", "vec<u8>"};
   if (warm_type == "vec<vec<u8>>" || warm_type == "vec<string>") return {"vec<string>", "vec<vec<u8>>", "set<string>"};
   if (warm_type == "vec<vec<u64>>") return {"vec<vec<u64>>", "vec<vec<f64>>"};
   if (warm_type == "vec<vec<u32>>") return {"vec<vec<u32>>", "vec<vec<i32>>", "vec<vec<f32>>"};

@@ -2,7 +2,9 @@
 #include "slamdb/formats/layouts/infer.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
+#include <unordered_set>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
@@ -14,41 +16,107 @@ namespace {
 
 using detail::Concat;
 
-// Adds up what speaks against the members of all records that a walk passes.
+// What is wrong where members contradict other records.
+constexpr std::int64_t kContradiction = 30, kUnusual = 5;
+
+// Adds up what speaks against the members of all records that a walk passes: by what each is like, and by what records
+// say of others, so that one counter is not taken for its neighbour.
 class Judging : public RecordVisitor {
  public:
   Judging(const ArchiveBytes& archive, const Wire& wire)
-      : file_(archive.file), known_(wire.classes.size()), wire_(wire), sums_(wire.classes.size()) {}
+      : file_(archive.file), wire_(wire), known_(wire.classes.size()), sums_(wire.classes.size()) {}
 
   void Record(const WireClass& of, std::span<const std::uint64_t> offsets) override {
-    std::vector<const KnownMember*>& known = known_[static_cast<std::size_t>(&of - wire_.classes.data())];
+    const auto row = static_cast<std::size_t>(&of - wire_.classes.data());
+    std::vector<const KnownMember*>& known = known_[row];
     if (known.empty())
       for (const WireMember& member : of.members) known.push_back(FindKnownMember(of.name, member.name));
-    Sum& sum = sums_[static_cast<std::size_t>(&of - wire_.classes.data())];
+    Sum& sum = sums_[row];
     RecordFacts facts;
     for (std::size_t i = 0; i < known.size(); ++i) {
       if (known[i] == nullptr) continue;
       const MemberPlace place{offsets[i], offsets[i + 1]};
       sum.penalty += PenaltyOf(*known[i], file_, std::span(&place, 1), std::span(&facts, 1));
     }
+    sum.penalty += Contradictions(of, offsets);
     ++sum.records;
   }
   // By record, of the class against which most speaks.
-  double penalty() const {
+  double most() const {
     double most = 0;
-    for (const Sum& sum : sums_)
-      if (sum.records > 0) most = std::max(most, static_cast<double>(sum.penalty) / static_cast<double>(sum.records));
+    for (const Sum& sum : sums_) most = std::max(most, sum.mean());
     return most;
+  }
+  // Of all classes.
+  double total() const {
+    double total = 0;
+    for (const Sum& sum : sums_) total += sum.mean();
+    return total;
   }
 
  private:
-  const std::string_view file_;
-  std::vector<std::vector<const KnownMember*>> known_;
-  const Wire& wire_;
   struct Sum {
     std::int64_t penalty = 0, records = 0;
+    double mean() const { return records == 0 ? 0 : static_cast<double>(penalty) / static_cast<double>(records); }
   };
+
+  std::int64_t Contradictions(const WireClass& of, std::span<const std::uint64_t> offsets) {
+    const auto number = [&](std::string_view name) {
+      const auto member = std::ranges::find(of.members, name, &WireMember::name);
+      if (member == of.members.end()) return std::optional<std::int64_t>();
+      return NumberAt<std::int64_t>(file_, offsets[static_cast<std::size_t>(member - of.members.begin())]);
+    };
+    if (of.name == "KeyFrame") {
+      keyframes_.insert(number("mnId").value_or(-1));
+      last_keyframe_ = std::max(last_keyframe_, number("mnId").value_or(-1));
+      last_frame_ = std::max(last_frame_, number("mnFrameId").value_or(-1));
+    } else if (of.name == "MapPoint") {
+      last_point_ = std::max(last_point_, number("mnId").value_or(-1));
+    } else if (of.name == "Map") {
+      return OfMap(number);
+    } else if (of.name == "Atlas") {
+      return OfAtlas(number);
+    }
+    return 0;
+  }
+
+  template <class Number>
+  std::int64_t OfMap(const Number& number) {
+    std::int64_t penalty = 0;
+    const std::int64_t last = keyframes_.empty() ? -1 : *std::ranges::max_element(keyframes_);
+    last_map_ = std::max(last_map_, number("mnId").value_or(-1));
+    if (number("mnMaxKFid").value_or(last) < last) penalty += kContradiction;
+    if (number("mnInitKFid").value_or(0) > number("mnMaxKFid").value_or(last)) penalty += kContradiction;
+    if (number("mvBackupKeyFrameOriginsId") == 0) penalty += kUnusual;
+    for (const char* name : {"mnBackupKFinitialID", "mnBackupKFlowerID"})
+      if (const auto id = number(name); id && !keyframes_.contains(*id)) penalty += kUnusual;
+    keyframes_.clear();
+    return penalty;
+  }
+  template <class Number>
+  std::int64_t OfAtlas(const Number& number) const {
+    std::int64_t penalty = 0;
+    const auto above = [&](const char* name, std::int64_t last) {
+      const auto counter = number(name);
+      if (!counter || last < 0) return;
+      if (*counter <= last) penalty += kContradiction;
+      if (*counter > last + last / 4 + 16) penalty += kUnusual;
+    };
+    above("Map::nNextId", last_map_);
+    above("Frame::nNextId", last_frame_);
+    above("KeyFrame::nNextId", last_keyframe_);
+    above("MapPoint::nNextId", last_point_);
+    above("GeometricCamera::nNextId", 0);
+    if (number("mnLastInitKFidMap").value_or(0) > last_keyframe_) penalty += kUnusual;
+    return penalty;
+  }
+
+  const std::string_view file_;
+  const Wire& wire_;
+  std::vector<std::vector<const KnownMember*>> known_;
   std::vector<Sum> sums_;
+  std::unordered_set<std::int64_t> keyframes_;  // of the map that is walked through
+  std::int64_t last_keyframe_ = -1, last_frame_ = -1, last_point_ = -1, last_map_ = -1;
 };
 
 }  // namespace
@@ -62,7 +130,9 @@ Verdict Judge(const ArchiveBytes& archive, const Layout& layout, std::span<const
   Verdict verdict;
   verdict.whole = walk.Run(layout.header ? archive.begin : 0);
   verdict.reached = walk.at();
-  verdict.penalty = judging.penalty();
+  verdict.penalty = judging.most();
+  verdict.total = judging.total();
+  verdict.members = walk.members_entered();
   return verdict;
 }
 
@@ -71,11 +141,11 @@ namespace {
 // A known layout that comes to the end; the one that reads what ORB-SLAM3 writes.
 std::optional<InferredLayout> Known(const ArchiveBytes& archive) {
   std::optional<InferredLayout> best;
-  double least = kMostPenalty;
+  double least = std::numeric_limits<double>::max();
   for (const Layout& layout : KnownLayouts()) {
     const Verdict verdict = Judge(archive, layout);
-    if (!verdict.whole || verdict.penalty >= least) continue;
-    least = verdict.penalty;
+    if (!verdict.whole || verdict.penalty >= kMostPenalty || verdict.total >= least) continue;
+    least = verdict.total;
     best = InferredLayout{.layout = layout, .known = true};
   }
   return best;

@@ -122,7 +122,8 @@ WireWalk::WireWalk(const Wire& wire, std::string_view bytes, const ArchiveEncodi
       warm_(wire, bytes, encoding),
       ids_(wire.keys, -1),
       used_(wire.keys, false),
-      seen_(wire.classes.size(), false) {}
+      seen_(wire.classes.size(), false),
+      entered_(wire.classes.size(), 0) {}
 
 bool WireWalk::Run(std::uint64_t at) {
   at_ = at;
@@ -291,10 +292,13 @@ bool WireWalk::Members(const WireClass& of, int depth) {
       visitor != nullptr && (of.name == "KeyFrame" || of.name == "MapPoint" || of.name == "Map" || of.name == "Atlas");
   std::vector<std::uint64_t> offsets;
   if (seen) offsets.reserve(of.members.size() + 1);
-  for (const WireMember& member : of.members) {
+  std::size_t& entered = entered_[static_cast<std::size_t>(&of - wire_.classes.data())];
+  for (std::size_t i = 0; i < of.members.size(); ++i) {
+    entered = std::max(entered, i + 1);
     if (seen) offsets.push_back(at_);
-    if (!Value(member.type, depth)) return false;
+    if (!Value(of.members[i].type, depth)) return false;
   }
+  entered = of.members.size() + 1;
   if (seen) {
     offsets.push_back(at_);
     visitor->Record(of, offsets);

@@ -24,7 +24,9 @@ struct ArchiveBytes {
 struct Verdict {
   bool whole = false;
   std::uint64_t reached = 0;
-  double penalty = 0;
+  double penalty = 0;                // of the class against which most speaks
+  double total = 0;                  // of all classes
+  std::vector<std::size_t> members;  // by class: how many were come to
 };
 // Above this, a layout that comes to the end reads other members than it says.
 inline constexpr double kMostPenalty = 40;
