@@ -34,12 +34,13 @@ const T& Pick(Random& random, const std::array<T, kCount>& of) {
 
 // What forks have put in, the usual more often.
 constexpr std::array<const char*, 44> kTypes = {
-    "bool", "u8", "i32", "u32", "f32", "i64", "u64", "f64", "bool", "i32", "u32", "f32", "u64", "f64", "f32",
-    "arr<f32,3>", "arr<f64,3>", "arr<f32,7>", "arr<f32,2>", "arr<i32,4>", "arr<f64,7>", "u16",
-    "vec<f32>", "vec<f32>", "vec<i32>", "vec<f64>", "vec<u64>", "vec<u8>", "vec<u16>",
-    "string", "string", "mat", "mat", "kps",
-    "set<u64>", "set<i32>", "map<u64,i32>", "map<u64,f32>", "map<i32,f64>", "list<u64>", "list<f32>",
-    "vec<string>", "vec<vec<f32>>", "val<Label>"};
+    "bool",          "u8",           "i32",          "u32",          "f32",        "i64",        "u64",
+    "f64",           "bool",         "i32",          "u32",          "f32",        "u64",        "f64",
+    "f32",           "arr<f32,3>",   "arr<f64,3>",   "arr<f32,7>",   "arr<f32,2>", "arr<i32,4>", "arr<f64,7>",
+    "u16",           "vec<f32>",     "vec<f32>",     "vec<i32>",     "vec<f64>",   "vec<u64>",   "vec<u8>",
+    "vec<u16>",      "string",       "string",       "mat",          "mat",        "kps",        "set<u64>",
+    "set<i32>",      "map<u64,i32>", "map<u64,f32>", "map<i32,f64>", "list<u64>",  "list<f32>",  "vec<string>",
+    "vec<vec<f32>>", "val<Label>"};
 
 // Members without which nothing is a map.
 bool IsNeeded(const std::string& name) {
@@ -235,9 +236,9 @@ class Values {
 }  // namespace
 
 Invention InventLayout(Random& random, const InventionOptions& options) {
-  constexpr std::array<const char*, 14> kClasses = {
-      "MapPoint", "MapPoint", "MapPoint", "MapPoint", "KeyFrame", "KeyFrame",        "KeyFrame",
-      "KeyFrame", "Map",      "Map",      "Atlas",    "Atlas",    "GeometricCamera", "KeyFrame"};
+  constexpr std::array<const char*, 14> kClasses = {"MapPoint", "MapPoint", "MapPoint",        "MapPoint", "KeyFrame",
+                                                    "KeyFrame", "KeyFrame", "KeyFrame",        "Map",      "Map",
+                                                    "Atlas",    "Atlas",    "GeometricCamera", "KeyFrame"};
   Invention invention{KnownLayouts().front(), {}};
   invention.layout.id = invention.layout.title = invention.layout.who = "";
   invention.layout.classes.push_back(Label());
@@ -343,7 +344,8 @@ std::string OwnBytes(Atlas atlas) {
 
 bool SameCore(const Atlas& a, const Atlas& b) {
   const auto same_keyframe = [](const KeyFrame& x, const KeyFrame& y) {
-    return x.id == y.id && x.timestamp == y.timestamp && x.camera_from_world.rotation.coeffs() == y.camera_from_world.rotation.coeffs() &&
+    return x.id == y.id && x.timestamp == y.timestamp &&
+           x.camera_from_world.rotation.coeffs() == y.camera_from_world.rotation.coeffs() &&
            x.camera_from_world.translation == y.camera_from_world.translation &&
            x.features.map_points == y.features.map_points;
   };

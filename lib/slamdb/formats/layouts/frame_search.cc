@@ -11,16 +11,40 @@ using detail::Concat;
 
 constexpr std::size_t kBeam = 24, kMostEdits = 4;
 constexpr std::size_t kLongestRemoval = 6;
-constexpr std::size_t kMostTrials = 12'000;
+constexpr std::size_t kMostTrials = 40'000;
 
 // What forks' maps, atlases and cameras may have more, likeliest first.
 std::vector<std::string> FrameTypes() {
-  std::vector<std::string> types = {
-      "u64",          "u32",          "u8",           "arr<u8,12>",   "arr<u8,28>",         "string",
-      "vec<u64>",     "vec<u32>",     "vec<f64>",     "set<u64>",     "set<u32>",           "map<u64,i32>",
-      "map<u64,u64>", "map<u64,f64>", "map<u32,u32>", "vec<string>",  "mat",                "kps",
-      "ptr<KeyFrame>", "ptr<MapPoint>", "ptr<Map>",   "vec<ptr<KeyFrame>>", "vec<ptr<MapPoint>>", "set<ptr<KeyFrame>>",
-      "set<ptr<Map>>", "vec<vec<u64>>", "vec<vec<f64>>", "vec<vec<f32>>", "vec<u8>", "vec<u16>"};
+  std::vector<std::string> types = {"u64",
+                                    "u32",
+                                    "u8",
+                                    "arr<u8,12>",
+                                    "arr<u8,28>",
+                                    "string",
+                                    "vec<u64>",
+                                    "vec<u32>",
+                                    "vec<f64>",
+                                    "set<u64>",
+                                    "set<u32>",
+                                    "map<u64,i32>",
+                                    "map<u64,u64>",
+                                    "map<u64,f64>",
+                                    "map<u32,u32>",
+                                    "vec<string>",
+                                    "mat",
+                                    "kps",
+                                    "ptr<KeyFrame>",
+                                    "ptr<MapPoint>",
+                                    "ptr<Map>",
+                                    "vec<ptr<KeyFrame>>",
+                                    "vec<ptr<MapPoint>>",
+                                    "set<ptr<KeyFrame>>",
+                                    "set<ptr<Map>>",
+                                    "vec<vec<u64>>",
+                                    "vec<vec<f64>>",
+                                    "vec<vec<f32>>",
+                                    "vec<u8>",
+                                    "vec<u16>"};
   for (const std::uint32_t bytes :
        {2, 3, 5, 6, 7, 9, 10, 11, 13, 14, 15, 16, 17, 18, 20, 24, 32, 36, 40, 48, 56, 64, 72, 96, 128})
     types.push_back(Concat("arr<u8,", bytes, ">"));
@@ -111,7 +135,7 @@ class FrameSearch {
     for (const LayoutClass& other : next.layout.classes)
       number += static_cast<std::size_t>(std::ranges::count_if(other.members, IsUnknown));
     of.members.insert(of.members.begin() + static_cast<std::ptrdiff_t>(row), {Concat("unknown", number), types_[type]});
-    SetType(next.layout, next.layout.Find(name)->members[row], types_[type]);
+    SetType(next.layout, name, row, types_[type]);
     next.edits.push_back(Concat(name, ": ", types_[type], " more, ", behind));
     next.kind = type;
     Try(std::move(next), from);

@@ -85,6 +85,7 @@ class Judging : public RecordVisitor {
     std::int64_t penalty = 0;
     const std::int64_t last = keyframes_.empty() ? -1 : *std::ranges::max_element(keyframes_);
     last_map_ = std::max(last_map_, number("mnId").value_or(-1));
+    if (!number("mnId")) penalty += kUnusual;
     if (number("mnMaxKFid").value_or(last) < last) penalty += kContradiction;
     if (number("mnInitKFid").value_or(0) > number("mnMaxKFid").value_or(last)) penalty += kContradiction;
     if (number("mvBackupKeyFrameOriginsId") == 0) penalty += kUnusual;
@@ -170,7 +171,9 @@ class Inference {
     point_options_ = FindClass(archive_, "MapPoint", points, keyframe_options_.front().layout);
     if (point_options_.empty())
       Fail(Concat("no change of a known layout explains the ", points.size(), " map points that were found"));
-    if (!Choose()) Fail("keyframes and map points are understood, but no change of Map and Atlas explains the rest");
+    if (!Choose())
+      Fail(Concat("keyframes and map points are understood", Understood(),
+                  ", but nothing explains what stands from byte ", most_, " on"));
     Name();
     InferredLayout inferred{.layout = std::move(layout_)};
     inferred.differences = std::move(findings_.differences);
@@ -180,6 +183,15 @@ class Inference {
   }
 
  private:
+  // ` (KeyFrame: u64 more, behind mnId)`.
+  std::string Understood() const {
+    std::string text;
+    for (const ClassOption* option : {&keyframe_options_.front(), &point_options_.front()})
+      for (const std::string& difference : option->findings.differences)
+        text += (text.empty() ? " (" : "; ") + difference;
+    return text.empty() ? text : text + ")";
+  }
+
   struct Unknown {
     std::string of_class;
     std::size_t row = 0;
@@ -278,11 +290,9 @@ class Inference {
     for (std::size_t trial = 0; trial < trials && trials_ < kMostTrials; ++trial, ++trials_) {
       Layout typed = layout;
       std::size_t rest = trial;
-      for (const Unknown& one : unknown) {
-        LayoutMember& member = typed.Find(one.of_class)->members[one.row];
-        const std::string type = one.types[rest % one.types.size()];
-        rest /= one.types.size();
-        SetType(typed, member, type);
+      for (auto one = unknown.rbegin(); one != unknown.rend(); ++one) {  // rows in front stay where they are
+        SetType(typed, one->of_class, one->row, one->types[rest % one->types.size()]);
+        rest /= one->types.size();
       }
       const Verdict verdict = Judge(archive_, typed, ends);
       if (verdict.whole && Judge(archive_, typed).penalty < kMostPenalty) {

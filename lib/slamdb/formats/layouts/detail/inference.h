@@ -50,10 +50,11 @@ std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view
 
 // Whether a member is one that FindClass put in.
 bool IsUnknown(const LayoutMember& member);
-// What a member may be whose bytes were seen where every class has been met, likeliest first.
+// What a member may be whose bytes were seen where every class has been met, likeliest first; several members one
+// behind the other are joined by `+`.
 std::vector<std::string> TypesLike(const std::string& warm_type);
-// Gives a member of the layout another of those types; a class of its own where it needs one.
-void SetType(Layout& layout, LayoutMember& member, const std::string& type);
+// Gives a member of the layout another of those types; classes of its own where it needs them.
+void SetType(Layout& layout, const std::string& class_name, std::size_t row, const std::string& types);
 
 // Gives the layout the members of Map and Atlas and the root that the file has. Returns whether it comes to the end.
 bool FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends, Layout& layout,

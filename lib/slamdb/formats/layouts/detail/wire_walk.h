@@ -46,7 +46,7 @@ class WarmWalk {
   const std::uint8_t size_bytes_;
 };
 
-// Sees each keyframe, map point, map and atlas that a walk has passed.
+// Sees each keyframe, map point, map, camera and atlas that a walk has passed.
 class RecordVisitor {
  public:
   virtual ~RecordVisitor() = default;
@@ -74,6 +74,7 @@ class WireWalk {
   bool Members(const WireClass& of, int depth);
   bool Pointer(const WireType& type, int depth);
   bool Collection(const WireType& type, int depth);
+  std::uint64_t SkipRun(const WireType& pointer, std::uint64_t most);
   bool Matrix2(const WireType& type);
   bool Warm(const WireType& type);
   bool Info(std::uint32_t key, std::uint8_t tracking);
