@@ -212,7 +212,7 @@ class Inference {
   [[noreturn]] void Fail(const std::string& problem) const {
     throw Error(ErrorKind::kNotPossible, "", "",
                 Concat("no layout found: ", problem,
-                       ". `slamdb layouts from-source` derives it from the sources of the program that wrote it"));
+                       ". `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it"));
   }
 
   // Records whose end is the beginning of the next one; without the first of all, in front of whose values class
