@@ -3,8 +3,8 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/require.h"
 
-// Any bytes as an .osa file of a layout that nobody knows. One is found or refused; what is found is written as JSON and
-// read again.
+// Any bytes as an .osa file of a layout that nobody knows. One is found or refused; what is found is written as JSON
+// and read again.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace slamdb;
   fuzz::MayRefuse([&] {

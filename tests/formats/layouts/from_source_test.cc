@@ -137,9 +137,9 @@ TEST(FromSource, AConditionIsAQuestion) {
 }
 
 TEST(FromSource, ATypeThatIsNotKnownIsAQuestion) {
-  const DerivedLayout derived = Derived(
-      "class Map { Blob a;\ntemplate <class A> void serialize(A& ar, const unsigned int) { ar & a; } };\n" +
-      std::string(kSave));
+  const DerivedLayout derived =
+      Derived("class Map { Blob a;\ntemplate <class A> void serialize(A& ar, const unsigned int) { ar & a; } };\n" +
+              std::string(kSave));
   EXPECT_THAT(derived.questions, ::testing::Not(IsEmpty()));
 }
 
@@ -152,9 +152,9 @@ TEST(FromSource, MacrosAreAskedAbout) {
 }
 
 TEST(FromSource, TheTextOfAWholeLayoutIsReadAgain) {
-  const DerivedLayout derived = Derived(
-      "class Map { int a;\ntemplate <class A> void serialize(A& ar, const unsigned int) { ar & a; } };\n" +
-      std::string(kSave));
+  const DerivedLayout derived =
+      Derived("class Map { int a;\ntemplate <class A> void serialize(A& ar, const unsigned int) { ar & a; } };\n" +
+              std::string(kSave));
   EXPECT_TRUE(SameBytes(ParseLayout(LayoutText(derived.layout)), derived.layout));
 }
 
@@ -168,8 +168,10 @@ std::string Repeated(std::string_view text, int times) {
 
 TEST(FromSource, SurvivesEveryCut) {
   const std::string text =
-      "template <class T> struct V { T t[3]; };\nclass Map : public Base<int> { std::map<int, std::vector<V<float>>> a; "
-      "/* c */ const char* s = R\"x(})x\";\ntemplate <class A> void serialize(A& ar, unsigned) { if (A::is_saving::value) "
+      "template <class T> struct V { T t[3]; };\nclass Map : public Base<int> { std::map<int, std::vector<V<float>>> "
+      "a; "
+      "/* c */ const char* s = R\"x(})x\";\ntemplate <class A> void serialize(A& ar, unsigned) { if "
+      "(A::is_saving::value) "
       "{ ar & a; } for (int i = 0; i < 3; ++i) ar & s[i]; ar & boost::serialization::make_array(a.data(), 3); } };\n" +
       std::string(kSave);
   for (std::size_t size = 0; size <= text.size(); ++size) (void)Derived(text.substr(0, size));
@@ -177,8 +179,9 @@ TEST(FromSource, SurvivesEveryCut) {
 }
 
 TEST(FromSource, SurvivesWhatIsNotBalanced) {
-  for (const std::string_view piece : {"{", "}", "(", ")", "<", ">", "[", "]", "#if 1\n", "#endif\n", "\"", "'", "/*",
-                                       "R\"(", "class A {", "template <", "a::", "ar & ", "ar << (", "if (", "else "})
+  for (const std::string_view piece :
+       {"{", "}",  "(",    ")",         "<",          ">",   "[",     "]",       "#if 1\n", "#endif\n", "\"",
+        "'", "/*", "R\"(", "class A {", "template <", "a::", "ar & ", "ar << (", "if (",    "else "})
     (void)Derived("class Map { template <class A> void serialize(A& ar, unsigned) { " + Repeated(piece, 20'000) +
                   std::string(kSave));
 }

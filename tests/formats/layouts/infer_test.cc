@@ -75,7 +75,8 @@ INSTANTIATE_TEST_SUITE_P(InferLayout, KnownLayout, ::testing::ValuesIn(Ids()));
 class InventedLayout : public ::testing::TestWithParam<int> {};
 TEST_P(InventedLayout, IsReadAndGivenBack) {
   std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
-  const Invention fork = InventLayout(random, {.insertions = 1, .removals = GetParam() % 4 == 3 ? 1 : 0, .classes = {"MapPoint", "KeyFrame"}});
+  const Invention fork = InventLayout(
+      random, {.insertions = 1, .removals = GetParam() % 4 == 3 ? 1 : 0, .classes = {"MapPoint", "KeyFrame"}});
   const std::string bytes = Forge(RealSession(), fork.layout, random);
   const InferredLayout inferred = InferLayout(In(bytes));
   EXPECT_TRUE(inferred.same_bytes) << ::testing::PrintToString(fork.changes);
@@ -141,7 +142,8 @@ TEST(InferLayout, EndsWhereEverythingLooksLikeAKeyframe) {
   std::string bytes = EncodeOrbslam3(RealSession()).substr(0, 40);
   std::mt19937_64 random(1);
   const std::string grid("\x40\0\0\0\x30\0\0\0", 8), first("\5\0\1\0\0\0\0", 7);
-  for (int i = 0; i < 200'000; ++i) bytes += i % 7 == 0 ? grid : i % 7 == 3 ? first : std::string(1, static_cast<char>(random()));
+  for (int i = 0; i < 200'000; ++i)
+    bytes += i % 7 == 0 ? grid : i % 7 == 3 ? first : std::string(1, static_cast<char>(random()));
   EXPECT_THAT(MessageOf([&] { (void)InferLayout(In(bytes)); }), HasSubstr("no layout found"));
 }
 

@@ -2,6 +2,7 @@
 #include "slamdb/formats/layouts/infer.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 #include <unordered_set>
@@ -139,6 +140,20 @@ Verdict Judge(const ArchiveBytes& archive, const Layout& layout, std::span<const
 
 namespace {
 
+// Records whose end is known; without the first of all, in front of whose values class information stands.
+std::vector<MemberPlace> WholeRecords(std::span<const MapRecords> maps, RecordList MapRecords::*list) {
+  std::vector<MemberPlace> whole;
+  bool first = true;
+  for (const MapRecords& map : maps) {
+    for (std::size_t i = 0; i < (map.*list).records.size(); ++i) {
+      const std::uint64_t end = EndOf(map.*list, i);
+      if (end > 0 && !first) whole.push_back({(map.*list).records[i].body, end});
+      first = false;
+    }
+  }
+  return whole;
+}
+
 // A known layout that comes to the end; the one that reads what ORB-SLAM3 writes.
 std::optional<InferredLayout> Known(const ArchiveBytes& archive) {
   std::optional<InferredLayout> best;
@@ -215,20 +230,7 @@ class Inference {
                        ". `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it"));
   }
 
-  // Records whose end is the beginning of the next one; without the first of all, in front of whose values class
-  // information stands.
-  std::vector<MemberPlace> Whole(RecordList MapRecords::*list) const {
-    std::vector<MemberPlace> whole;
-    bool first = true;
-    for (const MapRecords& map : maps_) {
-      const std::vector<Record>& records = (map.*list).records;
-      for (std::size_t i = 0; i + 1 < records.size(); ++i) {
-        if (!first) whole.push_back({records[i].body, records[i + 1].begin});
-        first = false;
-      }
-    }
-    return whole;
-  }
+  std::vector<MemberPlace> Whole(RecordList MapRecords::*list) const { return WholeRecords(maps_, list); }
 
   // By object id: the ends of records that the layout reads from end to end.
   std::vector<std::uint64_t> EndsIn(const Layout& layout) const {
@@ -241,9 +243,10 @@ class Inference {
       for (const MapRecords& map : maps_) {
         const std::vector<Record>& records = (map.*list).records;
         for (std::size_t i = 0; i + 1 < records.size(); ++i) {
-          if (walk.BehindMembers(of, records[i].body, 0) != records[i + 1].begin) continue;
+          const std::uint64_t end = EndOf(map.*list, i);
+          if (end == 0 || walk.BehindMembers(of, records[i].body, 0) != end) continue;
           if (ends.size() <= records[i].object) ends.resize(records[i].object + 1, 0);
-          ends[records[i].object] = records[i + 1].begin;
+          ends[records[i].object] = end;
         }
       }
     }
@@ -339,6 +342,24 @@ class Inference {
 };
 
 }  // namespace
+
+std::optional<Layout> LayoutOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps) {
+  const std::vector<MemberPlace> keyframes = WholeRecords(maps, &MapRecords::keyframes);
+  const std::vector<ClassOption> of_keyframes = FindClass(archive, "KeyFrame", keyframes, KnownLayouts().front());
+  if (of_keyframes.empty()) return std::nullopt;
+  const std::vector<MemberPlace> points = WholeRecords(maps, &MapRecords::points);
+  const std::vector<ClassOption> of_points = FindClass(archive, "MapPoint", points, of_keyframes.front().layout);
+  if (of_points.empty()) return std::nullopt;
+  const Layout& found = of_points.front().layout;
+  const auto same = [&](const Layout& known) {
+    return std::ranges::all_of(std::array{"KeyFrame", "MapPoint"}, [&](const char* name) {
+      return known.Find(name) != nullptr && *known.Find(name) == *found.Find(name);
+    });
+  };
+  const auto known = std::ranges::find_if(KnownLayouts(), same);
+  return known == KnownLayouts().end() ? found : *known;
+}
+
 }  // namespace layouts
 
 InferredLayout InferLayoutOf(Bytes archive, const ArchiveEncoding& encoding, std::uint64_t begin) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -59,5 +60,9 @@ void SetType(Layout& layout, const std::string& class_name, std::size_t row, con
 // Gives the layout the members of Map and Atlas and the root that the file has. Returns whether it comes to the end.
 bool FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends, Layout& layout,
                Findings& findings);
+
+// The layout that keyframes and map points have in a damaged archive: a known one, or one without an id whose unknown
+// members are bytes as they stand where every class has been met. Nothing when none explains them.
+std::optional<Layout> LayoutOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps);
 
 }  // namespace slamdb::layouts
