@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/archive/binary_oarchive.hpp>
 #include <boost/archive/text_oarchive.hpp>
 #include <boost/serialization/array.hpp>
@@ -20,7 +21,7 @@
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/synthetic/synthesize.h"
 
-namespace fork {
+namespace of_fork {
 
 struct Label {
   float score = 0.25F;
@@ -95,11 +96,11 @@ struct Everything {
   }
 };
 
-}  // namespace fork
+}  // namespace of_fork
 
-BOOST_CLASS_TRACKING(fork::Everything, boost::serialization::track_never)
-BOOST_CLASS_TRACKING(fork::Label, boost::serialization::track_never)
-BOOST_CLASS_TRACKING(fork::Mat2, boost::serialization::track_never)
+BOOST_CLASS_TRACKING(of_fork::Everything, boost::serialization::track_never)
+BOOST_CLASS_TRACKING(of_fork::Label, boost::serialization::track_never)
+BOOST_CLASS_TRACKING(of_fork::Mat2, boost::serialization::track_never)
 
 namespace slamdb {
 namespace {
@@ -123,7 +124,7 @@ template <class Archive>
 std::string Saved(const Atlas& atlas) {
   std::ostringstream stream;
   Archive archive(stream);
-  const fork::Everything everything;
+  const of_fork::Everything everything;
   const std::string last = "the end";
   archive << atlas << everything << last;
   return stream.str();
@@ -142,7 +143,10 @@ TEST_P(ForkOfBoost, EveryTypeComesBackByteForByte) {
   EXPECT_TRUE(notices.items().empty());
   ASSERT_TRUE(read.carried);
   EXPECT_EQ(read.maps.at(0).keyframes.size(), atlas.maps[0].keyframes.size());
-  EXPECT_TRUE(EncodeOrbslam3(read) == theirs) << "we write other bytes";
+  const std::string ours = EncodeOrbslam3(read);
+  const auto at = static_cast<std::size_t>(std::ranges::mismatch(ours, theirs).in1 - ours.begin());
+  EXPECT_TRUE(ours == theirs) << "at byte " << at << " ours: " << ours.substr(at, 60)
+                              << ", theirs: " << theirs.substr(at, 60);
 }
 
 INSTANTIATE_TEST_SUITE_P(Encodings, ForkOfBoost, ::testing::Values(false, true),

@@ -199,6 +199,10 @@ TEST(InventedFork, ComesBackByteForByte) {
     Atlas given = atlas;
     given.encoding.text = seed % 3 == 0;
     SCOPED_TRACE(::testing::PrintToString(invention.changes));
+    const LayoutClass& point = *invention.layout.Find("MapPoint");
+    const auto first = std::ranges::find(point.members, "mBackupObservationsId1", &LayoutMember::name);
+    if (first != point.members.end() && (first + 1)->name != "mBackupObservationsId2")
+      continue;  // see ObservationsApart
     const std::string bytes = testing::Forge(given, invention.layout, random);
     const Atlas read = ReadFork(bytes, ToJson(invention.layout));
     EXPECT_TRUE(EncodeOrbslam3(read) == bytes) << seed;
@@ -347,6 +351,20 @@ TEST(ForkConversions, NumbersOfAnotherWidth) {
   EXPECT_EQ(ReadFork(EncodeOrbslam3(read), layout).maps[0].points[3].position.x(), 42);
 }
 
+// Observations that do not stand side by side are the model's all the same.
+TEST(ForkConversions, ObservationsApart) {
+  const std::string layout =
+      Changed(R"({"class": "MapPoint", "after": "mBackupObservationsId1", "add": [["between", "i32"]]})");
+  Atlas atlas = SmallWorld();
+  atlas.maps[0].points[2].observations[0].left = Observation::kAbsent;
+  atlas.maps[0].points[3].observations[0].right = Observation::kAbsent;
+  Atlas read = InLayout(atlas, layout);
+  for (std::size_t i = 0; i < atlas.maps[0].points.size(); ++i)
+    EXPECT_EQ(read.maps[0].points[i].observations, atlas.maps[0].points[i].observations) << i;
+  read.maps[0].points[4].observations.pop_back();
+  EXPECT_EQ(ReadFork(EncodeOrbslam3(read), layout).maps[0].points[4].observations, read.maps[0].points[4].observations);
+}
+
 // A member that stands there twice: the first is the model's, the second travels.
 TEST(ForkEngine, MembersMayStandThereTwice) {
   const std::string layout = Changed(R"({"class": "MapPoint", "after": "nObs", "add": [["nObs", "i32"]]})");
@@ -354,11 +372,6 @@ TEST(ForkEngine, MembersMayStandThereTwice) {
   const Atlas read = ReadFork(bytes, layout);
   EXPECT_EQ(read.maps[0].points[0].carried->members.size(), 4U);
   EXPECT_TRUE(EncodeOrbslam3(read) == bytes);
-}
-
-TEST(ForkEngine, FilesOfTwoLayoutsThatFitSayWhichOthers) {
-  // With no keyframe to tell by its time, obvi and v1.0 are the same bytes; v1.0 is taken.
-  EXPECT_EQ(ReadFork(EncodeOrbslam3(SynthesizeAtlas({.keyframes = 1, .points = 0, .features = 0})), "").layout, "");
 }
 
 TEST(ForkEngine, ReadsPartsAsTheOptionsSay) {

@@ -207,7 +207,7 @@ TEST(CarriedMembers, AreNamedWhereTheyAreDropped) {
   (void)WriteFork(MarkedAtlas(), "v1.0", &notices);
   EXPECT_TRUE(notices.lossy());
   EXPECT_THAT(TextOf(notices), HasSubstr("the layout v1.0 cannot hold xKeyFrame, xNames of 8 keyframes; xPoint of 40 "
-                                         "map points; xAtlas, xMap, xCamera of 5 others"));
+                                         "map points; xAtlas, xCamera, xMap of 5 others"));
 }
 
 TEST(CarriedMembers, AreRefusedWhereNothingMayBeLost) {
