@@ -123,10 +123,12 @@ constexpr const char* kLayout = R"({"base": "v1.0",
 template <class Archive>
 std::string Saved(const Atlas& atlas) {
   std::ostringstream stream;
-  Archive archive(stream);
-  const of_fork::Everything everything;
-  const std::string last = "the end";
-  archive << atlas << everything << last;
+  {
+    Archive archive(stream);
+    const of_fork::Everything everything;
+    const std::string last = "the end";
+    archive << atlas << everything << last;
+  }
   return stream.str();
 }
 
