@@ -24,7 +24,7 @@ void ForEachColumn(const KeyFrame& keyframe, const Visit& visit) {
   visit("undistorted keypoints", features.undistorted.size(), left);
   visit("right coordinates", features.right_x.size(), left);
   visit("depths", features.depth.size(), left);
-  visit("descriptors", keyframe.descriptor_count(), features.count);
+  visit("descriptors", DescriptorRows(keyframe), features.count);
   visit("map point slots", features.map_points.size(), features.count);
   visit("left-to-right matches", features.right_of_left.size(), fisheye_stereo ? left : 0);
   visit("right-to-left matches", features.left_of_right.size(), fisheye_stereo ? features.right_count : 0);
@@ -306,7 +306,7 @@ void CheckFeatureVectorIndex(const Subject& subject, Findings& findings) {
   std::vector<bool> seen;
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
     const Features& features = keyframe.features;
-    seen.assign(keyframe.descriptor_count(), false);
+    seen.assign(DescriptorRows(keyframe), false);
     for (const std::uint32_t row : features.feature_vector.features) {
       if (row >= seen.size())
         findings.Add(PlaceOf(map, keyframe), "the feature vector holds feature ", row, " of ", seen.size());

@@ -79,7 +79,7 @@ std::size_t RecountFeatures(Atlas& atlas) {
     Features& features = keyframe.features;
     const bool matched = !features.right_of_left.empty() || !features.left_of_right.empty();
     const std::size_t left = features.keypoints.size(), right = matched ? features.right_keypoints.size() : 0;
-    if (CountsAgree(features) || keyframe.descriptor_count() != left + right) return false;
+    if (CountsAgree(features) || DescriptorRows(keyframe) != left + right) return false;
     if (features.map_points.size() != left + right || features.undistorted.size() != left) return false;
     features.count = static_cast<std::int32_t>(left + right);
     features.left_count = matched ? static_cast<std::int32_t>(left) : -1;
@@ -124,9 +124,8 @@ std::size_t ClearWildMatches(Atlas& atlas) {
 }
 
 std::size_t EraseWildFeatures(Atlas& atlas) {
-  return ChangeKeyFrames(atlas, [](KeyFrame& keyframe) {
-    return EraseWild(keyframe.features.feature_vector, keyframe.descriptor_count());
-  });
+  return ChangeKeyFrames(
+      atlas, [](KeyFrame& keyframe) { return EraseWild(keyframe.features.feature_vector, DescriptorRows(keyframe)); });
 }
 
 // What a file holds out of order was never written so, and sorting would hide it. Without words ORB-SLAM3 does not find

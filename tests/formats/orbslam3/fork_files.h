@@ -49,6 +49,27 @@ inline Atlas SmallWorld(std::uint64_t seed = 1) {
   return SynthesizeAtlas(options);
 }
 
+// SuperPoint: 256 floats each.
+inline Atlas WithFloatDescriptors() {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 3, .points = 15, .features = 30, .threads = 1});
+  const auto matrix = [](std::size_t rows) {
+    Matrix made{.rows = static_cast<std::int32_t>(rows), .columns = 256, .type = 5, .continuous = true};
+    made.data.resize(rows * 256 * sizeof(float), std::byte{0x3e});
+    return made;
+  };
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes) {
+    keyframe.carried.Make().descriptors = matrix(keyframe.features.descriptors.size());
+    keyframe.features.descriptors.clear();
+    keyframe.features.descriptors_form = MatrixForm::kEmpty;
+  }
+  for (MapPoint& point : atlas.maps[0].points) {
+    point.carried.Make().descriptors = matrix(1);
+    point.descriptor = {};
+    point.descriptor_form = MatrixForm::kEmpty;
+  }
+  return atlas;
+}
+
 // v1.0 with one change: `{"class": "MapPoint", "after": "nObs", "add": [["mnVisible", "i32"]]}`; and more classes.
 inline std::string Changed(const std::string& change, const std::string& classes = "{}") {
   return ToJson(ParseLayout(R"({"base": "v1.0", "classes": )" + classes + R"(, "changes": [)" + change + "]}"));

@@ -200,6 +200,32 @@ TEST(CarriedMembers, SurviveRepairAndItsUndoing) {
 
 TEST(CarriedMembers, AreSoundWithTheRules) { EXPECT_TRUE(CheckAtlas(MarkedAtlas()).ok()); }
 
+// ---- descriptors that are not ORB's
+
+TEST(OtherDescriptors, AreSoundAndStayWhenAnAtlasIsRepaired) {
+  const Atlas atlas = WithFloatDescriptors();
+  EXPECT_THAT(CheckAtlas(atlas).results, IsEmpty());
+  Atlas repaired = atlas;
+  (void)RepairAtlas(repaired);
+  EXPECT_EQ(FirstDifference(repaired, atlas), "");
+}
+
+TEST(OtherDescriptors, ComeBackFromStoresAndNdjson) {
+  const TemporaryFolder folder;
+  const Atlas atlas = WithFloatDescriptors();
+  WriteAtlas(atlas, folder.Path("a.db#superpoint"));
+  EXPECT_EQ(FirstDifference(ReadAtlas(folder.Path("a.db#superpoint")), atlas), "");
+  EXPECT_EQ(FirstDifference(DecodeAtlas(EncodeAtlas(atlas, {.format = "ndjson"})), atlas), "");
+}
+
+TEST(OtherDescriptors, OfMoreRowsThanTheyHaveAreFound) {
+  Atlas atlas = WithFloatDescriptors();
+  atlas.maps[0].keyframes[0].carried.Make().descriptors.rows = -5;
+  EXPECT_FALSE(CheckAtlas(atlas).ok());
+  atlas.maps[0].keyframes[0].carried.Make().descriptors.rows = 2147483647;
+  EXPECT_FALSE(CheckAtlas(atlas).ok());
+}
+
 // ---- what is said
 
 TEST(CarriedMembers, AreNamedWhereTheyAreDropped) {
