@@ -72,6 +72,14 @@ TEST_F(Forks, ConvertedToV1SayWhatIsDropped) {
   EXPECT_EQ(BreachOf(json::parse(report.out), "convert.schema.json"), "");
 }
 
+TEST_F(Forks, SayInInfoOfWhatLayoutTheyAre) {
+  const std::string fork = Forged("gnss");
+  EXPECT_THAT(RunSlamdb({"info", fork}).out, HasSubstr("layout      gnss: calibration of a GNSS antenna in keyframes"));
+  const json report = json::parse(RunSlamdb({"info", fork, "--json"}).out);
+  EXPECT_EQ(BreachOf(report, "info.schema.json"), "");
+  EXPECT_EQ(report.at("layout"), "gnss");
+}
+
 TEST_F(Forks, WhoseLayoutsHoldNothingMoreAreConvertedWithoutALoss) {
   const ProcessResult result = RunSlamdb({"convert", Forged("bow-vec"), folder_ / "own.osa", "--to-layout", "v1.0"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
