@@ -10,7 +10,9 @@
 #include "slamdb/edit/ids/id_map.h"
 #include "slamdb/edit/ids/renumber.h"
 #include "slamdb/edit/repair/journal.h"
+#include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
@@ -18,6 +20,7 @@
 #include "tests/formats/layouts/invented_layouts.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/fuzz/colmap_parts.h"
+#include "tests/fuzz/fork_parts.h"
 #include "tests/fuzz/osa_mutator.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
@@ -189,6 +192,25 @@ void WriteSeedsOfLayouts(const path& base) {
                "{ ar << p; } }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }\n");
 }
 
+// The same small atlas in every known layout, and in one with members of all kinds.
+void WriteSeedsOfForks(const path& folder) {
+  const Atlas small = SynthesizeAtlas({.keyframes = 2, .points = 3, .features = 4, .threads = 1});
+  const auto write = [&](const std::string& name, const std::string& layout, bool text) {
+    Atlas atlas = small;
+    for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.features.grid = {};
+    atlas.encoding.text = text;
+    atlas.layout = layout;
+    WriteChanged(folder, name, fuzz::JoinFork(layout, EncodeOrbslam3(atlas)));
+  };
+  for (const Layout& layout : KnownLayouts()) write(layout.id, layout.id, false);
+  const std::string every =
+      R"({"base":"v1.0","classes":{"T":{"fields":[["a","u32"],["b","list<u64>"]]},"U":{"fields":[["a","u8"]]}},"changes":[{"class":"KeyFrame",)"
+      R"("after":"","add":[["a","string"],["b","map<u64,vec<f32>>"],["c","mat"],["d","mat2"],["e","kps"],)"
+      R"(["f","ptr<T>"],["g","ptr<KeyFrame>"],["h","ptr<GeometricCamera>"],["i","vec<val<U>>"]]}]})";
+  write("every", ToJson(ParseLayout(every)), false);
+  write("every_text", ToJson(ParseLayout(every)), true);
+}
+
 // Journals that lead from the atlas of fuzz_json.cc to what it is when fields and lists are changed, and ids for it.
 void WriteSeedsOfJson(const path& folder) {
   const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 4, .points = 20, .features = 60, .threads = 1});
@@ -225,6 +247,7 @@ void WriteSeeds(const path& base) {
   WriteSeedsOfFixtures(base);
   WriteSeedsOfTables(base / "table");
   WriteSeedsOfColmap(base / "colmap");
+  WriteSeedsOfForks(base / "fork");
   WriteSeedsOfJson(base / "json");
   const path archives = base / "orbslam3", blobs = base / "store_blobs";
   std::filesystem::create_directories(archives);
