@@ -55,7 +55,7 @@ TEST(G2o, WritesVerticesTimesAnchorsAndEdges) {
             "# TIME 3 1.5\n"
             "FIX 1\n"
             "EDGE_SE3:QUAT 1 3 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n"
-            "VERTEX_SE3:QUAT 7 -3 0 0 -0.5 -0.5 -0.5 0.5\n"
+            "VERTEX_SE3:QUAT 7 0 -3 0 -0.5 -0.5 -0.5 0.5\n"
             "# TIME 7 2\n"
             "FIX 7\n");
 }
