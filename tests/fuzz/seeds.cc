@@ -14,6 +14,7 @@
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
 #include "slamdb/synthetic/synthesize.h"
@@ -21,6 +22,7 @@
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/fuzz/colmap_parts.h"
 #include "tests/fuzz/fork_parts.h"
+#include "tests/fuzz/files.h"
 #include "tests/fuzz/osa_mutator.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
@@ -139,6 +141,34 @@ void WriteSeedsOfColmap(const path& folder) {
   }
 }
 
+// Graphs of a handful of keyframes, in every form.
+void WriteSeedsOfGraphs(const path& base) {
+  WriteChanged(base / "orbslam2", "boost", ReadFixture("formats/orbslam2"));
+  const std::string vertices = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 2.5 -3 0 0.6 0 0.8\n# TIME 1 17.5\n";
+  WriteChanged(base / "g2o", "se3",
+               vertices + "FIX 0\nEDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\nPARAMS_X 1\n");
+  WriteChanged(base / "g2o", "sim3",
+               "VERTEX_SIM3:EXPMAP 3 0.1 0.2 0.3 1 2 3 0.5 9 9 1 1\nVERTEX_SIM3:EXPMAP 4 0 0 0 0 0 0 0\n"
+               "FIX 3 4\nEDGE_SIM3:EXPMAP 4 3 1e-6 0 0 1 2 3 -0.5\n");
+  const std::array<std::string, 3> vins = {ReadFixture("formats/vins/pose_graph.txt"),
+                                           ReadFixture("formats/vins/0_keypoints.txt"),
+                                           ReadFixture("formats/vins/0_briefdes.dat")};
+  WriteChanged(base / "vins", "graph", fuzz::JoinFiles(vins));
+}
+
+void WriteSeedsOfOsmap(const path& folder) {
+  const fuzz::Folder map("slamdb_seeds_osmap");
+  Atlas atlas = SynthesizeAtlas({.keyframes = 3, .points = 20, .features = 60, .threads = 1});
+  Notices notices;
+  osmap::Write(atlas, map.Path("map.yaml"), {.sync = false}, notices);
+  std::array<std::string, 4> files;
+  for (std::size_t i = 0; const char* suffix : {"yaml", "mappoints", "keyframes", "features"})
+    files[i++] = WholeFile(map.Path(std::string("map.") + suffix)).text();
+  WriteChanged(folder, "whole", fuzz::JoinFiles(files));
+  files[0].replace(files[0].find("Options: 0"), 10, "Options: 1");
+  WriteChanged(folder, "delimited", fuzz::JoinFiles(files));
+}
+
 void WriteSeedsOfTables(const path& folder) {
   WriteChanged(folder, "fixes", "\xef\xbb\xbfTime [s];Lat;Lon;alt_ft\r\n+1.5;47.25;8.5;400\r\n2.5;-47;8;nan\r\n");
   WriteChanged(folder, "anchors", "# pairs\nfirst, second, first_x\n0, 1,\n\n2, 3, 1e3\n");
@@ -248,6 +278,8 @@ void WriteSeeds(const path& base) {
   WriteSeedsOfTables(base / "table");
   WriteSeedsOfColmap(base / "colmap");
   WriteSeedsOfForks(base / "fork");
+  WriteSeedsOfGraphs(base);
+  WriteSeedsOfOsmap(base / "osmap");
   WriteSeedsOfJson(base / "json");
   const path archives = base / "orbslam3", blobs = base / "store_blobs";
   std::filesystem::create_directories(archives);
