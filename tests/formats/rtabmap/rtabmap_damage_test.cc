@@ -73,6 +73,11 @@ TEST_F(RtabmapDamage, CalibrationsHoldWhatTheyClaim) {
   }
 }
 
+TEST_F(RtabmapDamage, ANodeHasNotAnyNumberOfCameras) {
+  SetBlob("Data SET calibration = ? WHERE id = 2", CalibrationBlob("0.21.4", std::vector<ForgedCamera>(65)));
+  EXPECT_THAT(ErrorOfRead().problem(), HasSubstr("has 65 cameras, expected at most 64"));
+}
+
 TEST_F(RtabmapDamage, OptimisedPosesAreMatricesOfOneLength) {
   const std::vector<int> ids = {1, 2};
   const Blob two = MatrixBlob(ids.data(), 8, 1, 2, 4);
