@@ -177,9 +177,9 @@ TEST_F(Rtabmap, LookAlikesThatShareAWordAreTwoPoints) {
   const Atlas atlas = Read();
   const Map& map = atlas.maps[0];
   EXPECT_THAT(map.points, SizeIs(kPoints));
-  EXPECT_THAT(PointOf(map, 13).observations, SizeIs(kNodes)) << "the first id that is no word";
+  EXPECT_THAT(PointOf(map, 12).observations, SizeIs(kNodes)) << "the first id that no word has";
   EXPECT_LT((PointOf(map, 1).position - WallPoint(0).cast<float>()).norm(), 1e-4F);
-  EXPECT_LT((PointOf(map, 13).position - WallPoint(11).cast<float>()).norm(), 1e-4F);
+  EXPECT_LT((PointOf(map, 12).position - WallPoint(11).cast<float>()).norm(), 1e-4F);
 }
 
 TEST_F(Rtabmap, AFeatureWithoutDepthSeesThePointWhereItProjects) {
@@ -349,7 +349,7 @@ TEST_F(Rtabmap, FixtureIsWhatAForgeMakes) {
     forge.Execute("UPDATE Node SET time_enter = NULL; VACUUM");
   }
   if (std::getenv("SLAMDB_UPDATE_GOLDEN") != nullptr)
-    for (const std::string name : {fixture, fixture + "-truth"})
+    for (const std::string& name : {fixture, fixture + "-truth"})
       std::filesystem::copy_file(path_, name, std::filesystem::copy_options::overwrite_existing);
   EXPECT_THAT(ReadAtlas(fixture), EqualsAtlas(Read()));
 }

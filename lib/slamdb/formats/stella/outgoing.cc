@@ -165,6 +165,24 @@ void Outgoing::FindSlots(int threads) {
     }
   });
   losses_.slots = lost;
+  for (const OutgoingPoint& written : points_) AddObservations(*written.point);
+}
+
+// And points that know of a keypoint which does not say so.
+void Outgoing::AddObservations(const MapPoint& point) {
+  for (const Observation& observation : point.observations) {
+    const std::uint32_t row = keyframe_rows_.Find(observation.keyframe.value());
+    if (row == kNoRow || observation.left < 0) continue;
+    const auto keypoint = static_cast<std::size_t>(observation.left);
+    const auto id = static_cast<std::int32_t>(point.id.value());
+    std::vector<std::int32_t>& seen = keyframes_[row].points;
+    if (keypoint >= seen.size() || (seen[keypoint] >= 0 && seen[keypoint] != id)) {
+      ++losses_.observations;
+    } else if (seen[keypoint] < 0) {
+      seen[keypoint] = id;
+      ++losses_.told;
+    }
+  }
 }
 
 // stella_vslam needs a keyframe that sees a point, to describe it.
@@ -275,8 +293,12 @@ void Outgoing::Losses::Tell(Notices& notices) const {
   lose(rows, "keypoint", " in columns of different lengths: left out");
   lose(slots, "keypoint",
        " that see a point which is observed elsewhere in their picture, or not at all: they see none");
+  lose(observations, "observation", " of a keypoint that is not there, or sees another point: left out");
   lose(merges, "merge edge", ": left out, as stella_vslam has none");
   lose(cut_loops, "keyframe", " whose parents go round in a circle: made a root");
+  if (told > 0)
+    notices.Warn(
+        Concat("points of which their keyframe does not know are seen by it now: ", Counted(told, "observation")));
   if (without_descriptor > 0)
     notices.Warn(
         Concat(Counted(without_descriptor, "keypoint"), " without a descriptor of 32 bytes: zeros stand for it"));

@@ -59,13 +59,14 @@ class Outgoing {
   // What the notices tell.
   struct Losses {
     std::uint64_t bad_keyframes = 0, bad_points = 0, unseen_points = 0, cut_loops = 0, right_keypoints = 0, merges = 0,
-                  without_descriptor = 0, rows = 0, sizes = 0, slots = 0;
+                  without_descriptor = 0, rows = 0, sizes = 0, slots = 0, observations = 0, told = 0;
     void Tell(Notices& notices) const;
   };
 
   void CollectKeyFrames(const std::vector<const Map*>& maps);
   void CollectPoints(const std::vector<const Map*>& maps);
   void FindSlots(int threads);
+  void AddObservations(const MapPoint& point);
   void KeepSeenPoints();
   void FindTree();
   void FindCameras(const Atlas& atlas);
