@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/rtabmap/detail/rtabmap.h"
 #include "tests/formats/rtabmap/forge.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
@@ -135,7 +136,8 @@ TEST_F(RtabmapDamage, RunsNothingOfTheFile) {
   forge_.Execute(
       "ALTER TABLE Node RENAME TO Old; CREATE VIEW Node AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i "
       "+ 1 FROM n) SELECT i AS id, 0 AS map_id, 0 AS stamp, x'' AS pose FROM n");
-  const auto read = [&] { static_cast<void>(ReadAtlas(path_, {.format = "rtabmap"})); };
+  Notices ignored;
+  const auto read = [&] { detail::kRtabmapFormat.read(Source(path_), {}, ignored); };
   EXPECT_EQ(ErrorOf(read).place(), "table Node");
 }
 
