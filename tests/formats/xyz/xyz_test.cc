@@ -101,6 +101,7 @@ TEST(Xyz, SaysWhichLineIsWrong) {
   EXPECT_THAT(error("1 2\n"), HasSubstr("line 1: expected 3 numbers or more: x y z, found `1 2`"));
   EXPECT_THAT(error("1 2 3\n4 5\n"), HasSubstr("line 2: "));
   EXPECT_THAT(error("# c\n1 2 3\n4 five 6\n"), HasSubstr("line 3: expected a number, found 'five' in column y"));
+  EXPECT_THAT(error("x [mm],y [mm],z [mm]\n1,2,3\n"), HasSubstr("column x [mm]: expected metres"));
   EXPECT_THAT(error("12\ncomment of a molecule\nC 0 0 0\n"), HasSubstr("line 1: expected 3 numbers or more"));
   EXPECT_THAT(error(std::string_view("1 2 3\n\0 2 3\n", 13)), HasSubstr("line 2: holds a zero byte"));
 }

@@ -90,7 +90,7 @@ void AddName(std::string& names, const std::string& name) { names.append(names.e
 template <class Number>
 std::optional<std::uint64_t> WholeOf(Number value) {
   if constexpr (std::is_floating_point_v<Number>) {
-    if (!(value >= 0) || value >= Number(0x1p63) || value != std::floor(value)) return std::nullopt;
+    if (!(value >= 0) || value >= Number(0x1p64) || value != std::floor(value)) return std::nullopt;
   } else if constexpr (std::is_signed_v<Number>) {
     if (value < 0) return std::nullopt;
   }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/lengths.h"
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/table.h"
 #include "slamdb/formats/export/detail/maps.h"
@@ -72,6 +72,7 @@ void AddOthers(const Table& table, std::vector<CloudColumn>& columns) {
 
 Atlas ReadTable(std::string_view text, const std::string& path, const ReadOptions& options, Notices& notices) {
   Table table(text, XyzTable());
+  for (std::size_t axis = 0; axis < kAxes; ++axis) RequireMetres(table, axis);
   std::vector<std::size_t> places;
   std::vector<CloudColumn> columns = ColumnsOf(table, places);
   AddOthers(table, columns);
