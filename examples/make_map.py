@@ -2,14 +2,16 @@
 """Builds a map from nothing: a camera that goes along a wall. Python's own library is enough.
 
     examples/make_map.py | slamdb convert - wall.osa --from ndjson
+    slamdb vocabulary recompute wall.osa map.osa --vocabulary ORBvoc.txt
 
-What is left out here, slamdb derives: observations, covisibility, the spanning tree, normals, grids, counters.
+What is left out here, slamdb derives: observations, covisibility, the spanning tree, normals, grids, counters. The
+second line gives it bags of words, without which ORB-SLAM3 loads no map.
 """
 import hashlib
 import json
 
 FX, FY, CX, CY, WIDTH, HEIGHT = 400, 400, 320, 240, 640, 480
-WALL = [(x / 4, y / 4, 3 + (x * y % 5) / 10) for x in range(-8, 33) for y in range(-5, 6)]
+WALL = [(x / 4, y / 4, 3 + (x * y % 5) / 10) for x in range(-4, 29) for y in range(-5, 6)]
 
 
 def descriptor(point):

@@ -176,7 +176,7 @@ TEST_P(EveryFormat, ReadsAndWritesMemory) {
   EXPECT_EQ(bytes, Written(format(), LandmarkAtlas()));
   if (format().read == nullptr) return;
   const std::string again = Encoded(format(), Decoded(format(), bytes));
-  EXPECT_EQ(Encoded(format(), Decoded(format(), again)), again);
+  EXPECT_TRUE(Encoded(format(), Decoded(format(), again)) == again);
   EXPECT_EQ(again == bytes, !TellsOfKeyFrames(format()));
 }
 

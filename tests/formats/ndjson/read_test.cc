@@ -18,6 +18,7 @@
 namespace slamdb {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -101,8 +102,9 @@ TEST(NdjsonReader, ReadsWhatForksCarry) {
   EXPECT_EQ(back.maps[0].keyframes[1].carried, atlas.maps[0].keyframes[1].carried);
   EXPECT_EQ(back.maps[0].points[2].carried, atlas.maps[0].points[2].carried);
   const std::string text = Text(atlas);
-  EXPECT_EQ(ErrorOf(Replaced(text, "\"columns\":256", "\"columns\":255", "\"descriptors\":{")).place(), "line 4: ")
-      << "a matrix of another size";
+  const Error error = ErrorOf(Replaced(text, "\"columns\":256", "\"columns\":255", "\"rows\":3"));
+  EXPECT_EQ(error.place(), "line 5: carried.descriptors");
+  EXPECT_THAT(error.problem(), HasSubstr("a matrix of 3 x 255, type 5, does not have 3072 bytes"));
 }
 
 TEST(NdjsonReader, TakesBlanksEmptyLinesAndMembersInAnyOrder) {
@@ -362,7 +364,7 @@ TEST(NdjsonReader, BearsNumbersThatAreTooLong) {
     const Error error = ErrorOf(head + number + "}\n");
     if (number == "-0") continue;  // is 0, or none; both are fine
     EXPECT_EQ(error.kind(), ErrorKind::kDamaged) << number.substr(0, 9);
-    EXPECT_EQ(error.place().substr(0, 10), "line 2: id") << number.substr(0, 9);
+    EXPECT_THAT(error.place(), AnyOf("line 2", "line 2: id")) << number.substr(0, 9);
     EXPECT_LT(error.problem().size(), 300U);
   }
   const std::string point = head + "0}\n{\"type\":\"map_point\",\"id\":0,\"position\":[0,0,";

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# run.sh SLAMDB SCRIPT: the map that the script builds is one that ORB-SLAM3 loads, and a script that changes lines edits
+# run.sh SLAMDB SCRIPT VOCABULARY: the map that the script builds is one that ORB-SLAM3 loads, and a script that changes lines edits
 # a map. Exits 77, which ctest reports as skipped, where python3 is missing.
 set -euo pipefail
 slamdb=$(realpath "${1:-build/dev/slamdb}")
 script=$(realpath "${2:-examples/make_map.py}")
+vocabulary=$(realpath "${3:-fixtures/vocabulary/small.txt}")
 command -v python3 >/dev/null || { echo "skipped: python3 is not installed"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -14,7 +15,8 @@ expect() {  # expect WHAT FOUND EXPECTED
 }
 
 python3 "$script" | "$slamdb" convert - wall.osa --from ndjson --quiet
-"$slamdb" check wall.osa >check.txt || { cat check.txt; exit 1; }
+"$slamdb" vocabulary recompute wall.osa map.osa --vocabulary "$vocabulary" --quiet
+"$slamdb" check map.osa >check.txt || { cat check.txt; exit 1; }
 "$slamdb" dump wall.osa >wall.ndjson
 expect "keyframes" "$(grep -c '"type":"keyframe"' wall.ndjson)" 12
 expect "points" "$(grep -c '"type":"map_point"' wall.ndjson)" "$(python3 "$script" | grep -c '"type": "map_point"')"

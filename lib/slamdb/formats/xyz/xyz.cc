@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/lengths.h"
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/table.h"
