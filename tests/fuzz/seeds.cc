@@ -128,6 +128,44 @@ void WriteSeedsOfFixtures(const path& base) {
                "#timestamp, p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,0,0,0,0,0,0\n");
 }
 
+// Of slamdb, and with what others have: lists, big endian, padding, compressed fields.
+void WriteSeedsOfClouds(const path& base) {
+  WriteChanged(base / "ply", "ours", ReadFixture("formats/ply"));
+  const std::string head =
+      "element face 1\nproperty list uchar int i\nelement vertex 2\nproperty double x\nproperty "
+      "short y\nproperty list uint float w\nproperty float z\nproperty char id\nend_header\n";
+  WriteChanged(base / "ply", "ascii",
+               "ply\r\nformat ascii 1.0\ncomment c\n" + head + "3 0 1 2\n1.5 2 2 9 9 nan 7\n-1e300 2 0 3 -1\n");
+  const std::string lists(
+      "\1\0\0\0\2"
+      "12345678"
+      "12"
+      "\0\0\0\1"
+      "wwww"
+      "zzzz"
+      "i"
+      "12345678"
+      "12"
+      "\0\0\0\0"
+      "zzzzi",
+      47);
+  WriteChanged(base / "ply", "big_endian", "ply\nformat binary_big_endian 1.0\n" + head + lists);
+  WriteChanged(base / "pcd", "ours", ReadFixture("formats/pcd"));
+  const std::string fields =
+      "VERSION .7\nFIELDS x _ y z id\nSIZE 4 1 8 2 1\nTYPE F U F I U\nCOUNT 1 2 1 1 1\nWIDTH "
+      "2\nHEIGHT 1\nVIEWPOINT 1 0 0 1 0 0 0\nPOINTS 2\nDATA ";
+  WriteChanged(base / "pcd", "ascii", fields + "ascii\n1 0 0 2e0 3 4\nnan 0 0 nan -3 255\n");
+  WriteChanged(base / "pcd", "binary", fields + "binary\n" + std::string(34, 'b'));
+  const std::string lzf(
+      "\x07\0\0\0\x22\0\0\0"
+      "\1ab\xe0\x17\1\0\x20\0",
+      16);  // two letters, over and over
+  WriteChanged(base / "pcd", "compressed", fields + "binary_compressed\n" + lzf);
+  WriteChanged(base / "xyz", "names", "//X Y Z nx ny nz id map i\n1 2 3 0 0 1 7 1 9\n-1e9 2 nan 0 0 1 8 0 9\n");
+  WriteChanged(base / "xyz", "numbers", "# c\n1.5, 2, 3, 255\n\n+4, 5e-3, inf, 0\n");
+  WriteChanged(base / "xyz", "commas", "1,5;2;3\r\n4;5,25;6\r\n");
+}
+
 void WriteSeedsOfColmap(const path& folder) {
   constexpr std::array kParts = {"cameras", "images", "points3D", "rigs", "frames"};
   for (const bool binary : {true, false}) {
@@ -276,6 +314,7 @@ void WriteSeeds(const path& base) {
   WriteAtlases(base / "atlases");
   WriteSeedsOfFixtures(base);
   WriteSeedsOfTables(base / "table");
+  WriteSeedsOfClouds(base);
   WriteSeedsOfColmap(base / "colmap");
   WriteSeedsOfForks(base / "fork");
   WriteSeedsOfGraphs(base);

@@ -101,7 +101,7 @@ TEST_P(DocumentedFormat, MakesItsFixture) {
   EXPECT_TRUE(written(LandmarkAtlas(), "a") == fixture) << path << " is not what is written today";
   if (format().read == nullptr) return;
   EXPECT_EQ(&FormatOfInput(Location(path, {})), &format());
-  EXPECT_TRUE(written(ReadAtlas(path), "b") == fixture);
+  EXPECT_EQ(written(ReadAtlas(path), "b") == fixture, !TellsOfKeyFrames(format()));
 }
 
 std::vector<std::string> AllIds() {
