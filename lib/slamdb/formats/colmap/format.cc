@@ -118,6 +118,21 @@ Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& noti
   return colmap::AtlasOf(models, database ? &*database : nullptr, options, notices);
 }
 
+// Models of an earlier run stay where they are: one that would be read in place of what is written, or as a further map
+// of it, is refused.
+void RefuseLeftovers(const std::string& folder, std::size_t maps, std::string_view suffix) {
+  const auto refuse = [&](const std::string& place) {
+    throw Error(ErrorKind::kAlreadyExists, folder, "",
+                Concat("holds a model in ", place, " that would be read with what is written, or in its place; remove it, "
+                       "or name another folder"));
+  };
+  if (suffix == kText && HasModel(folder, kBinary)) refuse(folder);
+  if (maps <= 1) return;
+  if (HasModel(folder)) refuse(folder);
+  for (const Place& place : FindModelsIn(folder))
+    if (place.number >= maps || (suffix == kText && HasModel(place.folder, kBinary))) refuse(place.folder);
+}
+
 using Encode = void (*)(Part, const colmap::Model&, AtomicFile&, const WriteOptions&);
 
 void WriteFiles(const colmap::Model& model, const std::string& folder_in, std::string_view suffix, Encode encode,
@@ -134,6 +149,7 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
   AtomicFolder folder(target, detail::FileOptions(options));
   const ColmapWriteOptions& wanted = options.of<ColmapWriteOptions>();
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, wanted.pictures);
+  RefuseLeftovers(target.path, outline.maps.size(), suffix);
   std::optional<colmap::DatabaseWriter> database;
   if (wanted.with_database) database.emplace(outline, wanted.schema, target.path);
   colmap::Unheld unheld;

@@ -171,7 +171,9 @@ const char* WhyNotRead(const Camera& camera) {
     return "its images have an impossible size";
   const auto is_float = [](double value) { return std::abs(value) <= std::numeric_limits<float>::max(); };
   if (!std::ranges::all_of(camera.parameters, is_float)) return "its parameters are no numbers";
-  if (!(camera.parameters[0] > 0)) return "its focal length is not positive";
+  const std::size_t focal_lengths = LayoutOf(camera).one_focal_length ? 1 : 2;
+  for (std::size_t row = 0; row < focal_lengths; ++row)
+    if (!(camera.parameters[row] > 0)) return "its focal length is not positive";
   return nullptr;
 }
 

@@ -10,11 +10,14 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
 
 namespace slamdb::colmap {
 namespace {
 
 namespace fs = std::filesystem;
+using detail::Concat;
+using detail::Counted;
 
 // The pictures in order of time.
 class Pictures {
@@ -22,6 +25,10 @@ class Pictures {
   explicit Pictures(const KeyFramePictures& pictures) : folder_(pictures.folder) {
     for (const PictureFile& file : pictures.files)
       if (file.has_time) files_.push_back(&file);
+    if (files_.empty() && !pictures.files.empty())
+      throw Error(ErrorKind::kUsage, pictures.files.front().path, "",
+                  Concat("has no time in its name, and none of the other pictures has: a list of `time name` tells them (",
+                         Counted(pictures.files.size(), "picture"), ")"));
     std::ranges::stable_sort(files_, {}, &PictureFile::timestamp);
     std::vector<double> ways;
     for (std::size_t row = 1; row < files_.size(); ++row)
@@ -41,9 +48,12 @@ class Pictures {
     return nearest != nullptr && std::abs(nearest->timestamp - time) <= most_ ? nearest : nullptr;
   }
 
+  // Relative to the folder, or the file's own where no way leads from one to the other.
   std::string NameOf(const PictureFile& file) const {
     const fs::path path(file.path);
-    return (folder_.empty() ? path.filename() : path.lexically_relative(folder_)).string();
+    const fs::path relative = folder_.empty() ? fs::path() : path.lexically_relative(folder_);
+    const bool inside = !relative.empty() && *relative.begin() != "..";
+    return (inside ? relative : path.filename()).string();
   }
 
  private:
@@ -57,7 +67,7 @@ std::string NameByTime(const View& view) {
   if (std::isfinite(view.keyframe->timestamp))
     detail::AppendSeconds(name, view.keyframe->timestamp);
   else
-    name = detail::Concat("kf", view.keyframe->id.value());
+    name = Concat("kf", view.keyframe->id.value());
   const bool pair = view.keyframe->features.is_fisheye_stereo();
   return (pair ? view.right ? "right/" : "left/" : "") + name + ".png";
 }
@@ -74,10 +84,7 @@ void NameImages(Outline& outline, const KeyFramePictures& pictures) {
       if (file != nullptr) view.picture = file->path;
       const std::string name = file == nullptr ? NameByTime(view) : files.NameOf(*file);
       view.name = name;
-      if (!taken.insert(view.name).second) {
-        view.name = detail::Concat(view.image, "/", name);
-        taken.insert(view.name);
-      }
+      while (!taken.insert(view.name).second) view.name = Concat(view.image, "/", view.name);
     }
 }
 

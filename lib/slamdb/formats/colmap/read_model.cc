@@ -387,12 +387,15 @@ class MapMaker {
 // COLMAP counts ids of each model from 1 on, and an atlas has each id once.
 class UsedIds {
  public:
-  // How far up a list has to move so that none of its ids is there already.
-  template <class Ids>
-  std::uint64_t Enter(const Ids& ids, std::uint64_t& moved) {
+  // How far up the ids of a list have to move so that none of them is there already.
+  std::uint64_t Enter(const std::vector<std::uint64_t>& ids, const std::string& path, std::uint64_t& moved) {
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 62U;
     const bool taken = std::ranges::any_of(ids, [&](std::uint64_t id) { return used_.contains(id); });
     const std::uint64_t above = taken ? next_ : 0;
     moved += taken ? 1 : 0;
+    if (taken && (above > kMost || std::ranges::any_of(ids, [](std::uint64_t id) { return id > kMost; })))
+      throw Error(ErrorKind::kUnsupported, path, "",
+                  "has ids that another model has too, and they are too large to be moved apart; read it alone");
     for (const std::uint64_t id : ids) {
       used_.insert(id + above);
       next_ = std::max(next_, id + above + 1);
@@ -494,9 +497,9 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
   for (NamedModel& named : models) {
     Ids images(named.model.images), cameras(named.model.cameras);
     images.MoveUp(used_images.Enter(IdsOf(named.model.images, [&](std::uint64_t id) { return images.Of(id); }),
-                                    unread.moved_models));
+                                    named.path, unread.moved_models));
     const std::uint64_t points_above =
-        used_points.Enter(IdsOf(named.model.points, [](std::uint64_t id) { return id; }), unread.moved_models);
+        used_points.Enter(IdsOf(named.model.points, [](std::uint64_t id) { return id; }), named.path, unread.moved_models);
     cameras.MoveUp(used_cameras.Enter(named.model.cameras, cameras));
     MapMaker maker(named, database, images, cameras, points_above, unread);
     atlas.maps.push_back(maker.Make(MapId(named.map)));

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
 #include "slamdb/formats/export/detail/json_appender.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -68,7 +69,10 @@ std::string PathOf(const View& view, const fs::path& folder) {
   if (view.picture.empty()) return view.name;
   std::error_code failed;
   const fs::path from = fs::absolute(folder, failed), to = fs::absolute(view.picture, failed);
-  return to.lexically_normal().lexically_relative(from.lexically_normal()).string();
+  std::string path = to.lexically_normal().lexically_relative(from.lexically_normal()).string();
+  if (!detail::IsUtf8(path))
+    throw Error(ErrorKind::kNotPossible, view.picture, "", "has a path that is no UTF-8, which JSON cannot hold; rename it");
+  return path;
 }
 
 std::string TransformsOf(const Scene& scene, const fs::path& folder) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
@@ -24,7 +25,13 @@ struct Sample {
   std::array<std::uint8_t, 3> color;
 };
 
+struct Size {
+  std::int32_t width = 0, height = 0;
+  friend bool operator==(const Size&, const Size&) = default;
+};
+
 struct Shown {
+  Size size;
   std::vector<Sample> samples;
   Developed developed;
 };
@@ -81,11 +88,21 @@ class Colors {
 };
 
 // All pictures of a camera have one size, which the camera gets.
-void SetSize(const ColorPicture& picture, std::uint32_t id, colmap::Model& model) {
-  const auto camera = std::ranges::find(model.cameras, id, &colmap::Camera::id);
-  camera->width = static_cast<std::uint64_t>(picture.width);
-  camera->height = static_cast<std::uint64_t>(picture.height);
-}
+class Sizes {
+ public:
+  void Set(const colmap::View& view, const Size& size, colmap::Camera& camera) {
+    const auto [known, is_new] = by_camera_.emplace(camera.id, size);
+    if (known->second != size)
+      throw Error(ErrorKind::kNotPossible, view.picture, "",
+                  Concat("has ", size.width, " x ", size.height, " pixels, and another picture of the camera ",
+                         known->second.width, " x ", known->second.height));
+    camera.width = static_cast<std::uint64_t>(size.width);
+    camera.height = static_cast<std::uint64_t>(size.height);
+  }
+
+ private:
+  std::map<std::uint32_t, Size> by_camera_;
+};
 
 }  // namespace
 
@@ -97,10 +114,10 @@ void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptio
     if (!scene.outline.views[row].picture.empty()) with_picture.push_back(row);
   const IdTable rows = colmap::PointRowsOf(scene.model);
   Colors colors(scene.model.points.size());
+  Sizes sizes;
   const std::size_t at_once = 2 * static_cast<std::size_t>(detail::ThreadCount(options.threads));
   for (std::size_t begin = 0; begin < with_picture.size(); begin += at_once) {
     std::vector<Shown> shown(std::min(at_once, with_picture.size() - begin));
-    std::vector<ColorPicture> sizes(shown.size());
     detail::ParallelFor(shown.size(), 1, options.threads, [&](std::size_t first, std::size_t last) {
       for (std::size_t row = first; row < last; ++row) {
         const colmap::View& view = scene.outline.views[with_picture[begin + row]];
@@ -108,13 +125,16 @@ void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptio
         const WholeFile file{Source(view.picture)};
         const ColorPicture picture = ReadColorPicture({file.bytes(), view.picture});
         RequireSize(view, settings, picture);
-        shown[row] = {SamplesOf(view, settings, picture, rows), develop(view, std::string(file.text()), picture)};
-        sizes[row] = {.width = picture.width, .height = picture.height, .pixels = {}};
+        shown[row] = {{picture.width, picture.height},
+                      SamplesOf(view, settings, picture, rows),
+                      develop(view, std::string(file.text()), picture)};
       }
     });
     for (std::size_t row = 0; row < shown.size(); ++row) {
+      const colmap::View& view = scene.outline.views[with_picture[begin + row]];
+      sizes.Set(view, shown[row].size,
+                *std::ranges::find(scene.model.cameras, outline.cameras[view.camera].id, &colmap::Camera::id));
       for (const Sample& sample : shown[row].samples) colors.Add(sample);
-      SetSize(sizes[row], outline.cameras[scene.outline.views[with_picture[begin + row]].camera].id, scene.model);
       take(std::move(shown[row].developed));
     }
     if (options.progress)
@@ -158,11 +178,12 @@ void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Noti
     pictures += static_cast<std::size_t>(
         std::ranges::count_if(scene.outline.views, [](const colmap::View& view) { return !view.picture.empty(); }));
   }
-  if (images > 0 && pictures == 0)
+  if (outline.without_picture > 0)
+    notices.Warn(Concat(Counted(outline.without_picture, "keyframe"),
+                        " without a picture file near in time; named by timestamp"));
+  else if (images > 0 && pictures == 0)
     notices.Warn("without pictures: images are named by their timestamps, and points are grey; "
                  "KeyFramePictures::files names them");
-  else if (outline.without_picture > 0)
-    notices.Warn(Concat(Counted(outline.without_picture, "keyframe"), " without a picture file near in time"));
   if (scenes.size() > 1)
     notices.Note(Concat(scenes.size(), " maps are in folders 0 to ", scenes.size() - 1, ", a scene each"));
   notices.Tell(Concat(Counted(images, "image"), ", ", Counted(points, "point")));
