@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/options.h"
 #include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::cli {

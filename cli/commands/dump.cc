@@ -10,7 +10,8 @@ namespace slamdb::cli {
 namespace {
 
 struct DumpOptions {
-  std::string input, from, format = "ndjson";
+  std::string input, format = "ndjson";
+  InputFormat from;
   OutputOptions output;
   SelectionOptions selection;
 };

@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/text.h"
@@ -37,6 +38,9 @@ class Pictures {
     most_ = ways.empty() ? kAlone : detail::ElementInOrder(ways, ways.size() / 2) / 2;
   }
 
+  double first() const { return files_.front()->timestamp; }
+  double last() const { return files_.back()->timestamp; }
+
   // Null when the nearest is too far away.
   const PictureFile* Nearest(double time) const {
     const auto after = std::ranges::lower_bound(files_, time, {}, &PictureFile::timestamp);
@@ -62,6 +66,13 @@ class Pictures {
   double most_ = 0;  // seconds
 };
 
+[[noreturn]] void RefuseAll(const KeyFramePictures& pictures, const Pictures& files, const View& first) {
+  throw Error(ErrorKind::kUsage, pictures.files.front().path, "",
+              Concat("none of the ", Counted(pictures.files.size(), "picture"), " is near in time to a keyframe: they are from ",
+                     detail::SecondsText(files.first()), " s to ", detail::SecondsText(files.last()), " s, and ",
+                     first.keyframe->id, " is of ", detail::SecondsText(first.keyframe->timestamp), " s"));
+}
+
 std::string NameByTime(const View& view) {
   std::string name;
   if (std::isfinite(view.keyframe->timestamp))
@@ -76,9 +87,13 @@ std::string NameByTime(const View& view) {
 
 void NameImages(Outline& outline, const KeyFramePictures& pictures) {
   const Pictures files(pictures);
+  const View* first = nullptr;
+  std::uint64_t keyframes = 0;
   std::unordered_set<std::string> taken;
   for (MapOutline& map : outline.maps)
     for (View& view : map.views) {
+      if (first == nullptr) first = &view;
+      keyframes += view.right ? 0 : 1;
       const PictureFile* file = view.right ? nullptr : files.Nearest(view.keyframe->timestamp);
       if (file == nullptr && !view.right && !pictures.files.empty()) ++outline.without_picture;
       if (file != nullptr) view.picture = file->path;
@@ -86,6 +101,7 @@ void NameImages(Outline& outline, const KeyFramePictures& pictures) {
       view.name = name;
       while (!taken.insert(view.name).second) view.name = Concat(view.image, "/", view.name);
     }
+  if (keyframes > 0 && outline.without_picture == keyframes) RefuseAll(pictures, files, *first);
 }
 
 std::optional<double> TimeInName(std::string_view name) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
@@ -28,7 +29,7 @@ std::uint64_t CarriedRows(const KeyFrame& keyframe) {
 class Maker {
  public:
   Maker(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld)
-      : atlas_(atlas), outline_(outline), map_(map), options_(options), unheld_(unheld) {}
+      : atlas_(atlas), outline_(outline), map_(map), options_(options), unheld_(unheld), keyframes_(KeyFrameTable(*map.map)) {}
 
   Model Make() {
     AddCameras();
@@ -105,7 +106,7 @@ class Maker {
   }
 
   void AddPoints() {
-    const IdTable keyframes = KeyFrameTable(*map_.map), rows = PointTable(*map_.map);
+    const IdTable rows = PointTable(*map_.map);
     const Column<MapPoint>& points = map_.map->points;
     model_.points.reserve(points.size());
     sources_.reserve(points.size());
@@ -116,20 +117,18 @@ class Maker {
       } else if (!IsSoundId(point.id.value(), row, rows) || !point.position.allFinite()) {
         ++unheld_.strange_points;
       } else {
-        AddPoint(point, keyframes);
+        AddPoint(point);
       }
     }
   }
 
-  void AddPoint(const MapPoint& point, const IdTable& keyframes) {
+  void AddPoint(const MapPoint& point) {
     Point written{.id = point.id.value(), .color = kNoColor, .track_begin = model_.tracks.size()};
     for (std::size_t axis = 0; axis < 3; ++axis)
       written.position[axis] = static_cast<double>(point.position[static_cast<Eigen::Index>(axis)]);
     for (const Observation& observation : point.observations) {
-      const std::uint32_t row = keyframes.Find(observation.keyframe.value());
-      const std::uint32_t view = row == kNoRow ? kNoRow : map_.view_of_row[row];
-      if (observation.left >= 0) See(written.id, view, observation.left);
-      if (observation.right >= 0) See(written.id, view, observation.right);
+      if (observation.left >= 0) See(written.id, SpotOf(observation.keyframe, observation.left));
+      if (observation.right >= 0) See(written.id, SpotOf(observation.keyframe, observation.right));
     }
     if (model_.tracks.size() == written.track_begin + 1) ForgetLast();
     written.track_length = model_.tracks.size() - written.track_begin;
@@ -144,25 +143,33 @@ class Maker {
     ++unheld_.alone;
   }
 
-  // The keypoint `row` of the keyframe with that first view is the point.
-  void See(std::uint64_t point, std::uint32_t view, std::int32_t row) {
-    auto at = static_cast<std::size_t>(row);
-    if (view != kNoRow) {
-      const Features& features = map_.views[view].keyframe->features;
-      const auto left = static_cast<std::size_t>(std::max(features.left_count, 0));
-      if (features.is_fisheye_stereo() && at >= left) {
-        at -= left;
-        ++view;
-      }
-      Column<Point2>& points = model_.images[view].points;
-      if (at < points.size() && points[at].point == kNoPoint) {
-        points[at].point = point;
-        last_seen_ = view;
-        model_.tracks.push_back({map_.views[view].image, static_cast<std::uint32_t>(at)});
-        return;
-      }
+  // A keypoint of an image; kNoRow: none.
+  struct Spot {
+    std::uint32_t view = kNoRow;
+    std::size_t row = 0;
+  };
+
+  Spot SpotOf(KeyFrameId keyframe, std::int32_t row) const {
+    const std::uint32_t at = keyframes_.Find(keyframe.value());
+    if (at == kNoRow || map_.view_of_row[at] == kNoRow) return {};
+    Spot spot{map_.view_of_row[at], static_cast<std::size_t>(row)};
+    const Features& features = map_.views[spot.view].keyframe->features;
+    const auto left = static_cast<std::size_t>(std::max(features.left_count, 0));
+    if (features.is_fisheye_stereo() && spot.row >= left) {
+      spot.row -= left;
+      ++spot.view;
     }
-    ++unheld_.observations;
+    return spot.row < model_.images[spot.view].points.size() ? spot : Spot();
+  }
+
+  void See(std::uint64_t point, const Spot& spot) {
+    if (spot.view == kNoRow || model_.images[spot.view].points[spot.row].point != kNoPoint) {
+      ++unheld_.observations;
+      return;
+    }
+    model_.images[spot.view].points[spot.row].point = point;
+    last_seen_ = spot.view;
+    model_.tracks.push_back({map_.views[spot.view].image, static_cast<std::uint32_t>(spot.row)});
   }
 
   void CountSlots() {
@@ -181,11 +188,28 @@ class Maker {
     constexpr std::size_t kGrain = 4096;
     const Reprojection reprojection(atlas_, *map_.map);
     detail::ParallelFor(sources_.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row) {
-        const float error = reprojection.Mean(*sources_[row]);
-        model_.points[row].error = std::isfinite(error) ? static_cast<double>(error) : -1;
-      }
+      for (std::size_t row = begin; row < end; ++row)
+        model_.points[row].error = MeanError(reprojection, *sources_[row]).value_or(-1);
     });
+  }
+
+  // Over the track.
+  std::optional<double> MeanError(const Reprojection& reprojection, const MapPoint& point) const {
+    double sum = 0;
+    int count = 0;
+    const auto add = [&](float error, KeyFrameId keyframe, std::int32_t row) {
+      if (!std::isfinite(error)) return;
+      const Spot spot = SpotOf(keyframe, row);
+      if (spot.view == kNoRow || model_.images[spot.view].points[spot.row].point != point.id.value()) return;
+      sum += static_cast<double>(error);
+      ++count;
+    };
+    for (const Observation& observation : point.observations) {
+      const Reprojection::Errors errors = reprojection.Of(point, observation);
+      add(errors.left, observation.keyframe, observation.left);
+      add(errors.right, observation.keyframe, observation.right);
+    }
+    return count == 0 ? std::nullopt : std::optional(sum / count);
   }
 
   const Atlas& atlas_;
@@ -193,6 +217,7 @@ class Maker {
   const MapOutline& map_;
   const WriteOptions& options_;
   Unheld& unheld_;
+  const IdTable keyframes_;
   Model model_;
   std::vector<const MapPoint*> sources_;  // of Model::points
   std::uint32_t last_seen_ = 0;           // the view of the last element of Model::tracks

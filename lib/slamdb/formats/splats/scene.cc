@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <unordered_set>
+#include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
@@ -104,6 +106,34 @@ class Sizes {
   std::map<std::uint32_t, Size> by_camera_;
 };
 
+// What trainers do not find they stop at: where pictures were named, images without one are left out.
+void LeaveOutUnpictured(Scene& scene) {
+  std::vector<colmap::View> views;
+  std::vector<colmap::Image> images;
+  std::unordered_set<std::uint32_t> left_out;
+  for (std::size_t row = 0; row < scene.outline.views.size(); ++row) {
+    if (scene.outline.views[row].picture.empty()) {
+      left_out.insert(scene.outline.views[row].image);
+      continue;
+    }
+    views.push_back(std::move(scene.outline.views[row]));
+    images.push_back(std::move(scene.model.images[row]));
+  }
+  scene.outline.view_of_row.clear();
+  scene.outline.views = std::move(views);
+  scene.model.images = std::move(images);
+  scene.left_out = left_out.size();
+  Column<colmap::TrackElement> tracks;
+  for (colmap::Point& point : scene.model.points) {
+    const colmap::TrackElement* element = scene.model.tracks.data() + point.track_begin;
+    point.track_begin = tracks.size();
+    for (const colmap::TrackElement* end = element + point.track_length; element != end; ++element)
+      if (!left_out.contains(element->image)) tracks.push_back(*element);
+    point.track_length = tracks.size() - point.track_begin;
+  }
+  scene.model.tracks = std::move(tracks);
+}
+
 }  // namespace
 
 void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptions& options,
@@ -166,21 +196,25 @@ std::vector<Scene> ScenesOf(const Atlas& atlas, const colmap::Outline& outline, 
     scenes.push_back({.outline = outline.maps[row],
                       .model = colmap::ModelOf(atlas, outline, outline.maps[row], options, ignored),
                       .folder = outline.maps.size() == 1 ? "" : Concat(row, "/")});
+  if (!options.of<ColmapWriteOptions>().pictures.files.empty())
+    for (Scene& scene : scenes) LeaveOutUnpictured(scene);
   if (scenes.empty()) scenes.emplace_back();
   return scenes;
 }
 
 void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Notices& notices) {
-  std::size_t images = 0, pictures = 0, points = 0;
+  std::size_t images = 0, pictures = 0, points = 0, left_out = 0;
   for (const Scene& scene : scenes) {
     images += scene.model.images.size();
     points += scene.model.points.size();
+    left_out += scene.left_out;
     pictures += static_cast<std::size_t>(
         std::ranges::count_if(scene.outline.views, [](const colmap::View& view) { return !view.picture.empty(); }));
   }
-  if (outline.without_picture > 0)
-    notices.Warn(Concat(Counted(outline.without_picture, "keyframe"),
-                        " without a picture file near in time; named by timestamp"));
+  if (left_out > 0)
+    notices.Warn(Concat(Counted(left_out, "image"), " left out, of which there is no picture: ",
+                        Counted(outline.without_picture, "keyframe"), " without one near in time, ",
+                        Counted(left_out - outline.without_picture, "right image"), " of fisheye pairs"));
   else if (images > 0 && pictures == 0)
     notices.Warn("without pictures: images are named by their timestamps, and points are grey; "
                  "KeyFramePictures::files names them");
