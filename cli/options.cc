@@ -95,9 +95,10 @@ CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string&
 }
 
 void AddFrom(CLI::App& verb, InputFormat& from) {
-  verb.add_option("--layout", from.layout,
-                  "Layout of an .osa file of a fork of ORB-SLAM3: one that is known, as obvi, or a JSON file; by default "
-                  "the one that fits")
+  verb.add_option(
+          "--layout", from.layout,
+          "Layout of an .osa file of a fork of ORB-SLAM3: one that is known, as obvi, or a JSON file; by default "
+          "the one that fits")
       ->type_name("LAYOUT")
       ->group(kArchiveGroup);
   verb.add_option("--from", from.format, "Format of the input; by default told by its content, then its suffix")
@@ -149,6 +150,8 @@ void AddTarget(CLI::App& verb, TargetOptions& options) {
 void RefuseBadTarget(const Location& output, const Format& format, const TargetOptions& options) {
   if (options.boost_version && !format.id.starts_with("orbslam3"))
     RefuseUsage("--boost-version is for archives of ORB-SLAM3 only; the output is " + std::string(format.title));
+  if (!options.layout.empty() && !format.id.starts_with("orbslam3"))
+    RefuseUsage("--to-layout is for archives of ORB-SLAM3 only; the output is " + std::string(format.title));
   if (format.is_export && output.name.empty()) RefuseAtlas(output.path);
 }
 
@@ -208,11 +211,8 @@ void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool a
                                      " is binary and would garble the terminal; name a file, or redirect the output");
 }
 
-void RefuseLayout(const InputFormat& from) {
-  if (!from.layout.empty()) RefuseUsage("--layout is for verbs that read one atlas");
-}
-
 std::string LayoutNamed(const std::string& id_or_path) {
+  if (id_or_path.empty()) return {};
   const Layout layout = LoadLayout(id_or_path);
   const Layout* known = FindKnownLayout(layout.id);
   return known != nullptr && SameBytes(*known, layout) ? known->id : ToJson(layout);
@@ -221,7 +221,7 @@ std::string LayoutNamed(const std::string& id_or_path) {
 ReadOptions MakeReadOptions(Console& console, const InputFormat& from, double wait) {
   ReadOptions options;
   options.format = from.format;
-  if (!from.layout.empty()) options.of<Orbslam3ReadOptions>().layout = LayoutNamed(from.layout);
+  options.of<Orbslam3ReadOptions>().layout = LayoutNamed(from.layout);
   options.of<StoreReadOptions>().lock_timeout = wait;
   options.threads = console.threads();
   options.progress = console.MakeProgress();

@@ -37,9 +37,7 @@ CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string&
 
 // --from and --layout alone, for verbs that name their inputs otherwise.
 void AddFrom(CLI::App& verb, InputFormat& from);
-// For verbs that read many files, which have many layouts: ends with exit code 2 when one is named.
-void RefuseLayout(const InputFormat& from);
-// What options of the library have of a layout that the user names by its id or its file.
+// What options of the library have of a layout that the user names by its id or its file; empty for none.
 //
 // Throws Error as LoadLayout does.
 std::string LayoutNamed(const std::string& id_or_path);

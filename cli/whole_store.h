@@ -10,7 +10,7 @@
 namespace slamdb::cli {
 
 // The store that is meant whole by an input without #NAME; nullopt when the input is one atlas: a file, or a store that
-// holds no more. `from`: the format that the user says it has, or empty.
+// holds no more. `from`: the format or layout that the user says it has, or empty.
 std::optional<Store> OpenWholeStore(const std::string& input, const InputFormat& from, double wait);
 
 }  // namespace slamdb::cli

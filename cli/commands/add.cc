@@ -75,8 +75,8 @@ ExitCode RunAdd(const AddVerbOptions& options, Console& console) {
     RefuseUsage("the store is named without an atlas; --as names what is added");
   const AtlasInputs inputs = FindInputs(options.many, console, options.wait);
   AddOptions add = options.add;
-  RefuseLayout(options.many.inputs.from);
   add.format = options.many.inputs.from.format;
+  add.layout = LayoutNamed(options.many.inputs.from.layout);
   add.sync = !options.no_sync;
   add.lock_timeout = options.wait;
   add.provenance = "add ";

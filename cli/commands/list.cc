@@ -92,7 +92,9 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
   ManyOptions many = options.many;
   if (many.inputs.paths.empty()) many.inputs.paths.emplace_back(".");
   const AtlasInputs inputs = FindInputs(many, console, options.wait);
-  ListOptions list{.query = QueryOf(options), .format = many.inputs.from.format, .lock_timeout = options.wait};
+  ListOptions list{.query = QueryOf(options), .lock_timeout = options.wait};
+  list.format = many.inputs.from.format;
+  list.layout = LayoutNamed(many.inputs.from.layout);
   if (options.check) list.check.emplace();
   list.threads = console.threads();
   list.progress = console.MakeProgress();

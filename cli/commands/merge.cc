@@ -53,6 +53,10 @@ void Note(const MergeReport& report, Notices& notices) {
                    " is in the result twice; --on-conflict keep-first leaves the copy out");
   for (const std::string& name : report.other_vocabularies)
     notices.Warn(name + ": its bags of words are of another vocabulary; compute them anew before place recognition");
+  for (const std::string& name : report.other_layouts)
+    notices.Lose(name + ": the members of its fork are of another layout than those of the result, and were left out");
+  if (report.dropped_members > 0 && report.other_layouts.empty())
+    notices.Lose("the members that a fork has of the atlas itself are those of the first input");
   for (const std::string& warning : report.warnings) notices.Warn(warning);
   if (!report.join) return;
   for (const std::string& warning : report.join->warnings) notices.Warn(warning);

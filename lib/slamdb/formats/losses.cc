@@ -5,6 +5,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/options.h"
+#include "slamdb/model/detail/carried_members.h"
 
 namespace slamdb::detail {
 namespace {
@@ -41,8 +42,6 @@ std::uint64_t& Count(Counts& counts, Content content) {
   return counts[kind];
 }
 
-bool CarriesMembers(const Boxed<Carried>& carried) { return carried && !carried->members.empty(); }
-
 bool HasInertialData(const KeyFrame& keyframe) {
   return keyframe.imu_calibration.is_set || keyframe.has_velocity || keyframe.imu_initialized ||
          !keyframe.preintegration.measurements.empty();
@@ -54,7 +53,7 @@ void CountKeyFrame(const KeyFrame& keyframe, Counts& counts) {
   Count(counts, Content::kKeypoints) +=
       features.keypoints.size() + (features.is_fisheye_stereo() ? features.right_keypoints.size() : 0);
   Count(counts, Content::kDescriptors) += keyframe.descriptor_count();
-  Count(counts, Content::kCarried) += CarriesMembers(keyframe.carried) ? 1 : 0;
+  Count(counts, Content::kCarried) += HasMembers(keyframe.carried) ? 1 : 0;
   Count(counts, Content::kBagOfWords) += features.bag_of_words.words.empty() ? 0 : 1;
   Count(counts, Content::kGraph) += keyframe.connections.size() + (keyframe.parent ? 1 : 0) +
                                     keyframe.loop_edges.size() + keyframe.merge_edges.size();
@@ -67,7 +66,7 @@ void CountPoint(const MapPoint& point, Counts& counts) {
   Count(counts, Content::kNormals) += range || point.normal != Eigen::Vector3f::Zero() ? 1 : 0;
   Count(counts, Content::kObservations) += point.observations.size();
   Count(counts, Content::kDescriptors) += point.has_descriptor() || point.has_other_descriptor() ? 1 : 0;
-  Count(counts, Content::kCarried) += CarriesMembers(point.carried) ? 1 : 0;
+  Count(counts, Content::kCarried) += HasMembers(point.carried) ? 1 : 0;
   Count(counts, Content::kTracking) += point.has_tracking() ? 1 : 0;
 }
 
@@ -77,14 +76,14 @@ Counts CountContent(const Atlas& atlas, std::optional<MapId> chosen) {
     if (chosen && map.id != *chosen) continue;
     ++Count(counts, Content::kMaps);
     Count(counts, Content::kLandmarks) += map.landmarks.size();
-    Count(counts, Content::kCarried) += CarriesMembers(map.carried) ? 1 : 0;
+    Count(counts, Content::kCarried) += HasMembers(map.carried) ? 1 : 0;
     for (const KeyFrame& keyframe : map.keyframes) CountKeyFrame(keyframe, counts);
     for (const MapPoint& point : map.points) CountPoint(point, counts);
   }
   if (Count(counts, Content::kMaps) == 1) Count(counts, Content::kMaps) = 0;
   Count(counts, Content::kCameras) = atlas.cameras.size();
-  Count(counts, Content::kCarried) += CarriesMembers(atlas.carried) ? 1 : 0;
-  for (const Camera& camera : atlas.cameras) Count(counts, Content::kCarried) += CarriesMembers(camera.carried) ? 1 : 0;
+  Count(counts, Content::kCarried) += HasMembers(atlas.carried) ? 1 : 0;
+  for (const Camera& camera : atlas.cameras) Count(counts, Content::kCarried) += HasMembers(camera.carried) ? 1 : 0;
   const std::uint64_t entities =
       Count(counts, Content::kPoses) + Count(counts, Content::kPoints) + atlas.cameras.size();
   Count(counts, Content::kIdentity) = entities == 0 ? 0 : entities + Count(counts, Content::kMaps);

@@ -13,6 +13,7 @@
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/detail/read_ahead.h"
@@ -112,6 +113,7 @@ class Adder {
       ReadOptions read{.format = options_.format, .needs = Content::kPoints | Content::kLandmarks};
       read.threads = std::max(1, detail::ThreadCount(options_.threads) - 1);
       read.of<StoreReadOptions>().lock_timeout = options_.lock_timeout;
+      read.of<Orbslam3ReadOptions>().layout = options_.layout;
       loaded.atlas = ReadAtlas(input.location, read, &outcome.notices);
       outcome.summary = Summarize(loaded.atlas);
       if (options_.dry_run || before_.contains(outcome.name) || !DerivedNamesIn(before_, names_[i]).empty())

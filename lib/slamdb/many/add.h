@@ -56,6 +56,7 @@ struct AddOptions {
   bool overwrite = false;  // save another atlas of a name that is taken as its next revision; false: it fails
   bool dry_run = false;    // read everything and write nothing
   std::string format;      // of the inputs, as ReadOptions::format
+  std::string layout;      // of .osa files among them, as Orbslam3ReadOptions::layout
   bool sync = true;        // see StoreOptions
   double lock_timeout = 5;
   std::string provenance;  // before the input, in the history: `add`

@@ -14,6 +14,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/names.h"
@@ -111,6 +112,7 @@ class Lister {
     if (options_.check) read.features = FeatureColumns::kAll;
     read.needs = Content::kPoints | Content::kLandmarks;
     read.of<StoreReadOptions>().lock_timeout = options_.lock_timeout;
+    read.of<Orbslam3ReadOptions>().layout = options_.layout;
     if (options_.progress) read.progress = [this](std::string_view, double) { Tell(); };
     return read;
   }

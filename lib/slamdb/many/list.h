@@ -42,6 +42,7 @@ struct ListOptions {
   MapQuery query;                     // only atlases that match, and those that cannot be read
   std::optional<CheckOptions> check;  // hold them against the rules, which reads them all
   std::string format;                 // of files, as ReadOptions::format
+  std::string layout;                 // of .osa files, as Orbslam3ReadOptions::layout
   double lock_timeout = 5;            // seconds to wait for a program that holds a store
   int threads = 0;                    // 0: every core
   // Called from several threads, one at a time. May be empty.

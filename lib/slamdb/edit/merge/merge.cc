@@ -19,6 +19,7 @@
 #include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/edit/merge/detail/mixture.h"
 #include "slamdb/model/counters.h"
+#include "slamdb/model/detail/carried_members.h"
 #include "slamdb/model/detail/irregular_entries.h"
 
 namespace slamdb {
@@ -114,6 +115,7 @@ class Merger {
   MergeResult Run(std::vector<Atlas> inputs) {
     if (inputs.empty()) throw Error(ErrorKind::kUsage, "there is nothing to merge");
     CompareVocabularies(inputs);
+    ChooseLayout(inputs);
     for (const Atlas& input : inputs) CountInput(input);
     FindSameMaps(inputs);
     std::optional<JoinOptions> join = options_.join;
@@ -158,6 +160,32 @@ class Merger {
                 "): place recognition would compare words that mean different things; recompute the bags of words "
                 "of one; MergeOptions::force merges all the same");
       report().other_vocabularies.push_back(NameOfInput(i));
+    }
+  }
+
+  // Members of a fork mean something in their own layout only: of several layouts the first that is needed stays.
+  void ChooseLayout(std::vector<Atlas>& inputs) {
+    const auto has_members = [](const Atlas& input) {
+      bool has = false;
+      detail::ForEachCarried(input, [&](const Boxed<Carried>& carried) { has = has || detail::HasMembers(carried); });
+      return has;
+    };
+    const auto first_with = std::ranges::find_if(inputs, has_members);
+    Atlas& first = first_with == inputs.end() ? inputs.front() : *first_with;
+    result_.atlas.layout = first.layout;
+    result_.atlas.carried = std::move(first.carried);
+    first.carried.Reset();
+    for (Atlas& input : inputs) {
+      const bool same = input.layout == result_.atlas.layout;
+      const std::uint64_t before = report().dropped_members;
+      detail::ForEachCarried(input, [&](Boxed<Carried>& carried) {
+        if (!detail::HasMembers(carried) || (same && &carried != &input.carried)) return;
+        ++report().dropped_members;
+        carried.Make().members.clear();
+        if (carried->empty()) carried.Reset();
+      });
+      if (!same && report().dropped_members > before)
+        report().other_layouts.push_back(NameOfInput(static_cast<std::size_t>(&input - inputs.data())));
     }
   }
 

@@ -59,10 +59,14 @@ struct MergeReport {
   std::vector<MapTwice> same_maps;
   std::uint64_t dropped_list_entries = 0;  // null pointers and repetitions in lists, which the result does not have
   std::vector<std::string> other_vocabularies;  // names of inputs whose vocabulary is not the first one's
-  std::vector<std::string> warnings;            // what maps side by side have that does not go together; see JoinReport
-  ContentCounts left_out;                       // maps left out, and cameras unified
-  ContentCounts result;                         // counted before joining: the inputs' sum without `left_out`
-  std::vector<IdMap> id_maps;                   // one for each input; a fused point's new id is the survivor's
+  // Names of inputs whose members of a fork are of another layout than the result's, and how many entities lost such
+  // members: theirs, and those of the atlases themselves but the first.
+  std::vector<std::string> other_layouts;
+  std::uint64_t dropped_members = 0;
+  std::vector<std::string> warnings;  // what maps side by side have that does not go together; see JoinReport
+  ContentCounts left_out;             // maps left out, and cameras unified
+  ContentCounts result;               // counted before joining: the inputs' sum without `left_out`
+  std::vector<IdMap> id_maps;         // one for each input; a fused point's new id is the survivor's
   std::optional<JoinReport> join;
 };
 
@@ -76,7 +80,8 @@ struct MergeResult {
 // that of those before it.
 // Cameras that are the same (model and parameters, within 1e-6 as ORB-SLAM3 compares them) become one.
 // Counters end up above all ids.
-// The encoding is the first input's, the vocabulary that of the first input that has keyframes.
+// The encoding is the first input's, the vocabulary that of the first input that has keyframes, the layout that of the
+// first input whose entities have members of a fork. These travel as they are: ids in them are not shifted.
 // The inputs are used up: their columns move into the result and are not copied.
 // What the result holds is counted and held against the sum of the inputs.
 //

@@ -75,6 +75,8 @@ Json MergeJson(const MergeReport& report, const std::string& output) {
                                  {"left_out", twice.left_out}});
   json["dropped_list_entries"] = report.dropped_list_entries;
   json["other_vocabularies"] = report.other_vocabularies;
+  json["other_layouts"] = report.other_layouts;
+  json["dropped_members"] = report.dropped_members;
   json["warnings"] = report.warnings;
   json["left_out"] = detail::JsonOf(report.left_out);
   json["result"] = detail::JsonOf(report.result);

@@ -195,6 +195,8 @@ Atlas TakePart(const AtlasIndex& index, const Part& part, Border border, SubsetR
   own.cameras = atlas.cameras;
   own.next_ids = atlas.next_ids;
   own.encoding = atlas.encoding;
+  own.layout = atlas.layout;
+  own.carried = atlas.carried;
   Subset subset;
   bool whole = part.maps.size() == atlas.maps.size();
   for (const Part::OfMap& of : part.maps) {

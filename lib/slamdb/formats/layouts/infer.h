@@ -19,7 +19,8 @@ struct SLAMDB_EXPORT InferredLayout {
   std::vector<std::string> differences;   // from the known layout that it is most like: `KeyFrame: 4 bytes behind mnId`
   std::vector<std::string> alternatives;  // places that would fit as well
   std::vector<std::string> doubts;        // members whose values are unlike those of ORB-SLAM3
-  std::uint64_t keyframes = 0, points = 0;  // records that were found by their numbers
+  std::uint64_t keyframes = 0, points = 0;  // that were found
+  bool same_bytes = false;                  // InferLayout: the file that was read in it was written again
 
   bool sure() const { return alternatives.empty() && doubts.empty(); }
 };

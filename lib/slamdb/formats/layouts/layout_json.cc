@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <map>
+#include <set>
 
 #include "slamdb/base/detail/json.h"
 
@@ -159,20 +161,49 @@ void CheckType(const LayoutType& type, const Layout& layout, const std::string& 
   for (const LayoutType& element : type.elements) CheckType(element, layout, path, place);
 }
 
-// A class that holds itself by value would have no end.
-void CheckDepth(const Layout& layout, const LayoutClass& of, int depth, const std::string& path);
-void CheckDepth(const Layout& layout, const LayoutType& type, int depth, const std::string& path) {
-  if (type.kind == LayoutType::Kind::kValue || type.kind == LayoutType::Kind::kRaw)
-    CheckDepth(layout, *layout.Find(type.name), depth + 1, path);
-  for (const LayoutType& element : type.elements) CheckDepth(layout, element, depth, path);
-}
-void CheckDepth(const Layout& layout, const LayoutClass& of, int depth, const std::string& path) {
-  constexpr int kDeepest = 8;
-  if (depth > kDeepest)
-    throw Error(ErrorKind::kDamaged, path, Concat("classes.", of.name),
-                Concat("classes in classes, more than ", kDeepest, " deep"));
-  for (const LayoutMember& member : of.members) CheckDepth(layout, ParseLayoutType(member.type), depth, path);
-}
+// How much classes hold by value, all in all: members of members, and how deep. One that holds itself has no end.
+class Extents {
+ public:
+  Extents(const Layout& layout, const std::string& path) : layout_(layout), path_(path) {}
+
+  void Check(const LayoutClass& of) { (void)ExtentOf(of); }
+
+ private:
+  struct Extent {
+    std::uint64_t members = 0;
+    int depth = 0;
+    bool known = false;
+  };
+
+  const Extent& ExtentOf(const LayoutClass& of) {
+    const auto [found, is_new] = extents_.try_emplace(of.name);
+    Extent& extent = found->second;
+    if (!is_new && !extent.known) Fail(of, "holds itself by value");
+    if (extent.known) return extent;
+    for (const LayoutMember& member : of.members) Add(ParseLayoutType(member.type), extent);
+    constexpr std::uint64_t kMostInEachOther = std::uint64_t{1} << 16;
+    constexpr int kDeepest = 8;
+    if (extent.depth > kDeepest) Fail(of, Concat("classes in classes, more than ", kDeepest, " deep"));
+    if (extent.members > kMostInEachOther) Fail(of, Concat("more than ", kMostInEachOther, " members in each other"));
+    extent.known = true;
+    return extent;
+  }
+  void Add(const LayoutType& type, Extent& extent) {
+    ++extent.members;
+    for (const LayoutType& element : type.elements) Add(element, extent);
+    if (type.kind != LayoutType::Kind::kValue && type.kind != LayoutType::Kind::kRaw) return;
+    const Extent& held = ExtentOf(*layout_.Find(type.name));
+    extent.members += held.members;
+    extent.depth = std::max(extent.depth, held.depth + 1);
+  }
+  [[noreturn]] void Fail(const LayoutClass& of, const std::string& problem) const {
+    throw Error(ErrorKind::kDamaged, path_, Concat("classes.", of.name), problem);
+  }
+
+  const Layout& layout_;
+  const std::string& path_;
+  std::map<std::string, Extent> extents_;
+};
 
 void Check(const Layout& layout, const std::string& path) {
   if (layout.root.empty()) throw Error(ErrorKind::kDamaged, path, "root", "nothing is saved");
@@ -185,14 +216,28 @@ void Check(const Layout& layout, const std::string& path) {
         throw Error(ErrorKind::kDamaged, path, Concat("classes.", of.name, ".registers"),
                     Concat("no class is called ", name));
   }
-  for (const LayoutClass& of : layout.classes) CheckDepth(layout, of, 0, path);
+  Extents extents(layout, path);
+  for (const LayoutClass& of : layout.classes) extents.Check(of);
 }
 
 Json Parsed(std::string_view text, const std::string& path) {
   if (text.size() > kMostBytes)
     throw Error(ErrorKind::kDamaged, path, "", Concat("a layout of ", text.size(), " bytes, at most ", kMostBytes));
+  // Of two members of one name the parser would keep one without a word.
+  std::vector<std::set<std::string>> names;
+  std::string twice;
+  const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+    if (event == Json::parse_event_t::object_start) names.emplace_back();
+    if (event == Json::parse_event_t::object_end) names.pop_back();
+    if (event == Json::parse_event_t::key && !names.back().insert(value.get<std::string>()).second && twice.empty())
+      twice = value.get<std::string>();
+    return true;
+  };
   try {
-    return Json::parse(text);
+    Json json = Json::parse(text, watch);
+    if (!twice.empty())
+      throw Error(ErrorKind::kDamaged, path, "", Concat("the member '", twice, "' stands there twice"));
+    return json;
   } catch (const Json::exception& error) {
     throw Error(ErrorKind::kDamaged, path, "", Concat("no JSON: ", error.what()));
   }

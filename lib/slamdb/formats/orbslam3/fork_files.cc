@@ -7,6 +7,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/formats/orbslam3/detail/part_sizes.h"
+#include "slamdb/model/detail/carried_members.h"
 
 namespace slamdb::orbslam3 {
 namespace {
@@ -80,16 +81,14 @@ struct Carriers {
   std::uint64_t keyframes = 0, points = 0, others = 0;
 };
 
-bool Carries(const Boxed<Carried>& carried) { return carried && !carried->members.empty(); }
-
 Carriers CountCarriers(const Atlas& atlas) {
-  Carriers count{.others = Carries(atlas.carried) ? 1U : 0U};
+  Carriers count{.others = detail::HasMembers(atlas.carried) ? 1U : 0U};
   for (const Map& map : atlas.maps) {
-    count.others += Carries(map.carried);
-    for (const KeyFrame& keyframe : map.keyframes) count.keyframes += Carries(keyframe.carried);
-    for (const MapPoint& point : map.points) count.points += Carries(point.carried);
+    count.others += detail::HasMembers(map.carried);
+    for (const KeyFrame& keyframe : map.keyframes) count.keyframes += detail::HasMembers(keyframe.carried);
+    for (const MapPoint& point : map.points) count.points += detail::HasMembers(point.carried);
   }
-  for (const Camera& camera : atlas.cameras) count.others += Carries(camera.carried);
+  for (const Camera& camera : atlas.cameras) count.others += detail::HasMembers(camera.carried);
   return count;
 }
 
@@ -121,6 +120,12 @@ void NameDropped(const Atlas& atlas, std::string_view target, Notices& notices) 
   }
   const std::string members = Members(ForkProgram(LayoutOf(atlas.layout)), count.keyframes, count.points, count.others);
   if (!members.empty()) notices.Lose(Concat("the layout ", target, " cannot hold ", members));
+}
+
+// Whether what the entities carry is of that layout.
+bool IsOfSameLayout(const Atlas& atlas, const std::string& layout) {
+  if (IsOwnLayout(atlas.layout) || IsOwnLayout(layout)) return false;
+  return atlas.layout == layout || SameBytes(LayoutOf(layout), LayoutOf(atlas.layout));
 }
 
 std::uint64_t Reachable(const std::vector<std::string>& names, std::uint64_t count) {
@@ -173,7 +178,7 @@ std::optional<Atlas> ReadInKnownLayout(const Source& source, const ReadOptions& 
 void WriteInLayout(const Atlas& atlas, const ArchiveEncoding& encoding, const std::string& layout,
                    const Target::Sink& write, const std::string& path, Notices& notices) {
   const ForkProgram program(LayoutOf(layout));
-  const bool fits = !atlas.layout.empty() && SameBytes(program.layout, LayoutOf(atlas.layout));
+  const bool fits = IsOfSameLayout(atlas, layout);
   if (!fits) NameDropped(atlas, TitleOf(program.layout), notices);
   const ForkWriting done = WriteFork(atlas, encoding, program, fits, write);
   const std::string filled = Members(program, Reachable(program.foreign_keyframe, done.filled_keyframes),
@@ -191,9 +196,10 @@ void NameLossesToOwnLayout(const Atlas& atlas, Notices& notices) {
   NameDropped(atlas, kOwn, notices);
 }
 
-Content HeldBy(const Atlas& atlas, const std::string& layout) {
-  // What is carried is named member by member where it is written.
-  Content held = Content::kAtlas | Content::kCarried;
+Content HeldBy(const Atlas& atlas, const std::string& layout, bool strict) {
+  Content held = Content::kAtlas;
+  // Otherwise what is carried is named member by member where it is written.
+  if (!strict || IsOfSameLayout(atlas, layout)) held |= Content::kCarried;
   if (IsOwnLayout(layout)) return held;
   const ForkProgram program(LayoutOf(layout));
   if (std::ranges::find(program.point, "mnVisible", &Op<MapPoint>::name) != program.point.end()) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/orbslam3/detail/fork_conversions.h"
@@ -84,7 +85,15 @@ class Compiler {
   TypeNode NodeOf(const LayoutType& given, int depth = 0) {
     constexpr int kDeepest = 24;
     if (depth > kDeepest) Refuse("its objects hold each other through pointers, which is not read");
-    const LayoutType type = given.kind == LayoutKind::kVector ? WithSizes(given) : given;
+    constexpr std::size_t kMostNodes = std::size_t{1} << 16;
+    if (++nodes_ > kMostNodes) Refuse(Concat("its classes have more than ", kMostNodes, " members in each other"));
+    TypeNode node = NodeOfKind(given.kind == LayoutKind::kVector ? WithSizes(given) : given, depth);
+    constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
+    if (BytesOfNothing(node) > kMostBytes)
+      Refuse(Concat("a ", ToString(given), " has more than ", kMostBytes, " bytes"));
+    return node;
+  }
+  TypeNode NodeOfKind(const LayoutType& type, int depth) {
     TypeNode node;
     switch (type.kind) {
       case LayoutKind::kNumber:
@@ -103,7 +112,7 @@ class Compiler {
         node.kind = TypeNode::Kind::kMap;
         node.wire_class = ClassOf(ToString(type));
         node.pair_class = ClassOf("pair " + ToString(type));
-        for (const LayoutType& element : type.elements) node.children.push_back(NodeOf(element, depth + 1));
+        for (const LayoutType& element : type.elements) node.children.push_back(ElementOf(element, depth));
         return node;
       case LayoutKind::kValue:
       case LayoutKind::kRaw:
@@ -161,6 +170,12 @@ class Compiler {
     for (std::size_t i = 0; i < of.members.size();) i += AddMember<Entity, StepsOf>(of, i, program, foreign);
   }
 
+  void AddCamera(const LayoutClass& of, Program<Camera>& program, std::vector<std::string>& foreign) {
+    in_camera_ = true;
+    Add<Camera>(of, program, foreign);
+    in_camera_ = false;
+  }
+
  private:
   // vector<vector<size_t>> is what grids consist of; vector<unsigned long> alone are ids.
   static LayoutType WithSizes(LayoutType type, bool nested = false) {
@@ -172,8 +187,14 @@ class Compiler {
     return type;
   }
 
+  // What a container holds. Elements without bytes could be any number of them.
+  TypeNode ElementOf(const LayoutType& type, int depth) {
+    TypeNode element = NodeOf(type, depth + 1);
+    if (BytesOfNothing(element) == 0) Refuse("a container of what has no members");
+    return element;
+  }
   TypeNode ArrayOf(const LayoutType& type, int depth) {
-    TypeNode element = NodeOf(type.elements.front(), depth + 1);
+    TypeNode element = ElementOf(type.elements.front(), depth);
     if (element.kind == TypeNode::Kind::kNumbers && std::uint64_t{element.count} * type.count < (1U << 20)) {
       element.count *= type.count;
       return element;
@@ -183,7 +204,7 @@ class Compiler {
     return node;
   }
   TypeNode ListOf(const LayoutType& type, int depth) {
-    TypeNode element = NodeOf(type.elements.front(), depth + 1);
+    TypeNode element = ElementOf(type.elements.front(), depth);
     TypeNode node{.kind = TypeNode::Kind::kList, .wire_class = ClassOf(ToString(type))};
     const bool plain = element.kind == TypeNode::Kind::kNumbers && element.count == 1;
     if (plain && type.kind == LayoutKind::kVector) {
@@ -191,7 +212,6 @@ class Compiler {
       node.number = element.number;
       return node;
     }
-    if (element.kind == TypeNode::Kind::kClass && element.children.empty()) Refuse("a list of nothing");
     node.children.push_back(std::move(element));
     return node;
   }
@@ -211,7 +231,9 @@ class Compiler {
   TypeNode PointerTo(const LayoutType& type, int depth) {
     TypeNode node{.kind = TypeNode::Kind::kPointer, .class_name = type.name};
     if (!layout_.Find(type.name)->abstract) node.wire_class = ClassOf(type.name);
-    if (IsCamera(type.name) || IsOneOf(type.name, kEntities)) return node;
+    node.to_camera = IsCamera(type.name);
+    if (node.to_camera && in_camera_) Refuse("cameras that point to cameras, which are not read");
+    if (node.to_camera || IsOneOf(type.name, kEntities)) return node;
     if (layout_.Find(type.name)->abstract) Refuse(Concat("pointers to the abstract class ", type.name));
     node.children.push_back(NodeOf({.kind = LayoutKind::kRaw, .name = type.name}, depth + 1));
     return node;
@@ -311,11 +333,14 @@ class Compiler {
   const Layout& layout_;
   const Layout& own_;
   std::map<std::string, WireClass> classes_;
+  std::size_t nodes_ = 0;
+  bool in_camera_ = false;
 };
 
-CameraModel ModelOf(const std::string& name) {
+std::optional<CameraModel> ModelOf(const std::string& name) {
   if (name == "Pinhole") return CameraModel::kPinhole;
-  return name == "KannalaBrandt8" ? CameraModel::kKannalaBrandt8 : CameraModel::kEquirectangular;
+  if (name == "KannalaBrandt8") return CameraModel::kKannalaBrandt8;
+  return name == "Equirectangular" ? std::optional(CameraModel::kEquirectangular) : std::nullopt;
 }
 
 // `ORB_SLAM3::Pinhole` is the class Pinhole.
@@ -331,10 +356,39 @@ std::size_t WidthOf(LayoutType::Number number) {
   return kWidths.at(static_cast<std::size_t>(number));
 }
 
+std::uint64_t BytesOfNothing(const TypeNode& node) {
+  using Kind = TypeNode::Kind;
+  switch (node.kind) {
+    case Kind::kNumbers:
+      return WidthOf(node.number) * node.count;
+    case Kind::kVector:
+    case Kind::kString:
+    case Kind::kList:
+    case Kind::kMap:
+      return sizeof(std::uint64_t);
+    case Kind::kArray:
+      return BytesOfNothing(node.children[0]) * node.count;
+    case Kind::kClass:
+      return std::accumulate(node.children.begin(), node.children.end(), std::uint64_t{0},
+                             [](std::uint64_t sum, const TypeNode& child) { return sum + BytesOfNothing(child); });
+    case Kind::kMatrix:
+      return 3 * sizeof(std::int32_t) + 1;
+    case Kind::kMatrix2:
+      return 2 * sizeof(std::int32_t) + 2 * sizeof(std::uint64_t);
+    case Kind::kKeypoints:
+      return sizeof(std::int32_t);
+    case Kind::kPointer:
+      return 1;
+  }
+  return 0;
+}
+
 ForkProgram::ForkProgram(Layout given) : layout(std::move(given)) {
   Compiler compiler(layout);
   for (const char* name : {"Atlas", "Map", "KeyFrame", "MapPoint", "GeometricCamera"})
     if (layout.Find(name) == nullptr) compiler.Refuse(Concat("it has no class ", name, ", so it is of no atlas"));
+  for (const std::string_view name : kEntities)
+    if (layout.Find(name)->abstract) compiler.Refuse(Concat("its class ", name, " is abstract"));
   if (std::ranges::count(layout.root, "ptr<Atlas>") != 1) compiler.Refuse("its root is no atlas");
   std::size_t strings = 0;
   for (const std::string& type : layout.root) {
@@ -351,7 +405,7 @@ ForkProgram::ForkProgram(Layout given) : layout(std::move(given)) {
   for (const LayoutClass& of : layout.classes) {
     if (of.abstract || !compiler.IsCamera(of.name) || of.name == "GeometricCamera") continue;
     cameras.push_back({of.name, of.exported, compiler.ClassOf(of.name), ModelOf(of.name), {}});
-    compiler.Add<Camera>(of, cameras.back().program, foreign_camera);
+    compiler.AddCamera(of, cameras.back().program, foreign_camera);
   }
   for (const std::string& name : layout.Find("Atlas")->registers) registered.push_back(compiler.ClassOf(name));
   compiler.Add<Atlas, Counters>(*layout.Find("Atlas"), atlas, foreign_atlas);
@@ -383,7 +437,7 @@ const CameraClass* ForkProgram::FindCamera(WireClass wire_class) const {
   return found == cameras.end() ? nullptr : &*found;
 }
 const CameraClass* ForkProgram::FindCamera(CameraModel model) const {
-  const auto found = std::ranges::find(cameras, model, &CameraClass::model);
+  const auto found = std::ranges::find(cameras, std::optional(model), &CameraClass::model);
   return found == cameras.end() ? nullptr : &*found;
 }
 const CameraClass* ForkProgram::FindExported(std::string_view key) const {

@@ -195,6 +195,10 @@ class ForkReader {
     if (camera == nullptr)
       main_.input.Fail("class id " + std::to_string(class_id) +
                        " where a camera is expected: the file is damaged, or of another layout");
+    if (!camera->model)
+      main_.input.Fail("a camera of class " + camera->name +
+                           ", which slamdb does not have; it has Pinhole, KannalaBrandt8 and Equirectangular",
+                       ErrorKind::kUnsupported);
     main_.TakeClassInfo(found, /*tracking=*/1);
     const auto object = main_.input.template Take<std::uint32_t>();
     if (object > objects_.next())
@@ -204,7 +208,7 @@ class ForkReader {
     objects_.Add(found, 0, cameras_.size());
     cameras_.emplace_back();
     listed_.push_back(kNotListed);
-    Camera read{.model = camera->model};
+    Camera read{.model = *camera->model};
     Members members(*this);
     Run(camera->program, read, members);
     members.Give(read.carried);
@@ -258,7 +262,7 @@ class ForkReader {
   // ---- pointers among carried members
 
   void ReadPointer(const TypeNode& node, ByteWriter& out) {
-    if (program_.layout.Find(node.class_name) != nullptr && node.children.empty() && !IsEntity(node.class_name)) {
+    if (node.to_camera) {
       const Pointer pointer = TakeCamera(node.wire_class);
       if (pointer.kind == Pointer::Kind::kNull) return out.Put(PackedPointer::kNull);
       return PutEntity(3, cameras_[RowOf(pointer)].id.value(), out);
@@ -276,7 +280,6 @@ class ForkReader {
     const auto pointers = [this](const TypeNode& inner, ByteWriter& to) { ReadPointer(inner, to); };
     ValueReader(main_, out, pointers).Read(node.children[0]);
   }
-  static bool IsEntity(const std::string& name) { return name == "Map" || name == "KeyFrame" || name == "MapPoint"; }
   static void PutEntity(std::uint8_t kind, std::uint64_t id, ByteWriter& out) {
     out.Put(PackedPointer::kEntity);
     out.Put(kind);

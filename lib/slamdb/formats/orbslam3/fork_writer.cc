@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <unordered_map>
 
@@ -301,15 +302,24 @@ class ForkWriter {
   }
   // A pointer to an entity by its id; null where that is gone, or not written yet.
   void PutEntity(const TypeNode& node, std::uint8_t kind, std::uint64_t id) {
-    if (kind == 3) {
+    if (kind != KindOf(node)) throw Error(ErrorKind::kDamaged, "a pointer to an entity of another kind");
+    if (node.to_camera) {
       const auto found = std::ranges::find(atlas_.cameras, CameraId(id), &Camera::id);
-      if (found != atlas_.cameras.end() && node.children.empty())
+      if (found != atlas_.cameras.end())
         return PutCamera(node.wire_class, static_cast<std::size_t>(found - atlas_.cameras.begin()));
-    } else if (const auto object = FindObject(kind, id); object && node.wire_class != WireClass::kCount) {
+    } else if (const auto object = FindObject(kind, id)) {
       return PutPointer(node.wire_class, *object, false);
     }
     ++done_.dropped_pointers;
     PutNull(node.wire_class);
+  }
+  // As PackedPointer::kEntity numbers them; none for pointers to anything else.
+  static std::optional<std::uint8_t> KindOf(const TypeNode& node) {
+    if (node.to_camera) return std::uint8_t{3};
+    constexpr std::array<std::string_view, 3> kKinds{"Map", "KeyFrame", "MapPoint"};
+    const auto found = std::ranges::find(kKinds, node.class_name);
+    if (found == kKinds.end()) return std::nullopt;
+    return static_cast<std::uint8_t>(found - kKinds.begin());
   }
   // Linear, for the few layouts that have such pointers.
   std::optional<std::uint32_t> FindObject(std::uint8_t kind, std::uint64_t id) const {

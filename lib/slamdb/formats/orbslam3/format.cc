@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 1> kSuffixes{".osa"};
 constexpr std::array<std::string_view, 1> kTextSuffixes{".osa.txt"};
 
 Content Holds(const Atlas& atlas, const WriteOptions& options) {
-  return orbslam3::HeldBy(atlas, options.of<Orbslam3WriteOptions>().layout.value_or(atlas.layout));
+  return orbslam3::HeldBy(atlas, options.of<Orbslam3WriteOptions>().layout.value_or(atlas.layout), options.strict);
 }
 
 bool SniffBinary(const Probe& probe) { return orbslam3::SniffArchive(probe.head) == false; }

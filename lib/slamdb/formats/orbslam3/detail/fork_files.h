@@ -26,7 +26,7 @@ void WriteInLayout(const Atlas& atlas, const ArchiveEncoding& encoding, const st
 // Says what of a fork's atlas v1.0 does not hold. Throws Error (kNotPossible) for a camera that it has no class for.
 void NameLossesToOwnLayout(const Atlas& atlas, Notices& notices);
 
-// What a file of the layout can hold.
-Content HeldBy(const Atlas& atlas, const std::string& layout);
+// What a file of the layout can hold. Members of another fork count as held unless `strict`: writing names them.
+Content HeldBy(const Atlas& atlas, const std::string& layout, bool strict);
 
 }  // namespace slamdb::orbslam3

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct TypeNode {
   WireClass wire_class = WireClass::kCount;  // of a pointer: what it is declared to point to; kCount when abstract
   WireClass pair_class = WireClass::kCount;
   std::string class_name;  // kPointer
+  bool to_camera = false;  // kPointer
   std::vector<TypeNode> children;
   std::uint32_t run_bytes = 0;  // of a class: its first `run_nodes` members are so many bytes, where longs have 8
   std::uint32_t run_nodes = 0;
@@ -47,6 +49,9 @@ struct TypeNode {
 
 // How many bytes a number has in Carried::members.
 std::size_t WidthOf(LayoutType::Number number);
+
+// How many bytes Carried::members has of nothing of the type: zeros, empty lists, null pointers.
+std::uint64_t BytesOfNothing(const TypeNode& node);
 
 // What a carried member means to the model.
 template <class Entity>
@@ -89,7 +94,7 @@ using Program = std::vector<Op<Entity>>;
 struct CameraClass {
   std::string name, exported;
   WireClass wire_class;
-  CameraModel model;
+  std::optional<CameraModel> model;  // none: the model has no such camera
   Program<Camera> program;
 };
 

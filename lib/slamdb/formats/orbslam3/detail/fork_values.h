@@ -345,33 +345,10 @@ enum class PackedPointer : std::uint8_t {
   kObject,  // u32: its number among objects that are no entity; u8: 1 where its members follow, as they do first
 };
 
-// Nothing of the type: zeros, empty lists, null pointers.
+// Nothing of the type: zeros throughout, which stand for empty lists and null pointers too.
 inline void PutNothing(const TypeNode& node, ByteWriter& out) {
-  using Kind = TypeNode::Kind;
-  const auto zeros = [&](std::size_t bytes) { std::memset(out.Extend(bytes), 0, bytes); };
-  switch (node.kind) {
-    case Kind::kNumbers:
-      return zeros(WidthOf(node.number) * node.count);
-    case Kind::kVector:
-    case Kind::kString:
-    case Kind::kList:
-    case Kind::kMap:
-      return zeros(sizeof(std::uint64_t));
-    case Kind::kArray:
-      for (std::uint32_t i = 0; i < node.count; ++i) PutNothing(node.children[0], out);
-      return;
-    case Kind::kClass:
-      for (const TypeNode& child : node.children) PutNothing(child, out);
-      return;
-    case Kind::kMatrix:
-      return zeros(3 * sizeof(std::int32_t) + 1);
-    case Kind::kMatrix2:
-      return zeros(2 * sizeof(std::int32_t) + 2 * sizeof(std::uint64_t));
-    case Kind::kKeypoints:
-      return zeros(sizeof(std::int32_t));
-    case Kind::kPointer:
-      return out.Put(PackedPointer::kNull);
-  }
+  const std::uint64_t bytes = BytesOfNothing(node);
+  if (bytes > 0) std::memset(out.Extend(bytes), 0, bytes);
 }
 
 // Passes over packed values. Throws Error as ValueWriter does.

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/infer_layout.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/file_stream.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
+#include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/options.h"
+#include "slamdb/formats/orbslam3/orbslam3.h"
+
+namespace slamdb {
+namespace {
+
+// Compares what is written with what there is, piece by piece.
+class Comparing {
+ public:
+  explicit Comparing(Bytes expected) : rest_(expected) {}
+  void operator()(Bytes bytes) {
+    const std::size_t size = std::min(bytes.size(), rest_.size());
+    same_ = same_ && size == bytes.size() && std::memcmp(rest_.data(), bytes.data(), size) == 0;
+    rest_ = rest_.subspan(size);
+  }
+  bool same() const { return same_ && rest_.empty(); }
+
+ private:
+  Bytes rest_;
+  bool same_ = true;
+};
+
+std::uint64_t Sum(const Atlas& atlas, std::size_t (*of)(const Map&)) {
+  std::uint64_t sum = 0;
+  for (const Map& map : atlas.maps) sum += of(map);
+  return sum;
+}
+
+// Reads the file in the layout and writes it again.
+void Prove(const WholeFile& file, InferredLayout& inferred) {
+  Notices notices;
+  const Source source(file.bytes(), file.path());
+  ReadOptions options;
+  options.of<Orbslam3ReadOptions>().layout = ToJson(inferred.layout);
+  const Atlas atlas = ReadOrbslam3(source, options, notices);
+  inferred.keyframes = Sum(atlas, [](const Map& map) { return map.keyframes.size(); });
+  inferred.points = Sum(atlas, [](const Map& map) { return map.points.size(); });
+  Comparing written(file.bytes());
+  const Target target([&](Bytes bytes) { written(bytes); }, file.path());
+  WriteOrbslam3(atlas, target, {}, notices);
+  inferred.same_bytes = written.same();
+}
+
+InferredLayout InferText(const WholeFile& file) {
+  Notices notices;
+  const Atlas atlas = ReadOrbslam3(Source(file.bytes(), file.path()), {}, notices);
+  return {.layout = LayoutOf(atlas.layout.empty() ? KnownLayouts().front().id : atlas.layout), .known = true};
+}
+
+}  // namespace
+
+InferredLayout InferLayout(const Source& source) {
+  const WholeFile file(source);
+  detail::FileStream stream(Source(file.bytes(), file.path()));
+  Notices notices;
+  const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(stream, notices);
+  InferredLayout inferred = header.encoding.text
+                                ? InferText(file)
+                                : InferLayoutOf(file.bytes(), header.encoding, header.bytes);
+  Prove(file, inferred);
+  return inferred;
+}
+
+}  // namespace slamdb
