@@ -154,7 +154,7 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
   if (wanted.with_database) database.emplace(outline, wanted.schema, target.path);
   colmap::Unheld unheld;
   for (std::size_t row = 0; row < outline.maps.size(); ++row) {
-    const colmap::Model model = colmap::ModelOf(atlas, outline, outline.maps[row], options, unheld);
+    const colmap::Model model = colmap::ModelOf(outline, outline.maps[row], options, unheld);
     WriteFiles(model, outline.maps.size() == 1 ? "" : Concat(row, "/"), suffix, encode, folder, options);
     if (database) database->AddPairs(outline.maps[row], model);
   }
@@ -178,7 +178,7 @@ void WriteDatabase(const Atlas& atlas, const Target& target, const WriteOptions&
     if (options.progress)
       options.progress("writing", static_cast<double>(row) / static_cast<double>(outline.maps.size()));
     const colmap::MapOutline& map = outline.maps[row];
-    database.AddPairs(map, colmap::ModelOf(atlas, outline, map, options, unheld));
+    database.AddPairs(map, colmap::ModelOf(outline, map, options, unheld));
   }
   database.Write(file);
   file.Commit();

@@ -16,6 +16,7 @@
 #include "slamdb/formats/colmap/detail/lenses.h"
 #include "slamdb/formats/colmap/detail/models.h"
 #include "slamdb/formats/colmap/detail/names.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/model/colors.h"
 #include "slamdb/model/derive.h"
@@ -45,24 +46,6 @@ Rigid3f RigidOf(const Pose& pose) {
   const auto number = [](double value) { return static_cast<float>(value); };
   return {Quaternionf(number(pose.wxyz[0]), number(pose.wxyz[1]), number(pose.wxyz[2]), number(pose.wxyz[3])),
           {number(pose.translation[0]), number(pose.translation[1]), number(pose.translation[2])}};
-}
-
-Eigen::Quaterniond RotationOf(const Pose& pose) {
-  return Eigen::Quaterniond(pose.wxyz[0], pose.wxyz[1], pose.wxyz[2], pose.wxyz[3]);
-}
-Eigen::Vector3d TranslationOf(const Pose& pose) { return Eigen::Map<const Eigen::Vector3d>(pose.translation.data()); }
-Pose PoseOf(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation) {
-  return {{rotation.w(), rotation.x(), rotation.y(), rotation.z()},
-          {translation.x(), translation.y(), translation.z()}};
-}
-
-Pose Inverse(const Pose& pose) {
-  const Eigen::Quaterniond rotation = RotationOf(pose).conjugate();
-  return PoseOf(rotation, -(rotation.normalized() * TranslationOf(pose)));
-}
-Pose Compose(const Pose& a_from_b, const Pose& b_from_c) {
-  const Eigen::Quaterniond turn = RotationOf(a_from_b).normalized();
-  return PoseOf(turn * RotationOf(b_from_c), turn * TranslationOf(b_from_c) + TranslationOf(a_from_b));
 }
 
 template <class Row>

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
 #include "slamdb/formats/colmap/detail/models.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/model/colors.h"
 #include "slamdb/model/index.h"
-#include "slamdb/model/reprojection.h"
 
 namespace slamdb::colmap {
 namespace {
@@ -28,8 +29,8 @@ std::uint64_t CarriedRows(const KeyFrame& keyframe) {
 // Makes one model.
 class Maker {
  public:
-  Maker(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld)
-      : atlas_(atlas), outline_(outline), map_(map), options_(options), unheld_(unheld), keyframes_(KeyFrameTable(*map.map)) {}
+  Maker(const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld)
+      : outline_(outline), map_(map), options_(options), unheld_(unheld), keyframes_(KeyFrameTable(*map.map)) {}
 
   Model Make() {
     AddCameras();
@@ -109,7 +110,6 @@ class Maker {
     const IdTable rows = PointTable(*map_.map);
     const Column<MapPoint>& points = map_.map->points;
     model_.points.reserve(points.size());
-    sources_.reserve(points.size());
     for (std::uint32_t row = 0; row < points.size(); ++row) {
       const MapPoint& point = points[row];
       if (point.bad) {
@@ -133,12 +133,12 @@ class Maker {
     if (model_.tracks.size() == written.track_begin + 1) ForgetLast();
     written.track_length = model_.tracks.size() - written.track_begin;
     model_.points.push_back(written);
-    sources_.push_back(&point);
   }
 
   // COLMAP's bundle adjustment ends the program at points that one image alone sees.
   void ForgetLast() {
-    model_.images[last_seen_].points[model_.tracks.back().row].point = kNoPoint;
+    model_.images[view_of_element_.back()].points[model_.tracks.back().row].point = kNoPoint;
+    view_of_element_.pop_back();
     model_.tracks.pop_back();
     ++unheld_.alone;
   }
@@ -168,7 +168,7 @@ class Maker {
       return;
     }
     model_.images[spot.view].points[spot.row].point = point;
-    last_seen_ = spot.view;
+    view_of_element_.push_back(spot.view);
     model_.tracks.push_back({map_.views[spot.view].image, static_cast<std::uint32_t>(spot.row)});
   }
 
@@ -184,50 +184,67 @@ class Maker {
     unheld_.slots -= std::min(unheld_.slots, unheld_.alone);  // which were told
   }
 
+  // As COLMAP has them: in the image as it is, means over the track; -1 where there is none.
   void AddErrors() {
     constexpr std::size_t kGrain = 4096;
-    const Reprojection reprojection(atlas_, *map_.map);
-    detail::ParallelFor(sources_.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row)
-        model_.points[row].error = MeanError(reprojection, *sources_[row]).value_or(-1);
+    std::vector<Eye> eyes;
+    for (const Image& image : model_.images)
+      eyes.emplace_back(image, *std::ranges::find(model_.cameras, image.camera, &Camera::id));
+    detail::ParallelFor(model_.points.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) model_.points[row].error = MeanError(model_.points[row], eyes);
     });
   }
 
-  // Over the track.
-  std::optional<double> MeanError(const Reprojection& reprojection, const MapPoint& point) const {
-    double sum = 0;
-    int count = 0;
-    const auto add = [&](float error, KeyFrameId keyframe, std::int32_t row) {
-      if (!std::isfinite(error)) return;
-      const Spot spot = SpotOf(keyframe, row);
-      if (spot.view == kNoRow || model_.images[spot.view].points[spot.row].point != point.id.value()) return;
-      sum += static_cast<double>(error);
-      ++count;
-    };
-    for (const Observation& observation : point.observations) {
-      const Reprojection::Errors errors = reprojection.Of(point, observation);
-      add(errors.left, observation.keyframe, observation.left);
-      add(errors.right, observation.keyframe, observation.right);
+  // An image as what projects points into it.
+  class Eye {
+   public:
+    Eye(const Image& image, const Camera& camera)
+        : image_(image),
+          camera_(camera),
+          rotation_(RotationOf(image.camera_from_world).normalized().toRotationMatrix()),
+          translation_(TranslationOf(image.camera_from_world)) {}
+
+    // Infinite behind the camera.
+    double Error(const Eigen::Vector3d& point, const Point2& keypoint) const {
+      const std::optional<Eigen::Vector2d> seen = SeenBy(camera_, rotation_ * point + translation_);
+      return seen ? (*seen - Eigen::Vector2d(keypoint.x, keypoint.y)).norm() : std::numeric_limits<double>::infinity();
     }
-    return count == 0 ? std::nullopt : std::optional(sum / count);
+    const Image& image() const { return image_; }
+
+   private:
+    const Image& image_;
+    const Camera& camera_;
+    Eigen::Matrix3d rotation_;
+    Eigen::Vector3d translation_;
+  };
+
+  double MeanError(const Point& point, const std::vector<Eye>& eyes) const {
+    const Eigen::Map<const Eigen::Vector3d> position(point.position.data());
+    double sum = 0;
+    std::uint64_t count = 0;
+    for (std::uint64_t at = point.track_begin; at < point.track_begin + point.track_length; ++at) {
+      const Eye& eye = eyes[view_of_element_[at]];
+      const double error = eye.Error(position, eye.image().points[model_.tracks[at].row]);
+      if (!std::isfinite(error)) continue;
+      sum += error;
+      ++count;
+    }
+    return count == 0 ? -1 : sum / static_cast<double>(count);
   }
 
-  const Atlas& atlas_;
   const Outline& outline_;
   const MapOutline& map_;
   const WriteOptions& options_;
   Unheld& unheld_;
   const IdTable keyframes_;
   Model model_;
-  std::vector<const MapPoint*> sources_;  // of Model::points
-  std::uint32_t last_seen_ = 0;           // the view of the last element of Model::tracks
+  std::vector<std::uint32_t> view_of_element_;  // of Model::tracks
 };
 
 }  // namespace
 
-Model ModelOf(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options,
-              Unheld& unheld) {
-  return Maker(atlas, outline, map, options, unheld).Make();
+Model ModelOf(const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld) {
+  return Maker(outline, map, options, unheld).Make();
 }
 
 IdTable PointRowsOf(const Model& model) {

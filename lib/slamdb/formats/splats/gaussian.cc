@@ -109,7 +109,7 @@ void WriteGaussian(const Atlas& atlas, const Target& target, const WriteOptions&
   AtomicFolder folder(target, detail::FileOptions(options));
   const colmap::Outline outline =
       colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
-  std::vector<Scene> scenes = splats::ScenesOf(atlas, outline, options);
+  std::vector<Scene> scenes = splats::ScenesOf(outline, options);
   for (Scene& scene : scenes) WriteScene(outline, scene, folder, options);
   folder.Commit();
   splats::Tell(scenes, outline, notices);

@@ -189,12 +189,12 @@ std::string PlyOf(const colmap::Model& model, const Eigen::Matrix3d& turn) {
   return ply;
 }
 
-std::vector<Scene> ScenesOf(const Atlas& atlas, const colmap::Outline& outline, const WriteOptions& options) {
+std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& options) {
   colmap::Unheld ignored;  // exports say what they hold
   std::vector<Scene> scenes;
   for (std::size_t row = 0; row < outline.maps.size(); ++row)
     scenes.push_back({.outline = outline.maps[row],
-                      .model = colmap::ModelOf(atlas, outline, outline.maps[row], options, ignored),
+                      .model = colmap::ModelOf(outline, outline.maps[row], options, ignored),
                       .folder = outline.maps.size() == 1 ? "" : Concat(row, "/")});
   if (!options.of<ColmapWriteOptions>().pictures.files.empty())
     for (Scene& scene : scenes) LeaveOutUnpictured(scene);
