@@ -2,7 +2,8 @@
 """model.py equal ONE OTHER [TOLERANCE]: whether two models of COLMAP hold the same, whatever the order and the form of
 their files, up to the length of quaternions, which COLMAP makes 1.
 model.py count MODEL images|points|seen: how many it has; seen are points with a track.
-model.py error MODEL: the mean reprojection error of a model, in pixels, and how far its points' errors are from it.
+model.py error MODEL...: the reprojection error of models, root of the mean square, in pixels, which is what bundle
+adjustment makes small; and how far the errors of points are from what they are.
 Shares nothing with slamdb: the formulas are those of COLMAP's documentation."""
 import collections
 import math
@@ -167,16 +168,19 @@ def main():
     if sys.argv[1] == "equal":
         require_equal(read(sys.argv[2]), read(sys.argv[3]), float(sys.argv[4]) if len(sys.argv) > 4 else 1e-15)
         return
-    model = read(sys.argv[2])
     if sys.argv[1] == "count":
+        model = read(sys.argv[2])
         seen = [point for point in model.points.values() if point.track]
         print({"images": len(model.images), "points": len(model.points), "seen": len(seen)}[sys.argv[3]])
         return
-    of_points = errors(model)
-    every = [error for of_point in of_points.values() for error in of_point if math.isfinite(error)]
-    off = [abs(sum(of_point) / len(of_point) - model.points[number].error)
-           for number, of_point in of_points.items() if of_point and model.points[number].error >= 0]
-    print("%.6f %.6f" % (sum(every) / len(every), sorted(off)[int(0.99 * len(off))] if off else math.nan))
+    every, off = [], []
+    for folder in sys.argv[2:]:
+        model = read(folder)
+        for number, of_point in errors(model).items():
+            every += filter(math.isfinite, of_point)
+            if of_point and model.points[number].error >= 0:
+                off.append(abs(sum(of_point) / len(of_point) - model.points[number].error))
+    print("%.6f %.6f" % (math.sqrt(sum(error * error for error in every) / len(every)), max(off, default=math.nan)))
 
 
 if __name__ == "__main__":

@@ -21,18 +21,16 @@ slamdb() { # exit status 3 is that of losses, which are many
   "$SLAMDB" "$@" >slamdb.log 2>&1 || { local status=$?; [ $status = 3 ] || fail "slamdb $* ($status): $(tail -3 slamdb.log)"; }
 }
 run_colmap() { colmap "$@" >colmap.log 2>&1 || { tail -20 colmap.log; fail "colmap $*"; }; }
-error_in_model() { python3 "$here/model.py" error "$1" | cut -d' ' -f1; }
+error_in_models() { python3 "$here/model.py" error "$@" | cut -d' ' -f1; }
 count_in() { python3 "$here/model.py" count "$1" "$2"; }
-# The mean reprojection error over all maps, as slamdb counts it.
+models_in() { if [ -e "$1/cameras.bin" ]; then echo "$1"; else printf '%s\n' "$1"/[0-9]*; fi; }
 error_in_atlas() {
-  "$SLAMDB" info "$1" --json | python3 -c '
-import json, sys
-maps = json.load(sys.stdin)["maps"]
-errors = [m["reprojection_error_px"] for m in maps]
-print("%.4f" % (sum(e["mean"] * e["count"] for e in errors) / sum(e["count"] for e in errors)))'
+  rm -rf measured
+  slamdb convert "$1" measured --to colmap
+  mapfile -t models < <(models_in measured)
+  error_in_models "${models[@]}"
 }
 is_at_most() { python3 -c 'import sys; sys.exit(not float(sys.argv[1]) <= float(sys.argv[2]))' "$1" "$2"; }
-models_in() { if [ -e "$1/cameras.bin" ]; then echo "$1"; else printf '%s\n' "$1"/[0-9]*; fi; }
 
 # What COLMAP reads is what was written, in either form, and what it writes is read as the same atlas.
 convert_there_and_back() {
@@ -62,27 +60,27 @@ convert_there_and_back() {
 # A bundle adjustment of each model, back onto the atlas.
 adjust() { # ATLAS HAS_PAIRS
   rm -rf finer
-  local model at
+  local model at before after
   for model in $(models_in model); do
     at=finer${model#model}
     mkdir -p "$at"
     run_colmap bundle_adjuster --input_path "$model" --output_path "$at" --BundleAdjustment.refine_focal_length 0 \
       --BundleAdjustment.refine_extra_params 0
-    is_at_most "$(error_in_model "$at")" "$(error_in_model "$model")" ||
-      fail "bundle adjustment made $(error_in_model "$model") px $(error_in_model "$at") px"
+    is_at_most "$(error_in_models "$at")" "$(error_in_models "$model")" ||
+      fail "bundle adjustment made $(error_in_models "$model") px $(error_in_models "$at") px"
   done
   [ "$2" = no ] || return 0  # rigs, of which COLMAP 3.8 knows nothing
   slamdb convert finer finer.osa -O --onto "$1"
   grep -q 'put [1-9]' slamdb.log || fail "nothing was put onto $1: $(cat slamdb.log)"
   "$LOADER" finer.osa >/dev/null || fail "stock Boost does not load $1"
   "$SLAMDB" check --quiet finer.osa || fail "$1 is not sound any more: $("$SLAMDB" check finer.osa)"
-  is_at_most "$(error_in_atlas finer.osa)" "$(error_in_atlas "$1")" ||
-    fail "$1 of $(error_in_atlas "$1") px has $(error_in_atlas finer.osa) px"
-  echo "   adjusted: $(error_in_atlas "$1") px became $(error_in_atlas finer.osa) px"
+  before=$(error_in_atlas "$1") after=$(error_in_atlas finer.osa)
+  is_at_most "$after" "$before" || fail "$1 of $before px has $after px"
+  echo "   adjusted: $before px became $after px"
 }
 
-# Points from matches and poses alone. Those are numbered anew, and are not taken for ours.
-triangulate() { # ATLAS
+# Points from matches and poses alone. They are numbered anew, and not taken for those of the atlas with these numbers.
+triangulate() { # ATLAS HAS_PAIRS
   local model before after
   for model in $(models_in model); do
     rm -rf triangulated
@@ -93,7 +91,11 @@ triangulate() { # ATLAS
     run_colmap model_analyzer --path triangulated
     after=$(sed -n 's/^Points: //p' colmap.log)
     [ $((3 * after)) -ge "$before" ] || fail "$model: $after of $before points triangulated"
-    echo "   triangulated: $after of $before points, $(error_in_model triangulated) px"
+    if [ "$2" = no ]; then
+      slamdb convert triangulated numbered.osa -O --onto "$1"
+      grep -q "seen elsewhere" slamdb.log || fail "points of other numbers went onto $1: $(cat slamdb.log)"
+    fi
+    echo "   triangulated: $after of $before points, $(error_in_models triangulated) px"
   done
 }
 
@@ -109,7 +111,7 @@ prove() { # ATLAS
   convert_there_and_back
   [ "$(sqlite3 model/database.db "SELECT count(*) FROM images WHERE name LIKE 'right/%'")" = 0 ] || pairs=yes
   adjust "$1" $pairs
-  triangulate "$1"
+  triangulate "$1" $pairs
 }
 
 if [ ${#atlases[@]} = 0 ]; then

@@ -81,7 +81,8 @@ TEST_P(DocumentedFormat, MakesItsFixture) {
   }
   const WriteOptions options = ForAnyFormat({.format = GetParam(), .sync = false});
   if (std::getenv("SLAMDB_UPDATE_GOLDEN") != nullptr) {
-    WriteAtlas(LandmarkAtlas(), Location(path, {}), ForAnyFormat({.format = GetParam(), .overwrite = true}));
+    fs::remove_all(path);
+    WriteAtlas(LandmarkAtlas(), Location(path, {}), options);
     fs::remove(path + ".times");
   }
   ASSERT_TRUE(fs::exists(path)) << path << " is missing; SLAMDB_UPDATE_GOLDEN=1 makes it";

@@ -58,7 +58,7 @@ Eigen::Matrix4d TransformOf(const Image& image) {
                                     colmap::RotationOf(world_from_camera).normalized().toRotationMatrix() *
                                     Eigen::Vector3d(1, -1, -1).asDiagonal();
   transform.topRightCorner<3, 1>() = UpwardFromWorld() * colmap::TranslationOf(world_from_camera);
-  return transform;
+  return transform.array() + 0.0;  // no -0
 }
 
 // From where transforms.json is.
