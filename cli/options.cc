@@ -94,13 +94,17 @@ CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string&
   return files;
 }
 
-void AddFrom(CLI::App& verb, InputFormat& from) {
+void AddLayout(CLI::App& verb, std::string& layout) {
   verb.add_option(
-          "--layout", from.layout,
+          "--layout", layout,
           "Layout of an .osa file of a fork of ORB-SLAM3: one that is known, as obvi, or a JSON file; by default "
           "the one that fits")
       ->type_name("LAYOUT")
       ->group(kArchiveGroup);
+}
+
+void AddFrom(CLI::App& verb, InputFormat& from) {
+  AddLayout(verb, from.layout);
   verb.add_option("--from", from.format, "Format of the input; by default told by its content, then its suffix")
       ->type_name("FORMAT")
       ->check(CLI::IsMember(FormatIds(true)));

@@ -29,7 +29,7 @@ Trajectories TrajectoriesOfAtlas(const Atlas& atlas, const std::string& path, co
 
 Trajectories ReadTrajectoriesOf(const std::string& path, const TrajectoriesOptions& options, Console& console,
                                 Notices& notices) {
-  ReadOptions read = MakeReadOptions(console, {}, options.wait);
+  ReadOptions read = MakeReadOptions(console, {.format = {}, .layout = options.layout}, options.wait);
   read.features = FeatureColumns::kGeometry;  // depths tell whether the scale is open
   read.of<TrajectoryReadOptions>() = options.times.ForReading();
   // Not by way of an atlas, whose single precision has no room for coordinates as UTM's.

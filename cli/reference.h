@@ -25,6 +25,7 @@ struct Trajectories {
 
 struct TrajectoriesOptions {
   TimesOptions times;
+  std::string layout = {};      // of an .osa file of a fork, as --layout has it
   bool body = false;            // of atlases: where the IMU is, not the camera
   bool only_positions = false;  // in which order a file has quaternions does not matter then
   double wait = kUsualWait;

@@ -21,7 +21,7 @@ namespace slamdb::cli {
 namespace {
 
 struct EvaluateVerbOptions {
-  std::string estimate, reference;
+  std::string estimate, reference, layout;
   std::vector<std::uint64_t> maps;
   std::optional<std::uint64_t> reference_map;
   bool body = false, json = false, with_errors = false;
@@ -35,8 +35,9 @@ struct EvaluateVerbOptions {
 };
 
 EvaluationReport Evaluate(const EvaluateVerbOptions& options, Console& console, Notices& notices) {
-  const TrajectoriesOptions read{.body = options.body, .wait = options.wait};
+  TrajectoriesOptions read{.body = options.body, .wait = options.wait};
   TrajectoriesOptions read_truth = read;
+  read.layout = options.layout;
   read_truth.times = options.times;
   Trajectories estimate = ReadTrajectoriesOf(options.estimate, read, console, notices);
   Trajectories truth = ReadTrajectoriesOf(options.reference, read_truth, console, notices);
@@ -169,6 +170,7 @@ Run AddEvaluate(CLI::App& verb) {
   verb.add_flag("--joint", options->evaluation.joint,
                 "All maps are in one frame, and aligned and measured as one; by default each is by itself");
   verb.add_flag("--body", options->body, "Poses of atlases are those of the IMU, not of the camera");
+  AddLayout(verb, options->layout);
   AddPairing(verb, options->evaluation, options->times, "Pairs");
   BindErrors(verb, *options);
   BindLimits(verb, options->limits);

@@ -224,7 +224,7 @@ constexpr Example kExamples[] = {
 
 const Command kLayouts = {
     .name = "layouts",
-    .summary = "the members that forks of ORB-SLAM3 write: known ones, found ones",
+    .summary = "find and show the layouts of forks of ORB-SLAM3",
     .group = Group::kLook,
     .description =
         R"(Forks of ORB-SLAM3 put members of their own into the .osa file, or leave some out. A layout says which, as JSON. Those

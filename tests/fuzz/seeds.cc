@@ -247,10 +247,17 @@ void WriteAtlases(const path& folder) {
 void WriteSeedsOfLayouts(const path& base) {
   const Atlas atlas = SynthesizeAtlas({.keyframes = 5, .points = 30, .features = 60, .threads = 1});
   std::filesystem::create_directories(base / "layout_infer");
-  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
     std::mt19937_64 random(seed);
     const testing::Invention fork = testing::InventLayout(random, {.insertions = 1, .removals = seed % 3 == 0 ? 1 : 0});
-    WriteChanged(base / "layout_infer", std::to_string(seed), testing::Forge(atlas, fork.layout, random));
+    const std::string bytes = testing::Forge(atlas, fork.layout, random), name = std::to_string(seed);
+    Write(base / "layout_infer" / name, bytes);
+    for (std::size_t i = 1; i < 6; ++i) {
+      std::string changed = bytes;
+      changed[bytes.size() * i / 6] ^= static_cast<char>(0x83);
+      Write(base / "layout_infer" / (name + "_changed_" + std::to_string(i)), changed);
+      Write(base / "layout_infer" / (name + "_cut_" + std::to_string(i)), bytes.substr(0, bytes.size() * i / 6));
+    }
   }
   WriteChanged(base / "layout_source", "fork",
                "#define N 3\nclass MapPoint;\nstruct Base { int b; template <class A> void serialize(A& ar, unsigned) "
@@ -313,6 +320,7 @@ void WriteSeeds(const path& base) {
   WriteStorePatches(base / "store");
   WriteAtlases(base / "atlases");
   WriteSeedsOfFixtures(base);
+  WriteSeedsOfLayouts(base);
   WriteSeedsOfTables(base / "table");
   WriteSeedsOfClouds(base);
   WriteSeedsOfColmap(base / "colmap");

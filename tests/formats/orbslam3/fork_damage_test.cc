@@ -180,6 +180,15 @@ TEST(HostileLayout, MoreClassesThanThereAreNumbersFor) {
               HasSubstr("classes that ORB-SLAM3 does not have"));
 }
 
+TEST(HostileLayout, AnotherClassWhereThePreintegrationIs) {
+  const std::string layout = Changed(
+      R"({"class": "KeyFrame", "replace": ["mBackupImuPreintegrated"], "add": [["mBackupImuPreintegrated", "val<Other>"],
+                  ["mBackupImuPreintegrated", "val<Other>"]]})",
+      R"({"Other": {"fields": [["dT", "f32"]]}})");
+  const std::string bytes = WriteFork(SmallWorld(), layout);
+  EXPECT_TRUE(EncodeOrbslam3(ReadFork(bytes, layout)) == bytes);
+}
+
 // What a layout lacks stays as it is for new entities; the checks have their say.
 TEST(HostileLayout, WithoutMembersThatMapsNeed) {
   const std::string layout = Changed(R"({"class": "KeyFrame", "replace": ["mnId", "mTcw", "mvKeys"]},

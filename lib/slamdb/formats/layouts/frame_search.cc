@@ -11,7 +11,7 @@ using detail::Concat;
 
 constexpr std::size_t kBeam = 24, kMostEdits = 4;
 constexpr std::size_t kLongestRemoval = 6;
-constexpr std::size_t kMostTrials = 40'000;
+constexpr std::size_t kMostTrials = 15'000;
 
 // What forks' maps, atlases and cameras may have more, likeliest first.
 std::vector<std::string> FrameTypes() {

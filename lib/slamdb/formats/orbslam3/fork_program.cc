@@ -332,7 +332,8 @@ class Compiler {
       Add<Entity, StepsOf>(*layout_.Find(type.name), program, foreign);
       return true;
     } else if constexpr (std::is_same_v<Entity, KeyFrame>) {
-      if (member.name != "mBackupImuPreintegrated" || IsOwn(type.name)) return false;
+      const bool is_preintegration = member.name == "mBackupImuPreintegrated" && type.name == "Preintegrated";
+      if (!is_preintegration || IsOwn(type.name)) return false;
       class_info();
       program.push_back({.kind = Op<Entity>::Kind::kPreintegration, .name = member.name});
       return true;
