@@ -107,6 +107,13 @@ std::vector<std::string> IgnoredColumns(const Table& table, const TableKind& kin
   return ignored;
 }
 
+// The other table has ids and positions, too, and would move what it is not about.
+void RefuseOther(const Table& table, std::string_view only_other_has, std::string_view wanted, std::string_view found) {
+  if (std::ranges::find(table.names(), only_other_has, &detail::ColumnName::name) == table.names().end()) return;
+  throw Error(
+      ErrorKind::kDamaged, "", "line 1",
+      Concat("a table of ", found, "s, as its column ", only_other_has, " says, in place of one of ", wanted, "s"));
+}
 void RequireUsualUnits(const Table& table, std::initializer_list<std::size_t> lengths) {
   for (const std::size_t column : lengths) detail::RequireMetres(table, column);
 }
@@ -204,9 +211,10 @@ class Editor {
     for (const Map& map : atlas.maps) flags_.emplace_back(map);
   }
 
-  void ReadPoints(std::string_view text, TableChanges& changes) {
+  void ReadPoints(std::string_view text, TableEditCounts& changes) {
     Table table(text, PointTable());
     RequireIds(table, kPointId);
+    RefuseOther(table, "qw", "point", "keyframe");
     RequireUsualUnits(table, {kX, kX + 1, kX + 2, kNearest, kFarthest});
     changes.ignored = IgnoredColumns(table, PointTable(), kDerivedOfPoints);
     while (table.Next()) {
@@ -219,9 +227,10 @@ class Editor {
     }
   }
 
-  void ReadKeyFrames(std::string_view text, TableChanges& changes) {
+  void ReadKeyFrames(std::string_view text, TableEditCounts& changes) {
     Table table(text, KeyFrameTableKind());
     RequireIds(table, kKeyFrameId);
+    RefuseOther(table, "min_distance", "keyframe", "point");
     RequireUsualUnits(table, {kPose, kPose + 1, kPose + 2});
     RequireSeconds(table, kTimestamp);
     changes.ignored = IgnoredColumns(table, KeyFrameTableKind(), kDerivedOfKeyFrames);
@@ -276,7 +285,7 @@ class Editor {
     if (std::exchange(seen[row], std::uint8_t{1}) != 0) throw table.LineError("has the id of a row above");
   }
 
-  void EditPoint(const Table& table, const EntityRow& place, TableChanges& changes) {
+  void EditPoint(const Table& table, const EntityRow& place, TableEditCounts& changes) {
     MapPoint& point = atlas_.maps[place.map].points[place.row];
     detail::EditedRows& flags = flags_[place.map].points;
     flags.moved[place.row] = SetVector(table, kX, point.position);
@@ -295,7 +304,7 @@ class Editor {
     return true;
   }
 
-  void EditKeyFrame(const Table& table, const EntityRow& place, TableChanges& changes) {
+  void EditKeyFrame(const Table& table, const EntityRow& place, TableEditCounts& changes) {
     KeyFrame& keyframe = atlas_.maps[place.map].keyframes[place.row];
     const bool moved = SetPose(table, keyframe.camera_from_world);
     flags_[place.map].keyframes.moved[place.row] = moved;
@@ -315,7 +324,7 @@ class Editor {
 
   template <class List>
   static void DropUnseen(const List& list, const detail::EditedRows& flags, std::vector<std::uint8_t>& kept,
-                         TableChanges& changes) {
+                         TableEditCounts& changes) {
     if (std::ranges::find(flags.seen, 1) == flags.seen.end()) return;
     for (std::size_t row = 0; row < list.size(); ++row) {
       if (flags.seen[row] != 0 || list[row].bad) continue;
