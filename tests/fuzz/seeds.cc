@@ -10,13 +10,19 @@
 #include "slamdb/edit/ids/id_map.h"
 #include "slamdb/edit/ids/renumber.h"
 #include "slamdb/edit/repair/journal.h"
+#include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
 #include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/layouts/invented_layouts.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/fuzz/colmap_parts.h"
+#include "tests/fuzz/fork_parts.h"
+#include "tests/fuzz/files.h"
 #include "tests/fuzz/osa_mutator.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
@@ -173,6 +179,34 @@ void WriteSeedsOfColmap(const path& folder) {
   }
 }
 
+// Graphs of a handful of keyframes, in every form.
+void WriteSeedsOfGraphs(const path& base) {
+  WriteChanged(base / "orbslam2", "boost", ReadFixture("formats/orbslam2"));
+  const std::string vertices = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 2.5 -3 0 0.6 0 0.8\n# TIME 1 17.5\n";
+  WriteChanged(base / "g2o", "se3",
+               vertices + "FIX 0\nEDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\nPARAMS_X 1\n");
+  WriteChanged(base / "g2o", "sim3",
+               "VERTEX_SIM3:EXPMAP 3 0.1 0.2 0.3 1 2 3 0.5 9 9 1 1\nVERTEX_SIM3:EXPMAP 4 0 0 0 0 0 0 0\n"
+               "FIX 3 4\nEDGE_SIM3:EXPMAP 4 3 1e-6 0 0 1 2 3 -0.5\n");
+  const std::array<std::string, 3> vins = {ReadFixture("formats/vins/pose_graph.txt"),
+                                           ReadFixture("formats/vins/0_keypoints.txt"),
+                                           ReadFixture("formats/vins/0_briefdes.dat")};
+  WriteChanged(base / "vins", "graph", fuzz::JoinFiles(vins));
+}
+
+void WriteSeedsOfOsmap(const path& folder) {
+  const fuzz::Folder map("slamdb_seeds_osmap");
+  Atlas atlas = SynthesizeAtlas({.keyframes = 3, .points = 20, .features = 60, .threads = 1});
+  Notices notices;
+  osmap::Write(atlas, map.Path("map.yaml"), {.sync = false}, notices);
+  std::array<std::string, 4> files;
+  for (std::size_t i = 0; const char* suffix : {"yaml", "mappoints", "keyframes", "features"})
+    files[i++] = WholeFile(map.Path(std::string("map.") + suffix)).text();
+  WriteChanged(folder, "whole", fuzz::JoinFiles(files));
+  files[0].replace(files[0].find("Options: 0"), 10, "Options: 1");
+  WriteChanged(folder, "delimited", fuzz::JoinFiles(files));
+}
+
 void WriteSeedsOfTables(const path& folder) {
   WriteChanged(folder, "fixes", "\xef\xbb\xbfTime [s];Lat;Lon;alt_ft\r\n+1.5;47.25;8.5;400\r\n2.5;-47;8;nan\r\n");
   WriteChanged(folder, "anchors", "# pairs\nfirst, second, first_x\n0, 1,\n\n2, 3, 1e3\n");
@@ -207,6 +241,42 @@ void WriteAtlases(const path& folder) {
           Write(folder / (name + "_changed_" + std::to_string(variation)), *encoded);
       }
     }
+}
+
+// Small files of forks that nobody wrote, and the sources of one.
+void WriteSeedsOfLayouts(const path& base) {
+  const Atlas atlas = SynthesizeAtlas({.keyframes = 5, .points = 30, .features = 60, .threads = 1});
+  std::filesystem::create_directories(base / "layout_infer");
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    std::mt19937_64 random(seed);
+    const testing::Invention fork = testing::InventLayout(random, {.insertions = 1, .removals = seed % 3 == 0 ? 1 : 0});
+    WriteChanged(base / "layout_infer", std::to_string(seed), testing::Forge(atlas, fork.layout, random));
+  }
+  WriteChanged(base / "layout_source", "fork",
+               "#define N 3\nclass MapPoint;\nstruct Base { int b; template <class A> void serialize(A& ar, unsigned) "
+               "{ ar & b; } };\nclass Map : public Base { std::vector<MapPoint*> p; float m[3]; // c\n"
+               "template <class Archive> void serialize(Archive& ar, const unsigned int v) {\n#ifdef X\nar & p;\n#else"
+               "\nar & m;\n#endif\nar & boost::serialization::base_object<Base>(*this); if (Archive::is_saving::value) "
+               "{ ar << p; } }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }\n");
+}
+
+// The same small atlas in every known layout, and in one with members of all kinds.
+void WriteSeedsOfForks(const path& folder) {
+  const Atlas small = SynthesizeAtlas({.keyframes = 2, .points = 3, .features = 4, .threads = 1});
+  const auto write = [&](const std::string& name, const std::string& layout, bool text) {
+    Atlas atlas = small;
+    for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.features.grid = {};
+    atlas.encoding.text = text;
+    atlas.layout = layout;
+    WriteChanged(folder, name, fuzz::JoinFork(layout, EncodeOrbslam3(atlas)));
+  };
+  for (const Layout& layout : KnownLayouts()) write(layout.id, layout.id, false);
+  const std::string every =
+      R"({"base":"v1.0","classes":{"T":{"fields":[["a","u32"],["b","list<u64>"]]},"U":{"fields":[["a","u8"]]}},"changes":[{"class":"KeyFrame",)"
+      R"("after":"","add":[["a","string"],["b","map<u64,vec<f32>>"],["c","mat"],["d","mat2"],["e","kps"],)"
+      R"(["f","ptr<T>"],["g","ptr<KeyFrame>"],["h","ptr<GeometricCamera>"],["i","vec<val<U>>"]]}]})";
+  write("every", ToJson(ParseLayout(every)), false);
+  write("every_text", ToJson(ParseLayout(every)), true);
 }
 
 // Journals that lead from the atlas of fuzz_json.cc to what it is when fields and lists are changed, and ids for it.
@@ -246,6 +316,9 @@ void WriteSeeds(const path& base) {
   WriteSeedsOfTables(base / "table");
   WriteSeedsOfClouds(base);
   WriteSeedsOfColmap(base / "colmap");
+  WriteSeedsOfForks(base / "fork");
+  WriteSeedsOfGraphs(base);
+  WriteSeedsOfOsmap(base / "osmap");
   WriteSeedsOfJson(base / "json");
   const path archives = base / "orbslam3", blobs = base / "store_blobs";
   std::filesystem::create_directories(archives);

@@ -196,8 +196,10 @@ const Format& DetectFormat(const Probe& probe) {
 }
 
 // A format that was asked for is not what the file has where the file is known to be something else; what reads it may
-// go by several names, as of text and binary archives.
+// go by several names, as of text and binary archives. One that is only asked for, without a signature and a suffix, is
+// another view of files that are known.
 void RefuseOther(const Format& format, const Probe& probe) {
+  if (format.sniff == nullptr && format.suffixes.empty()) return;
   for (const Format& known : Formats())
     if (known.read == format.read && Sniffs(known, probe)) return;
   if (const auto foreign = detail::RecognizeOther(probe)) RefuseForeign(*foreign, probe.path);

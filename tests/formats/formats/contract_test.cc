@@ -125,11 +125,6 @@ class EveryFormat : public ::testing::TestWithParam<std::string> {
   bool is_stream() const { return !is_store() && !format().is_folder && !format().needs_path; }
 };
 
-// What 3D Gaussian splatting takes is a model of COLMAP, with pictures.
-bool IsKnownAs(const Format& format, const Format& other) {
-  return other.id == format.id || (format.id == "3dgs" && other.id == "colmap");
-}
-
 TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
   const TemporaryFolder folder;
   Notices notices;
@@ -137,7 +132,7 @@ TEST_P(EveryFormat, KnowsItsOwnFilesAndNoOthers) {
   const Probe probe = Probe::Of(folder.Path("out"));
   for (const Format& other : Formats())
     if (other.sniff != nullptr) {
-      EXPECT_EQ(other.is_folder == probe.is_directory && other.sniff(probe), IsKnownAs(format(), other)) << other.id;
+      EXPECT_EQ(other.is_folder == probe.is_directory && other.sniff(probe), other.id == format().id) << other.id;
     }
 }
 

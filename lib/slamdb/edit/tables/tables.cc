@@ -211,7 +211,7 @@ class Editor {
     for (const Map& map : atlas.maps) flags_.emplace_back(map);
   }
 
-  void ReadPoints(std::string_view text, TableEditCounts& changes) {
+  void ReadPoints(std::string_view text, TableEditChanges& changes) {
     Table table(text, PointTable());
     RequireIds(table, kPointId);
     RefuseOther(table, "qw", "point", "keyframe");
@@ -227,7 +227,7 @@ class Editor {
     }
   }
 
-  void ReadKeyFrames(std::string_view text, TableEditCounts& changes) {
+  void ReadKeyFrames(std::string_view text, TableEditChanges& changes) {
     Table table(text, KeyFrameTableKind());
     RequireIds(table, kKeyFrameId);
     RefuseOther(table, "min_distance", "keyframe", "point");
@@ -285,7 +285,7 @@ class Editor {
     if (std::exchange(seen[row], std::uint8_t{1}) != 0) throw table.LineError("has the id of a row above");
   }
 
-  void EditPoint(const Table& table, const EntityRow& place, TableEditCounts& changes) {
+  void EditPoint(const Table& table, const EntityRow& place, TableEditChanges& changes) {
     MapPoint& point = atlas_.maps[place.map].points[place.row];
     detail::EditedRows& flags = flags_[place.map].points;
     flags.moved[place.row] = SetVector(table, kX, point.position);
@@ -304,7 +304,7 @@ class Editor {
     return true;
   }
 
-  void EditKeyFrame(const Table& table, const EntityRow& place, TableEditCounts& changes) {
+  void EditKeyFrame(const Table& table, const EntityRow& place, TableEditChanges& changes) {
     KeyFrame& keyframe = atlas_.maps[place.map].keyframes[place.row];
     const bool moved = SetPose(table, keyframe.camera_from_world);
     flags_[place.map].keyframes.moved[place.row] = moved;
@@ -324,7 +324,7 @@ class Editor {
 
   template <class List>
   static void DropUnseen(const List& list, const detail::EditedRows& flags, std::vector<std::uint8_t>& kept,
-                         TableEditCounts& changes) {
+                         TableEditChanges& changes) {
     if (std::ranges::find(flags.seen, 1) == flags.seen.end()) return;
     for (std::size_t row = 0; row < list.size(); ++row) {
       if (flags.seen[row] != 0 || list[row].bad) continue;
