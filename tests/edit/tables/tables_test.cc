@@ -353,6 +353,9 @@ constexpr Refused kRefused[] = {
     {"NotFiniteRotation", nullptr, "map,id,x,y,z,qx,qy,qz,qw\n0,K,1,2,3,nan,0,0,1\n", "line 2: no pose"},
     {"Time", nullptr, "map,id,timestamp\n0,K,inf\n",
      "line 2: expected a time in seconds, found 'inf' in column timestamp"},
+    {"OfKeyFrames", "map,id,x,y,z,qx,qy,qz,qw\n0,P,1,2,3,0,0,0,1\n", nullptr,
+     "line 1: a table of keyframes, as its column qw says, in place of one of points"},
+    {"OfPoints", nullptr, "map,id,x,y,z,min_distance\n0,K,1,2,3,4\n", "line 1: a table of points, as its column"},
     {"Nanoseconds", nullptr, "map,id,timestamp\n0,K,1403636579763555584\n", "line 2: expected a time in seconds"},
 };
 

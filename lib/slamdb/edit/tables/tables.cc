@@ -107,6 +107,13 @@ std::vector<std::string> IgnoredColumns(const Table& table, const TableKind& kin
   return ignored;
 }
 
+// The other table has ids and positions, too, and would move what it is not about.
+void RefuseOther(const Table& table, std::string_view only_other_has, std::string_view wanted, std::string_view found) {
+  if (std::ranges::find(table.names(), only_other_has, &detail::ColumnName::name) == table.names().end()) return;
+  throw Error(
+      ErrorKind::kDamaged, "", "line 1",
+      Concat("a table of ", found, "s, as its column ", only_other_has, " says, in place of one of ", wanted, "s"));
+}
 void RequireUsualUnits(const Table& table, std::initializer_list<std::size_t> lengths) {
   for (const std::size_t column : lengths) detail::RequireMetres(table, column);
 }
@@ -207,6 +214,7 @@ class Editor {
   void ReadPoints(std::string_view text, TableEditChanges& changes) {
     Table table(text, PointTable());
     RequireIds(table, kPointId);
+    RefuseOther(table, "qw", "point", "keyframe");
     RequireUsualUnits(table, {kX, kX + 1, kX + 2, kNearest, kFarthest});
     changes.ignored = IgnoredColumns(table, PointTable(), kDerivedOfPoints);
     while (table.Next()) {
@@ -222,6 +230,7 @@ class Editor {
   void ReadKeyFrames(std::string_view text, TableEditChanges& changes) {
     Table table(text, KeyFrameTableKind());
     RequireIds(table, kKeyFrameId);
+    RefuseOther(table, "min_distance", "keyframe", "point");
     RequireUsualUnits(table, {kPose, kPose + 1, kPose + 2});
     RequireSeconds(table, kTimestamp);
     changes.ignored = IgnoredColumns(table, KeyFrameTableKind(), kDerivedOfKeyFrames);

@@ -182,20 +182,34 @@ PointSet ReadAscii(const std::string& path, const Header& header, std::string_vi
   return points;
 }
 
+// Where the numbers of a column are: the first, and how far it is from one point to the next.
+struct Place {
+  const CloudColumn* column;
+  std::uint64_t first, step;
+};
+
 // Point after point, or `by_field` all numbers of a field behind those of the one before, as PCL compresses them.
+std::vector<Place> PlacesOf(const Header& header, bool by_field) {
+  std::vector<Place> places;
+  std::uint64_t before = 0;  // bytes of a point in the fields before
+  for (const Field& field : header.fields) {
+    if (field.count == 1)
+      places.push_back(by_field ? Place{&field.column, before * header.points, field.bytes()}
+                                : Place{&field.column, before, header.row_bytes()});
+    before += field.bytes();
+  }
+  return places;
+}
+
 PointSet ReadBinary(const std::string& path, const Header& header, std::string_view bytes, bool by_field) {
   RequireRoom(path, header.points, header.row_bytes(), bytes.size());
   PointSet points = Points(path, header);
+  const std::vector<Place> places = PlacesOf(header, by_field);
   const auto* data = reinterpret_cast<const std::byte*>(bytes.data());
   for (std::uint64_t row = 0; row < header.points; ++row) {
     points.BeginPoint();
-    std::uint64_t before = 0;  // bytes of a point in the fields before
-    for (const Field& field : header.fields) {
-      const std::uint64_t at =
-          by_field ? before * header.points + row * field.bytes() : row * header.row_bytes() + before;
-      if (field.count == 1) points.Set(field.column, data + at, /*swapped=*/false);
-      before += field.bytes();
-    }
+    for (const Place& place : places)
+      points.Set(*place.column, data + place.first + row * place.step, /*swapped=*/false);
     points.EndPoint();
   }
   return points;
