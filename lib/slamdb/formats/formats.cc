@@ -107,7 +107,8 @@ struct KindredSuffix {
 constexpr KindredSuffix kKindred[] = {
     {".gltf", ".glb", true}, {".kmz", ".kml", true}, {".obj", ".ply", true}, {".stl", ".ply", true},
     {".bag", ".mcap", true}, {".db3", ".mcap"},      {".json", ".ndjson"},   {".tsv", ".csv"},
-    {".gz", ".mrpt.gz"},     {".bin", ".osa"},
+    {".gz", ".mrpt.gz"},     {".bin", ".osa"},       {".laz", ".las", true}, {".asc", ".xyz"},
+    {".pts", ".xyz"},
 };
 
 const KindredSuffix* FindKindred(const std::string& path) {
