@@ -12,10 +12,16 @@ for line in sys.stdin:
         points.append(entity)
 keyframes.sort(key=lambda k: k["id"])
 points.sort(key=lambda p: p["id"])
-seen = {k["id"]: 0 for k in keyframes}
+slots = {k["id"]: k["features"]["map_points"] for k in keyframes}
+points_of = {}  # of a keypoint; of several points it is the one that it knows, or the first
 for point in points:
     for observation in point["observations"]:
-        seen[observation["keyframe"]] += point["id"]
+        keyframe, row = observation["keyframe"], observation["left"]
+        if (keyframe, row) not in points_of or slots[keyframe][row] == point["id"]:
+            points_of[keyframe, row] = point["id"]
+kept = set(points_of.values())
+points = [point for point in points if point["id"] in kept]
+seen = {k["id"]: sum(p for (keyframe, _), p in points_of.items() if keyframe == k["id"]) for k in keyframes}
 
 
 def bits(value):

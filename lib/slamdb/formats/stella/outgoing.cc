@@ -135,7 +135,7 @@ void Outgoing::CollectPoints(const std::vector<const Map*>& maps) {
       if (point.bad)
         ++losses_.bad_points;
       else
-        points_.push_back({.point = &point, .reference = {}});
+        points_.push_back({.point = &point, .reference = point.reference});
     }
   point_rows_ = SortById(points_, IdOfPoint, path_);
 }
@@ -192,17 +192,16 @@ Outgoing::SlotCounts Outgoing::PlaceSlots(OutgoingKeyFrame& written) const {
 
 // stella_vslam needs a keyframe that sees a point, to describe it.
 void Outgoing::KeepSeenPoints() {
-  std::vector<KeyFrameId> seen_by(points_.size());
-  for (const OutgoingKeyFrame& written : keyframes_)
+  std::vector<KeyFrameId> seen_by(points_.size());  // the reference, or the first of them
+  for (const OutgoingKeyFrame& written : keyframes_) {
+    const KeyFrameId keyframe = IdOf(written);
     for (const std::int32_t id : written.points) {
       if (id < 0) continue;
       const std::uint32_t point = point_rows_.Find(static_cast<std::uint64_t>(id));
-      OutgoingPoint& seen = points_[point];
-      if (!seen_by[point]) seen_by[point] = IdOf(written);
-      if (seen.point->reference == IdOf(written)) seen.reference = IdOf(written);
+      if (!seen_by[point] || points_[point].reference == keyframe) seen_by[point] = keyframe;
     }
-  for (std::size_t row = 0; row < points_.size(); ++row)
-    if (!points_[row].reference) points_[row].reference = seen_by[row];
+  }
+  for (std::size_t row = 0; row < points_.size(); ++row) points_[row].reference = seen_by[row];
   losses_.unseen_points = std::erase_if(points_, [](const OutgoingPoint& point) { return !point.reference; });
 }
 
