@@ -10,14 +10,18 @@
 #include "slamdb/edit/ids/id_map.h"
 #include "slamdb/edit/ids/renumber.h"
 #include "slamdb/edit/repair/journal.h"
+#include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
 #include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/layouts/invented_layouts.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/fuzz/colmap_parts.h"
+#include "tests/fuzz/fork_parts.h"
 #include "tests/fuzz/files.h"
 #include "tests/fuzz/osa_mutator.h"
 
@@ -124,6 +128,44 @@ void WriteSeedsOfFixtures(const path& base) {
                "#timestamp, p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,0,0,0,0,0,0\n");
 }
 
+// Of slamdb, and with what others have: lists, big endian, padding, compressed fields.
+void WriteSeedsOfClouds(const path& base) {
+  WriteChanged(base / "ply", "ours", ReadFixture("formats/ply"));
+  const std::string head =
+      "element face 1\nproperty list uchar int i\nelement vertex 2\nproperty double x\nproperty "
+      "short y\nproperty list uint float w\nproperty float z\nproperty char id\nend_header\n";
+  WriteChanged(base / "ply", "ascii",
+               "ply\r\nformat ascii 1.0\ncomment c\n" + head + "3 0 1 2\n1.5 2 2 9 9 nan 7\n-1e300 2 0 3 -1\n");
+  const std::string lists(
+      "\1\0\0\0\2"
+      "12345678"
+      "12"
+      "\0\0\0\1"
+      "wwww"
+      "zzzz"
+      "i"
+      "12345678"
+      "12"
+      "\0\0\0\0"
+      "zzzzi",
+      47);
+  WriteChanged(base / "ply", "big_endian", "ply\nformat binary_big_endian 1.0\n" + head + lists);
+  WriteChanged(base / "pcd", "ours", ReadFixture("formats/pcd"));
+  const std::string fields =
+      "VERSION .7\nFIELDS x _ y z id\nSIZE 4 1 8 2 1\nTYPE F U F I U\nCOUNT 1 2 1 1 1\nWIDTH "
+      "2\nHEIGHT 1\nVIEWPOINT 1 0 0 1 0 0 0\nPOINTS 2\nDATA ";
+  WriteChanged(base / "pcd", "ascii", fields + "ascii\n1 0 0 2e0 3 4\nnan 0 0 nan -3 255\n");
+  WriteChanged(base / "pcd", "binary", fields + "binary\n" + std::string(34, 'b'));
+  const std::string lzf(
+      "\x07\0\0\0\x22\0\0\0"
+      "\1ab\xe0\x17\1\0\x20\0",
+      16);  // two letters, over and over
+  WriteChanged(base / "pcd", "compressed", fields + "binary_compressed\n" + lzf);
+  WriteChanged(base / "xyz", "names", "//X Y Z nx ny nz id map i\n1 2 3 0 0 1 7 1 9\n-1e9 2 nan 0 0 1 8 0 9\n");
+  WriteChanged(base / "xyz", "numbers", "# c\n1.5, 2, 3, 255\n\n+4, 5e-3, inf, 0\n");
+  WriteChanged(base / "xyz", "commas", "1,5;2;3\r\n4;5,25;6\r\n");
+}
+
 void WriteSeedsOfColmap(const path& folder) {
   constexpr std::array kParts = {"cameras", "images", "points3D", "rigs", "frames"};
   for (const bool binary : {true, false}) {
@@ -203,6 +245,42 @@ void WriteAtlases(const path& folder) {
     }
 }
 
+// Small files of forks that nobody wrote, and the sources of one.
+void WriteSeedsOfLayouts(const path& base) {
+  const Atlas atlas = SynthesizeAtlas({.keyframes = 5, .points = 30, .features = 60, .threads = 1});
+  std::filesystem::create_directories(base / "layout_infer");
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    std::mt19937_64 random(seed);
+    const testing::Invention fork = testing::InventLayout(random, {.insertions = 1, .removals = seed % 3 == 0 ? 1 : 0});
+    WriteChanged(base / "layout_infer", std::to_string(seed), testing::Forge(atlas, fork.layout, random));
+  }
+  WriteChanged(base / "layout_source", "fork",
+               "#define N 3\nclass MapPoint;\nstruct Base { int b; template <class A> void serialize(A& ar, unsigned) "
+               "{ ar & b; } };\nclass Map : public Base { std::vector<MapPoint*> p; float m[3]; // c\n"
+               "template <class Archive> void serialize(Archive& ar, const unsigned int v) {\n#ifdef X\nar & p;\n#else"
+               "\nar & m;\n#endif\nar & boost::serialization::base_object<Base>(*this); if (Archive::is_saving::value) "
+               "{ ar << p; } }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }\n");
+}
+
+// The same small atlas in every known layout, and in one with members of all kinds.
+void WriteSeedsOfForks(const path& folder) {
+  const Atlas small = SynthesizeAtlas({.keyframes = 2, .points = 3, .features = 4, .threads = 1});
+  const auto write = [&](const std::string& name, const std::string& layout, bool text) {
+    Atlas atlas = small;
+    for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.features.grid = {};
+    atlas.encoding.text = text;
+    atlas.layout = layout;
+    WriteChanged(folder, name, fuzz::JoinFork(layout, EncodeOrbslam3(atlas)));
+  };
+  for (const Layout& layout : KnownLayouts()) write(layout.id, layout.id, false);
+  const std::string every =
+      R"({"base":"v1.0","classes":{"T":{"fields":[["a","u32"],["b","list<u64>"]]},"U":{"fields":[["a","u8"]]}},"changes":[{"class":"KeyFrame",)"
+      R"("after":"","add":[["a","string"],["b","map<u64,vec<f32>>"],["c","mat"],["d","mat2"],["e","kps"],)"
+      R"(["f","ptr<T>"],["g","ptr<KeyFrame>"],["h","ptr<GeometricCamera>"],["i","vec<val<U>>"]]}]})";
+  write("every", ToJson(ParseLayout(every)), false);
+  write("every_text", ToJson(ParseLayout(every)), true);
+}
+
 // Journals that lead from the atlas of fuzz_json.cc to what it is when fields and lists are changed, and ids for it.
 void WriteSeedsOfJson(const path& folder) {
   const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 4, .points = 20, .features = 60, .threads = 1});
@@ -238,7 +316,9 @@ void WriteSeeds(const path& base) {
   WriteAtlases(base / "atlases");
   WriteSeedsOfFixtures(base);
   WriteSeedsOfTables(base / "table");
+  WriteSeedsOfClouds(base);
   WriteSeedsOfColmap(base / "colmap");
+  WriteSeedsOfForks(base / "fork");
   WriteSeedsOfGraphs(base);
   WriteSeedsOfOsmap(base / "osmap");
   WriteSeedsOfJson(base / "json");

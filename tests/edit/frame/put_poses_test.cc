@@ -167,6 +167,17 @@ TEST(PutPoses, TakePositionsOfPoints) {
   EXPECT_EQ(atlas.maps[0].points[2].position, other);
 }
 
+// Programs that make points anew number them from 1 on: an id alone does not tell that it is the same point.
+TEST(PutPoses, LeavePointsThatAreSeenElsewhere) {
+  Atlas atlas = OneMapAtlas();
+  const PointPosition same{MapPointId(10), {0, 0, 4}, KeyFrameId(3), 0};
+  const PointPosition other{MapPointId(10), {9, 9, 9}, KeyFrameId(3), 1};
+  EXPECT_EQ(PutPoses(atlas, {}, {.points = {same}}).points, 1U);
+  const std::vector<KeyFramePose> poses = {{KeyFrameId(1), 0.5, {}}};
+  EXPECT_EQ(PutPoses(atlas, poses, {.points = {other}}).unknown_points, 1U);
+  EXPECT_EQ(atlas.maps[0].points[0].position, Eigen::Vector3f(0, 0, 4));
+}
+
 TEST(PutPoses, RefuseWhatIsNoneOrOfNoKeyFrame) {
   Atlas atlas = OneMapAtlas();
   const Similarity3d somewhere{1, Eigen::Quaterniond::Identity(), {1, 1, 1}};

@@ -96,7 +96,7 @@ class Putter {
     }
     for (const PointPosition& point : options_.points) {
       const EntityRow place = index_.LocatePoint(point.point);
-      if (!place || atlas_.maps[place.map].points[place.row].bad) {
+      if (!place || !IsSamePoint(atlas_.maps[place.map].points[place.row], point)) {
         ++report_.unknown_points;
         continue;
       }
@@ -113,12 +113,20 @@ class Putter {
       if (news_[map].any()) PutMap(atlas_.maps[map], news_[map]);
     Warn(report_.unknown_poses, "pose",
          " left out: of no good keyframe of the atlas, or of one that had a pose already");
-    Warn(report_.unknown_points, "position", " left out: of no good point of the atlas");
+    Warn(report_.unknown_points, "position", " left out: of no good point of the atlas, or of one that is seen elsewhere");
     Warn(report_.followers, "keyframe", " without a new pose went with the parent in the spanning tree");
     return std::move(report_);
   }
 
  private:
+  static bool IsSamePoint(const MapPoint& point, const PointPosition& position) {
+    if (point.bad || !position.seen_by) return !point.bad;
+    return std::ranges::any_of(point.observations, [&](const Observation& seen) {
+      return seen.keyframe == position.seen_by &&
+             (seen.left == position.keypoint || seen.right == position.keypoint);
+    });
+  }
+
   void PutMap(Map& map, const News& news) {
     const detail::MapStates before(map);
     detail::MapStates after = before;
