@@ -170,8 +170,7 @@ Atlas PutOnto(const HeldSource& poses, const ReadOptions& read, const ConvertOpt
   const std::vector<KeyFramePose> found = ReadKeyFramePoses(poses, read, &notices, &places.points);
   const PutPosesReport put = PutPoses(atlas, found, places);
   notices.Note("put " + Counted(put.keyframes, "pose") + " and " + Counted(put.points, "point") + " into " +
-               options.onto +
-               "; the largest shift of a camera is " + detail::Digits(put.largest_shift, 3));
+               options.onto + "; the largest shift of a camera is " + detail::Digits(put.largest_shift, 3));
   for (const std::string& warning : put.warnings) notices.Warn(warning);
   return atlas;
 }
@@ -255,10 +254,10 @@ Run AddConvert(CLI::App& verb) {
       ->required();
   AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
   AddFrom(verb, options->from);
-  verb.add_option(
-          "--onto", options->onto,
-          "Write this atlas with the poses and points of INPUT, such as a graph or a reconstruction that was optimised: by "
-          "id, or by time where INPUT is a trajectory; other points follow their reference keyframe")
+  verb.add_option("--onto", options->onto,
+                  "Write this atlas with the poses and points of INPUT, such as a graph or a reconstruction that was "
+                  "optimised: by "
+                  "id, or by time where INPUT is a trajectory; other points follow their reference keyframe")
       ->type_name("FILE");
   AddTarget(verb, options->target);
   AddWait(verb, options->wait);

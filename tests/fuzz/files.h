@@ -37,8 +37,7 @@ std::string JoinFiles(const Files& files) {
 // A folder of this process, on a file system in memory where there is one.
 class Folder {
  public:
-  explicit Folder(const std::string& name)
-      : path_(Base() / (name + "_" + std::to_string(::getpid()))) {
+  explicit Folder(const std::string& name) : path_(Base() / (name + "_" + std::to_string(::getpid()))) {
     std::filesystem::create_directories(path_);
   }
   ~Folder() {

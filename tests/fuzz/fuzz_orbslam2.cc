@@ -4,8 +4,8 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/require.h"
 
-// Any bytes as a map of ORB-SLAM2. They are read or fail with an Error; what was read is written for ORB-SLAM3, and read
-// again to the same.
+// Any bytes as a map of ORB-SLAM2. They are read or fail with an Error; what was read is written for ORB-SLAM3, and
+// read again to the same.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace slamdb;
   fuzz::MayRefuse([&] {

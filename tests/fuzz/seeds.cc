@@ -182,9 +182,11 @@ void WriteSeedsOfColmap(const path& folder) {
 // Graphs of a handful of keyframes, in every form.
 void WriteSeedsOfGraphs(const path& base) {
   WriteChanged(base / "orbslam2", "boost", ReadFixture("formats/orbslam2"));
-  const std::string vertices = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 2.5 -3 0 0.6 0 0.8\n# TIME 1 17.5\n";
-  WriteChanged(base / "g2o", "se3",
-               vertices + "FIX 0\nEDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\nPARAMS_X 1\n");
+  const std::string vertices =
+      "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 2.5 -3 0 0.6 0 0.8\n# TIME 1 17.5\n";
+  WriteChanged(
+      base / "g2o", "se3",
+      vertices + "FIX 0\nEDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\nPARAMS_X 1\n");
   WriteChanged(base / "g2o", "sim3",
                "VERTEX_SIM3:EXPMAP 3 0.1 0.2 0.3 1 2 3 0.5 9 9 1 1\nVERTEX_SIM3:EXPMAP 4 0 0 0 0 0 0 0\n"
                "FIX 3 4\nEDGE_SIM3:EXPMAP 4 3 1e-6 0 0 1 2 3 -0.5\n");

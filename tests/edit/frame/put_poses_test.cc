@@ -57,7 +57,9 @@ TEST(PutPoses, ChangeNothingElse) {
   const Map& before = atlas.maps[0];
   const KeyFrame& keyframe = map.keyframes[moved];
   EXPECT_LT((CameraCenter(keyframe).cast<double>() - poses[moved].world_from_camera.translation).norm(), 1e-5);
-  EXPECT_LT((keyframe.velocity.cast<double>() - motion.rotation * before.keyframes[moved].velocity.cast<double>()).norm(), 1e-5);
+  EXPECT_LT(
+      (keyframe.velocity.cast<double>() - motion.rotation * before.keyframes[moved].velocity.cast<double>()).norm(),
+      1e-5);
   std::size_t followed = 0;
   for (std::size_t row = 0; row < map.points.size(); ++row) {
     MapPoint& point = map.points[row];
@@ -86,7 +88,8 @@ TEST(PutPoses, ChangeNothingElse) {
 TEST(PutPoses, GiveTheSameForAnyNumberOfThreads) {
   const Atlas atlas = InertialWorld();
   std::vector<KeyFramePose> poses = PosesOf(atlas.maps[0]);
-  for (KeyFramePose& pose : poses) pose.world_from_camera.translation.x() += 0.1 * static_cast<double>(pose.keyframe.value() % 3);
+  for (KeyFramePose& pose : poses)
+    pose.world_from_camera.translation.x() += 0.1 * static_cast<double>(pose.keyframe.value() % 3);
   Atlas alone = atlas, many = atlas;
   PutPoses(alone, poses, {.threads = 1});
   PutPoses(many, poses, {.threads = 5});

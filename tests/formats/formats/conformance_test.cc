@@ -43,6 +43,7 @@ std::vector<Case> Cases() {
     const std::string id(format.id);
     Case& one = cases.emplace_back(
         Case{"format", id, std::string(format.title), "../formats/" + id, "", "meaning/" + id + ".ndjson"});
+    if (format.needs_path) one.file += "/" + id;  // with files beside it
     if (format.named) one.file = id + ".db", one.atlas = "example";
   }
   for (const Layout& layout : KnownLayouts().subspan(1))

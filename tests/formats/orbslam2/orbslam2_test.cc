@@ -215,8 +215,7 @@ TEST(Orbslam2, ReadsAChainOfAnyDepth) {
 TEST(Orbslam2, GivesBackMapsWithoutPointsOrKeyFrames) {
   Atlas atlas = MonocularAtlas();
   Map& map = atlas.maps[0];
-  for (KeyFrame& keyframe : map.keyframes)
-    std::ranges::fill(keyframe.features.map_points, MapPointId());
+  for (KeyFrame& keyframe : map.keyframes) std::ranges::fill(keyframe.features.map_points, MapPointId());
   map.points.clear();
   EXPECT_EQ(ReadGraph(EncodeGraph(map).bytes).maps[0].keyframes.size(), 12U);
   Map points = MonocularAtlas().maps[0];

@@ -214,6 +214,9 @@ class AtlasMaker {
     std::iota(order.begin(), order.end(), 0U);
     std::ranges::stable_sort(order, {}, [&](std::uint32_t row) { return graph_.poses[row].keyframe; });
     places_.resize(order.size());
+    std::vector<std::size_t> sizes(atlas.maps.size());
+    for (const std::uint32_t map : map_of) ++sizes[map];
+    for (std::size_t map = 0; map < sizes.size(); ++map) atlas.maps[map].keyframes.reserve(sizes[map]);
     for (const std::uint32_t row : order) {
       Column<KeyFrame>& keyframes = atlas.maps[map_of[row]].keyframes;
       places_[row] = {map_of[row], static_cast<std::uint32_t>(keyframes.size())};
