@@ -37,7 +37,7 @@ bool IsOfTheBytes(const Error& error) {
 }
 
 // Text does not say how wide the writer's long and size_t were.
-ForkReading ReadWithWidths(const Source& source, ForkProgram& program, const ReadOptions& options) {
+ForkReading ReadWithWidths(const Source& source, const ForkProgram& program, const ReadOptions& options) {
   struct Widths {
     std::uint8_t long_bytes, size_bytes;
   };
@@ -63,7 +63,9 @@ ForkReading ReadWithWidths(const Source& source, ForkProgram& program, const Rea
 
 void Finish(ForkReading& reading, const ForkProgram& program, const Source& source, const ReadOptions& options,
             Notices& notices) {
-  reading.atlas.layout = NameFor(program.layout);
+  Layout layout = program.layout;
+  for (const auto& [of_class, key] : reading.exported) layout.Find(of_class)->exported = key;
+  reading.atlas.layout = NameFor(layout);
   if (reading.left > 0)
     notices.Lose(Concat(source.path, ": ", reading.left,
                         " bytes behind the end of the atlas are not part of it and were left out"));
@@ -73,6 +75,12 @@ void Finish(ForkReading& reading, const ForkProgram& program, const Source& sour
   if (options.part_sizes != nullptr)
     ListPartSizes(reading.part_bytes, static_cast<std::size_t>(detail::FileStream(source).size()), *options.part_sizes);
   if (!options.selection.everything()) Select(options.selection, reading.atlas);
+}
+
+// Made ready once, as many files may be none of them.
+const std::vector<ForkProgram>& KnownForks() {
+  static const std::vector<ForkProgram> kForks(KnownLayouts().begin() + 1, KnownLayouts().end());
+  return kForks;
 }
 
 // ---- what carries members of a fork
@@ -139,7 +147,7 @@ std::uint64_t Reachable(const std::vector<std::string>& names, std::uint64_t cou
 bool IsOwnLayout(std::string_view layout) { return layout.empty() || layout == kOwn; }
 
 Atlas ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options, Notices& notices) {
-  ForkProgram program(LayoutOf(layout));
+  const ForkProgram program(LayoutOf(layout));
   ForkReading reading = ReadWithWidths(source, program, options);
   Finish(reading, program, source, options, notices);
   if (LooksLikeAnotherLayout(reading.atlas, CountImplausible(reading.atlas) + reading.implausible))
@@ -150,18 +158,17 @@ Atlas ReadInLayout(const Source& source, const std::string& layout, const ReadOp
 
 std::optional<Atlas> ReadInKnownLayout(const Source& source, const ReadOptions& options, Notices& notices) {
   std::optional<ForkReading> best;
-  std::optional<ForkProgram> program;
+  const ForkProgram* program = nullptr;
   std::vector<std::string> fitting;
-  for (const Layout& layout : KnownLayouts().subspan(1)) {
+  for (const ForkProgram& candidate : KnownForks()) {
     try {
-      ForkProgram candidate(layout);
       ForkReading reading = ReadWithWidths(source, candidate, options);
       reading.implausible += CountImplausible(reading.atlas);
       if (reading.left > 0 || LooksLikeAnotherLayout(reading.atlas, reading.implausible)) continue;
-      fitting.push_back(layout.id);
+      fitting.push_back(candidate.layout.id);
       if (best && best->implausible <= reading.implausible) continue;
       best = std::move(reading);
-      program = std::move(candidate);
+      program = &candidate;
     } catch (const Error& error) {
       if (!IsOfTheBytes(error)) throw;
     }
