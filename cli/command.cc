@@ -21,6 +21,7 @@ std::span<const Command* const> Commands() {
       &kConvert,
       &kSynthesize,
       &kVocabulary,
+      &kLayouts,
       &kExtract,
       &kSplit,
       &kCull,

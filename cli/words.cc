@@ -24,6 +24,8 @@ constexpr std::array kWords = {
     Word{"ColmapReadOptions::database", "--database"},
     Word{"KeyFramePictures::files names", "--images names"},
     Word{"StoreReadOptions::accept_edits", "`slamdb recover --accept-edits`"},
+    Word{"`InferLayout`", "`slamdb layouts infer`"},
+    Word{"`DeriveLayoutOfFolder`", "`slamdb layouts from-source`"},
     Word{"SalvageAtlas", "`slamdb recover`"},
     Word{"`overwrite` of Store::Backup", "-O/--overwrite"},
     Word{"FitOptions::outlier_distance", "--robust"},

@@ -6,7 +6,7 @@
 // Each verb, defined in the file of its name.
 namespace slamdb::cli {
 
-extern const Command kInfo, kView, kShow, kDump, kPlot, kReport, kCheck, kConvert, kSynthesize, kVocabulary;
+extern const Command kInfo, kView, kShow, kDump, kPlot, kReport, kCheck, kConvert, kSynthesize, kVocabulary, kLayouts;
 extern const Command kAlign, kMerge, kReassignOrigin, kRenumber;
 extern const Command kExtract, kSplit, kCull, kShrink, kFragments;
 extern const Command kRecover, kRepair;

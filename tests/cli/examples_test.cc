@@ -56,6 +56,9 @@ constexpr std::array kWorld = {
     "slamdb convert session_a.osa keyframes.csv --to csv-keyframes -q",
     "(printf 'P5\\n640 480\\n255\\n'; head -c 307200 /dev/zero) >frame.png; mkdir frames && cp frame.png frames",
     "printf 'Camera1.%s: 400\\n' fx fy cx cy >camera.yaml",
+    "slamdb convert session_a.osa fork.osa --to-layout visible-found -q; slamdb layouts show visible-found >fork.json",
+    "mkdir ORB_SLAM3_FORK && printf 'class Map { int a; template <class A> void serialize(A& ar, unsigned) { ar & a; } };"
+    "void Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }' >ORB_SLAM3_FORK/Map.h",
     "mkdir -p parts build .zfunc .config/fish/completions disk && cp lab.db disk",
 };
 

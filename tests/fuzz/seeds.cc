@@ -17,6 +17,7 @@
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
 #include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/layouts/invented_layouts.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/fuzz/colmap_parts.h"
 #include "tests/fuzz/fork_parts.h"
@@ -193,6 +194,30 @@ void WriteSeedsOfForks(const path& folder) {
   write("every_text", ToJson(ParseLayout(every)), true);
 }
 
+// Small files of forks that nobody wrote, and the sources of one.
+void WriteSeedsOfLayouts(const path& base) {
+  const Atlas atlas = SynthesizeAtlas({.keyframes = 5, .points = 30, .features = 60, .threads = 1});
+  std::filesystem::create_directories(base / "layout_infer");
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
+    std::mt19937_64 random(seed);
+    const testing::Invention fork = testing::InventLayout(random, {.insertions = 1, .removals = seed % 3 == 0 ? 1 : 0});
+    const std::string bytes = testing::Forge(atlas, fork.layout, random), name = std::to_string(seed);
+    Write(base / "layout_infer" / name, bytes);
+    for (std::size_t i = 1; i < 6; ++i) {
+      std::string changed = bytes;
+      changed[bytes.size() * i / 6] ^= static_cast<char>(0x83);
+      Write(base / "layout_infer" / (name + "_changed_" + std::to_string(i)), changed);
+      Write(base / "layout_infer" / (name + "_cut_" + std::to_string(i)), bytes.substr(0, bytes.size() * i / 6));
+    }
+  }
+  WriteChanged(base / "layout_source", "fork",
+               "#define N 3\nclass MapPoint;\nstruct Base { int b; template <class A> void serialize(A& ar, unsigned) "
+               "{ ar & b; } };\nclass Map : public Base { std::vector<MapPoint*> p; float m[3]; // c\n"
+               "template <class Archive> void serialize(Archive& ar, const unsigned int v) {\n#ifdef X\nar & p;\n#else"
+               "\nar & m;\n#endif\nar & boost::serialization::base_object<Base>(*this); if (Archive::is_saving::value) "
+               "{ ar << p; } }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }\n");
+}
+
 // Journals that lead from the atlas of fuzz_json.cc to what it is when fields and lists are changed, and ids for it.
 void WriteSeedsOfJson(const path& folder) {
   const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 4, .points = 20, .features = 60, .threads = 1});
@@ -227,6 +252,7 @@ void WriteSeeds(const path& base) {
   WriteStorePatches(base / "store");
   WriteAtlases(base / "atlases");
   WriteSeedsOfFixtures(base);
+  WriteSeedsOfLayouts(base);
   WriteSeedsOfTables(base / "table");
   WriteSeedsOfColmap(base / "colmap");
   WriteSeedsOfForks(base / "fork");

@@ -5,13 +5,18 @@
 #include <array>
 #include <cmath>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/orbslam3/detail/fork_program.h"
+#include "slamdb/formats/orbslam3/detail/fork_values.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
-#include "slamdb/model/detail/packing.h"
 
 namespace slamdb::testing {
 namespace {
 
+using detail::ByteReader;
 using detail::ByteWriter;
+using detail::Concat;
 using Kind = LayoutType::Kind;
 using Number = LayoutType::Number;
 using Random = std::mt19937_64;
@@ -29,12 +34,13 @@ const T& Pick(Random& random, const std::array<T, kCount>& of) {
 
 // What forks have put in, the usual more often.
 constexpr std::array<const char*, 44> kTypes = {
-    "bool", "u8", "i32", "u32", "f32", "i64", "u64", "f64", "bool", "i32", "u32", "f32", "u64", "f64", "f32",
-    "arr<f32,3>", "arr<f64,3>", "arr<f32,7>", "arr<f32,2>", "arr<i32,4>", "arr<f64,7>", "u16",
-    "vec<f32>", "vec<f32>", "vec<i32>", "vec<f64>", "vec<u64>", "vec<u8>", "vec<bool>",
-    "string", "string", "mat", "mat", "kps",
-    "set<u64>", "set<i32>", "map<u64,i32>", "map<u64,f32>", "map<i32,f64>", "list<u64>", "list<f32>",
-    "vec<string>", "vec<vec<f32>>", "val<Label>"};
+    "bool",          "u8",           "i32",          "u32",          "f32",        "i64",        "u64",
+    "f64",           "bool",         "i32",          "u32",          "f32",        "u64",        "f64",
+    "f32",           "arr<f32,3>",   "arr<f64,3>",   "arr<f32,7>",   "arr<f32,2>", "arr<i32,4>", "arr<f64,7>",
+    "u16",           "vec<f32>",     "vec<f32>",     "vec<i32>",     "vec<f64>",   "vec<u64>",   "vec<u8>",
+    "vec<u16>",      "string",       "string",       "mat",          "mat",        "kps",        "set<u64>",
+    "set<i32>",      "map<u64,i32>", "map<u64,f32>", "map<i32,f64>", "list<u64>",  "list<f32>",  "vec<string>",
+    "vec<vec<f32>>", "val<Label>"};
 
 // Members without which nothing is a map.
 bool IsNeeded(const std::string& name) {
@@ -62,22 +68,15 @@ class Values {
   Values(const Layout& layout, Random& random) : layout_(layout), random_(random) {
     for (const LayoutClass& of : layout.classes)
       for (const LayoutMember& member : of.members)
-        if (IsNew(member)) habits_.push_back({&member, {random(), random(), random()}});
+        if (IsNew(member.name)) habits_.push_back({&member, {random(), random(), random()}});
   }
-  static bool IsNew(const LayoutMember& member) { return member.name.starts_with("x"); }
+  static bool IsNew(std::string_view name) { return name.starts_with("x"); }
 
-  // The members of a class that are new, packed.
-  void Add(const std::string& class_name, ByteWriter& out) {
-    for (const LayoutMember& member : layout_.Find(class_name)->members) {
-      if (IsNew(member)) {
-        habit_ = HabitOf(member);
-        Put(ParseLayoutType(member.type), out);
-        continue;
-      }
-      const LayoutType type = ParseLayoutType(member.type);
-      const bool inner = type.name == "Preintegrated" || type.name == "GeometricCamera";
-      if (type.kind == Kind::kValue && inner) Add(type.name, out);
-    }
+  // A value of a member that is new, packed.
+  void Add(std::string_view name, ByteWriter& out) {
+    const auto known = std::ranges::find_if(habits_, [&](const Known& one) { return one.member->name == name; });
+    habit_ = known->habit;
+    Put(ParseLayoutType(known->member->type), out);
   }
 
  private:
@@ -85,9 +84,6 @@ class Values {
     const LayoutMember* member;
     Habit habit;
   };
-  Habit HabitOf(const LayoutMember& member) const {
-    return std::ranges::find(habits_, &member, &Known::member)->habit;
-  }
 
   std::uint64_t Length() {
     switch (habit_.lengths % 4) {
@@ -240,9 +236,9 @@ class Values {
 }  // namespace
 
 Invention InventLayout(Random& random, const InventionOptions& options) {
-  constexpr std::array<const char*, 14> kClasses = {
-      "MapPoint", "MapPoint", "MapPoint", "MapPoint", "KeyFrame", "KeyFrame",        "KeyFrame",
-      "KeyFrame", "Map",      "Map",      "Atlas",    "Atlas",    "GeometricCamera", "KeyFrame"};
+  constexpr std::array<const char*, 14> kClasses = {"MapPoint", "MapPoint", "MapPoint",        "MapPoint", "KeyFrame",
+                                                    "KeyFrame", "KeyFrame", "KeyFrame",        "Map",      "Map",
+                                                    "Atlas",    "Atlas",    "GeometricCamera", "KeyFrame"};
   Invention invention{KnownLayouts().front(), {}};
   invention.layout.id = invention.layout.title = invention.layout.who = "";
   invention.layout.classes.push_back(Label());
@@ -255,7 +251,7 @@ Invention InventLayout(Random& random, const InventionOptions& options) {
     LayoutClass& of = any_class();
     const std::size_t row = Below(random, of.members.size());
     if (IsNeeded(of.members[row].name) || of.members[row].type.find("val<") == 0) continue;
-    invention.changes.push_back("-" + of.name + "." + of.members[row].name);
+    invention.changes.push_back(Concat("-", of.name, ".", of.members[row].name));
     of.members.erase(of.members.begin() + static_cast<std::ptrdiff_t>(row));
     ++i;
   }
@@ -263,31 +259,75 @@ Invention InventLayout(Random& random, const InventionOptions& options) {
     LayoutClass& of = any_class();
     const std::size_t row = Below(random, of.members.size() + 1);
     const std::string type = Pick(random, kTypes);
-    invention.changes.push_back("+" + of.name + " " + type + " behind " +
-                                (row == 0 ? std::string("nothing") : of.members[row - 1].name));
-    of.members.insert(of.members.begin() + static_cast<std::ptrdiff_t>(row), {"x" + std::to_string(i + 1), type});
+    invention.changes.push_back(
+        Concat("+", of.name, " ", type, " behind ", row == 0 ? std::string("nothing") : of.members[row - 1].name));
+    of.members.insert(of.members.begin() + static_cast<std::ptrdiff_t>(row), {Concat("x", i + 1), type});
   }
   return invention;
 }
 
-std::string Forge(Atlas atlas, const Layout& layout, Random& random) {
-  Values values(layout, random);
-  const auto fill = [&](const std::string& class_name, Boxed<Carried>& carried) {
-    ByteWriter packed;
-    values.Add(class_name, packed);
-    const Bytes bytes = packed.bytes();
-    if (!bytes.empty()) carried.Make().members.assign(bytes.begin(), bytes.end());
-  };
-  for (Map& map : atlas.maps) {
-    for (KeyFrame& keyframe : map.keyframes) fill("KeyFrame", keyframe.carried);
-    for (MapPoint& point : map.points) fill("MapPoint", point.carried);
-    fill("Map", map.carried);
+namespace {
+
+// Gives the carried members of an entity that are new other values.
+class Renewer {
+ public:
+  Renewer(const Layout& layout, Random& random) : program_(layout), values_(program_.layout, random) {}
+
+  void Renew(Atlas& atlas) {
+    for (Map& map : atlas.maps) {
+      for (KeyFrame& keyframe : map.keyframes) RenewOne(program_.keyframe, keyframe.carried);
+      for (MapPoint& point : map.points) RenewOne(program_.point, point.carried);
+      RenewOne(program_.map, map.carried);
+    }
+    for (Camera& camera : atlas.cameras) RenewOne(program_.FindCamera(camera.model)->program, camera.carried);
+    RenewOne(program_.atlas, atlas.carried);
   }
-  for (Camera& camera : atlas.cameras)
-    fill(camera.model == CameraModel::kPinhole ? "Pinhole" : "KannalaBrandt8", camera.carried);
-  fill("Atlas", atlas.carried);
-  atlas.layout = ToJson(layout);
-  return EncodeOrbslam3(atlas);
+
+ private:
+  template <class Entity>
+  void RenewOne(const orbslam3::Program<Entity>& program, Boxed<Carried>& carried) {
+    if (!carried) return;
+    const Column<std::byte> old = carried->members;
+    ByteReader in(old);
+    ByteWriter out;
+    Run(program, in, out);
+    const Bytes bytes = out.bytes();
+    carried.Make().members.assign(bytes.begin(), bytes.end());
+  }
+  template <class Entity>
+  void Run(const orbslam3::Program<Entity>& program, ByteReader& in, ByteWriter& out) {
+    using Op = orbslam3::Op<Entity>;
+    for (const Op& op : program) {
+      if (op.kind == Op::Kind::kPreintegration) Run(program_.preintegration, in, out);
+      if (op.kind != Op::Kind::kCarried) continue;
+      const Bytes rest = in.rest();
+      for (const orbslam3::TypeNode& node : op.nodes) orbslam3::SkipPacked(node, in);
+      if (Values::IsNew(op.name))
+        values_.Add(op.name, out);
+      else
+        out.PutBytes(rest.first(rest.size() - in.left()));
+    }
+  }
+
+  const orbslam3::ForkProgram program_;
+  Values values_;
+};
+
+}  // namespace
+
+std::string Forge(const Atlas& atlas, const Layout& layout, Random& random) {
+  Notices notices;
+  WriteOptions in_layout;
+  const std::string json = ToJson(layout);
+  in_layout.of<Orbslam3WriteOptions>().layout = json;
+  std::string bytes;
+  const auto append = [&](Bytes more) { bytes.append(reinterpret_cast<const char*>(more.data()), more.size()); };
+  WriteOrbslam3(atlas, Target(append, "forged"), in_layout, notices);
+  ReadOptions options;
+  options.of<Orbslam3ReadOptions>().layout = json;
+  Atlas forged = ReadOrbslam3({std::as_bytes(std::span(bytes)), "forged"}, options, notices);
+  Renewer(LayoutOf(json), random).Renew(forged);
+  return EncodeOrbslam3(forged);
 }
 
 std::string OwnBytes(Atlas atlas) {
@@ -304,7 +344,8 @@ std::string OwnBytes(Atlas atlas) {
 
 bool SameCore(const Atlas& a, const Atlas& b) {
   const auto same_keyframe = [](const KeyFrame& x, const KeyFrame& y) {
-    return x.id == y.id && x.timestamp == y.timestamp && x.camera_from_world.rotation.coeffs() == y.camera_from_world.rotation.coeffs() &&
+    return x.id == y.id && x.timestamp == y.timestamp &&
+           x.camera_from_world.rotation.coeffs() == y.camera_from_world.rotation.coeffs() &&
            x.camera_from_world.translation == y.camera_from_world.translation &&
            x.features.map_points == y.features.map_points;
   };

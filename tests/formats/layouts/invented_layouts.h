@@ -26,7 +26,7 @@ struct InventionOptions {
 Invention InventLayout(std::mt19937_64& random, const InventionOptions& options);
 
 // The bytes of the atlas in the layout: values for all that is new.
-std::string Forge(Atlas atlas, const Layout& layout, std::mt19937_64& random);
+std::string Forge(const Atlas& atlas, const Layout& layout, std::mt19937_64& random);
 
 // What two readings of one file have in common when both are right: all that v1.0 holds.
 std::string OwnBytes(Atlas atlas);

@@ -265,6 +265,20 @@ std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view
 
 // ---- Types of unknown members
 
+namespace {
+
+// Bytes of which a part has class information in front: a list that is as long in all records, behind others or not;
+// with the classes of its elements behind its count.
+void AddParts(std::uint32_t bytes, std::vector<std::string>& types) {
+  constexpr std::uint32_t kHead = 12, kMost = 160;  // count and item version
+  const auto part = [](const char* type, std::uint32_t size, const char* end) { return Concat(type, size, end); };
+  if (bytes > kHead) types.push_back(part("val<Unknown", kHead, ">") + part("+val<Unknown", bytes - kHead, ">"));
+  for (std::uint32_t front = 1; front < bytes && bytes <= kMost; ++front)
+    types.push_back(part("arr<u8,", front, ">") + part("+val<Unknown", bytes - front, ">"));
+}
+
+}  // namespace
+
 std::vector<std::string> TypesLike(const std::string& warm_type) {
   const LayoutType type = ParseLayoutType(warm_type);
   const auto value = [](std::uint32_t bytes) { return Concat("val<Unknown", bytes, ">"); };
@@ -280,11 +294,12 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
     if (bytes == 8) types.insert(types.end(), {"vec<f64>", "vec<u8>"});  // empty ones
     if (bytes == 12)
       types.insert(types.end(), {"set<u64>", "map<u64,u64>", "map<u64,i32>", "vec<vec<u64>>", "vec<vec<i32>>"});
+    AddParts(bytes, types);
     return types;
   }
   if (warm_type == "vec<u32>") return {"vec<u32>", "vec<i32>", "vec<f32>"};
   if (warm_type == "vec<u64>") return {"vec<u64>", "vec<i64>", "vec<f64>"};
-  if (warm_type == "vec<u8>") return {"string", "vec<u8>", "vec<bool>"};
+  if (warm_type == "vec<u8>") return {"string", "vec<u8>"};
   if (warm_type == "vec<vec<u8>>" || warm_type == "vec<string>") return {"vec<string>", "vec<vec<u8>>", "set<string>"};
   if (warm_type == "vec<vec<u64>>") return {"vec<vec<u64>>", "vec<vec<f64>>"};
   if (warm_type == "vec<vec<u32>>") return {"vec<vec<u32>>", "vec<vec<i32>>", "vec<vec<f32>>"};
@@ -293,23 +308,46 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
   std::vector<std::string> types;
   if (bytes == 4) types = {"set<u32>", "list<f32>"};
   if (bytes == 8) types = {"set<u64>", "map<u32,u32>", "map<i32,f32>"};
-  if (bytes == 12) types = {"map<u64,i32>", "map<u64,f32>", "map<u32,f64>", "map<i64,i32>"};
+  if (bytes == 12) types = {"map<u64,i32>", "map<u64,f32>", "map<u32,f64>", "map<i32,f64>", "map<i64,i32>"};
   if (bytes == 16) types = {"map<u64,u64>", "map<u64,f64>"};
   types.push_back(Concat("vec<", value(bytes), ">"));
   types.push_back(Concat("set<arr<u8,", bytes, ">>"));
   return types;
 }
 
-void SetType(Layout& layout, LayoutMember& member, const std::string& type) {
-  member.type = type;
-  const std::size_t at = type.find("val<Unknown");
-  if (at == std::string::npos) return;
-  const std::string name = type.substr(at + 4, type.find('>', at) - at - 4);
-  if (layout.Find(name) != nullptr) return;
+namespace {
+
+// Gives the layout a class of so many bytes where the type wants one: each is a class of its own.
+std::string WithClass(Layout& layout, const std::string& type) {
+  constexpr std::string_view kWanted = "val<Unknown";
+  const std::size_t at = type.find(kWanted);
+  if (at == std::string::npos) return type;
+  const std::size_t end = type.find('>', at);
+  const std::string bytes = type.substr(at + kWanted.size(), end - at - kWanted.size());
   LayoutClass added;
-  added.name = name;
-  added.members.push_back({"bytes", Concat("arr<u8,", name.substr(7), ">")});
+  added.name = Concat("Unknown", bytes);
+  for (int number = 2; layout.Find(added.name) != nullptr; ++number) added.name = Concat("Unknown", bytes, "_", number);
+  added.members.push_back({"bytes", Concat("arr<u8,", bytes, ">")});
+  const std::string typed = type.substr(0, at + 4) + added.name + type.substr(end);
   layout.classes.push_back(std::move(added));
+  return typed;
+}
+
+}  // namespace
+
+void SetType(Layout& layout, const std::string& class_name, std::size_t row, const std::string& types) {
+  const std::string name = layout.Find(class_name)->members[row].name;
+  std::size_t begin = 0;
+  for (int part = 1; begin <= types.size(); ++part, ++row) {
+    const std::size_t end = std::min(types.find('+', begin), types.size());
+    const std::string type = WithClass(layout, types.substr(begin, end - begin));
+    std::vector<LayoutMember>& members = layout.Find(class_name)->members;
+    if (part == 1)
+      members[row].type = type;
+    else
+      members.insert(members.begin() + static_cast<std::ptrdiff_t>(row), {Concat(name, "_", part), type});
+    begin = end + 1;
+  }
 }
 
 }  // namespace slamdb::layouts

@@ -51,7 +51,9 @@ class Tokenizer {
   bool PassComment() {
     if (Peek() != '/' || (Peek(1) != '/' && Peek(1) != '*')) return false;
     if (Peek(1) == '/') {
-      while (at_ < source_.size() && Peek() != '\n') Pass(1);
+      // A backslash at the end of the line continues the comment.
+      for (; at_ < source_.size() && Peek() != '\n'; Pass(1))
+        if (Peek() == '\\' && Peek(1) == '\n') Pass(1);
       return true;
     }
     const std::size_t end = source_.find("*/", at_ + 2);

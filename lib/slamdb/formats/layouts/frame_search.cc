@@ -11,9 +11,9 @@ using detail::Concat;
 
 constexpr std::size_t kBeam = 24, kMostEdits = 4;
 constexpr std::size_t kLongestRemoval = 6;
-constexpr std::size_t kMostTrials = 12'000;
+constexpr std::size_t kMostTrials = 15'000;
 
-// What forks' maps and atlases may have more, likeliest first.
+// What forks' maps, atlases and cameras may have more, likeliest first.
 std::vector<std::string> FrameTypes() {
   std::vector<std::string> types = {"u64",
                                     "u32",
@@ -25,6 +25,7 @@ std::vector<std::string> FrameTypes() {
                                     "vec<u32>",
                                     "vec<f64>",
                                     "set<u64>",
+                                    "set<u32>",
                                     "map<u64,i32>",
                                     "map<u64,u64>",
                                     "map<u64,f64>",
@@ -41,6 +42,7 @@ std::vector<std::string> FrameTypes() {
                                     "set<ptr<Map>>",
                                     "vec<vec<u64>>",
                                     "vec<vec<f64>>",
+                                    "vec<vec<f32>>",
                                     "vec<u8>",
                                     "vec<u16>"};
   for (const std::uint32_t bytes :
@@ -48,6 +50,8 @@ std::vector<std::string> FrameTypes() {
     types.push_back(Concat("arr<u8,", bytes, ">"));
   for (std::uint32_t bytes = 1; bytes <= 64; bytes += bytes < 17 ? 1 : 4)
     types.push_back(Concat("val<Unknown", bytes, ">"));
+  for (const std::uint32_t bytes : {1, 2, 12, 16, 20, 24, 28, 32, 36, 40, 48})
+    types.push_back(Concat("set<arr<u8,", bytes, ">>"));
   for (const std::uint32_t bytes : {4, 8, 9, 12, 16, 20, 24, 28, 32, 36})
     types.push_back(Concat("vec<val<Unknown", bytes, ">>"));
   return types;
@@ -67,7 +71,7 @@ class FrameSearch {
 
   // Edits one after the other; those that come farthest go on.
   bool Run(Layout& layout, Findings& findings) {
-    std::vector<Candidate> beam{{.layout = layout}};
+    std::vector<Candidate> beam{{.layout = layout, .verdict = Judge(archive_, layout, known_ends_)}};
     if (FromKnown(layout, beam, findings)) return true;
     for (std::size_t edits = 0; edits < kMostEdits; ++edits) {
       next_.clear();
@@ -109,10 +113,14 @@ class FrameSearch {
     return false;
   }
 
+  // Changes of members that the walk has come to: what stands behind them does not help it on.
   void Extend(const Candidate& from) {
-    for (const char* name : {"Map", "Atlas"}) {
-      const std::size_t members = from.layout.Find(name)->members.size();
-      for (std::size_t row = 0; row <= members; ++row) {
+    for (const char* name : {"Map", "Atlas", "GeometricCamera", "Pinhole", "KannalaBrandt8"}) {
+      const LayoutClass* of = from.layout.Find(name);
+      if (of == nullptr) continue;
+      const std::size_t members = of->members.size();
+      const std::size_t entered = from.verdict.members.at(static_cast<std::size_t>(of - from.layout.classes.data()));
+      for (std::size_t row = 0; row < entered; ++row) {
         for (std::size_t type = 0; type < types_.size(); ++type) Insert(from, name, row, type);
         for (std::size_t count = 1; count <= kLongestRemoval && row + count <= members; ++count)
           Remove(from, name, row, count);
@@ -127,7 +135,7 @@ class FrameSearch {
     for (const LayoutClass& other : next.layout.classes)
       number += static_cast<std::size_t>(std::ranges::count_if(other.members, IsUnknown));
     of.members.insert(of.members.begin() + static_cast<std::ptrdiff_t>(row), {Concat("unknown", number), types_[type]});
-    SetType(next.layout, next.layout.Find(name)->members[row], types_[type]);
+    SetType(next.layout, name, row, types_[type]);
     next.edits.push_back(Concat(name, ": ", types_[type], " more, ", behind));
     next.kind = type;
     Try(std::move(next), from);
@@ -138,7 +146,7 @@ class FrameSearch {
     std::string names;
     for (std::size_t i = row; i < row + count; ++i) {
       const std::string& type = of.members[i].type;
-      if (type.find("ptr<") != std::string::npos || IsUnknown(of.members[i])) return;
+      if (type.find("ptr<") != std::string::npos || type.find("val<") == 0 || IsUnknown(of.members[i])) return;
       names += (i > row ? ", " : "") + of.members[i].name;
     }
     const auto begin = of.members.begin() + static_cast<std::ptrdiff_t>(row);
@@ -150,7 +158,7 @@ class FrameSearch {
   void Try(Candidate next, const Candidate& from) {
     if (++trials_ > kMostTrials) return;
     next.verdict = Judge(archive_, next.layout, known_ends_);
-    if (next.verdict.whole) next.verdict.penalty = Judge(archive_, next.layout).penalty;
+    if (next.verdict.whole) next.verdict = Judge(archive_, next.layout);
     if (next.verdict.whole && next.verdict.penalty < kMostPenalty)
       whole_.push_back(std::move(next));
     else if (next.verdict.reached > from.verdict.reached && !next.verdict.whole)
@@ -160,13 +168,13 @@ class FrameSearch {
   // The one against which least speaks; of those alike the likeliest type, at the last place.
   bool Choose(Layout& layout, Findings& findings) {
     const auto better = [](const Candidate& a, const Candidate& b) {
-      return a.verdict.penalty != b.verdict.penalty ? a.verdict.penalty < b.verdict.penalty : a.kind < b.kind;
+      return a.verdict.total != b.verdict.total ? a.verdict.total < b.verdict.total : a.kind < b.kind;
     };
     std::ranges::reverse(whole_);
     std::ranges::stable_sort(whole_, better);
     const Candidate& best = whole_.front();
     for (const Candidate& other : std::span(whole_).subspan(1))
-      if (other.verdict.penalty == best.verdict.penalty && other.edits != best.edits)
+      if (other.verdict.total == best.verdict.total && other.edits != best.edits)
         findings.alternatives.push_back(other.edits.back());
     findings.differences.insert(findings.differences.end(), best.edits.begin(), best.edits.end());
     layout = best.layout;

@@ -2,7 +2,10 @@
 #include "slamdb/formats/layouts/infer.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <optional>
+#include <unordered_set>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
@@ -14,41 +17,110 @@ namespace {
 
 using detail::Concat;
 
-// Adds up what speaks against the members of all records that a walk passes.
+// What is wrong where members contradict other records.
+constexpr std::int64_t kContradiction = 30, kUnusual = 5;
+
+// Adds up what speaks against the members of all records that a walk passes: by what each is like, and by what records
+// say of others, so that one counter is not taken for its neighbour.
 class Judging : public RecordVisitor {
  public:
   Judging(const ArchiveBytes& archive, const Wire& wire)
-      : file_(archive.file), known_(wire.classes.size()), wire_(wire), sums_(wire.classes.size()) {}
+      : file_(archive.file), wire_(wire), known_(wire.classes.size()), sums_(wire.classes.size()) {}
 
   void Record(const WireClass& of, std::span<const std::uint64_t> offsets) override {
-    std::vector<const KnownMember*>& known = known_[static_cast<std::size_t>(&of - wire_.classes.data())];
+    const auto row = static_cast<std::size_t>(&of - wire_.classes.data());
+    std::vector<const KnownMember*>& known = known_[row];
     if (known.empty())
       for (const WireMember& member : of.members) known.push_back(FindKnownMember(of.name, member.name));
-    Sum& sum = sums_[static_cast<std::size_t>(&of - wire_.classes.data())];
+    Sum& sum = sums_[row];
     RecordFacts facts;
     for (std::size_t i = 0; i < known.size(); ++i) {
       if (known[i] == nullptr) continue;
       const MemberPlace place{offsets[i], offsets[i + 1]};
       sum.penalty += PenaltyOf(*known[i], file_, std::span(&place, 1), std::span(&facts, 1));
     }
+    sum.penalty += Contradictions(of, offsets);
     ++sum.records;
   }
   // By record, of the class against which most speaks.
-  double penalty() const {
+  double most() const {
     double most = 0;
-    for (const Sum& sum : sums_)
-      if (sum.records > 0) most = std::max(most, static_cast<double>(sum.penalty) / static_cast<double>(sum.records));
+    for (const Sum& sum : sums_) most = std::max(most, sum.mean());
     return most;
+  }
+  // Of all classes.
+  double total() const {
+    double total = 0;
+    for (const Sum& sum : sums_) total += sum.mean();
+    return total;
   }
 
  private:
-  const std::string_view file_;
-  std::vector<std::vector<const KnownMember*>> known_;
-  const Wire& wire_;
   struct Sum {
     std::int64_t penalty = 0, records = 0;
+    double mean() const { return records == 0 ? 0 : static_cast<double>(penalty) / static_cast<double>(records); }
   };
+
+  std::int64_t Contradictions(const WireClass& of, std::span<const std::uint64_t> offsets) {
+    const auto number = [&](std::string_view name) {
+      const auto member = std::ranges::find(of.members, name, &WireMember::name);
+      if (member == of.members.end()) return std::optional<std::int64_t>();
+      return NumberAt<std::int64_t>(file_, offsets[static_cast<std::size_t>(member - of.members.begin())]);
+    };
+    if (of.name == "KeyFrame") {
+      keyframes_.insert(number("mnId").value_or(-1));
+      last_keyframe_ = std::max(last_keyframe_, number("mnId").value_or(-1));
+      last_frame_ = std::max(last_frame_, number("mnFrameId").value_or(-1));
+    } else if (of.name == "MapPoint") {
+      last_point_ = std::max(last_point_, number("mnId").value_or(-1));
+      last_keyframe_ = std::max(last_keyframe_, number("mnFirstKFid").value_or(-1));
+      last_frame_ = std::max(last_frame_, number("mnFirstFrame").value_or(-1));
+    } else if (of.name == "Map") {
+      return OfMap(number);
+    } else if (of.name == "Atlas") {
+      return OfAtlas(number);
+    }
+    return 0;
+  }
+
+  template <class Number>
+  std::int64_t OfMap(const Number& number) {
+    std::int64_t penalty = 0;
+    const std::int64_t last = keyframes_.empty() ? -1 : *std::ranges::max_element(keyframes_);
+    last_map_ = std::max(last_map_, number("mnId").value_or(-1));
+    if (!number("mnId")) penalty += kUnusual;
+    if (number("mnMaxKFid").value_or(last) < last) penalty += kContradiction;
+    if (number("mnInitKFid").value_or(0) > number("mnMaxKFid").value_or(last)) penalty += kContradiction;
+    if (number("mvBackupKeyFrameOriginsId") == 0) penalty += kUnusual;
+    for (const char* name : {"mnBackupKFinitialID", "mnBackupKFlowerID"})
+      if (const auto id = number(name); id && !keyframes_.contains(*id)) penalty += kUnusual;
+    keyframes_.clear();
+    return penalty;
+  }
+  template <class Number>
+  std::int64_t OfAtlas(const Number& number) const {
+    std::int64_t penalty = 0;
+    const auto above = [&](const char* name, std::int64_t last) {
+      const auto counter = number(name);
+      if (!counter || last < 0) return;
+      if (*counter <= last) penalty += kContradiction;
+      if (*counter > last + last / 4 + 16) penalty += kUnusual;
+    };
+    above("Map::nNextId", last_map_);
+    above("Frame::nNextId", last_frame_);
+    above("KeyFrame::nNextId", last_keyframe_);
+    above("MapPoint::nNextId", last_point_);
+    above("GeometricCamera::nNextId", 0);
+    if (number("mnLastInitKFidMap").value_or(0) > last_keyframe_) penalty += kUnusual;
+    return penalty;
+  }
+
+  const std::string_view file_;
+  const Wire& wire_;
+  std::vector<std::vector<const KnownMember*>> known_;
   std::vector<Sum> sums_;
+  std::unordered_set<std::int64_t> keyframes_;  // of the map that is walked through
+  std::int64_t last_keyframe_ = -1, last_frame_ = -1, last_point_ = -1, last_map_ = -1;
 };
 
 }  // namespace
@@ -62,20 +134,36 @@ Verdict Judge(const ArchiveBytes& archive, const Layout& layout, std::span<const
   Verdict verdict;
   verdict.whole = walk.Run(layout.header ? archive.begin : 0);
   verdict.reached = walk.at();
-  verdict.penalty = judging.penalty();
+  verdict.penalty = judging.most();
+  verdict.total = judging.total();
+  verdict.members = walk.members_entered();
   return verdict;
 }
 
 namespace {
 
+// Records whose end is known; without the first of all, in front of whose values class information stands.
+std::vector<MemberPlace> WholeRecords(std::span<const MapRecords> maps, RecordList MapRecords::*list) {
+  std::vector<MemberPlace> whole;
+  bool first = true;
+  for (const MapRecords& map : maps) {
+    for (std::size_t i = 0; i < (map.*list).records.size(); ++i) {
+      const std::uint64_t end = EndOf(map.*list, i);
+      if (end > 0 && !first) whole.push_back({(map.*list).records[i].body, end});
+      first = false;
+    }
+  }
+  return whole;
+}
+
 // A known layout that comes to the end; the one that reads what ORB-SLAM3 writes.
 std::optional<InferredLayout> Known(const ArchiveBytes& archive) {
   std::optional<InferredLayout> best;
-  double least = kMostPenalty;
+  double least = std::numeric_limits<double>::max();
   for (const Layout& layout : KnownLayouts()) {
     const Verdict verdict = Judge(archive, layout);
-    if (!verdict.whole || verdict.penalty >= least) continue;
-    least = verdict.penalty;
+    if (!verdict.whole || verdict.penalty >= kMostPenalty || verdict.total >= least) continue;
+    least = verdict.total;
     best = InferredLayout{.layout = layout, .known = true};
   }
   return best;
@@ -100,7 +188,9 @@ class Inference {
     point_options_ = FindClass(archive_, "MapPoint", points, keyframe_options_.front().layout);
     if (point_options_.empty())
       Fail(Concat("no change of a known layout explains the ", points.size(), " map points that were found"));
-    if (!Choose()) Fail("keyframes and map points are understood, but no change of Map and Atlas explains the rest");
+    if (!Choose())
+      Fail(Concat("keyframes and map points are understood", Understood(),
+                  ", but nothing explains what stands from byte ", most_, " on"));
     Name();
     InferredLayout inferred{.layout = std::move(layout_)};
     inferred.differences = std::move(findings_.differences);
@@ -110,6 +200,15 @@ class Inference {
   }
 
  private:
+  // ` (KeyFrame: u64 more, behind mnId)`.
+  std::string Understood() const {
+    std::string text;
+    for (const ClassOption* option : {&keyframe_options_.front(), &point_options_.front()})
+      for (const std::string& difference : option->findings.differences)
+        text += (text.empty() ? " (" : "; ") + difference;
+    return text.empty() ? text : text + ")";
+  }
+
   struct Unknown {
     std::string of_class;
     std::size_t row = 0;
@@ -130,23 +229,10 @@ class Inference {
   [[noreturn]] void Fail(const std::string& problem) const {
     throw Error(ErrorKind::kNotPossible, "", "",
                 Concat("no layout found: ", problem,
-                       ". `slamdb layouts from-source` derives it from the sources of the program that wrote it"));
+                       ". `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it"));
   }
 
-  // Records whose end is the beginning of the next one; without the first of all, in front of whose values class
-  // information stands.
-  std::vector<MemberPlace> Whole(RecordList MapRecords::*list) const {
-    std::vector<MemberPlace> whole;
-    bool first = true;
-    for (const MapRecords& map : maps_) {
-      const std::vector<Record>& records = (map.*list).records;
-      for (std::size_t i = 0; i + 1 < records.size(); ++i) {
-        if (!first) whole.push_back({records[i].body, records[i + 1].begin});
-        first = false;
-      }
-    }
-    return whole;
-  }
+  std::vector<MemberPlace> Whole(RecordList MapRecords::*list) const { return WholeRecords(maps_, list); }
 
   // By object id: the ends of records that the layout reads from end to end.
   std::vector<std::uint64_t> EndsIn(const Layout& layout) const {
@@ -159,9 +245,10 @@ class Inference {
       for (const MapRecords& map : maps_) {
         const std::vector<Record>& records = (map.*list).records;
         for (std::size_t i = 0; i + 1 < records.size(); ++i) {
-          if (walk.BehindMembers(of, records[i].body, 0) != records[i + 1].begin) continue;
+          const std::uint64_t end = EndOf(map.*list, i);
+          if (end == 0 || walk.BehindMembers(of, records[i].body, 0) != end) continue;
           if (ends.size() <= records[i].object) ends.resize(records[i].object + 1, 0);
-          ends[records[i].object] = records[i + 1].begin;
+          ends[records[i].object] = end;
         }
       }
     }
@@ -171,16 +258,27 @@ class Inference {
   // The first choice of keyframes and map points that the first records and the class ids behind them bear out, and
   // with it what the unknown members are, or else the rest of the layout.
   bool Choose() {
+    const ClassOption *keyframe_taken = nullptr, *point_taken = nullptr;
+    double least = std::numeric_limits<double>::max();
+    std::size_t choices = 0;
     for (const ClassOption& keyframe : keyframe_options_)
       for (const ClassOption& point : point_options_) {
+        if (choices++ == kMostChoices) break;
         Layout layout = keyframe.layout;
         *layout.Find("MapPoint") = *point.layout.Find("MapPoint");
         const std::vector<std::uint64_t> ends = EndsIn(layout);
-        if (!Types(std::move(layout), ends)) continue;
-        Take(keyframe.findings);
-        Take(point.findings);
-        return true;
+        std::optional<Typed> typed = Types(layout, ends);
+        if (!typed || typed->penalty >= least) continue;
+        least = typed->penalty;
+        layout_ = std::move(typed->layout);
+        keyframe_taken = &keyframe;
+        point_taken = &point;
       }
+    if (keyframe_taken != nullptr) {
+      Take(keyframe_taken->findings);
+      Take(point_taken->findings);
+      return true;
+    }
     for (Farthest& farthest : farthest_)
       if (FindFrame(archive_, farthest.ends, farthest.layout, findings_)) {
         layout_ = std::move(farthest.layout);
@@ -196,7 +294,11 @@ class Inference {
   }
 
   // Finds types of the unknown members with which the layout comes to the end; keeps those that come farthest.
-  bool Types(Layout layout, const std::vector<std::uint64_t>& ends) {
+  struct Typed {
+    Layout layout;
+    double penalty = 0;
+  };
+  std::optional<Typed> Types(const Layout& layout, const std::vector<std::uint64_t>& ends) {
     std::vector<Unknown> unknown;
     std::size_t trials = 1;
     for (const LayoutClass& of : layout.classes)
@@ -208,23 +310,21 @@ class Inference {
     for (std::size_t trial = 0; trial < trials && trials_ < kMostTrials; ++trial, ++trials_) {
       Layout typed = layout;
       std::size_t rest = trial;
-      for (const Unknown& one : unknown) {
-        LayoutMember& member = typed.Find(one.of_class)->members[one.row];
-        const std::string type = one.types[rest % one.types.size()];
-        rest /= one.types.size();
-        SetType(typed, member, type);
+      for (auto one = unknown.rbegin(); one != unknown.rend(); ++one) {  // rows in front stay where they are
+        SetType(typed, one->of_class, one->row, one->types[rest % one->types.size()]);
+        rest /= one->types.size();
       }
       const Verdict verdict = Judge(archive_, typed, ends);
-      if (verdict.whole && Judge(archive_, typed).penalty < kMostPenalty) {
-        layout_ = std::move(typed);
-        return true;
+      if (verdict.whole) {
+        const Verdict cold = Judge(archive_, typed);
+        if (cold.penalty < kMostPenalty) return Typed{std::move(typed), cold.total};
       }
       if (verdict.reached < most_ || IsInFirstRecord(verdict.reached)) continue;
       if (verdict.reached > most_) farthest_.clear();
       most_ = verdict.reached;
       if (farthest_.size() < kMostFarthest) farthest_.push_back({std::move(typed), ends});
     }
-    return false;
+    return std::nullopt;
   }
 
   // Whether a walk ended in the first keyframe or map point, where no change of Map and Atlas helps.
@@ -245,7 +345,7 @@ class Inference {
     Layout layout;
     std::vector<std::uint64_t> ends;
   };
-  static constexpr std::size_t kMostTrials = 1024, kMostFarthest = 3;
+  static constexpr std::size_t kMostTrials = 2048, kMostFarthest = 3, kMostChoices = 16;
 
   const ArchiveBytes archive_;
   const std::vector<MapRecords> maps_;
@@ -259,6 +359,24 @@ class Inference {
 };
 
 }  // namespace
+
+std::optional<Layout> LayoutOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps) {
+  const std::vector<MemberPlace> keyframes = WholeRecords(maps, &MapRecords::keyframes);
+  const std::vector<ClassOption> of_keyframes = FindClass(archive, "KeyFrame", keyframes, KnownLayouts().front());
+  if (of_keyframes.empty()) return std::nullopt;
+  const std::vector<MemberPlace> points = WholeRecords(maps, &MapRecords::points);
+  const std::vector<ClassOption> of_points = FindClass(archive, "MapPoint", points, of_keyframes.front().layout);
+  if (of_points.empty()) return std::nullopt;
+  const Layout& found = of_points.front().layout;
+  const auto same = [&](const Layout& known) {
+    return std::ranges::all_of(std::array{"KeyFrame", "MapPoint"}, [&](const char* name) {
+      return known.Find(name) != nullptr && *known.Find(name) == *found.Find(name);
+    });
+  };
+  const auto known = std::ranges::find_if(KnownLayouts(), same);
+  return known == KnownLayouts().end() ? found : *known;
+}
+
 }  // namespace layouts
 
 InferredLayout InferLayoutOf(Bytes archive, const ArchiveEncoding& encoding, std::uint64_t begin) {

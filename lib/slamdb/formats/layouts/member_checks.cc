@@ -21,6 +21,7 @@ double At(std::string_view file, std::uint64_t at) {
 double I32(std::string_view file, std::uint64_t at) { return At<std::int32_t>(file, at); }
 double I64(std::string_view file, std::uint64_t at) { return At<std::int64_t>(file, at); }
 double F32(std::string_view file, std::uint64_t at) { return At<float>(file, at); }
+double F64(std::string_view file, std::uint64_t at) { return At<double>(file, at); }
 
 bool Between(double value, double least, double most) { return value >= least && value <= most; }
 int Unless(bool fits, int penalty) { return fits ? kNoPenalty : penalty; }
@@ -89,12 +90,20 @@ int ColumnsCheck(std::string_view file, MemberPlace place, Facts& facts) {
   facts[Facts::kColumns] = I32(file, place.begin);
   return Between(facts[Facts::kColumns], 1, 4096) ? Unless(facts[Facts::kColumns] == 64, 10) : kBadPenalty;
 }
-int RowsCheck(std::string_view file, MemberPlace place, Facts&) {
+int RowsCheck(std::string_view file, MemberPlace place, Facts& facts) {
   const double rows = I32(file, place.begin);
+  facts[Facts::kRows] = rows;
   return Between(rows, 1, 4096) ? Unless(rows == 48, 10) : kBadPenalty;
 }
-int CellCheck(std::string_view file, MemberPlace place, Facts&) {
-  return Unless(Between(F32(file, place.begin), 1e-4, 10), kWrong);
+int CellCheck(std::string_view file, MemberPlace place, double& cell) {
+  cell = F32(file, place.begin);
+  return Unless(Between(cell, 1e-4, 10), kWrong);
+}
+int CellWidthCheck(std::string_view file, MemberPlace place, Facts& facts) {
+  return CellCheck(file, place, facts[Facts::kCellWidth]);
+}
+int CellHeightCheck(std::string_view file, MemberPlace place, Facts& facts) {
+  return CellCheck(file, place, facts[Facts::kCellHeight]);
 }
 int FxCheck(std::string_view file, MemberPlace place, Facts& facts) {
   facts[Facts::kFx] = F32(file, place.begin);
@@ -196,11 +205,27 @@ int VariancesCheck(std::string_view file, MemberPlace place, Facts& facts) {
 int InverseVariancesCheck(std::string_view file, MemberPlace place, Facts& facts) {
   return PowersCheck(file, place, facts, -2);
 }
-int BoundCheck(std::string_view file, MemberPlace place, Facts&) {
-  return Unless(std::abs(I32(file, place.begin)) < 1e5, kWrong);
+int NearBoundCheck(std::string_view file, MemberPlace place, double& bound) {
+  bound = I32(file, place.begin);
+  return Unless(std::abs(bound) < 1e5, kWrong);
 }
-int FarBoundCheck(std::string_view file, MemberPlace place, Facts&) {
-  return Unless(Between(I32(file, place.begin), 1, 1e5), kWrong);
+int LeftCheck(std::string_view file, MemberPlace place, Facts& facts) {
+  return NearBoundCheck(file, place, facts[Facts::kLeft]);
+}
+int TopCheck(std::string_view file, MemberPlace place, Facts& facts) {
+  return NearBoundCheck(file, place, facts[Facts::kTop]);
+}
+// So many cells of the grid stand between both bounds.
+int FarBoundCheck(std::string_view file, MemberPlace place, double cells, double cell, double near) {
+  const double bound = I32(file, place.begin);
+  if (!Between(bound, 1, 1e5)) return kWrong;
+  return Unless(cells < 0 || cell <= 0 || Near((bound - near) * cell, cells, 0.02), kDoubtful);
+}
+int RightCheck(std::string_view file, MemberPlace place, Facts& facts) {
+  return FarBoundCheck(file, place, facts[Facts::kColumns], facts[Facts::kCellWidth], facts[Facts::kLeft]);
+}
+int BottomCheck(std::string_view file, MemberPlace place, Facts& facts) {
+  return FarBoundCheck(file, place, facts[Facts::kRows], facts[Facts::kCellHeight], facts[Facts::kTop]);
 }
 int CalibrationMatrixCheck(std::string_view file, MemberPlace place, Facts& facts) {
   const bool fits =
@@ -228,7 +253,10 @@ int WeightsCheck(std::string_view file, MemberPlace place, Facts&) {
 }
 int MatchIndexCheck(std::string_view file, MemberPlace place, Facts& facts) {
   const double count = I64(file, place.begin);
-  return Unless(facts[Facts::kFeatures] < 0 || count <= facts[Facts::kFeatures], kWrong);
+  if (facts[Facts::kFeatures] < 0 || count < 1) return kNoPenalty;
+  const bool fits =
+      count <= facts[Facts::kFeatures] && Between(I32(file, place.begin + 8), -1, facts[Facts::kFeatures]);
+  return Unless(fits, kWrong);
 }
 int LeftCountCheck(std::string_view file, MemberPlace place, Facts& facts) {
   const double count = I32(file, place.begin);
@@ -248,12 +276,17 @@ int ObservationCountCheck(std::string_view file, MemberPlace place, Facts& facts
 }
 int PositionCheck(std::string_view file, MemberPlace place, Facts&) {
   double sum = 0;
+  bool is_other = false;  // whole numbers look like floats next to 0
   for (std::uint64_t i = 0; i < 3; ++i) {
     const double value = std::abs(F32(file, place.begin + 4 * i));
     if (!(value < 1e6)) return kWrong;
+    is_other = is_other || value < 1e-30;
     sum += value;
   }
-  return Unless(sum > 1e-6, kDoubtful);
+  if (!(sum > 1e-6)) return kDoubtful;
+  double norm = 0;
+  for (std::uint64_t i = 0; i < 3; ++i) norm += std::pow(F32(file, place.begin + 4 * i), 2);
+  return Unless(!is_other && !Between(norm, 0.7, 1.001), kUnproven);  // of length 1: a normal
 }
 int NormalCheck(std::string_view file, MemberPlace place, Facts&) {
   double norm = 0;
@@ -296,14 +329,25 @@ int MostDistanceCheck(std::string_view file, MemberPlace place, Facts& facts) {
   return kNoPenalty;
 }
 
+// ---- Cameras
+
+int CameraTypeCheck(std::string_view file, MemberPlace place, Facts&) {
+  return Unless(At<std::uint32_t>(file, place.begin) <= 2, kDoubtful);
+}
+int CameraParametersCheck(std::string_view file, MemberPlace place, Facts&) {
+  const double count = I64(file, place.begin);
+  if (!Between(count, 2, 16)) return kDoubtful;
+  return Unless(Between(F32(file, place.begin + 8), 1, 1e5), kDoubtful);
+}
+
 constexpr std::array kMembers = {
     KnownMember{"KeyFrame", "mnId", OwnIdCheck, 8, true},
-    KnownMember{"KeyFrame", "mnFrameId", FrameIdCheck, 8, true},
-    KnownMember{"KeyFrame", "mTimeStamp", TimeCheck, 8, true},
+    KnownMember{"KeyFrame", "mnFrameId", FrameIdCheck, 8, true, false, false, I64},
+    KnownMember{"KeyFrame", "mTimeStamp", TimeCheck, 8, true, false, false, F64},
     KnownMember{"KeyFrame", "mnGridCols", ColumnsCheck, 4, false, true},
     KnownMember{"KeyFrame", "mnGridRows", RowsCheck, 4, false, true, true},
-    KnownMember{"KeyFrame", "mfGridElementWidthInv", CellCheck, 4, false, true},
-    KnownMember{"KeyFrame", "mfGridElementHeightInv", CellCheck, 4, false, true},
+    KnownMember{"KeyFrame", "mfGridElementWidthInv", CellWidthCheck, 4, false, true},
+    KnownMember{"KeyFrame", "mfGridElementHeightInv", CellHeightCheck, 4, false, true},
     KnownMember{"KeyFrame", "fx", FxCheck, 4, false, true},
     KnownMember{"KeyFrame", "fy", FyCheck, 4, false, true},
     KnownMember{"KeyFrame", "invfx", InverseFxCheck, 4, false, true},
@@ -328,10 +372,10 @@ constexpr std::array kMembers = {
     KnownMember{"KeyFrame", "mvScaleFactors", ScalesCheck},
     KnownMember{"KeyFrame", "mvLevelSigma2", VariancesCheck},
     KnownMember{"KeyFrame", "mvInvLevelSigma2", InverseVariancesCheck, 0, false, false, true},
-    KnownMember{"KeyFrame", "mnMinX", BoundCheck, 4, false, true},
-    KnownMember{"KeyFrame", "mnMinY", BoundCheck, 4, false, true},
-    KnownMember{"KeyFrame", "mnMaxX", FarBoundCheck, 4, false, true},
-    KnownMember{"KeyFrame", "mnMaxY", FarBoundCheck, 4, false, true},
+    KnownMember{"KeyFrame", "mnMinX", LeftCheck, 4, false, true},
+    KnownMember{"KeyFrame", "mnMinY", TopCheck, 4, false, true},
+    KnownMember{"KeyFrame", "mnMaxX", RightCheck, 4, false, true},
+    KnownMember{"KeyFrame", "mnMaxY", BottomCheck, 4, false, true},
     KnownMember{"KeyFrame", "mK_", CalibrationMatrixCheck, 36},
     KnownMember{"KeyFrame", "mTcw", PoseCheck, 28, false, false, true},
     KnownMember{"KeyFrame", "mvBackupMapPointsId", MatchesCheck},
@@ -388,6 +432,9 @@ constexpr std::array kMembers = {
     KnownMember{"Map", "mbIsInertial", BoolCheck, 1},
     KnownMember{"Map", "mbIMU_BA1", BoolCheck, 1},
     KnownMember{"Map", "mbIMU_BA2", BoolCheck, 1},
+    KnownMember{"GeometricCamera", "mnId", SmallIdCheck, 4},
+    KnownMember{"GeometricCamera", "mnType", CameraTypeCheck, 4},
+    KnownMember{"GeometricCamera", "mvParameters", CameraParametersCheck},
     KnownMember{"Atlas", "Map::nNextId", CounterCheck, 8},
     KnownMember{"Atlas", "Frame::nNextId", CounterCheck, 8},
     KnownMember{"Atlas", "KeyFrame::nNextId", CounterCheck, 8},
@@ -398,6 +445,18 @@ constexpr std::array kMembers = {
 
 bool SameBytes(std::string_view file, MemberPlace a, MemberPlace b) {
   return file.substr(a.begin, a.end - a.begin) == file.substr(b.begin, b.end - b.begin);
+}
+
+// Neighbours of which the one with the larger id has the smaller number.
+int Falls(const KnownMember& member, std::string_view file, std::span<const MemberPlace> places,
+          std::span<const RecordFacts> facts) {
+  int falls = 0;
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const double ids = facts[i][Facts::kId] - facts[i - 1][Facts::kId];
+    const double numbers = member.rises(file, places[i].begin) - member.rises(file, places[i - 1].begin);
+    if (ids * numbers < 0) ++falls;
+  }
+  return falls;
 }
 
 }  // namespace
@@ -419,6 +478,8 @@ int PenaltyOf(const KnownMember& member, std::string_view file, std::span<const 
     if (i > 0 && SameBytes(file, places[i - 1], places[i])) ++equal;
   }
   const int pairs = static_cast<int>(places.size()) - 1;
+  if (pairs > 0 && member.rises != nullptr)
+    sum += static_cast<int>(places.size()) * kDoubtful * Falls(member, file, places, facts) / pairs;
   if (pairs > 0 && member.differs) sum += static_cast<int>(places.size()) * kWrong * equal / pairs;
   if (pairs > 0 && member.constant) sum += static_cast<int>(places.size()) * 20 * (pairs - equal) / pairs;
   return sum / static_cast<int>(places.size());

@@ -15,7 +15,8 @@ constexpr std::uint64_t kFarthestGrid = 4096;   // behind the beginning of its k
 constexpr std::uint64_t kLeastPointBytes = 32;  // less than any map point and its pointer
 constexpr std::int16_t kMostClasses = 1024;
 constexpr std::string_view kFirstOfClass("\1\0\0\0\0", 5);  // tracked, version 0
-constexpr std::uint32_t kMostBetween = 16;                  // objects that a keyframe may bring: cameras
+constexpr std::uint32_t kMostBetween = 16;                  // objects that a keyframe may bring, or that are lost
+constexpr std::uint32_t kMostLost = 256;
 
 template <class Number>
 std::string BytesOf(Number number) {
@@ -49,10 +50,9 @@ class Finder {
   void Keyframe(std::uint64_t grid) {
     const std::optional<Record> found = maps_.empty() ? First(grid) : Next(grid);
     if (!found) return;
-    // The first keyframe may bring cameras; another map stands behind map points.
-    const bool second = !maps_.empty() && maps_.back().keyframes.records.size() == 1;
-    const bool goes_on = found->object == last_object_ + 1 ||
-                         (second && found->object - last_object_ <= kMostBetween && !IsListHead(*found));
+    // The first keyframe may bring cameras, and some may be damaged; another map stands behind map points.
+    const bool goes_on =
+        found->object == last_object_ + 1 || (found->object - last_object_ <= kMostBetween && !IsListHead(*found));
     if (maps_.empty() || !goes_on) maps_.emplace_back().keyframes.class_id = class_id_;
     maps_.back().keyframes.records.push_back(*found);
     last_object_ = found->object;
@@ -132,8 +132,13 @@ class Finder {
     Announce(map.points);
     for (std::uint64_t i = 1; i < map.points.announced; ++i) {
       const Record& last = map.points.records.back();
-      const auto next = NextPoint(file, last.body + kLeastPointBytes, last.object + 1);
+      auto next = NextPoint(file, last.body + kLeastPointBytes, last.object + 1);
+      for (std::uint32_t lost = 1; !next && lost < kMostBetween && i + lost < map.points.announced; ++lost) {
+        if (++lost_ > kMostLost) break;  // each is looked for in the whole file
+        next = NextPoint(file, last.body + kLeastPointBytes, last.object + 1 + lost);
+      }
       if (!next) break;
+      i += next->object - last.object - 1;
       map.points.records.push_back(*next);
     }
   }
@@ -166,6 +171,7 @@ class Finder {
   std::vector<MapRecords> maps_;
   std::int16_t class_id_ = 0, point_class_ = 0;
   std::uint32_t last_object_ = 0;
+  std::uint32_t lost_ = 0;      // points that were looked for in vain
   std::uint64_t distance_ = 0;  // from the last keyframe's pointer to its grid
 };
 

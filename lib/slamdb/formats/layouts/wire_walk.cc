@@ -122,7 +122,8 @@ WireWalk::WireWalk(const Wire& wire, std::string_view bytes, const ArchiveEncodi
       warm_(wire, bytes, encoding),
       ids_(wire.keys, -1),
       used_(wire.keys, false),
-      seen_(wire.classes.size(), false) {}
+      seen_(wire.classes.size(), false),
+      entered_(wire.classes.size(), 0) {}
 
 bool WireWalk::Run(std::uint64_t at) {
   at_ = at;
@@ -162,12 +163,11 @@ void WireWalk::Register(std::uint32_t key) {
 
 // Class information stands in front of the first of a class.
 bool WireWalk::Info(std::uint32_t key, std::uint8_t tracking) {
-  constexpr std::uint32_t kNewestVersion = 100;
   if (used_[key]) return true;
   used_[key] = true;
   std::uint8_t found = 0;
   std::uint32_t version = 0;
-  return Take(found) && Take(version) && found == tracking && version <= kNewestVersion;
+  return Take(found) && Take(version) && found == tracking && version == 0;
 }
 
 // What needs no class table where its classes have been met, or never does.
@@ -231,9 +231,27 @@ bool WireWalk::Collection(const WireType& type, int depth) {
   }
   if (count > bytes_.size()) return false;
   for (std::uint64_t i = 0; i < count; ++i) {
+    if (!is_map) i += SkipRun(wire_.types[type.element], count - i);
+    if (i == count) return true;
     if (!Value(type.element, depth + 1) || (is_map && !Value(type.second, depth + 1))) return false;
   }
   return true;
+}
+
+// Passes over the next elements of a list of pointers whose ends are known; returns how many.
+std::uint64_t WireWalk::SkipRun(const WireType& pointer, std::uint64_t most) {
+  if (pointer.kind != Kind::kPointer || !seen_[pointer.class_row]) return 0;
+  constexpr std::uint64_t kPointerBytes = 6;
+  const std::int32_t id = ids_[wire_.classes[pointer.class_row].key];
+  std::uint64_t skipped = 0;
+  for (; skipped < most && objects_ < known_ends.size(); ++skipped, ++objects_) {
+    const std::uint64_t end = known_ends[objects_];
+    if (end <= at_ + kPointerBytes || NumberAt<std::int16_t>(bytes_, at_) != id ||
+        NumberAt<std::uint32_t>(bytes_, at_ + 2) != objects_)
+      break;
+    at_ = end;
+  }
+  return skipped;
 }
 
 bool WireWalk::Matrix2(const WireType& type) {
@@ -287,14 +305,17 @@ bool WireWalk::Pointer(const WireType& type, int depth) {
 
 bool WireWalk::Members(const WireClass& of, int depth) {
   for (const std::uint32_t key : of.registers) Register(key);
-  const bool seen =
-      visitor != nullptr && (of.name == "KeyFrame" || of.name == "MapPoint" || of.name == "Map" || of.name == "Atlas");
+  const bool seen = visitor != nullptr && (of.name == "KeyFrame" || of.name == "MapPoint" || of.name == "Map" ||
+                                           of.name == "Atlas" || of.name == "GeometricCamera");
   std::vector<std::uint64_t> offsets;
   if (seen) offsets.reserve(of.members.size() + 1);
-  for (const WireMember& member : of.members) {
+  std::size_t& entered = entered_[static_cast<std::size_t>(&of - wire_.classes.data())];
+  for (std::size_t i = 0; i < of.members.size(); ++i) {
+    entered = std::max(entered, i + 1);
     if (seen) offsets.push_back(at_);
-    if (!Value(member.type, depth)) return false;
+    if (!Value(of.members[i].type, depth)) return false;
   }
+  entered = of.members.size() + 1;
   if (seen) {
     offsets.push_back(at_);
     visitor->Record(of, offsets);

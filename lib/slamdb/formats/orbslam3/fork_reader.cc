@@ -6,6 +6,7 @@
 #include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/formats/orbslam3/detail/fork_steps.h"
 #include "slamdb/formats/orbslam3/detail/fork_values.h"
+#include "slamdb/formats/orbslam3/detail/looks_whole.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/model/counters.h"
 
@@ -51,7 +52,74 @@ class ForkReader {
     return reading;
   }
 
+  // Of a damaged archive: records one by one.
+  Atlas ReadRecords(std::span<const MapPlaces> places) {
+    MeetAllClasses();
+    for (const MapPlaces& of : places) {
+      map_ = static_cast<std::uint32_t>(atlas_.maps.size());
+      Map& map = atlas_.maps.emplace_back();
+      map.id = MapId(map_);
+      for (const RecordPlace& place : of.keyframes)
+        ReadRecord(program_.keyframe, place, WireClass::kKeyFrame, map.keyframes);
+      for (const RecordPlace& place : of.points) ReadRecord(program_.point, place, WireClass::kMapPoint, map.points);
+    }
+    return std::move(atlas_);
+  }
+
  private:
+  // ---- Records by themselves
+
+  // What the class table is behind the first records: which numbers classes have does not matter.
+  void MeetAllClasses() {
+    for (std::size_t slot = 0; slot < kMostWireClasses; ++slot)
+      if (static_cast<WireClass>(slot) != WireClass::kCount) all_met_.FirstUse(static_cast<WireClass>(slot));
+  }
+
+  // A record that brings classes is read with what the table was in front of the first of all, or without one class.
+  template <class Entity>
+  void ReadRecord(const Program<Entity>& program, const RecordPlace& place, WireClass wire_class,
+                  Column<Entity>& list) {
+    if (TryRecord(program, place, all_met_, list)) {
+      if (!behind_first_) behind_first_ = all_met_;
+      return;
+    }
+    ClassTable first = behind_first_.value_or(ClassTable(main_.input.encoding()));
+    first.FirstUse(wire_class);
+    if (TryRecord(program, place, first, list)) {
+      behind_first_ = main_.classes;
+      return;
+    }
+    for (std::size_t slot = 0; slot < kMostWireClasses; ++slot)
+      if (TryRecord(program, place, AllBut(static_cast<WireClass>(slot)), list)) return;
+  }
+  ClassTable AllBut(WireClass left_out) const {
+    ClassTable table(main_.input.encoding());
+    for (std::size_t slot = 0; slot < kMostWireClasses; ++slot) {
+      const auto wire_class = static_cast<WireClass>(slot);
+      if (wire_class != WireClass::kCount && wire_class != left_out) table.FirstUse(wire_class);
+    }
+    return table;
+  }
+
+  template <class Entity>
+  bool TryRecord(const Program<Entity>& program, const RecordPlace& place, const ClassTable& classes,
+                 Column<Entity>& list) {
+    main_.classes = classes;
+    main_.input.Seek(place.begin);
+    try {
+      Members members(*this);
+      Entity entity;
+      Run(program, entity, members);
+      if (place.end == 0 ? !LooksWhole(entity) : main_.input.offset() != place.end) return false;
+      members.Give(entity.carried);
+      list.push_back(std::move(entity));
+      return true;
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kDamaged && error.kind() != ErrorKind::kUnsupported) throw;
+      return false;
+    }
+  }
+
   // What is packed of one entity.
   class Members {
    public:
@@ -345,6 +413,8 @@ class ForkReader {
   std::map<std::string, std::string> exported_;
   std::uint64_t others_ = 0;  // objects that are no entities
   std::uint64_t implausible_ = 0;
+  ClassTable all_met_{main_.input.encoding()};
+  std::optional<ClassTable> behind_first_;  // behind the first record
 };
 
 bool IsPlausible(const KeyFrame& keyframe) {
@@ -373,6 +443,11 @@ ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, cons
                      const ReadOptions& options) {
   if (header.encoding.text) return ForkReader<TextInput>(file, header, program, options).Read();
   return ForkReader<BinaryInput>(file, header, program, options).Read();
+}
+
+Atlas ReadForkRecords(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program,
+                      std::span<const MapPlaces> maps) {
+  return ForkReader<BinaryInput>(file, header, program, {}).ReadRecords(maps);
 }
 
 }  // namespace slamdb::orbslam3

@@ -65,9 +65,8 @@ InferredLayout InferLayout(const Source& source) {
   detail::FileStream stream(Source(file.bytes(), file.path()));
   Notices notices;
   const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(stream, notices);
-  InferredLayout inferred = header.encoding.text
-                                ? InferText(file)
-                                : InferLayoutOf(file.bytes(), header.encoding, header.bytes);
+  InferredLayout inferred =
+      header.encoding.text ? InferText(file) : InferLayoutOf(file.bytes(), header.encoding, header.bytes);
   Prove(file, inferred);
   return inferred;
 }

@@ -319,7 +319,11 @@ Atlas ReadOrbslam3(const Source& given, const ReadOptions& options, Notices& not
     if (auto fork = as_fork()) return *std::move(fork);
     orbslam3::NameTransfer(source, error);
     if (error.kind() != ErrorKind::kDamaged || error.place().find(", map ") == std::string::npos) throw;
-    throw Error(error.kind(), error.path(), error.place(), error.problem() + "; `RecoverAtlas` saves what is whole");
+    // What a fork wrote has no end that is cut off.
+    const bool cut = error.problem().find("truncated") != std::string::npos;
+    throw Error(error.kind(), error.path(), error.place(),
+                detail::Concat(error.problem(), "; `RecoverAtlas` saves what is whole",
+                               cut ? "" : ", and `InferLayout` finds the layout of a fork"));
   }
 }
 

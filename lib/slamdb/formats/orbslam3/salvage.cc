@@ -8,6 +8,7 @@
 
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/decoder.h"
+#include "slamdb/formats/orbslam3/detail/fork_salvage.h"
 #include "slamdb/formats/orbslam3/detail/lookahead.h"
 #include "slamdb/formats/orbslam3/detail/object_search.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
@@ -472,6 +473,7 @@ Salvage SalvageBytesOf(Bytes bytes, const std::string& path) {
   if (header_error) header = orbslam3::UsualHeader({file.data(), file.size()});
   const Error* why = header_error ? &*header_error : nullptr;
   if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run(why);
+  if (auto fork = orbslam3::SalvageFork(bytes, path, header)) return *std::move(fork);
   return orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run(why);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,7 +25,9 @@ struct ArchiveBytes {
 struct Verdict {
   bool whole = false;
   std::uint64_t reached = 0;
-  double penalty = 0;
+  double penalty = 0;                // of the class against which most speaks
+  double total = 0;                  // of all classes
+  std::vector<std::size_t> members;  // by class: how many were come to
 };
 // Above this, a layout that comes to the end reads other members than it says.
 inline constexpr double kMostPenalty = 40;
@@ -48,13 +51,18 @@ std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view
 
 // Whether a member is one that FindClass put in.
 bool IsUnknown(const LayoutMember& member);
-// What a member may be whose bytes were seen where every class has been met, likeliest first.
+// What a member may be whose bytes were seen where every class has been met, likeliest first; several members one
+// behind the other are joined by `+`.
 std::vector<std::string> TypesLike(const std::string& warm_type);
-// Gives a member of the layout another of those types; a class of its own where it needs one.
-void SetType(Layout& layout, LayoutMember& member, const std::string& type);
+// Gives a member of the layout another of those types; classes of its own where it needs them.
+void SetType(Layout& layout, const std::string& class_name, std::size_t row, const std::string& types);
 
 // Gives the layout the members of Map and Atlas and the root that the file has. Returns whether it comes to the end.
 bool FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends, Layout& layout,
                Findings& findings);
+
+// The layout that keyframes and map points have in a damaged archive: a known one, or one without an id whose unknown
+// members are bytes as they stand where every class has been met. Nothing when none explains them.
+std::optional<Layout> LayoutOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps);
 
 }  // namespace slamdb::layouts

@@ -15,6 +15,11 @@ struct RecordFacts {
   enum Fact : std::uint8_t {
     kId,
     kColumns,  // of the grid
+    kRows,
+    kCellWidth,  // inverted
+    kCellHeight,
+    kLeft,  // bounds
+    kTop,
     kFx,
     kFy,
     kBaseline,
@@ -55,6 +60,7 @@ struct KnownMember {
   bool differs = false;     // from record to record
   bool constant = false;    // in all records of a session
   bool anchor = false;      // a place that cannot be mistaken: when it fits, so does what stands in front
+  double (*rises)(std::string_view file, std::uint64_t at) = nullptr;  // a number that is larger where the id is
 };
 
 // The member of that class and name; null when it is none of ORB-SLAM3's that can be told from others.

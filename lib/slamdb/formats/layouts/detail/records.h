@@ -25,13 +25,20 @@ struct RecordList {
   std::vector<Record> records;
 };
 
+// Where a record ends, since the next object stands behind it; 0: unknown.
+inline std::uint64_t EndOf(const RecordList& list, std::size_t row) {
+  const bool known = row + 1 < list.records.size() && list.records[row + 1].object == list.records[row].object + 1;
+  return known ? list.records[row + 1].begin : 0;
+}
+
 // Of one map.
 struct MapRecords {
   RecordList keyframes, points;
 };
 
 // The lists of keyframes and of their map points, in the order of the file. Keyframes are known by the size of the grid
-// that each has near its beginning, map points by their numbers. Empty where there are none, or no archive.
+// that each has near its beginning, map points by their numbers; those that are
+// damaged are passed over, some hundreds of them. Empty where there are none, or no archive.
 // Time grows with the file alone.
 std::vector<MapRecords> FindRecords(std::string_view file, const ArchiveEncoding& encoding);
 

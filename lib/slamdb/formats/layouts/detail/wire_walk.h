@@ -46,7 +46,7 @@ class WarmWalk {
   const std::uint8_t size_bytes_;
 };
 
-// Sees each keyframe, map point, map and atlas that a walk has passed.
+// Sees each keyframe, map point, map, camera and atlas that a walk has passed.
 class RecordVisitor {
  public:
   virtual ~RecordVisitor() = default;
@@ -63,6 +63,8 @@ class WireWalk {
   bool Run(std::uint64_t at);
   // How far it came.
   std::uint64_t at() const { return at_; }
+  // By class: of how many of its members the first ones were come to; one more than there are where an object is whole.
+  const std::vector<std::size_t>& members_entered() const { return entered_; }
 
   RecordVisitor* visitor = nullptr;           // may be null
   std::span<const std::uint64_t> known_ends;  // by object id: where records end that were seen before; 0: unknown
@@ -72,6 +74,7 @@ class WireWalk {
   bool Members(const WireClass& of, int depth);
   bool Pointer(const WireType& type, int depth);
   bool Collection(const WireType& type, int depth);
+  std::uint64_t SkipRun(const WireType& pointer, std::uint64_t most);
   bool Matrix2(const WireType& type);
   bool Warm(const WireType& type);
   bool Info(std::uint32_t key, std::uint8_t tracking);
@@ -91,6 +94,7 @@ class WireWalk {
   std::vector<bool> used_;         // by key: its information was there
   std::vector<std::uint32_t> key_of_id_;
   std::vector<bool> seen_;  // by class: objects of it
+  std::vector<std::size_t> entered_;
   std::uint32_t objects_ = 0;
 };
 

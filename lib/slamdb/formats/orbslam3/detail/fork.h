@@ -32,6 +32,19 @@ ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, cons
 
 // How many keyframes have no sensible time or orientation, as those of a file of another layout have.
 std::uint64_t CountImplausible(const Atlas& atlas);
+// Where the members of a keyframe or map point stand.
+struct RecordPlace {
+  std::size_t begin = 0;
+  std::size_t end = 0;  // 0: unknown
+};
+struct MapPlaces {
+  std::vector<RecordPlace> keyframes, points;
+};
+// Reads records of a damaged binary archive, each by itself; those that do not end where they must are left out. Maps
+// are numbered.
+Atlas ReadForkRecords(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program,
+                      std::span<const MapPlaces> maps);
+
 // Whether more than one keyframe in two is such.
 bool LooksLikeAnotherLayout(const Atlas& atlas, std::uint64_t implausible);
 

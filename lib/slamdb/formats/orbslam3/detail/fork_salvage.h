@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "slamdb/base/detail/file_stream.h"
+#include "slamdb/formats/orbslam3/detail/archive_header.h"
+#include "slamdb/formats/salvage.h"
+
+namespace slamdb::orbslam3 {
+
+// Reads what is whole in a binary archive of a fork: all of it in a layout that reads it to the end, or else every
+// keyframe and map point that is whole where its number says it stands. Nothing when the records are those of v1.0.
+std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header);
+
+}  // namespace slamdb::orbslam3

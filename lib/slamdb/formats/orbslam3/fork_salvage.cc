@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/detail/fork_salvage.h"
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/layouts/detail/inference.h"
+#include "slamdb/formats/orbslam3/detail/fork.h"
+#include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/infer_layout.h"
+#include "slamdb/formats/orbslam3/options.h"
+#include "slamdb/formats/orbslam3/orbslam3.h"
+
+namespace slamdb::orbslam3 {
+namespace {
+
+using detail::Concat;
+using layouts::MapRecords;
+using layouts::RecordList;
+
+// Whether one in two of the records that are seen whole is read by v1.0 from end to end.
+bool IsOfOwnLayout(std::string_view file, const ArchiveEncoding& encoding, std::span<const MapRecords> maps) {
+  const layouts::Wire wire(KnownLayouts().front(), encoding);
+  const layouts::WarmWalk walk(wire, file, encoding);
+  std::size_t known = 0, fitting = 0;
+  const auto count = [&](const RecordList& list, const char* name) {
+    const layouts::WireClass& of = wire.classes[static_cast<std::size_t>(wire.RowOf(name))];
+    for (std::size_t i = 0; i < list.records.size(); ++i) {
+      const std::uint64_t end = EndOf(list, i);
+      known += end > 0;
+      fitting += end > 0 && walk.BehindMembers(of, list.records[i].body, 0) == end;
+    }
+    return 2 * fitting >= known;
+  };
+  bool all = true;
+  for (const MapRecords& map : maps) {
+    known = fitting = 0;
+    all = count(map.keyframes, "KeyFrame") && all;
+    known = fitting = 0;
+    all = count(map.points, "MapPoint") && all;
+  }
+  return all;
+}
+
+SalvagedMap Counted(const Map& map) {
+  SalvagedMap counted{.id = map.id};
+  counted.keyframes = {map.keyframes.size(), map.keyframes.size()};
+  counted.points = {map.points.size(), map.points.size()};
+  return counted;
+}
+
+// Of a file that is whole.
+std::optional<Salvage> Whole(Bytes bytes, const std::string& path) {
+  try {
+    const InferredLayout inferred = InferLayout({bytes, path});
+    Notices notices;
+    ReadOptions options;
+    options.of<Orbslam3ReadOptions>().layout = ToJson(inferred.layout);
+    Salvage salvage{.atlas = ReadOrbslam3({bytes, path}, options, notices)};
+    for (const Map& map : salvage.atlas.maps) salvage.maps.push_back(Counted(map));
+    salvage.maps_listed = salvage.atlas.maps.size() + salvage.atlas.repeated_maps.size();
+    return salvage;
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kOutOfResources) throw;
+    return std::nullopt;
+  }
+}
+
+std::vector<RecordPlace> PlacesOf(const RecordList& list) {
+  std::vector<RecordPlace> places;
+  for (std::size_t i = 0; i < list.records.size(); ++i) places.push_back({list.records[i].body, EndOf(list, i)});
+  return places;
+}
+
+SalvagedList ListOf(const RecordList& list, std::size_t read) {
+  return {std::max<std::uint64_t>(list.announced, list.records.size()), read};
+}
+
+void Tell(const SalvagedList& list, std::size_t map, const char* what, std::vector<std::string>& damage) {
+  if (list.read < list.listed)
+    damage.push_back(
+        Concat("map ", map, ": ", list.listed - list.read, " of ", list.listed, " ", what, " are damaged"));
+}
+
+// The name and checksum in front of all.
+Vocabulary VocabularyOf(std::string_view file, const ArchiveHeader& header) {
+  constexpr std::uint64_t kLongest = 4096, kChecksum = 32;
+  std::uint64_t at = header.bytes;
+  const auto text = [&] {
+    const auto size = layouts::NumberAt<std::uint64_t>(file, at).value_or(0);
+    if (size > kLongest || size > file.size() - std::min<std::uint64_t>(file.size(), at + sizeof(size)))
+      return std::string();
+    const std::string taken(file.substr(at + sizeof(size), size));
+    at += sizeof(size) + size;
+    return taken;
+  };
+  Vocabulary vocabulary;
+  vocabulary.name = text();
+  vocabulary.checksum = text();
+  return vocabulary.checksum.size() == kChecksum ? vocabulary : Vocabulary();
+}
+
+void DropCarried(Atlas& atlas) {
+  for (Map& map : atlas.maps) {
+    for (KeyFrame& keyframe : map.keyframes)
+      if (keyframe.carried) keyframe.carried.Make().members.clear();
+    for (MapPoint& point : map.points)
+      if (point.carried) point.carried.Make().members.clear();
+  }
+}
+
+}  // namespace
+
+std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
+  const std::string_view file(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::vector<MapRecords> maps = layouts::FindRecords(file, header.encoding);
+  if (maps.empty() || IsOfOwnLayout(file, header.encoding, maps)) return std::nullopt;
+  if (auto whole = Whole(bytes, path)) return whole;
+  const auto layout = layouts::LayoutOfRecords({file, header.encoding, header.bytes}, maps);
+  if (!layout) return std::nullopt;
+  std::vector<MapPlaces> places;
+  for (const MapRecords& map : maps) places.push_back({PlacesOf(map.keyframes), PlacesOf(map.points)});
+  ForkProgram program(*layout);
+  detail::FileStream stream({bytes, path});
+  Salvage salvage{.atlas = ReadForkRecords(stream, header, program, places)};
+  salvage.atlas.encoding = header.encoding;
+  salvage.atlas.vocabulary = VocabularyOf(file, header);
+  for (std::size_t row = 0; row < maps.size(); ++row) {
+    const Map& map = salvage.atlas.maps[row];
+    SalvagedMap& read = salvage.maps.emplace_back(Counted(map));
+    read.keyframes = ListOf(maps[row].keyframes, map.keyframes.size());
+    read.points = ListOf(maps[row].points, map.points.size());
+    read.lost_head = true;
+    Tell(read.keyframes, row, "keyframes", salvage.damage);
+    Tell(read.points, row, "map points", salvage.damage);
+  }
+  salvage.maps_listed = maps.size();
+  salvage.lost_beginning = salvage.atlas.vocabulary.name.empty();
+  if (FindKnownLayout(layout->id) != nullptr) {
+    salvage.atlas.layout = layout->id;
+  } else {
+    DropCarried(salvage.atlas);
+    salvage.damage.emplace_back("members that ORB-SLAM3 v1.0 does not have are left out: their layout is not whole");
+  }
+  if (salvage.damage.empty()) salvage.damage.emplace_back("what stands around the keyframes and map points is damaged");
+  return salvage;
+}
+
+}  // namespace slamdb::orbslam3

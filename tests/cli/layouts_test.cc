@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include "tests/cli/json_schema.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const std::string kSession = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+
+// A file in a layout with one more member, and the layout.
+void MakeFork(const TemporaryFolder& folder) {
+  WriteWholeFile(folder / "lab.json",
+                 R"({"id": "lab", "base": "v1.0", "changes": [{"class": "KeyFrame", "after": "mnId",
+                     "add": [["mnLabel", "u64"]]}]})");
+  const ProcessResult result =
+      RunSlamdb({"convert", kSession, folder / "fork.osa", "--to-layout", folder / "lab.json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST(Layouts, ListIsWhatStandsAloneMeans) {
+  const ProcessResult list = RunSlamdb({"layouts", "list"});
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  EXPECT_THAT(list.out, AllOf(HasSubstr("v1.0"), HasSubstr("visible-found")));
+  EXPECT_EQ(RunSlamdb({"layouts"}).out, list.out);
+  const json report = json::parse(RunSlamdb({"layouts", "list", "--json"}).out);
+  EXPECT_EQ(BreachOf(report, "layouts.schema.json"), "");
+  EXPECT_EQ(report["layouts"][0]["id"], "v1.0");
+}
+
+TEST(Layouts, ShowPrintsWhatLayoutTakes) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "own.json", RunSlamdb({"layouts", "show", "v1.0"}).out);
+  EXPECT_EQ(RunSlamdb({"info", kSession, "--layout", folder / "own.json"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"layouts", "show", folder / "own.json"}).out, ReadWholeFile(folder / "own.json"));
+  EXPECT_THAT(RunSlamdb({"layouts", "show", "nobodys"}).err, HasSubstr("known are v1.0"));
+}
+
+TEST(Layouts, InferFindsWhatNobodyDescribed) {
+  const TemporaryFolder folder;
+  MakeFork(folder);
+  EXPECT_THAT(RunSlamdb({"info", folder / "fork.osa"}).err, HasSubstr("`slamdb layouts infer`"));
+  const ProcessResult result = RunSlamdb({"layouts", "infer", folder / "fork.osa", "-o", folder / "fork.json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("KeyFrame: arr<u8,8> more"), HasSubstr("14 keyframes and 3,162 points"),
+                                HasSubstr("the same bytes")));
+  EXPECT_EQ(RunSlamdb({"layouts", "infer", folder / "fork.osa", "-o", folder / "fork.json"}).exit_code, 1);
+  ASSERT_EQ(RunSlamdb({"convert", folder / "fork.osa", folder / "same.osa", "--layout", folder / "fork.json"}).exit_code,
+            0);
+  EXPECT_EQ(ReadWholeFile(folder / "same.osa"), ReadWholeFile(folder / "fork.osa"));
+}
+
+TEST(Layouts, InferTellsScripts) {
+  const TemporaryFolder folder;
+  MakeFork(folder);
+  const json known = json::parse(RunSlamdb({"layouts", "infer", kSession, "--json"}).out);
+  EXPECT_EQ(BreachOf(known, "layouts-infer.schema.json"), "");
+  EXPECT_EQ(known["known"], "v1.0");
+  const json found = json::parse(RunSlamdb({"layouts", "infer", folder / "fork.osa", "--json"}).out);
+  EXPECT_EQ(BreachOf(found, "layouts-infer.schema.json"), "");
+  EXPECT_TRUE(found["known"].is_null());
+  EXPECT_EQ(found["same_bytes"], true);
+  WriteWholeFile(folder / "found.json", found["layout"].dump());
+  EXPECT_EQ(RunSlamdb({"info", folder / "fork.osa", "--layout", folder / "found.json"}).exit_code, 0);
+}
+
+TEST(Layouts, InferSaysWhatToDoWhereNoneIsFound) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "cut.osa", ReadWholeFile(kSession).substr(0, 2'000'000));
+  const ProcessResult result = RunSlamdb({"layouts", "infer", folder / "cut.osa"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("no layout found"), HasSubstr("`slamdb layouts from-source`")));
+}
+
+TEST(Layouts, FromSourceAsksWhatItDoesNotUnderstand) {
+  const TemporaryFolder folder, sources;
+  WriteWholeFile(sources / "Map.h",
+                 "class Map {\n  int a;\n  Blob b;\n  template <class A> void serialize(A& ar, const unsigned int) {\n"
+                 "    ar & a;\n    ar & b;\n  }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << "
+                 "map; }\n");
+  const ProcessResult result = RunSlamdb({"layouts", "from-source", sources.path().string()});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.out, AllOf(HasSubstr("Map.h:"), HasSubstr("`?`")));
+  const json report = json::parse(RunSlamdb({"layouts", "from-source", sources.path().string(), "--json"}).out);
+  EXPECT_EQ(BreachOf(report, "layouts-from-source.schema.json"), "");
+  EXPECT_EQ(report["files"], 1);
+}
+
+// Damage in the middle of a fork's file costs what it hits.
+TEST(Layouts, RecoverKeepsTheRecordsOfAFork) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"convert", kSession, folder / "fork.osa", "--to-layout", "visible-found"}).exit_code, 0);
+  std::string bytes = ReadWholeFile(folder / "fork.osa");
+  for (std::size_t i = 0; i < 400; ++i) bytes[bytes.size() * 9 / 10 + i] = static_cast<char>(0xee);  // among the points
+  WriteWholeFile(folder / "damaged.osa", bytes);
+  const ProcessResult result =
+      RunSlamdb({"recover", folder / "damaged.osa", folder / "rescued.osa", "--no-triangulate", "--json"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["keyframes"]["read"], 14) << result.out;
+  EXPECT_GE(report["points"]["read"], 3162 - 8) << result.out;
+}
+
+}  // namespace
+}  // namespace slamdb::testing
