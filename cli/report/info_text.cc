@@ -21,7 +21,8 @@ std::string VectorText(const Eigen::Vector3f& vector) {
 }
 
 std::string TextOfSensor(const MapStatistics& map) {
-  if (map.keyframes == 0) return map.landmarks == 0 ? "empty" : Counted(map.landmarks, "landmark");
+  if (map.keyframes == 0 && map.landmarks > 0) return Counted(map.landmarks, "landmark");
+  if (map.keyframes == 0) return map.points > 0 ? "points alone" : "empty";
   return SensorText(map.sensor, map.has_imu);
 }
 
