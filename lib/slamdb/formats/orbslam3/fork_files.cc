@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
@@ -37,13 +38,15 @@ bool IsOfTheBytes(const Error& error) {
 }
 
 // Text does not say how wide the writer's long and size_t were.
-ForkReading ReadWithWidths(const Source& source, const ForkProgram& program, const ReadOptions& options) {
-  struct Widths {
-    std::uint8_t long_bytes, size_bytes;
-  };
-  constexpr std::array<Widths, 3> kWidths{{{8, 8}, {4, 8}, {4, 4}}};
+struct Widths {
+  std::uint8_t long_bytes, size_bytes;
+};
+constexpr std::array<Widths, 3> kWidths{{{8, 8}, {4, 8}, {4, 4}}};
+
+ForkReading ReadWithWidths(const Source& source, const ForkProgram& program, const ReadOptions& options,
+                           std::span<const Widths> tried = kWidths) {
   std::optional<Error> first;
-  for (const Widths& widths : kWidths) {
+  for (const Widths& widths : tried) {
     detail::FileStream file(source);
     Notices known;
     ArchiveHeader header = ReadArchiveHeader(file, known);
@@ -162,7 +165,8 @@ std::optional<Atlas> ReadInKnownLayout(const Source& source, const ReadOptions& 
   std::vector<std::string> fitting;
   for (const ForkProgram& candidate : KnownForks()) {
     try {
-      ForkReading reading = ReadWithWidths(source, candidate, options);
+      // Whoever has text of a fork on Windows names the layout: to try all would take long of a file that is damaged.
+      ForkReading reading = ReadWithWidths(source, candidate, options, std::span(kWidths).first(1));
       reading.implausible += CountImplausible(reading.atlas);
       if (reading.left > 0 || LooksLikeAnotherLayout(reading.atlas, reading.implausible)) continue;
       fitting.push_back(candidate.layout.id);
