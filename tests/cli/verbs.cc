@@ -23,6 +23,8 @@ const std::map<std::string, std::vector<std::string>>& More() {
       {"completion", {"bash"}},
       {"evaluate", {"--align", "none"}},
       {"extract", {"--map", "0"}},
+      {"layouts from-source", {"sources"}},
+      {"layouts show", {"v1.0"}},
       {"man", {"--folder", "pages"}},
       {"plot", {"--format", "svg"}},
       {"reassign-origin", {"--compact"}},
@@ -136,6 +138,10 @@ void FillFolder(const std::string& folder) {
   for (const char* name : {"a.osa", "b.osa", "points.osa"}) std::filesystem::copy_file(tiny, in / name);
   for (const char* name : {"m.db#a", "m.db#b", "old.db#a"}) WriteAtlas(ReadAtlas(tiny), (in / name).string());
   MigrateStore((in / "old.db").string(), {.back = true, .backup = false});
+  std::filesystem::create_directory(in / "sources");
+  WriteWholeFile(in / "sources" / "map.h",
+                 "class Map { int a; template <class A> void serialize(A& ar, unsigned) { ar & a; } };\n"
+                 "void Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }\n");
   std::filesystem::copy_file(SLAMDB_FIXTURES "/room/corner.osa", in / "room.osa");
   std::filesystem::copy_file(SLAMDB_FIXTURES "/room/a01.jpg", in / "room.jpg");
   std::filesystem::copy_file(SLAMDB_FIXTURES "/vocabulary/small.txt", in / "voc.txt");

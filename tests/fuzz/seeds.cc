@@ -245,6 +245,25 @@ void WriteAtlases(const path& folder) {
     }
 }
 
+// The same small atlas in every known layout, and in one with members of all kinds.
+void WriteSeedsOfForks(const path& folder) {
+  const Atlas small = SynthesizeAtlas({.keyframes = 2, .points = 3, .features = 4, .threads = 1});
+  const auto write = [&](const std::string& name, const std::string& layout, bool text) {
+    Atlas atlas = small;
+    for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.features.grid = {};
+    atlas.encoding.text = text;
+    atlas.layout = layout;
+    WriteChanged(folder, name, fuzz::JoinFork(layout, EncodeOrbslam3(atlas)));
+  };
+  for (const Layout& layout : KnownLayouts()) write(layout.id, layout.id, false);
+  const std::string every =
+      R"({"base":"v1.0","classes":{"T":{"fields":[["a","u32"],["b","list<u64>"]]},"U":{"fields":[["a","u8"]]}},"changes":[{"class":"KeyFrame",)"
+      R"("after":"","add":[["a","string"],["b","map<u64,vec<f32>>"],["c","mat"],["d","mat2"],["e","kps"],)"
+      R"(["f","ptr<T>"],["g","ptr<KeyFrame>"],["h","ptr<GeometricCamera>"],["i","vec<val<U>>"]]}]})";
+  write("every", ToJson(ParseLayout(every)), false);
+  write("every_text", ToJson(ParseLayout(every)), true);
+}
+
 // Small files of forks that nobody wrote, and the sources of one.
 void WriteSeedsOfLayouts(const path& base) {
   const Atlas atlas = SynthesizeAtlas({.keyframes = 5, .points = 30, .features = 60, .threads = 1});
@@ -267,25 +286,6 @@ void WriteSeedsOfLayouts(const path& base) {
                "template <class Archive> void serialize(Archive& ar, const unsigned int v) {\n#ifdef X\nar & p;\n#else"
                "\nar & m;\n#endif\nar & boost::serialization::base_object<Base>(*this); if (Archive::is_saving::value) "
                "{ ar << p; } }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }\n");
-}
-
-// The same small atlas in every known layout, and in one with members of all kinds.
-void WriteSeedsOfForks(const path& folder) {
-  const Atlas small = SynthesizeAtlas({.keyframes = 2, .points = 3, .features = 4, .threads = 1});
-  const auto write = [&](const std::string& name, const std::string& layout, bool text) {
-    Atlas atlas = small;
-    for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.features.grid = {};
-    atlas.encoding.text = text;
-    atlas.layout = layout;
-    WriteChanged(folder, name, fuzz::JoinFork(layout, EncodeOrbslam3(atlas)));
-  };
-  for (const Layout& layout : KnownLayouts()) write(layout.id, layout.id, false);
-  const std::string every =
-      R"({"base":"v1.0","classes":{"T":{"fields":[["a","u32"],["b","list<u64>"]]},"U":{"fields":[["a","u8"]]}},"changes":[{"class":"KeyFrame",)"
-      R"("after":"","add":[["a","string"],["b","map<u64,vec<f32>>"],["c","mat"],["d","mat2"],["e","kps"],)"
-      R"(["f","ptr<T>"],["g","ptr<KeyFrame>"],["h","ptr<GeometricCamera>"],["i","vec<val<U>>"]]}]})";
-  write("every", ToJson(ParseLayout(every)), false);
-  write("every_text", ToJson(ParseLayout(every)), true);
 }
 
 // Journals that lead from the atlas of fuzz_json.cc to what it is when fields and lists are changed, and ids for it.

@@ -9,6 +9,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/salvage.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 
@@ -21,6 +22,7 @@ namespace {
 std::optional<std::string> WrittenBack(const std::string& bytes) {
   Notices notices;
   ReadOptions options;
+  options.of<Orbslam3ReadOptions>().layout = "v1.0";  // forks have tests of their own
   options.threads = 1;
   try {
     const Atlas atlas = ReadOrbslam3({std::as_bytes(std::span(bytes)), "changed.osa"}, options, notices);

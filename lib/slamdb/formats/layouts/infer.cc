@@ -73,6 +73,8 @@ class Judging : public RecordVisitor {
       last_frame_ = std::max(last_frame_, number("mnFrameId").value_or(-1));
     } else if (of.name == "MapPoint") {
       last_point_ = std::max(last_point_, number("mnId").value_or(-1));
+      last_keyframe_ = std::max(last_keyframe_, number("mnFirstKFid").value_or(-1));
+      last_frame_ = std::max(last_frame_, number("mnFirstFrame").value_or(-1));
     } else if (of.name == "Map") {
       return OfMap(number);
     } else if (of.name == "Atlas") {
@@ -256,16 +258,27 @@ class Inference {
   // The first choice of keyframes and map points that the first records and the class ids behind them bear out, and
   // with it what the unknown members are, or else the rest of the layout.
   bool Choose() {
+    const ClassOption *keyframe_taken = nullptr, *point_taken = nullptr;
+    double least = std::numeric_limits<double>::max();
+    std::size_t choices = 0;
     for (const ClassOption& keyframe : keyframe_options_)
       for (const ClassOption& point : point_options_) {
+        if (choices++ == kMostChoices) break;
         Layout layout = keyframe.layout;
         *layout.Find("MapPoint") = *point.layout.Find("MapPoint");
         const std::vector<std::uint64_t> ends = EndsIn(layout);
-        if (!Types(std::move(layout), ends)) continue;
-        Take(keyframe.findings);
-        Take(point.findings);
-        return true;
+        std::optional<Typed> typed = Types(layout, ends);
+        if (!typed || typed->penalty >= least) continue;
+        least = typed->penalty;
+        layout_ = std::move(typed->layout);
+        keyframe_taken = &keyframe;
+        point_taken = &point;
       }
+    if (keyframe_taken != nullptr) {
+      Take(keyframe_taken->findings);
+      Take(point_taken->findings);
+      return true;
+    }
     for (Farthest& farthest : farthest_)
       if (FindFrame(archive_, farthest.ends, farthest.layout, findings_)) {
         layout_ = std::move(farthest.layout);
@@ -281,7 +294,11 @@ class Inference {
   }
 
   // Finds types of the unknown members with which the layout comes to the end; keeps those that come farthest.
-  bool Types(Layout layout, const std::vector<std::uint64_t>& ends) {
+  struct Typed {
+    Layout layout;
+    double penalty = 0;
+  };
+  std::optional<Typed> Types(const Layout& layout, const std::vector<std::uint64_t>& ends) {
     std::vector<Unknown> unknown;
     std::size_t trials = 1;
     for (const LayoutClass& of : layout.classes)
@@ -298,16 +315,16 @@ class Inference {
         rest /= one->types.size();
       }
       const Verdict verdict = Judge(archive_, typed, ends);
-      if (verdict.whole && Judge(archive_, typed).penalty < kMostPenalty) {
-        layout_ = std::move(typed);
-        return true;
+      if (verdict.whole) {
+        const Verdict cold = Judge(archive_, typed);
+        if (cold.penalty < kMostPenalty) return Typed{std::move(typed), cold.total};
       }
       if (verdict.reached < most_ || IsInFirstRecord(verdict.reached)) continue;
       if (verdict.reached > most_) farthest_.clear();
       most_ = verdict.reached;
       if (farthest_.size() < kMostFarthest) farthest_.push_back({std::move(typed), ends});
     }
-    return false;
+    return std::nullopt;
   }
 
   // Whether a walk ended in the first keyframe or map point, where no change of Map and Atlas helps.
@@ -328,7 +345,7 @@ class Inference {
     Layout layout;
     std::vector<std::uint64_t> ends;
   };
-  static constexpr std::size_t kMostTrials = 1024, kMostFarthest = 3;
+  static constexpr std::size_t kMostTrials = 2048, kMostFarthest = 3, kMostChoices = 16;
 
   const ArchiveBytes archive_;
   const std::vector<MapRecords> maps_;

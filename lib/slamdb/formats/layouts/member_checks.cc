@@ -276,15 +276,17 @@ int ObservationCountCheck(std::string_view file, MemberPlace place, Facts& facts
 }
 int PositionCheck(std::string_view file, MemberPlace place, Facts&) {
   double sum = 0;
+  bool is_other = false;  // whole numbers look like floats next to 0
   for (std::uint64_t i = 0; i < 3; ++i) {
     const double value = std::abs(F32(file, place.begin + 4 * i));
     if (!(value < 1e6)) return kWrong;
+    is_other = is_other || value < 1e-30;
     sum += value;
   }
   if (!(sum > 1e-6)) return kDoubtful;
   double norm = 0;
   for (std::uint64_t i = 0; i < 3; ++i) norm += std::pow(F32(file, place.begin + 4 * i), 2);
-  return Unless(!Between(norm, 0.7, 1.001), kUnproven);  // a normal
+  return Unless(!is_other && !Between(norm, 0.7, 1.001), kUnproven);  // of length 1: a normal
 }
 int NormalCheck(std::string_view file, MemberPlace place, Facts&) {
   double norm = 0;

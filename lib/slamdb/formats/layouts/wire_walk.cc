@@ -189,7 +189,7 @@ bool WireWalk::Value(std::uint32_t row, int depth) {
       return Warm(type);
     case Kind::kBools:
       Register(type.key);
-      return Info(type.key, 0) && Warm(type);
+      return Warm(type);
     case Kind::kString:
     case Kind::kMatrix:
     case Kind::kKeypoints:
@@ -218,7 +218,7 @@ bool WireWalk::Collection(const WireType& type, int depth) {
   Register(type.key);
   std::uint64_t count = 0;
   std::uint32_t version = 0;
-  if (!Info(type.key, 0) || !TakeCount(count) || !Take(version) || version != 0) return false;
+  if ((type.has_info && !Info(type.key, 0)) || !TakeCount(count) || !Take(version) || version != 0) return false;
   const bool is_map = type.kind == Kind::kMap;
   const auto fixed = [&](std::uint32_t row) { return wire_.types[row].kind == Kind::kFixed; };
   if (is_map && count > 0) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
@@ -37,13 +38,15 @@ bool IsOfTheBytes(const Error& error) {
 }
 
 // Text does not say how wide the writer's long and size_t were.
-ForkReading ReadWithWidths(const Source& source, ForkProgram& program, const ReadOptions& options) {
-  struct Widths {
-    std::uint8_t long_bytes, size_bytes;
-  };
-  constexpr std::array<Widths, 3> kWidths{{{8, 8}, {4, 8}, {4, 4}}};
+struct Widths {
+  std::uint8_t long_bytes, size_bytes;
+};
+constexpr std::array<Widths, 3> kWidths{{{8, 8}, {4, 8}, {4, 4}}};
+
+ForkReading ReadWithWidths(const Source& source, const ForkProgram& program, const ReadOptions& options,
+                           std::span<const Widths> tried = kWidths) {
   std::optional<Error> first;
-  for (const Widths& widths : kWidths) {
+  for (const Widths& widths : tried) {
     detail::FileStream file(source);
     Notices known;
     ArchiveHeader header = ReadArchiveHeader(file, known);
@@ -63,7 +66,9 @@ ForkReading ReadWithWidths(const Source& source, ForkProgram& program, const Rea
 
 void Finish(ForkReading& reading, const ForkProgram& program, const Source& source, const ReadOptions& options,
             Notices& notices) {
-  reading.atlas.layout = NameFor(program.layout);
+  Layout layout = program.layout;
+  for (const auto& [of_class, key] : reading.exported) layout.Find(of_class)->exported = key;
+  reading.atlas.layout = NameFor(layout);
   if (reading.left > 0)
     notices.Lose(Concat(source.path, ": ", reading.left,
                         " bytes behind the end of the atlas are not part of it and were left out"));
@@ -73,6 +78,12 @@ void Finish(ForkReading& reading, const ForkProgram& program, const Source& sour
   if (options.part_sizes != nullptr)
     ListPartSizes(reading.part_bytes, static_cast<std::size_t>(detail::FileStream(source).size()), *options.part_sizes);
   if (!options.selection.everything()) Select(options.selection, reading.atlas);
+}
+
+// Made ready once, as many files may be none of them.
+const std::vector<ForkProgram>& KnownForks() {
+  static const std::vector<ForkProgram> kForks(KnownLayouts().begin() + 1, KnownLayouts().end());
+  return kForks;
 }
 
 // ---- what carries members of a fork
@@ -139,7 +150,7 @@ std::uint64_t Reachable(const std::vector<std::string>& names, std::uint64_t cou
 bool IsOwnLayout(std::string_view layout) { return layout.empty() || layout == kOwn; }
 
 Atlas ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options, Notices& notices) {
-  ForkProgram program(LayoutOf(layout));
+  const ForkProgram program(LayoutOf(layout));
   ForkReading reading = ReadWithWidths(source, program, options);
   Finish(reading, program, source, options, notices);
   if (LooksLikeAnotherLayout(reading.atlas, CountImplausible(reading.atlas) + reading.implausible))
@@ -150,18 +161,18 @@ Atlas ReadInLayout(const Source& source, const std::string& layout, const ReadOp
 
 std::optional<Atlas> ReadInKnownLayout(const Source& source, const ReadOptions& options, Notices& notices) {
   std::optional<ForkReading> best;
-  std::optional<ForkProgram> program;
+  const ForkProgram* program = nullptr;
   std::vector<std::string> fitting;
-  for (const Layout& layout : KnownLayouts().subspan(1)) {
+  for (const ForkProgram& candidate : KnownForks()) {
     try {
-      ForkProgram candidate(layout);
-      ForkReading reading = ReadWithWidths(source, candidate, options);
+      // Whoever has text of a fork on Windows names the layout: to try all would take long of a file that is damaged.
+      ForkReading reading = ReadWithWidths(source, candidate, options, std::span(kWidths).first(1));
       reading.implausible += CountImplausible(reading.atlas);
       if (reading.left > 0 || LooksLikeAnotherLayout(reading.atlas, reading.implausible)) continue;
-      fitting.push_back(layout.id);
+      fitting.push_back(candidate.layout.id);
       if (best && best->implausible <= reading.implausible) continue;
       best = std::move(reading);
-      program = std::move(candidate);
+      program = &candidate;
     } catch (const Error& error) {
       if (!IsOfTheBytes(error)) throw;
     }

@@ -20,7 +20,8 @@ constexpr std::size_t kLeastKeyFrameBytes = 1024, kLeastPointBytes = 60;
 template <class Input>
 class ForkReader {
  public:
-  ForkReader(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program, const ReadOptions& options)
+  ForkReader(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
+             const ReadOptions& options)
       : file_(file),
         program_(program),
         options_(options),
@@ -45,6 +46,7 @@ class ForkReader {
     reading.left = main_.input.AtEnd() ? 0 : main_.input.remaining();
     reading.implausible = implausible_;
     reading.part_bytes = main_.part_bytes();
+    reading.exported = std::move(exported_);
     Derive(reading.derived);
     reading.atlas = std::move(atlas_);
     return reading;
@@ -289,7 +291,7 @@ class ForkReader {
     const std::string key = main_.input.TakeString();
     const CameraClass* camera = key.size() > kLongest ? nullptr : program_.FindExported(key);
     if (camera == nullptr) main_.input.Fail("an object of a class that the layout does not have");
-    if (key != camera->name) program_.layout.Find(camera->name)->exported = key;
+    if (key != camera->name) exported_[camera->name] = key;
     main_.classes.Register(camera->wire_class);
     return camera->wire_class;
   }
@@ -399,7 +401,7 @@ class ForkReader {
   static constexpr std::size_t kNotListed = static_cast<std::size_t>(-1);
 
   detail::FileStream& file_;
-  ForkProgram& program_;
+  const ForkProgram& program_;
   const ReadOptions& options_;
   Atlas atlas_;
   std::uint32_t map_ = 0;  // the row of the one that is read
@@ -408,7 +410,8 @@ class ForkReader {
   std::vector<Camera> cameras_;      // as they were met
   std::vector<std::size_t> listed_;  // where in the atlas's list each of them is
   std::vector<std::size_t> order_;   // which of them that list has
-  std::uint64_t others_ = 0;         // objects that are no entities
+  std::map<std::string, std::string> exported_;
+  std::uint64_t others_ = 0;  // objects that are no entities
   std::uint64_t implausible_ = 0;
   ClassTable all_met_{main_.input.encoding()};
   std::optional<ClassTable> behind_first_;  // behind the first record
@@ -436,7 +439,7 @@ bool LooksLikeAnotherLayout(const Atlas& atlas, std::uint64_t implausible) {
   return 2 * implausible > keyframes;
 }
 
-ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program,
+ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
                      const ReadOptions& options) {
   if (header.encoding.text) return ForkReader<TextInput>(file, header, program, options).Read();
   return ForkReader<BinaryInput>(file, header, program, options).Read();

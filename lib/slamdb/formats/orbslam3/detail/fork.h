@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "slamdb/base/detail/file_stream.h"
 #include "slamdb/formats/format.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
@@ -16,12 +20,14 @@ struct ForkReading {
   std::uint64_t implausible = 0;  // keyframes of which a converted member makes no sense
   PartBytes part_bytes{};
   std::vector<std::string> derived;  // what the layout lacks and was derived from the rest
+  // Keys of camera classes that nobody registered, by the class, as the file has them.
+  std::map<std::string, std::string> exported;
 };
 
 // Reads an archive, whose header was read, on the calling thread. atlas.layout stays empty.
 //
 // Throws Error as ReadOrbslam3 does: what is no archive of that layout is kDamaged.
-ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program,
+ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
                      const ReadOptions& options);
 
 // How many keyframes have no sensible time or orientation, as those of a file of another layout have.
