@@ -22,6 +22,7 @@
 #include "slamdb/edit/part/cull.h"
 #include "slamdb/edit/part/select.h"
 #include "slamdb/edit/part/shrink.h"
+#include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/sqlite/store.h"
@@ -95,6 +96,15 @@ void Keep(Value&& value) {
 
 Sample ReadBinary(const Workplace& at) {
   return Time([&] { Keep(Read(at.binary())); });
+}
+// v1.0 as its layout file describes it: the way of the files of forks.
+Sample ReadByLayout(const Workplace& at) {
+  ReadOptions options;
+  options.of<Orbslam3ReadOptions>().layout = ToJson(*FindKnownLayout("v1.0"));
+  return Time([&] {
+    Notices notices;
+    Keep(ReadOrbslam3(at.binary(), options, notices));
+  });
 }
 Sample ReadText(const Workplace& at) {
   return Time([&] { Keep(Read(at.text())); });
@@ -274,6 +284,7 @@ Sample CopyToFile(const Workplace& at) {
 constexpr Measurement kMeasurements[] = {
     {"read-binary", ReadBinary},
     {"read-binary-reference", ReferenceReadBinary},
+    {"read-layout", ReadByLayout},
     {"read-text", ReadText},
     {"read-text-reference", ReferenceReadText},
     {"read-memory", ReadMemory},

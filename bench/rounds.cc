@@ -24,6 +24,7 @@ struct Row {
 constexpr Row kRows[] = {
     {"binary read", "read-binary", "read-binary-reference", ">= 10"},
     {"binary write, atomic, no fsync", "write-binary", "write-binary-reference", ">= 6"},
+    {"binary read by v1.0's layout file, against ours", "read-layout", "read-binary", ">= 0.1"},
     {"text read", "read-text", "read-text-reference", ">= 5"},
     {"text write", "write-text", "write-text-reference", ">= 5"},
     {"info, against our read", "info", "read-binary", ">= 1"},

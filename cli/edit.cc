@@ -164,7 +164,7 @@ namespace {
 // A trajectory breaks rules of what it does not hold, and has no repair.
 bool HoldsAtlas(const Atlas& atlas) {
   return std::ranges::any_of(atlas.maps, [](const Map& map) {
-    return !map.points.empty() || !map.landmarks.empty() ||
+    return std::ranges::any_of(map.points, &MapPoint::has_descriptor) || !map.landmarks.empty() ||
            std::ranges::any_of(map.keyframes,
                                [](const KeyFrame& keyframe) { return !keyframe.features.keypoints.empty(); });
   });

@@ -146,8 +146,9 @@ std::string JsonOf(const AtlasDiff& diff, const DiffVerbOptions& options) {
 ExitCode RunDiff(const DiffVerbOptions& options, Console& console) {
   const ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   Notices notices;
-  const Atlas before = ReadAtlas(options.before, read, &notices);
-  const Atlas after = ReadAtlas(options.after, read, &notices);
+  Atlas before = ReadAtlas(options.before, read, &notices);
+  Atlas after = ReadAtlas(options.after, read, &notices);
+  if (KeepWhatCloudsHold(before, after)) notices.Note("compares points alone, as one of the inputs holds no more");
   const AtlasDiff diff =
       DiffAtlases(before, after,
                   {.tolerance = options.tolerance, .threads = console.threads(), .progress = console.MakeProgress()});
@@ -204,7 +205,7 @@ const Command kDiff = {
     .description =
         R"(Tells what was removed, added, moved, changed or renumbered from one atlas to the other. Entities are recognised by content,
 whatever their ids: keyframes by descriptors and time, points by descriptor and by who sees them where, maps by their
-keyframes. References are the same when they lead to the same entity. The order of lists does not count, and neither does
+keyframes. Of a point cloud (PLY, PCD, XYZ) and an atlas points alone are compared, by position, then id. References are the same when they lead to the same entity. The order of lists does not count, and neither does
 how the files are encoded.
 
 An error prints nothing on standard output; a comparison always prints there, unless --quiet.)",

@@ -21,7 +21,7 @@ std::optional<Source> TableAt(const std::string& path) {
   return path.empty() ? std::nullopt : std::optional<Source>(path);
 }
 
-std::string Line(const TableChanges& changes, std::string_view noun) {
+std::string Line(const TableEditChanges& changes, std::string_view noun) {
   std::string line = "  " + Counted(changes.rows, "row") + " of " + std::string(noun) + "s: " + Grouped(changes.moved) +
                      " moved, " + Grouped(changes.changed) + " changed otherwise";
   if (changes.deleted > 0) line += ", " + Grouped(changes.deleted) + " without a row deleted";
@@ -40,7 +40,7 @@ std::string TextOf(const TableEditReport& report, const TableEditOptions& tables
   return text;
 }
 
-void WarnOfIgnored(const std::string& path, const TableChanges& changes, Notices& notices) {
+void WarnOfIgnored(const std::string& path, const TableEditChanges& changes, Notices& notices) {
   if (changes.ignored.empty()) return;
   std::string names;
   for (const std::string& name : changes.ignored) names += (names.empty() ? "" : ", ") + name;

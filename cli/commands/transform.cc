@@ -17,6 +17,8 @@
 #include "slamdb/edit/frame/georeference.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/frame/transform_atlas.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/rtabmap/fixes.h"
 
 namespace slamdb::cli {
 namespace {
@@ -58,6 +60,13 @@ FitOptions FitOf(const TransformVerbOptions& options) {
   return fit;
 }
 
+// A table, or a database of RTAB-Map.
+std::vector<GpsFix> FixesOf(const TransformVerbOptions& options, Notices& notices) {
+  const Format* format = FindFormatOfInput(Location(options.georeference, {}));
+  if (format != nullptr && format->id == "rtabmap") return ReadRtabmapFixes(Location(options.georeference, {}));
+  return ReadFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices);
+}
+
 Destination DestinationOf(const TransformVerbOptions& options, Console& console, Notices& notices) {
   if (!options.by.empty()) return ReadSimilarity(options.by);
   if (options.scale) return Similarity3d{.scale = *options.scale};
@@ -66,9 +75,7 @@ Destination DestinationOf(const TransformVerbOptions& options, Console& console,
   if (!options.onto.empty())
     return OntoTrajectory{ReadReference(options.onto, options.times, options.body, options.edit.wait, console, notices),
                           FitOf(options)};
-  OntoEarth earth{
-      .fixes = ReadFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices),
-      .fit = FitOf(options)};
+  OntoEarth earth{.fixes = FixesOf(options, notices), .fit = FitOf(options)};
   if (!options.origin.empty()) earth.origin = ParseGeodetic(options.origin);
   return earth;
 }

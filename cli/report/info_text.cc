@@ -9,6 +9,7 @@
 #include "cli/report/layout.h"
 #include "cli/report/plan.h"
 #include "slamdb/base/detail/visible.h"
+#include "slamdb/formats/layouts/layout.h"
 
 namespace slamdb::cli {
 namespace {
@@ -20,7 +21,8 @@ std::string VectorText(const Eigen::Vector3f& vector) {
 }
 
 std::string TextOfSensor(const MapStatistics& map) {
-  if (map.keyframes == 0) return map.landmarks == 0 ? "empty" : Counted(map.landmarks, "landmark");
+  if (map.keyframes == 0 && map.landmarks > 0) return Counted(map.landmarks, "landmark");
+  if (map.keyframes == 0) return map.points > 0 ? "points alone" : "empty";
   return SensorText(map.sensor, map.has_imu);
 }
 
@@ -121,6 +123,12 @@ std::string CameraText(const Camera& camera) {
   return text;
 }
 
+// `gnss: calibration of a GNSS antenna in keyframes`.
+std::string LayoutText(const std::string& layout) {
+  const Layout* known = FindKnownLayout(layout);
+  return known == nullptr ? "of a fork, in a file of its own" : known->id + ": " + known->title;
+}
+
 std::string ArchiveText(const ArchiveEncoding& encoding) {
   const std::string releases = BoostReleases(encoding.boost_version);
   std::string text = std::string(encoding.text ? "text" : "binary") + ", library version " +
@@ -134,6 +142,7 @@ InfoSection HeaderOf(const AtlasInfo& report) {
   std::vector<InfoRow>& rows = section.rows;
   rows.push_back({"format", report.format_title});
   if (report.encoding) rows.push_back({"archive", ArchiveText(*report.encoding)});
+  if (!report.layout.empty()) rows.push_back({"layout", LayoutText(report.layout)});
   if (report.bytes) rows.push_back({"size", HumanBytes(*report.bytes)});
   if (!report.vocabulary.name.empty() || !report.vocabulary.checksum.empty())
     rows.push_back({"vocabulary", report.vocabulary.name + "  MD5 " + report.vocabulary.checksum});

@@ -86,6 +86,7 @@
 #include "slamdb/formats/orbslam3/infer_layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/rtabmap/fixes.h"
 #include "slamdb/formats/salvage.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/places.h"

@@ -304,5 +304,49 @@ TEST(Convert, FindsTheOriginBesideTheInput) {
   }
 }
 
+const std::string kSession = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+
+TEST(Convert, PosesThatNobodyMovedGiveTheSameBytes) {
+  const TemporaryFolder folder;
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--sim3"}}) {
+    std::vector<std::string> there = {"convert", kSession, folder / "map.g2o", "-O"};
+    there.insert(there.end(), more.begin(), more.end());
+    ASSERT_EQ(RunSlamdb(there).exit_code, 0);
+    const ProcessResult back =
+        RunSlamdb({"convert", folder / "map.g2o", folder / "back.osa", "-O", "--onto", kSession});
+    EXPECT_EQ(back.exit_code, 0) << back.err;
+    EXPECT_THAT(back.err, HasSubstr("put 14 poses and 0 points into " + kSession));
+    EXPECT_EQ(ReadWholeFile(folder / "back.osa"), ReadWholeFile(kSession));
+  }
+}
+
+// Of a trajectory by time; of another atlas by id, with its points.
+TEST(Convert, TakesPosesOfAnyInputOntoAnAtlas) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunSlamdb({"transform", kSession, folder / "moved.osa", "--by", "1,2,3"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", folder / "moved.osa", folder / "moved.tum"}).exit_code, 0);
+  for (const std::string name : {"moved.tum", "moved.osa"}) {
+    const ProcessResult put = RunSlamdb({"convert", folder / name, folder / "put.osa", "-O", "--onto", kSession});
+    ASSERT_EQ(put.exit_code, 0) << put.err;
+    EXPECT_THAT(put.err, HasSubstr("the largest shift of a camera is 3.74"));
+    const ProcessResult diff = RunSlamdb({"diff", folder / "moved.osa", folder / "put.osa", "--json"});
+    EXPECT_THAT(diff.out, Not(HasSubstr("\"removed\":[0"))) << diff.out;
+  }
+}
+
+TEST(Convert, RefusesToPutWhatDoesNotFit) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "other.g2o", "VERTEX_SE3:QUAT 77777 0 0 0 0 0 0 1\n");
+  const ProcessResult other = RunSlamdb({"convert", folder / "other.g2o", folder / "o.osa", "--onto", kSession});
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.err, HasSubstr("none of the 1 pose is of a keyframe of the atlas"));
+  const ProcessResult part =
+      RunSlamdb({"convert", folder / "other.g2o", folder / "o.osa", "--onto", kSession, "--map", "0"});
+  EXPECT_EQ(part.exit_code, 2);
+  EXPECT_THAT(part.err, HasSubstr("--onto takes all poses"));
+  EXPECT_EQ(RunSlamdb({"convert", kSession, folder / "o.osa", "--onto", folder / "none.osa"}).exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "o.osa"));
+}
+
 }  // namespace
 }  // namespace slamdb::testing

@@ -33,7 +33,8 @@ class Validator {
     if (value.is_string() && (value.get<std::string>().size() < schema.value("minLength", std::size_t{0}) ||
                               value.get<std::string>().size() > schema.value("maxLength", std::string::npos)))
       return place + ": is of " + std::to_string(value.get<std::string>().size()) + " bytes";
-    if (schema.contains("anyOf")) return AnyBreach(value, schema.at("anyOf"), place);
+    if (schema.contains("anyOf"))
+      if (std::string breach = AnyBreach(value, schema.at("anyOf"), place); !breach.empty()) return breach;
     if (value.is_object()) return ObjectBreach(value, schema, place);
     return value.is_array() ? ArrayBreach(value, schema, place) : "";
   }

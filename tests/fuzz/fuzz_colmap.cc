@@ -54,7 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const colmap::Outline outline = colmap::OutlineOf(atlas, "fuzz", options, {});
   colmap::Unheld unheld;
   if (outline.maps.empty()) return 0;
-  const colmap::Model model = colmap::ModelOf(atlas, outline, outline.maps[0], options, unheld);
+  const colmap::Model model = colmap::ModelOf(outline, outline.maps[0], options, unheld);
   for (const bool binary : {true, false}) {
     const fuzz::ColmapParts written = Encode(model, binary);
     fuzz::Require(Encode(Decode(written), binary).files == written.files, "what was written decodes to the same");

@@ -10,14 +10,19 @@
 #include "slamdb/edit/ids/id_map.h"
 #include "slamdb/edit/ids/renumber.h"
 #include "slamdb/edit/repair/journal.h"
+#include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/layouts/invented_layouts.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/fuzz/colmap_parts.h"
+#include "tests/fuzz/fork_parts.h"
+#include "tests/fuzz/files.h"
 #include "tests/fuzz/osa_mutator.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
@@ -123,6 +128,44 @@ void WriteSeedsOfFixtures(const path& base) {
                "#timestamp, p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,0,0,0,0,0,0\n");
 }
 
+// Of slamdb, and with what others have: lists, big endian, padding, compressed fields.
+void WriteSeedsOfClouds(const path& base) {
+  WriteChanged(base / "ply", "ours", ReadFixture("formats/ply"));
+  const std::string head =
+      "element face 1\nproperty list uchar int i\nelement vertex 2\nproperty double x\nproperty "
+      "short y\nproperty list uint float w\nproperty float z\nproperty char id\nend_header\n";
+  WriteChanged(base / "ply", "ascii",
+               "ply\r\nformat ascii 1.0\ncomment c\n" + head + "3 0 1 2\n1.5 2 2 9 9 nan 7\n-1e300 2 0 3 -1\n");
+  const std::string lists(
+      "\1\0\0\0\2"
+      "12345678"
+      "12"
+      "\0\0\0\1"
+      "wwww"
+      "zzzz"
+      "i"
+      "12345678"
+      "12"
+      "\0\0\0\0"
+      "zzzzi",
+      47);
+  WriteChanged(base / "ply", "big_endian", "ply\nformat binary_big_endian 1.0\n" + head + lists);
+  WriteChanged(base / "pcd", "ours", ReadFixture("formats/pcd"));
+  const std::string fields =
+      "VERSION .7\nFIELDS x _ y z id\nSIZE 4 1 8 2 1\nTYPE F U F I U\nCOUNT 1 2 1 1 1\nWIDTH "
+      "2\nHEIGHT 1\nVIEWPOINT 1 0 0 1 0 0 0\nPOINTS 2\nDATA ";
+  WriteChanged(base / "pcd", "ascii", fields + "ascii\n1 0 0 2e0 3 4\nnan 0 0 nan -3 255\n");
+  WriteChanged(base / "pcd", "binary", fields + "binary\n" + std::string(34, 'b'));
+  const std::string lzf(
+      "\x07\0\0\0\x22\0\0\0"
+      "\1ab\xe0\x17\1\0\x20\0",
+      16);  // two letters, over and over
+  WriteChanged(base / "pcd", "compressed", fields + "binary_compressed\n" + lzf);
+  WriteChanged(base / "xyz", "names", "//X Y Z nx ny nz id map i\n1 2 3 0 0 1 7 1 9\n-1e9 2 nan 0 0 1 8 0 9\n");
+  WriteChanged(base / "xyz", "numbers", "# c\n1.5, 2, 3, 255\n\n+4, 5e-3, inf, 0\n");
+  WriteChanged(base / "xyz", "commas", "1,5;2;3\r\n4;5,25;6\r\n");
+}
+
 void WriteSeedsOfColmap(const path& folder) {
   constexpr std::array kParts = {"cameras", "images", "points3D", "rigs", "frames"};
   for (const bool binary : {true, false}) {
@@ -134,6 +177,34 @@ void WriteSeedsOfColmap(const path& folder) {
     parts.files[3].clear(), parts.files[4].clear();
     Write(folder / (binary ? "old_binary" : "old_text"), JoinColmap(parts));
   }
+}
+
+// Graphs of a handful of keyframes, in every form.
+void WriteSeedsOfGraphs(const path& base) {
+  WriteChanged(base / "orbslam2", "boost", ReadFixture("formats/orbslam2"));
+  const std::string vertices = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 2.5 -3 0 0.6 0 0.8\n# TIME 1 17.5\n";
+  WriteChanged(base / "g2o", "se3",
+               vertices + "FIX 0\nEDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\nPARAMS_X 1\n");
+  WriteChanged(base / "g2o", "sim3",
+               "VERTEX_SIM3:EXPMAP 3 0.1 0.2 0.3 1 2 3 0.5 9 9 1 1\nVERTEX_SIM3:EXPMAP 4 0 0 0 0 0 0 0\n"
+               "FIX 3 4\nEDGE_SIM3:EXPMAP 4 3 1e-6 0 0 1 2 3 -0.5\n");
+  const std::array<std::string, 3> vins = {ReadFixture("formats/vins/pose_graph.txt"),
+                                           ReadFixture("formats/vins/0_keypoints.txt"),
+                                           ReadFixture("formats/vins/0_briefdes.dat")};
+  WriteChanged(base / "vins", "graph", fuzz::JoinFiles(vins));
+}
+
+void WriteSeedsOfOsmap(const path& folder) {
+  const fuzz::Folder map("slamdb_seeds_osmap");
+  Atlas atlas = SynthesizeAtlas({.keyframes = 3, .points = 20, .features = 60, .threads = 1});
+  Notices notices;
+  osmap::Write(atlas, map.Path("map.yaml"), {.sync = false}, notices);
+  std::array<std::string, 4> files;
+  for (std::size_t i = 0; const char* suffix : {"yaml", "mappoints", "keyframes", "features"})
+    files[i++] = WholeFile(map.Path(std::string("map.") + suffix)).text();
+  WriteChanged(folder, "whole", fuzz::JoinFiles(files));
+  files[0].replace(files[0].find("Options: 0"), 10, "Options: 1");
+  WriteChanged(folder, "delimited", fuzz::JoinFiles(files));
 }
 
 void WriteSeedsOfTables(const path& folder) {
@@ -196,6 +267,25 @@ void WriteSeedsOfLayouts(const path& base) {
                "{ ar << p; } }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }\n");
 }
 
+// The same small atlas in every known layout, and in one with members of all kinds.
+void WriteSeedsOfForks(const path& folder) {
+  const Atlas small = SynthesizeAtlas({.keyframes = 2, .points = 3, .features = 4, .threads = 1});
+  const auto write = [&](const std::string& name, const std::string& layout, bool text) {
+    Atlas atlas = small;
+    for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.features.grid = {};
+    atlas.encoding.text = text;
+    atlas.layout = layout;
+    WriteChanged(folder, name, fuzz::JoinFork(layout, EncodeOrbslam3(atlas)));
+  };
+  for (const Layout& layout : KnownLayouts()) write(layout.id, layout.id, false);
+  const std::string every =
+      R"({"base":"v1.0","classes":{"T":{"fields":[["a","u32"],["b","list<u64>"]]},"U":{"fields":[["a","u8"]]}},"changes":[{"class":"KeyFrame",)"
+      R"("after":"","add":[["a","string"],["b","map<u64,vec<f32>>"],["c","mat"],["d","mat2"],["e","kps"],)"
+      R"(["f","ptr<T>"],["g","ptr<KeyFrame>"],["h","ptr<GeometricCamera>"],["i","vec<val<U>>"]]}]})";
+  write("every", ToJson(ParseLayout(every)), false);
+  write("every_text", ToJson(ParseLayout(every)), true);
+}
+
 // Journals that lead from the atlas of fuzz_json.cc to what it is when fields and lists are changed, and ids for it.
 void WriteSeedsOfJson(const path& folder) {
   const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 4, .points = 20, .features = 60, .threads = 1});
@@ -232,7 +322,11 @@ void WriteSeeds(const path& base) {
   WriteSeedsOfFixtures(base);
   WriteSeedsOfLayouts(base);
   WriteSeedsOfTables(base / "table");
+  WriteSeedsOfClouds(base);
   WriteSeedsOfColmap(base / "colmap");
+  WriteSeedsOfForks(base / "fork");
+  WriteSeedsOfGraphs(base);
+  WriteSeedsOfOsmap(base / "osmap");
   WriteSeedsOfJson(base / "json");
   const path archives = base / "orbslam3", blobs = base / "store_blobs";
   std::filesystem::create_directories(archives);

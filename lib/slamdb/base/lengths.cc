@@ -27,6 +27,13 @@ double MetresIn(const Table& table, std::size_t column) {
               Concat("expected lengths in m, cm, mm, km, ft, yd, inch or mi, found the unit '", name->unit, "'"));
 }
 
+void RequireMetres(const Table& table, std::size_t column) {
+  if (MetresIn(table, column) == 1) return;
+  const ColumnName& name = *table.NameOf(column);
+  throw Error(ErrorKind::kUnsupported, "", "column " + name.text,
+              Concat("expected metres, or the unit of the map, and no unit in the name, found '", name.unit, "'"));
+}
+
 std::string MetresText(const Table& table, std::size_t column, double unit) {
   const std::string digits = table.Digits(column);
   const double power = std::log10(unit);

@@ -16,14 +16,15 @@ namespace {
 
 // visit(name, actual, expected) for every column whose length follows from the counts.
 template <class Visit>
-void ForEachColumn(const Features& features, const Visit& visit) {
+void ForEachColumn(const KeyFrame& keyframe, const Visit& visit) {
+  const Features& features = keyframe.features;
   const bool fisheye_stereo = features.is_fisheye_stereo();
   const std::int64_t left = LeftRows(features);
   visit("keypoints", features.keypoints.size(), left);
   visit("undistorted keypoints", features.undistorted.size(), left);
   visit("right coordinates", features.right_x.size(), left);
   visit("depths", features.depth.size(), left);
-  visit("descriptors", features.descriptors.size(), features.count);
+  visit("descriptors", DescriptorRows(keyframe), features.count);
   visit("map point slots", features.map_points.size(), features.count);
   visit("left-to-right matches", features.right_of_left.size(), fisheye_stereo ? left : 0);
   visit("right-to-left matches", features.left_of_right.size(), fisheye_stereo ? features.right_count : 0);
@@ -156,7 +157,7 @@ void CheckFeatureCount(const Subject& subject, Findings& findings) {
 
 void CheckColumnLength(const Subject& subject, Findings& findings) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    ForEachColumn(keyframe.features, [&](const char* column, std::size_t size, std::int64_t expected) {
+    ForEachColumn(keyframe, [&](const char* column, std::size_t size, std::int64_t expected) {
       if (static_cast<std::int64_t>(size) != expected)
         findings.Add(PlaceOf(map, keyframe), "has ", size, " ", column, " instead of ", expected);
     });
@@ -305,7 +306,7 @@ void CheckFeatureVectorIndex(const Subject& subject, Findings& findings) {
   std::vector<bool> seen;
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
     const Features& features = keyframe.features;
-    seen.assign(features.descriptors.size(), false);
+    seen.assign(DescriptorRows(keyframe), false);
     for (const std::uint32_t row : features.feature_vector.features) {
       if (row >= seen.size())
         findings.Add(PlaceOf(map, keyframe), "the feature vector holds feature ", row, " of ", seen.size());

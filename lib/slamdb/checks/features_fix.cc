@@ -15,12 +15,16 @@ namespace slamdb::detail {
 namespace {
 
 template <class Change>
-std::size_t ChangeFeatures(Atlas& atlas, const Change& change) {
+std::size_t ChangeKeyFrames(Atlas& atlas, const Change& change) {
   std::size_t changed = 0;
   for (Map& map : atlas.maps)
     for (KeyFrame& keyframe : map.keyframes)
-      if (!keyframe.bad) changed += change(keyframe.features);
+      if (!keyframe.bad) changed += change(keyframe);
   return changed;
+}
+template <class Change>
+std::size_t ChangeFeatures(Atlas& atlas, const Change& change) {
+  return ChangeKeyFrames(atlas, [&](KeyFrame& keyframe) { return change(keyframe.features); });
 }
 
 bool CountsAgree(const Features& features) {
@@ -71,10 +75,11 @@ std::size_t EraseWild(FeatureVector& vector, std::size_t rows) {
 
 // Only where all columns agree.
 std::size_t RecountFeatures(Atlas& atlas) {
-  return ChangeFeatures(atlas, [](Features& features) {
+  return ChangeKeyFrames(atlas, [](KeyFrame& keyframe) {
+    Features& features = keyframe.features;
     const bool matched = !features.right_of_left.empty() || !features.left_of_right.empty();
     const std::size_t left = features.keypoints.size(), right = matched ? features.right_keypoints.size() : 0;
-    if (CountsAgree(features) || features.descriptors.size() != left + right) return false;
+    if (CountsAgree(features) || DescriptorRows(keyframe) != left + right) return false;
     if (features.map_points.size() != left + right || features.undistorted.size() != left) return false;
     features.count = static_cast<std::int32_t>(left + right);
     features.left_count = matched ? static_cast<std::int32_t>(left) : -1;
@@ -119,8 +124,8 @@ std::size_t ClearWildMatches(Atlas& atlas) {
 }
 
 std::size_t EraseWildFeatures(Atlas& atlas) {
-  return ChangeFeatures(
-      atlas, [](Features& features) { return EraseWild(features.feature_vector, features.descriptors.size()); });
+  return ChangeKeyFrames(
+      atlas, [](KeyFrame& keyframe) { return EraseWild(keyframe.features.feature_vector, DescriptorRows(keyframe)); });
 }
 
 // What a file holds out of order was never written so, and sorting would hide it. Without words ORB-SLAM3 does not find

@@ -169,14 +169,14 @@ std::size_t RestoreNormals(Atlas& atlas) {
 
 void CheckPointDescriptor(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
-    if (!point.has_descriptor()) findings.Add(PlaceOf(map, point), "has no descriptor");
+    if (!point.has_descriptor() && !point.has_other_descriptor()) findings.Add(PlaceOf(map, point), "has no descriptor");
   });
 }
 
 // As ORB-SLAM3 chooses it among those of the observers (MapPoint::ComputeDistinctiveDescriptors).
 std::size_t RestoreDescriptors(Atlas& atlas) {
   return RestoreInPoints(atlas, [](MapPoint& point, const auto& find) {
-    if (point.has_descriptor()) return false;
+    if (point.has_descriptor() || point.has_other_descriptor()) return false;
     const std::vector<Descriptor> seen = ObservedDescriptors(point, find);
     if (seen.empty()) return false;
     point.descriptor = seen[MostDistinctiveDescriptor(seen)];

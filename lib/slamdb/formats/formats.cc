@@ -107,7 +107,8 @@ struct KindredSuffix {
 constexpr KindredSuffix kKindred[] = {
     {".gltf", ".glb", true}, {".kmz", ".kml", true}, {".obj", ".ply", true}, {".stl", ".ply", true},
     {".bag", ".mcap", true}, {".db3", ".mcap"},      {".json", ".ndjson"},   {".tsv", ".csv"},
-    {".gz", ".mrpt.gz"},     {".bin", ".osa"},
+    {".gz", ".mrpt.gz"},     {".bin", ".osa"},       {".laz", ".las", true}, {".asc", ".xyz"},
+    {".pts", ".xyz"},
 };
 
 const KindredSuffix* FindKindred(const std::string& path) {
@@ -195,8 +196,10 @@ const Format& DetectFormat(const Probe& probe) {
 }
 
 // A format that was asked for is not what the file has where the file is known to be something else; what reads it may
-// go by several names, as of text and binary archives.
+// go by several names, as of text and binary archives. One that is only asked for, without a signature and a suffix, is
+// another view of files that are known.
 void RefuseOther(const Format& format, const Probe& probe) {
+  if (format.sniff == nullptr && format.suffixes.empty()) return;
   for (const Format& known : Formats())
     if (known.read == format.read && Sniffs(known, probe)) return;
   if (const auto foreign = detail::RecognizeOther(probe)) RefuseForeign(*foreign, probe.path);

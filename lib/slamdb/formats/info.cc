@@ -116,6 +116,7 @@ std::vector<Eigen::Vector3f> PathOf(const Map& map) {
 AtlasInfo InfoOf(const Atlas& atlas, const Format& format, const std::string& input) {
   AtlasInfo info{.input = input, .format_id = std::string(format.id), .format_title = std::string(format.title)};
   if (format.keeps_encoding) info.encoding = atlas.encoding;
+  info.layout = atlas.layout;
   info.vocabulary = atlas.vocabulary;
   info.next_ids = atlas.next_ids;
   info.cameras = atlas.cameras;
@@ -151,6 +152,7 @@ std::string ToJson(const AtlasInfo& info, int indent) {
   json["format"] = info.format_id;
   json["bytes"] = detail::NumberOrNull(info.bytes);
   if (info.encoding) json["encoding"] = detail::JsonOf(*info.encoding);
+  if (!info.layout.empty()) json["layout"] = info.layout;
   json["vocabulary"] = detail::JsonOf(info.vocabulary);
   json["next_ids"] = detail::JsonOf(info.next_ids);
   json["cameras"] = Json::array();

@@ -18,6 +18,7 @@ struct AtlasInfo {
   std::string format_id, format_title;
   std::optional<std::uint64_t> bytes;       // of the input; a store's too
   std::optional<ArchiveEncoding> encoding;  // of an .osa file, or an atlas in a store
+  std::string layout;  // of a fork's file: the id of a known one, or its JSON; empty: ORB-SLAM3's own
   Vocabulary vocabulary;
   Counters next_ids;
   std::vector<Camera> cameras;

@@ -34,7 +34,13 @@ std::vector<PointPosition> PointsOf(const Atlas& atlas) {
   std::vector<PointPosition> points;
   for (const Map& map : atlas.maps)
     for (const MapPoint& point : map.points)
-      if (!point.bad && !point.observations.empty()) points.push_back({point.id, point.position.cast<double>()});
+      if (!point.bad && !point.observations.empty()) {
+        const Observation& seen = point.observations.front();
+        points.push_back({.point = point.id,
+                          .position = point.position.cast<double>(),
+                          .seen_by = seen.keyframe,
+                          .keypoint = seen.left >= 0 ? seen.left : seen.right});
+      }
   return points;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/format.h"
 
 namespace slamdb {
@@ -23,5 +24,17 @@ bool Selection::Has(const KeyFrame& keyframe) const {
 }
 
 bool Selection::Has(const MapPoint& point) const { return !box || box->contains(point.position); }
+
+void detail::Select(const Selection& selection, Atlas& atlas) {
+  if (selection.everything()) return;
+  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
+  for (Map& map : atlas.maps) {
+    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
+    std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
+    map.repeated_keyframes.clear();
+    map.repeated_points.clear();
+  }
+  atlas.repeated_maps.clear();
+}
 
 }  // namespace slamdb

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string_view>
 
 #include "slamdb/export.h"
@@ -13,6 +14,18 @@ struct Geodetic {
   double latitude = 0, longitude = 0;  // degrees, north and east positive
   double altitude = 0;                 // metres above the ellipsoid
   friend bool operator==(const Geodetic&, const Geodetic&) = default;
+};
+
+// Where a receiver was.
+struct GpsFix {
+  // Not a number: the receiver had no fix then, so that nothing is interpolated across that time.
+  static constexpr Geodetic kNowhere{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
+                                     std::numeric_limits<double>::quiet_NaN()};
+
+  double timestamp = 0;  // seconds
+  Geodetic place;
+
+  bool has_place() const { return place.latitude == place.latitude; }
 };
 
 // Whether latitude, longitude and altitude are of a place on earth.

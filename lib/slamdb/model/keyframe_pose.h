@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "slamdb/model/ids.h"
 #include "slamdb/model/similarity.h"
@@ -21,6 +22,10 @@ struct KeyFramePose {
 struct PointPosition {
   MapPointId point;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  // One keypoint that it is, by which it is told whether the id still means the same point: programs that make points
+  // anew number them from 1 on. No keyframe: the id is believed.
+  KeyFrameId seen_by;
+  std::int32_t keypoint = -1;
 };
 
 }  // namespace slamdb

@@ -131,6 +131,28 @@ TEST(ColmapContent, CamerasThatSlamdbHasNotAreRefusedByName) {
   EXPECT_THAT(refusal("1 PINHOLE 0 48 100 100 32 24\n"), HasSubstr("impossible size"));
   EXPECT_THAT(refusal("1 PINHOLE 64 48 nan 100 32 24\n"), HasSubstr("no numbers"));
   EXPECT_THAT(refusal("1 PINHOLE 64 48 -1 100 32 24\n"), HasSubstr("not positive"));
+  EXPECT_THAT(refusal("1 PINHOLE 64 48 100 0 32 24\n"), HasSubstr("not positive"));
+}
+
+// Ids are moved apart where models share some; there is no room above the largest.
+TEST(ColmapContent, IdsNearTheEndAreNotMoved) {
+  const TemporaryFolder folder;
+  Notices notices;
+  for (const char* name : {"0/", "1/"}) {
+    std::filesystem::create_directory(folder.Path(name));
+    folder.Make(std::string(name) + "cameras.txt", "1 PINHOLE 64 48 100 100 32 24\n");
+    folder.Make(std::string(name) + "images.txt", "4294967294 1 0 0 0 0 0 0 1 1.png\n1 2 9223372036854775807\n");
+    folder.Make(std::string(name) + "points3D.txt", "9223372036854775807 0 0 1 0 0 0 -1 4294967294 0\n");
+  }
+  const auto read = [&](const std::string& path) { return slamdb::detail::kColmapFormat.read(path, {}, notices); };
+  EXPECT_EQ(read(folder.Path("0")).maps[0].points[0].id, MapPointId(9223372036854775807U));
+  try {
+    read(folder.Path(""));
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUnsupported);
+    EXPECT_THAT(error.problem(), HasSubstr("too large to be moved apart"));
+  }
 }
 
 TEST(ColmapContent, FoldersWithoutAWholeModelAreRefused) {

@@ -60,7 +60,7 @@ TEST(ColmapDatabase, HoldsWhatTheMapImplies) {
   EXPECT_EQ(Ask(path, "SELECT pair_id, rows, cols, hex(data) FROM matches"), pair + "|1|2|0000000000000000\n");
   // Second from first: -1 along x, so E = [-x] and F is not NULL.
   EXPECT_EQ(Ask(path, "SELECT pair_id, rows, config, length(F), H IS NULL, hex(tvec) FROM two_view_geometries"),
-            pair + "|1|2|72|1|000000000000F0BF00000000000000800000000000000080\n");
+            pair + "|1|2|72|1|000000000000F0BF00000000000000000000000000000000\n");
 }
 
 TEST(ColmapDatabase, OfTheNewSchemaHasRigsAndFrames) {
@@ -146,6 +146,25 @@ TEST(ColmapDatabase, AboveAModelGivesItsDescriptors) {
   EXPECT_THAT(SaidOf(folder, atlas), ::testing::Not(HasSubstr("have no ORB descriptors")));
   EXPECT_EQ(atlas.maps[0].keyframes[0].features.descriptors, OneMapAtlas().maps[0].keyframes[0].features.descriptors);
   EXPECT_TRUE(atlas.maps[0].points[0].has_descriptor());
+}
+
+// Both schemas, whatever pictures are called: names are bytes.
+TEST(ColmapDatabase, OfEverySchemaAndNameGivesItsDescriptors) {
+  for (const ColmapSchema schema : {ColmapSchema::kOld, ColmapSchema::kNew}) {
+    const TemporaryFolder folder;
+    const KeyFramePictures pictures{.files = {{"..\n'\";DROP TABLE images;--\xff.png", 0.5, true}, {"\xe2\x82.png", 1.5, true}},
+                                    .folder = ""};
+    Notices notices;
+    const Format& format = detail::kColmapFormat;
+    format.write(OneMapAtlas(), folder.Path("model"),
+                 WriteOptions{.sync = false}.With(
+                     ColmapWriteOptions{.pictures = pictures, .with_database = true, .schema = schema}),
+                 notices);
+    const Atlas back = format.read(folder.Path("model"), {}, notices);
+    EXPECT_EQ(Ask(folder.Path("model/database.db"), "SELECT count(*) FROM images"), "2\n");
+    EXPECT_EQ(back.maps[0].keyframes[0].features.descriptors, OneMapAtlas().maps[0].keyframes[0].features.descriptors);
+    EXPECT_EQ(back.maps[0].keyframes[1].features.keypoints[0].octave, 0);  // OneMapAtlas() has no pyramid
+  }
 }
 
 TEST(ColmapDatabase, OfOtherDescriptorsIsKeptWithTheKeyFrame) {

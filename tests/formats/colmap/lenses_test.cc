@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+
+#include "slamdb/model/derive.h"
 
 namespace slamdb::colmap {
 namespace {
@@ -54,6 +57,86 @@ TEST(ColmapLenses, AreWrittenAsTheyAreRead) {
         std::pair(std::int32_t{kOpencvFisheye}, std::vector<double>{400, 401, 320, 240, 0.5, 0.25, 0.125, 0.5})}) {
     const Camera camera = Of(model, parameters);
     EXPECT_EQ(CameraOf(SettingsOf(camera, CameraId(2)), 3), camera) << model;
+  }
+}
+
+// What the documentation of COLMAP calls k1 to k4, p1 and p2.
+struct Bend {
+  bool fisheye = false;
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0;
+};
+Bend BendOf(const Camera& camera) {
+  const std::vector<double>& p = camera.parameters;
+  switch (camera.model) {
+    case kSimpleRadial:
+      return {.k1 = p[3]};
+    case kRadial:
+      return {.k1 = p[3], .k2 = p[4]};
+    case kOpencv:
+      return {.k1 = p[4], .k2 = p[5], .p1 = p[6], .p2 = p[7]};
+    case kFullOpencv:
+      return {.k1 = p[4], .k2 = p[5], .p1 = p[6], .p2 = p[7], .k3 = p[8]};
+    case kOpencvFisheye:
+      return {.fisheye = true, .k1 = p[4], .k2 = p[5], .k3 = p[6], .k4 = p[7]};
+    case kSimpleRadialFisheye:
+      return {.fisheye = true, .k1 = p[3]};
+    case kRadialFisheye:
+      return {.fisheye = true, .k1 = p[3], .k2 = p[4]};
+    default:
+      return {.fisheye = camera.model == kSimpleFisheye || camera.model == kFisheye};
+  }
+}
+bool HasOneFocalLength(std::int32_t model) {
+  return model != kPinhole && model != kOpencv && model != kFullOpencv && model != kOpencvFisheye && model != kFisheye;
+}
+
+// Where COLMAP sees (u, v, 1), by the formulas of its documentation; pixels from the corner of the image.
+Eigen::Vector2d SeenBy(const Camera& camera, double u, double v) {
+  const Bend bend = BendOf(camera);
+  const double r2 = u * u + v * v, theta = std::atan(std::sqrt(r2)), at = bend.fisheye ? theta * theta : r2;
+  double radial = 1 + bend.k1 * at + bend.k2 * at * at + bend.k3 * at * at * at + bend.k4 * at * at * at * at;
+  if (bend.fisheye && r2 > 0) radial *= theta / std::sqrt(r2);
+  const double x = u * radial + 2 * bend.p1 * u * v + bend.p2 * (r2 + 2 * u * u);
+  const double y = v * radial + 2 * bend.p2 * u * v + bend.p1 * (r2 + 2 * v * v);
+  const std::vector<double>& p = camera.parameters;
+  if (HasOneFocalLength(camera.model)) return {p[0] * x + p[1], p[0] * y + p[2]};
+  return {p[0] * x + p[2], p[1] * y + p[3]};
+}
+
+// Where we see it; of a pinhole after undistorting.
+Eigen::Vector2d UndistortedPlace(const CameraSettings& settings, const Eigen::Vector2d& pixel) {
+  if (settings.camera.model == CameraModel::kPinhole) return Undistorted(settings, pixel);
+  const std::vector<float>& p = settings.camera.parameters;
+  const Eigen::Vector3f ray = Unproject(settings.camera, pixel.cast<float>());
+  return {p[0] * ray.x() + p[2], p[1] * ray.y() + p[3]};
+}
+
+constexpr std::array kAlike = {kSimplePinhole, kPinhole, kSimpleRadial, kRadial, kOpencv, kFullOpencv, kOpencvFisheye,
+                               kSimpleRadialFisheye, kRadialFisheye, kSimpleFisheye, kFisheye};
+
+Camera SomeCamera(std::int32_t model) {
+  const std::size_t count = kCameraModels[static_cast<std::size_t>(model)].parameters;
+  std::vector<double> parameters = HasOneFocalLength(model) ? std::vector<double>{400, 321, 243} : std::vector<double>{400, 410, 321, 243};
+  for (const double k : {-0.03, 0.01, 0.001, -0.002, 0.003}) parameters.push_back(k);
+  parameters.resize(count, 0);
+  return Of(model, parameters);
+}
+
+// Of every model that is like one of ours: what it sees, we see half a pixel up and left of it; so does what is written.
+TEST(ColmapLenses, SeeWhereOursSee) {
+  for (const std::int32_t model : kAlike) {
+    const Camera read = SomeCamera(model);
+    ASSERT_EQ(WhyNotRead(read), nullptr);
+    const CameraSettings settings = SettingsOf(read, CameraId(0));
+    const std::vector<float>& p = settings.camera.parameters;
+    const Camera written = CameraOf(settings, 1);
+    for (double u = -0.5; u <= 0.5; u += 0.125)
+      for (double v = -0.4375; v <= 0.5; v += 0.125) {
+        const Eigen::Vector2d seen = SeenBy(read, u, v), wanted(p[0] * u + p[2], p[1] * v + p[3]);
+        const Eigen::Vector2d place = UndistortedPlace(settings, seen - Eigen::Vector2d(0.5, 0.5));
+        EXPECT_LT((place - wanted).norm(), 0.01) << model << " " << u << " " << v;
+        EXPECT_LT((SeenBy(written, u, v) - seen).norm(), 1e-4) << model;
+      }
   }
 }
 

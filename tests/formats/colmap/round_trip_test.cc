@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a model holds of an atlas comes back to the last bit.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
+#include <functional>
 #include <cstring>
 #include <limits>
 
+#include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/colmap.h"
 #include "slamdb/formats/colmap/options.h"
 #include "slamdb/model/index.h"
@@ -16,6 +18,8 @@
 
 namespace slamdb {
 namespace {
+
+using ::testing::HasSubstr;
 
 struct Way {
   const Format& format;
@@ -111,7 +115,7 @@ std::vector<Way> Ways() {
 }
 
 TEST(ColmapRoundTrip, OfEverySensor) {
-  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kFisheyeStereo}) {
+  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kStereo, Sensor::kRgbd, Sensor::kFisheyeStereo}) {
     const Atlas atlas = SynthesizeAtlas({.sensor = sensor, .maps = 2, .keyframes = 6, .points = 200, .features = 300});
     for (const Way& way : Ways()) ExpectSame(Through(atlas, way), atlas, way.database);
   }
@@ -149,6 +153,66 @@ TEST(ColmapRoundTrip, OfStrangeIds) {
   EXPECT_EQ(back.maps[0].keyframes[0].id, KeyFrameId(0));
   EXPECT_EQ(back.maps[0].keyframes[1].id, KeyFrameId(1));
   EXPECT_EQ(back.maps[1].keyframes[0].id, KeyFrameId(2));
+}
+
+// A lens, a size and a rig of its own for each keyframe: cameras of COLMAP are what was distinct.
+TEST(ColmapRoundTrip, OfSeveralCameras) {
+  Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo, .keyframes = 4, .points = 100, .features = 400});
+  const Atlas pinholes = SynthesizeAtlas({.sensor = Sensor::kRgbd, .keyframes = 4, .points = 100, .features = 400});
+  for (slamdb::Camera camera : pinholes.cameras) {
+    camera.id = CameraId(camera.id.value() + 5);
+    atlas.cameras.push_back(camera);
+  }
+  Map& map = atlas.maps.emplace_back(pinholes.maps[0]);
+  map.id = MapId(1);
+  for (KeyFrame& keyframe : map.keyframes) {
+    keyframe.id = KeyFrameId(keyframe.id.value() + 100);
+    keyframe.camera = CameraId(keyframe.camera.value() + 5);
+  }
+  for (MapPoint& point : map.points) {
+    point.id = MapPointId(point.id.value() + 1000);
+    for (Observation& observation : point.observations)
+      observation.keyframe = KeyFrameId(observation.keyframe.value() + 100);
+  }
+  for (KeyFrame& keyframe : map.keyframes)
+    for (MapPointId& id : keyframe.features.map_points)
+      if (id) id = MapPointId(id.value() + 1000);
+  for (const Way& way : Ways()) ExpectSame(Through(atlas, way), atlas, way.database);
+}
+
+// ---- over what is there
+
+std::string ProblemOf(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.problem();
+  }
+  return "";
+}
+
+// Files of an earlier run that have other names stay; none of them may take the place of what is written.
+TEST(ColmapFolders, RefuseModelsThatWouldBeReadInstead) {
+  const TemporaryFolder folder;
+  Notices notices;
+  const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 3, .points = 60, .features = 100});
+  const auto write = [&](const Format& format, const Atlas& written) {
+    return ProblemOf([&] {
+      format.write(written, folder.Path("model"), {.overwrite = true, .sync = false}, notices);
+    });
+  };
+  EXPECT_EQ(write(detail::kColmapFormat, OneMapAtlas()), "");
+  EXPECT_EQ(write(detail::kColmapFormat, OneMapAtlas()), "");
+  EXPECT_THAT(write(detail::kColmapTextFormat, OneMapAtlas()), HasSubstr("would be read with what is written"));
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("model/cameras.txt")));
+  EXPECT_THAT(write(detail::kColmapFormat, atlas), HasSubstr("would be read with what is written"));
+  EXPECT_EQ(detail::kColmapFormat.read(folder.Path("model"), {}, notices).maps[0].keyframes.size(), 2U);
+
+  std::filesystem::remove_all(folder.Path("model"));
+  const Atlas three = SynthesizeAtlas({.maps = 3, .keyframes = 3, .points = 60, .features = 100});
+  EXPECT_EQ(write(detail::kColmapFormat, three), "");
+  EXPECT_THAT(write(detail::kColmapFormat, atlas), HasSubstr("model/2"));
+  EXPECT_EQ(write(detail::kColmapFormat, three), "");
 }
 
 // Of each kind there is one loss, with its count.

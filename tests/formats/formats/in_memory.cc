@@ -19,6 +19,8 @@ std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions
   return Encoded(format, atlas, options, ignored);
 }
 
+bool TellsOfKeyFrames(const Format& format) { return format.id == "ply" || format.id == "pcd"; }
+
 WriteOptions ForAnyFormat(const WriteOptions& options) {
   return options.With(GeographicOptions{.origin = Geodetic{48.15, 11.57, 519}});
 }

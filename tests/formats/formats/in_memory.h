@@ -13,7 +13,10 @@ std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions
 std::string Encoded(const Format& format, const Atlas& atlas, const WriteOptions& options = {});
 Atlas Decoded(const Format& format, std::string_view bytes, const ReadOptions& options = {});
 
-// Options that every format can be written with: KML and GeoJSON need to know where on earth the map is.
+// Whether it has columns that tell of keyframes, which it does not hold: written again they are others.
+bool TellsOfKeyFrames(const Format& format);
+
+// Options that every format can be written with: KML, GeoJSON and LAS need to know where on earth the map is.
 WriteOptions ForAnyFormat(const WriteOptions& options = {});
 
 }  // namespace slamdb

@@ -36,7 +36,7 @@ TEST(Content, IsASet) {
   static_assert((kPoses | kPoints) == (kPoints | kPoses));
   static_assert(HasAny(kPoses | kPoints, kPoints | kMaps) && !HasAny(kPoses, kPoints));
   static_assert(HasAll(kAtlas, kPoses | kPoints) && !HasAll(kPoses, kPoses | kPoints));
-  static_assert(~kNothing == kEverything && ~kAtlas == (kLandmarks | kTracking) && ~kEverything == kNothing);
+  static_assert(~kNothing == kEverything && ~kAtlas == (kLandmarks | kTracking | kCarried) && ~kEverything == kNothing);
   Content content = kPoses;
   content |= kMaps;
   EXPECT_EQ(content, kPoses | kMaps);

@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{"cut_mrpt_count", "\x99mrpt::maps::CLandmarksMap\0\2"s, "the file is truncated", ErrorKind::kDamaged},
         WrongFile{"text", "To whom it may concern\n", "looks like a text file", ErrorKind::kDamaged},
         WrongFile{"bytes", "\x01\x02\x03\x00\x7f"s, "neither its first bytes nor its suffix", ErrorKind::kDamaged},
-        WrongFile{"ply", "ply\nformat ascii 1.0\n", "is a PLY point cloud, which slamdb writes but does not read"}),
+        WrongFile{"las", "LASF\0\0\0\0"s, "is a LAS point cloud, which slamdb writes but does not read"}),
     [](const auto& instance) { return instance.param.name; });
 
 TEST(RecognizeFolder, KnowsColmapModelsThatLackAFile) {

@@ -13,10 +13,12 @@
 #include "slamdb/formats/g2o/detail/similarity_log.h"
 #include "slamdb/formats/g2o/options.h"
 #include "slamdb/formats/keyframe_poses.h"
+#include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
+#include "tests/formats/orbslam3/real_atlases.h"
 
 namespace slamdb {
 namespace {
@@ -53,7 +55,7 @@ TEST(G2o, WritesVerticesTimesAnchorsAndEdges) {
             "# TIME 3 1.5\n"
             "FIX 1\n"
             "EDGE_SE3:QUAT 1 3 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n"
-            "VERTEX_SE3:QUAT 7 -3 0 0 -0.5 -0.5 -0.5 0.5\n"
+            "VERTEX_SE3:QUAT 7 0 -3 0 -0.5 -0.5 -0.5 0.5\n"
             "# TIME 7 2\n"
             "FIX 7\n");
 }
@@ -229,66 +231,37 @@ std::vector<KeyFramePose> PosesOf(const std::string& text) {
   return ReadKeyFramePoses(HeldSource(Source(std::as_bytes(std::span(text)), "graph")));
 }
 
-TEST(PutPoses, ThatAreTheSameMoveNothing) {
-  const Atlas atlas = SynthesizeAtlas({.keyframes = 10, .points = 200, .features = 150});
-  Atlas put = atlas;
-  const PutPosesReport report = PutPoses(put, PosesOf(Encoded(G2o(), atlas)));
-  EXPECT_EQ(report.keyframes, 10U);
-  EXPECT_EQ(report.unknown_poses, 0U);
-  EXPECT_LT(report.largest_shift, 1e-6);
-  for (std::size_t i = 0; i < 10; ++i)
-    EXPECT_LT((CameraCenter(put.maps[0].keyframes[i]) - CameraCenter(atlas.maps[0].keyframes[i])).norm(), 1e-5F);
-  for (std::size_t i = 0; i < put.maps[0].points.size(); ++i)
-    EXPECT_LT((put.maps[0].points[i].position - atlas.maps[0].points[i].position).norm(), 1e-4F);
-}
-
-TEST(PutPoses, PointsGoWithTheirReferenceKeyFrameAndScaleAboutIt) {
-  for (const double scale : {1.0, 2.0}) {
-    Atlas atlas = OneMapAtlas();  // kf 1 at the origin, kf 3 at (1, 0, 0), no turns; mp 10 at (0, 0, 2) of kf 1
-    const std::vector<KeyFramePose> poses = {
-        {KeyFrameId(1),
-         0,
-         {scale, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitY())), {5, 0, 0}}}};
-    const PutPosesReport report = PutPoses(atlas, poses);
-    const Map& map = atlas.maps[0];
-    EXPECT_TRUE(map.points[0].position.isApprox(Eigen::Vector3f(5 + 2 * static_cast<float>(scale), 0, 0), 1e-5F));
-    EXPECT_EQ(report.followers, 1U);  // kf 3 goes with its parent
-    EXPECT_TRUE(CameraCenter(map.keyframes[0]).isApprox(Eigen::Vector3f(5, 0, -static_cast<float>(scale)), 1e-5F));
-    EXPECT_NEAR(report.largest_shift, 5, 1e-9);
+void ExpectSameBytesWithItsOwnPoses(const Atlas& atlas) {
+  const std::string bytes = EncodeOrbslam3(atlas);
+  for (const bool similarities : {false, true}) {
+    Atlas put = atlas;
+    const std::string graph = Encoded(G2o(), atlas, WriteOptions{}.With(G2oWriteOptions{.similarities = similarities}));
+    const PutPosesReport report = PutPoses(put, PosesOf(graph));
+    EXPECT_EQ(report.unknown_poses, 0U);
+    EXPECT_GT(report.keyframes, 0U);
+    EXPECT_TRUE(EncodeOrbslam3(put) == bytes) << "similarities: " << similarities;
   }
 }
 
-TEST(PutPoses, TakeTimesWhereThereAreNoIds) {
-  Atlas atlas = OneMapAtlas();
-  const PutPosesReport report = PutPoses(atlas, {{KeyFrameId(), 1.501, {1, Eigen::Quaterniond::Identity(), {9, 0, 0}}},
-                                                 {KeyFrameId(), 17, {1, Eigen::Quaterniond::Identity(), {9, 0, 0}}}});
-  EXPECT_EQ(report.keyframes, 1U);
-  EXPECT_EQ(report.unknown_poses, 1U);
-  EXPECT_EQ(CameraCenter(atlas.maps[0].keyframes[0]), Eigen::Vector3f(9, 0, 0));
-  EXPECT_EQ(CameraCenter(atlas.maps[0].keyframes[1]), Eigen::Vector3f(0, 0, 0));
+TEST(G2o, PosesThatNobodyMovedGiveTheSameBytes) {
+  for (const Sensor sensor : {Sensor::kMonocular, Sensor::kFisheyeStereo})
+    ExpectSameBytesWithItsOwnPoses(SynthesizeAtlas(
+        {.sensor = sensor, .inertial = true, .maps = 2, .keyframes = 20, .points = 300, .features = 150}));
 }
 
-TEST(PutPoses, TakePositionsOfPoints) {
-  Atlas atlas = OneMapAtlas();
-  const Eigen::Vector3f other = atlas.maps[0].points[2].position;
-  const PutPosesReport report = PutPoses(
-      atlas, {}, {.points = {{MapPointId(10), {0, 0, 4}}, {MapPointId(11), {1, 1, 1}}, {MapPointId(99), {1, 1, 1}}}});
-  EXPECT_EQ(report.points, 1U);
-  EXPECT_EQ(report.unknown_points, 2U);  // one is bad, one is not there
-  EXPECT_EQ(atlas.maps[0].points[0].position, Eigen::Vector3f(0, 0, 4));
-  EXPECT_EQ(atlas.maps[0].points[2].position, other);
+TEST(G2o, PosesOfRealMapsThatNobodyMovedGiveTheSameBytes) {
+  for (const std::string name : {"mono_small", "session_small_a", "stereo_inertial", "multimap_rgbd"}) {
+    const std::string path = RealAtlas(name);
+    Notices notices;
+    if (!path.empty()) ExpectSameBytesWithItsOwnPoses(ReadOrbslam3(path, {}, notices));
+  }
 }
 
-TEST(PutPoses, RefuseWhatIsNoneOrOfNoKeyFrame) {
-  Atlas atlas = OneMapAtlas();
-  const Similarity3d somewhere{1, Eigen::Quaterniond::Identity(), {1, 1, 1}};
-  EXPECT_THROW(PutPoses(atlas, {{KeyFrameId(77), 0, somewhere}}), Error);
-  Similarity3d nowhere = somewhere;
-  nowhere.translation.x() = std::nan("");
-  EXPECT_THROW(PutPoses(atlas, {{KeyFrameId(1), 0, nowhere}}), Error);
-  nowhere = somewhere;
-  nowhere.scale = 0;
-  EXPECT_THROW(PutPoses(atlas, {{KeyFrameId(1), 0, nowhere}}), Error);
+TEST(G2o, ScalesComeBackFromSimilarities) {
+  const std::vector<KeyFramePose> poses = PosesOf("VERTEX_SIM3:EXPMAP 4 0 0 0 0 0 0 0.5 1 1 1 1\n");
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses[0].keyframe, KeyFrameId(4));
+  EXPECT_DOUBLE_EQ(poses[0].world_from_camera.scale, std::exp(0.5));
 }
 
 }  // namespace

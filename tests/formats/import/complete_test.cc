@@ -39,6 +39,7 @@ Atlas Bare(const Atlas& atlas) {
       MapPoint left;
       left.id = point.id;
       left.position = point.position;
+      left.descriptor_form = MatrixForm::kEmpty;
       point = left;
     }
   }

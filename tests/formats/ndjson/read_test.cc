@@ -18,6 +18,7 @@
 namespace slamdb {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -66,6 +67,44 @@ TEST(NdjsonReader, ReadsWhatJsonHasNoWordFor) {
   const Atlas back = Read(Text(atlas));
   EXPECT_EQ(HashOf(back), HashOf(atlas));
   EXPECT_EQ(back.vocabulary.name, atlas.vocabulary.name);
+}
+
+Boxed<Carried> SomethingCarried(std::size_t bytes, std::int32_t rows) {
+  Boxed<Carried> carried;
+  for (std::size_t i = 0; i < bytes; ++i) carried.Make().members.push_back(static_cast<std::byte>(37 * i));
+  Matrix& descriptors = carried.Make().descriptors;
+  descriptors.rows = rows;
+  descriptors.columns = 256;
+  descriptors.type = 5;  // CV_32F, as SuperPoint's
+  descriptors.continuous = true;
+  for (std::int32_t i = 0; i < rows * 256; ++i) {
+    const auto value = static_cast<float>(i) / 7;
+    const auto bytes_of = std::as_bytes(std::span(&value, 1));
+    descriptors.data.insert(descriptors.data.end(), bytes_of.begin(), bytes_of.end());
+  }
+  return carried;
+}
+
+// What forks have and the model does not know, in every kind of entity, and descriptors of floats.
+TEST(NdjsonReader, ReadsWhatForksCarry) {
+  Atlas atlas = OneMapAtlas();
+  atlas.layout = "some-fork";
+  atlas.carried = SomethingCarried(5, 0);
+  atlas.carried.Make().descriptors = {};
+  atlas.cameras[0].carried = SomethingCarried(1, 0);
+  atlas.maps[0].carried = SomethingCarried(300, 0);
+  atlas.maps[0].keyframes[1].carried = SomethingCarried(17, 3);
+  atlas.maps[0].points[0].carried = SomethingCarried(0, 1);
+  atlas.maps[0].points[2].carried.Make();  // nothing in it, which is not the same as none
+  const Atlas back = Read(Text(atlas));
+  EXPECT_EQ(HashOf(back), HashOf(atlas));
+  EXPECT_EQ(back.layout, atlas.layout);
+  EXPECT_EQ(back.maps[0].keyframes[1].carried, atlas.maps[0].keyframes[1].carried);
+  EXPECT_EQ(back.maps[0].points[2].carried, atlas.maps[0].points[2].carried);
+  const std::string text = Text(atlas);
+  const Error error = ErrorOf(Replaced(text, "\"columns\":256", "\"columns\":255", "\"rows\":3"));
+  EXPECT_EQ(error.place(), "line 5: carried.descriptors");
+  EXPECT_THAT(error.problem(), HasSubstr("a matrix of 3 x 255, type 5, does not have 3072 bytes"));
 }
 
 TEST(NdjsonReader, TakesBlanksEmptyLinesAndMembersInAnyOrder) {
@@ -314,6 +353,57 @@ TEST(NdjsonReader, BearsHostileLines) {
   std::string keyframes = "{\"type\":\"atlas\"}\n{\"type\":\"map\",\"id\":0}\n";
   for (int i = 0; i < 100'000; ++i) keyframes += "{\"type\":\"keyframe\"}\n";
   EXPECT_THAT(ErrorOf(keyframes).what(), HasSubstr("line 3: "));
+}
+
+TEST(NdjsonReader, BearsNumbersThatAreTooLong) {
+  const std::string head = "{\"type\":\"atlas\"}\n{\"type\":\"map\",\"id\":";
+  const std::string digits(100'000, '9');
+  for (const std::string& number :
+       {digits, "-" + digits, "1e" + digits, "0." + digits, std::string("-0"), std::string("+1"), std::string("0x10"),
+        std::string("1_000"), std::string("NaN"), std::string(".5")}) {
+    const Error error = ErrorOf(head + number + "}\n");
+    if (number == "-0") continue;  // is 0, or none; both are fine
+    EXPECT_EQ(error.kind(), ErrorKind::kDamaged) << number.substr(0, 9);
+    EXPECT_THAT(error.place(), AnyOf("line 2", "line 2: id")) << number.substr(0, 9);
+    EXPECT_LT(error.problem().size(), 300U);
+  }
+  const std::string point = head + "0}\n{\"type\":\"map_point\",\"id\":0,\"position\":[0,0,";
+  EXPECT_EQ(Read(point + "0." + digits + "]}\n").maps[0].points[0].position.z(), 1);
+  EXPECT_THAT(ErrorOf(point + "1e" + digits + "]}\n").problem(), HasSubstr("32-bit floats"));
+  EXPECT_EQ(Read(point + "1e-" + digits + "]}\n").maps[0].points[0].position.z(), 0);
+}
+
+// Who is meant by an id that two have is the checker's matter.
+TEST(NdjsonReader, LoadsIdsThatComeTwice) {
+  const std::string map = "{\"type\":\"map\",\"id\":0}\n";
+  const std::string keyframe =
+      "{\"type\":\"keyframe\",\"id\":0,\"timestamp\":0,\"camera_from_world\":{\"rotation_xyzw\":[0,0,0,1],"
+      "\"translation\":[0,0,0]},\"features\":{\"keypoints\":{\"x\":[1],\"y\":[2]},\"map_points\":[0]}}\n";
+  const std::string point = "{\"type\":\"map_point\",\"id\":0,\"position\":[0,0,0]}\n";
+  const std::string camera = "{\"type\":\"camera\",\"id\":0,\"model\":\"pinhole\",\"parameters\":[1,1,1,1]}\n";
+  const Atlas atlas = Read("{\"type\":\"atlas\"}\n" + camera + camera + map + keyframe + keyframe + point + point +
+                           map + keyframe + point);
+  ASSERT_EQ(atlas.maps.size(), 2U);
+  EXPECT_EQ(atlas.cameras.size(), 2U);
+  EXPECT_EQ(atlas.maps[0].keyframes.size(), 2U);
+  EXPECT_EQ(atlas.maps[0].points.size(), 2U);
+}
+
+// One line of many megabytes is read as fast as many lines.
+TEST(NdjsonReader, ReadsALineOfAnyLength) {
+  std::string columns[2];
+  for (int i = 0; i < 400'000; ++i)
+    for (std::string& column : columns) column += (i == 0 ? "" : ",") + std::to_string(i % 640);
+  const Atlas atlas = Read(
+      "{\"type\":\"atlas\"}\n{\"type\":\"map\",\"id\":0}\n{\"type\":\"keyframe\",\"id\":0,\"timestamp\":0,"
+      "\"camera_from_world\":{\"rotation_xyzw\":[0,0,0,1],\"translation\":[0,0,0]},\"features\":{\"keypoints\":{\"x\":"
+      "[" +
+      columns[0] + "],\"y\":[" + columns[1] + "]}}}\n");
+  EXPECT_EQ(atlas.maps[0].keyframes[0].features.keypoints.size(), 400'000U);
+  const std::string endless(10'000'000, ' ');
+  EXPECT_THAT(ErrorOf(endless).what(), HasSubstr("has no lines"));
+  EXPECT_THAT(ErrorOf("{\"type\":\"atlas\"," + endless).what(), HasSubstr("line 1"));
+  EXPECT_THAT(ErrorOf("{\"type\":\"atlas\",\"vocabulary\":{\"name\":\"" + endless).what(), HasSubstr("line 1"));
 }
 
 // ---- what real files have

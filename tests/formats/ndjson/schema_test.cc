@@ -122,6 +122,18 @@ TEST_F(NdjsonSchema, DescribesIrregularValues) {
   EXPECT_EQ(ProblemOf(atlas), "");
 }
 
+TEST_F(NdjsonSchema, DescribesWhatForksHave) {
+  Atlas atlas = InertialAtlas();
+  atlas.layout = "gnss";
+  atlas.cameras[0].model = CameraModel::kEquirectangular;
+  for (Boxed<Carried>* carried : {&atlas.carried, &atlas.cameras[0].carried, &atlas.maps[0].carried,
+                                  &atlas.maps[0].keyframes[0].carried, &atlas.maps[0].points[0].carried})
+    carried->Make().members.resize(3, std::byte{0xa7});
+  Matrix& descriptors = atlas.maps[0].points[0].carried.Make().descriptors;
+  descriptors = {.rows = 1, .columns = 2, .type = 5, .continuous = true, .data = Column<std::byte>(8)};
+  EXPECT_EQ(ProblemOf(atlas), "");
+}
+
 TEST_F(NdjsonSchema, FindsWhatDoesNotFit) {
   std::ifstream file(SLAMDB_FIXTURES "/../schema/ndjson.schema.json");
   const Schema schema(json::parse(file));

@@ -7,11 +7,15 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam2/detail/read.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/model/index.h"
 #include "slamdb/synthetic/synthesize.h"
+#include "tests/edit/soundness.h"
 #include "tests/formats/formats/in_memory.h"
 #include "tests/formats/orbslam2/graph_encoder.h"
 #include "tests/formats/orbslam3/real_atlases.h"
+#include "tests/support/boost_reference/boost_reference.h"
 #include "tests/support/equals_atlas.h"
 #include "tests/support/temporary_folder.h"
 
@@ -105,8 +109,17 @@ void SortById(Map& map) {
   std::sort(map.points.begin(), map.points.end(), by_id);
 }
 
+// A pointer leads to an object; an id may lead to none.
+void ClearDanglingSlots(Map& map) {
+  const IdTable points = PointTable(map);
+  for (KeyFrame& keyframe : map.keyframes)
+    for (MapPointId& id : keyframe.features.map_points)
+      if (points.Find(id.value()) == kNoRow) id = {};
+}
+
 void ExpectGivenBack(Atlas atlas) {
   SortById(atlas.maps[0]);
+  ClearDanglingSlots(atlas.maps[0]);
   const Atlas read = ReadGraph(EncodeGraph(atlas.maps[0]).bytes);
   ASSERT_EQ(read.maps.size(), 1U);
   ASSERT_EQ(read.maps[0].keyframes.size(), atlas.maps[0].keyframes.size());
@@ -196,6 +209,43 @@ TEST(Orbslam2, ReadsAChainOfAnyDepth) {
   ASSERT_EQ(atlas.maps[0].keyframes.size(), kLength);
   EXPECT_EQ(atlas.maps[0].points.size(), kLength);
   EXPECT_EQ(atlas.maps[0].keyframes[77].features.map_points[0], MapPointId(78));
+}
+
+// Objects are met in another order: classes and objects have other numbers.
+TEST(Orbslam2, GivesBackMapsWithoutPointsOrKeyFrames) {
+  Atlas atlas = MonocularAtlas();
+  Map& map = atlas.maps[0];
+  for (KeyFrame& keyframe : map.keyframes)
+    std::ranges::fill(keyframe.features.map_points, MapPointId());
+  map.points.clear();
+  EXPECT_EQ(ReadGraph(EncodeGraph(map).bytes).maps[0].keyframes.size(), 12U);
+  Map points = MonocularAtlas().maps[0];
+  points.keyframes.clear();
+  points.origins.clear();
+  EXPECT_EQ(ReadGraph(EncodeGraph(points).bytes).maps[0].points.size(), points.points.size());
+}
+
+// What ORB-SLAM3 itself loads, with the stock Boost that it uses.
+void ExpectThatOrbslam3Loads(const std::string& bytes) {
+  const Atlas atlas = ReadGraph(bytes);
+  EXPECT_THAT(testing::NewTroubles({"vocabulary-checksum"}, atlas), IsEmpty());  // which no map of ORB-SLAM2 has
+  const TemporaryFolder folder;
+  Notices notices;
+  WriteOptions options;
+  options.of<Orbslam3WriteOptions>().boost_version = reference::ArchiveVersion();
+  WriteOrbslam3(atlas, folder.Path("map.osa"), options, notices);
+  const Atlas loaded = reference::Load(folder.Path("map.osa"), reference::Encoding::kBinary);
+  ASSERT_EQ(loaded.maps.size(), 1U);
+  EXPECT_EQ(loaded.maps[0].keyframes.size(), atlas.maps[0].keyframes.size());
+  EXPECT_EQ(loaded.maps[0].points.size(), atlas.maps[0].points.size());
+}
+
+TEST(Orbslam2, BecomesWhatOrbslam3Loads) {
+  ExpectThatOrbslam3Loads(EncodeGraph(MonocularAtlas().maps[0]).bytes);
+  const std::string path = RealAtlas("session_small_a");
+  if (path.empty()) return;
+  Notices notices;
+  ExpectThatOrbslam3Loads(EncodeGraph(ReadOrbslam3(path, {}, notices).maps[0]).bytes);
 }
 
 TEST(Orbslam2, NamesWhatItLeavesOut) {

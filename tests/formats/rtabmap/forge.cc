@@ -95,7 +95,7 @@ Forge::Forge(const std::string& path, const std::string& version) : minor_(Minor
   sqlite3* handle = nullptr;
   EXPECT_EQ(sqlite3_open(path.c_str(), &handle), SQLITE_OK);
   handle_.reset(handle);
-  Execute("PRAGMA page_size = 512");
+  Execute("PRAGMA page_size = 512; PRAGMA synchronous = OFF");
   const bool words = minor_ > 11 || patch_ >= 2;
   Execute(std::string("CREATE TABLE Node(id INTEGER NOT NULL, map_id INTEGER NOT NULL, weight INTEGER, stamp FLOAT, "
                       "pose BLOB, ground_truth_pose BLOB, ") +

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include <limits>
 
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/rtabmap/fixes.h"
 #include "tests/edit/soundness.h"
 #include "tests/formats/rtabmap/forge.h"
 #include "tests/support/equals_atlas.h"
@@ -175,9 +177,9 @@ TEST_F(Rtabmap, LookAlikesThatShareAWordAreTwoPoints) {
   const Atlas atlas = Read();
   const Map& map = atlas.maps[0];
   EXPECT_THAT(map.points, SizeIs(kPoints));
-  EXPECT_THAT(PointOf(map, 13).observations, SizeIs(kNodes)) << "the first id that is no word";
+  EXPECT_THAT(PointOf(map, 12).observations, SizeIs(kNodes)) << "the first id that no word has";
   EXPECT_LT((PointOf(map, 1).position - WallPoint(0).cast<float>()).norm(), 1e-4F);
-  EXPECT_LT((PointOf(map, 13).position - WallPoint(11).cast<float>()).norm(), 1e-4F);
+  EXPECT_LT((PointOf(map, 12).position - WallPoint(11).cast<float>()).norm(), 1e-4F);
 }
 
 TEST_F(Rtabmap, AFeatureWithoutDepthSeesThePointWhereItProjects) {
@@ -246,11 +248,84 @@ TEST_F(Rtabmap, GroundTruthIsATrajectoryOfTheCamera) {
   EXPECT_THAT(Told(), HasSubstr("no ground truth: 2 nodes"));
 }
 
+TEST_F(Rtabmap, GpsFixesAreReadForGeoreferencing) {
+  Forge forge(path_, "0.21.4");
+  AddDrive(forge, "0.21.4");
+  EXPECT_THROW(static_cast<void>(ReadRtabmapFixes(path_)), Error) << "there are none";
+  const auto set = [&](int node, std::array<double, 6> fix) {
+    Blob blob(sizeof fix);
+    std::memcpy(blob.data(), fix.data(), sizeof fix);
+    forge.Bind("UPDATE Node SET gps = ? WHERE id = " + std::to_string(node), blob);
+  };
+  set(1, {9.25, 8.5, 47.25, 400, 2, 90});
+  set(2, {0, 8.75, 47.5, 401, 2, 90});
+  set(3, {7, 8.75, 147, 401, 2, 90});  // no place on earth
+  const std::vector<GpsFix> fixes = ReadRtabmapFixes(path_);
+  ASSERT_THAT(fixes, SizeIs(2));
+  EXPECT_EQ(fixes[0].timestamp, 2.5) << "of the node, where the fix has none";
+  EXPECT_EQ(fixes[1].timestamp, 9.25);
+  EXPECT_EQ(fixes[1].place, (Geodetic{.latitude = 47.25, .longitude = 8.5, .altitude = 400}));
+  Read();
+  EXPECT_THAT(Told(), HasSubstr("the file has GPS fixes"));
+  set(4, {});
+  forge.Execute("UPDATE Node SET gps = x'00' WHERE id = 4");
+  EXPECT_THROW(Read(), Error);
+}
+
 TEST_F(Rtabmap, OrbFeaturesHaveThePyramidOfItsParameters) {
   Forge forge(path_, "0.21.4");
   AddDrive(forge, "0.21.4");
   forge.Execute("INSERT INTO Info(parameters) VALUES('Kp/DetectorStrategy:2;ORB/ScaleFactor:2;ORB/NLevels:3')");
   EXPECT_EQ(Read().maps[0].keyframes[0].pyramid.factor, 2);
+}
+
+// What another program has not committed yet is not there, and its locks do not matter.
+TEST_F(Rtabmap, IsReadWhileAnotherProgramLocksIt) {
+  Forge forge(path_, "0.21.4");
+  AddDrive(forge, "0.21.4");
+  forge.Execute("BEGIN EXCLUSIVE; DELETE FROM Node WHERE id > 1");
+  const std::vector<std::string> before = folder_.Names();
+  EXPECT_THAT(Read().maps[0].keyframes, SizeIs(kNodes));
+  EXPECT_EQ(folder_.Names(), before);
+  forge.Execute("ROLLBACK");
+}
+
+// A program that was killed leaves a log, which is read, and left as it is.
+TEST_F(Rtabmap, IsReadWithTheLogBesideIt) {
+  Forge forge(path_, "0.21.4");
+  AddDrive(forge, "0.21.4");
+  forge.Execute("PRAGMA journal_mode = WAL");
+  forge.Execute("UPDATE Node SET stamp = stamp + 100");
+  const std::string before = ReadFileOrFolder(folder_.path().string());
+  EXPECT_EQ(Read().maps[0].keyframes[0].timestamp, 101.5);
+  EXPECT_TRUE(ReadFileOrFolder(folder_.path().string()) == before);
+}
+
+TEST_F(Rtabmap, IsReadInAFolderThatCannotBeWritten) {
+  {
+    Forge forge(path_, "0.21.4");
+    AddDrive(forge, "0.21.4");
+    forge.Execute("PRAGMA journal_mode = WAL");  // which lays files beside it, wherever it is opened
+  }
+  const std::string before = ReadFileOrFolder(folder_.path().string());
+  std::filesystem::permissions(path_, std::filesystem::perms::owner_read);
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  EXPECT_THAT(Read().maps[0].keyframes, SizeIs(kNodes));
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_all);
+  EXPECT_TRUE(ReadFileOrFolder(folder_.path().string()) == before);
+}
+
+TEST_F(Rtabmap, IsNeverWrittenTo) {
+  const std::string other = folder_.Path("other.db");
+  {
+    Forge forge(path_, "0.21.4");
+    AddDrive(forge, "0.21.4");
+  }
+  const std::string before = ReadFile(path_);
+  EXPECT_THROW(WriteAtlas(Read(), other, {.format = "rtabmap"}), Error);
+  EXPECT_THROW(WriteAtlas(Read(), path_ + "#name"), Error) << "as a store";
+  EXPECT_THAT(folder_.Names(), ElementsAre("map.db"));
+  EXPECT_TRUE(ReadFile(path_) == before);
 }
 
 TEST_F(Rtabmap, IsSoundAndLoadsInBoost) {
@@ -274,7 +349,7 @@ TEST_F(Rtabmap, FixtureIsWhatAForgeMakes) {
     forge.Execute("UPDATE Node SET time_enter = NULL; VACUUM");
   }
   if (std::getenv("SLAMDB_UPDATE_GOLDEN") != nullptr)
-    for (const std::string name : {fixture, fixture + "-truth"})
+    for (const std::string& name : {fixture, fixture + "-truth"})
       std::filesystem::copy_file(path_, name, std::filesystem::copy_options::overwrite_existing);
   EXPECT_THAT(ReadAtlas(fixture), EqualsAtlas(Read()));
 }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
@@ -97,7 +98,13 @@ TEST(Stella, TakesEveryNumericTypeForANumber) {
 }
 
 TEST(Stella, IsWrittenAsItsJsonLibraryWrites) {
-  for (const Atlas& atlas : {SmallAtlas(), InertialAtlas(), ReadStella(SmallStellaMap())}) {
+  Atlas odd = OneMapAtlas();
+  odd.maps[0].keyframes[0].timestamp = std::numeric_limits<double>::quiet_NaN();
+  odd.maps[0].keyframes[1].timestamp = -std::numeric_limits<double>::infinity();
+  odd.maps[0].points[0].position = {std::numeric_limits<float>::denorm_min(), -0.0F, 3.4e38F};
+  odd.maps[0].points[0].first_keyframe = -7;
+  odd.maps[0].keyframes[0].features.keypoints[0].octave = -1;
+  for (const Atlas& atlas : {SmallAtlas(), InertialAtlas(), odd, ReadStella(SmallStellaMap())}) {
     const std::string bytes = Encoded(detail::kStellaFormat, atlas);
     EXPECT_TRUE(bytes == Repacked(bytes));
   }
@@ -177,11 +184,30 @@ TEST(Stella, KeypointsAsDetectedFollowFromTheDistortion) {
   EXPECT_EQ(features.undistorted[0].x, 340);
   EXPECT_EQ(atlas.maps[0].keyframes[0].distortion.rows, 4);
   EXPECT_THAT(notices.items(), Contains(Field(&Notice::text, HasSubstr("found from the undistorted ones"))));
-  EXPECT_LT(atlas.maps[0].keyframes[0].bounds.max_x, 640);
   const json back = json::from_msgpack(Encoded(detail::kStellaFormat, atlas));
-  EXPECT_EQ(back["cameras"]["camera 0"]["cols"], 640);
-  EXPECT_EQ(back["cameras"]["camera 0"]["rows"], 480);
   EXPECT_EQ(back["keyframes"]["4"]["undist_keypts"][0]["pt"][0], 340);
+}
+
+// A camera of EuRoC.
+TEST(Stella, SizesOfPicturesFollowFromTheirUndistortedCorners) {
+  json map = SmallStellaMap();
+  map["cameras"]["lab"].update({{"cols", 752},
+                                {"rows", 480},
+                                {"fx", 458.654},
+                                {"fy", 457.296},
+                                {"cx", 367.215},
+                                {"cy", 248.375},
+                                {"k1", -0.28340811},
+                                {"k2", 0.07395907},
+                                {"p1", 0.00019359},
+                                {"p2", 1.76187114e-05}});
+  const Atlas atlas = ReadStella(map);
+  EXPECT_GT(atlas.maps[0].keyframes[0].bounds.max_x, 800);
+  Notices notices;
+  const json back = json::from_msgpack(Encoded(detail::kStellaFormat, atlas, {}, notices));
+  EXPECT_EQ(back["cameras"]["camera 0"]["cols"], 752);
+  EXPECT_EQ(back["cameras"]["camera 0"]["rows"], 480);
+  EXPECT_THAT(notices.items(), IsEmpty());
 }
 
 TEST(Stella, CamerasThatOrbSlamHasNotAreNamed) {
@@ -246,7 +272,7 @@ TEST(Stella, WritesWhatItsLoaderNeeds) {
   EXPECT_FALSE(written["landmarks"].contains("12"));
   EXPECT_FALSE(written["landmarks"].contains("11"));
   EXPECT_EQ(written["landmarks"]["10"]["ref_keyfrm"], 1);
-  EXPECT_EQ(written["keyframes"]["3"]["lm_ids"], json({-1}));
+  EXPECT_EQ(written["keyframes"]["3"]["lm_ids"], json({10})) << "which the point knows";
   int roots = 0;
   for (const auto& [id, keyframe] : written["keyframes"].items()) roots += keyframe["span_parent"] == -1 ? 1 : 0;
   EXPECT_EQ(roots, 2);  // one of each map

@@ -8,13 +8,13 @@
 namespace slamdb {
 namespace {
 
-json Keypoint(float x, float y, float angle, unsigned octave) {
+json KeypointOf(float x, float y, float angle, unsigned octave) {
   return {{"pt", {x, y}}, {"ang", angle}, {"oct", octave}};
 }
 
 json DescriptorOf(std::uint32_t first) { return std::vector<std::uint32_t>{first, 1, 2, 300, 70000, 5, 6, 0xffffffff}; }
 
-json KeyFrame(double time, double x, std::vector<json> keypoints, std::vector<int> landmarks) {
+json KeyFrameOf(double time, double x, std::vector<json> keypoints, std::vector<int> landmarks) {
   std::vector<json> descriptors;
   for (std::uint32_t row = 0; row < keypoints.size(); ++row) descriptors.push_back(DescriptorOf(row));
   return {{"ts", time},
@@ -36,9 +36,9 @@ json KeyFrame(double time, double x, std::vector<json> keypoints, std::vector<in
 }  // namespace
 
 json SmallStellaMap() {
-  json first =
-      KeyFrame(0.5, 0, {Keypoint(10.5F, 20, 90, 0), Keypoint(100.1F, 20, 1, 3), Keypoint(5, 6, 7, 1)}, {7, -1, -1});
-  json second = KeyFrame(1.1, -1, {Keypoint(12, 21, 91, 1), Keypoint(64, 48, 0, 0)}, {-1, 7});
+  json first = KeyFrameOf(0.5, 0, {KeypointOf(10.5F, 20, 90, 0), KeypointOf(100.1F, 20, 1, 3), KeypointOf(5, 6, 7, 1)},
+                          {7, -1, -1});
+  json second = KeyFrameOf(1.1, -1, {KeypointOf(12, 21, 91, 1), KeypointOf(64, 48, 0, 0)}, {-1, 7});
   first["span_children"] = {12};
   second["span_parent"] = 4;
   second["loop_edges"] = {4};

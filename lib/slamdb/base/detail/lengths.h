@@ -17,6 +17,9 @@ std::optional<double> MetresByName(std::string_view unit);
 // nothing. Throws Error (kUnsupported) when the unit is none that is known.
 double MetresIn(const Table& table, std::size_t column);
 
+// Throws Error (kUnsupported) when the column says that it counts anything but metres.
+void RequireMetres(const Table& table, std::size_t column);
+
 // A length of the row in metres, with all its digits where the unit is a power of ten.
 std::string MetresText(const Table& table, std::size_t column, double unit);
 

@@ -17,6 +17,14 @@ inline Place PlaceOf(const Map& map, const KeyFrame& keyframe, std::size_t featu
 }
 inline Place PlaceOf(const Map& map, const MapPoint& point) { return {.map = map.id, .point = point.id}; }
 
+// How many rows of features have a descriptor; of a matrix that says more than it has, as many as it could have.
+inline std::size_t DescriptorRows(const KeyFrame& keyframe) {
+  const std::size_t rows = keyframe.descriptor_count();
+  return keyframe.carried
+             ? std::min(rows, keyframe.features.descriptors.size() + keyframe.carried->descriptors.data.size())
+             : rows;
+}
+
 // visit(map row, map, keyframe) for every keyframe that is not bad. Bad ones are a finding of `keyframe-bad`, and what
 // they hold is not used.
 template <class Visit>

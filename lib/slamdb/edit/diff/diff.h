@@ -90,6 +90,14 @@ struct AtlasDiff {
 // `same`, `renumbered`, `different`.
 [[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(AtlasDiff::Verdict verdict);
 
+// Leaves of two atlases what both hold where one of them is a point cloud, an atlas of points alone: their points with
+// positions, and with ids, maps, normals and distance ranges where the cloud has them. Ids of a cloud that are the
+// numbers of its rows are none; the points of both are then numbered by their rows.
+// Returns false, and changes nothing, when neither is one, or both hold the same kinds of things.
+//
+// Cost: linear.
+SLAMDB_EXPORT bool KeepWhatCloudsHold(Atlas& before, Atlas& after);
+
 // Compares two atlases by what they mean.
 // Entities are recognised by content, whatever their ids: keyframes by descriptors and time, points by descriptor and
 // by who observes them where, maps by their keyframes, cameras by their parameters, landmarks by all that they hold, to

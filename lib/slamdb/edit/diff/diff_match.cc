@@ -2,7 +2,8 @@
 // 1. Keyframes by what does not change while a map is edited: descriptors and time; the id decides between equal ones.
 //    Those that lost features are known by the rest of them, under the same time.
 // 2. Maps by the keyframes that they share.
-// 3. Points by descriptor and observers, then by any keypoint that sees both.
+// 3. Points by descriptor and observers, then by any keypoint that sees both; those of point clouds by position, then
+// id.
 #include "slamdb/edit/diff/detail/diff_match.h"
 
 #include <algorithm>
@@ -199,6 +200,8 @@ class PointPairing {
       return point.has_descriptor() ? Mixed(look(point), point.id.value()) : Pairing::kNoKey;
     });
     Join([&](const MapPoint& point, std::uint64_t) { return Mixed(look(point), HashOf(point.position)); });
+    if (before_.keyframes.empty() && after_.keyframes.empty())  // point clouds
+      Join([](const MapPoint& point, std::uint64_t) { return Mixed(point.id.value(), 0); });
     return std::move(pairing_);
   }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,17 +14,6 @@
 #include "slamdb/model/ids.h"
 
 namespace slamdb {
-
-struct GpsFix {
-  // Not a number: the receiver had no fix then, so that nothing is interpolated across that time.
-  static constexpr Geodetic kNowhere{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
-                                     std::numeric_limits<double>::quiet_NaN()};
-
-  double timestamp = 0;  // seconds
-  Geodetic place;
-
-  bool has_place() const { return place.latitude == place.latitude; }
-};
 
 // How GPS fixes are read.
 struct FixReadOptions {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
@@ -26,6 +27,15 @@ void RequireFinite(const std::vector<KeyFramePose>& poses, const std::vector<Poi
   for (const PointPosition& point : points)
     if (!point.position.cast<float>().allFinite())
       throw Error(ErrorKind::kUsage, Concat("the new position of ", point.point, " is not finite"));
+}
+
+// Whether a pose is the one that is there, but for what single precision, in which atlases keep it, cannot tell.
+bool IsThere(const Similarity3d& pose, const Similarity3d& there) {
+  constexpr double kRounding = std::numeric_limits<float>::epsilon();
+  const Eigen::Vector4d coefficients = pose.rotation.coeffs(), others = there.rotation.coeffs();
+  const double turn = std::min((coefficients - others).norm(), (coefficients + others).norm());
+  const double shift = (pose.translation - there.translation).norm();
+  return std::abs(pose.scale - 1) <= kRounding && turn <= kRounding && shift <= kRounding * there.translation.norm();
 }
 
 // Keyframes of all maps by time.
@@ -86,7 +96,7 @@ class Putter {
     }
     for (const PointPosition& point : options_.points) {
       const EntityRow place = index_.LocatePoint(point.point);
-      if (!place || atlas_.maps[place.map].points[place.row].bad) {
+      if (!place || !IsSamePoint(atlas_.maps[place.map].points[place.row], point)) {
         ++report_.unknown_points;
         continue;
       }
@@ -103,12 +113,20 @@ class Putter {
       if (news_[map].any()) PutMap(atlas_.maps[map], news_[map]);
     Warn(report_.unknown_poses, "pose",
          " left out: of no good keyframe of the atlas, or of one that had a pose already");
-    Warn(report_.unknown_points, "position", " left out: of no good point of the atlas");
+    Warn(report_.unknown_points, "position", " left out: of no good point of the atlas, or of one that is seen elsewhere");
     Warn(report_.followers, "keyframe", " without a new pose went with the parent in the spanning tree");
     return std::move(report_);
   }
 
  private:
+  static bool IsSamePoint(const MapPoint& point, const PointPosition& position) {
+    if (point.bad || !position.seen_by) return !point.bad;
+    return std::ranges::any_of(point.observations, [&](const Observation& seen) {
+      return seen.keyframe == position.seen_by &&
+             (seen.left == position.keypoint || seen.right == position.keypoint);
+    });
+  }
+
   void PutMap(Map& map, const News& news) {
     const detail::MapStates before(map);
     detail::MapStates after = before;
@@ -116,11 +134,12 @@ class Putter {
                         std::vector<std::uint8_t>(map.points.size(), 0)};
     std::vector<Similarity3d> motions(map.keyframes.size());
     for (const auto& [row, pose] : news.poses) {
-      const Similarity3d old = before.poses[row].WorldFromCamera();
-      const Eigen::Quaterniond rotation = pose->rotation.normalized();
-      after.poses[row].SetWorldFromCamera(rotation, pose->translation);
-      motions[row] = Similarity3d{pose->scale, rotation, pose->translation} * old.Inverse();
       moved.keyframes[row] = 1;
+      const Similarity3d old = before.poses[row].WorldFromCamera();
+      const Similarity3d now{pose->scale, pose->rotation.normalized(), pose->translation};
+      if (IsThere(now, old)) continue;
+      after.poses[row].SetWorldFromCamera(now.rotation, now.translation);
+      motions[row] = now * old.Inverse();
       report_.largest_shift = std::max(report_.largest_shift, (pose->translation - old.translation).norm());
     }
     for (const auto& [row, position] : news.points) {

@@ -24,7 +24,7 @@ struct PutPosesReport {
   std::uint64_t followers = 0;        // keyframes without a pose, that went with their parent
   std::uint64_t points = 0;           // that were put
   std::uint64_t unknown_poses = 0;    // of no keyframe of the atlas, or of one that is bad or had a pose already
-  std::uint64_t unknown_points = 0;   // of no point of the atlas, or of one that is bad
+  std::uint64_t unknown_points = 0;   // of no point of the atlas, or of one that is bad or seen elsewhere
   std::uint64_t maps = 0;             // in which something was put
   double largest_shift = 0;           // of a camera, the map's units
   std::vector<std::string> warnings;  // a sentence each

@@ -28,6 +28,7 @@ std::uint64_t ArchiveBytes(const KeyFrame& keyframe) {
   bytes += 4 * features.feature_vector.features.size();
   bytes += 12 * keyframe.connections.size();
   bytes += 8 * (keyframe.children.size() + keyframe.loop_edges.size() + keyframe.merge_edges.size());
+  if (keyframe.carried) bytes += keyframe.carried->members.size() + keyframe.carried->descriptors.data.size();
   return bytes + 28 * keyframe.preintegration.measurements.size();
 }
 

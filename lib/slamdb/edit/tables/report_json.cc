@@ -7,7 +7,7 @@ namespace {
 
 using detail::Json;
 
-Json JsonOf(const TableChanges& changes) {
+Json JsonOf(const TableEditChanges& changes) {
   return {{"rows", changes.rows},
           {"moved", changes.moved},
           {"changed", changes.changed},

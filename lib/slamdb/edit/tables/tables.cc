@@ -6,9 +6,11 @@
 #include <cmath>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/lengths.h"
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/table.h"
 #include "slamdb/base/error.h"
+#include "slamdb/base/time_unit.h"
 #include "slamdb/edit/tables/detail/edited.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/camera_in_world.h"
@@ -105,7 +107,20 @@ std::vector<std::string> IgnoredColumns(const Table& table, const TableKind& kin
   return ignored;
 }
 
+void RequireUsualUnits(const Table& table, std::initializer_list<std::size_t> lengths) {
+  for (const std::size_t column : lengths) detail::RequireMetres(table, column);
+}
+void RequireSeconds(const Table& table, std::size_t column) {
+  const detail::ColumnName* name = table.NameOf(column);
+  if (name == nullptr || name->unit.empty() || TimeUnitByName(name->unit) == TimeUnit::kSeconds) return;
+  throw Error(ErrorKind::kUnsupported, "", "column " + name->text,
+              Concat("expected seconds, and no unit in the name, found '", name->unit, "'"));
+}
+
 // ---- cells
+
+// Seconds since 1970 of years that have five digits are something else, such as nanoseconds.
+constexpr double kLatest = 2.5e11;
 
 bool SameNumber(auto a, auto b) { return a == b || (a != a && b != b); }
 
@@ -181,15 +196,18 @@ bool SetPose(const Table& table, Rigid3f& camera_from_world) {
 
 // ---- rows
 
+constexpr std::string_view kAddNothing = "; tables add nothing, ndjson does";
+
 class Editor {
  public:
   explicit Editor(Atlas& atlas) : atlas_(atlas), index_(atlas) {
     for (const Map& map : atlas.maps) flags_.emplace_back(map);
   }
 
-  void ReadPoints(std::string_view text, TableChanges& changes) {
+  void ReadPoints(std::string_view text, TableEditChanges& changes) {
     Table table(text, PointTable());
     RequireIds(table, kPointId);
+    RequireUsualUnits(table, {kX, kX + 1, kX + 2, kNearest, kFarthest});
     changes.ignored = IgnoredColumns(table, PointTable(), kDerivedOfPoints);
     while (table.Next()) {
       const EntityRow place = Find(
@@ -201,9 +219,11 @@ class Editor {
     }
   }
 
-  void ReadKeyFrames(std::string_view text, TableChanges& changes) {
+  void ReadKeyFrames(std::string_view text, TableEditChanges& changes) {
     Table table(text, KeyFrameTableKind());
     RequireIds(table, kKeyFrameId);
+    RequireUsualUnits(table, {kPose, kPose + 1, kPose + 2});
+    RequireSeconds(table, kTimestamp);
     changes.ignored = IgnoredColumns(table, KeyFrameTableKind(), kDerivedOfKeyFrames);
     while (table.Next()) {
       const EntityRow place = Find(
@@ -242,11 +262,11 @@ class Editor {
       place.map = index_.MapRow(MapId(map_id));
       if (place.map == kNoRow) throw table.LineError(Concat("the atlas has no map ", map_id));
       place.row = row_in(place.map, id);
-      if (!place) throw table.LineError(Concat("map ", map_id, " has no ", noun, " ", id));
+      if (!place) throw table.LineError(Concat("map ", map_id, " has no ", noun, " ", id, kAddNothing));
       return place;
     }
     place = locate(id);
-    if (!place) throw table.LineError(Concat("the atlas has no ", noun, " ", id));
+    if (!place) throw table.LineError(Concat("the atlas has no ", noun, " ", id, kAddNothing));
     if (!duplicates.empty() && atlas_.maps.size() > 1)
       throw table.LineError(
           Concat("ids of ", noun, "s are not unique in the atlas; a column `map` is to tell which is meant"));
@@ -256,7 +276,7 @@ class Editor {
     if (std::exchange(seen[row], std::uint8_t{1}) != 0) throw table.LineError("has the id of a row above");
   }
 
-  void EditPoint(const Table& table, const EntityRow& place, TableChanges& changes) {
+  void EditPoint(const Table& table, const EntityRow& place, TableEditChanges& changes) {
     MapPoint& point = atlas_.maps[place.map].points[place.row];
     detail::EditedRows& flags = flags_[place.map].points;
     flags.moved[place.row] = SetVector(table, kX, point.position);
@@ -275,19 +295,19 @@ class Editor {
     return true;
   }
 
-  void EditKeyFrame(const Table& table, const EntityRow& place, TableChanges& changes) {
+  void EditKeyFrame(const Table& table, const EntityRow& place, TableEditChanges& changes) {
     KeyFrame& keyframe = atlas_.maps[place.map].keyframes[place.row];
     const bool moved = SetPose(table, keyframe.camera_from_world);
     flags_[place.map].keyframes.moved[place.row] = moved;
     if (moved && keyframe.imu_calibration.is_set) keyframe.body_position = WorldFromBody(keyframe).translation;
     bool changed = Set(table, kTimestamp, keyframe.timestamp);
+    if (changed && !(std::abs(keyframe.timestamp) < kLatest)) throw table.CellError(kTimestamp, "a time in seconds");
     changed |= Set(table, kFrameId, keyframe.frame_id);
     const bool has_velocity = NumbersAt<3>(table, kVelocity).has_value();
     changed |= SetVector(table, kVelocity, keyframe.velocity) || (has_velocity && !keyframe.has_velocity);
     if (has_velocity && !keyframe.has_velocity) keyframe.has_velocity = true;
     changed |= Set(table, kNotErase, keyframe.not_erase);
     changed |= Set(table, kKeyFrameBad, keyframe.bad);
-    if (!std::isfinite(keyframe.timestamp) && changed) throw table.CellError(kTimestamp, "a time");
     ++changes.rows;
     changes.moved += moved;
     changes.changed += changed;
@@ -295,7 +315,7 @@ class Editor {
 
   template <class List>
   static void DropUnseen(const List& list, const detail::EditedRows& flags, std::vector<std::uint8_t>& kept,
-                         TableChanges& changes) {
+                         TableEditChanges& changes) {
     if (std::ranges::find(flags.seen, 1) == flags.seen.end()) return;
     for (std::size_t row = 0; row < list.size(); ++row) {
       if (flags.seen[row] != 0 || list[row].bad) continue;

@@ -28,17 +28,17 @@ struct TableEditOptions {
 };
 
 // What a table did.
-struct TableChanges {
+struct TableEditChanges {
   std::uint64_t rows = 0;
   std::uint64_t moved = 0;    // other positions, or poses
   std::uint64_t changed = 0;  // another value in any other column; those that moved may be among them
   std::uint64_t deleted = 0;
   std::vector<std::string> ignored;  // columns of another name
-  friend bool operator==(const TableChanges&, const TableChanges&) = default;
+  friend bool operator==(const TableEditChanges&, const TableEditChanges&) = default;
 };
 
 struct TableEditReport {
-  TableChanges points, keyframes;
+  TableEditChanges points, keyframes;
   std::uint64_t refreshed = 0;  // points whose normals or distance ranges follow from what moved
   SubsetReport removed;         // with what followed from deleting
   Journal journal;              // empty when none was asked for

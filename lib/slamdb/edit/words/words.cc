@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 
@@ -45,10 +46,23 @@ std::vector<KeyFrame*> Wanted(Atlas& atlas, bool only_missing, RecomputeWordsRep
   return wanted;
 }
 
+// Words are of ORB's descriptors alone.
+void RefuseOtherDescriptors(const Atlas& atlas) {
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) {
+      if (!keyframe.carried || keyframe.carried->descriptors.columns == 0) continue;
+      const Matrix& matrix = keyframe.carried->descriptors;
+      throw Error(ErrorKind::kNotPossible, "", ToString(map.id) + ", " + ToString(keyframe.id),
+                  detail::Concat("its descriptors have ", matrix.columns, " numbers of OpenCV's type ", matrix.type,
+                                 ", as those of SIFT and SuperPoint; words are of ORB's 32 bytes"));
+    }
+}
+
 }  // namespace
 
 RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, const Vocabulary& identity,
                                     const RecomputeWordsOptions& options) {
+  RefuseOtherDescriptors(atlas);
   if (options.only_missing) RefuseMixing(atlas, identity);
   RecomputeWordsReport report{.before = atlas.vocabulary, .after = identity};
   const std::vector<KeyFrame*> wanted = Wanted(atlas, options.only_missing, report);

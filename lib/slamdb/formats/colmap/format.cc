@@ -118,6 +118,21 @@ Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& noti
   return colmap::AtlasOf(models, database ? &*database : nullptr, options, notices);
 }
 
+// Models of an earlier run stay where they are: one that would be read in place of what is written, or as a further map
+// of it, is refused.
+void RefuseLeftovers(const std::string& folder, std::size_t maps, std::string_view suffix) {
+  const auto refuse = [&](const std::string& place) {
+    throw Error(ErrorKind::kAlreadyExists, folder, "",
+                Concat("holds a model in ", place, " that would be read with what is written, or in its place; remove it, "
+                       "or name another folder"));
+  };
+  if (suffix == kText && HasModel(folder, kBinary)) refuse(folder);
+  if (maps <= 1) return;
+  if (HasModel(folder)) refuse(folder);
+  for (const Place& place : FindModelsIn(folder))
+    if (place.number >= maps || (suffix == kText && HasModel(place.folder, kBinary))) refuse(place.folder);
+}
+
 using Encode = void (*)(Part, const colmap::Model&, AtomicFile&, const WriteOptions&);
 
 void WriteFiles(const colmap::Model& model, const std::string& folder_in, std::string_view suffix, Encode encode,
@@ -134,11 +149,12 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
   AtomicFolder folder(target, detail::FileOptions(options));
   const ColmapWriteOptions& wanted = options.of<ColmapWriteOptions>();
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, wanted.pictures);
+  RefuseLeftovers(target.path, outline.maps.size(), suffix);
   std::optional<colmap::DatabaseWriter> database;
   if (wanted.with_database) database.emplace(outline, wanted.schema, target.path);
   colmap::Unheld unheld;
   for (std::size_t row = 0; row < outline.maps.size(); ++row) {
-    const colmap::Model model = colmap::ModelOf(atlas, outline, outline.maps[row], options, unheld);
+    const colmap::Model model = colmap::ModelOf(outline, outline.maps[row], options, unheld);
     WriteFiles(model, outline.maps.size() == 1 ? "" : Concat(row, "/"), suffix, encode, folder, options);
     if (database) database->AddPairs(outline.maps[row], model);
   }
@@ -162,7 +178,7 @@ void WriteDatabase(const Atlas& atlas, const Target& target, const WriteOptions&
     if (options.progress)
       options.progress("writing", static_cast<double>(row) / static_cast<double>(outline.maps.size()));
     const colmap::MapOutline& map = outline.maps[row];
-    database.AddPairs(map, colmap::ModelOf(atlas, outline, map, options, unheld));
+    database.AddPairs(map, colmap::ModelOf(outline, map, options, unheld));
   }
   database.Write(file);
   file.Commit();

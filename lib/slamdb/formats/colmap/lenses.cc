@@ -2,6 +2,7 @@
 #include "slamdb/formats/colmap/detail/lenses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -41,7 +42,7 @@ bool IsRational(const Camera& camera) {
          std::any_of(camera.parameters.begin() + 9, camera.parameters.end(), [](double k) { return k != 0; });
 }
 
-// ---- models that we have not: where the point (u, v, 1) is seen, in focal lengths
+// ---- where the point (u, v, 1) is seen, in focal lengths
 
 Eigen::Vector2d DistortRational(const double* k, const Eigen::Vector2d& at) {
   const double u = at.x(), v = at.y(), r2 = at.squaredNorm();
@@ -78,11 +79,26 @@ Eigen::Vector2d DistortEnhancedUnified(const double* k, const Eigen::Vector2d& a
   return at / (k[0] * std::sqrt(k[1] * at.squaredNorm() + 1) + 1 - k[0]);
 }
 
+// Kannala-Brandt.
+Eigen::Vector2d DistortFisheye(const double* k, const Eigen::Vector2d& at) {
+  constexpr double kSmall = 1e-12;
+  const double r = at.norm(), theta = std::atan(r), t2 = theta * theta;
+  return r < kSmall ? at : at * (theta / r * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))));
+}
+
 Eigen::Vector2d Distort(const Camera& camera, const Eigen::Vector2d& at) {
   const double* rest = camera.parameters.data() + LayoutOf(camera).rest;
   switch (camera.model) {
+    case kPinhole:
+      return at;
+    case kOpencv: {
+      const std::array<double, 8> k = {rest[0], rest[1], rest[2], rest[3]};
+      return DistortRational(k.data(), at);
+    }
     case kFullOpencv:
       return DistortRational(rest, at);
+    case kOpencvFisheye:
+      return DistortFisheye(rest, at);
     case kFov:
       return DistortFov(rest, at);
     case kThinPrismFisheye:
@@ -164,6 +180,13 @@ Camera CameraOf(const CameraSettings& settings, std::uint32_t id) {
   return camera;
 }
 
+std::optional<Eigen::Vector2d> SeenBy(const Camera& camera, const Eigen::Vector3d& x_in_camera) {
+  if (!(x_in_camera.z() > 0)) return std::nullopt;
+  const std::vector<double>& p = camera.parameters;
+  const Eigen::Vector2d at = Distort(camera, x_in_camera.head<2>() / x_in_camera.z());
+  return Eigen::Vector2d(p[0] * at.x() + p[2], p[1] * at.y() + p[3]);
+}
+
 const char* WhyNotRead(const Camera& camera) {
   if (camera.model == kEquirectangular) return "panoramas have no pinhole, and slamdb no camera for them";
   if (camera.model == kRadTanThinPrismFisheye) return "slamdb knows no such lens";
@@ -171,7 +194,9 @@ const char* WhyNotRead(const Camera& camera) {
     return "its images have an impossible size";
   const auto is_float = [](double value) { return std::abs(value) <= std::numeric_limits<float>::max(); };
   if (!std::ranges::all_of(camera.parameters, is_float)) return "its parameters are no numbers";
-  if (!(camera.parameters[0] > 0)) return "its focal length is not positive";
+  const std::size_t focal_lengths = LayoutOf(camera).one_focal_length ? 1 : 2;
+  for (std::size_t row = 0; row < focal_lengths; ++row)
+    if (!(camera.parameters[row] > 0)) return "its focal length is not positive";
   return nullptr;
 }
 

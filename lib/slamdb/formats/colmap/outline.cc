@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/colmap/detail/outline.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "slamdb/formats/colmap/detail/lenses.h"
 #include "slamdb/formats/colmap/detail/names.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/model/index.h"
@@ -52,12 +52,11 @@ bool IsUndistortedAlone(const Features& features, const CameraSettings& settings
          (settings.distortion.empty() && !ArePlacedAlike(features.keypoints, features.undistorted));
 }
 
-Pose RightFromLeft(const KeyFrame& keyframe) {
-  const Eigen::Quaterniond rotation = keyframe.left_from_right.rotation.cast<double>().conjugate();
-  const Eigen::Vector3d translation = -(rotation.normalized() * keyframe.left_from_right.translation.cast<double>());
-  return {{rotation.w(), rotation.x(), rotation.y(), rotation.z()},
-          {translation.x(), translation.y(), translation.z()}};
+Pose Recorded(const Rigid3f& transform) {
+  return PoseOf(transform.rotation.cast<double>(), transform.translation.cast<double>());
 }
+
+Pose RightFromLeft(const KeyFrame& keyframe) { return Inverse(Recorded(keyframe.left_from_right)); }
 
 // Makes the cameras and rigs of an outline, each distinct one once. A camera of COLMAP is in one rig alone.
 class Cameras {
@@ -215,18 +214,8 @@ ViewKeypoints KeypointsOf(const View& view, const CameraSettings& settings) {
 }
 
 Pose PoseOf(const View& view) {
-  const Rigid3f& left = view.keyframe->camera_from_world;
-  Eigen::Quaterniond rotation = left.rotation.cast<double>();
-  Eigen::Vector3d translation = left.translation.cast<double>();
-  if (view.right) {
-    const Pose turn = RightFromLeft(*view.keyframe);
-    const Eigen::Quaterniond right_from_left =
-        Eigen::Quaterniond(turn.wxyz[0], turn.wxyz[1], turn.wxyz[2], turn.wxyz[3]).normalized();
-    translation = right_from_left * translation + Eigen::Map<const Eigen::Vector3d>(turn.translation.data());
-    rotation = right_from_left * rotation;
-  }
-  return {{rotation.w(), rotation.x(), rotation.y(), rotation.z()},
-          {translation.x(), translation.y(), translation.z()}};
+  const Pose left = Recorded(view.keyframe->camera_from_world);
+  return view.right ? Compose(RightFromLeft(*view.keyframe), left) : left;
 }
 
 }  // namespace slamdb::colmap

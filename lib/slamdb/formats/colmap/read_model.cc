@@ -16,6 +16,7 @@
 #include "slamdb/formats/colmap/detail/lenses.h"
 #include "slamdb/formats/colmap/detail/models.h"
 #include "slamdb/formats/colmap/detail/names.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/model/colors.h"
 #include "slamdb/model/derive.h"
@@ -45,24 +46,6 @@ Rigid3f RigidOf(const Pose& pose) {
   const auto number = [](double value) { return static_cast<float>(value); };
   return {Quaternionf(number(pose.wxyz[0]), number(pose.wxyz[1]), number(pose.wxyz[2]), number(pose.wxyz[3])),
           {number(pose.translation[0]), number(pose.translation[1]), number(pose.translation[2])}};
-}
-
-Eigen::Quaterniond RotationOf(const Pose& pose) {
-  return Eigen::Quaterniond(pose.wxyz[0], pose.wxyz[1], pose.wxyz[2], pose.wxyz[3]);
-}
-Eigen::Vector3d TranslationOf(const Pose& pose) { return Eigen::Map<const Eigen::Vector3d>(pose.translation.data()); }
-Pose PoseOf(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation) {
-  return {{rotation.w(), rotation.x(), rotation.y(), rotation.z()},
-          {translation.x(), translation.y(), translation.z()}};
-}
-
-Pose Inverse(const Pose& pose) {
-  const Eigen::Quaterniond rotation = RotationOf(pose).conjugate();
-  return PoseOf(rotation, -(rotation.normalized() * TranslationOf(pose)));
-}
-Pose Compose(const Pose& a_from_b, const Pose& b_from_c) {
-  const Eigen::Quaterniond turn = RotationOf(a_from_b).normalized();
-  return PoseOf(turn * RotationOf(b_from_c), turn * TranslationOf(b_from_c) + TranslationOf(a_from_b));
 }
 
 template <class Row>
@@ -387,12 +370,15 @@ class MapMaker {
 // COLMAP counts ids of each model from 1 on, and an atlas has each id once.
 class UsedIds {
  public:
-  // How far up a list has to move so that none of its ids is there already.
-  template <class Ids>
-  std::uint64_t Enter(const Ids& ids, std::uint64_t& moved) {
+  // How far up the ids of a list have to move so that none of them is there already.
+  std::uint64_t Enter(const std::vector<std::uint64_t>& ids, const std::string& path, std::uint64_t& moved) {
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 62U;
     const bool taken = std::ranges::any_of(ids, [&](std::uint64_t id) { return used_.contains(id); });
     const std::uint64_t above = taken ? next_ : 0;
     moved += taken ? 1 : 0;
+    if (taken && (above > kMost || std::ranges::any_of(ids, [](std::uint64_t id) { return id > kMost; })))
+      throw Error(ErrorKind::kUnsupported, path, "",
+                  "has ids that another model has too, and they are too large to be moved apart; read it alone");
     for (const std::uint64_t id : ids) {
       used_.insert(id + above);
       next_ = std::max(next_, id + above + 1);
@@ -494,9 +480,9 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
   for (NamedModel& named : models) {
     Ids images(named.model.images), cameras(named.model.cameras);
     images.MoveUp(used_images.Enter(IdsOf(named.model.images, [&](std::uint64_t id) { return images.Of(id); }),
-                                    unread.moved_models));
+                                    named.path, unread.moved_models));
     const std::uint64_t points_above =
-        used_points.Enter(IdsOf(named.model.points, [](std::uint64_t id) { return id; }), unread.moved_models);
+        used_points.Enter(IdsOf(named.model.points, [](std::uint64_t id) { return id; }), named.path, unread.moved_models);
     cameras.MoveUp(used_cameras.Enter(named.model.cameras, cameras));
     MapMaker maker(named, database, images, cameras, points_above, unread);
     atlas.maps.push_back(maker.Make(MapId(named.map)));

@@ -10,6 +10,7 @@
 #include "slamdb/formats/colmap/detail/database.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
 #include "slamdb/formats/colmap/detail/models.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/colmap/detail/schemas.h"
 #include "slamdb/model/index.h"
 
@@ -85,14 +86,6 @@ struct Relation {
   std::optional<RowMajor> fundamental;  // of lenses that do not distort
 };
 
-Eigen::Quaterniond RotationOf(const Image& image) {
-  const auto& q = image.camera_from_world.wxyz;
-  return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
-}
-Eigen::Vector3d TranslationOf(const Image& image) {
-  return Eigen::Map<const Eigen::Vector3d>(image.camera_from_world.translation.data());
-}
-
 std::optional<Eigen::Matrix3d> InverseCalibration(const Camera& camera) {
   if (camera.model != kPinhole) return std::nullopt;
   const std::vector<double>& p = camera.parameters;
@@ -104,8 +97,9 @@ std::optional<Eigen::Matrix3d> InverseCalibration(const Camera& camera) {
 Relation RelationOf(const Image& first, const Image& second, const Camera& first_camera, const Camera& second_camera) {
   constexpr double kNothing = 1e-12;
   Relation relation;
-  relation.second_from_first = RotationOf(second) * RotationOf(first).conjugate();
-  relation.translation = TranslationOf(second) - relation.second_from_first * TranslationOf(first);
+  const Pose between = Compose(second.camera_from_world, Inverse(first.camera_from_world));
+  relation.second_from_first = RotationOf(between).normalized();
+  relation.translation = TranslationOf(between);
   const double length = relation.translation.norm();
   relation.translation = length > kNothing ? Eigen::Vector3d(relation.translation / length) : Eigen::Vector3d::Zero();
   const Eigen::Vector3d& t = relation.translation;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
 #include "slamdb/formats/colmap/detail/models.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/model/colors.h"
 #include "slamdb/model/index.h"
-#include "slamdb/model/reprojection.h"
 
 namespace slamdb::colmap {
 namespace {
@@ -27,8 +29,8 @@ std::uint64_t CarriedRows(const KeyFrame& keyframe) {
 // Makes one model.
 class Maker {
  public:
-  Maker(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld)
-      : atlas_(atlas), outline_(outline), map_(map), options_(options), unheld_(unheld) {}
+  Maker(const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld)
+      : outline_(outline), map_(map), options_(options), unheld_(unheld), keyframes_(KeyFrameTable(*map.map)) {}
 
   Model Make() {
     AddCameras();
@@ -105,10 +107,9 @@ class Maker {
   }
 
   void AddPoints() {
-    const IdTable keyframes = KeyFrameTable(*map_.map), rows = PointTable(*map_.map);
+    const IdTable rows = PointTable(*map_.map);
     const Column<MapPoint>& points = map_.map->points;
     model_.points.reserve(points.size());
-    sources_.reserve(points.size());
     for (std::uint32_t row = 0; row < points.size(); ++row) {
       const MapPoint& point = points[row];
       if (point.bad) {
@@ -116,53 +117,59 @@ class Maker {
       } else if (!IsSoundId(point.id.value(), row, rows) || !point.position.allFinite()) {
         ++unheld_.strange_points;
       } else {
-        AddPoint(point, keyframes);
+        AddPoint(point);
       }
     }
   }
 
-  void AddPoint(const MapPoint& point, const IdTable& keyframes) {
+  void AddPoint(const MapPoint& point) {
     Point written{.id = point.id.value(), .color = kNoColor, .track_begin = model_.tracks.size()};
     for (std::size_t axis = 0; axis < 3; ++axis)
       written.position[axis] = static_cast<double>(point.position[static_cast<Eigen::Index>(axis)]);
     for (const Observation& observation : point.observations) {
-      const std::uint32_t row = keyframes.Find(observation.keyframe.value());
-      const std::uint32_t view = row == kNoRow ? kNoRow : map_.view_of_row[row];
-      if (observation.left >= 0) See(written.id, view, observation.left);
-      if (observation.right >= 0) See(written.id, view, observation.right);
+      if (observation.left >= 0) See(written.id, SpotOf(observation.keyframe, observation.left));
+      if (observation.right >= 0) See(written.id, SpotOf(observation.keyframe, observation.right));
     }
     if (model_.tracks.size() == written.track_begin + 1) ForgetLast();
     written.track_length = model_.tracks.size() - written.track_begin;
     model_.points.push_back(written);
-    sources_.push_back(&point);
   }
 
   // COLMAP's bundle adjustment ends the program at points that one image alone sees.
   void ForgetLast() {
-    model_.images[last_seen_].points[model_.tracks.back().row].point = kNoPoint;
+    model_.images[view_of_element_.back()].points[model_.tracks.back().row].point = kNoPoint;
+    view_of_element_.pop_back();
     model_.tracks.pop_back();
     ++unheld_.alone;
   }
 
-  // The keypoint `row` of the keyframe with that first view is the point.
-  void See(std::uint64_t point, std::uint32_t view, std::int32_t row) {
-    auto at = static_cast<std::size_t>(row);
-    if (view != kNoRow) {
-      const Features& features = map_.views[view].keyframe->features;
-      const auto left = static_cast<std::size_t>(std::max(features.left_count, 0));
-      if (features.is_fisheye_stereo() && at >= left) {
-        at -= left;
-        ++view;
-      }
-      Column<Point2>& points = model_.images[view].points;
-      if (at < points.size() && points[at].point == kNoPoint) {
-        points[at].point = point;
-        last_seen_ = view;
-        model_.tracks.push_back({map_.views[view].image, static_cast<std::uint32_t>(at)});
-        return;
-      }
+  // A keypoint of an image; kNoRow: none.
+  struct Spot {
+    std::uint32_t view = kNoRow;
+    std::size_t row = 0;
+  };
+
+  Spot SpotOf(KeyFrameId keyframe, std::int32_t row) const {
+    const std::uint32_t at = keyframes_.Find(keyframe.value());
+    if (at == kNoRow || map_.view_of_row[at] == kNoRow) return {};
+    Spot spot{map_.view_of_row[at], static_cast<std::size_t>(row)};
+    const Features& features = map_.views[spot.view].keyframe->features;
+    const auto left = static_cast<std::size_t>(std::max(features.left_count, 0));
+    if (features.is_fisheye_stereo() && spot.row >= left) {
+      spot.row -= left;
+      ++spot.view;
     }
-    ++unheld_.observations;
+    return spot.row < model_.images[spot.view].points.size() ? spot : Spot();
+  }
+
+  void See(std::uint64_t point, const Spot& spot) {
+    if (spot.view == kNoRow || model_.images[spot.view].points[spot.row].point != kNoPoint) {
+      ++unheld_.observations;
+      return;
+    }
+    model_.images[spot.view].points[spot.row].point = point;
+    view_of_element_.push_back(spot.view);
+    model_.tracks.push_back({map_.views[spot.view].image, static_cast<std::uint32_t>(spot.row)});
   }
 
   void CountSlots() {
@@ -177,32 +184,67 @@ class Maker {
     unheld_.slots -= std::min(unheld_.slots, unheld_.alone);  // which were told
   }
 
+  // As COLMAP has them: in the image as it is, means over the track; -1 where there is none.
   void AddErrors() {
     constexpr std::size_t kGrain = 4096;
-    const Reprojection reprojection(atlas_, *map_.map);
-    detail::ParallelFor(sources_.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row) {
-        const float error = reprojection.Mean(*sources_[row]);
-        model_.points[row].error = std::isfinite(error) ? static_cast<double>(error) : -1;
-      }
+    std::vector<Eye> eyes;
+    for (const Image& image : model_.images)
+      eyes.emplace_back(image, *std::ranges::find(model_.cameras, image.camera, &Camera::id));
+    detail::ParallelFor(model_.points.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) model_.points[row].error = MeanError(model_.points[row], eyes);
     });
   }
 
-  const Atlas& atlas_;
+  // An image as what projects points into it.
+  class Eye {
+   public:
+    Eye(const Image& image, const Camera& camera)
+        : image_(image),
+          camera_(camera),
+          rotation_(RotationOf(image.camera_from_world).normalized().toRotationMatrix()),
+          translation_(TranslationOf(image.camera_from_world)) {}
+
+    // Infinite behind the camera.
+    double Error(const Eigen::Vector3d& point, const Point2& keypoint) const {
+      const std::optional<Eigen::Vector2d> seen = SeenBy(camera_, rotation_ * point + translation_);
+      return seen ? (*seen - Eigen::Vector2d(keypoint.x, keypoint.y)).norm() : std::numeric_limits<double>::infinity();
+    }
+    const Image& image() const { return image_; }
+
+   private:
+    const Image& image_;
+    const Camera& camera_;
+    Eigen::Matrix3d rotation_;
+    Eigen::Vector3d translation_;
+  };
+
+  double MeanError(const Point& point, const std::vector<Eye>& eyes) const {
+    const Eigen::Map<const Eigen::Vector3d> position(point.position.data());
+    double sum = 0;
+    std::uint64_t count = 0;
+    for (std::uint64_t at = point.track_begin; at < point.track_begin + point.track_length; ++at) {
+      const Eye& eye = eyes[view_of_element_[at]];
+      const double error = eye.Error(position, eye.image().points[model_.tracks[at].row]);
+      if (!std::isfinite(error)) continue;
+      sum += error;
+      ++count;
+    }
+    return count == 0 ? -1 : sum / static_cast<double>(count);
+  }
+
   const Outline& outline_;
   const MapOutline& map_;
   const WriteOptions& options_;
   Unheld& unheld_;
+  const IdTable keyframes_;
   Model model_;
-  std::vector<const MapPoint*> sources_;  // of Model::points
-  std::uint32_t last_seen_ = 0;           // the view of the last element of Model::tracks
+  std::vector<std::uint32_t> view_of_element_;  // of Model::tracks
 };
 
 }  // namespace
 
-Model ModelOf(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options,
-              Unheld& unheld) {
-  return Maker(atlas, outline, map, options, unheld).Make();
+Model ModelOf(const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld) {
+  return Maker(outline, map, options, unheld).Make();
 }
 
 IdTable PointRowsOf(const Model& model) {

@@ -38,6 +38,14 @@ void AppendEscaped(std::string& out, unsigned char byte) {
 
 }  // namespace
 
+bool IsUtf8(std::string_view text) {
+  for (std::size_t at = 0, length = 0; at < text.size(); at += length) {
+    length = Utf8Length(text, at);
+    if (length == 0) return false;
+  }
+  return true;
+}
+
 template <class Real>
 void JsonAppender::RealValue(Real value) {
   Separate();

@@ -166,9 +166,9 @@ class AtlasMaker {
   Atlas Make(Notices& notices) {
     Atlas atlas;
     atlas.maps.resize(1);
-    const std::vector<std::uint32_t> map_of = AssignMaps(atlas);
-    for (std::uint32_t row = 0; row < graph_.poses.size(); ++row) AddKeyFrame(atlas.maps[map_of[row]], row);
-    for (Map& map : atlas.maps) Connect(map);
+    AddKeyFrames(AssignMaps(atlas), atlas);
+    for (Map& map : atlas.maps) SetEnds(map);
+    Connect(atlas);
     for (std::uint64_t id = 0; Map & map : atlas.maps) map.id = MapId(id++);
     RaiseCounters(atlas);
     if (!graph_.links.empty())
@@ -208,9 +208,20 @@ class AtlasMaker {
     return map_of;
   }
 
-  void AddKeyFrame(Map& map, std::uint32_t row) const {
-    const KeyFramePose& pose = graph_.poses[row];
-    KeyFrame& keyframe = map.keyframes.emplace_back();
+  // Each map's by id.
+  void AddKeyFrames(const std::vector<std::uint32_t>& map_of, Atlas& atlas) {
+    std::vector<std::uint32_t> order(map_of.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t row) { return graph_.poses[row].keyframe; });
+    places_.resize(order.size());
+    for (const std::uint32_t row : order) {
+      Column<KeyFrame>& keyframes = atlas.maps[map_of[row]].keyframes;
+      places_[row] = {map_of[row], static_cast<std::uint32_t>(keyframes.size())};
+      AddKeyFrame(graph_.poses[row], keyframes.emplace_back());
+    }
+  }
+
+  static void AddKeyFrame(const KeyFramePose& pose, KeyFrame& keyframe) {
     keyframe.id = pose.keyframe;
     keyframe.timestamp = pose.timestamp;
     const Quaternionf rotation(pose.world_from_camera.rotation.conjugate().cast<float>());
@@ -219,21 +230,24 @@ class AtlasMaker {
     keyframe.camera_from_world = {rotation, (-(rounded * pose.world_from_camera.translation)).cast<float>()};
   }
 
-  void Connect(Map& map) const {
-    std::ranges::stable_sort(map.keyframes, {}, &KeyFrame::id);
+  static void SetEnds(Map& map) {
     if (map.keyframes.empty()) return;
     map.lowest_keyframe = map.keyframes.front().id;
     map.max_keyframe_id = map.keyframes.back().id.value();
     if (!map.initial_keyframe) map.initial_keyframe = map.lowest_keyframe;
     map.first_keyframe = map.lowest_keyframe;
     map.origins = {map.first_keyframe};
-    const IdTable rows = KeyFrameTable(map);
+  }
+
+  // Edges join what is in one map.
+  void Connect(Atlas& atlas) const {
     for (const Link& link : graph_.links) {
-      const std::uint32_t a = rows.Find(std::min(link.first, link.second));
-      const std::uint32_t b = rows.Find(std::max(link.first, link.second));
-      if (a == kNoRow || b == kNoRow || a == b) continue;
-      KeyFrame &first = map.keyframes[a], &second = map.keyframes[b];
-      if (b != a + 1) {
+      const std::uint32_t one = rows_.Find(std::min(link.first, link.second));
+      const std::uint32_t other = rows_.Find(std::max(link.first, link.second));
+      if (one == kNoRow || other == kNoRow || one == other) continue;
+      Column<KeyFrame>& keyframes = atlas.maps[places_[one].map].keyframes;
+      KeyFrame &first = keyframes[places_[one].row], &second = keyframes[places_[other].row];
+      if (places_[other].row != places_[one].row + 1) {
         first.loop_edges.push_back(second.id);
         second.loop_edges.push_back(first.id);
       } else if (!second.parent) {
@@ -241,15 +255,17 @@ class AtlasMaker {
         first.children.push_back(second.id);
       }
     }
-    for (KeyFrame& keyframe : map.keyframes) {
-      auto& edges = keyframe.loop_edges;
-      std::sort(edges.begin(), edges.end());
-      edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    }
+    for (Map& map : atlas.maps)
+      for (KeyFrame& keyframe : map.keyframes) {
+        Column<KeyFrameId>& edges = keyframe.loop_edges;
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+      }
   }
 
   const PoseGraph& graph_;
-  IdTable rows_;  // of poses
+  IdTable rows_;                   // of poses
+  std::vector<EntityRow> places_;  // by row of the poses
   std::uint64_t dangling_ = 0;
 };
 

@@ -67,7 +67,7 @@ class Summary {
   void Complete(MapPoint& point) const {
     const auto find = [this](KeyFrameId id) { return Find(id); };
     CompleteCounts(point);
-    if (point.descriptor == Descriptor{}) CompleteDescriptor(point, find);
+    if (!point.has_descriptor()) CompleteDescriptor(point, find);
     if (point.normal.isZero(0)) {
       const auto normal = ObservedNormal(point, find);
       if (normal) point.normal = *normal, ++completed_.normals;

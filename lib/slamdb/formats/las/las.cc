@@ -144,6 +144,12 @@ std::string Header(const Grid& grid) {
   return out + record;
 }
 
+// Of 16 bits; 0, which is none, for maps of ids above.
+std::uint16_t SourceOf(MapId map) {
+  const std::uint64_t id = map.value();
+  return id <= std::numeric_limits<std::uint16_t>::max() ? static_cast<std::uint16_t>(id) : std::uint16_t{0};
+}
+
 void AppendPoint(std::string& out, const PointRows& points, const PointColors& colors, const LasPoint& las) {
   const PointRows::Row& row = points[las.row];
   for (const std::int32_t value : las.place) AppendRaw(out, value);
@@ -152,7 +158,7 @@ void AppendPoint(std::string& out, const PointRows& points, const PointColors& c
   AppendRaw(out, std::uint8_t{0});  // never classified
   AppendRaw(out, std::uint8_t{0});  // scan angle
   AppendRaw(out, static_cast<std::uint8_t>(std::min<std::size_t>(row.point->observations.size(), 255)));
-  AppendRaw(out, static_cast<std::uint16_t>(points.map_id(row).value()));
+  AppendRaw(out, SourceOf(points.map_id(row)));
   for (const std::uint8_t part : colors[las.row]) AppendRaw(out, static_cast<std::uint16_t>(257 * part));
 }
 
@@ -175,7 +181,8 @@ void WriteLas(const Atlas& atlas, const Target& target, const WriteOptions& opti
   if (grid.too_far() > 0)
     notices.Warn("left out, since they are more than 200 km from the origin: " + Counted(grid.too_far(), "point"));
   colors.Tell(notices);
-  notices.Tell(points.Summary());
+  notices.Tell(grid.too_far() == 0 ? points.Summary()
+                                   : Counted(grid.points().size(), "point") + " of " + points.Summary());
 }
 
 bool SniffLas(const Probe& probe) { return probe.head.starts_with("LASF"); }

@@ -26,13 +26,26 @@ double Conformal(double latitude) {
   return tangent * std::hypot(1, sigma) - sigma * std::hypot(1, tangent);
 }
 
+// Zones of other widths: western Norway is in the zone of the rest of it, and Svalbard has every second zone.
+struct WideZone {
+  double south, north, west, east;
+  int number;
+};
+constexpr WideZone kWideZones[] = {
+    {56, 64, 3, 12, 32}, {72, 84, 0, 9, 31}, {72, 84, 9, 21, 33}, {72, 84, 21, 33, 35}, {72, 84, 33, 42, 37}};
+
 }  // namespace
 
 std::optional<UtmZone> UtmZoneOf(const Geodetic& place) {
-  if (!(place.latitude >= -80 && place.latitude <= 84)) return std::nullopt;
-  const double turns = std::floor((place.longitude + 180) / 360);
-  const double east = place.longitude + 180 - 360 * turns;  // of the antimeridian, 0 to 360
-  return UtmZone{std::clamp(static_cast<int>(east / 6) + 1, 1, 60), place.latitude >= 0};
+  const auto& [latitude, longitude, altitude] = place;
+  if (!(latitude >= -80 && latitude <= 84)) return std::nullopt;
+  for (const WideZone& zone : kWideZones)
+    if (latitude >= zone.south && (latitude < zone.north || zone.north == 84) && longitude >= zone.west &&
+        longitude < zone.east)
+      return UtmZone{zone.number, true};
+  const double turns = std::floor((longitude + 180) / 360);
+  const double east = longitude + 180 - 360 * turns;  // of the antimeridian, 0 to 360
+  return UtmZone{std::clamp(static_cast<int>(east / 6) + 1, 1, 60), latitude >= 0};
 }
 
 Eigen::Vector3d UtmFromGeodetic(const UtmZone& zone, const Geodetic& place) {

@@ -84,9 +84,6 @@ class TypeParser {
       type.elements.push_back(Type(depth + 1));
     }
     Expect('>');
-    const bool bools = type.elements.front().kind == Kind::kNumber &&
-                       type.elements.front().number == LayoutType::Number::kBool && type.kind == Kind::kVector;
-    if (bools) Fail("vec<bool> is not known: Boost writes it in a way of its own");
   }
   std::string_view TakeName() {
     const std::size_t begin = next_;

@@ -287,6 +287,56 @@ class FeatureVectorConversion : public Conversion<KeyFrame> {
   bool map_;
 };
 
+// One side of a point's observations, where the two maps do not stand side by side.
+class ObservationConversion : public Conversion<MapPoint> {
+ public:
+  explicit ObservationConversion(std::int32_t Observation::*side) : side_(side) {}
+
+  bool Decode(Bytes bytes, MapPoint& point) const override {
+    ByteReader in(bytes);
+    const auto count = in.Get<std::uint64_t>();
+    Column<Observation> given;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      Observation observation;
+      observation.keyframe = KeyFrameId(in.Get<std::uint64_t>());
+      observation.left = observation.right = Observation::kAbsent;
+      observation.*side_ = in.Get<std::int32_t>();
+      given.push_back(observation);
+    }
+    Column<Observation> both;
+    auto other = point.observations.begin();
+    for (Observation& observation : given) {
+      while (other != point.observations.end() && other->keyframe < observation.keyframe) both.push_back(*other++);
+      if (other != point.observations.end() && other->keyframe == observation.keyframe)
+        (both.emplace_back(*other++)).*side_ = observation.*side_;
+      else
+        both.push_back(observation);
+    }
+    both.insert(both.end(), other, point.observations.end());
+    point.observations = std::move(both);
+    return true;
+  }
+  void Encode(const MapPoint& point, ByteWriter& out) const override {
+    const Column<Observation>& observations = point.observations;
+    out.Put(static_cast<std::uint64_t>(std::ranges::count_if(
+        observations, [this](const Observation& observation) { return observation.*side_ != Observation::kAbsent; })));
+    for (const Observation& observation : observations) {
+      if (observation.*side_ == Observation::kAbsent) continue;
+      out.Put(observation.keyframe.value());
+      out.Put(observation.*side_);
+    }
+  }
+  bool Same(const MapPoint& a, const MapPoint& b) const override {
+    ByteWriter of_a, of_b;
+    Encode(a, of_a);
+    Encode(b, of_b);
+    return std::ranges::equal(of_a.bytes(), of_b.bytes());
+  }
+
+ private:
+  std::int32_t Observation::*side_;
+};
+
 // IMU samples of which each has more than ORB-SLAM3's.
 class MeasurementConversion : public Conversion<ImuPreintegration> {
  public:
@@ -377,6 +427,18 @@ FoundConversion<KeyFrame> FindConversion(std::span<const LayoutMember> members, 
   FoundConversion<KeyFrame> found = FindOfKeyFrame(members, nodes);
   return found.conversion ? found : FindNumbers<KeyFrame>(members[0], nodes[0]);
 }
+template <>
+FoundConversion<MapPoint> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes) {
+  using N = LayoutType::Number;
+  const TypeNode& node = nodes[0];
+  const bool is_map =
+      node.kind == Kind::kMap && IsNumber(node.children[0], N::kU64) && IsNumber(node.children[1], N::kI32);
+  if (is_map && members[0].name == "mBackupObservationsId1")
+    return {std::make_shared<ObservationConversion>(&Observation::left)};
+  if (is_map && members[0].name == "mBackupObservationsId2")
+    return {std::make_shared<ObservationConversion>(&Observation::right)};
+  return FindNumbers<MapPoint>(members[0], node);
+}
 // The counters alone are the model's.
 template <>
 FoundConversion<Atlas> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>) {
@@ -408,7 +470,6 @@ FoundConversion<ImuPreintegration> FindConversion(std::span<const LayoutMember> 
   return {std::make_shared<MeasurementConversion>(bytes, at)};
 }
 
-template FoundConversion<MapPoint> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>);
 template FoundConversion<Map> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>);
 template FoundConversion<Camera> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>);
 

@@ -104,6 +104,8 @@ std::string Members(const ForkProgram& program, std::uint64_t keyframes, std::ui
   std::vector<std::string> names = program.foreign_atlas;
   names.insert(names.end(), program.foreign_map.begin(), program.foreign_map.end());
   names.insert(names.end(), program.foreign_camera.begin(), program.foreign_camera.end());
+  std::ranges::sort(names);  // cameras of two classes have members of one name
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   add(names, others, others == 1 ? "other entity" : "others: the atlas, maps and cameras");
   return text;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <set>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/orbslam3/detail/fork_conversions.h"
@@ -212,12 +213,16 @@ class Compiler {
       node.number = element.number;
       return node;
     }
+    node.has_info = !plain;
     node.children.push_back(std::move(element));
     return node;
   }
   TypeNode ClassNode(const LayoutType& type, int depth) {
     TypeNode node{.kind = TypeNode::Kind::kClass};
-    if (type.kind == LayoutKind::kValue) node.wire_class = ClassOf(type.name);
+    if (type.kind == LayoutKind::kValue) {
+      node.wire_class = ClassOf(type.name);
+      RefuseBoth(type.name, values_, pointers_);
+    }
     for (const LayoutMember& member : layout_.Find(type.name)->members)
       node.children.push_back(NodeOf(ParseLayoutType(member.type), depth + 1));
     for (const TypeNode& child : node.children) {
@@ -228,6 +233,11 @@ class Compiler {
     }
     return node;
   }
+  // Boost numbers the values of a class as objects, too, once there are pointers to it.
+  void RefuseBoth(const std::string& name, std::set<std::string>& these, const std::set<std::string>& others) {
+    these.insert(name);
+    if (others.contains(name)) Refuse(Concat(name, " stands there by value and behind pointers, which is not read"));
+  }
   TypeNode PointerTo(const LayoutType& type, int depth) {
     TypeNode node{.kind = TypeNode::Kind::kPointer, .class_name = type.name};
     if (!layout_.Find(type.name)->abstract) node.wire_class = ClassOf(type.name);
@@ -235,6 +245,7 @@ class Compiler {
     if (node.to_camera && in_camera_) Refuse("cameras that point to cameras, which are not read");
     if (node.to_camera || IsOneOf(type.name, kEntities)) return node;
     if (layout_.Find(type.name)->abstract) Refuse(Concat("pointers to the abstract class ", type.name));
+    RefuseBoth(type.name, pointers_, values_);
     node.children.push_back(NodeOf({.kind = LayoutKind::kRaw, .name = type.name}, depth + 1));
     return node;
   }
@@ -333,6 +344,7 @@ class Compiler {
   const Layout& layout_;
   const Layout& own_;
   std::map<std::string, WireClass> classes_;
+  std::set<std::string> values_, pointers_;
   std::size_t nodes_ = 0;
   bool in_camera_ = false;
 };
@@ -390,6 +402,7 @@ ForkProgram::ForkProgram(Layout given) : layout(std::move(given)) {
   for (const std::string_view name : kEntities)
     if (layout.Find(name)->abstract) compiler.Refuse(Concat("its class ", name, " is abstract"));
   if (std::ranges::count(layout.root, "ptr<Atlas>") != 1) compiler.Refuse("its root is no atlas");
+  if (!layout.header) compiler.Refuse("files without the header of an archive are not read");
   std::size_t strings = 0;
   for (const std::string& type : layout.root) {
     Op<Atlas> op{.kind = Op<Atlas>::Kind::kCarried, .name = type};

@@ -289,7 +289,7 @@ class ForkReader {
     const std::string key = main_.input.TakeString();
     const CameraClass* camera = key.size() > kLongest ? nullptr : program_.FindExported(key);
     if (camera == nullptr) main_.input.Fail("an object of a class that the layout does not have");
-    program_.layout.Find(camera->name)->exported = key;
+    if (key != camera->name) program_.layout.Find(camera->name)->exported = key;
     main_.classes.Register(camera->wire_class);
     return camera->wire_class;
   }

@@ -14,8 +14,10 @@
 namespace slamdb::detail {
 namespace {
 
+constexpr std::string_view kPadding = "_";  // of PCL's, so many bytes
 constexpr std::string_view kSpaces = " \t\r\n";
-constexpr std::uint64_t kMostNumbers = 65536;  // of one point, more than any sensor has
+constexpr std::string_view kUsualViewpoint = "0 0 0 1 0 0 0";  // position, rotation: the points are in the world
+constexpr std::uint64_t kMostNumbers = 65536;                  // of one point, more than any sensor has
 
 enum class Data { kAscii, kBinary, kCompressed };
 
@@ -25,6 +27,7 @@ struct Field {
   std::uint64_t bytes() const { return count * SizeOf(column.type); }
 };
 struct Header {
+  std::string viewpoint;  // where it is not the usual one
   std::vector<Field> fields;
   std::uint64_t points = 0;
   Data data = Data::kAscii;
@@ -104,13 +107,16 @@ class HeaderReader {
       points_ = Whole(Trimmed(line));
     else if (key == "VERSION")
       RequireVersion(Trimmed(line));
-    else if (key != "VIEWPOINT")
+    else if (key == "VIEWPOINT")
+      viewpoint_ = Trimmed(line);
+    else
       Fail(Concat("expected a line of a header, found ", Excerpt(key)));
   }
   void RequireVersion(std::string_view version) const {
-    if (version == "0.7" || version == ".7" || version == "0.6" || version == ".6") return;
+    const std::string_view minor = version.substr(version.starts_with('0') ? 1 : 0);
+    if (minor == ".5" || minor == ".6" || minor == ".7") return;
     throw Error(ErrorKind::kUnsupported, path_, Concat("line ", line_),
-                Concat("PCD of version ", Excerpt(version), "; 0.6 and 0.7 are read"));
+                Concat("PCD of version ", Excerpt(version), "; 0.5 to 0.7 are read"));
   }
   Header Finish(std::string_view data) {
     Header header;
@@ -124,6 +130,7 @@ class HeaderReader {
     for (std::size_t i = 0; i < names_.size(); ++i) header.fields.push_back(FieldAt(i));
     if (header.numbers() > kMostNumbers) Fail(Concat("points of ", header.numbers(), " numbers each"));
     header.points = PointCount();
+    if (viewpoint_ != kUsualViewpoint) header.viewpoint = viewpoint_;
     return header;
   }
   Field FieldAt(std::size_t i) const {
@@ -132,7 +139,7 @@ class HeaderReader {
     if (!type) Fail(Concat("there is no type ", Excerpt(types_[i]), " of ", sizes_[i], " bytes"));
     field.count = counts_.empty() ? 1 : std::min(Whole(counts_[i]), kMostNumbers + 1);
     field.column = {*type, field.count == 1 ? FieldByName(names_[i]) : PointField::kUnknown, std::string(names_[i])};
-    if (names_[i] == "_") field.column.field = PointField::kDerived;
+    if (names_[i] == kPadding) field.column.field = PointField::kPadding;
     return field;
   }
   std::uint64_t PointCount() const {
@@ -145,6 +152,7 @@ class HeaderReader {
   const std::string& path_;
   std::uint64_t line_ = 0, width_ = 0, height_ = 0;
   std::optional<std::uint64_t> points_;
+  std::string_view viewpoint_ = kUsualViewpoint;
   std::vector<std::string_view> names_, sizes_, types_, counts_;
 };
 
@@ -220,7 +228,11 @@ Atlas ReadPcd(const Source& source, const ReadOptions& options, Notices& notices
   const WholeFile file(source);
   std::string_view text = file.text();
   const Header header = HeaderReader(file.path()).Read(text);
-  return ReadPoints(file.path(), header, text).Finish(options.selection, notices);
+  Atlas atlas = ReadPoints(file.path(), header, text).Finish(options.selection, notices);
+  if (!header.viewpoint.empty())
+    notices.Lose(Concat("the viewpoint ", Excerpt(header.viewpoint),
+                        " of the cloud is left out; the points stay where they are"));
+  return atlas;
 }
 
 }  // namespace slamdb::detail

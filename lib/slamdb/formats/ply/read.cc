@@ -136,7 +136,8 @@ class Body {
   Body(const std::string& path, std::string_view text, Encoding encoding)
       : path_(path), rest_(text), encoding_(encoding) {}
 
-  std::uint64_t left() const { return rest_.size(); }
+  // With the line end that the last line of a text may lack.
+  std::uint64_t left() const { return rest_.size() + (is_text() ? 1 : 0); }
   bool is_text() const { return encoding_ == Encoding::kAscii; }
 
   void Take(const CloudColumn& column, PointSet& points) {
@@ -193,7 +194,7 @@ class Body {
 
 void SkipElement(const std::string& path, const Element& element, Body& body) {
   if (element.properties.empty()) return;
-  RequireRoom(path, element.count, element.least_bytes(body.is_text()), body.left() + 1);
+  RequireRoom(path, element.count, element.least_bytes(body.is_text()), body.left());
   for (std::uint64_t row = 0; row < element.count; ++row) {
     body.SetPlace(element.name, row);
     for (const Property& property : element.properties)
@@ -205,7 +206,7 @@ PointSet ReadVertices(const std::string& path, const Element& element, Body& bod
   std::vector<CloudColumn> columns;
   for (const Property& property : element.properties) columns.push_back(property.column);
   PointSet points(path, columns);
-  RequireRoom(path, element.count, element.least_bytes(body.is_text()), body.left() + 1);
+  RequireRoom(path, element.count, element.least_bytes(body.is_text()), body.left());
   points.Reserve(element.count);
   for (std::uint64_t row = 0; row < element.count; ++row) {
     body.SetPlace(element.name, row);
@@ -235,8 +236,8 @@ Atlas ReadPly(const Source& source, const ReadOptions& options, Notices& notices
   Atlas atlas = ReadVertices(file.path(), *vertices, body).Finish(options.selection, notices);
   for (const Element& element : header.elements)
     if (element.name != "vertex" && element.name != "edge" && element.count > 0)
-      notices.Lose(Concat("an atlas has no place for the elements `", element.name, "`; ", Thousands(element.count),
-                          " are left out"));
+      notices.Lose(
+          Concat("an atlas has no place for elements `", element.name, "`: ", Thousands(element.count), " left out"));
   return atlas;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -17,6 +16,8 @@ struct NamedField {
   std::string_view name;
   PointField field;
 };
+constexpr std::string_view kOfCloudCompare = "scalar_";
+constexpr std::uint64_t kMostMaps = 65536;
 constexpr NamedField kFields[] = {
     {"x", PointField::kX},
     {"y", PointField::kY},
@@ -34,11 +35,11 @@ constexpr NamedField kFields[] = {
     {"camera", PointField::kCamera},
     {"observations", PointField::kDerived},
     {"reprojection_error", PointField::kDerived},
-    {"red", PointField::kDerived},
-    {"green", PointField::kDerived},
-    {"blue", PointField::kDerived},
-    {"rgb", PointField::kDerived},
-    {"_", PointField::kDerived},  // PCL's padding
+    {"red", PointField::kColor},
+    {"green", PointField::kColor},
+    {"blue", PointField::kColor},
+    {"rgb", PointField::kColor},
+    {"_", PointField::kPadding},
 };
 
 template <class Number>
@@ -81,13 +82,15 @@ void Visit(NumberType type, const std::byte* bytes, bool swapped, const Use& use
 bool IsWhole(PointField field) {
   return field == PointField::kMap || field == PointField::kId || field == PointField::kCamera;
 }
-bool IsLeftOut(PointField field) { return field == PointField::kDerived || field == PointField::kUnknown; }
+bool IsLeftOut(PointField field) { return field >= PointField::kDerived; }
+
+void AddName(std::string& names, const std::string& name) { names.append(names.empty() ? "" : ", ").append(name); }
 
 // An id; nothing for numbers that are none.
 template <class Number>
 std::optional<std::uint64_t> WholeOf(Number value) {
   if constexpr (std::is_floating_point_v<Number>) {
-    if (!(value >= 0) || value >= Number(0x1p63) || value != std::floor(value)) return std::nullopt;
+    if (!(value >= 0) || value >= Number(0x1p64) || value != std::floor(value)) return std::nullopt;
   } else if constexpr (std::is_signed_v<Number>) {
     if (value < 0) return std::nullopt;
   }
@@ -102,6 +105,7 @@ std::size_t SizeOf(NumberType type) {
 }
 
 PointField FieldByName(std::string_view name) {
+  if (name.starts_with(kOfCloudCompare)) name.remove_prefix(kOfCloudCompare.size());
   const auto found = std::ranges::find(kFields, name, &NamedField::name);
   return found == std::end(kFields) ? PointField::kUnknown : found->field;
 }
@@ -109,7 +113,7 @@ PointField FieldByName(std::string_view name) {
 void RequireRoom(const std::string& path, std::uint64_t rows, std::uint64_t bytes_of_row, std::uint64_t left) {
   if (bytes_of_row > 0 && rows <= left / bytes_of_row) return;
   throw Error(ErrorKind::kDamaged, path, "",
-              Concat("claims ", Counted(rows, "point"), " of ", bytes_of_row, " bytes or more, but ", left,
+              Concat("claims ", Counted(rows, "row"), " of ", bytes_of_row, " bytes or more, but ", left,
                      " bytes follow; the file is cut off, or its head is damaged"));
 }
 
@@ -117,10 +121,12 @@ PointSet::PointSet(const std::string& path, const std::vector<CloudColumn>& colu
   for (const PointField axis : {PointField::kX, PointField::kY, PointField::kZ})
     if (std::ranges::find(columns, axis, &CloudColumn::field) == columns.end())
       throw Error(ErrorKind::kUnsupported, path, "", "is a point cloud without columns x, y and z");
+  const bool is_ours = std::ranges::find(columns, PointField::kMinDistance, &CloudColumn::field) != columns.end();
   for (const CloudColumn& column : columns) {
     has_ids_ |= column.field == PointField::kId;
-    has_doubles_ |= column.field == PointField::kX && column.type == NumberType::kDouble;
-    if (column.field == PointField::kUnknown) unknown_.append(unknown_.empty() ? "" : ", ").append(column.name);
+    if (column.field == PointField::kDerived) AddName(derived_, column.name);
+    if (column.field == PointField::kUnknown || (column.field == PointField::kColor && !is_ours))
+      AddName(unknown_, column.name);
   }
 }
 
@@ -136,9 +142,10 @@ void PointSet::Set(const CloudColumn& column, const std::byte* number, bool swap
 
 bool PointSet::Set(const CloudColumn& column, std::string_view number) {
   if (column.type == NumberType::kFloat && !IsWhole(column.field)) {  // rounded once
-    const auto value = ParseNumber<float>(number);
-    if (value) SetReal(column.field, *value);
-    return value.has_value();
+    if (const auto value = ParseNumber<float>(number)) {
+      SetReal(column.field, *value);
+      return true;
+    }
   }
   if (const auto whole = ParseNumber<std::uint64_t>(number); whole && IsWhole(column.field)) {
     SetWhole(column.field, *whole);
@@ -155,58 +162,78 @@ bool PointSet::Set(const CloudColumn& column, std::string_view number) {
 
 void PointSet::SetReal(PointField field, double value) {
   const auto real = static_cast<float>(value);
-  if (field <= PointField::kZ)
+  if (field <= PointField::kZ) {
     now_.position[static_cast<int>(field)] = real;
-  else if (field <= PointField::kNormalZ)
+    const double off = std::abs(static_cast<double>(real) - value);
+    if (off > 0) ++rounded_, most_rounded_ = std::max(most_rounded_, off);
+  } else if (field <= PointField::kNormalZ) {
     now_.normal[static_cast<int>(field) - static_cast<int>(PointField::kNormalX)] = real;
-  else if (field == PointField::kMinDistance)
+  } else if (field == PointField::kMinDistance) {
     now_.min_distance = real;
-  else if (field == PointField::kMaxDistance)
+  } else if (field == PointField::kMaxDistance) {
     now_.max_distance = real;
+  }
 }
 
 void PointSet::SetWhole(PointField field, std::optional<std::uint64_t> value) {
   if (field == PointField::kMap)
-    now_.map = value;
+    now_.map = value.value_or(0);
   else if (field == PointField::kId)
     now_.id = value;
   else
     now_.camera = value != std::uint64_t{0};
 }
 
+Map& PointSet::MapOf(std::uint64_t id) {
+  std::vector<Map>& maps = atlas_.maps;
+  if (!maps.empty() && maps.back().id == MapId(id)) return maps.back();
+  const auto [found, is_new] = rows_of_maps_.try_emplace(id, maps.size());
+  if (!is_new) return maps[found->second];
+  if (maps.size() == kMostMaps)
+    throw Error(ErrorKind::kUnsupported, path_, "",
+                Concat("has points of more than ", kMostMaps,
+                       " maps; its column `map` is something else, give it another name"));
+  maps.emplace_back().id = MapId(id);
+  if (maps.size() == 1) maps.back().points.reserve(expected_);
+  return maps.back();
+}
+
 void PointSet::EndPoint() {
-  if (!has_ids_) now_.id = row_;
-  ++row_;
-  if (now_.camera)
+  const std::uint64_t row = row_++;
+  if (now_.camera) {
     ++cameras_;
-  else
-    points_.push_back(now_);
+    return;
+  }
+  if (!has_ids_ && !now_.position.allFinite()) {
+    ++empty_;
+    return;
+  }
+  if (!has_ids_) now_.id = row;
+  MapPoint& point = MapOf(now_.map).points.emplace_back();
+  point.id = now_.id ? MapPointId(*now_.id) : MapPointId();
+  point.position = now_.position;
+  point.normal = now_.normal;
+  point.min_distance = now_.min_distance;
+  point.max_distance = now_.max_distance;
+  point.descriptor_form = MatrixForm::kEmpty;
+}
+
+void PointSet::Tell(Notices& notices) const {
+  if (!unknown_.empty()) notices.Lose("an atlas has no place for the columns " + unknown_ + "; they are left out");
+  if (!derived_.empty()) notices.Note("left out what tells of keyframes, which are not there: " + derived_);
+  if (cameras_ > 0) notices.Note("left out corners of cameras that are drawn: " + Thousands(cameras_));
+  if (empty_ > 0) notices.Note("left out where nothing was measured: " + Counted(empty_, "point"));
+  if (rounded_ > 0)
+    notices.Warn(Concat("coordinates are rounded to the 32-bit floats of an atlas: ", Thousands(rounded_),
+                        ", by up to ", most_rounded_));
 }
 
 Atlas PointSet::Finish(const Selection& selection, Notices& notices) {
-  std::map<std::uint64_t, Column<MapPoint>> maps;
-  for (const Row& row : points_) {
-    MapPoint point;
-    point.id = row.id ? MapPointId(*row.id) : MapPointId();
-    point.position = row.position;
-    point.normal = row.normal;
-    point.min_distance = row.min_distance;
-    point.max_distance = row.max_distance;
-    point.descriptor_form = MatrixForm::kEmpty;
-    if (selection.Has(point)) maps[row.map.value_or(0)].push_back(std::move(point));
-  }
-  Atlas atlas;
-  for (auto& [id, points] : maps) {
-    if (selection.map && *selection.map != MapId(id)) continue;
-    Map& map = atlas.maps.emplace_back();
-    map.id = MapId(id);
-    map.points = std::move(points);
-  }
-  RaiseCounters(atlas);
-  if (!unknown_.empty()) notices.Lose("an atlas has no place for the columns " + unknown_ + "; they are left out");
-  if (cameras_ > 0) notices.Note("left out cameras that are drawn: " + Counted(cameras_, "vertex"));
-  if (has_doubles_) notices.Warn("coordinates of 64 bits are rounded to the 32 that an atlas has");
-  return atlas;
+  std::erase_if(atlas_.maps, [&](const Map& map) { return selection.map && map.id != *selection.map; });
+  for (Map& map : atlas_.maps) std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
+  RaiseCounters(atlas_);
+  Tell(notices);
+  return std::move(atlas_);
 }
 
 }  // namespace slamdb::detail

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
 
 namespace slamdb::rtabmap {
@@ -213,23 +214,18 @@ void TellLosses(const Graph& graph, const FeatureCounts& features, const PointCo
   lose(features.other_descriptors, "descriptor", " of another kind than others of their picture: left out");
   lose(points.words_without_place, "word", " that no feature has depth of: no points");
   lose(points.loose, "feature", " that do not fit to the point of their word: they see none");
-  const auto gps = std::ranges::count_if(graph.nodes, &Node::has_gps);
-  lose(static_cast<std::uint64_t>(gps), "GPS fix", "es of nodes (column gps): left out");
+  const auto gps = std::ranges::count_if(graph.nodes, [](const Node& node) { return node.gps.has_value(); });
+  if (gps > 0)
+    notices.Note(
+        Concat("the file has GPS fixes, by which `slamdb transform --georeference` lays the atlas onto the "
+               "earth: ",
+               Counted(static_cast<std::uint64_t>(gps), "node")));
   const auto truth = std::ranges::count_if(graph.nodes, [](const Node& node) { return node.truth.has_value(); });
   if (truth > 0)
     notices.Note(Concat("the file has ground truth, which format `rtabmap-truth` reads: ",
                         Counted(static_cast<std::uint64_t>(truth), "node")));
   if (!graph.nodes.empty())
     notices.Lose("pictures, scans, grids, user data and statistics of the database are left out");
-}
-
-void Select(Atlas& atlas, const Selection& selection) {
-  if (selection.everything()) return;
-  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
-  for (Map& map : atlas.maps) {
-    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-    std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
-  }
 }
 
 }  // namespace
@@ -267,7 +263,7 @@ Atlas ReadAtlas(sqlite::Database& database, const ReadOptions& options, Notices&
   TellLosses(graph, features, points, links, notices);
   for (Shot& shot : shots.list) atlas.maps[shot.map].keyframes.push_back(std::move(shot.keyframe));
   detail::CompleteAtlas(atlas, "RTAB-Map", options.threads, notices);
-  Select(atlas, options.selection);
+  detail::Select(options.selection, atlas);
   return atlas;
 }
 

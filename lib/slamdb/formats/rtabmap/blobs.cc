@@ -70,6 +70,16 @@ std::optional<Pose> PoseOf(Bytes blob, const Place& place) {
   return PoseOf(rows.data());
 }
 
+std::optional<GpsFix> FixOf(Bytes blob, double stamp, const Place& place) {
+  if (blob.empty()) return std::nullopt;
+  std::array<double, 6> numbers;
+  if (blob.size() != sizeof numbers) place.Fail(Concat("a GPS fix has ", blob.size(), " bytes, expected 48"));
+  std::memcpy(numbers.data(), blob.data(), sizeof numbers);
+  GpsFix fix{.timestamp = numbers[0] > 0 ? numbers[0] : stamp, .place = {numbers[2], numbers[1], numbers[3]}};
+  if (!IsPlace(fix.place)) return std::nullopt;
+  return fix;
+}
+
 std::vector<std::int32_t> IntegersOf(Bytes blob, const Place& place) {
   return ValuesOf<std::int32_t>(blob, kIntegers, place);
 }

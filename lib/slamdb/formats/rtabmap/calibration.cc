@@ -122,11 +122,14 @@ std::vector<NodeCamera> OldCalibration(Cursor& cursor, bool has_size, const Plac
 }  // namespace
 
 std::vector<NodeCamera> CalibrationOf(Bytes blob, const Version& version, const Place& place) {
+  constexpr std::size_t kMostCameras = 64;  // each of which becomes a keyframe
   Cursor cursor(blob, place);
-  if (version < Version{0, 18, 0}) return OldCalibration(cursor, version >= Version{0, 11, 2}, place);
   std::vector<NodeCamera> cameras;
+  if (version < Version{0, 18, 0}) cameras = OldCalibration(cursor, version >= Version{0, 11, 2}, place);
   while (!cursor.AtEnd())
     cameras.push_back(cursor.Peek(3) == 1 ? TakeStereo(cursor, place) : TakeMono(cursor, place).camera);
+  if (cameras.size() > kMostCameras)
+    place.Fail(Concat("a calibration has ", cameras.size(), " cameras, expected at most ", kMostCameras));
   return cameras;
 }
 

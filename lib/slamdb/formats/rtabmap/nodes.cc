@@ -62,7 +62,7 @@ void ReadNodes(Database& database, Graph& graph) {
     node.stamp = statement.Real(2);
     node.odometry = PoseOf(statement.Blob(3), place);
     node.truth = PoseOf(statement.Blob(4), place);
-    node.has_gps = !statement.Blob(5).empty();
+    node.gps = FixOf(statement.Blob(5), node.stamp, place);
   }
 }
 

@@ -133,6 +133,7 @@ class PointMaker {
   // Of each picture the first keypoint.
   void AddPoint(Group seen) {
     MapPoint& point = maps_[seen.front().map].points.emplace_back();
+    point.descriptor_form = MatrixForm::kEmpty;
     const std::int32_t word = seen.front().word;
     point.id = MapPointId(used_.insert(word).second ? static_cast<std::uint64_t>(word) : next_id_++);
     point.position = MedianOf(seen);

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <unordered_set>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/colmap/detail/codec.h"
@@ -27,21 +28,26 @@ bool Distorts(const CameraSettings& settings) {
   return settings.camera.model != CameraModel::kPinhole || !settings.distortion.empty();
 }
 
-// Trainers look for files by the last part of their name alone.
-std::string FlatName(std::string name) {
-  std::ranges::replace(name, '/', '_');
-  return name;
-}
-
 bool IsJpeg(const std::string& name) {
   const std::string suffix = std::filesystem::path(name).extension().string();
   return suffix == ".jpg" || suffix == ".jpeg" || suffix == ".JPG" || suffix == ".JPEG";
 }
 
-// A file of the kind that the name says; what is neither PNG nor JPEG becomes PNG.
-std::string NameOfStraight(const std::string& name) {
-  return IsJpeg(name) ? name : std::filesystem::path(name).replace_extension(".png").string();
-}
+// Names of files in one folder: trainers look for them by the last part of their name alone. What is neither PNG nor
+// JPEG becomes PNG where it is made anew.
+class FlatNames {
+ public:
+  std::string Of(const View& view, bool is_made) {
+    std::string name = view.name;
+    if (is_made && !IsJpeg(name)) name = std::filesystem::path(name).replace_extension(".png").string();
+    std::ranges::replace(name, '/', '_');
+    while (!taken_.insert(name).second) name = Concat(view.image, "_", name);
+    return name;
+  }
+
+ private:
+  std::unordered_set<std::string> taken_;
+};
 
 // Where the pinhole sees what the lens sees at that place; both count from the centre of the first pixel.
 Eigen::Vector2d StraightPlace(const CameraSettings& settings, const Eigen::Vector2d& at) {
@@ -51,19 +57,19 @@ Eigen::Vector2d StraightPlace(const CameraSettings& settings, const Eigen::Vecto
   return {static_cast<double>(p[0] * ray.x() + p[2]), static_cast<double>(p[1] * ray.y() + p[3])};
 }
 
-// Cameras become pinholes of the same focal lengths and centres.
+// Cameras become pinholes of the same focal lengths and centres, and images get flat names.
 void Straighten(const colmap::Outline& outline, Scene& scene) {
   for (colmap::Camera& camera : scene.model.cameras) {
     camera.model = colmap::kPinhole;
     camera.parameters.resize(4);
   }
+  FlatNames names;
   for (std::size_t row = 0; row < scene.model.images.size(); ++row) {
     View& view = scene.outline.views[row];
     colmap::Image& image = scene.model.images[row];
     const CameraSettings& settings = outline.cameras[view.camera].settings;
-    view.name = image.name = FlatName(view.name);
+    view.name = image.name = names.Of(view, Distorts(settings) && !view.picture.empty());
     if (!Distorts(settings)) continue;
-    if (!view.picture.empty()) view.name = image.name = NameOfStraight(view.name);
     for (colmap::Point2& point : image.points) {
       const Eigen::Vector2d at =
           StraightPlace(settings, {point.x - colmap::kHalfPixel, point.y - colmap::kHalfPixel});
@@ -103,7 +109,7 @@ void WriteGaussian(const Atlas& atlas, const Target& target, const WriteOptions&
   AtomicFolder folder(target, detail::FileOptions(options));
   const colmap::Outline outline =
       colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
-  std::vector<Scene> scenes = splats::ScenesOf(atlas, outline, options);
+  std::vector<Scene> scenes = splats::ScenesOf(outline, options);
   for (Scene& scene : scenes) WriteScene(outline, scene, folder, options);
   folder.Commit();
   splats::Tell(scenes, outline, notices);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
 #include <memory>
 
-#include "slamdb/formats/colmap/detail/lenses.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/export/detail/json_appender.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/splats/detail/scene.h"
@@ -52,15 +52,13 @@ void AddCamera(detail::JsonAppender& json, const colmap::Camera& camera) {
 
 // World from camera, of the turned world and a camera that looks along -z, y up.
 Eigen::Matrix4d TransformOf(const Image& image) {
-  const auto& q = image.camera_from_world.wxyz;
-  const Eigen::Quaterniond rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().conjugate();
-  const Eigen::Vector3d center =
-      -(rotation * Eigen::Map<const Eigen::Vector3d>(image.camera_from_world.translation.data()));
+  const colmap::Pose world_from_camera = colmap::Inverse(image.camera_from_world);
   Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();
-  transform.topLeftCorner<3, 3>() =
-      UpwardFromWorld() * rotation.toRotationMatrix() * Eigen::Vector3d(1, -1, -1).asDiagonal();
-  transform.topRightCorner<3, 1>() = UpwardFromWorld() * center;
-  return transform;
+  transform.topLeftCorner<3, 3>() = UpwardFromWorld() *
+                                    colmap::RotationOf(world_from_camera).normalized().toRotationMatrix() *
+                                    Eigen::Vector3d(1, -1, -1).asDiagonal();
+  transform.topRightCorner<3, 1>() = UpwardFromWorld() * colmap::TranslationOf(world_from_camera);
+  return transform.array() + 0.0;  // no -0
 }
 
 // From where transforms.json is.
@@ -68,7 +66,10 @@ std::string PathOf(const View& view, const fs::path& folder) {
   if (view.picture.empty()) return view.name;
   std::error_code failed;
   const fs::path from = fs::absolute(folder, failed), to = fs::absolute(view.picture, failed);
-  return to.lexically_normal().lexically_relative(from.lexically_normal()).string();
+  std::string path = to.lexically_normal().lexically_relative(from.lexically_normal()).string();
+  if (!detail::IsUtf8(path))
+    throw Error(ErrorKind::kNotPossible, view.picture, "", "has a path that is no UTF-8, which JSON cannot hold; rename it");
+  return path;
 }
 
 std::string TransformsOf(const Scene& scene, const fs::path& folder) {
@@ -100,7 +101,7 @@ void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& opt
   AtomicFolder folder(target, detail::FileOptions(options));
   const colmap::Outline outline =
       colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
-  std::vector<Scene> scenes = splats::ScenesOf(atlas, outline, options);
+  std::vector<Scene> scenes = splats::ScenesOf(outline, options);
   for (Scene& scene : scenes) {
     const auto leave = [](const View&, const std::string&, const ColorPicture&) { return Developed{}; };
     splats::ShowPictures(outline, scene, options, leave, [](const Developed&) {});

@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <unordered_set>
+#include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
@@ -24,7 +27,13 @@ struct Sample {
   std::array<std::uint8_t, 3> color;
 };
 
+struct Size {
+  std::int32_t width = 0, height = 0;
+  friend bool operator==(const Size&, const Size&) = default;
+};
+
 struct Shown {
+  Size size;
   std::vector<Sample> samples;
   Developed developed;
 };
@@ -81,10 +90,48 @@ class Colors {
 };
 
 // All pictures of a camera have one size, which the camera gets.
-void SetSize(const ColorPicture& picture, std::uint32_t id, colmap::Model& model) {
-  const auto camera = std::ranges::find(model.cameras, id, &colmap::Camera::id);
-  camera->width = static_cast<std::uint64_t>(picture.width);
-  camera->height = static_cast<std::uint64_t>(picture.height);
+class Sizes {
+ public:
+  void Set(const colmap::View& view, const Size& size, colmap::Camera& camera) {
+    const auto [known, is_new] = by_camera_.emplace(camera.id, size);
+    if (known->second != size)
+      throw Error(ErrorKind::kNotPossible, view.picture, "",
+                  Concat("has ", size.width, " x ", size.height, " pixels, and another picture of the camera ",
+                         known->second.width, " x ", known->second.height));
+    camera.width = static_cast<std::uint64_t>(size.width);
+    camera.height = static_cast<std::uint64_t>(size.height);
+  }
+
+ private:
+  std::map<std::uint32_t, Size> by_camera_;
+};
+
+// What trainers do not find they stop at: where pictures were named, images without one are left out.
+void LeaveOutUnpictured(Scene& scene) {
+  std::vector<colmap::View> views;
+  std::vector<colmap::Image> images;
+  std::unordered_set<std::uint32_t> left_out;
+  for (std::size_t row = 0; row < scene.outline.views.size(); ++row) {
+    if (scene.outline.views[row].picture.empty()) {
+      left_out.insert(scene.outline.views[row].image);
+      continue;
+    }
+    views.push_back(std::move(scene.outline.views[row]));
+    images.push_back(std::move(scene.model.images[row]));
+  }
+  scene.outline.view_of_row.clear();
+  scene.outline.views = std::move(views);
+  scene.model.images = std::move(images);
+  scene.left_out = left_out.size();
+  Column<colmap::TrackElement> tracks;
+  for (colmap::Point& point : scene.model.points) {
+    const colmap::TrackElement* element = scene.model.tracks.data() + point.track_begin;
+    point.track_begin = tracks.size();
+    for (const colmap::TrackElement* end = element + point.track_length; element != end; ++element)
+      if (!left_out.contains(element->image)) tracks.push_back(*element);
+    point.track_length = tracks.size() - point.track_begin;
+  }
+  scene.model.tracks = std::move(tracks);
 }
 
 }  // namespace
@@ -97,10 +144,10 @@ void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptio
     if (!scene.outline.views[row].picture.empty()) with_picture.push_back(row);
   const IdTable rows = colmap::PointRowsOf(scene.model);
   Colors colors(scene.model.points.size());
+  Sizes sizes;
   const std::size_t at_once = 2 * static_cast<std::size_t>(detail::ThreadCount(options.threads));
   for (std::size_t begin = 0; begin < with_picture.size(); begin += at_once) {
     std::vector<Shown> shown(std::min(at_once, with_picture.size() - begin));
-    std::vector<ColorPicture> sizes(shown.size());
     detail::ParallelFor(shown.size(), 1, options.threads, [&](std::size_t first, std::size_t last) {
       for (std::size_t row = first; row < last; ++row) {
         const colmap::View& view = scene.outline.views[with_picture[begin + row]];
@@ -108,13 +155,16 @@ void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptio
         const WholeFile file{Source(view.picture)};
         const ColorPicture picture = ReadColorPicture({file.bytes(), view.picture});
         RequireSize(view, settings, picture);
-        shown[row] = {SamplesOf(view, settings, picture, rows), develop(view, std::string(file.text()), picture)};
-        sizes[row] = {.width = picture.width, .height = picture.height, .pixels = {}};
+        shown[row] = {{picture.width, picture.height},
+                      SamplesOf(view, settings, picture, rows),
+                      develop(view, std::string(file.text()), picture)};
       }
     });
     for (std::size_t row = 0; row < shown.size(); ++row) {
+      const colmap::View& view = scene.outline.views[with_picture[begin + row]];
+      sizes.Set(view, shown[row].size,
+                *std::ranges::find(scene.model.cameras, outline.cameras[view.camera].id, &colmap::Camera::id));
       for (const Sample& sample : shown[row].samples) colors.Add(sample);
-      SetSize(sizes[row], outline.cameras[scene.outline.views[with_picture[begin + row]].camera].id, scene.model);
       take(std::move(shown[row].developed));
     }
     if (options.progress)
@@ -139,30 +189,35 @@ std::string PlyOf(const colmap::Model& model, const Eigen::Matrix3d& turn) {
   return ply;
 }
 
-std::vector<Scene> ScenesOf(const Atlas& atlas, const colmap::Outline& outline, const WriteOptions& options) {
+std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& options) {
   colmap::Unheld ignored;  // exports say what they hold
   std::vector<Scene> scenes;
   for (std::size_t row = 0; row < outline.maps.size(); ++row)
     scenes.push_back({.outline = outline.maps[row],
-                      .model = colmap::ModelOf(atlas, outline, outline.maps[row], options, ignored),
+                      .model = colmap::ModelOf(outline, outline.maps[row], options, ignored),
                       .folder = outline.maps.size() == 1 ? "" : Concat(row, "/")});
+  if (!options.of<ColmapWriteOptions>().pictures.files.empty())
+    for (Scene& scene : scenes) LeaveOutUnpictured(scene);
   if (scenes.empty()) scenes.emplace_back();
   return scenes;
 }
 
 void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Notices& notices) {
-  std::size_t images = 0, pictures = 0, points = 0;
+  std::size_t images = 0, pictures = 0, points = 0, left_out = 0;
   for (const Scene& scene : scenes) {
     images += scene.model.images.size();
     points += scene.model.points.size();
+    left_out += scene.left_out;
     pictures += static_cast<std::size_t>(
         std::ranges::count_if(scene.outline.views, [](const colmap::View& view) { return !view.picture.empty(); }));
   }
-  if (images > 0 && pictures == 0)
+  if (left_out > 0)
+    notices.Warn(Concat(Counted(left_out, "image"), " left out, of which there is no picture: ",
+                        Counted(outline.without_picture, "keyframe"), " without one near in time, ",
+                        Counted(left_out - outline.without_picture, "right image"), " of fisheye pairs"));
+  else if (images > 0 && pictures == 0)
     notices.Warn("without pictures: images are named by their timestamps, and points are grey; "
                  "KeyFramePictures::files names them");
-  else if (outline.without_picture > 0)
-    notices.Warn(Concat(Counted(outline.without_picture, "keyframe"), " without a picture file near in time"));
   if (scenes.size() > 1)
     notices.Note(Concat(scenes.size(), " maps are in folders 0 to ", scenes.size() - 1, ", a scene each"));
   notices.Tell(Concat(Counted(images, "image"), ", ", Counted(points, "point")));

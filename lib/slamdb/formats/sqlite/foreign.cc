@@ -1,14 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/foreign.h"
 
+#include <filesystem>
+
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 
 namespace slamdb::sqlite {
+namespace {
+
+// SQLite takes a page in which the file ends for zeros.
+void RequireWhole(Database& database, std::uint64_t bytes) {
+  const std::int64_t expected =
+      database.Integer("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size");
+  if (expected > 0 && bytes < static_cast<std::uint64_t>(expected))
+    throw Error(ErrorKind::kDamaged, database.path(), "",
+                detail::Concat("the file was cut: ", bytes, " of its ", expected, " bytes are there"));
+}
+
+}  // namespace
 
 Database OpenForeign(const Source& source) {
-  if (source.memory) return Database::OfBytes(*source.memory, source.path);
-  return Database(source.path, Access::kImage, 0);
+  if (source.memory) {
+    Database database = Database::OfBytes(*source.memory, source.path);
+    RequireWhole(database, source.memory->size());
+    return database;
+  }
+  Database database(source.path, Access::kImage, 0);
+  const FilesBeside beside(source.path);
+  std::error_code failed;
+  const std::uintmax_t bytes = std::filesystem::file_size(source.path, failed);
+  if (!failed && !HasContent(beside.log) && !HasContent(beside.journal)) RequireWhole(database, bytes);
+  return database;
 }
 
 std::set<std::string, std::less<>> ColumnsOf(Database& database, std::string_view table) {

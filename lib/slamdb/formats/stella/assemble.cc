@@ -11,6 +11,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/formats/stella/detail/cameras.h"
 #include "slamdb/formats/stella/detail/lens.h"
@@ -166,15 +167,6 @@ class Assembler {
   std::vector<const LensCamera*> lenses_;  // of the keyframes
 };
 
-void Select(Atlas& atlas, const Selection& selection) {
-  if (selection.everything()) return;
-  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
-  for (Map& map : atlas.maps) {
-    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-    std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
-  }
-}
-
 }  // namespace
 
 Atlas Assemble(StoredMap stored, const std::string& path, const ReadOptions& options, Notices& notices) {
@@ -185,7 +177,7 @@ Atlas Assemble(StoredMap stored, const std::string& path, const ReadOptions& opt
   Atlas atlas;
   Assembler(stored, path, options).Run(atlas).Tell(notices);
   detail::CompleteAtlas(atlas, "stella_vslam", options.threads, notices);
-  Select(atlas, options.selection);
+  detail::Select(options.selection, atlas);
   return atlas;
 }
 

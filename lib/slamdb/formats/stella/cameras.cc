@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/stella/detail/cameras.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <numbers>
@@ -139,8 +140,12 @@ LensCamera LensOf(const KeyFrame& keyframe, const Camera* camera) {
     lens.model = Model::kEquirectangular;
     return lens;
   }
-  lens.fx = static_cast<double>(keyframe.intrinsics.fx), lens.fy = static_cast<double>(keyframe.intrinsics.fy);
-  lens.cx = static_cast<double>(keyframe.intrinsics.cx), lens.cy = static_cast<double>(keyframe.intrinsics.cy);
+  const Intrinsics& own = keyframe.intrinsics;
+  std::array<float, 4> pinhole = {own.fx, own.fy, own.cx, own.cy};
+  if (own.fx == 0 && camera != nullptr && camera->parameters.size() == pinhole.size())
+    std::ranges::copy(camera->parameters, pinhole.begin());
+  lens.fx = static_cast<double>(pinhole[0]), lens.fy = static_cast<double>(pinhole[1]);
+  lens.cx = static_cast<double>(pinhole[2]), lens.cy = static_cast<double>(pinhole[3]);
   if (keyframe.distortion.type == kFloats) lens.distortion = NumbersOf<float>(keyframe.distortion);
   if (keyframe.distortion.type == kDoubles) lens.distortion = NumbersOf<double>(keyframe.distortion);
   return lens;

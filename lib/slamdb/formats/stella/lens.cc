@@ -137,12 +137,13 @@ ImageBounds BoundsOf(const LensCamera& camera) {
 
 bool SetSize(LensCamera& camera, const ImageBounds& bounds) {
   constexpr std::int32_t kReach = 8;  // pixels about the first guess
-  Vector2d corner(bounds.max_x, bounds.max_y);
-  if (camera.model != Model::kFisheye && camera.is_distorted()) corner = Distorted(camera, corner);
+  const bool is_set = bounds.max_x > bounds.min_x && bounds.max_y > bounds.min_y;
+  Vector2d corner = is_set ? Vector2d(bounds.max_x, bounds.max_y) : Vector2d(2 * camera.cx, 2 * camera.cy);
+  if (is_set && camera.model != Model::kFisheye && camera.is_distorted()) corner = Distorted(camera, corner);
   const auto size = [](std::int32_t pixels) { return static_cast<std::uint32_t>(std::max(pixels, 0)); };
   const std::int32_t columns = Whole(std::round(corner.x())), rows = Whole(std::round(corner.y()));
   LensCamera tried = camera;
-  for (std::int32_t reach = 0; reach <= kReach; ++reach)
+  for (std::int32_t reach = 0; is_set && reach <= kReach; ++reach)
     for (std::int32_t x = -reach; x <= reach; ++x)
       for (std::int32_t y = -reach; y <= reach; ++y) {
         if (std::max(std::abs(x), std::abs(y)) != reach) continue;

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/stella/detail/message_pack.h"
 
-#include <bit>
-#include <cmath>
-#include <cstring>
+#include <algorithm>
 #include <limits>
-#include <type_traits>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
@@ -43,15 +40,6 @@ enum Type : std::uint8_t {
   kMap32 = 0xdf,
   kFixNegative = 0xe0,
 };
-
-template <class Value>
-Value Swapped(Value value) {
-  static_assert(std::endian::native == std::endian::little);
-  if constexpr (sizeof value == 2) return __builtin_bswap16(value);
-  if constexpr (sizeof value == 4) return __builtin_bswap32(value);
-  if constexpr (sizeof value == 8) return __builtin_bswap64(value);
-  return value;
-}
 
 std::string_view KindOf(std::uint8_t type) {
   if (type < kFixMap || type >= kFixNegative || (type >= kUnsigned8 && type <= kSigned64)) return "an integer";
@@ -237,69 +225,51 @@ void MessagePackReader::Skip() {
   }
 }
 
-template <class Value>
-void MessagePackAppender::Typed(std::uint8_t type, Value value) {
-  char bytes[1 + sizeof value];
-  bytes[0] = static_cast<char>(type);
-  const Value swapped = Swapped(value);
-  std::memcpy(bytes + 1, &swapped, sizeof value);
-  out_.append(bytes, sizeof bytes);
+// To all that it has allocated, so that a string which is filled again and again soon has room.
+void MessagePackAppender::Grow(std::size_t bytes) {
+  constexpr std::size_t kLeast = 4096;
+  out_.resize(std::max({at_ + bytes, 2 * at_, out_.capacity(), kLeast}));
 }
 
 void MessagePackAppender::Head(std::size_t count, std::uint8_t small, std::uint8_t type16) {
   if (count <= 15)
-    out_ += static_cast<char>(small | count);
+    Byte(static_cast<std::uint8_t>(small | count));
   else if (count <= 0xffff)
-    Typed(type16, static_cast<std::uint16_t>(count));
+    Append(type16, static_cast<std::uint16_t>(count));
   else
-    Typed(static_cast<std::uint8_t>(type16 + 1), static_cast<std::uint32_t>(count));
+    Append(static_cast<std::uint8_t>(type16 + 1), static_cast<std::uint32_t>(count));
 }
 
 void MessagePackAppender::Text(std::string_view text) {
   if (text.size() <= 31)
-    out_ += static_cast<char>(kFixText | text.size());
+    Byte(static_cast<std::uint8_t>(kFixText | text.size()));
   else if (text.size() <= 0xff)
-    Typed(kText8, static_cast<std::uint8_t>(text.size()));
+    Append(kText8, static_cast<std::uint8_t>(text.size()));
   else if (text.size() <= 0xffff)
-    Typed(kText8 + 1, static_cast<std::uint16_t>(text.size()));
+    Append(kText8 + 1, static_cast<std::uint16_t>(text.size()));
   else
-    Typed(kText32, static_cast<std::uint32_t>(text.size()));
-  out_ += text;
+    Append(kText32, static_cast<std::uint32_t>(text.size()));
+  Raw(text);
 }
 
-void MessagePackAppender::Integer(std::uint64_t value) {
-  if (value < kFixMap)
-    out_ += static_cast<char>(value);
-  else if (value <= 0xff)
-    Typed(kUnsigned8, static_cast<std::uint8_t>(value));
-  else if (value <= 0xffff)
-    Typed(kUnsigned8 + 1, static_cast<std::uint16_t>(value));
-  else if (value <= 0xffffffff)
-    Typed(kUnsigned8 + 2, static_cast<std::uint32_t>(value));
-  else
-    Typed(kUnsigned64, value);
-}
-
-void MessagePackAppender::Integer(std::int64_t value) {
-  if (value >= 0) return Integer(static_cast<std::uint64_t>(value));
+void MessagePackAppender::Negative(std::int64_t value) {
   if (value >= -32)
-    out_ += static_cast<char>(value);
+    Byte(static_cast<std::uint8_t>(value));
   else if (value >= std::numeric_limits<std::int8_t>::min())
-    Typed(kSigned8, static_cast<std::uint8_t>(value));
+    Append(kSigned8, static_cast<std::uint8_t>(value));
   else if (value >= std::numeric_limits<std::int16_t>::min())
-    Typed(kSigned8 + 1, static_cast<std::uint16_t>(value));
+    Append(kSigned8 + 1, static_cast<std::uint16_t>(value));
   else if (value >= std::numeric_limits<std::int32_t>::min())
-    Typed(kSigned8 + 2, static_cast<std::uint32_t>(value));
+    Append(kSigned8 + 2, static_cast<std::uint32_t>(value));
   else
-    Typed(kSigned64, static_cast<std::uint64_t>(value));
+    Append(kSigned64, static_cast<std::uint64_t>(value));
 }
 
-void MessagePackAppender::Real(double value) {
+char* MessagePackAppender::Put(char* at, double value) {
   constexpr double kMost = std::numeric_limits<float>::max();
   if (std::abs(value) <= kMost && static_cast<double>(static_cast<float>(value)) == value)
-    Typed(kFloat32, std::bit_cast<std::uint32_t>(static_cast<float>(value)));
-  else
-    Typed(kFloat64, std::bit_cast<std::uint64_t>(value));
+    return Typed(at, kFloat32, std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+  return Typed(at, kFloat64, std::bit_cast<std::uint64_t>(value));
 }
 
 }  // namespace slamdb::stella

@@ -26,8 +26,8 @@ constexpr std::uint64_t kMostIds = std::uint64_t{1} << 31;  // links are signed,
 // Sorts by id, and makes the table of rows.
 template <class Items, class IdOf>
 IdTable SortById(Items& items, const IdOf& id_of, const std::string& path) {
-  std::ranges::stable_sort(items, {}, id_of);
   if (items.empty()) return {};
+  if (!std::ranges::is_sorted(items, {}, id_of)) std::ranges::stable_sort(items, {}, id_of);
   const std::uint64_t highest = id_of(items.back()).value();
   if (highest >= kMostIds)
     throw Error(
@@ -57,13 +57,6 @@ bool HasStereo(const Features& features) {
   if (features.is_fisheye_stereo()) return false;
   return std::ranges::any_of(features.right_x, [](float x) { return x >= 0; }) ||
          std::ranges::any_of(features.depth, [](float depth) { return depth > 0; });
-}
-
-// Whether a point is observed at a row of a keyframe. One without any observations is where keypoints say.
-bool Agrees(const MapPoint& point, KeyFrameId keyframe, std::size_t row) {
-  if (point.observations.empty()) return true;
-  const auto seen = std::ranges::find(point.observations, keyframe, &Observation::keyframe);
-  return seen != point.observations.end() && seen->left == static_cast<std::int32_t>(row);
 }
 
 Column<float> Padded(const Column<float>& column, std::size_t rows) {
@@ -147,24 +140,54 @@ void Outgoing::CollectPoints(const std::vector<const Map*>& maps) {
   point_rows_ = SortById(points_, IdOfPoint, path_);
 }
 
-// ORB-SLAM3 leaves keypoints that say they see a point which knows better.
+// What points say, and then what keypoints say of points that say nothing.
 void Outgoing::FindSlots(int threads) {
-  std::atomic<std::uint64_t> lost = 0;
+  for (OutgoingKeyFrame& written : keyframes_) written.points.assign(written.rows, -1);
+  for (const OutgoingPoint& written : points_) PlacePoint(*written.point);
+  std::atomic<std::uint64_t> lost = 0, told = 0;
   detail::ParallelFor(keyframes_.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
     for (OutgoingKeyFrame& written : std::span(keyframes_).subspan(begin, end - begin)) {
-      written.points.assign(written.rows, -1);
-      for (std::size_t row = 0; row < written.rows; ++row) {
-        const MapPointId id = written.keyframe->features.map_points[row];
-        const std::uint32_t point = id ? point_rows_.Find(id.value()) : kNoRow;
-        if (point == kNoRow) continue;
-        if (Agrees(*points_[point].point, IdOf(written), row))
-          written.points[row] = static_cast<std::int32_t>(id.value());
-        else
-          ++lost;
-      }
+      const SlotCounts counts = PlaceSlots(written);
+      lost += counts.lost;
+      told += counts.told;
     }
   });
   losses_.slots = lost;
+  losses_.told = told;
+}
+
+// Of several points that are one keypoint, it stays the one that it knows.
+void Outgoing::PlacePoint(const MapPoint& point) {
+  const auto id = static_cast<std::int32_t>(point.id.value());
+  for (const Observation& observation : point.observations) {
+    const std::uint32_t row = keyframe_rows_.Find(observation.keyframe.value());
+    if (row == kNoRow || observation.left < 0) continue;
+    OutgoingKeyFrame& written = keyframes_[row];
+    const auto keypoint = static_cast<std::size_t>(observation.left);
+    const bool is_there = keypoint < written.rows;
+    const bool is_free = is_there && written.points[keypoint] < 0;
+    if (!is_free) ++losses_.observations;
+    if (is_free || (is_there && written.keyframe->features.map_points[keypoint] == point.id))
+      written.points[keypoint] = id;
+  }
+}
+
+// ORB-SLAM3 leaves keypoints that say they see a point which knows better.
+Outgoing::SlotCounts Outgoing::PlaceSlots(OutgoingKeyFrame& written) const {
+  SlotCounts counts;
+  for (std::size_t row = 0; row < written.rows; ++row) {
+    const MapPointId id = written.keyframe->features.map_points[row];
+    std::int32_t& seen = written.points[row];
+    if (seen >= 0 ? id == MapPointId(static_cast<std::uint64_t>(seen)) : !id) continue;
+    counts.told += seen >= 0 ? 1 : 0;
+    const std::uint32_t point = id ? point_rows_.Find(id.value()) : kNoRow;
+    if (point == kNoRow) continue;
+    if (seen < 0 && points_[point].point->observations.empty())
+      seen = static_cast<std::int32_t>(id.value());
+    else
+      ++counts.lost;
+  }
+  return counts;
 }
 
 // stella_vslam needs a keyframe that sees a point, to describe it.
@@ -253,10 +276,12 @@ OutgoingFeatures Outgoing::FeaturesOf(const OutgoingKeyFrame& written) const {
   const Features& features = written.keyframe->features;
   const Column<Keypoint>& seen = features.is_fisheye_stereo() ? features.keypoints : features.undistorted;
   OutgoingFeatures out;
-  out.undistorted.assign(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(written.rows));
+  out.undistorted = std::span(seen).first(written.rows);
   // ORB-SLAM3 leaves keypoints of fisheye cameras as they were detected.
-  if (cameras_[written.camera].model == Model::kFisheye)
-    out.undistorted = Undistorted(cameras_[written.camera], out.undistorted);
+  if (cameras_[written.camera].model == Model::kFisheye) {
+    out.changed = Undistorted(cameras_[written.camera], seen);
+    out.undistorted = std::span(out.changed).first(written.rows);
+  }
   if (written.has_stereo) {
     out.right_x = Padded(features.right_x, written.rows);
     out.depth = Padded(features.depth, written.rows);
@@ -275,8 +300,12 @@ void Outgoing::Losses::Tell(Notices& notices) const {
   lose(rows, "keypoint", " in columns of different lengths: left out");
   lose(slots, "keypoint",
        " that see a point which is observed elsewhere in their picture, or not at all: they see none");
+  lose(observations, "observation", " of a keypoint that is not there, or sees another point: left out");
   lose(merges, "merge edge", ": left out, as stella_vslam has none");
   lose(cut_loops, "keyframe", " whose parents go round in a circle: made a root");
+  if (told > 0)
+    notices.Warn(
+        Concat("points of which their keyframe does not know are seen by it now: ", Counted(told, "observation")));
   if (without_descriptor > 0)
     notices.Warn(
         Concat(Counted(without_descriptor, "keypoint"), " without a descriptor of 32 bytes: zeros stand for it"));

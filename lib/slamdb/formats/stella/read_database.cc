@@ -206,6 +206,7 @@ void ReadPoints(Database& database, StoredMap& map) {
   ForEachRow(database, "landmarks", {"id", "first_keyfrm", "pos_w", "ref_keyfrm", "n_vis", "n_fnd"},
              [&](const Row& row) {
                MapPoint& point = map.points.emplace_back();
+               point.descriptor_form = MatrixForm::kEmpty;
                point.id = MapPointId(row.Id(0));
                point.first_keyframe = row.Integer(1);
                std::vector<double> position;

@@ -304,6 +304,7 @@ void Decoder::ReadPoints() {
   const std::uint32_t count = reader_.Map();
   for (std::uint32_t row = 0; row < count; ++row) {
     MapPoint& point = map_.points.emplace_back();
+    point.descriptor_form = MatrixForm::kEmpty;
     point.id = MapPointId(IdOf(reader_.Text(), "landmark"));
     reader_.SetPlace(Concat("landmark ", point.id.value()));
     ReadPoint(point);

@@ -32,7 +32,7 @@ std::vector<std::int32_t> Numbers(const std::vector<KeyFrameId>& ids) {
 }
 
 // x, y, size, angle, response, octave, class_id: as cv::KeyPoint is in memory.
-std::vector<char> KeypointBytes(const Column<Keypoint>& keypoints) {
+std::vector<char> KeypointBytes(std::span<const Keypoint> keypoints) {
   constexpr std::size_t kBytes = 28;
   std::vector<char> bytes(kBytes * keypoints.size());
   char* at = bytes.data();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <span>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -11,35 +12,38 @@
 namespace slamdb::stella {
 namespace {
 
+using std::string_view_literals::operator""sv;
+using Appender = MessagePackAppender;
+
 // Keys stand in the order of their bytes, as std::map has them.
 
-void Append(MessagePackAppender& out, std::string_view key, double value) {
+void Append(Appender& out, std::string_view key, double value) {
   out.Text(key);
   out.Real(value);
 }
-void Append(MessagePackAppender& out, std::string_view key, std::uint64_t value) {
+void Append(Appender& out, std::string_view key, std::uint64_t value) {
   out.Text(key);
   out.Integer(value);
 }
-void Append(MessagePackAppender& out, std::string_view key, std::string_view text) {
+void Append(Appender& out, std::string_view key, std::string_view text) {
   out.Text(key);
   out.Text(text);
 }
 
 template <class Reals>
-void AppendReals(MessagePackAppender& out, std::string_view key, const Reals& reals) {
+void AppendReals(Appender& out, std::string_view key, const Reals& reals) {
   out.Text(key);
   out.List(static_cast<std::size_t>(reals.size()));
-  for (const auto value : reals) out.Real(static_cast<double>(value));
+  for (const auto value : reals) out.Real(value);
 }
 
-void AppendIds(MessagePackAppender& out, std::string_view key, const std::vector<KeyFrameId>& ids) {
+void AppendIds(Appender& out, std::string_view key, const std::vector<KeyFrameId>& ids) {
   out.Text(key);
   out.List(ids.size());
   for (const KeyFrameId id : ids) out.Integer(id.value());
 }
 
-void AppendLens(MessagePackAppender& out, const LensCamera& camera) {
+void AppendLens(Appender& out, const LensCamera& camera) {
   const std::array<double, 5>& k = camera.distortion;
   const bool fisheye = camera.model == Model::kFisheye;
   Append(out, "fx", camera.fx);
@@ -50,7 +54,7 @@ void AppendLens(MessagePackAppender& out, const LensCamera& camera) {
   if (fisheye) Append(out, "k4", k[3]);
 }
 
-void AppendCamera(MessagePackAppender& out, const LensCamera& camera) {
+void AppendCamera(Appender& out, const LensCamera& camera) {
   const bool fisheye = camera.model == Model::kFisheye, panorama = camera.model == Model::kEquirectangular;
   out.Map(panorama ? 7 : fisheye ? 15 : 16);
   Append(out, "color_order", camera.color_order);
@@ -67,7 +71,7 @@ void AppendCamera(MessagePackAppender& out, const LensCamera& camera) {
   Append(out, "setup_type", NameOf(camera.setup));
 }
 
-void AppendOrbParams(MessagePackAppender& out, const OrbParams& params) {
+void AppendOrbParams(Appender& out, const OrbParams& params) {
   out.Map(5);
   Append(out, "ini_fast_threshold", std::uint64_t{params.ini_fast_threshold});
   Append(out, "min_fast_threshold", std::uint64_t{params.min_fast_threshold});
@@ -76,42 +80,46 @@ void AppendOrbParams(MessagePackAppender& out, const OrbParams& params) {
   Append(out, "scale_factor", static_cast<double>(params.scale_factor));
 }
 
-void AppendDescriptors(MessagePackAppender& out, const Column<Descriptor>& descriptors, std::size_t rows) {
+void AppendDescriptors(Appender& out, const Column<Descriptor>& descriptors, std::size_t rows) {
   static constexpr Descriptor kNone{};
+  constexpr std::size_t kWords = sizeof(Descriptor) / sizeof(std::uint32_t), kMost = 1 + kWords * 5;
   out.Text("descs");
   out.List(rows);
   for (std::size_t row = 0; row < rows; ++row) {
-    std::array<std::uint32_t, 8> words;
+    std::array<std::uint32_t, kWords> words;
     std::memcpy(words.data(), row < descriptors.size() ? descriptors[row].data() : kNone.data(), sizeof words);
-    out.List(words.size());
-    for (const std::uint32_t word : words) out.Integer(std::uint64_t{word});
+    out.Fill(kMost, [&](char* at) {
+      at = Appender::Put(at, "\x98"sv);
+      for (const std::uint32_t word : words) at = Appender::Put(at, std::uint64_t{word});
+      return at;
+    });
   }
 }
 
-void AppendKeypoints(MessagePackAppender& out, const Column<Keypoint>& keypoints) {
+void AppendKeypoints(Appender& out, std::span<const Keypoint> keypoints) {
+  constexpr std::size_t kMost = 64;
   out.Text("undist_keypts");
   out.List(keypoints.size());
-  for (const Keypoint& keypoint : keypoints) {
-    out.Raw(
-        "\x83\xa3"
-        "ang");
-    out.Real(static_cast<double>(keypoint.angle));
-    out.Raw(
-        "\xa3"
-        "oct");
-    out.Integer(std::uint64_t{static_cast<std::uint32_t>(keypoint.octave)});
-    out.Raw(
-        "\xa2"
-        "pt\x92");
-    out.Real(static_cast<double>(keypoint.x));
-    out.Real(static_cast<double>(keypoint.y));
-  }
+  for (const Keypoint& keypoint : keypoints)
+    out.Fill(kMost, [&](char* at) {
+      at = Appender::Put(at,
+                         "\x83\xa3"
+                         "ang"sv);
+      at = Appender::Put(at, keypoint.angle);
+      at = Appender::Put(at,
+                         "\xa3"
+                         "oct"sv);
+      at = Appender::Put(at, std::uint64_t{static_cast<std::uint32_t>(keypoint.octave)});
+      at = Appender::Put(at,
+                         "\xa2"
+                         "pt\x92"sv);
+      return Appender::Put(Appender::Put(at, keypoint.x), keypoint.y);
+    });
 }
 
-void AppendKeyFrame(std::string& bytes, const Outgoing& map, const OutgoingKeyFrame& written) {
+void AppendKeyFrame(Appender& out, const Outgoing& map, const OutgoingKeyFrame& written) {
   const KeyFrame& keyframe = *written.keyframe;
   const OutgoingFeatures features = map.FeaturesOf(written);
-  MessagePackAppender out(bytes);
   out.Text(std::to_string(keyframe.id.value()));
   out.Map(14);
   Append(out, "cam", map.cameras()[written.camera].name);
@@ -133,9 +141,8 @@ void AppendKeyFrame(std::string& bytes, const Outgoing& map, const OutgoingKeyFr
   AppendReals(out, "x_rights", features.right_x);
 }
 
-void AppendPoint(std::string& bytes, const OutgoingPoint& written) {
+void AppendPoint(Appender& out, const OutgoingPoint& written) {
   const MapPoint& point = *written.point;
-  MessagePackAppender out(bytes);
   out.Text(std::to_string(point.id.value()));
   out.Map(5);
   out.Text("1st_keyfrm");
@@ -146,45 +153,59 @@ void AppendPoint(std::string& bytes, const OutgoingPoint& written) {
   Append(out, "ref_keyfrm", written.reference.value());
 }
 
-// Rows in the order of their ids as texts: 1, 10, 11, 2.
+// Rows in the order of their ids as texts: 1, 10, 11, 2. Those of 32 bits have at most ten digits: filled up with zeros
+// they stand in that order, and the shorter first.
 template <class Rows, class IdOf>
 std::vector<std::uint32_t> TextOrder(const Rows& rows, const IdOf& id_of) {
-  std::vector<std::pair<std::string, std::uint32_t>> keys;
+  constexpr std::uint64_t kTenDigits = 1'000'000'000;
+  std::vector<std::array<std::uint64_t, 3>> keys;
   keys.reserve(rows.size());
-  for (const auto& row : rows) keys.emplace_back(std::to_string(id_of(row)), static_cast<std::uint32_t>(keys.size()));
+  for (const auto& row : rows) {
+    std::uint64_t filled = id_of(row), zeros = 0;
+    for (; filled < kTenDigits && zeros < 10; ++zeros) filled *= 10;
+    keys.push_back({filled, 10 - zeros, keys.size()});
+  }
   std::ranges::sort(keys);
   std::vector<std::uint32_t> order;
   order.reserve(keys.size());
-  for (const auto& key : keys) order.push_back(key.second);
+  for (const auto& key : keys) order.push_back(static_cast<std::uint32_t>(key[2]));
   return order;
 }
 
-template <class Items, class AppendItem>
-void WriteTable(AtomicFile& file, std::string_view name, const Items& items, const AppendItem& append) {
+template <class Append>
+void Write(AtomicFile& file, const Append& append) {
   std::string bytes;
-  MessagePackAppender out(bytes);
-  out.Text(name);
-  out.Map(items.size());
-  for (const auto& item : items) {
-    out.Text(item.name);
-    append(out, item);
+  {
+    Appender out(bytes);
+    append(out);
   }
   file.Write(bytes);
 }
 
-void WriteCount(AtomicFile& file, std::string_view name, std::uint64_t count) {
-  std::string bytes;
-  MessagePackAppender out(bytes);
-  Append(out, name, count);
-  file.Write(bytes);
+template <class Items, class AppendItem>
+void WriteTable(AtomicFile& file, std::string_view name, const Items& items, const AppendItem& append) {
+  Write(file, [&](Appender& out) {
+    out.Text(name);
+    out.Map(items.size());
+    for (const auto& item : items) {
+      out.Text(item.name);
+      append(out, item);
+    }
+  });
 }
 
-void WriteHead(AtomicFile& file, std::string_view name, std::size_t entries) {
-  std::string bytes;
-  MessagePackAppender out(bytes);
-  out.Text(name);
-  out.Map(entries);
-  file.Write(bytes);
+// A map with an entry for each row, in this order.
+template <class AppendRow>
+void WriteRows(AtomicFile& file, std::string_view name, const std::vector<std::uint32_t>& order, std::size_t grain,
+               const WriteOptions& options, const AppendRow& append) {
+  Write(file, [&](Appender& out) {
+    out.Text(name);
+    out.Map(order.size());
+  });
+  detail::WriteRows(file, order.size(), grain, options, [&](std::size_t begin, std::size_t end, std::string& bytes) {
+    Appender out(bytes);
+    for (std::size_t i = begin; i < end; ++i) append(out, order[i]);
+  });
 }
 
 }  // namespace
@@ -194,19 +215,14 @@ void WriteMessagePack(const Outgoing& map, const Target& target, const WriteOpti
   AtomicFile file(target, detail::FileOptions(options));
   const auto keyframes = TextOrder(map.keyframes(), [](const auto& row) { return row.keyframe->id.value(); });
   const auto points = TextOrder(map.points(), [](const auto& row) { return row.point->id.value(); });
-  file.Write("\x86");
+  Write(file, [](Appender& out) { out.Map(6); });
   WriteTable(file, "cameras", map.cameras(), AppendCamera);
-  WriteCount(file, "keyframe_next_id", map.next_keyframe());
-  WriteHead(file, "keyframes", keyframes.size());
-  detail::WriteRows(file, keyframes.size(), 1, options, [&](std::size_t begin, std::size_t end, std::string& out) {
-    for (std::size_t row = begin; row < end; ++row) AppendKeyFrame(out, map, map.keyframes()[keyframes[row]]);
-  });
-  WriteCount(file, "landmark_next_id", map.next_point());
-  WriteHead(file, "landmarks", points.size());
-  detail::WriteRows(file, points.size(), kPointsPerBlock, options,
-                    [&](std::size_t begin, std::size_t end, std::string& out) {
-                      for (std::size_t row = begin; row < end; ++row) AppendPoint(out, map.points()[points[row]]);
-                    });
+  Write(file, [&](Appender& out) { Append(out, "keyframe_next_id", map.next_keyframe()); });
+  WriteRows(file, "keyframes", keyframes, 1, options,
+            [&](Appender& out, std::uint32_t row) { AppendKeyFrame(out, map, map.keyframes()[row]); });
+  Write(file, [&](Appender& out) { Append(out, "landmark_next_id", map.next_point()); });
+  WriteRows(file, "landmarks", points, kPointsPerBlock, options,
+            [&](Appender& out, std::uint32_t row) { AppendPoint(out, map.points()[row]); });
   WriteTable(file, "orb_params", map.orb_params(), AppendOrbParams);
   file.Commit();
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/xyz/detail/xyz.h"
 
+#include <algorithm>
 #include <array>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/text.h"
+#include "slamdb/base/detail/lengths.h"
+#include "slamdb/base/detail/parse_file.h"
+#include "slamdb/base/detail/table.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/points.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -14,7 +17,6 @@ namespace slamdb::detail {
 namespace {
 
 constexpr std::size_t kRowsPerBlock = 8192, kAxes = 3;
-constexpr std::string_view kSeparators = " \t,;";
 
 void WriteXyz(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, FileOptions(options));
@@ -31,51 +33,78 @@ void WriteXyz(const Atlas& atlas, const Target& target, const WriteOptions& opti
   notices.Tell(points.Summary());
 }
 
-bool IsComment(std::string_view line) { return IsCommentMark(line.front()) || line.starts_with("//"); }
-
-// The numbers of a line; what stands behind the third counts in `more`.
-void ReadLine(const std::string& path, std::uint64_t number, std::string_view line,
-              const std::vector<CloudColumn>& columns, PointSet& points, std::uint64_t& more) {
-  points.BeginPoint();
-  for (const CloudColumn& column : columns) {
-    const std::string_view word = TakeWord(line, kSeparators);
-    if (!points.Set(column, word))
-      throw Error(ErrorKind::kDamaged, path, Concat("line ", number),
-                  word.empty() ? "expected three numbers" : Concat("expected a number, found ", Excerpt(word)));
-  }
-  if (line.find_first_not_of(kSeparators) != line.npos) ++more;
-  points.EndPoint();
+// What a line above the points may name besides x, y and z.
+const TableKind& XyzTable() {
+  constexpr int kOptional = Column::kOptional;
+  static const TableKind kind = {.columns = {{{"x"}, 0},
+                                             {{"y"}, 0},
+                                             {{"z"}, 0},
+                                             {{"nx", "normal_x"}, kOptional},
+                                             {{"ny", "normal_y"}, kOptional},
+                                             {{"nz", "normal_z"}, kOptional},
+                                             {{"map"}, kOptional},
+                                             {{"id"}, kOptional}},
+                                 .expected = "3 numbers or more: x y z",
+                                 .more_cells = true};
+  return kind;
 }
 
-Atlas ReadXyz(const Source& source, const ReadOptions& options, Notices& notices) {
-  const WholeFile file(source);
-  const std::vector<CloudColumn> columns = {{NumberType::kFloat, PointField::kX, "x"},
-                                            {NumberType::kFloat, PointField::kY, "y"},
-                                            {NumberType::kFloat, PointField::kZ, "z"}};
-  PointSet points(file.path(), columns);
-  std::uint64_t number = 0, more = 0;
-  for (std::string_view text = WithoutMark(file.text()); !text.empty();) {
-    const std::string_view line = Trimmed(TakeLine(text));
-    ++number;
-    if (!line.empty() && !IsComment(line)) ReadLine(file.path(), number, line, columns, points, more);
+// Columns of the kind that the table has, as those of a cloud.
+std::vector<CloudColumn> ColumnsOf(const Table& table, std::vector<std::size_t>& places) {
+  std::vector<CloudColumn> columns;
+  for (std::size_t i = 0; i < XyzTable().columns.size(); ++i) {
+    if (!table.Has(i)) continue;
+    const std::string_view name = XyzTable().columns[i].title();
+    columns.push_back({NumberType::kFloat, FieldByName(name), std::string(name)});
+    places.push_back(i);
+  }
+  return columns;
+}
+
+// The names of those that it has besides, for PointSet to tell.
+void AddOthers(const Table& table, std::vector<CloudColumn>& columns) {
+  for (const ColumnName& name : table.names()) {
+    const auto is_known = [&](const Column& column) {
+      return std::ranges::find(column.names, name.name) != column.names.end();
+    };
+    if (std::ranges::none_of(XyzTable().columns, is_known)) columns.push_back({{}, FieldByName(name.name), name.text});
+  }
+}
+
+Atlas ReadTable(std::string_view text, const std::string& path, const ReadOptions& options, Notices& notices) {
+  Table table(text, XyzTable());
+  for (std::size_t axis = 0; axis < kAxes; ++axis) RequireMetres(table, axis);
+  std::vector<std::size_t> places;
+  std::vector<CloudColumn> columns = ColumnsOf(table, places);
+  AddOthers(table, columns);
+  PointSet points(path, columns);
+  std::uint64_t more = 0;
+  while (table.Next()) {
+    points.BeginPoint();
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (!points.Set(columns[i], table.Digits(places[i]))) throw table.CellError(places[i], "a number");
+    more += table.names().empty() && table.cells().size() > kAxes ? 1 : 0;
+    points.EndPoint();
   }
   Atlas atlas = points.Finish(options.selection, notices);
-  if (more > 0) notices.Lose(Concat("what stands behind x, y and z is left out, in ", Counted(more, "line")));
+  if (more > 0)
+    notices.Lose("no line names what stands behind x, y and z; it is left out, of " + Counted(more, "point"));
   return atlas;
 }
 
-// Three numbers between blanks, and nothing else.
-bool SniffXyz(const Probe& probe) {
-  std::string_view text = probe.head;
-  while (!text.empty()) {
-    std::string_view line = Trimmed(TakeLine(text));
-    if (line.empty() || IsComment(line)) continue;
-    for (std::size_t axis = 0; axis < kAxes; ++axis)
-      if (!ParseNumber<double>(TakeWord(line, kBlanks))) return false;
-    return Trimmed(line).empty();
-  }
-  return false;
+// CloudCompare's comment, which names columns.
+std::string_view WithoutSlashes(std::string_view text) { return text.substr(text.starts_with("//") ? 2 : 0); }
+
+Atlas ReadXyz(const Source& source, const ReadOptions& options, Notices& notices) {
+  Atlas atlas;
+  ParseFile(source, "points", [&](std::string_view text) {
+    atlas = ReadTable(WithoutSlashes(WithoutMark(text)), source.path, options, notices);
+  });
+  return atlas;
 }
+
+// Three numbers a line and nothing else; with more it may be anything, and the suffix tells.
+bool SniffXyz(const Probe& probe) { return GlanceAtTable(probe.head, XyzTable()).numbers == kAxes; }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".xyz"};
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "slamdb/formats/colmap/detail/model.h"
 #include "slamdb/pictures/camera_settings.h"
@@ -16,6 +17,10 @@ inline constexpr double kHalfPixel = 0.5;
 //
 // Requires: the camera has the parameters of its model.
 Camera CameraOf(const CameraSettings& settings, std::uint32_t id);
+
+// Where a camera as CameraOf() makes them sees a point in its frame: pixels from the corner of the image. nullopt behind
+// it.
+std::optional<Eigen::Vector2d> SeenBy(const Camera& camera, const Eigen::Vector3d& x_in_camera);
 
 // Why a camera is not read, or null.
 const char* WhyNotRead(const Camera& camera);

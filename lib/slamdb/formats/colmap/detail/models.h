@@ -26,8 +26,7 @@ struct Unheld {
 // that observe them, which are consistent.
 //
 // Cost: linear. Deterministic whatever the threads.
-Model ModelOf(const Atlas& atlas, const Outline& outline, const MapOutline& map, const WriteOptions& options,
-              Unheld& unheld);
+Model ModelOf(const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld);
 
 // Which row of Model::points an id is.
 IdTable PointRowsOf(const Model& model);

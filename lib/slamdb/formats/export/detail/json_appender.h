@@ -14,6 +14,9 @@
 
 namespace slamdb::detail {
 
+// Whether JSON can hold a text as it is.
+bool IsUtf8(std::string_view text);
+
 // Appends one JSON value after the other to a buffer, with the commas between them: fast enough for whole atlases.
 // The caller pairs Begin and End. Names are those of the model's headers and need no escaping.
 class JsonAppender {

@@ -17,7 +17,8 @@ namespace slamdb::detail {
 //   observations              of points by what keyframes say, where no point has any; the other way round, where no
 //                             keyframe sees any point. Further keypoints of one picture that are the same point are
 //                             freed
-//   points                    observation count, descriptor, normal, distance range, reference and first keyframe
+//   points                    observation count, descriptor (MatrixForm::kEmpty), normal, distance range, reference and
+//                             first keyframe
 //   graph                     covisibility, where no keyframe has any; one spanning tree; keyframes with loop or merge
 //                             edges are kept from culling
 //   maps, atlas               root, origins, lowest and largest ids, counters

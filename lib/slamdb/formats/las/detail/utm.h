@@ -11,14 +11,15 @@ namespace slamdb::detail {
 
 // A zone of the Universal Transverse Mercator grid over WGS84.
 struct UtmZone {
-  int number = 1;  // 1 to 60, of 6 degrees each
+  int number = 1;  // 1 to 60, of 6 degrees each but around Norway
   bool north = true;
 
   // EPSG's code: 32632 for zone 32 north.
   std::uint16_t epsg() const { return static_cast<std::uint16_t>((north ? 32600 : 32700) + number); }
 };
 
-// The zone of a place; nullopt above 84 degrees north and below 80 south, where there is none.
+// The zone of a place, 32 in western Norway and 31, 33, 35 or 37 on Svalbard; nullopt above 84 degrees north and below
+// 80 south, where there is none.
 std::optional<UtmZone> UtmZoneOf(const Geodetic& place);
 
 // Easting, northing and altitude, metres; also of places beside the zone. To a micrometre within 30 degrees of its

@@ -42,6 +42,7 @@ struct TypeNode {
   WireClass pair_class = WireClass::kCount;
   std::string class_name;  // kPointer
   bool to_camera = false;  // kPointer
+  bool has_info = true;    // kList: Boost writes no class info for sets and lists of numbers
   std::vector<TypeNode> children;
   std::uint32_t run_bytes = 0;  // of a class: its first `run_nodes` members are so many bytes, where longs have 8
   std::uint32_t run_nodes = 0;

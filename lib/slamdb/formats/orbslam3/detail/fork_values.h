@@ -111,9 +111,15 @@ class ValueReader {
   }
   void ReadVector(const TypeNode& node) {
     const std::size_t width = WireWidthOf(node.number, input_.encoding());
-    const std::uint64_t count = archive_.VectorCount(node.wire_class, width);
+    const std::uint64_t count =
+        node.number == LayoutType::Number::kBool ? BoolCount(node) : archive_.VectorCount(node.wire_class, width);
     out_.Put(count);
     ReadNumbers(node.number, count);
+  }
+  // Boost writes vector<bool> in a way of its own: no item version, in text neither.
+  std::uint64_t BoolCount(const TypeNode& node) {
+    archive_.classes.Register(node.wire_class);
+    return input_.CheckCount(input_.TakeSize(), 1, 1);
   }
   void ReadString() {
     const std::string text = input_.TakeString();
@@ -121,6 +127,7 @@ class ValueReader {
     out_.PutBytes(std::as_bytes(std::span(text)));
   }
   void ReadList(const TypeNode& node) {
+    if (!node.has_info) archive_.classes.FirstUse(node.wire_class);  // so that none is looked for
     const std::uint64_t count = archive_.ClassCount(node.wire_class, 1, 1);
     out_.Put(count);
     for (std::uint64_t i = 0; i < count; ++i) Read(node.children[0]);
@@ -199,7 +206,10 @@ class ValueWriter {
         return WriteNumbers(node.number, node.count);
       case Kind::kVector: {
         const std::uint64_t count = TakeCount(WidthOf(node.number));
-        archive_.VectorCount(node.wire_class, count);
+        if (node.number == LayoutType::Number::kBool)
+          PutBoolCount(node, count);
+        else
+          archive_.VectorCount(node.wire_class, count);
         return WriteNumbers(node.number, count);
       }
       case Kind::kString: {
@@ -211,6 +221,7 @@ class ValueWriter {
         return;
       case Kind::kList: {
         const std::uint64_t count = TakeCount(1);
+        if (!node.has_info) archive_.classes.FirstUse(node.wire_class);
         archive_.ClassCount(node.wire_class, count);
         for (std::uint64_t i = 0; i < count; ++i) Write(node.children[0]);
         return;
@@ -245,6 +256,10 @@ class ValueWriter {
     if (count > in_.left() / bytes)
       throw Error(ErrorKind::kDamaged, "a count of " + std::to_string(count) + " does not fit into carried members");
     return count;
+  }
+  void PutBoolCount(const TypeNode& node, std::uint64_t count) {
+    archive_.classes.Register(node.wire_class);
+    output_.PutSize(count);
   }
   void WriteNumbers(LayoutType::Number number, std::size_t count) {
     using N = LayoutType::Number;

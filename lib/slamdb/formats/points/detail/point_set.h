@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "slamdb/base/error.h"
@@ -42,12 +43,15 @@ enum class PointField : std::uint8_t {
   kMap,
   kId,
   kCamera,   // above 0: no point, but a corner of a camera that is drawn
-  kDerived,  // what slamdb writes and an atlas of points alone has not: colours, counts, errors
+  kDerived,  // what slamdb writes of keyframes, which are not there: counts, errors
+  kColor,    // slamdb's own tell what other columns have, those of others a colour
+  kPadding,
   kUnknown,
 };
+// By the names that slamdb, PCL, and, with `scalar_` before them, CloudCompare give columns.
 PointField FieldByName(std::string_view name);
 
-// A column: of which type, and where its numbers are.
+// A column: of which type, and what its numbers are.
 struct CloudColumn {
   NumberType type = NumberType::kFloat;
   PointField field = PointField::kUnknown;
@@ -59,36 +63,43 @@ class PointSet {
  public:
   // Throws Error (kUnsupported) when a coordinate has no column.
   PointSet(const std::string& path, const std::vector<CloudColumn>& columns);
-  // What fits into memory that a file of so many bytes may ask for.
-  void Reserve(std::uint64_t points) { points_.reserve(points); }
+  // `points`: as many as the bytes of the file suffice for.
+  void Reserve(std::uint64_t points) { expected_ = points; }
 
   void BeginPoint() { now_ = {}; }
   // A number of the point that was begun, as it stands in memory; `swapped`: the other byte order.
   void Set(const CloudColumn& column, const std::byte* number, bool swapped);
   // The same as text; false when it is no number.
   bool Set(const CloudColumn& column, std::string_view number);
+  // Points without an id get the number of their row. What has neither id nor position is none, as where a depth camera
+  // measured nothing.
+  // Throws Error (kUnsupported) when there are more maps than any atlas has.
   void EndPoint();
 
-  // Maps by their ids, points in the order of the file; names as losses what an atlas has no place for.
-  // Points without an id get the number of their row.
+  // Maps in the order in which they came; names as losses what an atlas has no place for.
   Atlas Finish(const Selection& selection, Notices& notices);
 
  private:
   struct Row {
     Eigen::Vector3f position = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();
     float min_distance = 0, max_distance = 0;
-    std::optional<std::uint64_t> map, id;
+    std::uint64_t map = 0;
+    std::optional<std::uint64_t> id;
     bool camera = false;
   };
   void SetReal(PointField field, double value);
   void SetWhole(PointField field, std::optional<std::uint64_t> value);
+  Map& MapOf(std::uint64_t id);
+  void Tell(Notices& notices) const;
 
   const std::string& path_;
-  std::string unknown_;
-  bool has_ids_ = false, has_doubles_ = false;
+  std::string unknown_, derived_;  // names of columns
+  bool has_ids_ = false;
   Row now_;
-  std::uint64_t row_ = 0, cameras_ = 0;
-  std::vector<Row> points_;
+  std::uint64_t row_ = 0, expected_ = 0, cameras_ = 0, empty_ = 0, rounded_ = 0;
+  double most_rounded_ = 0;
+  Atlas atlas_;
+  std::unordered_map<std::uint64_t, std::size_t> rows_of_maps_;  // of atlas_.maps, by id
 };
 
 // A count of rows, of which each takes so many bytes of those that are left. Throws Error (kDamaged) when they do not

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "slamdb/base/file.h"
+#include "slamdb/model/geodetic.h"
 
 // What the blobs of RTAB-Map's databases hold.
 namespace slamdb::rtabmap {
@@ -32,6 +33,10 @@ using Pose = Eigen::Isometry3d;
 std::optional<Pose> PoseOf(Bytes blob, const Place& place);
 // Of 12 numbers.
 std::optional<Pose> PoseOf(const float* rows);
+
+// Six doubles: time, longitude, latitude, altitude, accuracy, bearing. `stamp`: of the node, where the fix has no time.
+// nullopt: no blob, or no place on earth.
+std::optional<GpsFix> FixOf(Bytes blob, double stamp, const Place& place);
 
 // What is in a compressed matrix, which must be of this OpenCV type.
 std::vector<std::int32_t> IntegersOf(Bytes blob, const Place& place);

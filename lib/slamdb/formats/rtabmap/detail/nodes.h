@@ -7,6 +7,7 @@
 #include "slamdb/formats/format.h"
 #include "slamdb/formats/rtabmap/detail/blobs.h"
 #include "slamdb/formats/sqlite/detail/database.h"
+#include "slamdb/model/geodetic.h"
 
 namespace slamdb::rtabmap {
 
@@ -16,7 +17,7 @@ struct Node {
   std::uint32_t session = 0;  // map_id
   double stamp = 0;           // seconds
   std::optional<Pose> odometry, optimized, truth;
-  bool has_gps = false;
+  std::optional<GpsFix> gps;
   std::vector<NodeCamera> cameras;  // of its picture; none: it has no picture, or no camera that is calibrated
 };
 

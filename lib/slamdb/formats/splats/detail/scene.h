@@ -15,7 +15,8 @@ namespace slamdb::splats {
 struct Scene {
   colmap::MapOutline outline;
   colmap::Model model;
-  std::string folder;  // in the output: empty, or `1/`
+  std::string folder;       // in the output: empty, or `1/`
+  std::size_t left_out = 0;  // images without a picture
 };
 
 // Takes what a picture makes, in the order of the views.
@@ -35,10 +36,9 @@ void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptio
 // Points as a PLY file of the kind that trainers read: x y z, normals of zero, red green blue; each turned by `turn`.
 std::string PlyOf(const colmap::Model& model, const Eigen::Matrix3d& turn);
 
-// The scenes of an atlas: the one map in the folder itself, several in folders `0`, `1`, ...
-//
-// Throws Error as OutlineOf does.
-std::vector<Scene> ScenesOf(const Atlas& atlas, const colmap::Outline& outline, const WriteOptions& options);
+// The scenes of an atlas: the one map in the folder itself, several in folders `0`, `1`, ... Where pictures were named,
+// images without one are left out.
+std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& options);
 
 // Says how many keyframes and points were written, and warns where there are no pictures.
 void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Notices& notices);

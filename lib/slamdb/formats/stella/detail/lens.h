@@ -22,7 +22,8 @@ Column<Keypoint> Undistorted(const LensCamera& camera, const Column<Keypoint>& k
 // As ORB-SLAM3 makes them of a picture: where a pinhole distorts, the undistorted corners, without their fractions.
 ImageBounds BoundsOf(const LensCamera& camera);
 
-// The size of the picture that has these bounds, set in the camera. False: none has exactly, and it is the nearest.
+// The size of the picture that has these bounds, set in the camera. False: none has exactly, and it is the nearest; of
+// bounds that are not set, twice the principal point.
 bool SetSize(LensCamera& camera, const ImageBounds& bounds);
 
 }  // namespace slamdb::stella

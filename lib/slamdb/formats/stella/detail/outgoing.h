@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,8 @@ struct OutgoingPoint {
 
 // The columns of a keyframe as they are written, `rows` each.
 struct OutgoingFeatures {
-  Column<Keypoint> undistorted;
+  std::span<const Keypoint> undistorted;  // of the keyframe, or `changed`
+  Column<Keypoint> changed;
   Column<float> right_x, depth;  // or none
 };
 
@@ -59,13 +61,18 @@ class Outgoing {
   // What the notices tell.
   struct Losses {
     std::uint64_t bad_keyframes = 0, bad_points = 0, unseen_points = 0, cut_loops = 0, right_keypoints = 0, merges = 0,
-                  without_descriptor = 0, rows = 0, sizes = 0, slots = 0;
+                  without_descriptor = 0, rows = 0, sizes = 0, slots = 0, observations = 0, told = 0;
     void Tell(Notices& notices) const;
   };
 
   void CollectKeyFrames(const std::vector<const Map*>& maps);
   void CollectPoints(const std::vector<const Map*>& maps);
   void FindSlots(int threads);
+  void PlacePoint(const MapPoint& point);
+  struct SlotCounts {
+    std::uint64_t lost = 0, told = 0;  // keypoints of a point that is elsewhere, and that learn of one
+  };
+  SlotCounts PlaceSlots(OutgoingKeyFrame& written) const;
   void KeepSeenPoints();
   void FindTree();
   void FindCameras(const Atlas& atlas);

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/xyz/detail/xyz.h"
+#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/fuzz_cloud.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  slamdb::fuzz::TryCloud(slamdb::detail::kXyzFormat, {reinterpret_cast<const char*>(data), size});
+  return 0;
+}
