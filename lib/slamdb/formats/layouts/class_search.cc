@@ -306,6 +306,8 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
   if (type.kind != LayoutType::Kind::kVector || type.elements[0].kind != LayoutType::Kind::kArray) return {warm_type};
   const std::uint32_t bytes = type.elements[0].count;
   std::vector<std::string> types;
+  if (bytes == 1) return {"set<u8>"};
+  if (bytes == 2) types = {"set<u16>"};
   if (bytes == 4) types = {"set<u32>", "list<f32>"};
   if (bytes == 8) types = {"set<u64>", "map<u32,u32>", "map<i32,f32>"};
   if (bytes == 12) types = {"map<u64,i32>", "map<u64,f32>", "map<u32,f64>", "map<i32,f64>", "map<i64,i32>"};

@@ -17,8 +17,8 @@ struct WireType {
   enum class Kind : std::uint8_t {
     kFixed,       // `bytes` of them
     kNumbers,     // count, then elements of `bytes` each, without class information
-    kBools,       // class information, count, a byte each
-    kCollection,  // class information, count, item version, elements
+    kBools,       // count, a byte each
+    kCollection,  // class information, but in front of numbers, count, item version, elements
     kMap,         // the same with pairs of `element` and `second`
     kArray,       // `count` elements
     kString,
@@ -34,6 +34,7 @@ struct WireType {
   std::uint32_t element = 0, second = 0;  // rows of types
   std::uint32_t class_row = 0;            // kPointer, kValue, kRaw
   std::uint32_t key = 0, pair_key = 0;    // in the class table
+  bool info = true;                       // kCollection, kMap: class information stands in front of the first one
 };
 
 struct WireMember {
