@@ -105,7 +105,7 @@ ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
   for (const LayoutClass& of : derived.layout.classes)
     for (const LayoutMember& member : of.members) unknown += member.type.find('?') != std::string::npos;
   std::string text = Counted(derived.files, "source file") + ", " +
-                     Counted(derived.layout.classes.size(), "class", "classes") + " that are archived\n";
+                     Counted(derived.layout.classes.size(), "class", "classes") + " archived\n";
   text += known.empty() ? "a layout that is not known\n" : "the layout " + known + "\n";
   text += Listed("not understood", questions);
   if (unknown > 0)

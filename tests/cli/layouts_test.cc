@@ -50,8 +50,8 @@ TEST(Layouts, InferFindsWhatNobodyDescribed) {
   EXPECT_THAT(result.out, AllOf(HasSubstr("KeyFrame: arr<u8,8> more"), HasSubstr("14 keyframes and 3,162 points"),
                                 HasSubstr("the same bytes")));
   EXPECT_EQ(RunSlamdb({"layouts", "infer", folder / "fork.osa", "-o", folder / "fork.json"}).exit_code, 1);
-  ASSERT_EQ(RunSlamdb({"convert", folder / "fork.osa", folder / "same.osa", "--layout", folder / "fork.json"}).exit_code,
-            0);
+  ASSERT_EQ(
+      RunSlamdb({"convert", folder / "fork.osa", folder / "same.osa", "--layout", folder / "fork.json"}).exit_code, 0);
   EXPECT_EQ(ReadWholeFile(folder / "same.osa"), ReadWholeFile(folder / "fork.osa"));
 }
 
@@ -79,10 +79,11 @@ TEST(Layouts, InferSaysWhatToDoWhereNoneIsFound) {
 
 TEST(Layouts, FromSourceAsksWhatItDoesNotUnderstand) {
   const TemporaryFolder folder, sources;
-  WriteWholeFile(sources / "Map.h",
-                 "class Map {\n  int a;\n  Blob b;\n  template <class A> void serialize(A& ar, const unsigned int) {\n"
-                 "    ar & a;\n    ar & b;\n  }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << "
-                 "map; }\n");
+  WriteWholeFile(
+      sources / "Map.h",
+      "class Map {\n  int a;\n  Blob b;\n  template <class A> void serialize(A& ar, const unsigned int) {\n"
+      "    ar & a;\n    ar & b;\n  }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << "
+      "map; }\n");
   const ProcessResult result = RunSlamdb({"layouts", "from-source", sources.path().string()});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.out, AllOf(HasSubstr("Map.h:"), HasSubstr("`?`")));
@@ -102,8 +103,8 @@ TEST(Layouts, RecoverKeepsTheRecordsOfAFork) {
       RunSlamdb({"recover", folder / "damaged.osa", folder / "rescued.osa", "--no-triangulate", "--json"});
   EXPECT_EQ(result.exit_code, 3) << result.err;
   const json report = json::parse(result.out);
-  EXPECT_EQ(report["keyframes"]["read"], 14) << result.out;
-  EXPECT_GE(report["points"]["read"], 3162 - 8) << result.out;
+  EXPECT_EQ(report["keyframes"]["recovered"], 14) << result.out;
+  EXPECT_GE(report["points"]["recovered"], 3162 - 8) << result.out;
 }
 
 }  // namespace

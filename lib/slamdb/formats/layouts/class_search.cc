@@ -75,7 +75,8 @@ class ClassSearch {
     RecordSearch search(wire, archive_.file, archive_.encoding, StepsOf(wire, class_name_));
     std::vector<MemberPlace> samples = Samples();
     for (std::size_t round = 0; round < kMostRounds; ++round) {
-      const std::vector<RecordSolution> solutions = Likeliest(search.Run(samples), search.steps(), layout);
+      const std::vector<RecordSolution> solutions =
+          Likeliest(round == 0 ? RunWithoutOutlier(search, samples) : search.Run(samples), search.steps(), layout);
       std::vector<ClassOption> options;
       for (std::size_t i = 0; i < solutions.size() && options.size() < kMostOptions; ++i) {
         ClassOption option{layout, {}};
@@ -94,6 +95,18 @@ class ClassSearch {
   }
 
  private:
+  // A record that brings a class for the first time is like no other: where nothing explains all samples, without one.
+  static std::vector<RecordSolution> RunWithoutOutlier(RecordSearch& search, std::vector<MemberPlace>& samples) {
+    std::vector<RecordSolution> solutions = search.Run(samples);
+    for (std::size_t left_out = 0; solutions.empty() && left_out < samples.size() && samples.size() > 2; ++left_out) {
+      std::vector<MemberPlace> others = samples;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
+      solutions = search.Run(others);
+      if (!solutions.empty()) samples = std::move(others);
+    }
+    return solutions;
+  }
+
   // Those against which least speaks in all records.
   std::vector<RecordSolution> Likeliest(std::vector<RecordSolution> solutions, const std::vector<SearchStep>& steps,
                                         const Layout& layout) const {
@@ -267,6 +280,16 @@ std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view
 
 namespace {
 
+// Lists of numbers that are as long in all records: they have no class information, but are classes.
+void AddLists(std::uint32_t bytes, std::vector<std::string>& types) {
+  constexpr std::uint32_t kCount = 8, kHead = 12;  // count and item version
+  if (bytes > kHead && (bytes - kHead) % 8 == 0) types.emplace_back("set<u64>");
+  if (bytes > kHead && (bytes - kHead) % 4 == 0) types.emplace_back("set<u32>");
+  if (bytes > kCount && (bytes - kCount) % 8 == 0) types.emplace_back("vec<f64>");
+  if (bytes > kCount && (bytes - kCount) % 2 == 0) types.emplace_back("vec<u16>");
+  if (bytes > kCount) types.emplace_back("vec<u8>");
+}
+
 // Bytes of which a part has class information in front: a list that is as long in all records, behind others or not;
 // with the classes of its elements behind its count.
 void AddParts(std::uint32_t bytes, std::vector<std::string>& types) {
@@ -294,6 +317,7 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
     if (bytes == 8) types.insert(types.end(), {"vec<f64>", "vec<u8>"});  // empty ones
     if (bytes == 12)
       types.insert(types.end(), {"set<u64>", "map<u64,u64>", "map<u64,i32>", "vec<vec<u64>>", "vec<vec<i32>>"});
+    AddLists(bytes, types);
     AddParts(bytes, types);
     return types;
   }
@@ -306,6 +330,8 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
   if (type.kind != LayoutType::Kind::kVector || type.elements[0].kind != LayoutType::Kind::kArray) return {warm_type};
   const std::uint32_t bytes = type.elements[0].count;
   std::vector<std::string> types;
+  if (bytes == 1) return {"set<u8>"};
+  if (bytes == 2) types = {"set<u16>"};
   if (bytes == 4) types = {"set<u32>", "list<f32>"};
   if (bytes == 8) types = {"set<u64>", "map<u32,u32>", "map<i32,f32>"};
   if (bytes == 12) types = {"map<u64,i32>", "map<u64,f32>", "map<u32,f64>", "map<i32,f64>", "map<i64,i32>"};

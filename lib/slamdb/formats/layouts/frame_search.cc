@@ -50,7 +50,7 @@ std::vector<std::string> FrameTypes() {
     types.push_back(Concat("arr<u8,", bytes, ">"));
   for (std::uint32_t bytes = 1; bytes <= 64; bytes += bytes < 17 ? 1 : 4)
     types.push_back(Concat("val<Unknown", bytes, ">"));
-  for (const std::uint32_t bytes : {1, 2, 12, 16, 20, 24, 28, 32, 36, 40, 48})
+  for (const std::uint32_t bytes : {2, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 48})
     types.push_back(Concat("set<arr<u8,", bytes, ">>"));
   for (const std::uint32_t bytes : {4, 8, 9, 12, 16, 20, 24, 28, 32, 36})
     types.push_back(Concat("vec<val<Unknown", bytes, ">>"));

@@ -2,7 +2,6 @@
 #include "slamdb/formats/layouts/infer.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <optional>
 #include <unordered_set>
@@ -156,13 +155,13 @@ std::vector<MemberPlace> WholeRecords(std::span<const MapRecords> maps, RecordLi
   return whole;
 }
 
-// A known layout that comes to the end; the one that reads what ORB-SLAM3 writes.
-std::optional<InferredLayout> Known(const ArchiveBytes& archive) {
+// A known layout that comes to the end; the one that reads what ORB-SLAM3 writes, or most likely does.
+std::optional<InferredLayout> Known(const ArchiveBytes& archive, double most) {
   std::optional<InferredLayout> best;
   double least = std::numeric_limits<double>::max();
   for (const Layout& layout : KnownLayouts()) {
     const Verdict verdict = Judge(archive, layout);
-    if (!verdict.whole || verdict.penalty >= kMostPenalty || verdict.total >= least) continue;
+    if (!verdict.whole || verdict.penalty >= most || verdict.total >= least) continue;
     least = verdict.total;
     best = InferredLayout{.layout = layout, .known = true};
   }
@@ -176,7 +175,11 @@ class Inference {
 
   InferredLayout Run() {
     Count();
-    if (auto known = Known(archive_)) return Finished(std::move(*known));
+    if (auto known = Known(archive_, kMostPenalty)) return Finished(std::move(*known));
+    if (auto doubtful = maps_.empty() ? Known(archive_, std::numeric_limits<double>::max()) : std::nullopt) {
+      doubtful->doubts.emplace_back("the last byte is reached, but values are unlike those of ORB-SLAM3");
+      return Finished(std::move(*doubtful));
+    }
     if (archive_.encoding.long_bytes != 8 || archive_.encoding.size_bytes != 8)
       Fail("it is of none of the known layouts, and others are only found in archives with longs of 8 bytes");
     if (maps_.empty()) Fail("it is of none of the known layouts, and no keyframe was found by the size of its grid");
@@ -367,14 +370,7 @@ std::optional<Layout> LayoutOfRecords(const ArchiveBytes& archive, std::span<con
   const std::vector<MemberPlace> points = WholeRecords(maps, &MapRecords::points);
   const std::vector<ClassOption> of_points = FindClass(archive, "MapPoint", points, of_keyframes.front().layout);
   if (of_points.empty()) return std::nullopt;
-  const Layout& found = of_points.front().layout;
-  const auto same = [&](const Layout& known) {
-    return std::ranges::all_of(std::array{"KeyFrame", "MapPoint"}, [&](const char* name) {
-      return known.Find(name) != nullptr && *known.Find(name) == *found.Find(name);
-    });
-  };
-  const auto known = std::ranges::find_if(KnownLayouts(), same);
-  return known == KnownLayouts().end() ? found : *known;
+  return of_points.front().layout;
 }
 
 }  // namespace layouts

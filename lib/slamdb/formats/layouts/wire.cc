@@ -117,7 +117,7 @@ std::uint32_t Wire::Add(const LayoutType& parsed) {
       wire.kind = WireType::Kind::kCollection;
       if (numbers) wire.kind = element.number == Number::kBool ? WireType::Kind::kBools : WireType::Kind::kNumbers;
       if (numbers) wire.bytes = number(element);
-      wire.has_info = element.kind != Kind::kNumber;
+      wire.info = element.kind != Kind::kNumber;
       wire.key = KeyOf(ToString(type));
       break;
     }

@@ -185,8 +185,6 @@ bool WireWalk::Value(std::uint32_t row, int depth) {
     case Kind::kFixed:
       return Skip(type.bytes);
     case Kind::kNumbers:
-      Register(type.key);
-      return Warm(type);
     case Kind::kBools:
       Register(type.key);
       return Warm(type);
@@ -218,7 +216,7 @@ bool WireWalk::Collection(const WireType& type, int depth) {
   Register(type.key);
   std::uint64_t count = 0;
   std::uint32_t version = 0;
-  if ((type.has_info && !Info(type.key, 0)) || !TakeCount(count) || !Take(version) || version != 0) return false;
+  if ((type.info && !Info(type.key, 0)) || !TakeCount(count) || !Take(version) || version != 0) return false;
   const bool is_map = type.kind == Kind::kMap;
   const auto fixed = [&](std::uint32_t row) { return wire_.types[row].kind == Kind::kFixed; };
   if (is_map && count > 0) {

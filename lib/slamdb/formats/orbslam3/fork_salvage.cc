@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/orbslam3/detail/fork_salvage.h"
 
+#include <algorithm>
+
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/layouts/detail/inference.h"
@@ -17,28 +19,39 @@ using detail::Concat;
 using layouts::MapRecords;
 using layouts::RecordList;
 
-// Whether one in two of the records that are seen whole is read by v1.0 from end to end.
-bool IsOfOwnLayout(std::string_view file, const ArchiveEncoding& encoding, std::span<const MapRecords> maps) {
-  const layouts::Wire wire(KnownLayouts().front(), encoding);
-  const layouts::WarmWalk walk(wire, file, encoding);
-  std::size_t known = 0, fitting = 0;
-  const auto count = [&](const RecordList& list, const char* name) {
-    const layouts::WireClass& of = wire.classes[static_cast<std::size_t>(wire.RowOf(name))];
+// Whether one in two of the records that are seen whole is read by the layout from end to end.
+bool FitsRecords(const layouts::ArchiveBytes& archive, const Layout& layout, std::span<const MapRecords> maps) {
+  const layouts::Wire wire(layout, archive.encoding);
+  const layouts::WarmWalk walk(wire, archive.file, archive.encoding);
+  const auto fits = [&](const RecordList& list, const char* name) {
+    const std::int64_t row = wire.RowOf(name);
+    if (row < 0) return false;
+    std::size_t known = 0, fitting = 0;
     for (std::size_t i = 0; i < list.records.size(); ++i) {
       const std::uint64_t end = EndOf(list, i);
       known += end > 0;
-      fitting += end > 0 && walk.BehindMembers(of, list.records[i].body, 0) == end;
+      fitting +=
+          end > 0 && walk.BehindMembers(wire.classes[static_cast<std::size_t>(row)], list.records[i].body, 0) == end;
     }
     return 2 * fitting >= known;
   };
-  bool all = true;
-  for (const MapRecords& map : maps) {
-    known = fitting = 0;
-    all = count(map.keyframes, "KeyFrame") && all;
-    known = fitting = 0;
-    all = count(map.points, "MapPoint") && all;
+  return std::ranges::all_of(
+      maps, [&](const MapRecords& map) { return fits(map.keyframes, "KeyFrame") && fits(map.points, "MapPoint"); });
+}
+
+// The known layout that fits the records; of several the one that comes farthest from the beginning on, as they may
+// differ in their classes alone. Null when none does.
+const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps) {
+  const Layout* best = nullptr;
+  std::uint64_t farthest = 0;
+  for (const Layout& layout : KnownLayouts()) {
+    if (!FitsRecords(archive, layout, maps)) continue;
+    const std::uint64_t reached = layouts::Judge(archive, layout).reached;
+    if (best != nullptr && reached <= farthest) continue;
+    best = &layout;
+    farthest = reached;
   }
-  return all;
+  return best;
 }
 
 SalvagedMap Counted(const Map& map) {
@@ -113,9 +126,12 @@ void DropCarried(Atlas& atlas) {
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
   const std::string_view file(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::vector<MapRecords> maps = layouts::FindRecords(file, header.encoding);
-  if (maps.empty() || IsOfOwnLayout(file, header.encoding, maps)) return std::nullopt;
+  if (maps.empty()) return std::nullopt;
+  const layouts::ArchiveBytes archive{file, header.encoding, header.bytes};
+  const Layout* known = KnownLayoutOf(archive, maps);
+  if (known == &KnownLayouts().front()) return std::nullopt;
   if (auto whole = Whole(bytes, path)) return whole;
-  const auto layout = layouts::LayoutOfRecords({file, header.encoding, header.bytes}, maps);
+  const auto layout = known != nullptr ? std::optional(*known) : layouts::LayoutOfRecords(archive, maps);
   if (!layout) return std::nullopt;
   std::vector<MapPlaces> places;
   for (const MapRecords& map : maps) places.push_back({PlacesOf(map.keyframes), PlacesOf(map.points)});
@@ -135,8 +151,8 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   }
   salvage.maps_listed = maps.size();
   salvage.lost_beginning = salvage.atlas.vocabulary.name.empty();
-  if (FindKnownLayout(layout->id) != nullptr) {
-    salvage.atlas.layout = layout->id;
+  if (known != nullptr) {
+    salvage.atlas.layout = known->id;
   } else {
     DropCarried(salvage.atlas);
     salvage.damage.emplace_back("members that ORB-SLAM3 v1.0 does not have are left out: their layout is not whole");

@@ -61,8 +61,8 @@ void SetType(Layout& layout, const std::string& class_name, std::size_t row, con
 bool FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends, Layout& layout,
                Findings& findings);
 
-// The layout that keyframes and map points have in a damaged archive: a known one, or one without an id whose unknown
-// members are bytes as they stand where every class has been met. Nothing when none explains them.
+// The layout that keyframes and map points have in a damaged archive; unknown members are bytes as they stand where
+// every class has been met. Nothing when no change of v1.0 explains them.
 std::optional<Layout> LayoutOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps);
 
 }  // namespace slamdb::layouts

@@ -18,7 +18,7 @@ struct WireType {
     kFixed,       // `bytes` of them
     kNumbers,     // count, then elements of `bytes` each, without class information
     kBools,       // count, a byte each
-    kCollection,  // class information but for sets and lists of numbers, count, item version, elements
+    kCollection,  // class information, but in front of numbers, count, item version, elements
     kMap,         // the same with pairs of `element` and `second`
     kArray,       // `count` elements
     kString,
@@ -34,7 +34,7 @@ struct WireType {
   std::uint32_t element = 0, second = 0;  // rows of types
   std::uint32_t class_row = 0;            // kPointer, kValue, kRaw
   std::uint32_t key = 0, pair_key = 0;    // in the class table
-  bool has_info = true;                   // kCollection
+  bool info = true;                       // kCollection, kMap: class information stands in front of the first one
 };
 
 struct WireMember {
