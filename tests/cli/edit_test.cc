@@ -46,6 +46,65 @@ TEST_F(Edit, WhatGoesBesideTheAtlasReplacesNoAtlas) {
   EXPECT_FALSE(std::filesystem::exists(output_));
 }
 
+// Both tables at once, in a store; and back to the same bytes.
+TEST_F(Edit, TablesChangeAtlasesOfStoresAndAreTakenBack) {
+  const std::string store = folder_ / "s.db", points = folder_ / "p.csv", poses = folder_ / "k.keyframes.csv";
+  const std::string journal = folder_ / "edit.json";
+  for (const std::string& output : {store + "#map", points, poses})
+    ASSERT_EQ(RunSlamdb({"convert", input_, output}).exit_code, 0);
+  std::string table = ReadWholeFile(poses);
+  table.erase(table.rfind('\n', table.size() - 2) + 1);  // the last keyframe
+  WriteWholeFile(poses, table);
+  const std::vector<std::string> command = {"edit",        store + "#map", store + "#edited", "--points", points,
+                                            "--keyframes", poses,          "--delete-missing"};
+  const ProcessResult planned =
+      RunSlamdb({"edit", store + "#map", "--keyframes", poses, "--delete-missing", "--dry-run"});
+  EXPECT_EQ(planned.exit_code, 0);
+  EXPECT_THAT(planned.out, HasSubstr("would edit"));
+  EXPECT_THAT(planned.out, HasSubstr("1 without a row deleted"));
+  std::vector<std::string> kept = command;
+  kept.insert(kept.end(), {"--journal", journal});
+  ASSERT_EQ(RunSlamdb(kept).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"diff", store + "#map", store + "#edited"}).exit_code, 1);
+  ASSERT_EQ(RunSlamdb({"repair", "--undo", journal, store + "#edited", output_}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(output_), bytes_);
+}
+
+// Each with what is wrong, and nothing written.
+TEST_F(Edit, TablesThatDoNotFitAreRefused) {
+  const std::string points = folder_ / "p.csv", cloud = folder_ / "p.ply";
+  ASSERT_EQ(RunSlamdb({"convert", input_, points}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", input_, cloud}).exit_code, 0);
+  ExpectRefused({"edit", input_, output_}, "a table is missing; --points or --keyframes names one", 2);
+  ExpectRefused({"edit", input_, output_, "--keyframes", points}, "line 1: a table of points");
+  ExpectRefused({"edit", input_, output_, "--points", cloud}, "not a table of points: this is a PLY point cloud");
+  ExpectRefused({"edit", input_, output_, "--points", input_}, "not a table of points: this is an atlas");
+  ExpectRefused({"edit", other_, output_, "--points", points}, "tables add nothing, ndjson does");
+  ExpectRefused({"edit", cloud, output_, "--keyframes", points}, "line 1: a table of points");
+  EXPECT_FALSE(std::filesystem::exists(output_));
+}
+
+// A point cloud is an atlas of points alone: what needs more says so.
+TEST_F(Edit, PointCloudsAreRefusedWhereObservationsAreNeeded) {
+  const std::string cloud = folder_ / "p.ply";
+  ASSERT_EQ(RunSlamdb({"convert", input_, cloud}).exit_code, 0);
+  for (const std::vector<std::string>& line :
+       std::vector<std::vector<std::string>>{{"check"},
+                                             {"repair", output_},
+                                             {"optimize", output_},
+                                             {"cull", output_},
+                                             {"shrink", output_, "--target-keyframes", "3"},
+                                             {"close-loops", output_},
+                                             {"fragments", output_}}) {
+    std::vector<std::string> words = line;
+    words.insert(words.begin() + 1, cloud);
+    ExpectRefused(words, "is a PLY point cloud; an atlas is needed");
+  }
+  EXPECT_EQ(RunSlamdb({"diff", input_, cloud}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"transform", cloud, folder_ / "big.ply", "--scale", "2"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"diff", input_, folder_ / "big.ply"}).exit_code, 1);
+}
+
 TEST_F(Edit, SplitDoesNotReplaceItsInput) {
   const std::string map = folder_ / "map-0.osa";
   std::filesystem::copy_file(input_, map);

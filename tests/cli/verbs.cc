@@ -21,6 +21,7 @@ const std::map<std::string, std::vector<std::string>>& More() {
       {"align", {"room.osa"}},
       {"complete", {"a.osa", "kf/"}},
       {"completion", {"bash"}},
+      {"edit", {"--points", "points.csv"}},
       {"evaluate", {"--align", "none"}},
       {"extract", {"--map", "0"}},
       {"layouts from-source", {"sources"}},
@@ -44,6 +45,8 @@ std::string InputOf(const std::string& verb, const std::string& option) {
                                                              {"migrate STORE", "old.db"},
                                                              {"landmarks from-points INPUT", "points.osa"},
                                                              {"landmarks to-points INPUT", "landmarks.mrpt"},
+                                                             {"edit --points", "points.csv"},
+                                                             {"edit --keyframes", "poses.keyframes.csv"},
                                                              {"align INPUT", "room.osa"},
                                                              {"locate INPUT", "room.osa"},
                                                              {"locate PICTURE", "room.jpg"}};
@@ -137,6 +140,7 @@ void FillFolder(const std::string& folder) {
   const std::string tiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
   for (const char* name : {"a.osa", "b.osa", "points.osa"}) std::filesystem::copy_file(tiny, in / name);
   for (const char* name : {"m.db#a", "m.db#b", "old.db#a"}) WriteAtlas(ReadAtlas(tiny), (in / name).string());
+  for (const char* name : {"points.csv", "poses.keyframes.csv"}) WriteAtlas(ReadAtlas(tiny), (in / name).string());
   MigrateStore((in / "old.db").string(), {.back = true, .backup = false});
   std::filesystem::create_directory(in / "sources");
   WriteWholeFile(in / "sources" / "map.h",

@@ -58,12 +58,13 @@ class FindAtlasesTest : public ::testing::Test {
 TEST_F(FindAtlasesTest, AFolderStandsForItsAtlasesInNaturalOrder) {
   for (const char* name : {"map10.osa", "map2.osa", "B.OSA", "map1.osa.txt"}) Put(name);
   folder_.Make("notes.txt", "nothing");
-  folder_.Make("points.ply", "ply\n");
+  folder_.Make("points.ply", "ply\n");  // what was made of an atlas stands beside it
+  folder_.Make("points.xyz", "1 2 3\n");
   folder_.Make(".hidden.osa", "");
   Put("inner/deep.osa");
   const AtlasInputs found = Find({folder_.path().string()});
   EXPECT_THAT(Found({folder_.path().string()}), ElementsAre("B.OSA", "map1.osa.txt", "map2.osa", "map10.osa"));
-  EXPECT_EQ(found.skipped.others, 2U);
+  EXPECT_EQ(found.skipped.others, 3U);
   EXPECT_EQ(found.skipped.hidden, 1U);
   EXPECT_EQ(found.skipped.folders, 1U);
   EXPECT_EQ(found.atlases[0].below, "B.OSA");

@@ -31,7 +31,7 @@ constexpr std::array<std::string_view, 7> kOfAtlasesAlone = {".osa",     ".osa.t
                                                              ".mrpt.gz", ".mrpt.txt", ".mrpt.txt.gz"};
 
 bool HoldsAtlases(const Format& format) {
-  return format.read != nullptr && HasAny(format.reads, Content::kPoints | Content::kLandmarks);
+  return format.read != nullptr && HasAny(format.reads, Content::kObservations | Content::kLandmarks);
 }
 
 bool EndsWith(std::string_view name, std::string_view suffix) {
