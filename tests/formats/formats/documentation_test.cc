@@ -87,8 +87,8 @@ TEST_P(DocumentedFormat, MakesItsFixture) {
   }
   const WriteOptions options = ForAnyFormat({.format = GetParam(), .sync = false});
   if (std::getenv("SLAMDB_UPDATE_GOLDEN") != nullptr) {
-      fs::remove_all(path);  // databases of other programs are never replaced
-      WriteAtlas(LandmarkAtlas(), Location(path, {}), options);
+    fs::remove_all(path);  // databases of other programs are never replaced
+    WriteAtlas(LandmarkAtlas(), Location(path, {}), options);
     fs::remove(path + ".times");
   }
   ASSERT_TRUE(fs::exists(path)) << path << " is missing; SLAMDB_UPDATE_GOLDEN=1 makes it";
