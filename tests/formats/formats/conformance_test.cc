@@ -177,7 +177,8 @@ TEST_F(ConformanceFiles, AreListedWithTheirHashes) {
   const std::string manifest = Manifest();
   EXPECT_EQ(Golden("manifest.json"), manifest);
   std::vector<std::string> listed = {"README.md", "manifest.json"}, found;
-  for (const ordered_json& entry : ordered_json::parse(manifest)["files"])
+  const ordered_json parsed = ordered_json::parse(manifest);
+  for (const ordered_json& entry : parsed["files"])
     for (const auto& [file, hash] : entry["sha256"].items()) listed.push_back(file);
   for (const auto& entry : fs::recursive_directory_iterator(kFolder))
     if (entry.is_regular_file()) found.push_back(fs::relative(entry.path(), kFolder).generic_string());
