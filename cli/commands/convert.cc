@@ -98,7 +98,8 @@ bool RepairForOrbslam3(Atlas& atlas, Console& console, Notices& notices) {
 
 ExitCode Finish(ConvertReport report, const Location& output, const ConvertOptions& options, Console& console,
                 const Notices& notices) {
-  if (!options.dry_run) report.bytes = SizeOf(output.path);
+  const bool is_header = FormatById(report.format).needs_path;  // of several files
+  if (!options.dry_run && !is_header) report.bytes = SizeOf(output.path);
   report.Add(notices);
   const std::string details = " (" + report.format + ") " + Summary(report);
   if (!options.json && !options.dry_run) return FinishWriting(output, details, console, notices);

@@ -207,6 +207,25 @@ TEST(G2o, BadLinesAreErrorsWithTheirPlace) {
   EXPECT_THAT(Refusal("VERTEX_SE2 0 0 0 0\n"), HasSubstr("has no vertices of the kinds"));
 }
 
+TEST(G2o, AnyCutOrFlipIsReadOrRefused) {
+  const std::string graph = Encoded(G2o(), SmallAtlas()) + "VERTEX_SIM3:EXPMAP 8 0.1 0.2 0.3 1 2 3 0.5 1 1 1 1\n";
+  for (std::size_t at = 0; at < graph.size(); ++at) {
+    Refusal(graph.substr(0, at));
+    std::string flipped = graph;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x11);
+    Refusal(flipped);
+  }
+}
+
+TEST(G2o, ReadsIdsUpToTheLast) {
+  const Atlas atlas = ReadGraph(
+      "VERTEX_SE3:QUAT 18446744073709551614 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 0 1 0 0 0 0 0 1\n"
+      "EDGE_SE3:QUAT 18446744073709551614 0 1 0 0 0 0 0 1\n");
+  EXPECT_EQ(atlas.maps[0].keyframes[1].id.value(), 18446744073709551614U);
+  EXPECT_EQ(atlas.maps[0].keyframes[1].parent, KeyFrameId(0));
+  EXPECT_THAT(Refusal("VERTEX_SE3:QUAT 18446744073709551615 0 0 0 0 0 0 1\n"), HasSubstr("the id of a vertex"));
+}
+
 TEST(G2o, IdsOfSeveralMapsAreUnique) {
   Atlas atlas = SmallAtlas();
   atlas.maps[1].keyframes[0].id = KeyFrameId(3);

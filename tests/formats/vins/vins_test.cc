@@ -93,6 +93,30 @@ TEST_F(Vins, BadLinesAreErrorsWithTheirPlace) {
   EXPECT_THAT(Refusal(kGraph), HasSubstr("expected a descriptor of 256 digits"));
 }
 
+// As both programs print them: six decimals.
+TEST_F(Vins, ReadsWhatItsProgramsPrint) {
+  const Atlas atlas = Read(
+      " 7 1403636579.763555 0.100000 0.200000 0.300000 -0.500000 0.250000 0.125000 1.000000 0.000000 0.000000 0.000000"
+      " 0.500000 -0.500000 0.500000 -0.500000 -1 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000"
+      " 0.000000 0\n");
+  const KeyFrame& keyframe = atlas.maps[0].keyframes.at(0);
+  EXPECT_EQ(keyframe.id, KeyFrameId(7));
+  EXPECT_EQ(keyframe.timestamp, 1403636579.763555);
+  EXPECT_TRUE(CameraCenter(keyframe).isApprox(Eigen::Vector3f(-0.5F, 0.25F, 0.125F), 1e-6F));
+  const Quaternionf& rotation = keyframe.camera_from_world.rotation;  // turned back
+  EXPECT_EQ(Eigen::Vector4f(rotation.x(), rotation.y(), rotation.z(), rotation.w()),
+            Eigen::Vector4f(0.5F, -0.5F, 0.5F, 0.5F));
+}
+
+TEST_F(Vins, AnyFlipIsReadOrRefused) {
+  for (std::string flipped = kGraph; char& byte : flipped)
+    for (const char flip : {'\x01', '\x10', '\x80'}) {
+      byte = static_cast<char>(byte ^ flip);
+      Refusal(flipped);
+      byte = static_cast<char>(byte ^ flip);
+    }
+}
+
 TEST_F(Vins, AnyCutIsReadOrRefused) {
   for (std::size_t size = 0; size < kGraph.size(); ++size) Refusal(kGraph.substr(0, size));
 }
