@@ -95,7 +95,11 @@ TEST_P(DocumentedFormat, MakesItsFixture) {
   EXPECT_TRUE(written(LandmarkAtlas(), "a") == fixture) << path << " is not what is written today";
   if (format().read == nullptr) return;
   EXPECT_EQ(&FormatOfInput(Location(path, {})), &format());
-  EXPECT_TRUE(written(ReadAtlas(path), "b") == fixture);
+  Notices notices;
+  const std::string again = written(ReadAtlas(path, {}, &notices), "b");
+  // What a reader leaves out, it leaves out once.
+  const std::string wanted = notices.lossy() ? written(ReadAtlas(folder.Path("b")), "c") : fixture;
+  EXPECT_TRUE(again == wanted);
 }
 
 std::vector<std::string> AllIds() {
