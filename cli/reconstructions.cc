@@ -36,8 +36,9 @@ void AddReconstructionOptions(CLI::App& verb, ReconstructionOptions& options) {
   verb.add_flag("--with-database", options.with_database,
                 "Write database.db into the folder of a COLMAP model too: keypoints, descriptors, matches")
       ->group(kGroup);
-  verb.add_option("--colmap-schema", options.schema,
-                  "Of the database: old (by default) opens in COLMAP 3.8 and all later versions, new has rigs and frames")
+  verb.add_option(
+          "--colmap-schema", options.schema,
+          "Of the database: old (by default) opens in COLMAP 3.8 and all later versions, new has rigs and frames")
       ->type_name("SCHEMA")
       ->check(CLI::IsMember({"old", "new"}))
       ->group(kGroup);

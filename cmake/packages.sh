@@ -17,9 +17,10 @@ declare -A packages=(
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler python3-msgpack mandoc file dpkg-dev"
   # What tells which libraries a static Cairo is made of.
   [static]="pkg-config"
-  # What .ci/run adds: another compiler and what looks at sources, a browser, clean systems to install into.
+  # What .ci/run adds: another compiler and what looks at sources, a browser, COLMAP, clean systems to install into.
   [checkers]="clang clang-format clang-tidy libclang-rt-dev shellcheck xz-utils"
   [browser]="chromium"
+  [colmap]="colmap"
   [node]="nodejs npm"
   [systems]="debootstrap lintian"
 )

@@ -35,8 +35,8 @@ std::string EncodeJpeg(const ColorPicture& picture) {
   const std::unique_ptr<void, decltype(&tjDestroy)> encoder(tjInitCompress(), tjDestroy);
   unsigned char* made = nullptr;
   unsigned long size = 0;
-  const int failed = tjCompress2(encoder.get(), picture.pixels.data(), picture.width, 0, picture.height, TJPF_RGB, &made,
-                                 &size, TJSAMP_444, kQuality, TJFLAG_ACCURATEDCT);
+  const int failed = tjCompress2(encoder.get(), picture.pixels.data(), picture.width, 0, picture.height, TJPF_RGB,
+                                 &made, &size, TJSAMP_444, kQuality, TJFLAG_ACCURATEDCT);
   const std::unique_ptr<unsigned char, decltype(&tjFree)> guard(made, tjFree);
   if (failed != 0) Fail(tjGetErrorStr2(encoder.get()));
   return {reinterpret_cast<const char*>(made), size};

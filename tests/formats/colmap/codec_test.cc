@@ -50,7 +50,8 @@ constexpr std::array kParts = {Part::kCameras, Part::kImages, Part::kPoints, Par
 
 std::string Encoded(Part part, bool binary) {
   std::string bytes;
-  const Target target([&](Bytes more) { bytes.append(reinterpret_cast<const char*>(more.data()), more.size()); }, "memory");
+  const Target target([&](Bytes more) { bytes.append(reinterpret_cast<const char*>(more.data()), more.size()); },
+                      "memory");
   AtomicFile file(target);
   (binary ? EncodeBinary : EncodeText)(part, SmallModel(), file, {});
   file.Commit();
@@ -79,7 +80,8 @@ TEST(ColmapText, WritesLinesThatReadTheSame) {
 
 // The second line of an image is there when it is empty, too.
 TEST(ColmapText, KnowsImagesWithoutKeypoints) {
-  const Model model = Decode(Part::kImages, "# a\n\n1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 b.png\r\n3 4 -1\r\n", false);
+  const Model model =
+      Decode(Part::kImages, "# a\n\n1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 b.png\r\n3 4 -1\r\n", false);
   ASSERT_EQ(model.images.size(), 2U);
   EXPECT_TRUE(model.images[0].points.empty());
   EXPECT_EQ(model.images[1].points, (Column<Point2>{{3, 4, kNoPoint}}));

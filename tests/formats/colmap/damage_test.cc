@@ -90,16 +90,18 @@ TEST(ColmapContent, BinaryAndTextAreTheSameAtlas) {
     EXPECT_EQ(map.keyframes[0].intrinsics.cx, 32);
     // right_from_left * left_from_world: (0.5, -1, 2) turned to (2, -0.5, 1)... by (0.5, 0.5, -0.5, 0.5)
     EXPECT_TRUE(map.keyframes[1].camera_from_world.rotation.isApprox(Quaternionf(0.5F, 0.5F, -0.5F, 0.5F)));
-    ASSERT_EQ(map.points.size(), 2U);
+    ASSERT_EQ(map.points.size(), 1U);
     EXPECT_EQ(map.points[0].position, Eigen::Vector3f(1, 2, -3));
     EXPECT_EQ(map.points[0].observations.size(), 2U);
     EXPECT_THAT(read.notices.items(), Says("1 point lose their colours"));
+    EXPECT_THAT(read.notices.items(), Says("1 point left out, which no image sees"));
     EXPECT_THAT(read.notices.items(), Says("have no ORB descriptors"));
   }
 }
 
 TEST(ColmapContent, WhatLeadsNowhereIsLeftOutAndCounted) {
-  EXPECT_THAT(ReadFiles({{"points3D.txt", "11 0 0 1 0 0 0 -1\n"}}).notices.items(), Says("2 keypoints see nothing now"));
+  EXPECT_THAT(ReadFiles({{"points3D.txt", "11 0 0 1 0 0 0 -1\n"}}).notices.items(),
+              Says("2 keypoints see nothing now"));
   EXPECT_THAT(ReadFiles({{"points3D.txt", "9 0 0 1 0 0 0 -1\n9 0 0 1 0 0 0 -1\n"}}).notices.items(),
               Says("1 point left out: their id is there twice"));
   EXPECT_THAT(ReadFiles({{"cameras.txt", "1 PINHOLE 64 48 100 101 32.5 24.5\n"}}).notices.items(),
@@ -111,11 +113,12 @@ TEST(ColmapContent, WhatLeadsNowhereIsLeftOutAndCounted) {
 }
 
 TEST(ColmapContent, StrangeNumbersAreRead) {
-  const Read read = ReadFiles({{"images.txt", "5 nan 0 0 0 inf 0 0 1 1.png\n1e300 -inf 9\n4294967295 0 0 0 0 0 0 0 1 2.png\n\n"},
-                               {"points3D.txt", "18446744073709551614 1e300 nan 0 0 0 0 -1\n9 0 0 0 0 0 0 -1 77 99\n"},
-                               {"frames.txt", "1 99 1 0 0 0 0 0 0 1 CAMERA 1 5\n"}});
+  const Read read =
+      ReadFiles({{"images.txt", "5 nan 0 0 0 inf 0 0 1 1.png\n1e300 -inf 9\n4294967295 0 0 0 0 0 0 0 1 2.png\n\n"},
+                 {"points3D.txt", "18446744073709551614 1e300 nan 0 0 0 0 -1\n9 0 0 0 0 0 0 -1 77 99\n"},
+                 {"frames.txt", "1 99 1 0 0 0 0 0 0 1 CAMERA 1 5\n"}});
   EXPECT_EQ(read.atlas.maps[0].keyframes.size(), 2U);
-  EXPECT_EQ(read.atlas.maps[0].points.size(), 2U);
+  EXPECT_EQ(read.atlas.maps[0].points.size(), 1U);
 }
 
 TEST(ColmapContent, CamerasThatSlamdbHasNotAreRefusedByName) {

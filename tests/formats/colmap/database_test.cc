@@ -65,8 +65,8 @@ TEST(ColmapDatabase, HoldsWhatTheMapImplies) {
 
 TEST(ColmapDatabase, OfTheNewSchemaHasRigsAndFrames) {
   const TemporaryFolder folder;
-  const Atlas atlas = SynthesizeAtlas(
-      {.sensor = Sensor::kFisheyeStereo, .keyframes = 3, .points = 100, .features = 250});
+  const Atlas atlas =
+      SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo, .keyframes = 3, .points = 100, .features = 250});
   const std::string path = Written(folder, atlas, ColmapSchema::kNew);
   EXPECT_EQ(Ask(path, "PRAGMA foreign_key_check"), "");
   EXPECT_EQ(Ask(path, "SELECT * FROM rigs"), "1|1|0\n");
@@ -129,7 +129,8 @@ void MakeModel(const TemporaryFolder& folder) {
 
 std::string SaidOf(const TemporaryFolder& folder, Atlas& atlas, const std::string& database = {}) {
   Notices notices;
-  atlas = detail::kColmapFormat.read(folder.Path(""), ReadOptions{}.With(ColmapReadOptions{.database = database}), notices);
+  atlas =
+      detail::kColmapFormat.read(folder.Path(""), ReadOptions{}.With(ColmapReadOptions{.database = database}), notices);
   std::string said;
   for (const Notice& notice : notices.items()) said += notice.text + "\n";
   return said;
@@ -152,8 +153,8 @@ TEST(ColmapDatabase, AboveAModelGivesItsDescriptors) {
 TEST(ColmapDatabase, OfEverySchemaAndNameGivesItsDescriptors) {
   for (const ColmapSchema schema : {ColmapSchema::kOld, ColmapSchema::kNew}) {
     const TemporaryFolder folder;
-    const KeyFramePictures pictures{.files = {{"..\n'\";DROP TABLE images;--\xff.png", 0.5, true}, {"\xe2\x82.png", 1.5, true}},
-                                    .folder = ""};
+    const KeyFramePictures pictures{
+        .files = {{"..\n'\";DROP TABLE images;--\xff.png", 0.5, true}, {"\xe2\x82.png", 1.5, true}}, .folder = ""};
     Notices notices;
     const Format& format = detail::kColmapFormat;
     format.write(OneMapAtlas(), folder.Path("model"),
@@ -198,8 +199,9 @@ TEST(ColmapDatabase, ThatDoesNotFitIsRefusedOrSaid) {
   EXPECT_THAT(said("UPDATE keypoints SET rows = -1"), HasSubstr("says -1 rows of 4"));
   EXPECT_THAT(said("UPDATE keypoints SET data = NULL"), HasSubstr("has 0 bytes"));
   EXPECT_THAT(said("DROP TABLE descriptors"), HasSubstr("has no table descriptors"));
-  EXPECT_THAT(said("DROP TABLE keypoints; CREATE VIEW keypoints AS SELECT 1 AS image_id, 1 AS rows, 4 AS cols, NULL AS data"),
-              HasSubstr("keypoints"));
+  EXPECT_THAT(
+      said("DROP TABLE keypoints; CREATE VIEW keypoints AS SELECT 1 AS image_id, 1 AS rows, 4 AS cols, NULL AS data"),
+      HasSubstr("keypoints"));
 }
 
 }  // namespace

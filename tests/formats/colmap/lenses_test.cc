@@ -31,7 +31,11 @@ TEST(ColmapLenses, AreReadAsOurs) {
       {kSimpleRadial, {400, 320, 240, 0.25}, kOurPinhole, {400, 400, 319.5F, 239.5F}, {0.25, 0, 0, 0}},
       {kRadial, {400, 320, 240, 0.25, 0.5}, kOurPinhole, {400, 400, 319.5F, 239.5F}, {0.25, 0.5, 0, 0}},
       {kOpencv, {400, 401, 320, 240, 1, 2, 3, 4}, kOurPinhole, {400, 401, 319.5F, 239.5F}, {1, 2, 3, 4}},
-      {kFullOpencv, {400, 401, 320, 240, 1, 2, 3, 4, 5, 0, 0, 0}, kOurPinhole, {400, 401, 319.5F, 239.5F}, {1, 2, 3, 4, 5}},
+      {kFullOpencv,
+       {400, 401, 320, 240, 1, 2, 3, 4, 5, 0, 0, 0},
+       kOurPinhole,
+       {400, 401, 319.5F, 239.5F},
+       {1, 2, 3, 4, 5}},
       {kOpencvFisheye, {400, 401, 320, 240, 1, 2, 3, 4}, kOurFisheye, {400, 401, 319.5F, 239.5F, 1, 2, 3, 4}, {}},
       {kSimpleRadialFisheye, {400, 320, 240, 1}, kOurFisheye, {400, 400, 319.5F, 239.5F, 1, 0, 0, 0}, {}},
       {kRadialFisheye, {400, 320, 240, 1, 2}, kOurFisheye, {400, 400, 319.5F, 239.5F, 1, 2, 0, 0}, {}},
@@ -53,7 +57,8 @@ TEST(ColmapLenses, AreWrittenAsTheyAreRead) {
   for (const auto& [model, parameters] :
        {std::pair(std::int32_t{kPinhole}, std::vector<double>{400, 401, 320.5, 240.25}),
         std::pair(std::int32_t{kOpencv}, std::vector<double>{400, 401, 320, 240, 0.5, 0.25, 0.125, 0.5}),
-        std::pair(std::int32_t{kFullOpencv}, std::vector<double>{400, 401, 320, 240, 0.5, 0.25, 0.125, 0.5, 0.75, 0, 0, 0}),
+        std::pair(std::int32_t{kFullOpencv},
+                  std::vector<double>{400, 401, 320, 240, 0.5, 0.25, 0.125, 0.5, 0.75, 0, 0, 0}),
         std::pair(std::int32_t{kOpencvFisheye}, std::vector<double>{400, 401, 320, 240, 0.5, 0.25, 0.125, 0.5})}) {
     const Camera camera = Of(model, parameters);
     EXPECT_EQ(CameraOf(SettingsOf(camera, CameraId(2)), 3), camera) << model;
@@ -111,18 +116,21 @@ Eigen::Vector2d UndistortedPlace(const CameraSettings& settings, const Eigen::Ve
   return {p[0] * ray.x() + p[2], p[1] * ray.y() + p[3]};
 }
 
-constexpr std::array kAlike = {kSimplePinhole, kPinhole, kSimpleRadial, kRadial, kOpencv, kFullOpencv, kOpencvFisheye,
-                               kSimpleRadialFisheye, kRadialFisheye, kSimpleFisheye, kFisheye};
+constexpr std::array kAlike = {kSimplePinhole, kPinhole,       kSimpleRadial,  kRadial,
+                               kOpencv,        kFullOpencv,    kOpencvFisheye, kSimpleRadialFisheye,
+                               kRadialFisheye, kSimpleFisheye, kFisheye};
 
 Camera SomeCamera(std::int32_t model) {
   const std::size_t count = kCameraModels[static_cast<std::size_t>(model)].parameters;
-  std::vector<double> parameters = HasOneFocalLength(model) ? std::vector<double>{400, 321, 243} : std::vector<double>{400, 410, 321, 243};
+  std::vector<double> parameters =
+      HasOneFocalLength(model) ? std::vector<double>{400, 321, 243} : std::vector<double>{400, 410, 321, 243};
   for (const double k : {-0.03, 0.01, 0.001, -0.002, 0.003}) parameters.push_back(k);
   parameters.resize(count, 0);
   return Of(model, parameters);
 }
 
-// Of every model that is like one of ours: what it sees, we see half a pixel up and left of it; so does what is written.
+// Of every model that is like one of ours: what it sees, we see half a pixel up and left of it; so does what is
+// written.
 TEST(ColmapLenses, SeeWhereOursSee) {
   for (const std::int32_t model : kAlike) {
     const Camera read = SomeCamera(model);
@@ -152,7 +160,10 @@ TEST(ColmapLenses, OfOtherModelsAreUndistorted) {
       {kDivision, {-0.2}, 0.553967929896867, 0.2769839649484335},
       {kEucm, {0.5, 1.2}, 0.5354830324424126, 0.2677415162212063},
       {kFullOpencv, {0.1, 0.01, 0.001, -0.002, 0.003, 0.05, 0.02, 0.01}, 0.6096041594999324, 0.3057020797499662},
-      {kThinPrismFisheye, {0.1, 0.01, 0.001, -0.002, 0.003, 0.0004, 0.005, -0.006}, 0.5478682327789625, 0.27166476744486256}};
+      {kThinPrismFisheye,
+       {0.1, 0.01, 0.001, -0.002, 0.003, 0.0004, 0.005, -0.006},
+       0.5478682327789625,
+       0.27166476744486256}};
   for (const Case& lens : cases) {
     std::vector<double> parameters = {400, 410, 320.5, 240.5};
     parameters.insert(parameters.end(), lens.rest.begin(), lens.rest.end());

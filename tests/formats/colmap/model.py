@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""model.py equal ONE OTHER [TOLERANCE]: whether two models of COLMAP hold the same, whatever the order and the form of
-their files, up to the length of quaternions, which COLMAP makes 1.
-model.py count MODEL images|points|seen: how many it has; seen are points with a track.
+"""model.py equal ONE OTHER: whether two models of COLMAP hold the same, whatever the order and the form of their files,
+up to the length of quaternions, which COLMAP makes 1.
+model.py seen ONE OTHER TOLERANCE: the same, of points that images see.
+model.py count MODEL images|seen: how many images it has, or points that images see.
 model.py error MODEL...: the reprojection error of models, root of the mean square, in pixels, which is what bundle
 adjustment makes small; and how far the errors of points are from what they are.
 Shares nothing with slamdb: the formulas are those of COLMAP's documentation."""
@@ -149,6 +150,10 @@ def errors(model):
     return of_points
 
 
+def seen(model):
+    return model._replace(points={number: point for number, point in model.points.items() if point.track})
+
+
 def require_equal(one, other, most):
     assert one.cameras == other.cameras, "cameras differ"
     assert one.points.keys() == other.points.keys(), "points differ"
@@ -166,12 +171,12 @@ def require_equal(one, other, most):
 
 def main():
     if sys.argv[1] == "equal":
-        require_equal(read(sys.argv[2]), read(sys.argv[3]), float(sys.argv[4]) if len(sys.argv) > 4 else 1e-15)
-        return
+        return require_equal(read(sys.argv[2]), read(sys.argv[3]), 1e-15)
+    if sys.argv[1] == "seen":
+        return require_equal(seen(read(sys.argv[2])), seen(read(sys.argv[3])), float(sys.argv[4]))
     if sys.argv[1] == "count":
         model = read(sys.argv[2])
-        seen = [point for point in model.points.values() if point.track]
-        print({"images": len(model.images), "points": len(model.points), "seen": len(seen)}[sys.argv[3]])
+        print({"images": len(model.images), "seen": len(seen(model).points)}[sys.argv[3]])
         return
     every, off = [], []
     for folder in sys.argv[2:]:

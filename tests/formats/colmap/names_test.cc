@@ -31,8 +31,10 @@ TEST(ColmapNames, AreDistinct) {
 }
 
 TEST(ColmapNames, AreThoseOfThePicturesNearestInTime) {
-  KeyFramePictures pictures{.files = {{"/data/cam/a.png", 0.45, true}, {"/data/cam/b.png", 0.75, true},
-                                      {"/data/cam/c.png", 1.05, true}, {"/data/cam/d.png", 1.35, true}},
+  KeyFramePictures pictures{.files = {{"/data/cam/a.png", 0.45, true},
+                                      {"/data/cam/b.png", 0.75, true},
+                                      {"/data/cam/c.png", 1.05, true},
+                                      {"/data/cam/d.png", 1.35, true}},
                             .folder = "/data"};
   // Half of 0.3 s at most: 1.5 is 0.15 s from d, 2 is too far from all.
   EXPECT_EQ(NamesOf(SmallAtlas(), pictures), (std::vector<std::string>{"cam/d.png", "cam/a.png", "2.png"}));
@@ -41,13 +43,13 @@ TEST(ColmapNames, AreThoseOfThePicturesNearestInTime) {
 
 // Whatever files are called, names are distinct, and none leads out of the folder.
 TEST(ColmapNames, OfHostileFilesAreDistinctAndInside) {
-  KeyFramePictures pictures{.files = {{"/data/2/\"\n\xff.png", 0.5, true}, {"/data/\"\n\xff.png", 1.5, true},
+  KeyFramePictures pictures{.files = {{"/data/2/\"\n\xff.png", 0.5, true},
+                                      {"/data/\"\n\xff.png", 1.5, true},
                                       {"/other/../etc/\"\n\xff.png", 2.5, true}},
                             .folder = "/data"};
   Atlas atlas = SmallAtlas();
   atlas.maps[1].keyframes[0].timestamp = 2.5;
-  EXPECT_EQ(NamesOf(atlas, pictures),
-            (std::vector<std::string>{"\"\n\xff.png", "2/\"\n\xff.png", "8/\"\n\xff.png"}));
+  EXPECT_EQ(NamesOf(atlas, pictures), (std::vector<std::string>{"\"\n\xff.png", "2/\"\n\xff.png", "8/\"\n\xff.png"}));
   // The folder is given by another way than the files.
   pictures.folder = "data";
   EXPECT_EQ(NamesOf(atlas, pictures)[0], "\"\n\xff.png");
@@ -72,7 +74,8 @@ TEST(ColmapNames, NeedPicturesWithTimesThatAreNear) {
     }
     return std::string();
   };
-  EXPECT_THAT(problem({.files = {{"frame_1.png", 1, false}}, .folder = ""}), ::testing::HasSubstr("has no time in its name"));
+  EXPECT_THAT(problem({.files = {{"frame_1.png", 1, false}}, .folder = ""}),
+              ::testing::HasSubstr("has no time in its name"));
   EXPECT_THAT(problem({.files = {{"77.png", 77, true}}, .folder = ""}),
               ::testing::HasSubstr("none of the 1 picture is near in time to a keyframe"));
 }

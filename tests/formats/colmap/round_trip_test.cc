@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <functional>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "slamdb/base/error.h"
@@ -78,18 +78,22 @@ void ExpectSameKeyFrame(const KeyFrame& back, const KeyFrame& keyframe, bool dat
   }
 }
 
-// Of points that one image alone sees, the position comes back.
+// That more than one image sees: of others a model has no track, and an atlas of it not the point.
+Column<MapPoint> PointsOf(const Map& map) {
+  Column<MapPoint> points;
+  for (const MapPoint& point : map.points) {
+    std::size_t images = 0;
+    for (const Observation& observation : point.observations)
+      images += (observation.left >= 0 ? 1U : 0U) + (observation.right >= 0 ? 1U : 0U);
+    if (images > 1) points.push_back(point);
+  }
+  return points;
+}
+
 void ExpectSamePoint(const MapPoint& back, const MapPoint& point) {
   EXPECT_EQ(back.id, point.id);
   EXPECT_EQ(back.position, point.position);
-  std::size_t images = 0;
-  for (const Observation& observation : point.observations)
-    images += (observation.left >= 0 ? 1U : 0U) + (observation.right >= 0 ? 1U : 0U);
-  if (images > 1) {
-    EXPECT_EQ(back.observations, point.observations) << point.id.value();
-  } else {
-    EXPECT_TRUE(back.observations.empty());
-  }
+  EXPECT_EQ(back.observations, point.observations) << point.id.value();
 }
 
 void ExpectSame(const Atlas& back, const Atlas& atlas, bool database) {
@@ -103,10 +107,11 @@ void ExpectSame(const Atlas& back, const Atlas& atlas, bool database) {
   for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
     const Map &a = back.maps[row], &b = atlas.maps[row];
     ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
-    ASSERT_EQ(a.points.size(), b.points.size());
+    const Column<MapPoint> points = PointsOf(b);
+    ASSERT_EQ(a.points.size(), points.size());
     for (std::size_t at = 0; at < b.keyframes.size(); ++at)
       ExpectSameKeyFrame(a.keyframes[at], b.keyframes[at], database);
-    for (std::size_t at = 0; at < b.points.size(); ++at) ExpectSamePoint(a.points[at], b.points[at]);
+    for (std::size_t at = 0; at < points.size(); ++at) ExpectSamePoint(a.points[at], points[at]);
   }
 }
 
@@ -197,9 +202,7 @@ TEST(ColmapFolders, RefuseModelsThatWouldBeReadInstead) {
   Notices notices;
   const Atlas atlas = SynthesizeAtlas({.maps = 2, .keyframes = 3, .points = 60, .features = 100});
   const auto write = [&](const Format& format, const Atlas& written) {
-    return ProblemOf([&] {
-      format.write(written, folder.Path("model"), {.overwrite = true, .sync = false}, notices);
-    });
+    return ProblemOf([&] { format.write(written, folder.Path("model"), {.overwrite = true, .sync = false}, notices); });
   };
   EXPECT_EQ(write(detail::kColmapFormat, OneMapAtlas()), "");
   EXPECT_EQ(write(detail::kColmapFormat, OneMapAtlas()), "");
@@ -240,8 +243,7 @@ TEST(ColmapRoundTrip, ModelsOfOneNumberingAreMovedApart) {
   const TemporaryFolder folder;
   Notices notices;
   const Atlas atlas = OneMapAtlas();
-  for (const char* name : {"0", "1"})
-    detail::kColmapFormat.write(atlas, folder.Path(name), {.sync = false}, notices);
+  for (const char* name : {"0", "1"}) detail::kColmapFormat.write(atlas, folder.Path(name), {.sync = false}, notices);
   const Atlas back = detail::kColmapFormat.read(folder.Path(""), {}, notices);
   ASSERT_EQ(back.maps.size(), 2U);
   EXPECT_EQ(back.cameras.size(), 1U);

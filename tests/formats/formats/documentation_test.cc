@@ -101,7 +101,12 @@ TEST_P(DocumentedFormat, MakesItsFixture) {
   EXPECT_TRUE(written(LandmarkAtlas(), "a") == fixture) << path << " is not what is written today";
   if (format().read == nullptr) return;
   EXPECT_EQ(&FormatOfInput(Location(path, {})), &format());
-  EXPECT_EQ(written(ReadAtlas(path), "b") == fixture, !TellsOfKeyFrames(format()));
+  Notices notices;
+  const std::string again = written(ReadAtlas(path, {}, &notices), "b");
+  // What a reader leaves out, and what clouds tell of keyframes that they do not hold, is missing once.
+  const bool lacks = notices.lossy() || TellsOfKeyFrames(format());
+  const std::string wanted = lacks ? written(ReadAtlas(output_in(folder.Path("b"))), "c") : fixture;
+  EXPECT_TRUE(again == wanted);
 }
 
 std::vector<std::string> AllIds() {

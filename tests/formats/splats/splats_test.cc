@@ -144,7 +144,8 @@ TEST_F(Scenes, OfSplatsTakeHostileNames) {
 
 TEST_F(Scenes, LeaveOutImagesWithoutPicture) {
   Add("a.png", 0.5, Plain(1, 1, 1));
-  EXPECT_THAT(Write(detail::kGaussianFormat, OneMapAtlas()), HasSubstr("1 image left out, of which there is no picture"));
+  EXPECT_THAT(Write(detail::kGaussianFormat, OneMapAtlas()),
+              HasSubstr("1 image left out, of which there is no picture"));
   EXPECT_THAT(Names(), ElementsAre("a.png"));
   const colmap::Model model = Decoded(colmap::Part::kPoints, "sparse/0/points3D.bin");
   EXPECT_THAT(model.tracks, ElementsAre(colmap::TrackElement{2, 0}));
@@ -184,9 +185,10 @@ TEST_F(Scenes, RefusePicturesOfOtherTimesOrOfNone) {
   files_ = {{"a.png", 1, false}, {"b.png", 2, false}};
   EXPECT_THAT(Write(detail::kNerfFormat, OneMapAtlas()), HasSubstr("a list of `time name` tells them (2 pictures)"));
   files_ = {{"a.png", 1400, true}, {"b.png", 1401.5, true}};
-  EXPECT_THAT(Write(detail::kNerfFormat, OneMapAtlas()),
-              HasSubstr("none of the 2 pictures is near in time to a keyframe: they are from 1400 s to 1401.5 s, and kf 3 "
-                        "is of 1.5 s"));
+  EXPECT_THAT(
+      Write(detail::kNerfFormat, OneMapAtlas()),
+      HasSubstr("none of the 2 pictures is near in time to a keyframe: they are from 1400 s to 1401.5 s, and kf 3 "
+                "is of 1.5 s"));
 }
 
 TEST_F(Scenes, OfNerfsSayWhatSmallAtlasIs) {

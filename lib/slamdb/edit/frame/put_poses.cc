@@ -113,7 +113,8 @@ class Putter {
       if (news_[map].any()) PutMap(atlas_.maps[map], news_[map]);
     Warn(report_.unknown_poses, "pose",
          " left out: of no good keyframe of the atlas, or of one that had a pose already");
-    Warn(report_.unknown_points, "position", " left out: of no good point of the atlas, or of one that is seen elsewhere");
+    Warn(report_.unknown_points, "position",
+         " left out: of no good point of the atlas, or of one that is seen elsewhere");
     Warn(report_.followers, "keyframe", " without a new pose went with the parent in the spanning tree");
     return std::move(report_);
   }
@@ -122,8 +123,7 @@ class Putter {
   static bool IsSamePoint(const MapPoint& point, const PointPosition& position) {
     if (point.bad || !position.seen_by) return !point.bad;
     return std::ranges::any_of(point.observations, [&](const Observation& seen) {
-      return seen.keyframe == position.seen_by &&
-             (seen.left == position.keypoint || seen.right == position.keypoint);
+      return seen.keyframe == position.seen_by && (seen.left == position.keypoint || seen.right == position.keypoint);
     });
   }
 

@@ -123,7 +123,8 @@ Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& noti
 void RefuseLeftovers(const std::string& folder, std::size_t maps, std::string_view suffix) {
   const auto refuse = [&](const std::string& place) {
     throw Error(ErrorKind::kAlreadyExists, folder, "",
-                Concat("holds a model in ", place, " that would be read with what is written, or in its place; remove it, "
+                Concat("holds a model in ", place,
+                       " that would be read with what is written, or in its place; remove it, "
                        "or name another folder"));
   };
   if (suffix == kText && HasModel(folder, kBinary)) refuse(folder);
@@ -197,7 +198,7 @@ void WriteText(const Atlas& atlas, const Target& target, const WriteOptions& opt
 constexpr Content kHolds = Content::kPoses | Content::kPoints | Content::kObservations | Content::kKeypoints |
                            Content::kDescriptors | Content::kCameras | Content::kMaps;
 constexpr std::array<std::string_view, 1> kBinarySuffixes = {".colmap"}, kTextSuffixes = {".colmap.txt"},
-                                            kDatabaseSuffixes = {".colmap.db"};
+                                          kDatabaseSuffixes = {".colmap.db"};
 
 }  // namespace
 

@@ -27,9 +27,10 @@ class Pictures {
     for (const PictureFile& file : pictures.files)
       if (file.has_time) files_.push_back(&file);
     if (files_.empty() && !pictures.files.empty())
-      throw Error(ErrorKind::kUsage, pictures.files.front().path, "",
-                  Concat("has no time in its name, and none of the other pictures has: a list of `time name` tells them (",
-                         Counted(pictures.files.size(), "picture"), ")"));
+      throw Error(
+          ErrorKind::kUsage, pictures.files.front().path, "",
+          Concat("has no time in its name, and none of the other pictures has: a list of `time name` tells them (",
+                 Counted(pictures.files.size(), "picture"), ")"));
     std::ranges::stable_sort(files_, {}, &PictureFile::timestamp);
     std::vector<double> ways;
     for (std::size_t row = 1; row < files_.size(); ++row)
@@ -68,9 +69,10 @@ class Pictures {
 
 [[noreturn]] void RefuseAll(const KeyFramePictures& pictures, const Pictures& files, const View& first) {
   throw Error(ErrorKind::kUsage, pictures.files.front().path, "",
-              Concat("none of the ", Counted(pictures.files.size(), "picture"), " is near in time to a keyframe: they are from ",
-                     detail::SecondsText(files.first()), " s to ", detail::SecondsText(files.last()), " s, and ",
-                     first.keyframe->id, " is of ", detail::SecondsText(first.keyframe->timestamp), " s"));
+              Concat("none of the ", Counted(pictures.files.size(), "picture"),
+                     " is near in time to a keyframe: they are from ", detail::SecondsText(files.first()), " s to ",
+                     detail::SecondsText(files.last()), " s, and ", first.keyframe->id, " is of ",
+                     detail::SecondsText(first.keyframe->timestamp), " s"));
 }
 
 std::string NameByTime(const View& view) {

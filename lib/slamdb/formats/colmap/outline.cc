@@ -41,8 +41,7 @@ slamdb::Camera CameraWithParameters(const Atlas& atlas, CameraId id, const KeyFr
 }
 
 bool ArePlacedAlike(const Column<Keypoint>& one, const Column<Keypoint>& other) {
-  return std::ranges::equal(one, other,
-                            [](const Keypoint& a, const Keypoint& b) { return a.x == b.x && a.y == b.y; });
+  return std::ranges::equal(one, other, [](const Keypoint& a, const Keypoint& b) { return a.x == b.x && a.y == b.y; });
 }
 
 // Maps of programs that keep no distortion have places without it all the same.

@@ -56,7 +56,8 @@ void SetShapes(const Blob& blob, ImageFeatures& features) {
 void RequireTables(Database& database) {
   for (const std::string_view table : {"images", "keypoints", "descriptors"})
     if (!database.HasTable(table))
-      throw Error(ErrorKind::kUnsupported, database.path(), "", Concat("is no database of COLMAP: has no table ", table));
+      throw Error(ErrorKind::kUnsupported, database.path(), "",
+                  Concat("is no database of COLMAP: has no table ", table));
 }
 
 }  // namespace
@@ -67,8 +68,8 @@ FeatureDatabase::FeatureDatabase(const std::string& path) : database_(path, sqli
   name_ = std::make_unique<Statement>(database_, "SELECT name FROM images WHERE image_id = ?1", "table images");
   keypoints_ = std::make_unique<Statement>(database_, "SELECT rows, cols, data FROM keypoints WHERE image_id = ?1",
                                            "table keypoints");
-  descriptors_ = std::make_unique<Statement>(
-      database_, "SELECT rows, cols, data FROM descriptors WHERE image_id = ?1", "table descriptors");
+  descriptors_ = std::make_unique<Statement>(database_, "SELECT rows, cols, data FROM descriptors WHERE image_id = ?1",
+                                             "table descriptors");
 }
 
 std::optional<ImageFeatures> FeatureDatabase::Find(const Image& image) {

@@ -31,6 +31,7 @@ using detail::Counted;
 struct Unread {
   std::uint64_t images = 0;        // twice there, or of a camera that is not
   std::uint64_t points = 0;        // twice there
+  std::uint64_t unseen = 0;        // points that are no image's keypoint
   std::uint64_t keypoints = 0;     // of points that are not there, or that the image sees twice
   std::uint64_t colors = 0;        // of points
   std::uint64_t names = 0;         // of images, which are no times
@@ -176,9 +177,16 @@ class MapMaker {
   void AddPoints(Map& map) {
     map.points.reserve(model_.points.size());
     known_points_.reserve(model_.points.size());
+    std::unordered_set<std::uint64_t> seen;
+    for (const Image& image : model_.images)
+      for (const Point2& keypoint : image.points) seen.insert(keypoint.point);
     for (const Point& read : model_.points) {
       if (!known_points_.insert(read.id).second || read.id == kNoPoint) {
         ++unread_.points;
+        continue;
+      }
+      if (!seen.contains(read.id)) {
+        ++unread_.unseen;
         continue;
       }
       MapPoint& point = map.points.emplace_back();
@@ -438,6 +446,7 @@ void Tell(const Unread& unread, bool has_database, Notices& notices) {
   };
   lose(unread.images, "image", "left out: their id is there twice, or their camera is not there");
   lose(unread.points, "point", "left out: their id is there twice");
+  lose(unread.unseen, "point", "left out, which no image sees: ORB-SLAM3 crashes on such");
   lose(unread.keypoints, "keypoint",
        "see nothing now: their point is not there, or the image has another keypoint of it");
   lose(unread.colors, "point", "lose their colours, which an atlas has no place for");
@@ -457,8 +466,7 @@ void Tell(const Unread& unread, bool has_database, Notices& notices) {
   if (unread.rigs > 0)
     notices.Warn(
         "rigs that are no pair of fisheye cameras: each of their images is a keyframe of its own, at its pose");
-  if (unread.moved_models > 0)
-    notices.Warn("several models had the same ids: those of later ones were moved up");
+  if (unread.moved_models > 0) notices.Warn("several models had the same ids: those of later ones were moved up");
 }
 
 void Select(Atlas& atlas, const Selection& selection) {
@@ -481,8 +489,8 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
     Ids images(named.model.images), cameras(named.model.cameras);
     images.MoveUp(used_images.Enter(IdsOf(named.model.images, [&](std::uint64_t id) { return images.Of(id); }),
                                     named.path, unread.moved_models));
-    const std::uint64_t points_above =
-        used_points.Enter(IdsOf(named.model.points, [](std::uint64_t id) { return id; }), named.path, unread.moved_models);
+    const std::uint64_t points_above = used_points.Enter(IdsOf(named.model.points, [](std::uint64_t id) { return id; }),
+                                                         named.path, unread.moved_models);
     cameras.MoveUp(used_cameras.Enter(named.model.cameras, cameras));
     MapMaker maker(named, database, images, cameras, points_above, unread);
     atlas.maps.push_back(maker.Make(MapId(named.map)));

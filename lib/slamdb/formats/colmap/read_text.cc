@@ -75,7 +75,8 @@ class Lines {
     return sensor;
   }
   void End() {
-    if (const std::string_view word = Word(); !word.empty()) Fail(Concat("too much in the line: ", detail::Excerpt(word)));
+    if (const std::string_view word = Word(); !word.empty())
+      Fail(Concat("too much in the line: ", detail::Excerpt(word)));
   }
   // How many words of at least one letter the rest of the line can hold.
   std::size_t most_words() const { return line_.size() / 2 + 1; }

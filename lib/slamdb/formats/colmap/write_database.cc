@@ -237,8 +237,7 @@ void DatabaseWriter::AddFeatures(const View& view, Statement& keypoints, Stateme
 
 void DatabaseWriter::AddPairs(const MapOutline& map, const Model& model) {
   Statement matches(database_, "INSERT INTO matches VALUES (?1, ?2, 2, ?3)");
-  Statement geometry(database_,
-                     "INSERT INTO two_view_geometries VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, NULL, ?8, ?9)");
+  Statement geometry(database_, "INSERT INTO two_view_geometries VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, NULL, ?8, ?9)");
   std::vector<Camera> cameras;
   for (const View& view : map.views)
     cameras.push_back(CameraOf(outline_.cameras[view.camera].settings, outline_.cameras[view.camera].id));

@@ -75,8 +75,8 @@ class Maker {
       unheld_.descriptors += features.descriptors.size();
       if (view.keyframe->carried) unheld_.descriptors += CarriedRows(*view.keyframe);
       if (!features.is_fisheye_stereo())
-        unheld_.stereo += static_cast<std::uint64_t>(
-            std::ranges::count_if(features.right_x, [](float x) { return x >= 0; }));
+        unheld_.stereo +=
+            static_cast<std::uint64_t>(std::ranges::count_if(features.right_x, [](float x) { return x >= 0; }));
     }
   }
 
@@ -101,8 +101,7 @@ class Maker {
       if (view.right)
         model_.frames.back().data.push_back(data);
       else
-        model_.frames.push_back(
-            {view.image, outline_.rigs[view.rig].id, model_.images[row].camera_from_world, {data}});
+        model_.frames.push_back({view.image, outline_.rigs[view.rig].id, model_.images[row].camera_from_world, {data}});
     }
   }
 
@@ -258,8 +257,7 @@ IdTable PointRowsOf(const Model& model) {
   return rows;
 }
 
-void Tell(const Outline& outline, const Unheld& unheld, std::string_view format, bool with_database,
-          Notices& notices) {
+void Tell(const Outline& outline, const Unheld& unheld, std::string_view format, bool with_database, Notices& notices) {
   const auto lose = [&](std::uint64_t count, std::string_view noun, std::string_view why) {
     if (count > 0) notices.Lose(Concat("left out: ", Counted(count, noun), " ", why));
   };

@@ -71,8 +71,7 @@ void Straighten(const colmap::Outline& outline, Scene& scene) {
     view.name = image.name = names.Of(view, Distorts(settings) && !view.picture.empty());
     if (!Distorts(settings)) continue;
     for (colmap::Point2& point : image.points) {
-      const Eigen::Vector2d at =
-          StraightPlace(settings, {point.x - colmap::kHalfPixel, point.y - colmap::kHalfPixel});
+      const Eigen::Vector2d at = StraightPlace(settings, {point.x - colmap::kHalfPixel, point.y - colmap::kHalfPixel});
       point.x = at.x() + colmap::kHalfPixel;
       point.y = at.y() + colmap::kHalfPixel;
     }
@@ -107,8 +106,7 @@ void WriteScene(const colmap::Outline& outline, Scene& scene, AtomicFolder& fold
 
 void WriteGaussian(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFolder folder(target, detail::FileOptions(options));
-  const colmap::Outline outline =
-      colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
+  const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
   std::vector<Scene> scenes = splats::ScenesOf(outline, options);
   for (Scene& scene : scenes) WriteScene(outline, scene, folder, options);
   folder.Commit();

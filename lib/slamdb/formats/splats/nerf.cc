@@ -68,7 +68,8 @@ std::string PathOf(const View& view, const fs::path& folder) {
   const fs::path from = fs::absolute(folder, failed), to = fs::absolute(view.picture, failed);
   std::string path = to.lexically_normal().lexically_relative(from.lexically_normal()).string();
   if (!detail::IsUtf8(path))
-    throw Error(ErrorKind::kNotPossible, view.picture, "", "has a path that is no UTF-8, which JSON cannot hold; rename it");
+    throw Error(ErrorKind::kNotPossible, view.picture, "",
+                "has a path that is no UTF-8, which JSON cannot hold; rename it");
   return path;
 }
 
@@ -99,8 +100,7 @@ std::string TransformsOf(const Scene& scene, const fs::path& folder) {
 
 void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFolder folder(target, detail::FileOptions(options));
-  const colmap::Outline outline =
-      colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
+  const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
   std::vector<Scene> scenes = splats::ScenesOf(outline, options);
   for (Scene& scene : scenes) {
     const auto leave = [](const View&, const std::string&, const ColorPicture&) { return Developed{}; };

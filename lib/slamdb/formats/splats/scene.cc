@@ -49,11 +49,11 @@ std::vector<Sample> SamplesOf(const colmap::View& view, const CameraSettings& se
     const std::uint32_t point = id ? rows.Find(id.value()) : kNoRow;
     const Keypoint& at = (*of_view.keypoints)[row];
     const float x = std::round(at.x), y = std::round(at.y);
-    if (point == kNoRow || !(x >= 0 && y >= 0 && x < static_cast<float>(picture.width) &&
-                             y < static_cast<float>(picture.height)))
+    if (point == kNoRow ||
+        !(x >= 0 && y >= 0 && x < static_cast<float>(picture.width) && y < static_cast<float>(picture.height)))
       continue;
-    const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
-                              static_cast<std::size_t>(x);
+    const std::size_t pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x);
     const std::uint8_t* color = &picture.pixels[3 * pixel];
     samples.push_back({point, {color[0], color[1], color[2]}});
   }
@@ -80,8 +80,7 @@ class Colors {
   void Give(std::vector<colmap::Point>& points) const {
     for (std::size_t row = 0; row < points.size(); ++row)
       for (std::size_t channel = 0; channel < 3 && counts_[row] > 0; ++channel)
-        points[row].color[channel] =
-            static_cast<std::uint8_t>((sums_[row][channel] + counts_[row] / 2) / counts_[row]);
+        points[row].color[channel] = static_cast<std::uint8_t>((sums_[row][channel] + counts_[row] / 2) / counts_[row]);
   }
 
  private:
@@ -216,8 +215,9 @@ void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Noti
                         Counted(outline.without_picture, "keyframe"), " without one near in time, ",
                         Counted(left_out - outline.without_picture, "right image"), " of fisheye pairs"));
   else if (images > 0 && pictures == 0)
-    notices.Warn("without pictures: images are named by their timestamps, and points are grey; "
-                 "KeyFramePictures::files names them");
+    notices.Warn(
+        "without pictures: images are named by their timestamps, and points are grey; "
+        "KeyFramePictures::files names them");
   if (scenes.size() > 1)
     notices.Note(Concat(scenes.size(), " maps are in folders 0 to ", scenes.size() - 1, ", a scene each"));
   notices.Tell(Concat(Counted(images, "image"), ", ", Counted(points, "point")));

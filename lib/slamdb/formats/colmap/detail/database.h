@@ -46,9 +46,9 @@ class DatabaseWriter {
 // What a database knows of the keypoints of one image.
 struct ImageFeatures {
   std::size_t keypoints = 0;
-  std::vector<float> scales, angles;       // of keypoints, pixels of the full image and radians; empty: not known
-  std::size_t descriptor_bytes = 0;        // of each; 0: none
-  std::vector<std::byte> descriptors;      // one behind the other, as many as keypoints
+  std::vector<float> scales, angles;   // of keypoints, pixels of the full image and radians; empty: not known
+  std::size_t descriptor_bytes = 0;    // of each; 0: none
+  std::vector<std::byte> descriptors;  // one behind the other, as many as keypoints
 };
 
 // The features of images. Reads without changing the file.

@@ -18,8 +18,8 @@ inline constexpr double kHalfPixel = 0.5;
 // Requires: the camera has the parameters of its model.
 Camera CameraOf(const CameraSettings& settings, std::uint32_t id);
 
-// Where a camera as CameraOf() makes them sees a point in its frame: pixels from the corner of the image. nullopt behind
-// it.
+// Where a camera as CameraOf() makes them sees a point in its frame: pixels from the corner of the image. nullopt
+// behind it.
 std::optional<Eigen::Vector2d> SeenBy(const Camera& camera, const Eigen::Vector3d& x_in_camera);
 
 // Why a camera is not read, or null.

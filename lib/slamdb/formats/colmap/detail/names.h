@@ -9,8 +9,8 @@
 namespace slamdb::colmap {
 
 // Gives each view of an outline a name of its own: of the picture file that is nearest in time, or else
-// `1403636579.763555.png`, in the folders `left` and `right` for a pair. Where two would have the same, the second is in
-// a folder with the number of its image.
+// `1403636579.763555.png`, in the folders `left` and `right` for a pair. Where two would have the same, the second is
+// in a folder with the number of its image.
 //
 // Throws Error (kUsage) when pictures were named and no time is known of any, or none is near in time to a keyframe.
 void NameImages(Outline& outline, const KeyFramePictures& pictures);

@@ -27,8 +27,8 @@ struct View {
 
 struct MapOutline {
   const Map* map = nullptr;
-  std::vector<View> views;                  // keyframe after keyframe, as the map lists them
-  std::vector<std::uint32_t> view_of_row;   // of Map::keyframes: its first view; kNoRow: left out
+  std::vector<View> views;                 // keyframe after keyframe, as the map lists them
+  std::vector<std::uint32_t> view_of_row;  // of Map::keyframes: its first view; kNoRow: left out
 };
 
 // One camera of a rig; ids are those of the file.
@@ -61,8 +61,8 @@ struct Outline {
 Outline OutlineOf(const Atlas& atlas, const Target& target, const WriteOptions& options,
                   const KeyFramePictures& pictures);
 
-// The columns that the keypoints of a view are in, and whether they are undistorted, for want of a distortion that leads
-// from one to the other.
+// The columns that the keypoints of a view are in, and whether they are undistorted, for want of a distortion that
+// leads from one to the other.
 struct ViewKeypoints {
   const Column<Keypoint>* keypoints = nullptr;
   std::size_t first_row = 0;  // of the first one in Features::map_points and descriptors

@@ -15,7 +15,7 @@ namespace slamdb::splats {
 struct Scene {
   colmap::MapOutline outline;
   colmap::Model model;
-  std::string folder;       // in the output: empty, or `1/`
+  std::string folder;        // in the output: empty, or `1/`
   std::size_t left_out = 0;  // images without a picture
 };
 
@@ -29,9 +29,10 @@ struct Developed {
 // grey.
 //
 // Throws Error as ReadColorPicture does, and kNotPossible for a picture of another size than the camera has.
-void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptions& options,
-                  const std::function<Developed(const colmap::View&, const std::string& bytes, const ColorPicture&)>& develop,
-                  const std::function<void(Developed)>& take);
+void ShowPictures(
+    const colmap::Outline& outline, Scene& scene, const WriteOptions& options,
+    const std::function<Developed(const colmap::View&, const std::string& bytes, const ColorPicture&)>& develop,
+    const std::function<void(Developed)>& take);
 
 // Points as a PLY file of the kind that trainers read: x y z, normals of zero, red green blue; each turned by `turn`.
 std::string PlyOf(const colmap::Model& model, const Eigen::Matrix3d& turn);
