@@ -19,6 +19,8 @@ declare -A packages=(
   [static]="pkg-config"
   # What .ci/run adds: another compiler and what looks at sources, a browser, COLMAP, clean systems to install into.
   [checkers]="clang clang-format clang-tidy libclang-rt-dev shellcheck xz-utils"
+  # Other programs that read what slamdb writes; tests/formats/*/run.sh skip what is not there.
+  [readers]="colmap pcl-tools python3-numpy"
   [browser]="chromium"
   [colmap]="colmap"
   [node]="nodejs npm"
