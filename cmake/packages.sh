@@ -17,14 +17,13 @@ declare -A packages=(
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler python3-msgpack mandoc file dpkg-dev"
   # What tells which libraries a static Cairo is made of.
   [static]="pkg-config"
-  # What .ci/run adds: another compiler and what looks at sources, a browser, COLMAP, clean systems to install into.
+  # What .ci/run adds: another compiler and what looks at sources, a browser, clean systems to install into.
   [checkers]="clang clang-format clang-tidy libclang-rt-dev shellcheck xz-utils"
-  # Other programs that read what slamdb writes; tests/formats/*/run.sh skip what is not there.
-  [readers]="colmap pcl-tools python3-numpy"
   [browser]="chromium"
-  [colmap]="colmap"
   [node]="nodejs npm"
   [systems]="debootstrap lintian"
+  # Other programs that read what slamdb writes; tests/formats/*/run.sh skip what is not there.
+  [readers]="colmap pcl-tools python3-numpy"
 )
 optional=" ${packages[pictures]} ${packages[optimization]} ${packages[libraries]} "  # a distribution that lacks one builds without it
 
