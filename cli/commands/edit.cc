@@ -83,15 +83,14 @@ Run AddEditVerb(CLI::App& verb) {
 }
 
 constexpr Example kExamples[] = {
-    {"slamdb convert map.osa points.csv\nslamdb edit map.osa edited.osa --points points.csv",
-     "Points that were moved in the table move in the map."},
-    {"slamdb edit map.osa edited.osa --points points.csv --delete-missing --dry-run",
+    {"slamdb edit lab.osa moved.osa --points points.csv",
+     "Points that were moved in the table, which 'slamdb convert lab.osa points.csv' wrote, move in the map."},
+    {"slamdb edit lab.osa moved.osa --points points.csv --delete-missing --dry-run",
      "Says how many points without a row would go."},
     {"slamdb edit lab.db#map lab.db#edited --keyframes poses.keyframes.csv",
      "Poses of a table, from one atlas of a store to another."},
-    {"slamdb edit map.osa edited.osa --points points.csv --journal edit.json\n"
-     "slamdb repair --undo edit.json edited.osa again.osa",
-     "Keeps a journal, and gets the map back as it was, byte for byte."},
+    {"slamdb edit lab.osa moved.osa --points points.csv --journal edit.json",
+     "Keeps a journal, of which 'slamdb repair --undo edit.json' makes the map again, byte for byte."},
 };
 
 }  // namespace

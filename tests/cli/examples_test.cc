@@ -55,7 +55,6 @@ constexpr std::array kWorld = {
     "slamdb renumber session_a.osa dense.osa --id-map ids.csv -q",
     "slamdb convert session_a.osa keyframes.csv --to csv-keyframes -q",
     "slamdb convert lab.osa points.csv -q; slamdb convert lab.osa poses.keyframes.csv -q",
-    "slamdb edit lab.osa edited.osa --points points.csv --journal edit.json -q",
     "(printf 'P5\\n640 480\\n255\\n'; head -c 307200 /dev/zero) >frame.png; mkdir frames && cp frame.png frames",
     "printf 'Camera1.%s: 400\\n' fx fy cx cy >camera.yaml",
     "slamdb convert session_a.osa fork.osa --to-layout visible-found -q; slamdb layouts show visible-found >fork.json",
