@@ -141,6 +141,16 @@ TEST_F(RtabmapDamage, RunsNothingOfTheFile) {
   EXPECT_EQ(ErrorOf(read).place(), "table Node");
 }
 
+TEST_F(RtabmapDamage, CutsAreErrors) {
+  const std::string bytes = ReadFile(path_);
+  for (std::size_t size = 0; size < bytes.size(); size += 1500) {
+    Notices ignored;
+    const std::string cut = folder_.Make("cut.db", bytes.substr(0, size));
+    const std::string problem = ErrorOf([&] { detail::kRtabmapFormat.read(Source(cut), {}, ignored); }).problem();
+    EXPECT_NE(problem, "no error") << size;
+  }
+}
+
 TEST_F(RtabmapDamage, LacksNoTable) {
   forge_.Execute("DROP TABLE Feature");
   EXPECT_EQ(ErrorOfRead().place(), "table Map_Node_Word");

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "slamdb/formats/formats.h"
 #include "tests/formats/stella/stored_map.h"
 #include "tests/support/error_of.h"
 
@@ -67,6 +68,23 @@ TEST(StellaDamage, IdsMustBeNumbersOf32Bits) {
     map["keyframes"][id] = map["keyframes"]["4"];
     EXPECT_THAT(ErrorOfMap(map).problem(), HasSubstr("the name of a keyframe is `" + std::string(id) + "`"));
   }
+}
+
+TEST(StellaDamage, LinksToIdsThatNothingHasAreTakenOut) {
+  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+  json map = SmallStellaMap();
+  map["keyframes"]["12"]["span_parent"] = kLargest;
+  map["keyframes"]["4"]["loop_edges"] = {kLargest, std::int64_t{1} << 40, -kLargest};
+  map["keyframes"]["4"]["lm_ids"] = {7, kLargest, -kLargest};
+  map["landmarks"]["7"]["ref_keyfrm"] = kLargest;
+  map["landmarks"]["7"]["1st_keyfrm"] = kLargest;
+  map["keyframe_next_id"] = kLargest;
+  const Atlas atlas = ReadStella(map);
+  EXPECT_TRUE(atlas.maps[0].keyframes[0].loop_edges.empty());
+  EXPECT_EQ(atlas.maps[0].points[0].reference, KeyFrameId(4));
+  EXPECT_NO_THROW(static_cast<void>(EncodeAtlas(atlas, {.format = "stella"})));
+  map["keyframes"]["12"]["span_parent"] = std::uint64_t{1} << 63;
+  EXPECT_THAT(ErrorOfMap(map).problem(), HasSubstr("an integer is 9223372036854775808"));
 }
 
 TEST(StellaDamage, ColumnsMustAgree) {
