@@ -101,7 +101,7 @@ class ClassSearch {
     for (std::size_t left_out = 0; solutions.empty() && left_out < samples.size() && samples.size() > 2; ++left_out) {
       std::vector<MemberPlace> others = samples;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
-      solutions = search.Run(others);
+      solutions = search.Run(others, RecordSearch::kMostNodes / 4);
       if (!solutions.empty()) samples = std::move(others);
     }
     return solutions;

@@ -17,7 +17,6 @@ constexpr int kTie = 4;                    // and what is as good as the best
 constexpr std::array kSlacks = {45, 160};  // where an anchor was passed, ways that cost more are given up
 constexpr int kMostCost = 700;
 constexpr int kDoubt = 45;
-constexpr std::size_t kMostNodes = 120'000;
 constexpr std::size_t kMostEntries = 4'000'000;
 constexpr std::uint8_t kMostInsertsInGap = 3;
 constexpr std::size_t kMostSolutions = 64;
@@ -85,7 +84,8 @@ void RecordSearch::MakeShapes() {
 
 // ---- The search
 
-std::vector<RecordSolution> RecordSearch::Run(std::span<const MemberPlace> samples) {
+std::vector<RecordSolution> RecordSearch::Run(std::span<const MemberPlace> samples, std::size_t most_nodes) {
+  most_nodes_ = most_nodes;
   for (const int slack : kSlacks) {
     slack_ = slack;
     Search(samples);
@@ -111,7 +111,7 @@ void RecordSearch::Search(std::span<const MemberPlace> samples) {
   next_facts_.assign(samples_.size(), RecordFacts());
   Settle({});
   int most = kMostCost;
-  while (!queue_.empty() && nodes_.size() < kMostNodes && order_ < kMostEntries) {
+  while (!queue_.empty() && nodes_.size() < most_nodes_ && order_ < kMostEntries) {
     const Entry entry = queue_.top();
     queue_.pop();
     if (entry.cost > most) break;

@@ -52,11 +52,13 @@ struct RecordSolution {
 
 class RecordSearch {
  public:
+  static constexpr std::size_t kMostNodes = 120'000;
+
   // Adds the types of what may be inserted to the wire.
   RecordSearch(Wire& wire, std::string_view file, const ArchiveEncoding& encoding, std::vector<SearchStep> steps);
 
   // All solutions that are as good as the best one, in a fixed order; empty when there is none within the tries.
-  std::vector<RecordSolution> Run(std::span<const MemberPlace> samples);
+  std::vector<RecordSolution> Run(std::span<const MemberPlace> samples, std::size_t most_nodes = kMostNodes);
   const std::vector<SearchStep>& steps() const { return steps_; }
 
  private:
@@ -114,6 +116,7 @@ class RecordSearch {
   std::vector<std::int32_t> goals_;
   std::uint64_t order_ = 0;
   int slack_ = 0;
+  std::size_t most_nodes_ = kMostNodes;
 };
 
 }  // namespace slamdb::layouts
