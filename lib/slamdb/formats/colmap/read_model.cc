@@ -17,6 +17,7 @@
 #include "slamdb/formats/colmap/detail/models.h"
 #include "slamdb/formats/colmap/detail/names.h"
 #include "slamdb/formats/colmap/detail/poses.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/model/colors.h"
 #include "slamdb/model/derive.h"
@@ -469,15 +470,6 @@ void Tell(const Unread& unread, bool has_database, Notices& notices) {
   if (unread.moved_models > 0) notices.Warn("several models had the same ids: those of later ones were moved up");
 }
 
-void Select(Atlas& atlas, const Selection& selection) {
-  if (selection.everything()) return;
-  std::erase_if(atlas.maps, [&](const Map& map) { return selection.map && *selection.map != map.id; });
-  for (Map& map : atlas.maps) {
-    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-    std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
-  }
-}
-
 }  // namespace
 
 Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const ReadOptions& options, Notices& notices) {
@@ -499,7 +491,7 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
   SetTimes(atlas, unread);
   detail::CompleteAtlas(atlas, "COLMAP", options.threads, notices);
   Tell(unread, database != nullptr, notices);
-  Select(atlas, options.selection);
+  detail::Select(options.selection, atlas);
   return atlas;
 }
 

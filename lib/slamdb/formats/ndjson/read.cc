@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/detail/select.h"
 
 namespace slamdb::detail {
 namespace {
@@ -254,18 +255,6 @@ class Reader {
   std::vector<Line> rows_;
   std::vector<std::size_t> blocks_;  // where blocks of rows_ begin, and its end
 };
-
-void Select(const Selection& selection, Atlas& atlas) {
-  if (selection.everything()) return;
-  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
-  for (Map& map : atlas.maps) {
-    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-    std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
-    map.repeated_keyframes.clear();
-    map.repeated_points.clear();
-  }
-  atlas.repeated_maps.clear();
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/slam_files.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/formats/orbslam2/detail/orbslam2.h"
 #include "slamdb/formats/orbslam2/detail/read.h"
@@ -53,12 +54,6 @@ void Tell(const orbslam2::RecordedMap& recorded, Notices& notices) {
                ", ", Counted(recorded.loose_points, "map point"), "; they are kept"));
 }
 
-void Select(const Selection& selection, Map& map) {
-  if (selection.everything()) return;
-  std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-  std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
-}
-
 Atlas Read(const Source& source, const ReadOptions& options, Notices& notices) {
   orbslam2::RecordedMap recorded = orbslam2::ReadMap(source, options);
   Tell(recorded, notices);
@@ -71,8 +66,7 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices& notices) {
   MakeCameras(atlas);
   for (KeyFrame& keyframe : map.keyframes) FillSizes(keyframe);
   detail::CompleteAtlas(atlas, "ORB-SLAM2", options.threads, notices);
-  Select(options.selection, map);
-  if (options.selection.map && *options.selection.map != map.id) atlas.maps.clear();
+  detail::Select(options.selection, atlas);
   return atlas;
 }
 

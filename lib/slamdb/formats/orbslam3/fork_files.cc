@@ -6,6 +6,7 @@
 #include <span>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/formats/orbslam3/detail/part_sizes.h"
 #include "slamdb/model/detail/carried_members.h"
@@ -77,7 +78,7 @@ void Finish(ForkReading& reading, const ForkProgram& program, const Source& sour
                         " lacks: ", Joined(reading.derived)));
   if (options.part_sizes != nullptr)
     ListPartSizes(reading.part_bytes, static_cast<std::size_t>(detail::FileStream(source).size()), *options.part_sizes);
-  if (!options.selection.everything()) Select(options.selection, reading.atlas);
+  detail::Select(options.selection, reading.atlas);
 }
 
 // Made ready once, as many files may be none of them.

@@ -17,15 +17,4 @@ void ListPartSizes(const PartBytes& bytes, std::size_t file_bytes, std::vector<P
   sizes.push_back({kNames.back(), file_bytes - known});
 }
 
-void Select(const Selection& selection, Atlas& atlas) {
-  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
-  for (Map& map : atlas.maps) {
-    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-    std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
-    map.repeated_keyframes.clear();
-    map.repeated_points.clear();
-  }
-  atlas.repeated_maps.clear();
-}
-
 }  // namespace slamdb::orbslam3

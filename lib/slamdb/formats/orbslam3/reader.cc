@@ -5,6 +5,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/decode_jobs.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
@@ -240,7 +241,7 @@ OwnReading ReadArchive(detail::FileStream& file, const ArchiveHeader& header, co
   AtlasReader<Input> reader(file, header, options);
   OwnReading reading{reader.Read(notices), reader.whole()};
   if (options.part_sizes != nullptr) ListPartSizes(reader.part_bytes(), file.size(), *options.part_sizes);
-  if (!options.selection.everything()) Select(options.selection, reading.atlas);
+  detail::Select(options.selection, reading.atlas);
   return reading;
 }
 

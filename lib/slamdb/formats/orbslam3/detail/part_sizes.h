@@ -10,7 +10,4 @@ namespace slamdb::orbslam3 {
 // The bytes of each part by its name; what belongs to none is `other`.
 void ListPartSizes(const PartBytes& bytes, std::size_t file_bytes, std::vector<PartSize>& sizes);
 
-// Leaves out of an atlas what was not asked for.
-void Select(const Selection& selection, Atlas& atlas);
-
 }  // namespace slamdb::orbslam3
