@@ -108,6 +108,37 @@ TEST_F(AtomicFolders, StayWhatTheyWereWhenTheDiskFails) {
   EXPECT_THAT(folder_.Names(), IsEmpty());
 }
 
+// cameras.bin takes the place of another one, then points.bin cannot be moved.
+TEST_F(AtomicFolders, AreTakenBackWhenAFileCannotBeMoved) {
+  fs::create_directories(path_);
+  folder_.Make("model/cameras.bin", "old cameras");
+  folder_.Make("model/mine.txt", "mine");
+  detail::FileCalls& calls = detail::CallsOfFiles();
+  const detail::FileCalls kept = calls;
+  calls.rename = [](const char*, const char*) {
+    errno = EIO;
+    return -1;
+  };
+  const std::string problem = ProblemOf([&] { Fill(path_, true, /*overwrite=*/true); });
+  calls = kept;
+  EXPECT_THAT(problem, HasSubstr("points.bin: cannot rename"));
+  EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), "old cameras");
+  EXPECT_FALSE(fs::exists(path_ + "/sparse/0/points.bin"));
+  EXPECT_THAT(folder_.Names(), ElementsAre("model"));
+}
+
+TEST_F(AtomicFolders, ReplaceNoMapThatLiesInThem) {
+  fs::create_directories(path_);
+  const std::string archive = std::string("\x16\0\0\0\0\0\0\0serialization::archive\x12\0", 32);
+  const std::string database("SQLite format 3\0 and the rest", 30);
+  for (const std::string& map : {archive, database}) {
+    folder_.Make("model/cameras.bin", map);
+    EXPECT_THAT(ProblemOf([&] { Fill(path_, true, /*overwrite=*/true); }), HasSubstr("which nothing replaces"));
+    EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), map);
+    EXPECT_FALSE(fs::exists(path_ + "/sparse/0/points.bin"));
+  }
+}
+
 TEST_F(AtomicFolders, OfKilledProgramsAreRemovedByTheNext) {
   const pid_t child = ::fork();
   if (child == 0) {

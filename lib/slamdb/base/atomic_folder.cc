@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/atomic_folder.h"
 
+#include <fcntl.h>
+#include <stdio.h>
+
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/links.h"
+#include "slamdb/base/detail/recognize.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/error.h"
@@ -34,6 +39,33 @@ void RefuseWhatIsThere(const std::string& path, const std::string& target, bool 
   if (!overwrite && HoldsFiles(target))
     throw Error(ErrorKind::kAlreadyExists, path, "",
                 "is there already and holds files; WriteOptions::overwrite replaces those of the same names");
+}
+
+// A file that was made goes to its place; what was there comes to where it was made, if the system can exchange them.
+struct Move {
+  std::string made, place;
+  bool was_there = false, exchanged = false;
+};
+
+bool Exchange(const std::string& a, const std::string& b) {
+  return detail::CallsOfFiles().renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
+}
+
+void MakeMove(Move& move, bool sync) {
+  std::error_code ignored;
+  fs::create_directories(fs::path(move.place).parent_path(), ignored);
+  move.was_there = fs::exists(move.place, ignored);
+  move.exchanged = move.was_there && Exchange(move.made, move.place);
+  if (!move.exchanged && detail::CallsOfFiles().rename(move.made.c_str(), move.place.c_str()) != 0)
+    throw SystemError(move.place, "cannot rename the finished file into place");
+  if (sync) detail::SyncFolderOf(move.place, move.place);
+}
+
+void TakeBack(const Move& move) {
+  if (move.exchanged)
+    Exchange(move.made, move.place);
+  else if (!move.was_there)
+    detail::CallsOfFiles().rename(move.place.c_str(), move.made.c_str());
 }
 
 }  // namespace
@@ -74,15 +106,20 @@ void AtomicFolder::Commit() {
 }
 
 void AtomicFolder::MoveInto() {
+  std::vector<Move> moves;
   for (const std::string& name : names_) {
-    const fs::path place = fs::path(target_) / name;
-    detail::RefuseInput(place.string());
-    std::error_code error;
-    fs::create_directories(place.parent_path(), error);
-    const std::string made = (fs::path(temporary_->path()) / name).string();
-    if (detail::CallsOfFiles().rename(made.c_str(), place.c_str()) != 0)
-      throw SystemError(place.string(), "cannot rename the finished file into place");
-    if (options_.sync) detail::SyncFolderOf(place.string(), place.string());
+    Move& move = moves.emplace_back();
+    move.made = (fs::path(temporary_->path()) / name).string();
+    move.place = (fs::path(target_) / name).string();
+    detail::RefuseInput(move.place);
+    detail::RefuseReplacingMap(move.place);
+  }
+  std::size_t done = 0;
+  try {
+    for (; done < moves.size(); ++done) MakeMove(moves[done], options_.sync);
+  } catch (...) {
+    while (done > 0) TakeBack(moves[--done]);
+    throw;
   }
 }
 

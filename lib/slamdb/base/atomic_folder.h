@@ -20,9 +20,11 @@ class TemporaryFolder;
 // where nothing or an empty folder is; into a folder that holds files, which needs `overwrite`, it moves one file after
 // the other, in the order in which they were asked for, and leaves there what has other names. Without Commit() the
 // temporary folder is removed and the target is as it was; what a killed program left is removed by the next one that
-// writes into that folder.
+// writes into that folder. When one file cannot be moved, those before it are taken back; a program that is killed
+// between two leaves new files beside old ones.
 //
-// Throws Error: kAlreadyExists when the target holds files and not `overwrite`; kUsage when it is no folder, is
+// Throws Error: kAlreadyExists when the target holds files and not `overwrite`, or an atlas or database in the place of
+// one that is written; kUsage when it is no folder, is
 // standard output or has no name, or when a file would be an input; and as the system has it (SystemError).
 class SLAMDB_EXPORT AtomicFolder {
  public:

@@ -7,6 +7,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/opened_input.h"
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/detail/slam_files.h"
 #include "slamdb/base/detail/text.h"
 
@@ -250,10 +251,9 @@ constexpr Known kKnown[] = {
     {"osmap", 0, "", "the header of an osmap map (ORB-SLAM2)", "", IsOsmapHeader},
     {"yaml", 0, "", "a YAML file of OpenCV, such as the settings of ORB-SLAM3",
      "the atlas is the .osa file that System.SaveAtlasToFile names in it", IsCameraSettings},
-    {"colmap-points", 0, "# 3D point list with one line of data per point"sv,
-     "points3D.txt of a COLMAP model", kWholeModel},
-    {"colmap-rigs", 0, "# Rig calib list with one line"sv, "rigs.txt of a COLMAP model",
+    {"colmap-points", 0, "# 3D point list with one line of data per point"sv, "points3D.txt of a COLMAP model",
      kWholeModel},
+    {"colmap-rigs", 0, "# Rig calib list with one line"sv, "rigs.txt of a COLMAP model", kWholeModel},
     {"colmap-frames", 0, "# Frame list with one line"sv, "frames.txt of a COLMAP model, which slamdb does not read",
      ""},
     {"colmap-cameras", 0, "", "cameras.txt of a COLMAP model", kWholeModel, IsColmapCamerasText},
@@ -320,6 +320,18 @@ void RefuseOther(const Probe& probe, std::string_view wanted, std::initializer_l
   const auto recognized = Recognize(probe);
   if (!recognized || std::find(takes.begin(), takes.end(), recognized->id) != takes.end()) return;
   throw Error(recognized->kind, probe.path, "", SentenceOf(*recognized, wanted));
+}
+
+void RefuseReplacingMap(const std::string& path) {
+  std::error_code missing;
+  if (!std::filesystem::is_regular_file(path, missing)) return;
+  const bool is_database = IsDatabase(path);
+  const auto there = is_database ? std::nullopt : Recognize(Probe::Of(path));
+  if (is_database || (there && there->id == "archive"))
+    throw Error(ErrorKind::kAlreadyExists, path, "",
+                Concat("is ", is_database ? "an SQLite database" : there->what,
+                       ", which nothing replaces that is written along with another file; name another output, or "
+                       "remove it first"));
 }
 
 }  // namespace slamdb::detail

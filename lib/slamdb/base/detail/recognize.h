@@ -34,4 +34,8 @@ SLAMDB_EXPORT std::string SentenceOf(const Recognized& recognized, std::string_v
 SLAMDB_EXPORT void RefuseOther(const Probe& probe, std::string_view wanted,
                                std::initializer_list<std::string_view> takes = {});
 
+// For files that go into or beside an output that was named: throws Error (kAlreadyExists) when an atlas or an SQLite
+// database is there, which only one that was meant replaces.
+SLAMDB_EXPORT void RefuseReplacingMap(const std::string& path);
+
 }  // namespace slamdb::detail

@@ -8,6 +8,7 @@
 
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/recognize.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -56,9 +57,11 @@ class MapWriter {
   void Write(const Target& target) {
     const std::filesystem::path base = std::filesystem::path(target.path).replace_extension();
     const AtomicFileOptions side{.overwrite = options_.overwrite, .sync = options_.sync};
-    AtomicFile points(SidePath(base, ".mappoints", header_.points), side);
-    AtomicFile keyframes(SidePath(base, ".keyframes", header_.keyframes), side);
-    AtomicFile features(SidePath(base, ".features", header_.features), side);
+    const Target places[] = {SidePath(base, ".mappoints", header_.points),
+                             SidePath(base, ".keyframes", header_.keyframes),
+                             SidePath(base, ".features", header_.features)};
+    for (const Target& place : places) detail::RefuseReplacingMap(place.path);
+    AtomicFile points(places[0], side), keyframes(places[1], side), features(places[2], side);
     AtomicFileOptions last = detail::FileOptions(options_);
     last.before_commit = [&] {
       if (options_.before_commit) options_.before_commit();
