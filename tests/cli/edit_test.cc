@@ -61,7 +61,7 @@ TEST_F(Edit, TablesChangeAtlasesOfStoresAndAreTakenBack) {
       RunSlamdb({"edit", store + "#map", "--keyframes", poses, "--delete-missing", "--dry-run"});
   EXPECT_EQ(planned.exit_code, 0);
   EXPECT_THAT(planned.out, HasSubstr("would edit"));
-  EXPECT_THAT(planned.out, HasSubstr("1 without a row deleted"));
+  EXPECT_THAT(planned.out, HasSubstr("1 deleted"));
   std::vector<std::string> kept = command;
   kept.insert(kept.end(), {"--journal", journal});
   ASSERT_EQ(RunSlamdb(kept).exit_code, 0);
