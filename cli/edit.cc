@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "cli/input_errors.h"
 #include "cli/report/layout.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/visible.h"
@@ -159,37 +160,13 @@ void SideFile::Commit() {
   file_.reset();
 }
 
-namespace {
-
-// A trajectory breaks rules of what it does not hold, and has no repair.
-bool HoldsAtlas(const Atlas& atlas) {
-  return std::ranges::any_of(atlas.maps, [](const Map& map) {
-    return std::ranges::any_of(map.points, &MapPoint::has_descriptor) || !map.landmarks.empty() ||
-           std::ranges::any_of(map.keyframes,
-                               [](const KeyFrame& keyframe) { return !keyframe.features.keypoints.empty(); });
-  });
-}
-
-void TellErrors(const std::string& input, const Atlas& atlas, const Console& console, Notices& notices) {
-  if (!HoldsAtlas(atlas)) return;
-  CheckOptions errors{.max_findings = 1, .threads = console.threads()};
-  for (const Rule& rule : ReadRules())
-    if (rule.severity != Severity::kError) errors.ignore.emplace_back(rule.id);
-  const CheckReport check = CheckAtlas(atlas, errors);
-  if (check.ok()) return;
-  notices.Warn(input + " has " + Counted(check.Count(Severity::kError), "error") + ", the first of " +
-               check.results.front().id + "; `slamdb repair` it first, or the result may have them too");
-}
-
-}  // namespace
-
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices, InputErrors errors) {
   RefuseBadOutput(options);
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.needs = options.needs;
   Atlas atlas = ReadAtlas(options.input, read, &notices);
   options.inputs->Add(atlas);
-  if (errors == InputErrors::kTell && !console.quiet()) TellErrors(options.input, atlas, console, notices);
+  if (errors == InputErrors::kTell) TellErrors(options.input, atlas, console, notices);
   return atlas;
 }
 

@@ -40,6 +40,7 @@ constexpr std::array kWords = {
     Word{"EvaluationOptions::max_time_difference", "--max-dt"},
     Word{"the time unit of the read options", "--time-unit of `slamdb convert` and `slamdb transform`"},
     Word{"TrajectoryReadOptions::times", "--times"},
+    Word{"writing it as csv", "`slamdb convert` to a .csv file"},
     Word{"migrate it first", "run `slamdb migrate`"},
     Word{"RecoverOptions::rig", "--cameras"},
     Word{"keypoints `all`", "--keypoints all"},

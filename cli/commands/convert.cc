@@ -274,11 +274,12 @@ Run AddConvert(CLI::App& verb) {
 constexpr Example kExamples[] = {
     {"slamdb convert session_a.osa lab.db#session_a",
      "Keeps an atlas in a store; saving it again writes what changed."},
-    {"slamdb convert lab.db#session_a a.osa --boost-version ubuntu18.04",
-     "And back, for ORB-SLAM3 on an older system."},
-    {"slamdb convert crashed.osa safe.osa --sanitize", "Makes a file that ORB-SLAM3 loads of one that makes it crash."},
-    {"slamdb convert session_a.osa a.glb --color error",
-     "A scene for Blender and browsers, points coloured by reprojection error; .mcap is for Foxglove."},
+    {"slamdb convert crashed.osa safe.osa --sanitize --boost-version ubuntu18.04",
+     "Makes a file that ORB-SLAM3 on an older system loads of one that makes it crash."},
+    {"slamdb convert session_a.osa model --to colmap --with-database",
+     "A model and a database for COLMAP: point_triangulator, bundle_adjuster and mapper run on it."},
+    {"slamdb convert lab.txt moved.osa --onto lab.osa",
+     "Puts poses that were optimised elsewhere into the atlas: a trajectory, a g2o graph, a COLMAP model."},
     {"slamdb convert session_a.osa trajectory.txt --to tum --body", "Writes the keyframe poses, and says how many."},
 };
 

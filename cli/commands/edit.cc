@@ -24,7 +24,7 @@ std::optional<Source> TableAt(const std::string& path) {
 std::string Line(const TableEditChanges& changes, std::string_view noun) {
   std::string line = "  " + Counted(changes.rows, "row") + " of " + std::string(noun) + "s: " + Grouped(changes.moved) +
                      " moved, " + Grouped(changes.changed) + " changed otherwise";
-  if (changes.deleted > 0) line += ", " + Grouped(changes.deleted) + " without a row deleted";
+  if (changes.deleted > 0) line += ", " + Grouped(changes.deleted) + " deleted";
   return line + "\n";
 }
 

@@ -7,6 +7,7 @@
 #include "cli/batch.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/input_errors.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "slamdb/base/detail/json.h"
@@ -199,11 +200,12 @@ std::string RecomputedText(const RecomputeWordsReport& report) {
 
 ExitCode RunRecompute(const RecomputeOptions& options, Console& console) {
   Notices notices;
-  Atlas atlas = ReadInput(options.edit, console, notices);
+  Atlas atlas = ReadInput(options.edit, console, notices, InputErrors::kAreRepaired);
   const LoadedVocabulary vocabulary = LoadVocabulary(options.vocabulary, console.threads());
   const RecomputeWordsReport report = RecomputeWords(
       atlas, vocabulary.tree, vocabulary.identity,
       {.only_missing = options.missing, .threads = console.threads(), .progress = console.MakeProgress()});
+  TellErrors(options.edit.input, atlas, console, notices);  // those that missing words were are mended
   WriteResult(atlas, options.edit, "vocabulary recompute " + options.edit.input, console, notices);
   return FinishEdit(RecomputedText(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
@@ -252,7 +254,7 @@ Run BindSet(CLI::App& verb) {
 
 Run BindRecompute(CLI::App& verb) {
   const auto options = std::make_shared<RecomputeOptions>();
-  options->edit.needs = Content::kBagOfWords;
+  options->edit.needs = Content::kDescriptors;
   AddEdit(verb, options->edit);
   verb.add_option("--vocabulary", options->vocabulary, "The vocabulary file: DBoW2 text, or its binary form")
       ->type_name("FILE")

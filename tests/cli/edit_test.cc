@@ -61,7 +61,7 @@ TEST_F(Edit, TablesChangeAtlasesOfStoresAndAreTakenBack) {
       RunSlamdb({"edit", store + "#map", "--keyframes", poses, "--delete-missing", "--dry-run"});
   EXPECT_EQ(planned.exit_code, 0);
   EXPECT_THAT(planned.out, HasSubstr("would edit"));
-  EXPECT_THAT(planned.out, HasSubstr("1 without a row deleted"));
+  EXPECT_THAT(planned.out, HasSubstr("1 deleted"));
   std::vector<std::string> kept = command;
   kept.insert(kept.end(), {"--journal", journal});
   ASSERT_EQ(RunSlamdb(kept).exit_code, 0);
@@ -77,11 +77,23 @@ TEST_F(Edit, TablesThatDoNotFitAreRefused) {
   ASSERT_EQ(RunSlamdb({"convert", input_, cloud}).exit_code, 0);
   ExpectRefused({"edit", input_, output_}, "a table is missing; --points or --keyframes names one", 2);
   ExpectRefused({"edit", input_, output_, "--keyframes", points}, "line 1: a table of points");
-  ExpectRefused({"edit", input_, output_, "--points", cloud}, "not a table of points: this is a PLY point cloud");
+  ExpectRefused({"edit", input_, output_, "--points", cloud},
+                "not a table of points: this is a PLY point cloud; `slamdb convert` to a .csv file makes a table");
   ExpectRefused({"edit", input_, output_, "--points", input_}, "not a table of points: this is an atlas");
   ExpectRefused({"edit", other_, output_, "--points", points}, "tables add nothing, ndjson does");
   ExpectRefused({"edit", cloud, output_, "--keyframes", points}, "line 1: a table of points");
   EXPECT_FALSE(std::filesystem::exists(output_));
+}
+
+// A cloud that was edited elsewhere comes back by way of a table.
+TEST_F(Edit, PointsOfACloudComeBackByWayOfATable) {
+  const std::string cloud = folder_ / "p.ply", points = folder_ / "p.csv";
+  ASSERT_EQ(RunSlamdb({"convert", input_, cloud}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", cloud, points}).exit_code, 0);
+  const ProcessResult result = RunSlamdb({"edit", input_, output_, "--points", points});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr(": 0 moved, 0 changed otherwise"));
+  EXPECT_EQ(ReadWholeFile(output_), bytes_);
 }
 
 // A point cloud is an atlas of points alone: what needs more says so.

@@ -37,6 +37,7 @@ TEST(Errors, SpeakOfTheSwitchesOfTheCommand) {
   const TemporaryFolder folder;
   WriteWholeFile(folder / "there.osa", "mine");
   WriteWholeFile(folder / "voc.txt", "10 6  0 0 \n0 0 252 188");
+  WriteWholeFile(folder / "frames.txt", "# Frame list with one line of data per frame:\n");
   ASSERT_EQ(RunSlamdb({"convert", kTiny, folder / "maps.db#lab"}).exit_code, 0);
   struct Case {
     std::vector<std::string> words;
@@ -46,8 +47,12 @@ TEST(Errors, SpeakOfTheSwitchesOfTheCommand) {
       {{"convert", kTiny, folder / "there.osa"}, "there.osa: is there already; -O/--overwrite replaces it"},
       {{"convert", kTiny, folder / "maps.db#lab"}, "holds an atlas named 'lab' already; -O/--overwrite replaces it"},
       {{"convert", kTiny, "-"}, "standard output has no suffix to tell the format by; --to names it (orbslam3, "},
-      {{"convert", kTiny, folder / "a.plz"},
-       "a.plz: its suffix tells no format; the nearest is .ply; `slamdb version` lists all, and --to names one"},
+      {{"convert", kTiny, folder / "model"}, "its suffix tells no format; perhaps --to colmap is meant; `slamdb"},
+      {{"convert", kTiny, folder / "model/"}, "its suffix tells no format; perhaps --to colmap is meant; `slamdb"},
+      {{"convert", kTiny, folder / "transforms.json"},
+       "its suffix tells no format; perhaps --to nerf is meant; `slamdb"},
+      {{"convert", kTiny, folder / "a.osmap"}, "its suffix tells no format; perhaps --to osmap is meant; `slamdb"},
+      {{"convert", kTiny, folder / "map.bin"}, "its suffix tells no format; perhaps --to osmap is meant; `slamdb"},
       {{"convert", kTiny, folder / "a.zzz"},
        "tells no format; others do, such as .osa, .db, .ply, .tum, .csv; `slamdb"},
       {{"convert", kTiny, folder / "a.gltf"}, "a.gltf: its suffix tells no format; the nearest is .glb"},
@@ -56,6 +61,7 @@ TEST(Errors, SpeakOfTheSwitchesOfTheCommand) {
       {{"convert", kTiny, folder / "a.KMZ", "--to", "kml"}, "name it " + (folder / "a.kml")},
       {{"info", "-"}, "-: is empty; was the program that saved it stopped before it could?"},
       {{"convert", kTiny, folder / "a.ply", "--strict"}, "; --strict refuses that"},
+      {{"info", folder / "frames.txt"}, "frames.txt of a COLMAP model; give the folder that it is in"},
       {{"info", folder / "voc.txt"}, "`slamdb vocabulary show` tells its name and MD5"},
       {{"convert", kTiny, folder / "a.ply", "--map", "7"}, "has no map 7"},
   };
@@ -201,6 +207,12 @@ TEST(Usage, IsSaidInOneWay) {
       {{"info", kTiny, "--json=x"}, "--json takes no value"},
       {{"view", kTiny, "--serve", "--port", "99999"}, "--port: expected a number from 0 to 65535, found '99999'"},
       {{"convert", kTiny, "a.x", "--to", "foxglove"}, "--to: unknown format 'foxglove'; what it reads is mcap"},
+      {{"convert", kTiny, "a.x", "--to", "splat"}, "unknown format 'splat'; what it reads is 3dgs"},
+      {{"convert", kTiny, "a.x", "--to", "nerfstudio"}, "unknown format 'nerfstudio'; what it reads is nerf"},
+      {{"convert", kTiny, "a.x", "--to", "gaussian"}, "unknown format 'gaussian'; what it reads is 3dgs"},
+      {{"convert", kTiny, "a.x", "--to", "openvslam"}, "unknown format 'openvslam'; what it reads is stella"},
+      {{"convert", kTiny, "a.x", "--to", "stella_vslam"}, "unknown format 'stella_vslam'; what it reads is stella"},
+      {{"convert", kTiny, "a.x", "--to", "colmap-bin"}, "unknown format 'colmap-bin'; what it reads is colmap"},
       {{"info", kTiny, "--threads", "-1"}, "--threads: expected a number from 0 to 1024, found '-1'"},
       {{"merge", kTiny, "-o", "a.osa", "--fuse"}, "--fuse requires --join"},
       {{"convert", kTiny, "a.osa", "-o", "b.osa"}, "exclude each other"},

@@ -33,6 +33,8 @@ TEST(FirstWord, AnAtlasAloneIsShown) {
 TEST(FirstWord, OfOtherToolsIsAnswered) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"validate", "a.osa"}, "slamdb check a.osa"},
+      {{"undo", "a.osa"}, "slamdb repair a.osa undone.osa --undo journal.json"},
+      {{"import", "a.msg"}, "slamdb convert a.msg map.osa"},
       {{"verify", "a.osa"}, "slamdb check a.osa"},
       {{"doctor", "my map.osa"}, "slamdb check 'my map.osa'"},
       {{"fix", "a.osa"}, "slamdb repair a.osa fixed.osa"},
@@ -43,8 +45,8 @@ TEST(FirstWord, OfOtherToolsIsAnswered) {
       {{"cp", "a.osa", "b.osa"}, "slamdb convert a.osa b.osa"},
       {{"export", "a.osa"}, "slamdb convert a.osa points.ply"},
       {{"trajectory", "a.osa"}, "slamdb convert a.osa poses.tum"},
-      {{"import", "a.osa"}, "slamdb add maps.db a.osa"},
-      {{"import", "lab.db", "a.osa", "b.osa"}, "slamdb add lab.db a.osa b.osa"},
+      {{"save", "a.osa"}, "slamdb add maps.db a.osa"},
+      {{"save", "lab.db", "a.osa", "b.osa"}, "slamdb add lab.db a.osa b.osa"},
       {{"save", "a.osa", "lab.db"}, "slamdb add lab.db a.osa"},
       {{"save", "a.osa", "b.osa"}, "slamdb add maps.db a.osa b.osa"},
       {{"rm", "lab.db#old"}, "slamdb remove lab.db#old"},

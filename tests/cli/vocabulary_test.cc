@@ -9,6 +9,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kTiny = SLAMDB_FIXTURES "/tiny/tiny.osa";
 // A root with two words: parent, leaf?, 32 descriptor bytes, weight.
@@ -88,6 +89,25 @@ TEST(Vocabulary, RecomputeMovesAMapToAnotherVocabulary) {
   const ProcessResult again = RunSlamdb({"vocabulary", "recompute", moved, "--vocabulary", vocabulary, "--dry-run"});
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_THAT(again.out, HasSubstr("as they were  2"));
+}
+
+// Maps of other programs have descriptors, and no words: what helps is said where they are missing, and is no repair.
+TEST(Vocabulary, RecomputeMakesTheWordsOfImportedMaps) {
+  const TemporaryFolder folder;
+  const std::string vocabulary = SLAMDB_FIXTURES "/vocabulary/small.txt";
+  const std::string atlas = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+  ASSERT_EQ(RunSlamdb({"convert", atlas, folder / "a.msg", "-q"}).exit_code, 3);
+  EXPECT_THAT(RunSlamdb({"convert", folder / "a.msg", folder / "b.osa"}).err,
+              HasSubstr("bags of words stay empty until `slamdb vocabulary recompute` makes them"));
+  for (const char* input : {"a.msg", "b.osa"}) {
+    SCOPED_TRACE(input);
+    const std::string output = folder / (std::string(input) + ".osa");
+    const ProcessResult result =
+        RunSlamdb({"vocabulary", "recompute", folder / input, output, "--vocabulary", vocabulary});
+    EXPECT_NE(result.exit_code, 1) << result.err;
+    EXPECT_THAT(result.err, Not(HasSubstr("`slamdb repair` it first")));
+    EXPECT_EQ(RunSlamdb({"check", output, "-q"}).exit_code, 0);
+  }
 }
 
 TEST(Vocabulary, RecomputeRefusesBadVocabulariesAndWritesNothing) {

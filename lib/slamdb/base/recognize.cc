@@ -149,6 +149,7 @@ struct Known {
 };
 
 constexpr std::string_view kWholeModel = "give the folder that it is in";
+constexpr std::string_view kCloud = "writing it as csv makes a table of its points";
 constexpr std::string_view kUnpack = "unpack it and give the file in it";
 constexpr std::string_view kConvertTrack =
     "make a table of time, latitude, longitude and altitude of it (gpsbabel -o unicsv)";
@@ -254,17 +255,16 @@ constexpr Known kKnown[] = {
     {"colmap-points", 0, "# 3D point list with one line of data per point"sv, "points3D.txt of a COLMAP model",
      kWholeModel},
     {"colmap-rigs", 0, "# Rig calib list with one line"sv, "rigs.txt of a COLMAP model", kWholeModel},
-    {"colmap-frames", 0, "# Frame list with one line"sv, "frames.txt of a COLMAP model, which slamdb does not read",
-     ""},
+    {"colmap-frames", 0, "# Frame list with one line"sv, "frames.txt of a COLMAP model", kWholeModel},
     {"colmap-cameras", 0, "", "cameras.txt of a COLMAP model", kWholeModel, IsColmapCamerasText},
     {"colmap-images", 0, "", "images.txt of a COLMAP model", kWholeModel, IsColmapImagesText},
     {"colmap-cameras", 0, "", "cameras.bin of a COLMAP model", kWholeModel, IsColmapCameras},
     {"colmap-images", 0, "", "images.bin of a COLMAP model", kWholeModel, IsColmapImages},
     {"colmap-frames", 0, "", "frames.bin of a COLMAP model", kWholeModel, IsColmapFrames},
     {"colmap-points", 0, "", "points3D.bin of a COLMAP model", kWholeModel, IsColmapPoints},
-    {"ply", 0, "ply\n"sv, "a PLY point cloud"},
-    {"ply", 0, "ply\r\n"sv, "a PLY point cloud"},
-    {"pcd", 0, "# .PCD"sv, "a PCD point cloud"},
+    {"ply", 0, "ply\n"sv, "a PLY point cloud", kCloud},
+    {"ply", 0, "ply\r\n"sv, "a PLY point cloud", kCloud},
+    {"pcd", 0, "# .PCD"sv, "a PCD point cloud", kCloud},
     {"dump", 0, "{\"type\":\"atlas\""sv, "a dump of slamdb (JSON lines)", "give the atlas that it was made from"},
     {"base64", 0, "", "an atlas or a store in base64", "decode it first (base64 -d)", IsBase64OfAtlas},
     {"uuencode", 0, "begin 644 "sv, "uuencoded", "decode it first (uudecode)"},

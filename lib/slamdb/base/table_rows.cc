@@ -143,7 +143,13 @@ bool IsDecimalComma(std::string_view text) {
   if (comma == text.npos || comma + 1 == text.size()) return false;
   const std::size_t first = text.front() == '+' || text.front() == '-' ? 1 : 0;
   const auto digits = [](std::string_view part) { return part.find_first_not_of("0123456789") == part.npos; };
-  return comma > first && digits(text.substr(first, comma - first)) && digits(text.substr(comma + 1));
+  if (comma == first || !digits(text.substr(first, comma - first))) return false;
+  const std::string_view behind = text.substr(comma + 1);
+  const std::size_t exponent = behind.find_first_of("eE");
+  if (exponent == behind.npos) return digits(behind);
+  std::string_view power = behind.substr(exponent + 1);
+  if (power.starts_with('+') || power.starts_with('-')) power.remove_prefix(1);
+  return digits(behind.substr(0, exponent)) && !power.empty() && digits(power);
 }
 
 std::string WithPoint(std::string_view text) {

@@ -111,6 +111,15 @@ constexpr KindredSuffix kKindred[] = {
     {".pts", ".xyz"},
 };
 
+// The format that is probably meant by a name that has the suffix of none; empty: any.
+std::string_view FormatMeant(const std::string& path) {
+  const std::filesystem::path name(path);
+  const std::string file = Lower(name.filename().string());
+  if (!name.has_extension()) return "colmap";  // a folder
+  if (file == "transforms.json") return "nerf";
+  return file == "map.bin" || file.ends_with(".osmap") ? "osmap" : "";
+}
+
 const KindredSuffix* FindKindred(const std::string& path) {
   const auto kindred =
       std::ranges::find(kKindred, Lower(std::filesystem::path(path).extension().string()), &KindredSuffix::tried);
@@ -235,6 +244,10 @@ const Format& FormatOfSuffix(const Target& target) {
                        "has no suffix to tell the format by; WriteOptions::format names it (", Ids(CanWrite), ")"));
   if (const Format* format = FormatBySuffix(target.path, CanWrite)) return *format;
   RefuseImpossibleName(target.path);
+  if (const std::string_view meant = FormatMeant(target.path); !meant.empty() && target.name.empty())
+    throw Error(
+        ErrorKind::kUsage, target.path, "",
+        Concat("its suffix tells no format; perhaps WriteOptions::format ", meant, " is meant; `Formats` lists all"));
   const KindredSuffix* kindred = FindKindred(target.path);
   throw Error(ErrorKind::kUsage, target.path, "",
               Concat(target.name.empty() ? "" : "`#" + target.name + "` names an atlas of a store of this name, but ",

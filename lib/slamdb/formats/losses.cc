@@ -90,6 +90,18 @@ Counts CountContent(const Atlas& atlas, std::optional<MapId> chosen) {
   return counts;
 }
 
+// Those of the three that some point has: stella_vslam counts, and knows no origins.
+std::string_view TrackingOf(const Atlas& atlas) {
+  bool origins = false, counts = false;
+  for (const Map& map : atlas.maps)
+    for (const MapPoint& point : map.points) {
+      origins |= point.origin_map != MapPoint::kNoOrigin;
+      counts |= point.visible_count != MapPoint::kNoCount || point.found_count != MapPoint::kNoCount;
+    }
+  if (!origins) return "visible and found counts of map points";
+  return counts ? "origins and visible and found counts of map points" : "origins of map points";
+}
+
 }  // namespace
 
 Content ContentOf(const Atlas& atlas, std::optional<MapId> map) {
@@ -106,7 +118,8 @@ std::vector<std::string> LossesOf(const Atlas& atlas, const Format& format, cons
   const Content held = format.holds != nullptr ? format.holds(atlas, options) : format.writes;
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
     if (counts[kind] == 0 || HasAny(held, kKinds[kind].content)) continue;
-    std::string loss = std::string(format.id) + " cannot hold " + std::string(kKinds[kind].what);
+    std::string loss = std::string(format.id) + " cannot hold " +
+                       std::string(kKinds[kind].content == Content::kTracking ? TrackingOf(atlas) : kKinds[kind].what);
     if (kKinds[kind].content != Content::kIdentity) loss += " (" + Thousands(counts[kind]) + ")";
     losses.push_back(std::move(loss));
   }

@@ -21,6 +21,19 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices* notices) {
   });
 }
 
+// An export claims to hold no atlas: what it lacks is no loss, also where the reader left it out.
+void TakeLossesForWarnings(Notices& notices) {
+  Notices told;
+  told.Tell(notices.written());
+  for (const Notice& notice : notices.items()) {
+    if (notice.kind == Notice::Kind::kNote)
+      told.Note(notice.text);
+    else
+      told.Warn(notice.text);
+  }
+  notices = std::move(told);
+}
+
 void Write(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices* notices) {
   const Format& format = detail::FormatToWrite(target, options);
   const std::vector<std::string> losses = detail::LossesOf(atlas, format, options);
@@ -28,7 +41,9 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
     throw Error(ErrorKind::kNotPossible, target.path, "", losses.front() + "; WriteOptions::strict refuses that");
   Notices unheard;
   Notices& heard = notices == nullptr ? unheard : *notices;
-  if (!format.is_export)
+  if (format.is_export)
+    TakeLossesForWarnings(heard);
+  else
     for (const std::string& loss : losses) heard.Lose(loss);
   detail::InMemory(target.path, "the machine has too little memory left to write it",
                    [&] { format.write(atlas, target, options, heard); });

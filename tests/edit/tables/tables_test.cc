@@ -187,15 +187,62 @@ TEST(Edit, MovesAKeyFrameAndItsBody) {
 
 TEST(Edit, ChangesOtherColumns) {
   Atlas atlas = Small();
-  Edit(atlas, {.keyframes = "id,timestamp,frame_id,vx,vy,vz,not_erase,bad\n" +
-                            std::to_string(atlas.maps[0].keyframes[1].id.value()) + ",12.5,77,1,2,3,1,true\n"});
+  Edit(atlas, {.keyframes = "id,timestamp,frame_id,vx,vy,vz,not_erase\n" +
+                            std::to_string(atlas.maps[0].keyframes[1].id.value()) + ",12.5,77,1,2,3,1\n"});
   const KeyFrame& keyframe = atlas.maps[0].keyframes[1];
   EXPECT_EQ(keyframe.timestamp, 12.5);
   EXPECT_EQ(keyframe.frame_id, 77U);
   EXPECT_TRUE(keyframe.has_velocity);
   EXPECT_EQ(keyframe.velocity, Eigen::Vector3f(1, 2, 3));
   EXPECT_TRUE(keyframe.not_erase);
-  EXPECT_TRUE(keyframe.bad);
+}
+
+// Each of the columns by itself, which a group of them once had to go with.
+TEST(Edit, SingleComponentsMoveByThemselves) {
+  const Atlas before = Small();
+  const MapPoint& point = before.maps[0].points[4];
+  const KeyFrame& keyframe = before.maps[0].keyframes[3];
+  const auto row = [](const auto& entity, const std::string& names, const std::string& cells) {
+    return "id," + names + "\n" + std::to_string(entity.id.value()) + "," + cells + "\n";
+  };
+  Atlas atlas = before;
+  const auto moved = [&]() -> const MapPoint& { return atlas.maps[0].points[4]; };
+  EXPECT_EQ(Edit(atlas, {.points = row(point, "z", "9")}).points.moved, 1U);
+  EXPECT_EQ(moved().position, Eigen::Vector3f(point.position.x(), point.position.y(), 9));
+  Edit(atlas, {.points = row(point, "x,y,z", "8,,")});
+  EXPECT_EQ(moved().position, Eigen::Vector3f(8, point.position.y(), 9));
+  Edit(atlas, {.points = row(point, "nx", "0.25")});
+  EXPECT_EQ(moved().normal.x(), 0.25F);
+  const auto posed = [&]() -> const KeyFrame& { return atlas.maps[0].keyframes[3]; };
+  const auto centre = [](const KeyFrame& k) { return k.camera_from_world.Inverse().translation; };
+  EXPECT_EQ(Edit(atlas, {.keyframes = row(keyframe, "x,y,z", "1,2,3")}).keyframes.moved, 1U);
+  EXPECT_LT((centre(posed()) - Eigen::Vector3f(1, 2, 3)).norm(), 1e-5F);
+  EXPECT_LT(posed().camera_from_world.rotation.angularDistance(keyframe.camera_from_world.rotation), 1e-3F);
+  Edit(atlas, {.keyframes = row(keyframe, "y", "7")});
+  EXPECT_LT((centre(posed()) - Eigen::Vector3f(1, 7, 3)).norm(), 1e-5F);
+  EXPECT_EQ(Edit(atlas, {.keyframes = row(keyframe, "qx,qy,qz,qw", "0,1,0,0")}).keyframes.moved, 1U);
+  EXPECT_LT((centre(posed()) - Eigen::Vector3f(1, 7, 3)).norm(), 1e-5F);
+  EXPECT_LT(posed().camera_from_world.rotation.angularDistance(Eigen::Quaternionf(0, 0, 1, 0)), 1e-3F);
+  Edit(atlas, {.keyframes = row(keyframe, "vy", "0.5")});
+  EXPECT_TRUE(posed().has_velocity);
+  EXPECT_EQ(posed().velocity.y(), 0.5F);
+}
+
+// What refers to something bad makes ORB-SLAM3 crash.
+TEST(Edit, WhatTurnsBadIsDeletedWithWhatRefersToIt) {
+  const Atlas before = Small();
+  Atlas atlas = before;
+  const TableEditReport report =
+      Edit(atlas, {.points = "id,bad\n" + std::to_string(before.maps[0].points[2].id.value()) + ",1\n",
+                   .keyframes = "id,bad\n" + std::to_string(before.maps[0].keyframes[1].id.value()) + ",true\n" +
+                                std::to_string(before.maps[0].keyframes[2].id.value()) + ",0\n"});
+  EXPECT_EQ(report.points.deleted, 1U);
+  EXPECT_EQ(report.keyframes.deleted, 1U);
+  EXPECT_EQ(report.removed.keyframes, 1U);
+  EXPECT_EQ(atlas.maps[0].keyframes.size(), before.maps[0].keyframes.size() - 1);
+  EXPECT_THAT(testing::NewTroubles(testing::Troubles(before), atlas), IsEmpty());
+  UndoRepair(atlas, report.journal);
+  EXPECT_THAT(atlas, EqualsAtlas(before));
 }
 
 TEST(Edit, EmptyCellsAndMissingColumnsChangeNothing) {
@@ -210,8 +257,8 @@ TEST(Edit, EmptyCellsAndMissingColumnsChangeNothing) {
 TEST(Edit, TakesTheDialectsOfSpreadsheets) {
   Atlas atlas = Small();
   const std::string id = std::to_string(atlas.maps[0].points[0].id.value());
-  Edit(atlas, {.points = "\xef\xbb\xbfsep=;\r\nZ;Y;X;ID\r\n3,5;2,5;1,5;" + id + "\r\n"});
-  EXPECT_EQ(atlas.maps[0].points[0].position, Eigen::Vector3f(1.5F, 2.5F, 3.5F));
+  Edit(atlas, {.points = "\xef\xbb\xbfsep=;\r\nZ;Y;X;ID\r\n3,5;-2,5e-05;1,5E+2;" + id + "\r\n"});
+  EXPECT_EQ(atlas.maps[0].points[0].position, Eigen::Vector3f(150, -2.5e-5F, 3.5F));
 }
 
 TEST(Edit, LeavesAsideColumnsOfOtherNames) {
@@ -327,7 +374,8 @@ TEST_P(EditErrors, SayFileAndLine) {
 }
 
 constexpr Refused kRefused[] = {
-    {"NoId", "map,x,y,z\n0,1,2,3\n", nullptr, "names no column `id`"},
+    {"NoId", "map,x,y,z\n0,1,2,3\n", nullptr,
+     "line 1: expected a table of points whose first line names its columns, `id` among them"},
     {"NoNames", "1,2,3,4\n", nullptr, "line 1: expected a table of points whose first line names its columns"},
     {"New", "map,id,x,y,z\n0,P,1,2,3\n0,999999,1,2,3\n", nullptr,
      "line 3: map 0 has no point 999999; tables add nothing, ndjson does"},
@@ -337,8 +385,12 @@ constexpr Refused kRefused[] = {
     {"AmbiguousKeyFrame", nullptr, "id,timestamp\nK,1\n", "line 2: ids of keyframes are not unique"},
     {"Twice", "map,id,x,y,z\n0,P,1,2,3\n1,P,1,2,3\n0,P,1,2,4\n", nullptr, "line 4: has the id of a row above"},
     {"NoNumber", "map,id,x,y,z\n0,P,1,two,3\n", nullptr, "line 2: expected a number, found 'two' in column y"},
-    {"HalfAPlace", "map,id,x,y,z\n0,P,1,,3\n", nullptr, "line 2: expected a number, found '' in column y"},
-    {"NotFinite", "map,id,x,y,z\n0,P,1,nan,3\n", nullptr, "line 2: no finite numbers in the columns from x on"},
+    {"NoNumberAlone", "map,id,x\n0,P,abc\n", nullptr, "line 2: expected a number, found 'abc' in column x"},
+    {"NotFiniteAlone", "map,id,z\n0,P,inf\n", nullptr, "line 2: no finite numbers"},
+    {"NoRotationAlone", nullptr, "map,id,qx,qy,qz,qw\n0,K,0,0,0,0\n", "line 2: no pose"},
+    {"NotFinitePoseAlone", nullptr, "map,id,x\n0,K,nan\n", "line 2: no pose"},
+    {"HalfAnExponent", "map;id;x\n0;P;4,9e-\n", nullptr, "line 2: expected a number, found '4,9e-' in column x"},
+    {"NotFinite", "map,id,x,y,z\n0,P,1,nan,3\n", nullptr, "line 2: no finite numbers for the three components"},
     {"Infinite", "map,id,x,y,z\n0,P,1,inf,3\n", nullptr, "line 2: no finite numbers"},
     {"NegativeId", "map,id,x,y,z\n0,-1,1,2,3\n", nullptr, "line 2: expected an id, found '-1' in column id"},
     {"HugeId", "map,id,x,y,z\n0,18446744073709551616,1,2,3\n", nullptr, "line 2: expected an id"},

@@ -95,6 +95,14 @@ TEST(LossesOf, OriginsAndCountsOfPointsAreOne) {
         ElementsAre(std::string(format) + " cannot hold origins and visible and found counts of map points (2)"));
   for (const char* format : {"store", "ndjson"})
     EXPECT_THAT(detail::LossesOf(atlas, FormatById(format), {}), IsEmpty());
+  atlas.maps[0].points[1] = OneMapAtlas().maps[0].points[1];
+  EXPECT_THAT(detail::LossesOf(atlas, FormatById("orbslam3"), {}),
+              ElementsAre("orbslam3 cannot hold origins of map points (1)"));
+  std::swap(atlas.maps[0].points[0].origin_map, atlas.maps[0].points[1].origin_map);
+  atlas.maps[0].points[1].origin_map = MapPoint::kNoOrigin;
+  atlas.maps[0].points[0].visible_count = 2;
+  EXPECT_THAT(detail::LossesOf(atlas, FormatById("orbslam3"), {}),
+              ElementsAre("orbslam3 cannot hold visible and found counts of map points (1)"));
 }
 
 TEST(LossesOf, AreNoneWhereEverythingFits) {
@@ -122,6 +130,11 @@ TEST(WriteAtlas, TellsWhatAnExportHolds) {
     EXPECT_FALSE(notices.lossy());
     EXPECT_NE(notices.written(), "");
     EXPECT_FALSE(HasAll(format.writes, Content::kAtlas));
+    notices.Lose("what a reader left out");
+    WriteAtlas(OneMapAtlas(), folder.Path("again-" + std::string(format.id)),
+               ForAnyFormat({.format = std::string(format.id)}), &notices);
+    EXPECT_FALSE(notices.lossy());
+    EXPECT_THAT(notices.items(), Contains(Notice{Notice::Kind::kWarning, "what a reader left out"}));
   }
   EXPECT_FALSE(FormatById("ndjson").is_export);
 }

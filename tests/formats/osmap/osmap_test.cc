@@ -181,6 +181,25 @@ TEST_F(Osmap, ReadsMapsWithoutDescriptorsOfFeatures) {
   EXPECT_EQ(atlas.maps[0].points[0].descriptor[0], 0x11);
 }
 
+// An atlas has a descriptor for each keypoint of a keyframe, or none.
+TEST_F(Osmap, NamesDescriptorsThatOthersOfTheirKeyFrameLack) {
+  const std::string features = Message([](ProtoAppender& array) {
+    array.Message(1, [](ProtoAppender& keyframe) {
+      keyframe.Varint(1, 3);
+      for (int i = 0; i < 3; ++i)
+        keyframe.Message(2, [i](ProtoAppender& feature) {
+          feature.Varint(2, 7);
+          if (i > 0) AppendDescriptor(feature, 4, '\x22');
+        });
+    });
+  });
+  EXPECT_TRUE(Read(features).maps[0].keyframes[0].features.descriptors.empty());
+  EXPECT_THAT(notices_.items(),
+              Contains(Field(&Notice::text, HasSubstr("left out: descriptors of features whose keyframes have other "
+                                                      "features without one (2)"))));
+  EXPECT_TRUE(notices_.lossy());
+}
+
 TEST_F(Osmap, SaysWhatCountsAndKeyFramesDoNotAgree) {
   Read(FeaturesOf(3) + FeaturesOf(99) + FeaturesOf(4));
   EXPECT_THAT(notices_.items(), Contains(Field(&Notice::text, HasSubstr("holds 3 features, its header says 2"))));

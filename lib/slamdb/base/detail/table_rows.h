@@ -33,7 +33,7 @@ bool AreNumbers(std::span<const Cell> cells);
 // Of the cells in a line; ' ' stands for any run of blanks.
 char SeparatorOf(std::string_view line);
 
-// `47,5`, a number as a spreadsheet writes it in many countries, and the same with a point.
+// `47,5` and `4,75e+01`, numbers as spreadsheets write them in many countries, and the same with a point.
 bool IsDecimalComma(std::string_view text);
 std::string WithPoint(std::string_view text);
 

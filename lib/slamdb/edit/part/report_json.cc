@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/edit/part/cull.h"
+#include "slamdb/edit/part/detail/removed_json.h"
 #include "slamdb/edit/part/extract.h"
 #include "slamdb/edit/part/fragments.h"
 #include "slamdb/edit/part/shrink.h"
@@ -25,10 +26,16 @@ Json JsonOf(const Coverage& coverage) {
           {"covered", coverage.covered}};
 }
 
-// What the reports of all verbs that keep a part have in common.
-void Add(const SubsetReport& removed, Json& json) {
-  json["before"] = JsonOf(removed.before);
-  json["after"] = JsonOf(removed.after);
+Json JsonOf(const Fragment& map) {
+  return {{"id", detail::JsonId(map.id)}, {"keyframes", map.keyframes}, {"points", map.points},
+          {"begin_time", map.begin_time}, {"end_time", map.end_time},   {"kept", map.kept}};
+}
+
+}  // namespace
+
+void detail::AddRemoved(const SubsetReport& removed, Json& json) {
+  json["before"] = slamdb::JsonOf(removed.before);
+  json["after"] = slamdb::JsonOf(removed.after);
   json["cut"] = {{"observations", removed.observations},
                  {"slots", removed.slots},
                  {"edges", removed.edges},
@@ -38,16 +45,9 @@ void Add(const SubsetReport& removed, Json& json) {
                     {"joined_preintegrations", removed.joined}};
 }
 
-Json JsonOf(const Fragment& map) {
-  return {{"id", detail::JsonId(map.id)}, {"keyframes", map.keyframes}, {"points", map.points},
-          {"begin_time", map.begin_time}, {"end_time", map.end_time},   {"kept", map.kept}};
-}
-
-}  // namespace
-
 std::string ToJson(const ExtractReport& report, const ReportFiles& files) {
   Json json = detail::ReportHead("extract", files);
-  Add(report.removed, json);
+  detail::AddRemoved(report.removed, json);
   json["coverage"] = JsonOf(report.coverage);
   return detail::JsonText(json);
 }
@@ -62,14 +62,14 @@ std::string ToJson(const CullReport& report, const ReportFiles& files) {
                       {"small_parallax", report.small_parallax},
                       {"unseen", report.unseen},
                       {"unheld", report.unheld}}}};
-  Add(report.removed, json);
+  detail::AddRemoved(report.removed, json);
   json["coverage"] = JsonOf(report.coverage);
   return detail::JsonText(json);
 }
 
 std::string ToJson(const ShrinkReport& report, const ReportFiles& files) {
   Json json = detail::ReportHead("shrink", files);
-  Add(report.removed, json);
+  detail::AddRemoved(report.removed, json);
   json["coverage"] = JsonOf(report.coverage);
   json["bytes"] = {{"before", report.bytes_before}, {"after", report.bytes_after}};
   json["dropped"] = {{"features", report.features_dropped}, {"imu_measurements", report.measurements_dropped}};
@@ -84,7 +84,7 @@ std::string ToJson(const FragmentReport& report, const ReportFiles& files) {
   Json json = detail::ReportHead("fragments", files);
   json["maps"] = Json::array();
   for (const Fragment& map : report.maps) json["maps"].push_back(JsonOf(map));
-  Add(report.removed, json);
+  detail::AddRemoved(report.removed, json);
   json["order"] = Json::array();
   for (const MapId id : report.order) json["order"].push_back(detail::JsonId(id));
   return detail::JsonText(json);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/part/detail/removed_json.h"
 #include "slamdb/edit/tables/tables.h"
 #include "slamdb/model/detail/json.h"
 
@@ -18,15 +19,11 @@ Json JsonOf(const TableEditChanges& changes) {
 }  // namespace
 
 std::string ToJson(const TableEditReport& report, const ReportFiles& files) {
-  const SubsetReport& removed = report.removed;
   Json json = detail::ReportHead("edit", files);
   json["points"] = JsonOf(report.points);
   json["keyframes"] = JsonOf(report.keyframes);
   json["refreshed"] = report.refreshed;
-  json["removed"] = {{"maps", removed.maps},       {"keyframes", removed.keyframes},
-                     {"points", removed.points},   {"landmarks", removed.landmarks},
-                     {"cameras", removed.cameras}, {"observations", removed.observations},
-                     {"slots", removed.slots},     {"edges", removed.edges}};
+  detail::AddRemoved(report.removed, json);
   json["edits"] = report.journal.edits.size();
   return detail::JsonText(json);
 }

@@ -26,7 +26,6 @@ using detail::TableKind;
 
 // ---- what tables have
 
-// Columns of a group are there together, or not at all.
 enum PointColumn : std::size_t {
   kPointId,
   kPointMap,
@@ -42,12 +41,12 @@ const TableKind& PointTable() {
   constexpr int kOptional = detail::Column::kOptional;
   static const TableKind kind = {.columns = {{{"id"}, 0},
                                              {{"map"}, kOptional},
-                                             {{"x"}, 1},
-                                             {{"y"}, 1},
-                                             {{"z"}, 1},
-                                             {{"nx"}, 2},
-                                             {{"ny"}, 2},
-                                             {{"nz"}, 2},
+                                             {{"x"}, kOptional},
+                                             {{"y"}, kOptional},
+                                             {{"z"}, kOptional},
+                                             {{"nx"}, kOptional},
+                                             {{"ny"}, kOptional},
+                                             {{"nz"}, kOptional},
                                              {{"reference_keyframe"}, kOptional},
                                              {{"min_distance"}, kOptional},
                                              {{"max_distance"}, kOptional},
@@ -76,16 +75,16 @@ const TableKind& KeyFrameTableKind() {
                                              {{"map"}, kOptional},
                                              {{"timestamp"}, kOptional},
                                              {{"frame_id"}, kOptional},
-                                             {{"x"}, 1},
-                                             {{"y"}, 1},
-                                             {{"z"}, 1},
-                                             {{"qx"}, 1},
-                                             {{"qy"}, 1},
-                                             {{"qz"}, 1},
-                                             {{"qw"}, 1},
-                                             {{"vx"}, 2},
-                                             {{"vy"}, 2},
-                                             {{"vz"}, 2},
+                                             {{"x"}, kOptional},
+                                             {{"y"}, kOptional},
+                                             {{"z"}, kOptional},
+                                             {{"qx"}, kOptional},
+                                             {{"qy"}, kOptional},
+                                             {{"qz"}, kOptional},
+                                             {{"qw"}, kOptional},
+                                             {{"vx"}, kOptional},
+                                             {{"vy"}, kOptional},
+                                             {{"vz"}, kOptional},
                                              {{"not_erase"}, kOptional},
                                              {{"bad"}, kOptional}},
                                  .expected = "a table of keyframes whose first line names its columns, `id` among them",
@@ -158,42 +157,45 @@ bool Set(const Table& table, std::size_t column, Flag& field) {
   return true;
 }
 
-// So many numbers from the column on; nullopt when all are empty, or the columns are not there.
-template <std::size_t kCount>
-std::optional<std::array<float, kCount>> NumbersAt(const Table& table, std::size_t first) {
-  bool any = false;
-  for (std::size_t i = 0; i < kCount; ++i) any |= !table.Raw(first + i).empty();
-  if (!any) return std::nullopt;
-  std::array<float, kCount> numbers{};
-  for (std::size_t i = 0; i < kCount; ++i) numbers[i] = table.Get<float>(first + i);
-  return numbers;
+// What turns bad is dropped: ORB-SLAM3 saves nothing that is, and reading something that refers to it crashes.
+// Whether something is no longer bad.
+bool SetBad(const Table& table, std::size_t column, Flag& bad, std::uint8_t& dropped) {
+  Flag wanted = bad;
+  if (!Set(table, column, wanted)) return false;
+  dropped = wanted ? 1 : 0;
+  if (wanted) return false;
+  bad = wanted;
+  return true;
+}
+
+// Whether any of so many cells from the column on says something.
+bool SaysAny(const Table& table, std::size_t first, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (!table.Raw(first + i).empty()) return true;
+  return false;
+}
+
+// The same of each number from the column on.
+bool SetNumbers(const Table& table, std::size_t first, std::span<float> numbers) {
+  bool changed = false;
+  for (std::size_t i = 0; i < numbers.size(); ++i) changed |= Set(table, first + i, numbers[i]);
+  return changed;
 }
 
 bool SetVector(const Table& table, std::size_t first, Eigen::Vector3f& field) {
-  const auto numbers = NumbersAt<3>(table, first);
-  if (!numbers) return false;
-  const Eigen::Vector3f value((*numbers)[0], (*numbers)[1], (*numbers)[2]);
-  if (SameNumber(value.x(), field.x()) && SameNumber(value.y(), field.y()) && SameNumber(value.z(), field.z()))
-    return false;
-  if (!value.allFinite())
-    throw table.LineError(Concat("no finite numbers in the columns from ", table.NameOf(first)->text, " on"));
+  Eigen::Vector3f value = field;
+  if (!SetNumbers(table, first, {value.data(), 3})) return false;
+  if (!value.allFinite()) throw table.LineError("no finite numbers for the three components of a vector");
   field = value;
   return true;
 }
 
-// A pose counts as the same when it is written as slamdb writes the one that the keyframe has.
+// The poses that tables hold are those of the camera in the world.
 bool SetPose(const Table& table, Rigid3f& camera_from_world) {
-  const auto numbers = NumbersAt<7>(table, kPose);
-  if (!numbers) return false;
-  const auto& n = *numbers;
-  Rigid3f pose;
-  pose.translation = {n[0], n[1], n[2]};
-  pose.rotation.coeffs() = Eigen::Vector4f(n[3], n[4], n[5], n[6]);
-  const Rigid3f before = detail::CameraInWorld(camera_from_world);
-  std::array<float, 7> had{};
-  std::copy_n(before.translation.data(), 3, had.begin());
-  std::copy_n(before.rotation.coeffs().data(), 4, had.begin() + 3);
-  if (std::ranges::equal(n, had, [](float a, float b) { return SameNumber(a, b); })) return false;
+  Rigid3f pose = detail::CameraInWorld(camera_from_world);
+  const bool moved = SetNumbers(table, kPose, {pose.translation.data(), 3});
+  const bool turned = SetNumbers(table, kPose + 3, {pose.rotation.coeffs().data(), 4});
+  if (!moved && !turned) return false;
   const float length = pose.rotation.norm();
   if (!pose.translation.allFinite() || !std::isfinite(length) || length < 0.5F || length > 2)
     throw table.LineError("no pose: x, y, z are to be finite, and qx, qy, qz, qw a rotation of length 1");
@@ -213,11 +215,10 @@ class Editor {
 
   void ReadPoints(std::string_view text, TableEditChanges& changes) {
     Table table(text, PointTable());
-    RequireIds(table, kPointId);
     RefuseOther(table, "qw", "point", "keyframe");
     RequireUsualUnits(table, {kX, kX + 1, kX + 2, kNearest, kFarthest});
     changes.ignored = IgnoredColumns(table, PointTable(), kDerivedOfPoints);
-    while (table.Next()) {
+    while (NextWhole(table)) {
       const EntityRow place = Find(
           table, kPointId, kPointMap, index_.duplicate_points(), "point",
           [&](std::uint64_t id) { return index_.LocatePoint(MapPointId(id)); },
@@ -229,12 +230,11 @@ class Editor {
 
   void ReadKeyFrames(std::string_view text, TableEditChanges& changes) {
     Table table(text, KeyFrameTableKind());
-    RequireIds(table, kKeyFrameId);
     RefuseOther(table, "min_distance", "keyframe", "point");
     RequireUsualUnits(table, {kPose, kPose + 1, kPose + 2});
     RequireSeconds(table, kTimestamp);
     changes.ignored = IgnoredColumns(table, KeyFrameTableKind(), kDerivedOfKeyFrames);
-    while (table.Next()) {
+    while (NextWhole(table)) {
       const EntityRow place = Find(
           table, kKeyFrameId, kKeyFrameMap, index_.duplicate_keyframes(), "keyframe",
           [&](std::uint64_t id) { return index_.LocateKeyFrame(KeyFrameId(id)); },
@@ -246,18 +246,21 @@ class Editor {
 
   std::uint64_t Refresh() { return detail::RefreshMoved(index_, flags_, atlas_); }
 
-  // What has no row, of the maps that have rows, and is not flagged bad.
-  void Drop(bool points, bool keyframes, Subset& subset, TableEditReport& report) const {
+  // What turned bad, and with `missing` what has no row, of the maps that have rows, and is not flagged bad.
+  void Drop(bool missing, Subset& subset, TableEditReport& report) const {
     for (std::size_t m = 0; m < flags_.size(); ++m) {
       const Map& map = atlas_.maps[m];
-      if (points) DropUnseen(map.points, flags_[m].points, subset.maps[m].points, report.points);
-      if (keyframes) DropUnseen(map.keyframes, flags_[m].keyframes, subset.maps[m].keyframes, report.keyframes);
+      DropRows(map.points, flags_[m].points, missing, subset.maps[m].points, report.points);
+      DropRows(map.keyframes, flags_[m].keyframes, missing, subset.maps[m].keyframes, report.keyframes);
     }
   }
 
  private:
-  static void RequireIds(const Table& table, std::size_t column) {
-    if (!table.Has(column)) throw Error(ErrorKind::kDamaged, "", "line 1", "names no column `id`");
+  // A row that ends early, as where a file is cut, would leave its last columns as they are.
+  static bool NextWhole(Table& table) {
+    if (!table.Next()) return false;
+    if (table.cells().size() >= table.names().size()) return true;
+    throw table.LineError(Concat("expected ", table.names().size(), " cells, found ", table.cells().size()));
   }
 
   template <class Locate, class RowIn>
@@ -292,10 +295,10 @@ class Editor {
     flags.own_normal[place.row] = SetVector(table, kNormalX, point.normal);
     flags.own_range[place.row] = Set(table, kNearest, point.min_distance) | Set(table, kFarthest, point.max_distance);
     const bool reference = SetReference(table, place.map, point.reference);
-    const bool bad = Set(table, kPointBad, point.bad);
+    const bool restored = SetBad(table, kPointBad, point.bad, flags.dropped[place.row]);
     ++changes.rows;
     changes.moved += flags.moved[place.row];
-    changes.changed += flags.own_normal[place.row] || flags.own_range[place.row] || reference || bad;
+    changes.changed += flags.own_normal[place.row] || flags.own_range[place.row] || reference || restored;
   }
   bool SetReference(const Table& table, std::uint32_t map, KeyFrameId& reference) const {
     if (!Set(table, kReference, reference)) return false;
@@ -307,27 +310,28 @@ class Editor {
   void EditKeyFrame(const Table& table, const EntityRow& place, TableEditChanges& changes) {
     KeyFrame& keyframe = atlas_.maps[place.map].keyframes[place.row];
     const bool moved = SetPose(table, keyframe.camera_from_world);
-    flags_[place.map].keyframes.moved[place.row] = moved;
+    detail::EditedRows& flags = flags_[place.map].keyframes;
+    flags.moved[place.row] = moved;
     if (moved && keyframe.imu_calibration.is_set) keyframe.body_position = WorldFromBody(keyframe).translation;
     bool changed = Set(table, kTimestamp, keyframe.timestamp);
     if (changed && !(std::abs(keyframe.timestamp) < kLatest)) throw table.CellError(kTimestamp, "a time in seconds");
     changed |= Set(table, kFrameId, keyframe.frame_id);
-    const bool has_velocity = NumbersAt<3>(table, kVelocity).has_value();
+    const bool has_velocity = SaysAny(table, kVelocity, 3);
     changed |= SetVector(table, kVelocity, keyframe.velocity) || (has_velocity && !keyframe.has_velocity);
     if (has_velocity && !keyframe.has_velocity) keyframe.has_velocity = true;
     changed |= Set(table, kNotErase, keyframe.not_erase);
-    changed |= Set(table, kKeyFrameBad, keyframe.bad);
+    changed |= SetBad(table, kKeyFrameBad, keyframe.bad, flags.dropped[place.row]);
     ++changes.rows;
     changes.moved += moved;
     changes.changed += changed;
   }
 
   template <class List>
-  static void DropUnseen(const List& list, const detail::EditedRows& flags, std::vector<std::uint8_t>& kept,
-                         TableEditChanges& changes) {
-    if (std::ranges::find(flags.seen, 1) == flags.seen.end()) return;
+  static void DropRows(const List& list, const detail::EditedRows& flags, bool missing, std::vector<std::uint8_t>& kept,
+                       TableEditChanges& changes) {
+    missing &= std::ranges::find(flags.seen, 1) != flags.seen.end();
     for (std::size_t row = 0; row < list.size(); ++row) {
-      if (flags.seen[row] != 0 || list[row].bad) continue;
+      if (flags.dropped[row] == 0 && (!missing || flags.seen[row] != 0 || list[row].bad)) continue;
       kept[row] = 0;
       ++changes.deleted;
     }
@@ -348,9 +352,8 @@ void ApplyTables(Atlas& atlas, const TableEditOptions& options, TableEditReport&
                       [&](std::string_view text) { editor.ReadKeyFrames(text, report.keyframes); });
   report.refreshed = editor.Refresh();
   report.removed.before = report.removed.after = CountEntities(atlas);
-  if (!options.delete_missing) return;
   Subset subset = Subset::Everything(atlas);
-  editor.Drop(options.points.has_value(), options.keyframes.has_value(), subset, report);
+  editor.Drop(options.delete_missing, subset, report);
   if (report.points.deleted + report.keyframes.deleted == 0) return;
   if (report.keyframes.deleted > 0) SettleBorder(AtlasIndex(atlas), Border::kStrict, subset, options.threads);
   report.removed = KeepSubset(atlas, subset, options.threads);

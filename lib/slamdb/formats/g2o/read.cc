@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/g2o/detail/similarity_log.h"
 #include "slamdb/model/counters.h"
@@ -291,10 +292,7 @@ Atlas detail::ReadG2o(const Source& source, const ReadOptions& options, Notices&
     throw Error(ErrorKind::kUnsupported, source.path, "",
                 "has no vertices of the kinds VERTEX_SE3:QUAT and VERTEX_SIM3:EXPMAP");
   Atlas atlas = AtlasMaker(graph).Make(notices);
-  const Selection& selection = options.selection;
-  if (selection.map) std::erase_if(atlas.maps, [&](const Map& map) { return map.id != *selection.map; });
-  for (Map& map : atlas.maps)
-    std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
+  detail::Select(options.selection, atlas);
   return atlas;
 }
 

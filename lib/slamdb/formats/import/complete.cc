@@ -81,7 +81,7 @@ std::string Sentence(const Completed& completed, std::string_view program, bool 
   add(completed.grids, "grids");
   if (derived.empty()) return {};
   std::string sentence = Concat("derived, since ", program, " keeps none: ", derived);
-  if (lacks_words) sentence += "; bags of words stay empty until a vocabulary makes them";
+  if (lacks_words) sentence += "; bags of words stay empty until `RecomputeWords` makes them";
   return sentence;
 }
 

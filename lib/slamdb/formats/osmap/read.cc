@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/formats/osmap/detail/header.h"
@@ -268,6 +270,9 @@ class MapReader {
       for (std::size_t row = begin; row < end; ++row)
         if (of_row[row] != nullptr) Fill(file, *of_row[row], map.keyframes[row].features);
     });
+    if (undescribed_ > 0)
+      notices_.Lose(Concat("left out: descriptors of features whose keyframes have other features without one (",
+                           detail::Thousands(undescribed_), ")"));
   }
 
   static void FindBlocks(const ProtoFile& file, std::string_view message, std::vector<Block>& blocks) {
@@ -281,7 +286,7 @@ class MapReader {
     });
   }
 
-  static void Fill(const ProtoFile& file, const Block& block, Features& features) {
+  void Fill(const ProtoFile& file, const Block& block, Features& features) {
     const std::size_t count = block.features.size();
     features.undistorted.resize(count);
     features.map_points.resize(count);
@@ -298,7 +303,9 @@ class MapReader {
         ++described;
       });
     }
-    if (described < count) features.descriptors.clear();  // of a file that keeps those of points alone
+    if (described == count) return;
+    features.descriptors.clear();  // an atlas has one for each keypoint, or none
+    undescribed_ += described;
   }
 
   static void ReadKeypoint(const ProtoFile& file, std::string_view message, Keypoint& keypoint) {
@@ -333,6 +340,7 @@ class MapReader {
   Header header_;
   Atlas atlas_;
   std::map<std::array<std::uint32_t, 4>, CameraId> cameras_;
+  std::atomic<std::uint64_t> undescribed_ = 0;  // descriptors of keyframes that have too few
 };
 
 }  // namespace
@@ -341,11 +349,7 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices& notices) {
   if (!source.is_file())
     throw Error(ErrorKind::kUsage, source.path, "", "an osmap map is four files: give the path of its .yaml file");
   Atlas atlas = MapReader(source, options, notices).Read();
-  const Selection& selection = options.selection;
-  Map& map = atlas.maps[0];
-  std::erase_if(map.keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-  std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
-  if (selection.map && *selection.map != map.id) atlas.maps.clear();
+  detail::Select(options.selection, atlas);
   return atlas;
 }
 

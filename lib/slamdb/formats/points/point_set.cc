@@ -7,6 +7,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/model/counters.h"
 
 namespace slamdb::detail {
@@ -229,8 +230,7 @@ void PointSet::Tell(Notices& notices) const {
 }
 
 Atlas PointSet::Finish(const Selection& selection, Notices& notices) {
-  std::erase_if(atlas_.maps, [&](const Map& map) { return selection.map && map.id != *selection.map; });
-  for (Map& map : atlas_.maps) std::erase_if(map.points, [&](const MapPoint& point) { return !selection.Has(point); });
+  Select(selection, atlas_);
   RaiseCounters(atlas_);
   Tell(notices);
   return std::move(atlas_);

@@ -49,7 +49,6 @@ class FeatureReader {
     // Map_Node_Word until 0.12.
     const char* table = sqlite::ColumnsOf(database_, "Feature").empty() ? "Map_Node_Word" : "Feature";
     const std::string place = Concat("table ", table);
-    if (options.progress) options.progress("reading features", 0);
     Statement statement(
         database_,
         sqlite::SelectColumns(database_, table,
@@ -57,9 +56,11 @@ class FeatureReader {
                                "depth_y", "depth_z", "descriptor_size", "descriptor"}),
         place);
     constexpr std::uint64_t kStep = 100'000;
-    while (statement.Step()) {
+    const auto total = static_cast<double>(database_.Integer(Concat("SELECT count(*) FROM ", table)));
+    for (std::uint64_t features = 0; statement.Step(); ++features) {
       Add(statement);
-      if (options.progress && ++counts_.features % kStep == 0) options.progress("reading features", 0.5);
+      if (options.progress && features % kStep == 0)
+        options.progress("reading features", static_cast<double>(features) / total);
     }
     CarryOthers();
     FillByWords();

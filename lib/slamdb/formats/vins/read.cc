@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/formats/vins/detail/vins.h"
 #include "slamdb/model/index.h"
@@ -192,9 +193,7 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices& notices) {
   if (!source.is_file())
     throw Error(ErrorKind::kUsage, source.path, "", "a pose graph of VINS is a folder: give its path");
   Atlas atlas = GraphReader(source, options, notices).Read();
-  const Selection& selection = options.selection;
-  std::erase_if(atlas.maps[0].keyframes, [&](const KeyFrame& keyframe) { return !selection.Has(keyframe); });
-  if (selection.map && *selection.map != atlas.maps[0].id) atlas.maps.clear();
+  detail::Select(options.selection, atlas);
   return atlas;
 }
 

@@ -10,8 +10,8 @@ namespace slamdb::detail {
 
 // What tables said of the rows of a list: one flag for each.
 struct EditedRows {
-  std::vector<std::uint8_t> seen, moved, own_normal, own_range;
-  explicit EditedRows(std::size_t size) : seen(size), moved(size), own_normal(size), own_range(size) {}
+  std::vector<std::uint8_t> seen, moved, own_normal, own_range, dropped;
+  explicit EditedRows(std::size_t size) : seen(size), moved(size), own_normal(size), own_range(size), dropped(size) {}
 };
 struct EditedMap {
   EditedRows points, keyframes;

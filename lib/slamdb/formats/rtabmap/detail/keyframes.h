@@ -36,7 +36,7 @@ struct Shots {
 void SetBaseline(KeyFrame& keyframe, float baseline);
 
 struct FeatureCounts {
-  std::uint64_t features = 0, without_node = 0;
+  std::uint64_t without_node = 0;
   std::uint64_t other_descriptors = 0;  // of another kind than those of their picture
   std::uint64_t by_word = 0;            // whose descriptor is that of their word
   std::int32_t highest_word = 0;
