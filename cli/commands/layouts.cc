@@ -27,6 +27,7 @@ struct ListLayoutsOptions {
 
 struct FindLayoutOptions {
   std::string input, output;
+  std::size_t choice = 1;
   bool overwrite = false, json = false;
 };
 
@@ -123,12 +124,19 @@ ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
 
 // ---- infer
 
-std::string InferredText(const InferredLayout& inferred) {
+// With the number by which each is chosen; that of the one that was chosen is left out.
+std::vector<std::string> Numbered(std::vector<std::string> alternatives, std::size_t chosen) {
+  for (std::size_t i = 0; i < alternatives.size(); ++i)
+    alternatives[i] = Concat(i + 1 < chosen ? i + 1 : i + 2, ": ", alternatives[i]);
+  return alternatives;
+}
+
+std::string InferredText(const InferredLayout& inferred, const FindLayoutOptions& options) {
   const std::string& id = inferred.layout.id;
   std::string text = inferred.known ? "the layout " + id + ": " + inferred.layout.title + "\n"
                                     : std::string("a layout that is not known\n");
   text += Listed("other than in v1.0", inferred.differences);
-  text += Listed("could as well be", inferred.alternatives);
+  text += Listed("could as well be, with --choose", Numbered(inferred.alternatives, options.choice));
   text += Listed("in doubt", inferred.doubts);
   text +=
       Counted(inferred.keyframes, "keyframe") + " and " + Counted(inferred.points, "point") + " are read in it, and ";
@@ -150,8 +158,8 @@ Json InferredJson(const InferredLayout& inferred, const FindLayoutOptions& optio
 
 ExitCode RunInfer(const FindLayoutOptions& options, Console& console) {
   std::optional<AtomicFile> output = OpenOutput(options);
-  const InferredLayout inferred = InferLayout(options.input);
-  const std::string text = InferredText(inferred) + Write(inferred.layout, options, output);
+  const InferredLayout inferred = InferLayout(options.input, {.choice = options.choice});
+  const std::string text = InferredText(inferred, options) + Write(inferred.layout, options, output);
   Print(text, InferredJson(inferred, options), options, console);
   if (!inferred.sure())
     console.Warn(
@@ -190,6 +198,8 @@ Run BindFromSource(CLI::App& verb) {
 Run BindInfer(CLI::App& verb) {
   const auto options = std::make_shared<FindLayoutOptions>();
   verb.add_option("FILE", options->input, "An .osa file of the fork")->type_name("FILE")->required();
+  verb.add_option("--choose", options->choice, "Where several layouts fit, take this one of them; 1 is the likeliest")
+      ->type_name("N");
   AddLayoutOutput(verb, *options);
   return [options](Console& console) { return RunInfer(*options, console); };
 }

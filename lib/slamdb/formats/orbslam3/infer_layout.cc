@@ -54,19 +54,27 @@ void Prove(const WholeFile& file, InferredLayout& inferred) {
 
 InferredLayout InferText(const WholeFile& file) {
   Notices notices;
-  const Atlas atlas = ReadOrbslam3(Source(file.bytes(), file.path()), {}, notices);
+  Atlas atlas;
+  try {
+    atlas = ReadOrbslam3(Source(file.bytes(), file.path()), {}, notices);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kDamaged) throw;
+    throw Error(ErrorKind::kNotPossible, error.path(), "",
+                "no layout found: it is a text archive of none of the known layouts, and others are only found in binary "
+                "ones. `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it");
+  }
   return {.layout = LayoutOf(atlas.layout.empty() ? KnownLayouts().front().id : atlas.layout), .known = true};
 }
 
 }  // namespace
 
-InferredLayout InferLayout(const Source& source) {
+InferredLayout InferLayout(const Source& source, const InferOptions& options) {
   const WholeFile file(source);
   detail::FileStream stream(Source(file.bytes(), file.path()));
   Notices notices;
   const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(stream, notices);
   InferredLayout inferred =
-      header.encoding.text ? InferText(file) : InferLayoutOf(file.bytes(), header.encoding, header.bytes);
+      header.encoding.text ? InferText(file) : InferLayoutOf(file.bytes(), header.encoding, header.bytes, options);
   Prove(file, inferred);
   return inferred;
 }
