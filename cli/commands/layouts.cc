@@ -71,20 +71,15 @@ std::string Listed(std::string_view title, const std::vector<std::string>& lines
   return text;
 }
 
-// The id of the known layout that has the same bytes; empty: none.
-std::string KnownAs(const Layout& layout) {
-  for (const Layout& known : KnownLayouts())
-    if (SameBytes(known, layout)) return known.id;
-  return {};
-}
-
-// Writes the layout, and says how it is used.
-std::string Write(const Layout& layout, const FindLayoutOptions& options, std::optional<AtomicFile>& output) {
+// Writes the layout, and says what it is good for.
+std::string Write(const Layout& layout, const FindLayoutOptions& options, std::optional<AtomicFile>& output,
+                  bool complete = true) {
   if (!output) return {};
   output->Write(LayoutText(layout));
   output->Commit();
   if (IsStandardOutput(options.output)) return {};
-  return "wrote " + Visible(options.output) + ", for --layout of the other verbs\n";
+  return "wrote " + Visible(options.output) +
+         (complete ? ", for --layout of the other verbs\n" : ", to be completed\n");
 }
 
 void Print(const std::string& text, const Json& json, const FindLayoutOptions& options, Console& console) {
@@ -97,7 +92,6 @@ void Print(const std::string& text, const Json& json, const FindLayoutOptions& o
 ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
   std::optional<AtomicFile> output = OpenOutput(options);
   const DerivedLayout derived = DeriveLayoutOfFolder(options.input);
-  const std::string known = KnownAs(derived.layout);
   std::vector<std::string> questions;
   for (const LayoutQuestion& question : derived.questions)
     questions.push_back(question.file.empty() ? question.text
@@ -107,19 +101,22 @@ ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
     for (const LayoutMember& member : of.members) unknown += member.type.find('?') != std::string::npos;
   std::string text = Counted(derived.files, "source file") + ", " +
                      Counted(derived.layout.classes.size(), "class", "classes") + " archived\n";
-  text += known.empty() ? "a layout that is not known\n" : "the layout " + known + "\n";
+  text += derived.known.empty() ? "a layout that is not known\n" : "the layout " + derived.known + "\n";
   text += Listed("not understood", questions);
   if (unknown > 0)
     text += Counted(unknown, "type is", "types are") + " `?`: put in what the members are, then use the layout\n";
-  text += Write(derived.layout, options, output);
+  text += Listed("missing", derived.missing);
+  const bool complete = unknown == 0 && derived.missing.empty();
+  text += Write(derived.layout, options, output, complete);
   Json json = detail::ReportHead("layouts-from-source", ReportFiles{options.input, options.output});
-  json["known"] = detail::TextOrNull(known);
+  json["known"] = detail::TextOrNull(derived.known);
   json["files"] = derived.files;
   json["questions"] = questions;
   json["unknown_types"] = unknown;
+  json["missing"] = derived.missing;
   json["layout"] = Json::parse(ToJson(derived.layout));
   Print(text, json, options, console);
-  return unknown > 0 ? ExitCode::kFailed : ExitCode::kDone;
+  return complete ? ExitCode::kDone : ExitCode::kFailed;
 }
 
 // ---- infer

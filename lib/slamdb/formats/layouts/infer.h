@@ -34,13 +34,13 @@ struct SLAMDB_EXPORT InferredLayout {
 // Finds the layout of an atlas file: a known one, when it comes to the last byte and what it reads is like what
 // ORB-SLAM3 writes; or else the smallest change of one, members more or less in KeyFrame, MapPoint, Map and Atlas.
 // Members that are new are called unknown1, unknown2, ..., with a type that has their bytes. Of several places that fit
-// as well, the one counts against which least speaks, in a sound file few points being bad, replaced or unseen; then the
-// last one.
+// as well, the one counts against which least speaks, in a sound file few points being bad, replaced or unseen; then
+// the last one.
 //
 // `encoding`: of a binary archive; `begin`: behind its header. Where longs have 4 bytes, of known layouts alone.
 // Tries are bounded: seconds. Deterministic. Thread-safe.
-// Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there. InferLayout in orbslam3/infer_layout.h
-// takes files.
+// Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there.
+// InferLayout in orbslam3/infer_layout.h takes files.
 [[nodiscard]] SLAMDB_EXPORT InferredLayout InferLayoutOf(Bytes archive, const ArchiveEncoding& encoding,
                                                          std::uint64_t begin, const InferOptions& options = {});
 

@@ -306,7 +306,8 @@ int NormalCheck(std::string_view file, MemberPlace place, Facts&) {
 }
 int ObservationsCheck(std::string_view file, MemberPlace place, Facts& facts) {
   const double count = I64(file, place.begin);
-  const int wrong = std::max(WeightsCheck(file, place, facts), Unless(count != 0, kUnproven));  // a point that is unseen
+  const int wrong =
+      std::max(WeightsCheck(file, place, facts), Unless(count != 0, kUnproven));  // a point that is unseen
   facts[Facts::kObservers] = count;
   facts[Facts::kFirstObserver] = count > 0 ? I64(file, place.begin + 12) : -1;
   facts[Facts::kLastObserver] = count > 0 ? I64(file, place.end - 12) : -1;

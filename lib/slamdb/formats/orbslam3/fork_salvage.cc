@@ -40,21 +40,6 @@ bool FitsRecords(const layouts::ArchiveBytes& archive, const Layout& layout, std
       maps, [&](const MapRecords& map) { return fits(map.keyframes, "KeyFrame") && fits(map.points, "MapPoint"); });
 }
 
-// The known layout that fits the records; of several the one that comes farthest from the beginning on, as they may
-// differ in their classes alone. Null when none does.
-const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps) {
-  const Layout* best = nullptr;
-  std::uint64_t farthest = 0;
-  for (const Layout& layout : KnownLayouts()) {
-    if (!FitsRecords(archive, layout, maps)) continue;
-    const std::uint64_t reached = layouts::Judge(archive, layout).reached;
-    if (best != nullptr && reached <= farthest) continue;
-    best = &layout;
-    farthest = reached;
-  }
-  return best;
-}
-
 SalvagedMap Counted(const Map& map) {
   SalvagedMap counted{.id = map.id};
   counted.keyframes = {map.keyframes.size(), map.keyframes.size()};
@@ -92,9 +77,8 @@ void UseOwnLayout(const InferredLayout& inferred, Salvage& salvage) {
   if (!inferred.sure()) {
     std::vector<std::string> why = inferred.alternatives;
     why.insert(why.end(), inferred.doubts.begin(), inferred.doubts.end());
-    salvage.losses.push_back(
-        Concat("other layouts may fit as well (", Joined(why),
-               "): flags of what is bad or replaced are not believed, and everything is kept"));
+    salvage.losses.push_back(Concat("other layouts may fit as well (", Joined(why),
+                                    "): flags of what is bad or replaced are not believed, and everything is kept"));
     DropDoubtfulFlags(salvage.atlas);
   }
   DropCarried(salvage.atlas);
@@ -155,6 +139,19 @@ Vocabulary VocabularyOf(std::string_view file, const ArchiveHeader& header) {
 }
 
 }  // namespace
+
+const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps) {
+  const Layout* best = nullptr;
+  std::uint64_t farthest = 0;
+  for (const Layout& layout : KnownLayouts()) {
+    if (!FitsRecords(archive, layout, maps)) continue;
+    const std::uint64_t reached = layouts::Judge(archive, layout).reached;
+    if (best != nullptr && reached <= farthest) continue;
+    best = &layout;
+    farthest = reached;
+  }
+  return best;
+}
 
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
   const std::string_view file(reinterpret_cast<const char*>(bytes.data()), bytes.size());
