@@ -18,7 +18,8 @@ bool ReadsAsAtlas(const std::string& path) {
     const Probe probe = Probe::Of(path);
     const auto format = std::ranges::find_if(
         Formats(), [&](const Format& known) { return known.sniff != nullptr && known.sniff(probe); });
-    return format != Formats().end() && !format->named &&
+    // ndjson, which tells all, is what `dump` prints too, and made again.
+    return format != Formats().end() && !format->named && format->id != "ndjson" &&
            HasAny(format->reads, Content::kObservations | Content::kLandmarks);
   } catch (const Error&) {
     return false;  // whoever writes there will say what is wrong with it

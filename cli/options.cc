@@ -99,7 +99,7 @@ void AddLayout(CLI::App& verb, std::string& layout) {
           "--layout", layout,
           "Layout of an .osa file of a fork of ORB-SLAM3: one that is known, as obvi, or a JSON file; by default "
           "the one that fits")
-      ->type_name("LAYOUT")
+      ->type_name("LAYOUT|FILE")
       ->group(kArchiveGroup);
 }
 
@@ -140,7 +140,7 @@ void AddTarget(CLI::App& verb, TargetOptions& options) {
   verb.add_flag("--no-sync", options.no_sync, "Do not wait for the disk: faster, but a power cut may lose the output");
   verb.add_option("--to-layout", options.layout,
                   "Write .osa files in that layout, of a fork of ORB-SLAM3 or v1.0; by default as read")
-      ->type_name("LAYOUT")
+      ->type_name("LAYOUT|FILE")
       ->group(kArchiveGroup);
   verb.add_option(
           "--boost-version", options.boost_version,

@@ -31,7 +31,7 @@ void AddReconstructionOptions(CLI::App& verb, ReconstructionOptions& options) {
   verb.add_option("--images", options.images,
                   "The picture files of the session: a folder of files named by their times, or a list of `time name`. "
                   "Keyframes get the names of those nearest in time; without it names are made of the times")
-      ->type_name("DIR|LIST")
+      ->type_name("FOLDER|FILE")
       ->group(kGroup);
   verb.add_flag("--with-database", options.with_database,
                 "Write database.db into the folder of a COLMAP model too: keypoints, descriptors, matches")

@@ -110,7 +110,7 @@ ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
   text += Write(derived.layout, options, output, complete);
   Json json = detail::ReportHead("layouts-from-source", ReportFiles{options.input, options.output});
   json["known"] = detail::TextOrNull(derived.known);
-  json["files"] = derived.files;
+  json["sources"] = derived.files;
   json["questions"] = questions;
   json["unknown_types"] = unknown;
   json["missing"] = derived.missing;
@@ -181,13 +181,13 @@ Run BindList(CLI::App& verb) {
 
 Run BindShow(CLI::App& verb) {
   const auto layout = std::make_shared<std::string>();
-  verb.add_option("LAYOUT", *layout, "The id of a known layout, or a file with one")->type_name("LAYOUT")->required();
+  verb.add_option("LAYOUT", *layout, "The id of a known layout, or a file with one")->type_name("LAYOUT|FILE")->required();
   return [layout](Console& console) { return RunShowLayout(*layout, console); };
 }
 
 Run BindFromSource(CLI::App& verb) {
   const auto options = std::make_shared<FindLayoutOptions>();
-  verb.add_option("DIR", options->input, "The folder with the sources of the fork")->type_name("DIR")->required();
+  verb.add_option("DIR", options->input, "The folder with the sources of the fork")->type_name("FOLDER")->required();
   AddLayoutOutput(verb, *options);
   return [options](Console& console) { return RunFromSource(*options, console); };
 }

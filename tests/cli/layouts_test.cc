@@ -141,7 +141,7 @@ TEST(Layouts, FromSourceAsksWhatItDoesNotUnderstand) {
   EXPECT_THAT(result.out, AllOf(HasSubstr("Map.h:"), HasSubstr("`?`"), HasSubstr("the members of class Atlas")));
   const json report = json::parse(RunSlamdb({"layouts", "from-source", sources.path().string(), "--json"}).out);
   EXPECT_EQ(BreachOf(report, "layouts-from-source.schema.json"), "");
-  EXPECT_EQ(report["files"], 1);
+  EXPECT_EQ(report["sources"], 1);
 }
 
 // Damage in the middle of a fork's file costs what it hits.

@@ -97,10 +97,10 @@ TEST_F(StoreVerbs, MigrateOfAnUpToDateStoreDoesNothing) {
 TEST_F(StoreVerbs, MigrateBackLosesNothing) {
   const std::string before = RunSlamdb({"list", "--json", store_}).out;
   EXPECT_EQ(RunSlamdb({"migrate", store_, "--back", "--dry-run"}).exit_code, 0);
-  EXPECT_FALSE(std::filesystem::exists(store_ + ".v5.bak")) << "nothing was changed, so nothing is kept";
+  EXPECT_FALSE(std::filesystem::exists(store_ + ".v6.bak")) << "nothing was changed, so nothing is kept";
   EXPECT_EQ(RunSlamdb({"migrate", store_, "--back", "--quiet"}).exit_code, 0);
-  EXPECT_TRUE(std::filesystem::exists(store_ + ".v5.bak"));
-  EXPECT_EQ(RunSlamdb({"list", store_}).exit_code, 1) << "version 4 now";
+  EXPECT_TRUE(std::filesystem::exists(store_ + ".v6.bak"));
+  EXPECT_EQ(RunSlamdb({"list", store_}).exit_code, 1) << "version 5 now";
   EXPECT_EQ(RunSlamdb({"migrate", store_, "--quiet"}).exit_code, 0);
   EXPECT_EQ(RunSlamdb({"list", "--json", store_}).out, before) << "what the list tells is worked out anew";
 }

@@ -144,34 +144,34 @@ class StoreMigration : public StoreAdmin {
 TEST_F(StoreMigration, DryRunListsTheStepsAndChangesNothing) {
   const std::string before = FileBytes(path_);
   const MigrateReport report = sqlite::Migrate(path_, {.dry_run = true}, migrations_);
-  EXPECT_EQ(report.from, 5);
-  EXPECT_EQ(report.to, 7);
+  EXPECT_EQ(report.from, 6);
+  EXPECT_EQ(report.to, 8);
   EXPECT_THAT(report.steps, ::testing::ElementsAre("0006_notes", "0007_more"));
   EXPECT_EQ(report.backup, "");
   EXPECT_EQ(FileBytes(path_), before);
 }
 
 TEST_F(StoreMigration, RunsWithABackupBeside) {
-  std::ofstream(path_ + ".v5.bak") << "taken";
+  std::ofstream(path_ + ".v6.bak") << "taken";
   const MigrateReport report = sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "7");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "8");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM note WHERE author = 'x'"), "0");
-  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 5 to 7");
-  EXPECT_EQ(report.backup, path_ + ".v5.bak.2");
+  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 6 to 8");
+  EXPECT_EQ(report.backup, path_ + ".v6.bak.2");
   EXPECT_EQ(FirstDifference(LoadFrom(report.backup), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, FailedStepLeavesTheStoreAsItWas) {
   migrations_.back().sql = "ALTER TABLE nonsense ADD COLUMN x";
   EXPECT_THAT(ErrorOf([&] { sqlite::Migrate(path_, {.backup = false}, migrations_); }), HasSubstr("nonsense"));
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "5");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "6");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM sqlite_schema WHERE name = 'note'"), "0");
   EXPECT_EQ(FirstDifference(LoadFrom(path_), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, OlderStoreIsToBeMigrated) {
   sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 7, newest known to this program is 5"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 8, newest known to this program is 6"));
 }
 
 }  // namespace

@@ -155,7 +155,7 @@ TEST_F(StorePlaces, MigratingFillsThemIn) {
   Sql(path_,
       "UPDATE keyframe_features SET columns = x'00' WHERE keyframe = (SELECT max(keyframe) FROM "
       "keyframe_features WHERE keyframe < 2 << 32)");
-  EXPECT_THAT(MigrateStore(path_, {.backup = false}).steps, ElementsAre("0005_places"));
+  EXPECT_THAT(MigrateStore(path_, {.backup = false}).steps, ElementsAre("0005_places", "0006_carried"));
   EXPECT_EQ(StoredRows(path_, "odd"), RowsOf(odd));
   EXPECT_THAT(Unknown(path_), ElementsAre("a")) << "a keyframe of it is damaged";
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM keyframe_words WHERE keyframe < 2 << 32"), "11");

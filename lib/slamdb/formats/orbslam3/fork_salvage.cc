@@ -20,24 +20,26 @@ using detail::Concat;
 using layouts::MapRecords;
 using layouts::RecordList;
 
-// Whether one in two of the records that are seen whole is read by the layout from end to end.
+// Whether one in two of the keyframes, and of the points, that are seen whole is read by the layout from end to end.
 bool FitsRecords(const layouts::ArchiveBytes& archive, const Layout& layout, std::span<const MapRecords> maps) {
   const layouts::Wire wire(layout, archive.encoding);
   const layouts::WarmWalk walk(wire, archive.file, archive.encoding);
-  const auto fits = [&](const RecordList& list, const char* name) {
+  const auto fits = [&](const char* name, RecordList MapRecords::* list_of) {
     const std::int64_t row = wire.RowOf(name);
     if (row < 0) return false;
     std::size_t known = 0, fitting = 0;
-    for (std::size_t i = 0; i < list.records.size(); ++i) {
-      const std::uint64_t end = EndOf(list, i);
-      known += end > 0;
-      fitting +=
-          end > 0 && walk.BehindMembers(wire.classes[static_cast<std::size_t>(row)], list.records[i].body, 0) == end;
+    for (const MapRecords& map : maps) {
+      const RecordList& list = map.*list_of;
+      for (std::size_t i = 0; i < list.records.size(); ++i) {
+        const std::uint64_t end = EndOf(list, i);
+        known += end > 0;
+        fitting +=
+            end > 0 && walk.BehindMembers(wire.classes[static_cast<std::size_t>(row)], list.records[i].body, 0) == end;
+      }
     }
     return 2 * fitting >= known;
   };
-  return std::ranges::all_of(
-      maps, [&](const MapRecords& map) { return fits(map.keyframes, "KeyFrame") && fits(map.points, "MapPoint"); });
+  return fits("KeyFrame", &MapRecords::keyframes) && fits("MapPoint", &MapRecords::points);
 }
 
 SalvagedMap Counted(const Map& map) {

@@ -35,8 +35,9 @@ void CheckTables(Database& database, int version, Derived derived) {
     if (version < kFirstVersionWithLandmarks && table == std::string_view("landmark")) continue;
     if (version < kFirstVersionWithCarried && table == std::string_view("carried")) continue;
     if (version < kFirstVersionWithPlaces && table == std::string_view("keyframe_words")) continue;
-    const bool is_derived = table == std::string_view("map_point_box") || table == std::string_view("keyframe_words");
-    if (derived == Derived::kNotNeeded && is_derived) continue;
+    const bool is_needed = table != std::string_view("map_point_box") && table != std::string_view("keyframe_words") &&
+                           table != std::string_view("carried");
+    if (derived == Derived::kNotNeeded && !is_needed) continue;
     if (!HasPlainTable(database, table)) {
       throw Error(ErrorKind::kDamaged, database.path(), std::string("table ") + table, "missing: the store is damaged");
     }

@@ -297,6 +297,19 @@ std::string OnlyName(Database& database) {
                              database.path(), "#NAME"));
 }
 
+// Where the schema of `carried` was on a page that is lost, an empty table takes its place. Returns whether it was.
+bool ReplaceLostCarried(Database& database) {
+  if (VersionOf(database) < kFirstVersionWithCarried) return false;
+  try {
+    if (HasPlainTable(database, "carried")) return false;
+  } catch (const Error&) {  // the schema ends there
+  }
+  database.Execute("PRAGMA query_only=OFF");
+  database.Execute("CREATE TEMP TABLE carried (kind, row, bytes)");  // found before one of the file
+  database.Execute("PRAGMA query_only=ON");
+  return true;
+}
+
 }  // namespace
 
 Salvage SalvageRows(Database& database, std::int64_t atlas) { return StoreSalvager(database, atlas).Run(); }
@@ -309,6 +322,7 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   sqlite::Database database(path, sqlite::Access::kSalvage, options.of<StoreReadOptions>().lock_timeout);
   const sqlite::Image& image = sqlite::ImageSeenBy(database.handle());
   sqlite::CheckIsStore(database, sqlite::NewestVersion(), sqlite::Older::kAccept, sqlite::Derived::kNotNeeded);
+  const bool lacks_carried = sqlite::ReplaceLostCarried(database);
   const std::string chosen = name.empty() ? sqlite::OnlyName(database) : name;
   EnterInput(path, chosen);
   sqlite::Statement statement(database, "SELECT row FROM atlas NOT INDEXED WHERE name = ?1", "table atlas");
@@ -317,6 +331,8 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   std::vector<sqlite::EditedRow> edits;
   if (options.of<StoreReadOptions>().accept_edits) database.AcceptEdits(&edits);
   Salvage salvage = sqlite::SalvageRows(database, statement.Integer(0));
+  if (lacks_carried)
+    salvage.damage.insert(salvage.damage.begin(), "table carried: lost, and with it what entities had of a fork's file");
   if (image.changed()) throw Error(ErrorKind::kLocked, path, "", "is being changed while it is read: try again");
   if (image.lacks_pages())
     salvage.damage.insert(salvage.damage.begin(),

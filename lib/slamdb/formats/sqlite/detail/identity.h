@@ -22,7 +22,8 @@ Header HeaderOf(std::string_view head);
 bool HasPlainTable(Database& database, std::string_view table);
 
 enum class Older { kRefuse, kAccept };
-enum class Derived { kNeeded, kNotNeeded };  // tables that follow from others: the R*Tree, the words of keyframes
+// Tables that follow from others, the R*Tree and the words of keyframes; and `carried`, empty in most stores.
+enum class Derived { kNeeded, kNotNeeded };
 
 // Throws Error unless `database` is a store of version `newest`: says whose database it is (COLMAP, RTAB-Map,
 // stella_vslam, ...), names both versions when the store is newer, and asks to migrate when it is older and that is not
