@@ -113,7 +113,7 @@ ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
   json["sources"] = derived.files;
   json["questions"] = questions;
   json["unknown_types"] = unknown;
-  json["missing"] = derived.missing;
+  json["lacks"] = derived.missing;
   json["layout"] = Json::parse(ToJson(derived.layout));
   Print(text, json, options, console);
   return complete ? ExitCode::kDone : ExitCode::kFailed;

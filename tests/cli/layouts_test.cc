@@ -142,6 +142,7 @@ TEST(Layouts, FromSourceAsksWhatItDoesNotUnderstand) {
   const json report = json::parse(RunSlamdb({"layouts", "from-source", sources.path().string(), "--json"}).out);
   EXPECT_EQ(BreachOf(report, "layouts-from-source.schema.json"), "");
   EXPECT_EQ(report["sources"], 1);
+  EXPECT_EQ(report["lacks"].size(), 3U);
 }
 
 // Damage in the middle of a fork's file costs what it hits.
