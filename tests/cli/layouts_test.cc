@@ -100,7 +100,7 @@ TEST(Layouts, RecoverDropsNothingForAFlagInDoubt) {
   const ProcessResult second = RunSlamdb({"layouts", "infer", folder / "fork.osa", "--choose", "2"});
   EXPECT_EQ(second.exit_code, 0) << second.err;
   EXPECT_THAT(second.out, HasSubstr("\n  1: MapPoint:"));
-  EXPECT_EQ(RunSlamdb({"layouts", "infer", folder / "fork.osa", "--choose", "99"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"layouts", "infer", folder / "fork.osa", "--choose", "99"}).exit_code, 1);
 }
 
 // One layout is given for all inputs.
@@ -123,7 +123,7 @@ TEST(Layouts, AnInputThatIsOfNoForkIsReadBesideOneThatIs) {
 TEST(Layouts, ErrorsOfALayoutNameItsFile) {
   const TemporaryFolder folder;
   WriteWholeFile(folder / "root.json", R"({"root": "q", "classes": {}})");
-  EXPECT_THAT(RunSlamdb({"layouts", "show", folder / "root.json"}).err, HasSubstr("root.json: root: no type"));
+  EXPECT_THAT(RunSlamdb({"layouts", "show", folder / "root.json"}).err, HasSubstr("root.json: root: type 'q'"));
   WriteWholeFile(folder / "broken.json", "{");
   EXPECT_THAT(RunSlamdb({"layouts", "show", folder / "broken.json"}).err,
               AllOf(HasSubstr("broken.json: no JSON: parse error"), ::testing::Not(HasSubstr("json.exception"))));
