@@ -27,6 +27,7 @@ struct ListLayoutsOptions {
 
 struct FindLayoutOptions {
   std::string input, output;
+  std::size_t choice = 1;
   bool overwrite = false, json = false;
 };
 
@@ -70,20 +71,15 @@ std::string Listed(std::string_view title, const std::vector<std::string>& lines
   return text;
 }
 
-// The id of the known layout that has the same bytes; empty: none.
-std::string KnownAs(const Layout& layout) {
-  for (const Layout& known : KnownLayouts())
-    if (SameBytes(known, layout)) return known.id;
-  return {};
-}
-
-// Writes the layout, and says how it is used.
-std::string Write(const Layout& layout, const FindLayoutOptions& options, std::optional<AtomicFile>& output) {
+// Writes the layout, and says what it is good for.
+std::string Write(const Layout& layout, const FindLayoutOptions& options, std::optional<AtomicFile>& output,
+                  bool complete = true) {
   if (!output) return {};
   output->Write(LayoutText(layout));
   output->Commit();
   if (IsStandardOutput(options.output)) return {};
-  return "wrote " + Visible(options.output) + ", for --layout of the other verbs\n";
+  return "wrote " + Visible(options.output) +
+         (complete ? ", for --layout of the other verbs\n" : ", to be completed\n");
 }
 
 void Print(const std::string& text, const Json& json, const FindLayoutOptions& options, Console& console) {
@@ -96,7 +92,6 @@ void Print(const std::string& text, const Json& json, const FindLayoutOptions& o
 ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
   std::optional<AtomicFile> output = OpenOutput(options);
   const DerivedLayout derived = DeriveLayoutOfFolder(options.input);
-  const std::string known = KnownAs(derived.layout);
   std::vector<std::string> questions;
   for (const LayoutQuestion& question : derived.questions)
     questions.push_back(question.file.empty() ? question.text
@@ -106,29 +101,39 @@ ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
     for (const LayoutMember& member : of.members) unknown += member.type.find('?') != std::string::npos;
   std::string text = Counted(derived.files, "source file") + ", " +
                      Counted(derived.layout.classes.size(), "class", "classes") + " archived\n";
-  text += known.empty() ? "a layout that is not known\n" : "the layout " + known + "\n";
+  text += derived.known.empty() ? "a layout that is not known\n" : "the layout " + derived.known + "\n";
   text += Listed("not understood", questions);
   if (unknown > 0)
     text += Counted(unknown, "type is", "types are") + " `?`: put in what the members are, then use the layout\n";
-  text += Write(derived.layout, options, output);
+  text += Listed("missing", derived.missing);
+  const bool complete = unknown == 0 && derived.missing.empty();
+  text += Write(derived.layout, options, output, complete);
   Json json = detail::ReportHead("layouts-from-source", ReportFiles{options.input, options.output});
-  json["known"] = detail::TextOrNull(known);
+  json["known"] = detail::TextOrNull(derived.known);
   json["sources"] = derived.files;
   json["questions"] = questions;
   json["unknown_types"] = unknown;
+  json["lacks"] = derived.missing;
   json["layout"] = Json::parse(ToJson(derived.layout));
   Print(text, json, options, console);
-  return unknown > 0 ? ExitCode::kFailed : ExitCode::kDone;
+  return complete ? ExitCode::kDone : ExitCode::kFailed;
 }
 
 // ---- infer
 
-std::string InferredText(const InferredLayout& inferred) {
+// With the number by which each is chosen; that of the one that was chosen is left out.
+std::vector<std::string> Numbered(std::vector<std::string> alternatives, std::size_t chosen) {
+  for (std::size_t i = 0; i < alternatives.size(); ++i)
+    alternatives[i] = Concat(i + 1 < chosen ? i + 1 : i + 2, ": ", alternatives[i]);
+  return alternatives;
+}
+
+std::string InferredText(const InferredLayout& inferred, const FindLayoutOptions& options) {
   const std::string& id = inferred.layout.id;
   std::string text = inferred.known ? "the layout " + id + ": " + inferred.layout.title + "\n"
                                     : std::string("a layout that is not known\n");
   text += Listed("other than in v1.0", inferred.differences);
-  text += Listed("could as well be", inferred.alternatives);
+  text += Listed("could as well be, with --choose", Numbered(inferred.alternatives, options.choice));
   text += Listed("in doubt", inferred.doubts);
   text +=
       Counted(inferred.keyframes, "keyframe") + " and " + Counted(inferred.points, "point") + " are read in it, and ";
@@ -150,8 +155,8 @@ Json InferredJson(const InferredLayout& inferred, const FindLayoutOptions& optio
 
 ExitCode RunInfer(const FindLayoutOptions& options, Console& console) {
   std::optional<AtomicFile> output = OpenOutput(options);
-  const InferredLayout inferred = InferLayout(options.input);
-  const std::string text = InferredText(inferred) + Write(inferred.layout, options, output);
+  const InferredLayout inferred = InferLayout(options.input, {.choice = options.choice});
+  const std::string text = InferredText(inferred, options) + Write(inferred.layout, options, output);
   Print(text, InferredJson(inferred, options), options, console);
   if (!inferred.sure())
     console.Warn(
@@ -190,6 +195,8 @@ Run BindFromSource(CLI::App& verb) {
 Run BindInfer(CLI::App& verb) {
   const auto options = std::make_shared<FindLayoutOptions>();
   verb.add_option("FILE", options->input, "An .osa file of the fork")->type_name("FILE")->required();
+  verb.add_option("--choose", options->choice, "Where several layouts fit, take this one of them; 1 is the likeliest")
+      ->type_name("N");
   AddLayoutOutput(verb, *options);
   return [options](Console& console) { return RunInfer(*options, console); };
 }

@@ -43,7 +43,9 @@ std::string TextOf(const SalvageReport& report) {
     text += "; " + Counted(made, "point") + " triangulated anew";
   if (report.landmarks.listed > 0) text += ", " + Share(report.landmarks, "landmark", "landmarks");
   text += "\ndamage\n";
-  if (report.whole()) text += "  every byte can be read, but what some say is not sound\n";
+  if (report.whole())
+    text += report.recovery.repairs.empty() ? "  none, every byte can be read\n"
+                                            : "  every byte can be read, but what some say is not sound\n";
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, report.damage.size()); ++i) text += "  " + report.damage[i] + "\n";
   if (report.damage.size() > kShown) text += "  and " + Grouped(report.damage.size() - kShown) + " more places\n";

@@ -74,7 +74,59 @@ TEST(Layouts, InferSaysWhatToDoWhereNoneIsFound) {
   WriteWholeFile(folder / "cut.osa", ReadWholeFile(kSession).substr(0, 2'000'000));
   const ProcessResult result = RunSlamdb({"layouts", "infer", folder / "cut.osa"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("no layout found"), HasSubstr("`slamdb layouts from-source`")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("no layout found"), HasSubstr("as in v1.0"), HasSubstr("`slamdb recover`")));
+}
+
+TEST(Layouts, RecoverMakesAFileThatIsReadOfOneThatWasInferred) {
+  const TemporaryFolder folder;
+  MakeFork(folder);
+  const ProcessResult result = RunSlamdb({"recover", folder / "fork.osa", folder / "rescued.osa"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("a layout that was inferred"), HasSubstr("3,162 of 3,162 points")));
+  EXPECT_EQ(RunSlamdb({"info", folder / "rescued.osa"}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"recover", folder / "rescued.osa", folder / "again.osa"}).exit_code, 0);
+}
+
+// Several flags that are 0 everywhere fit as well: none of them costs a point.
+TEST(Layouts, RecoverDropsNothingForAFlagInDoubt) {
+  const TemporaryFolder folder;
+  WriteWholeFile(
+      folder / "lab.json",
+      R"({"base": "v1.0", "changes": [{"class": "MapPoint", "after": "mBackupRefKFId", "add": [["x", "u8"]]}]})");
+  ASSERT_EQ(RunSlamdb({"convert", kSession, folder / "fork.osa", "--to-layout", folder / "lab.json"}).exit_code, 0);
+  const ProcessResult result = RunSlamdb({"recover", folder / "fork.osa", folder / "rescued.osa"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("other layouts may fit as well"), HasSubstr("3,162 of 3,162 points")));
+  const ProcessResult second = RunSlamdb({"layouts", "infer", folder / "fork.osa", "--choose", "2"});
+  EXPECT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_THAT(second.out, HasSubstr("\n  1: MapPoint:"));
+  EXPECT_EQ(RunSlamdb({"layouts", "infer", folder / "fork.osa", "--choose", "99"}).exit_code, 1);
+}
+
+// One layout is given for all inputs.
+TEST(Layouts, AnInputThatIsOfNoForkIsReadBesideOneThatIs) {
+  const TemporaryFolder folder;
+  MakeFork(folder);
+  const std::string fork = folder / "fork.osa", layout = folder / "lab.json";
+  const ProcessResult diff = RunSlamdb({"diff", fork, kSession, "--layout", layout});
+  EXPECT_LE(diff.exit_code, 1) << diff.err;
+  EXPECT_THAT(diff.err, AllOf(HasSubstr("read as of ORB-SLAM3 v1.0"), ::testing::Not(HasSubstr("error"))));
+  EXPECT_EQ(RunSlamdb({"diff", kSession, fork, "--layout", layout}).exit_code, diff.exit_code);
+  EXPECT_EQ(RunSlamdb({"check", fork, kSession, "--layout", layout}).exit_code,
+            RunSlamdb({"check", kSession}).exit_code);
+  EXPECT_EQ(RunSlamdb({"info", SLAMDB_FIXTURES "/forks/obvi.osa", "--layout", layout}).exit_code, 0);
+  // What fits neither is refused as of the layout that is given.
+  WriteWholeFile(folder / "cut.osa", ReadWholeFile(kSession).substr(0, 2'000'000));
+  EXPECT_EQ(RunSlamdb({"info", folder / "cut.osa", "--layout", layout}).exit_code, 1);
+}
+
+TEST(Layouts, ErrorsOfALayoutNameItsFile) {
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "root.json", R"({"root": "q", "classes": {}})");
+  EXPECT_THAT(RunSlamdb({"layouts", "show", folder / "root.json"}).err, HasSubstr("root.json: root: type 'q'"));
+  WriteWholeFile(folder / "broken.json", "{");
+  EXPECT_THAT(RunSlamdb({"layouts", "show", folder / "broken.json"}).err,
+              AllOf(HasSubstr("broken.json: no JSON: parse error"), ::testing::Not(HasSubstr("json.exception"))));
 }
 
 TEST(Layouts, FromSourceAsksWhatItDoesNotUnderstand) {
@@ -86,10 +138,11 @@ TEST(Layouts, FromSourceAsksWhatItDoesNotUnderstand) {
       "map; }\n");
   const ProcessResult result = RunSlamdb({"layouts", "from-source", sources.path().string()});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.out, AllOf(HasSubstr("Map.h:"), HasSubstr("`?`")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("Map.h:"), HasSubstr("`?`"), HasSubstr("the members of class Atlas")));
   const json report = json::parse(RunSlamdb({"layouts", "from-source", sources.path().string(), "--json"}).out);
   EXPECT_EQ(BreachOf(report, "layouts-from-source.schema.json"), "");
   EXPECT_EQ(report["sources"], 1);
+  EXPECT_EQ(report["lacks"].size(), 3U);
 }
 
 // Damage in the middle of a fork's file costs what it hits.

@@ -21,8 +21,8 @@
 #include "tests/formats/layouts/invented_layouts.h"
 #include "tests/formats/orbslam3/crafted_atlases.h"
 #include "tests/fuzz/colmap_parts.h"
-#include "tests/fuzz/fork_parts.h"
 #include "tests/fuzz/files.h"
+#include "tests/fuzz/fork_parts.h"
 #include "tests/fuzz/osa_mutator.h"
 
 // Writes the inputs that fuzzing starts from: small archives of every kind of writer, whole and damaged where it hurts,
@@ -282,9 +282,11 @@ void WriteSeedsOfLayouts(const path& base) {
   }
   WriteChanged(base / "layout_source", "fork",
                "#define N 3\nclass MapPoint;\nstruct Base { int b; template <class A> void serialize(A& ar, unsigned) "
-               "{ ar & b; } };\nclass Map : public Base { std::vector<MapPoint*> p; float m[3]; // c\n"
+               "{ ar & b; } };\nclass Map : public Base { std::vector<MapPoint*> p; float m[3]; char c; int8_t d; "
+               "signed char * e; // c\n"
                "template <class Archive> void serialize(Archive& ar, const unsigned int v) {\n#ifdef X\nar & p;\n#else"
-               "\nar & m;\n#endif\nar & boost::serialization::base_object<Base>(*this); if (Archive::is_saving::value) "
+               "\nar & m; ar & c; ar & d;\n#endif\nar & boost::serialization::base_object<Base>(*this); if "
+               "(Archive::is_saving::value) "
                "{ ar << p; } }\n};\nvoid Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }\n");
 }
 

@@ -30,6 +30,8 @@ struct Salvage {
   // Of a store: what differs from its hash or was deleted, and was taken as it stands there, since
   // StoreReadOptions::accept_edits said so.
   std::vector<std::string> accepted;
+  // What the atlas does not hold of a file of which every byte could be read, or what is in doubt.
+  std::vector<std::string> losses;
   std::vector<SalvagedMap> maps;  // by row of Atlas::maps
   std::uint64_t maps_listed = 0;
   std::string undone;           // what had been done to the file, and was undone before it was read; empty: nothing

@@ -43,7 +43,37 @@ std::vector<std::string> MembersOf(const std::string& declarations, const std::s
 TEST(FromSource, Scalars) {
   EXPECT_THAT(MembersOf("long unsigned int a; float b, c; bool d; double e; unsigned int f; std::string g; size_t h;",
                         "ar & a; ar & b; ar & c & d; ar & e; ar & f; ar & g; ar & h;"),
-              ElementsAre("a u64", "b f32", "c f32", "d bool", "e f64", "f u32", "g string", "h u64"));
+              ElementsAre("a u64", "b f32", "c f32", "d bool", "e f64", "f u32", "g string", "h size"));
+}
+
+TEST(FromSource, CharactersAreNumbersOfOneByte) {
+  EXPECT_THAT(MembersOf("char a; signed char b; int8_t c; unsigned char d; uint8_t e;", "ar & a & b & c & d & e;"),
+              ElementsAre("a i8", "b i8", "c i8", "d u8", "e u8"));
+}
+
+// u64 and long have 4 bytes where long has.
+TEST(FromSource, WidthsThatTheNameSaysStay) {
+  EXPECT_THAT(MembersOf("int64_t a; uint64_t b; size_t c; long d; unsigned long e;", "ar & a & b & c & d & e;"),
+              ElementsAre("a i64", "b ulonglong", "c size", "d long", "e u64"));
+}
+
+TEST(FromSource, WhatIsDeclaredOfNoTypeIsAQuestion) {
+  EXPECT_THAT(MembersOf("* a; & b; *&* c, d;", "ar & a; ar & b; ar & c; ar & d;"),
+              ElementsAre("a ?", "b ?", "c ?", "d ?"));
+}
+
+TEST(FromSource, TypesTooDeepForALayoutAreAQuestion) {
+  std::string type = "int";
+  for (int i = 0; i < 12; ++i) type = "std::vector<" + type + ">";
+  EXPECT_THAT(MembersOf(type + " a;", "ar & a;"), ElementsAre("a ?"));
+}
+
+TEST(FromSource, SaysWhatALayoutLacks) {
+  EXPECT_THAT(
+      Derived("class Map { int a; template <class A> void serialize(A& ar, const unsigned int) { ar & a; } };\n" +
+              std::string(kSave))
+          .missing,
+      ElementsAre("the members of class Atlas", "the members of class KeyFrame", "the members of class MapPoint"));
 }
 
 TEST(FromSource, Containers) {

@@ -112,6 +112,44 @@ TEST(InferLayout, SaysWhatWouldFitAsWell) {
   EXPECT_TRUE(inferred.same_bytes);
 }
 
+// A fork with one byte more behind mBackupRefKFId, next to which mbBad stands; `one` in so many of a hundred points.
+std::string WithFlags(int percent) {
+  Atlas atlas = RealSession();
+  atlas.layout = ToJson(WithMember("MapPoint", "mBackupRefKFId", {"x1", "u8"}));
+  int row = 0;
+  for (MapPoint& point : atlas.maps[0].points)
+    point.carried.Make().members.push_back(static_cast<std::byte>(row++ % 100 < percent));
+  return EncodeOrbslam3(atlas);
+}
+std::uint64_t Bad(const Atlas& atlas) {
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(atlas.maps[0].points, [](const MapPoint& point) { return bool(point.bad); }));
+}
+
+class FlagBesideBad : public ::testing::TestWithParam<int> {};
+TEST_P(FlagBesideBad, IsNotTakenForIt) {
+  const std::string bytes = WithFlags(GetParam());
+  const InferredLayout inferred = InferLayout(In(bytes));
+  EXPECT_TRUE(inferred.same_bytes);
+  EXPECT_EQ(Bad(ReadAs(bytes, ToJson(inferred.layout))), 0U);
+}
+INSTANTIATE_TEST_SUITE_P(InferLayout, FlagBesideBad, ::testing::Values(1, 3, 50, 90, 100));
+
+TEST(InferLayout, AnotherLayoutThatFitsCanBeChosen) {
+  const std::string bytes = WithFlags(1);
+  const InferredLayout first = InferLayout(In(bytes)), second = InferLayout(In(bytes), {.choice = 2});
+  ASSERT_FALSE(first.alternatives.empty());
+  ASSERT_EQ(second.differences.size(), 1U);
+  EXPECT_EQ(second.differences[0], first.alternatives[0]);
+  EXPECT_EQ(second.alternatives[0], first.differences[0]);
+  EXPECT_TRUE(second.same_bytes);
+  EXPECT_GT(Bad(ReadAs(bytes, ToJson(second.layout))), 0U);
+  for (const std::size_t choice : {std::size_t{0}, first.alternatives.size() + 2})
+    EXPECT_THAT(MessageOf([&] { (void)InferLayout(In(bytes), {.choice = choice}); }), HasSubstr("to choose"));
+  EXPECT_THAT(MessageOf([] { (void)InferLayout(In(EncodeOrbslam3(RealSession())), {.choice = 2}); }),
+              HasSubstr("1 layout fits"));
+}
+
 TEST(InferLayout, FindsAMissingCounter) {
   Layout fork = KnownLayouts().front();
   std::vector<LayoutMember>& members = fork.Find("Atlas")->members;
@@ -161,6 +199,15 @@ TEST(InferLayout, SurvivesChangedBytes) {
       EXPECT_NE(error.kind(), ErrorKind::kInternal) << error.what();
     }
   }
+}
+
+TEST(InferLayout, TextOfAnotherLayoutNeedsTheSources) {
+  Atlas atlas = RealSession();
+  atlas.encoding.text = true;
+  const std::string bytes = WrittenIn(atlas, ToJson(WithMember("KeyFrame", "mnId", {"x1", "u64"})));
+  const std::string message = MessageOf([&] { (void)InferLayout(In(bytes)); });
+  EXPECT_THAT(message, HasSubstr("`DeriveLayoutOfFolder`"));
+  EXPECT_THAT(message, ::testing::Not(HasSubstr("`InferLayout`")));
 }
 
 TEST(InferLayout, TextIsOfAKnownLayout) {

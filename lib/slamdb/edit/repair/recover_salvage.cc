@@ -127,8 +127,9 @@ bool IsSound(const Atlas& atlas, const RecoverOptions& options) {
 
 SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
   SalvageReport report{.damage = salvage.damage, .accepted = salvage.accepted};
+  report.losses = salvage.losses;
   report.undone = salvage.undone;
-  report.untouched = report.whole() && IsSound(salvage.atlas, options);
+  report.untouched = report.whole() && report.losses.empty() && IsSound(salvage.atlas, options);
   RecoverOptions recover = options;
   recover.triangulate = options.triangulate && !report.whole() && report.accepted.empty();
   CountLinksAnew(salvage);

@@ -185,7 +185,7 @@ class Walk {
       const std::string name(head[at++].text);
       for (; at + 2 < head.size() && head[at].Is("["); at += 3) member.sizes.emplace_back(head[at + 1].text);
       members.try_emplace(name, std::move(member));
-      while (type.back().Is("*") || type.back().Is("&")) type.pop_back();
+      while (!type.empty() && (type.back().Is("*") || type.back().Is("&"))) type.pop_back();
       at += IndexOf(head.subspan(at), ",");
       for (++at; at < head.size() && !head[at].is_word(); ++at) type.push_back(head[at]);
       if (type.empty()) return;

@@ -6,6 +6,9 @@
 #include <charconv>
 #include <vector>
 
+#include "slamdb/base/error.h"
+#include "slamdb/formats/layouts/layout.h"
+
 namespace slamdb::layouts {
 namespace {
 
@@ -18,11 +21,11 @@ struct Named {
 };
 constexpr std::array kScalars = {
     // the last three are DBoW2's
-    Named{"bool", "bool"},     Named{"float", "f32"},    Named{"double", "f64"},  Named{"string", "string"},
-    Named{"size_t", "u64"},    Named{"int8_t", "i8"},    Named{"uint8_t", "u8"},  Named{"uchar", "u8"},
-    Named{"int16_t", "i16"},   Named{"uint16_t", "u16"}, Named{"int32_t", "i32"}, Named{"uint32_t", "u32"},
-    Named{"int64_t", "long"},  Named{"uint64_t", "u64"}, Named{"Mat", "mat"},     Named{"WordId", "u32"},
-    Named{"WordValue", "f64"}, Named{"NodeId", "u32"},   Named{"ushort", "u16"},
+    Named{"bool", "bool"},     Named{"float", "f32"},          Named{"double", "f64"},  Named{"string", "string"},
+    Named{"size_t", "size"},   Named{"int8_t", "i8"},          Named{"uint8_t", "u8"},  Named{"uchar", "u8"},
+    Named{"int16_t", "i16"},   Named{"uint16_t", "u16"},       Named{"int32_t", "i32"}, Named{"uint32_t", "u32"},
+    Named{"int64_t", "i64"},   Named{"uint64_t", "ulonglong"}, Named{"Mat", "mat"},     Named{"WordId", "u32"},
+    Named{"WordValue", "f64"}, Named{"NodeId", "u32"},         Named{"ushort", "u16"},
 };
 // Eigen's and Sophus' types of fixed size, without their last letter.
 struct Fixed {
@@ -143,7 +146,16 @@ Tokens CppTypes::Resolved(Tokens type, std::string_view in_class) const {
   return type;
 }
 
-std::string CppTypes::WordOf(Tokens type, std::string_view in_class) const { return WordOf(type, in_class, 0); }
+// What no layout can say, such as types too deep in each other, is not known either.
+std::string CppTypes::WordOf(Tokens type, std::string_view in_class) const {
+  std::string word = WordOf(type, in_class, 0);
+  try {
+    if (word != kUnknownType) (void)ParseLayoutType(word);
+  } catch (const Error&) {
+    return std::string(kUnknownType);
+  }
+  return word;
+}
 
 std::string CppTypes::WordOf(Tokens type, std::string_view in_class, int depth) const {
   const std::string unknown(kUnknownType);

@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
@@ -68,14 +69,23 @@ std::vector<LayoutMember> Named(const SourceClass& source, const LayoutClass* ow
 
 // ---- Classes as ORB-SLAM3 has them
 
+// Numbers that have the same bytes where long and size_t have 8.
+LayoutType OfLongs(LayoutType type) {
+  using Number = LayoutType::Number;
+  if (type.number == Number::kSize || type.number == Number::kULongLong) type.number = Number::kU64;
+  if (type.number == Number::kLong) type.number = Number::kI64;
+  for (LayoutType& element : type.elements) element = OfLongs(std::move(element));
+  return type;
+}
+
 // Its members as a flat list of what stands in the file: six f32 are an arr<f32,6>.
 std::string Wire(const std::vector<LayoutMember>& members) {
   std::string wire;
   for (const LayoutMember& member : members) {
     if (member.type == layouts::kUnknownType) return "";
-    const LayoutType type = ParseLayoutType(member.type);
+    const LayoutType type = OfLongs(ParseLayoutType(member.type));
     const bool array = type.kind == LayoutType::Kind::kArray && type.elements.front().kind == LayoutType::Kind::kNumber;
-    const std::string one = array ? ToString(type.elements.front()) : member.type;
+    const std::string one = array ? ToString(type.elements.front()) : ToString(type);
     for (std::uint32_t i = 0; i < (array ? type.count : 1); ++i) wire += one + " ";
   }
   return wire;
@@ -90,11 +100,50 @@ LayoutClass ToLayoutClass(const SourceClass& source, const LayoutClass* own) {
   return of;
 }
 
+std::string OfLongs(const std::string& type) {
+  return type == layouts::kUnknownType ? type : ToString(OfLongs(ParseLayoutType(type)));
+}
+Layout OfLongs(Layout layout) {
+  for (std::string& type : layout.root) type = OfLongs(type);
+  for (LayoutClass& of : layout.classes)
+    for (LayoutMember& member : of.members) member.type = OfLongs(member.type);
+  return layout;
+}
+
+std::string KnownAs(const Layout& layout) {
+  const Layout of_longs = OfLongs(layout);
+  for (const Layout& known : KnownLayouts())
+    if (SameBytes(OfLongs(known), of_longs)) return known.id;
+  return {};
+}
+
+void AddClasses(const LayoutType& type, std::set<std::string>& classes) {
+  if (!type.name.empty()) classes.insert(type.name);
+  for (const LayoutType& element : type.elements) AddClasses(element, classes);
+}
+
+std::vector<std::string> MissingIn(const Layout& layout) {
+  std::set<std::string> classes{"Atlas", "KeyFrame", "Map", "MapPoint"};
+  const auto add = [&](const std::string& type) {
+    if (type != layouts::kUnknownType) AddClasses(ParseLayoutType(type), classes);
+  };
+  std::ranges::for_each(layout.root, add);
+  for (const LayoutClass& of : layout.classes)
+    for (const LayoutMember& member : of.members) add(member.type);
+  std::vector<std::string> missing;
+  if (layout.root.empty()) missing.emplace_back("what is saved: no function makes a Boost archive");
+  for (const std::string& name : classes)
+    if (layout.Find(name) == nullptr) missing.push_back(detail::Concat("the members of class ", name));
+  return missing;
+}
+
 DerivedLayout ToDerived(SourceLayout source) {
   DerivedLayout derived;
   const Layout& own = KnownLayouts().front();
   for (const SourceMember& member : source.root) derived.layout.root.push_back(member.type);
   for (const SourceClass& of : source.classes) derived.layout.classes.push_back(ToLayoutClass(of, own.Find(of.name)));
+  derived.missing = MissingIn(derived.layout);
+  derived.known = KnownAs(derived.layout);
   for (layouts::SourceQuestion& question : source.questions)
     derived.questions.push_back({question.place.file, question.place.line, std::move(question.text)});
   return derived;

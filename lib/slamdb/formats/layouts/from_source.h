@@ -23,7 +23,9 @@ struct SLAMDB_EXPORT LayoutQuestion {
 struct SLAMDB_EXPORT DerivedLayout {
   Layout layout;  // types that were not understood are `?`, which ParseLayout does not take
   std::vector<LayoutQuestion> questions;
-  std::uint64_t files = 0;  // that were looked at
+  std::vector<std::string> missing;  // what a layout needs and the sources do not have; a `?` is not among it
+  std::string known;                 // the id of the known layout that it is where long and size_t have 8 bytes
+  std::uint64_t files = 0;           // that were looked at
 };
 
 struct SLAMDB_EXPORT SourceText {

@@ -74,6 +74,8 @@ class Judging : public RecordVisitor {
       last_point_ = std::max(last_point_, number("mnId").value_or(-1));
       last_keyframe_ = std::max(last_keyframe_, number("mnFirstKFid").value_or(-1));
       last_frame_ = std::max(last_frame_, number("mnFirstFrame").value_or(-1));
+      if (const auto reference = number("mBackupRefKFId"); reference && !keyframes_.contains(*reference))
+        return kUnusual;
     } else if (of.name == "Map") {
       return OfMap(number);
     } else if (of.name == "Atlas") {
@@ -170,8 +172,11 @@ std::optional<InferredLayout> Known(const ArchiveBytes& archive, double most) {
 
 class Inference {
  public:
-  explicit Inference(const ArchiveBytes& archive)
-      : archive_(archive), maps_(FindRecords(archive.file, archive.encoding)), layout_(KnownLayouts().front()) {}
+  Inference(const ArchiveBytes& archive, std::size_t choice)
+      : archive_(archive),
+        choice_(choice),
+        maps_(FindRecords(archive.file, archive.encoding)),
+        layout_(KnownLayouts().front()) {}
 
   InferredLayout Run() {
     Count();
@@ -225,9 +230,16 @@ class Inference {
     }
   }
   InferredLayout Finished(InferredLayout inferred) const {
+    ExpectChoiceUpTo(inferred.alternatives.size() + 1);
     inferred.keyframes = keyframes_;
     inferred.points = points_;
     return inferred;
+  }
+  void ExpectChoiceUpTo(std::size_t most) const {
+    if (choice_ < 1 || choice_ > most)
+      throw Error(ErrorKind::kUsage, "", "",
+                  Concat("there is no layout ", choice_, " to choose: ", detail::Counted(most, "layout"), " fit",
+                         most == 1 ? "s" : ""));
   }
   [[noreturn]] void Fail(const std::string& problem) const {
     throw Error(ErrorKind::kNotPossible, "", "",
@@ -258,11 +270,44 @@ class Inference {
     return ends;
   }
 
-  // The first choice of keyframes and map points that the first records and the class ids behind them bear out, and
-  // with it what the unknown members are, or else the rest of the layout.
+  // Takes one of the changes of keyframes and map points that the first records and the class ids behind them bear out,
+  // and with it what the unknown members are, or else the rest of the layout.
   bool Choose() {
-    const ClassOption *keyframe_taken = nullptr, *point_taken = nullptr;
-    double least = std::numeric_limits<double>::max();
+    std::vector<Candidate> candidates = Candidates();
+    if (!candidates.empty()) {
+      ExpectChoiceUpTo(candidates.size());
+      Candidate& taken = candidates[choice_ - 1];
+      layout_ = std::move(taken.typed.layout);
+      findings_ = taken.findings;
+      for (const Candidate& other : candidates)
+        if (&other != &taken) findings_.alternatives.push_back(OtherThanTaken(other.findings.differences));
+      return true;
+    }
+    for (Farthest& farthest : farthest_)
+      if (FindFrame(archive_, farthest.ends, farthest.layout, findings_)) {
+        layout_ = std::move(farthest.layout);
+        const ClassOption &keyframe = keyframe_options_.front(), &point = point_options_.front();
+        Take(keyframe.findings, findings_);
+        Take(point.findings, findings_);
+        for (const ClassOption* option : {&keyframe, &point})  // none of which was held against the whole file
+          for (const std::string& alternative : option->findings.alternatives)
+            findings_.doubts.push_back("could as well be " + alternative);
+        return true;
+      }
+    return false;
+  }
+
+  // Layouts that read the file to its end, those first against which least speaks.
+  struct Typed {
+    Layout layout;
+    double penalty = 0;
+  };
+  struct Candidate {
+    Typed typed;
+    Findings findings;
+  };
+  std::vector<Candidate> Candidates() {
+    std::vector<Candidate> candidates;
     std::size_t choices = 0;
     for (const ClassOption& keyframe : keyframe_options_)
       for (const ClassOption& point : point_options_) {
@@ -271,36 +316,28 @@ class Inference {
         *layout.Find("MapPoint") = *point.layout.Find("MapPoint");
         const std::vector<std::uint64_t> ends = EndsIn(layout);
         std::optional<Typed> typed = Types(layout, ends);
-        if (!typed || typed->penalty >= least) continue;
-        least = typed->penalty;
-        layout_ = std::move(typed->layout);
-        keyframe_taken = &keyframe;
-        point_taken = &point;
+        if (!typed) continue;
+        Candidate& candidate = candidates.emplace_back(Candidate{*std::move(typed), {}});
+        Take(keyframe.findings, candidate.findings);
+        Take(point.findings, candidate.findings);
       }
-    if (keyframe_taken != nullptr) {
-      Take(keyframe_taken->findings);
-      Take(point_taken->findings);
-      return true;
-    }
-    for (Farthest& farthest : farthest_)
-      if (FindFrame(archive_, farthest.ends, farthest.layout, findings_)) {
-        layout_ = std::move(farthest.layout);
-        Take(keyframe_options_.front().findings);
-        Take(point_options_.front().findings);
-        return true;
-      }
-    return false;
+    std::ranges::stable_sort(candidates, {}, [](const Candidate& candidate) { return candidate.typed.penalty; });
+    return candidates;
   }
-  void Take(const Findings& findings) {
-    for (const auto part : {&Findings::differences, &Findings::alternatives, &Findings::doubts})
-      (findings_.*part).insert((findings_.*part).end(), (findings.*part).begin(), (findings.*part).end());
+  static void Take(const Findings& from, Findings& to) {
+    for (const auto part : {&Findings::differences, &Findings::doubts})
+      (to.*part).insert((to.*part).end(), (from.*part).begin(), (from.*part).end());
+  }
+  // The changes of another layout that are not those of the one that is taken.
+  std::string OtherThanTaken(const std::vector<std::string>& differences) const {
+    std::string text;
+    for (const std::string& difference : differences)
+      if (std::ranges::find(findings_.differences, difference) == findings_.differences.end())
+        text += (text.empty() ? "" : "; ") + difference;
+    return text.empty() ? "fewer changes" : text;
   }
 
   // Finds types of the unknown members with which the layout comes to the end; keeps those that come farthest.
-  struct Typed {
-    Layout layout;
-    double penalty = 0;
-  };
   std::optional<Typed> Types(const Layout& layout, const std::vector<std::uint64_t>& ends) {
     std::vector<Unknown> unknown;
     std::size_t trials = 1;
@@ -351,6 +388,7 @@ class Inference {
   static constexpr std::size_t kMostTrials = 2048, kMostFarthest = 3, kMostChoices = 16;
 
   const ArchiveBytes archive_;
+  const std::size_t choice_;  // from 1
   const std::vector<MapRecords> maps_;
   Layout layout_;
   Findings findings_;
@@ -375,9 +413,10 @@ std::optional<Layout> LayoutOfRecords(const ArchiveBytes& archive, std::span<con
 
 }  // namespace layouts
 
-InferredLayout InferLayoutOf(Bytes archive, const ArchiveEncoding& encoding, std::uint64_t begin) {
+InferredLayout InferLayoutOf(Bytes archive, const ArchiveEncoding& encoding, std::uint64_t begin,
+                             const InferOptions& options) {
   const std::string_view file(reinterpret_cast<const char*>(archive.data()), archive.size());
-  return layouts::Inference({file, encoding, begin}).Run();
+  return layouts::Inference({file, encoding, begin}, options.choice).Run();
 }
 
 }  // namespace slamdb

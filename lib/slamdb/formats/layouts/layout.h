@@ -18,7 +18,7 @@ namespace slamdb {
 // The type of a member, parsed. `vec<ptr<KeyFrame>>` is kVector of kPointer to class KeyFrame.
 struct SLAMDB_EXPORT LayoutType {
   enum class Kind : std::uint8_t {
-    kNumber,    // u8 bool i16 u16 i32 u32 u64 i64 f32 f64, long ulonglong size
+    kNumber,    // u8 i8 bool i16 u16 i32 u32 u64 i64 f32 f64, long ulonglong size
     kString,    // string
     kArray,     // arr<T,n>: n of them, without a count
     kVector,    // vec<T>
@@ -47,7 +47,8 @@ struct SLAMDB_EXPORT LayoutType {
     kF64,
     kLong,
     kULongLong,
-    kSize
+    kSize,
+    kI8
   };
 
   Kind kind = Kind::kNumber;

@@ -27,6 +27,7 @@ class Reader {
   }
   Reader At(std::size_t i) const { return {value_.at(i), path_, Concat(place_, "[", i, "]")}; }
   const Json& value() const { return value_; }
+  const std::string& path() const { return path_; }
   bool Has(const char* key) const { return value_.contains(key); }
 
   void ExpectObject(std::initializer_list<std::string_view> keys) const {
@@ -118,7 +119,7 @@ std::vector<std::string> ReadRoot(const Reader& json) {
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find(' ', begin), text.size());
     const Json one = text.substr(begin, end - begin);
-    if (end > begin) types.push_back(Reader(one, {}, "root").Type());
+    if (end > begin) types.push_back(Reader(one, json.path(), "root").Type());
     begin = end + 1;
   }
   return types;
@@ -239,7 +240,10 @@ Json Parsed(std::string_view text, const std::string& path) {
       throw Error(ErrorKind::kDamaged, path, "", Concat("the member '", twice, "' stands there twice"));
     return json;
   } catch (const Json::exception& error) {
-    throw Error(ErrorKind::kDamaged, path, "", Concat("no JSON: ", error.what()));
+    std::string_view problem = error.what();
+    if (problem.starts_with("["))
+      problem.remove_prefix(std::min(problem.find("] ") + 2, problem.size()));  // its number
+    throw Error(ErrorKind::kDamaged, path, "", Concat("no JSON: ", problem));
   }
 }
 

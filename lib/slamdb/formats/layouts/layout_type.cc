@@ -13,8 +13,8 @@ namespace {
 
 using Kind = LayoutType::Kind;
 
-constexpr std::array<std::string_view, 13> kNumbers{"u8",  "bool", "i16", "u16",  "i32",       "u32", "u64",
-                                                    "i64", "f32",  "f64", "long", "ulonglong", "size"};
+constexpr std::array<std::string_view, 14> kNumbers{"u8",  "bool", "i16", "u16",  "i32",       "u32",  "u64",
+                                                    "i64", "f32",  "f64", "long", "ulonglong", "size", "i8"};
 struct Word {
   std::string_view text;
   Kind kind;

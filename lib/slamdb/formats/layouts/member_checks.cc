@@ -42,6 +42,17 @@ int IdOrNoneCheck(std::string_view file, MemberPlace place, Facts&) {
 int BoolCheck(std::string_view file, MemberPlace place, Facts&) {
   return Unless(At<std::uint8_t>(file, place.begin) <= 1, kWrong);
 }
+// Of what is bad, or to be erased, a sound file has little: whoever takes a flag that is often set for it loses all.
+int RareCheck(std::string_view file, MemberPlace place, int penalty) {
+  const double flag = At<std::uint8_t>(file, place.begin);
+  return flag <= 1 ? Unless(flag == 0, penalty) : kWrong;
+}
+int BadCheck(std::string_view file, MemberPlace place, Facts&) { return RareCheck(file, place, kDoubtful); }
+int ToBeErasedCheck(std::string_view file, MemberPlace place, Facts&) { return RareCheck(file, place, kUnproven); }
+int ReplacedCheck(std::string_view file, MemberPlace place, Facts&) {
+  const double id = I64(file, place.begin);
+  return Between(id, -1, kMostId) ? Unless(id == -1, kDoubtful / 3) : kWrong;
+}
 int FiniteCheck(std::string_view file, MemberPlace place, Facts&) {
   for (std::uint64_t at = place.begin; at < place.end; at += 4)
     if (!(std::abs(F32(file, at)) < 1e9)) return kDoubtful / 3;
@@ -295,7 +306,8 @@ int NormalCheck(std::string_view file, MemberPlace place, Facts&) {
 }
 int ObservationsCheck(std::string_view file, MemberPlace place, Facts& facts) {
   const double count = I64(file, place.begin);
-  const int wrong = WeightsCheck(file, place, facts);
+  const int wrong =
+      std::max(WeightsCheck(file, place, facts), Unless(count != 0, kUnproven));  // a point that is unseen
   facts[Facts::kObservers] = count;
   facts[Facts::kFirstObserver] = count > 0 ? I64(file, place.begin + 12) : -1;
   facts[Facts::kLastObserver] = count > 0 ? I64(file, place.end - 12) : -1;
@@ -387,8 +399,8 @@ constexpr std::array kMembers = {
     KnownMember{"KeyFrame", "mvBackupLoopEdgesId", IdsCheck},
     KnownMember{"KeyFrame", "mvBackupMergeEdgesId", IdsCheck},
     KnownMember{"KeyFrame", "mbNotErase", BoolCheck, 1},
-    KnownMember{"KeyFrame", "mbToBeErased", BoolCheck, 1},
-    KnownMember{"KeyFrame", "mbBad", BoolCheck, 1},
+    KnownMember{"KeyFrame", "mbToBeErased", ToBeErasedCheck, 1},
+    KnownMember{"KeyFrame", "mbBad", BadCheck, 1},
     KnownMember{"KeyFrame", "mHalfBaseline", HalfBaselineCheck, 4, false, true},
     KnownMember{"KeyFrame", "mnOriginMapId", SmallIdCheck, 4},
     KnownMember{"KeyFrame", "mnBackupIdCamera", SmallIdCheck, 4, false, true},
@@ -418,8 +430,8 @@ constexpr std::array kMembers = {
     KnownMember{"MapPoint", "mBackupObservationsId2", RightObservationsCheck, 0, false, false, true},
     KnownMember{"MapPoint", "mDescriptor", PointDescriptorCheck, 0, false, false, true},
     KnownMember{"MapPoint", "mBackupRefKFId", ReferenceCheck, 8},
-    KnownMember{"MapPoint", "mbBad", BoolCheck, 1},
-    KnownMember{"MapPoint", "mBackupReplacedId", IdOrNoneCheck, 8},
+    KnownMember{"MapPoint", "mbBad", BadCheck, 1},
+    KnownMember{"MapPoint", "mBackupReplacedId", ReplacedCheck, 8},
     KnownMember{"MapPoint", "mfMinDistance", LeastDistanceCheck, 4, true},
     KnownMember{"MapPoint", "mfMaxDistance", MostDistanceCheck, 4, true},
     KnownMember{"Map", "mnId", IdCheck, 8},

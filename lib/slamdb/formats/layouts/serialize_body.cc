@@ -351,7 +351,7 @@ void SerializeBody::Add(const Variable& variable, Tokens expression) {
     }
     if (count == 0 || variable.member.sizes.size() > 1)
       return AskMember(expression, variable.name, detail::Concat("an array of unknown length: ", TextOf(expression)));
-    members.push_back({variable.name + ".count", "u64"});
+    members.push_back({variable.name + ".count", "size"});
     return AddArray(variable.name, {word, count});
   }
   if (word == kUnknownType) {

@@ -23,6 +23,7 @@ LayoutType Canonical(LayoutType type, const ArchiveEncoding& encoding) {
 std::uint64_t Wire::WidthOf(Number number, const ArchiveEncoding& encoding) {
   switch (number) {
     case Number::kU8:
+    case Number::kI8:
     case Number::kBool:
       return 1;
     case Number::kI16:

@@ -24,6 +24,8 @@ void WithType(LayoutType::Number number, const Use& use) {
     case N::kU8:
     case N::kBool:
       return use(std::uint8_t());
+    case N::kI8:
+      return use(std::int8_t());
     case N::kI16:
       return use(std::int16_t());
     case N::kU16:

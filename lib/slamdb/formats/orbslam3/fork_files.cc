@@ -150,14 +150,16 @@ std::uint64_t Reachable(const std::vector<std::string>& names, std::uint64_t cou
 
 bool IsOwnLayout(std::string_view layout) { return layout.empty() || layout == kOwn; }
 
-Atlas ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options, Notices& notices) {
+LayoutReading ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options,
+                           Notices& notices) {
   const ForkProgram program(LayoutOf(layout));
   ForkReading reading = ReadWithWidths(source, program, options);
   Finish(reading, program, source, options, notices);
-  if (LooksLikeAnotherLayout(reading.atlas, CountImplausible(reading.atlas) + reading.implausible))
+  const bool doubtful = LooksLikeAnotherLayout(reading.atlas, CountImplausible(reading.atlas) + reading.implausible);
+  if (doubtful)
     notices.Warn(Concat(source.path, ": most keyframes have no sensible time or orientation in the layout ",
                         TitleOf(program.layout), ": it may be of another one"));
-  return std::move(reading.atlas);
+  return {std::move(reading.atlas), reading.left == 0 && !doubtful};
 }
 
 std::optional<Atlas> ReadInKnownLayout(const Source& source, const ReadOptions& options, Notices& notices) {

@@ -11,6 +11,7 @@
 #include "slamdb/formats/orbslam3/infer_layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/model/detail/carried_members.h"
 
 namespace slamdb::orbslam3 {
 namespace {
@@ -41,26 +42,49 @@ bool FitsRecords(const layouts::ArchiveBytes& archive, const Layout& layout, std
   return fits("KeyFrame", &MapRecords::keyframes) && fits("MapPoint", &MapRecords::points);
 }
 
-// The known layout that fits the records; of several the one that comes farthest from the beginning on, as they may
-// differ in their classes alone. Null when none does.
-const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps) {
-  const Layout* best = nullptr;
-  std::uint64_t farthest = 0;
-  for (const Layout& layout : KnownLayouts()) {
-    if (!FitsRecords(archive, layout, maps)) continue;
-    const std::uint64_t reached = layouts::Judge(archive, layout).reached;
-    if (best != nullptr && reached <= farthest) continue;
-    best = &layout;
-    farthest = reached;
-  }
-  return best;
-}
-
 SalvagedMap Counted(const Map& map) {
   SalvagedMap counted{.id = map.id};
   counted.keyframes = {map.keyframes.size(), map.keyframes.size()};
   counted.points = {map.points.size(), map.points.size()};
   return counted;
+}
+
+std::string Joined(const std::vector<std::string>& texts) {
+  std::string joined;
+  for (const std::string& text : texts) joined += (joined.empty() ? "" : "; ") + text;
+  return joined;
+}
+
+void DropCarried(Atlas& atlas) {
+  detail::ForEachCarried(atlas, [](Boxed<Carried>& carried) {
+    if (carried) carried.Make().members.clear();
+  });
+}
+
+// Flags that may be others must not cost what they stand at.
+void DropDoubtfulFlags(Atlas& atlas) {
+  for (Map& map : atlas.maps) {
+    for (KeyFrame& keyframe : map.keyframes) keyframe.bad = keyframe.to_be_erased = false;
+    for (MapPoint& point : map.points) {
+      point.bad = false;
+      point.replaced_by = MapPointId();
+    }
+  }
+}
+
+// An atlas of a layout that no program knows is one of v1.0, which every program reads.
+void UseOwnLayout(const InferredLayout& inferred, Salvage& salvage) {
+  salvage.losses.push_back(Concat("read in a layout that was inferred (", Joined(inferred.differences),
+                                  "), and saved as of ORB-SLAM3 v1.0, without what that does not have"));
+  if (!inferred.sure()) {
+    std::vector<std::string> why = inferred.alternatives;
+    why.insert(why.end(), inferred.doubts.begin(), inferred.doubts.end());
+    salvage.losses.push_back(Concat("other layouts may fit as well (", Joined(why),
+                                    "): flags of what is bad or replaced are not believed, and everything is kept"));
+    DropDoubtfulFlags(salvage.atlas);
+  }
+  DropCarried(salvage.atlas);
+  salvage.atlas.layout.clear();
 }
 
 // Of a file that is whole.
@@ -73,6 +97,7 @@ std::optional<Salvage> Whole(Bytes bytes, const std::string& path) {
     Salvage salvage{.atlas = ReadOrbslam3({bytes, path}, options, notices)};
     for (const Map& map : salvage.atlas.maps) salvage.maps.push_back(Counted(map));
     salvage.maps_listed = salvage.atlas.maps.size() + salvage.atlas.repeated_maps.size();
+    if (!inferred.known) UseOwnLayout(inferred, salvage);
     return salvage;
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::kOutOfResources) throw;
@@ -101,11 +126,12 @@ Vocabulary VocabularyOf(std::string_view file, const ArchiveHeader& header) {
   constexpr std::uint64_t kLongest = 4096, kChecksum = 32;
   std::uint64_t at = header.bytes;
   const auto text = [&] {
-    const auto size = layouts::NumberAt<std::uint64_t>(file, at).value_or(0);
-    if (size > kLongest || size > file.size() - std::min<std::uint64_t>(file.size(), at + sizeof(size)))
-      return std::string();
-    const std::string taken(file.substr(at + sizeof(size), size));
-    at += sizeof(size) + size;
+    const std::uint64_t width = header.encoding.size_bytes;
+    const std::uint64_t size = width == 4 ? layouts::NumberAt<std::uint32_t>(file, at).value_or(0)
+                                          : layouts::NumberAt<std::uint64_t>(file, at).value_or(0);
+    if (size > kLongest || size > file.size() - std::min<std::uint64_t>(file.size(), at + width)) return std::string();
+    const std::string taken(file.substr(at + width, size));
+    at += width + size;
     return taken;
   };
   Vocabulary vocabulary;
@@ -114,16 +140,20 @@ Vocabulary VocabularyOf(std::string_view file, const ArchiveHeader& header) {
   return vocabulary.checksum.size() == kChecksum ? vocabulary : Vocabulary();
 }
 
-void DropCarried(Atlas& atlas) {
-  for (Map& map : atlas.maps) {
-    for (KeyFrame& keyframe : map.keyframes)
-      if (keyframe.carried) keyframe.carried.Make().members.clear();
-    for (MapPoint& point : map.points)
-      if (point.carried) point.carried.Make().members.clear();
-  }
-}
-
 }  // namespace
+
+const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps) {
+  const Layout* best = nullptr;
+  std::uint64_t farthest = 0;
+  for (const Layout& layout : KnownLayouts()) {
+    if (!FitsRecords(archive, layout, maps)) continue;
+    const std::uint64_t reached = layouts::Judge(archive, layout).reached;
+    if (best != nullptr && reached <= farthest) continue;
+    best = &layout;
+    farthest = reached;
+  }
+  return best;
+}
 
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
   const std::string_view file(reinterpret_cast<const char*>(bytes.data()), bytes.size());

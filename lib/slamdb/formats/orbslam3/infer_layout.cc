@@ -9,6 +9,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/detail/fork_salvage.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 
@@ -54,19 +55,43 @@ void Prove(const WholeFile& file, InferredLayout& inferred) {
 
 InferredLayout InferText(const WholeFile& file) {
   Notices notices;
-  const Atlas atlas = ReadOrbslam3(Source(file.bytes(), file.path()), {}, notices);
+  Atlas atlas;
+  try {
+    atlas = ReadOrbslam3(Source(file.bytes(), file.path()), {}, notices);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kDamaged) throw;
+    throw Error(
+        ErrorKind::kNotPossible, file.path(), "",
+        "no layout found: it is a text archive of none of the known layouts, and others are only found in binary "
+        "ones. `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it");
+  }
   return {.layout = LayoutOf(atlas.layout.empty() ? KnownLayouts().front().id : atlas.layout), .known = true};
+}
+
+// What stands between the records of a known layout is damaged, or cut off.
+InferredLayout InferBinary(const WholeFile& file, const orbslam3::ArchiveHeader& header, const InferOptions& options) {
+  try {
+    return InferLayoutOf(file.bytes(), header.encoding, header.bytes, options);
+  } catch (const Error& error) {
+    const auto maps = layouts::FindRecords(file.text(), header.encoding);
+    const bool none_found = error.kind() == ErrorKind::kNotPossible && !maps.empty();
+    const Layout* known =
+        none_found ? orbslam3::KnownLayoutOf({file.text(), header.encoding, header.bytes}, maps) : nullptr;
+    if (known == nullptr) throw Error(error.kind(), file.path(), "", error.problem());
+    throw Error(ErrorKind::kNotPossible, file.path(), "",
+                detail::Concat("no layout found: keyframes and map points are as in ", known->id,
+                               ", but the file is damaged or cut short. `RecoverAtlas` saves what is whole"));
+  }
 }
 
 }  // namespace
 
-InferredLayout InferLayout(const Source& source) {
+InferredLayout InferLayout(const Source& source, const InferOptions& options) {
   const WholeFile file(source);
   detail::FileStream stream(Source(file.bytes(), file.path()));
   Notices notices;
   const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(stream, notices);
-  InferredLayout inferred =
-      header.encoding.text ? InferText(file) : InferLayoutOf(file.bytes(), header.encoding, header.bytes);
+  InferredLayout inferred = header.encoding.text ? InferText(file) : InferBinary(file, header, options);
   Prove(file, inferred);
   return inferred;
 }

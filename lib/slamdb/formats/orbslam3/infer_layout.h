@@ -12,7 +12,8 @@ namespace slamdb {
 //
 // A text archive is of a known layout, or of one that nobody can find: it has no records that can be told apart.
 //
-// Throws Error: kDamaged and kUnsupported for what is no Boost archive; kNotPossible when no layout was found.
-[[nodiscard]] SLAMDB_EXPORT InferredLayout InferLayout(const Source& source);
+// Throws Error: kUsage for a choice that is not there; kDamaged and kUnsupported for what is no Boost archive;
+// kNotPossible when no layout was found.
+[[nodiscard]] SLAMDB_EXPORT InferredLayout InferLayout(const Source& source, const InferOptions& options = {});
 
 }  // namespace slamdb

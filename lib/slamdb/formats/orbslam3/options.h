@@ -12,7 +12,8 @@ namespace slamdb {
 // How .osa files are read.
 struct SLAMDB_EXPORT Orbslam3ReadOptions {
   // The layout of the file: the id of a known one, or its JSON (formats/layouts/layout.h). `v1.0` is ORB-SLAM3's own.
-  // Empty: v1.0, and where the file is not of that, the known one that fits.
+  // Empty: v1.0, and where the file is not of that, the known one that fits. So is a file read, with a note, that is
+  // not of the layout given, but whole in one of these.
   std::string layout;
 };
 

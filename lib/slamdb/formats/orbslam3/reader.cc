@@ -294,6 +294,43 @@ void NameTransfer(const Source& source, const Error& error) {
               detail::Concat(error.problem(), "; ", cause, transfers.left.empty() ? "; SalvageAtlas undoes it" : ""));
 }
 
+// In v1.0 or a known layout, when all of the file is of it.
+std::optional<Atlas> ReadWhole(const Source& source, const ReadOptions& options, Notices& notices) {
+  try {
+    Notices own;
+    OwnReading reading = ReadEither(source, options, own);
+    if (reading.whole && !LooksLikeAnotherLayout(reading.atlas, CountImplausible(reading.atlas))) {
+      notices.Add(own);
+      notices.Note(
+          detail::Concat(source.path, ": read as of ORB-SLAM3 v1.0, as it is not of the layout that is given"));
+      return std::move(reading.atlas);
+    }
+  } catch (const Error& error) {
+    if (!IsOfTheBytes(error)) throw;
+  }
+  return ReadInKnownLayout(source, options, notices);
+}
+
+// One layout is given for several inputs, of which some may be of none of a fork's.
+Atlas ReadInGivenLayout(const Source& source, const std::string& layout, const ReadOptions& options, Notices& notices) {
+  std::vector<PartSize> sizes;
+  ReadOptions own = options;
+  if (options.part_sizes != nullptr) own.part_sizes = &sizes;
+  try {
+    Notices given;
+    LayoutReading reading = ReadInLayout(source, layout, own, given);
+    if (!reading.fits)
+      if (auto other = ReadWhole(source, options, notices)) return *std::move(other);
+    if (options.part_sizes != nullptr) *options.part_sizes = std::move(sizes);
+    notices.Add(given);
+    return std::move(reading.atlas);
+  } catch (const Error& error) {
+    if (!IsOfTheBytes(error)) throw;
+    if (auto other = ReadWhole(source, options, notices)) return *std::move(other);
+    throw;
+  }
+}
+
 }  // namespace
 }  // namespace slamdb::orbslam3
 
@@ -303,7 +340,7 @@ Atlas ReadOrbslam3(const Source& given, const ReadOptions& options, Notices& not
   const HeldSource held(given);
   const Source& source = held.source();
   const std::string& layout = options.of<Orbslam3ReadOptions>().layout;
-  if (!orbslam3::IsOwnLayout(layout)) return orbslam3::ReadInLayout(source, layout, options, notices);
+  if (!orbslam3::IsOwnLayout(layout)) return orbslam3::ReadInGivenLayout(source, layout, options, notices);
   const auto as_fork = [&] {
     return layout.empty() ? orbslam3::ReadInKnownLayout(source, options, notices) : std::nullopt;
   };

@@ -12,8 +12,13 @@ namespace slamdb::orbslam3 {
 // Whether a layout, as options and atlases name it, is that of ORB-SLAM3 itself.
 bool IsOwnLayout(std::string_view layout);
 
-// Reads a file in the layout that the options name.
-Atlas ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options, Notices& notices);
+// A file in the layout that the options name, and whether all of it is like one.
+struct LayoutReading {
+  Atlas atlas;
+  bool fits = true;
+};
+LayoutReading ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options,
+                           Notices& notices);
 
 // Reads a file in the known layout that fits: its last byte is reached, and keyframes have sensible times and
 // orientations. Nothing when none does.

@@ -2,12 +2,18 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "slamdb/base/detail/file_stream.h"
+#include "slamdb/formats/layouts/detail/inference.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/salvage.h"
 
 namespace slamdb::orbslam3 {
+
+// The known layout that the records of keyframes and map points have, whatever stands around them; of several the one
+// that comes farthest from the beginning on, as they may differ in their classes alone. Null when there is none.
+const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const layouts::MapRecords> maps);
 
 // Reads what is whole in a binary archive of a fork: all of it in a layout that reads it to the end, or else every
 // keyframe and map point that is whole where its number says it stands. Nothing when the records are those of v1.0.

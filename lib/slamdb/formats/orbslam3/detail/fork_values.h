@@ -66,6 +66,8 @@ class ValueReader {
       case N::kU8:
       case N::kBool:
         return Take<std::uint8_t>(count);
+      case N::kI8:
+        return Take<std::int8_t>(count);
       case N::kI16:
         return Take<std::int16_t>(count);
       case N::kU16:
@@ -267,6 +269,8 @@ class ValueWriter {
       case N::kU8:
       case N::kBool:
         return Put<std::uint8_t>(count);
+      case N::kI8:
+        return Put<std::int8_t>(count);
       case N::kI16:
         return Put<std::int16_t>(count);
       case N::kU16:
