@@ -193,7 +193,7 @@ void RequireMapOnto(const Atlas& atlas, const ConvertOptions& options, const Loc
 void AddOfPoses(const Notices& of_poses, const std::string& source, Notices& notices) {
   for (const Notice& notice : of_poses.items()) {
     if (notice.kind == Notice::Kind::kWarning) notices.Warn(notice.text);
-    if (notice.kind == Notice::Kind::kLoss) notices.Note("not of " + source + ": " + notice.text);
+    if (notice.kind == Notice::Kind::kLoss) notices.Note(source + ": " + notice.text);
   }
 }
 

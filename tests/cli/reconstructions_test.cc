@@ -94,6 +94,7 @@ TEST_F(Reconstructions, WithoutDescriptorsAreNoUseToOrbslam3) {
   EXPECT_EQ(lossy.exit_code, 3);
   EXPECT_THAT(lossy.err, HasSubstr("loss: ORB-SLAM3 cannot use this map: 14,097 keypoints and 2,074 points have no "
                                    "descriptors of ORB, by which it matches; `slamdb convert --onto` puts"));
+  EXPECT_THAT(lossy.err, HasSubstr("--database names the database that has"));
   EXPECT_EQ(RunSlamdb({"convert", In("model"), In("strict.osa"), "--strict"}).exit_code, 1);
   EXPECT_FALSE(fs::exists(In("strict.osa")));
   const ProcessResult words = RunSlamdb({"vocabulary", "recompute", In("map.osa"), In("words.osa"), "--vocabulary",

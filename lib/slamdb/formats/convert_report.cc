@@ -29,7 +29,7 @@ namespace {
 // Without a descriptor of ORB.
 struct Undescribed {
   std::uint64_t keypoints = 0, points = 0;
-  bool any_described = false;
+  bool any_keyframe = false, any_described = false;
 };
 
 Undescribed CountUndescribed(const Atlas& atlas) {
@@ -39,6 +39,7 @@ Undescribed CountUndescribed(const Atlas& atlas) {
       const Features& features = keyframe.features;
       const std::size_t all = features.keypoints.size() + features.right_keypoints.size();
       if (!keyframe.bad && features.descriptors.empty()) count.keypoints += all;
+      count.any_keyframe = true;
       count.any_described = count.any_described || !features.descriptors.empty();
     }
     for (const MapPoint& point : map.points) count.points += !point.bad && !point.has_descriptor() ? 1 : 0;
@@ -54,7 +55,7 @@ std::string WhyNoUseToOrbslam3(const Atlas& atlas) {
   std::string what;
   if (lacking.keypoints > 0) what = Counted(lacking.keypoints, "keypoint");
   if (lacking.points > 0) what += (what.empty() ? "" : " and ") + Counted(lacking.points, "point");
-  if (what.empty() && lacking.any_described) return {};
+  if (what.empty() && (lacking.any_described || !lacking.any_keyframe)) return {};
   if (what.empty()) what = "its keyframes";
   return "ORB-SLAM3 cannot use this map: " + what +
          " have no descriptors of ORB, by which it matches; PutPoses puts poses and points into the atlas of ORB-SLAM3 "

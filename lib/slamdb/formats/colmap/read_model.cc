@@ -501,7 +501,7 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
   }
   SetTimes(atlas, unread);
   detail::CompleteAtlas(atlas, "COLMAP", options.threads, notices);
-  Tell(unread, database != nullptr, HasAny(options.needs, Content::kDescriptors), notices);
+  Tell(unread, database != nullptr, options.features == FeatureColumns::kAll, notices);
   detail::Select(options.selection, atlas);
   return atlas;
 }
