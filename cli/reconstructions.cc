@@ -2,9 +2,11 @@
 #include "cli/reconstructions.h"
 
 #include <array>
+#include <cerrno>
 #include <filesystem>
 
 #include "cli/options.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/options.h"
 #include "slamdb/pictures/picture_list.h"
 
@@ -19,6 +21,10 @@ bool IsModel(const Format& format) { return IsColmap(format) && format.is_folder
 
 KeyFramePictures PicturesOf(const std::string& named) {
   std::error_code missing;
+  if (!fs::exists(named, missing)) {
+    errno = ENOENT;
+    throw SystemError(named, "cannot open");
+  }
   const bool folder = fs::is_directory(named, missing);
   const std::array<std::string, 1> names = {named};
   return {.files = FindPictures(names), .folder = folder ? named : fs::path(named).parent_path().string()};
@@ -57,6 +63,11 @@ void RefuseIdleReconstructionOptions(const Format& output, const ReconstructionO
   const bool writes_database = options.with_database || (IsColmap(output) && !IsModel(output));
   if (!options.schema.empty() && !writes_database)
     RefuseUsage("--colmap-schema is for COLMAP's database" + is + (IsModel(output) ? " without --with-database" : ""));
+}
+
+void RefuseIdleDatabase(const Format* input, const ReconstructionOptions& options) {
+  if (input != nullptr && !options.database.empty() && !IsModel(*input))
+    RefuseUsage("--database is for COLMAP models only; the input is " + std::string(input->title));
 }
 
 void SetReconstructionOptions(const ReconstructionOptions& options, ReadOptions& read) {

@@ -20,6 +20,9 @@ void AddReconstructionOptions(CLI::App& verb, ReconstructionOptions& options);
 // Throws CLI::ValidationError when one of them would be without effect on an output of the format.
 void RefuseIdleReconstructionOptions(const Format& output, const ReconstructionOptions& options);
 
+// The same of --database, and an input of the format. Null: not known.
+void RefuseIdleDatabase(const Format* input, const ReconstructionOptions& options);
+
 // Puts them into what is asked of reader and writer. Throws Error as FindPictures does.
 void SetReconstructionOptions(const ReconstructionOptions& options, ReadOptions& read);
 void SetReconstructionOptions(const ReconstructionOptions& options, WriteOptions& write);

@@ -22,6 +22,7 @@ constexpr std::array kWords = {
     Word{"Orbslam3ReadOptions::layout", "--layout"},
     Word{"ReadVocabularyFile", "`slamdb vocabulary show`"},
     Word{"ColmapReadOptions::database", "--database"},
+    Word{"PutPoses puts", "`slamdb convert --onto` puts"},
     Word{"KeyFramePictures::files names", "--images names"},
     Word{"StoreReadOptions::accept_edits", "`slamdb recover --accept-edits`"},
     Word{"`InferLayout`", "`slamdb layouts infer`"},

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -151,6 +152,17 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   return Finish(std::move(report), output, options, console, notices);
 }
 
+// What is no map of ORB-SLAM3 when it is written as one. Its own files are given back as they are, and a fork's
+// descriptors are for the fork.
+void LoseUseToOrbslam3(const Atlas& atlas, const Format* source, const Format& output, const ConvertOptions& options,
+                       Notices& notices) {
+  const auto is_archive = [](const Format& format) { return format.id.starts_with("orbslam3"); };
+  if (!is_archive(output) || (source != nullptr && is_archive(*source))) return;
+  if (!atlas.layout.empty() || !options.target.layout.empty()) return;
+  const std::string why = WhyNoUseToOrbslam3(atlas);
+  if (!why.empty()) notices.Lose(why);
+}
+
 // Options that would be without effect.
 void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
@@ -162,14 +174,42 @@ void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
     RefuseUsage("--long-bytes is for archives of ORB-SLAM3" + is);
 }
 
+// Graphs and trajectories are what comes onto a map.
+void RequireMapOnto(const Atlas& atlas, const ConvertOptions& options, const Location& output) {
+  const auto is_map = [](const Map& map) {
+    return !map.points.empty() || std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) {
+      return !keyframe.features.map_points.empty();
+    });
+  };
+  if (std::ranges::any_of(atlas.maps, is_map)) return;
+  throw Error(
+      ErrorKind::kNotPossible, options.onto, "",
+      "holds neither points nor keypoints: --onto names the map, and INPUT the poses that go into it. The other "
+      "way round it is `slamdb convert " +
+          options.onto + " " + output.ToString() + " --onto " + options.input + "`");
+}
+
+// What there is to say of the poses' source is about what is not put: nothing of the output is lost by it.
+void AddOfPoses(const Notices& of_poses, const std::string& source, Notices& notices) {
+  for (const Notice& notice : of_poses.items()) {
+    if (notice.kind == Notice::Kind::kWarning) notices.Warn(notice.text);
+    if (notice.kind == Notice::Kind::kLoss) notices.Note(source + ": " + notice.text);
+  }
+}
+
 // The atlas of --onto with the poses of the input.
-Atlas PutOnto(const HeldSource& poses, const ReadOptions& read, const ConvertOptions& options, Console& console,
-              Notices& notices) {
+Atlas PutOnto(const HeldSource& poses, const ReadOptions& read, const Location& output, const ConvertOptions& options,
+              Console& console, std::optional<PutInto>& into, Notices& notices) {
   if (!read.selection.everything()) RefuseUsage("--onto takes all poses of the input: it goes with no selection");
-  Atlas atlas = ReadAtlas(Location(options.onto), MakeReadOptions(console, {}, options.wait), &notices);
+  const InputFormat onto{.format = {}, .layout = options.from.layout};
+  Atlas atlas = ReadAtlas(Location(options.onto), MakeReadOptions(console, onto, options.wait), &notices);
+  RequireMapOnto(atlas, options, output);
   PutPosesOptions places{.threads = console.threads()};
-  const std::vector<KeyFramePose> found = ReadKeyFramePoses(poses, read, &notices, &places.points);
+  Notices of_poses;
+  const std::vector<KeyFramePose> found = ReadKeyFramePoses(poses, read, &of_poses, &places.points);
+  AddOfPoses(of_poses, options.input, notices);
   const PutPosesReport put = PutPoses(atlas, found, places);
+  into = {.keyframes = put.keyframes, .points = put.points, .largest_shift = put.largest_shift};
   notices.Note("put " + Counted(put.keyframes, "pose") + " and " + Counted(put.points, "point") + " into " +
                options.onto + "; the largest shift of a camera is " + detail::Digits(put.largest_shift, 3));
   for (const std::string& warning : put.warnings) notices.Warn(warning);
@@ -178,8 +218,12 @@ Atlas PutOnto(const HeldSource& poses, const ReadOptions& read, const ConvertOpt
 
 // The atlas as it is to be written, or an Error: the selection, the repairs that --sanitize asks for, what is refused.
 Atlas Prepare(const HeldSource& held, const ReadOptions& read, const Location& output, const Format& format,
-              const ConvertOptions& options, Console& console, Notices& notices, bool& sound) {
-  Atlas atlas = options.onto.empty() ? ReadAtlas(held, read, &notices) : PutOnto(held, read, options, console, notices);
+              const ConvertOptions& options, Console& console, std::optional<PutInto>& into, Notices& notices,
+              bool& sound) {
+  Atlas atlas = options.onto.empty() ? ReadAtlas(held, read, &notices)
+                                     : PutOnto(held, read, output, options, console, into, notices);
+  LoseUseToOrbslam3(atlas, options.onto.empty() ? FindFormat(held, options) : FindFormatOfInput(Location(options.onto)),
+                    format, options, notices);
   Inputs inputs;
   inputs.Add(atlas);
   sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
@@ -208,13 +252,16 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   SetReconstructionOptions(options.reconstructions, read);
   const HeldSource held = HoldInput(input, read);
   if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
+  if (!options.reconstructions.database.empty()) RefuseIdleDatabase(FindFormat(held, options), options.reconstructions);
   read.selection = ParseSelection(options.selection, held, read);
   WriteOptions write = WriteOptionsOf(options, read.selection, console);
   if (IsOfTrajectories(held, format, options)) return ConvertPoses(held, output, format, read, write, options, console);
   bool sound = true;
-  const Atlas atlas = Prepare(held, read, output, format, options, console, notices, sound);
+  std::optional<PutInto> put;
+  const Atlas atlas = Prepare(held, read, output, format, options, console, put, notices, sound);
   if (where) LayOnEarth(atlas, *where, write, notices);
   ConvertReport report = ConvertReportOf(atlas, format);
+  report.put = put;
   if (options.dry_run)
     report.bytes = TryToWrite(atlas, format, write, notices);
   else

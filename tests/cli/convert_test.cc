@@ -335,6 +335,31 @@ TEST(Convert, TakesPosesOfAnyInputOntoAnAtlas) {
   }
 }
 
+TEST(Convert, RefusesToPutPosesOfAnotherMap) {
+  const TemporaryFolder folder;
+  const std::string other = SLAMDB_FIXTURES "/session_small_b/session_small_b.osa";
+  ASSERT_EQ(RunSlamdb({"convert", other, folder / "other.g2o"}).exit_code, 0);
+  for (const std::string& poses : {folder / "other.g2o", other}) {
+    const ProcessResult put = RunSlamdb({"convert", poses, folder / "o.osa", "--onto", kSession});
+    EXPECT_EQ(put.exit_code, 1) << put.err;
+    EXPECT_THAT(put.err, ContainsRegex("the poses are of another atlas: kf [0-9]+ is of [0-9.]+ s there, and of"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "o.osa"));
+}
+
+TEST(Convert, SaysWhichWayRoundOntoIs) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"a.g2o", "a.ply", "a.tum"}) {
+    ASSERT_EQ(RunSlamdb({"convert", kSession, folder / name}).exit_code, 0);
+    const ProcessResult put = RunSlamdb({"convert", kSession, folder / "o.osa", "--onto", folder / name});
+    EXPECT_EQ(put.exit_code, 1) << name;
+    EXPECT_FALSE(std::filesystem::exists(folder / "o.osa"));
+    if (name == "a.ply") continue;  // of points, and of no keyframe
+    EXPECT_THAT(put.err, HasSubstr("The other way round it is `slamdb convert " + (folder / name) + " " +
+                                   (folder / "o.osa") + " --onto " + kSession + "`"));
+  }
+}
+
 TEST(Convert, RefusesToPutWhatDoesNotFit) {
   const TemporaryFolder folder;
   WriteWholeFile(folder / "other.g2o", "VERTEX_SE3:QUAT 77777 0 0 0 0 0 0 1\n");

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/keyframe_poses.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/trajectories.h"
+#include "slamdb/model/detail/lens_numbers.h"
+#include "slamdb/model/index.h"
 
 namespace slamdb {
 namespace {
@@ -17,7 +22,19 @@ std::vector<KeyFramePose> OfTrajectories(const HeldSource& held, const ReadOptio
   return poses;
 }
 
+// Whole seconds only are no times but places in an order: readers put those where a file has no times, and files of
+// pictures are numbered.
+bool HasTimes(const Atlas& atlas) {
+  return std::ranges::any_of(atlas.maps, [](const Map& map) {
+    return std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) {
+      return std::isfinite(keyframe.timestamp) && keyframe.timestamp != std::floor(keyframe.timestamp);
+    });
+  });
+}
+
 std::vector<KeyFramePose> OfAtlas(const Atlas& atlas) {
+  const AtlasIndex index(atlas);
+  const bool has_times = HasTimes(atlas);
   std::vector<KeyFramePose> poses;
   for (const Map& map : atlas.maps)
     for (const KeyFrame& keyframe : map.keyframes) {
@@ -25,7 +42,11 @@ std::vector<KeyFramePose> OfAtlas(const Atlas& atlas) {
       const Rigid3f& recorded = keyframe.camera_from_world;
       const Similarity3d camera_from_world{1, Eigen::Quaternionf(recorded.rotation).cast<double>().normalized(),
                                            recorded.translation.cast<double>()};
-      poses.push_back({keyframe.id, keyframe.timestamp, camera_from_world.Inverse()});
+      poses.push_back({.keyframe = keyframe.id,
+                       .timestamp = keyframe.timestamp,
+                       .world_from_camera = camera_from_world.Inverse(),
+                       .has_time = has_times,
+                       .lens = detail::LensNumbers(keyframe, index.FindCamera(keyframe.camera))});
     }
   return poses;
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "slamdb/model/ids.h"
 #include "slamdb/model/similarity.h"
@@ -16,6 +17,8 @@ struct KeyFramePose {
   // Its scale is how many lengths of the world one of the keyframe's map is: 1 unless the program estimates one for
   // each keyframe.
   Similarity3d world_from_camera;
+  bool has_time = false;     // with an id: the time is known too, and is not the place in an order
+  std::vector<double> lens;  // fx, fy, cx, cy, pixels, then the distortion, that the program has; empty: not known
 };
 
 // Where another program has a map point. World coordinates.

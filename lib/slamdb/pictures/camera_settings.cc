@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,6 +15,7 @@
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
+#include "slamdb/model/detail/lens_numbers.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -150,20 +150,7 @@ CameraSettings ReadCameraSettings(const Source& source) {
   return detail::ParseFile(source, "settings of a camera", Parse, {"yaml"});
 }
 
-std::vector<double> DistortionOf(const KeyFrame& keyframe) {
-  constexpr std::int32_t kFloats = 5;  // OpenCV's type code
-  const Matrix& matrix = keyframe.distortion;
-  std::vector<double> distortion;
-  if (matrix.type != kFloats) return distortion;
-  for (std::size_t at = 0; at + sizeof(float) <= matrix.data.size() && distortion.size() < 5; at += sizeof(float)) {
-    float value = 0;
-    std::memcpy(&value, &matrix.data[at], sizeof(float));
-    if (!std::isfinite(value)) return {};
-    distortion.push_back(static_cast<double>(value));
-  }
-  while (!distortion.empty() && distortion.back() == 0) distortion.pop_back();
-  return distortion;
-}
+std::vector<double> DistortionOf(const KeyFrame& keyframe) { return detail::DistortionCoefficients(keyframe); }
 
 Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2d& pixel) {
   if (settings.distortion.empty() || settings.camera.model != CameraModel::kPinhole) return pixel;

@@ -178,6 +178,48 @@ TEST(PutPoses, LeavePointsThatAreSeenElsewhere) {
   EXPECT_EQ(atlas.maps[0].points[0].position, Eigen::Vector3f(0, 0, 4));
 }
 
+// Ids begin anew in every atlas: the time tells whether a keyframe is the same one.
+TEST(PutPoses, RefuseThoseOfAnotherAtlas) {
+  const Atlas before = OneMapAtlas();
+  const KeyFrame& keyframe = before.maps[0].keyframes[0];
+  const auto put_at = [&](double time, bool has_time) {
+    Atlas atlas = before;
+    return PutPoses(atlas, {{.keyframe = keyframe.id, .timestamp = time, .has_time = has_time}}).keyframes;
+  };
+  EXPECT_EQ(put_at(keyframe.timestamp + 0.004, true), 1U);
+  EXPECT_EQ(put_at(keyframe.timestamp + 7, false), 1U);
+  EXPECT_EQ(put_at(std::nan(""), true), 1U);
+  try {
+    put_at(keyframe.timestamp + 7, true);
+    FAIL() << "put";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNotPossible);
+    EXPECT_THAT(error.what(), HasSubstr("the poses are of another atlas: kf "));
+  }
+}
+
+TEST(PutPoses, WarnOfOtherLenses) {
+  const Atlas before = OneMapAtlas();
+  const KeyFrame& keyframe = before.maps[0].keyframes[0];
+  const Intrinsics& it = keyframe.intrinsics;
+  const std::vector<double> same = {static_cast<double>(it.fx), static_cast<double>(it.fy), static_cast<double>(it.cx),
+                                    static_cast<double>(it.cy)};
+  const auto warnings_of = [&](const std::vector<double>& lens) {
+    Atlas atlas = before;
+    return PutPoses(atlas, {{.keyframe = keyframe.id, .lens = lens}}).warnings;
+  };
+  const std::vector<std::string> of_none = warnings_of({});
+  ASSERT_GT(it.fx, 0);
+  std::vector<double> longer = same, bent = same;
+  longer[0] += 1;
+  bent.insert(bent.end(), {0.25, 0});
+  for (const std::vector<double>& lens : {longer, bent}) {
+    const std::vector<std::string> warnings = warnings_of(lens);
+    ASSERT_EQ(warnings.size(), of_none.size() + 1);
+    EXPECT_THAT(warnings.back(), HasSubstr("1 pose of another lens than the atlas has, as that of kf "));
+  }
+}
+
 TEST(PutPoses, RefuseWhatIsNoneOrOfNoKeyFrame) {
   Atlas atlas = OneMapAtlas();
   const Similarity3d somewhere{1, Eigen::Quaterniond::Identity(), {1, 1, 1}};

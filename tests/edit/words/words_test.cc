@@ -46,6 +46,23 @@ TEST(ComputeWords, AsComputedByHand) {
   EXPECT_THAT(words.feature_vector.features, ElementsAre(0, 1, 2, 4));
 }
 
+// It would be stamped with a vocabulary of which it has no word.
+TEST(RecomputeWords, RefusesAnAtlasWithoutDescriptors) {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 3, .points = 30, .features = 40});
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes) keyframe.features.descriptors.clear();
+  const Vocabulary before = atlas.vocabulary;
+  try {
+    static_cast<void>(RecomputeWords(atlas, Small().tree, Small().identity));
+    FAIL() << "recomputed";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNotPossible);
+    EXPECT_THAT(error.what(), HasSubstr("no keyframe has a descriptor"));
+  }
+  EXPECT_EQ(atlas.vocabulary, before);
+  atlas.maps.clear();
+  EXPECT_EQ(RecomputeWords(atlas, Small().tree, Small().identity).recomputed, 0U);
+}
+
 TEST(ComputeWords, GroupsByTheNodeLevelsUp) {
   const FeatureVector coarse = ComputeWords(Small().tree, kDescriptors, 2).feature_vector;
   EXPECT_THAT(coarse.nodes, ElementsAre(1, 3));

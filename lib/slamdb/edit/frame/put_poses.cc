@@ -6,9 +6,11 @@
 #include <limits>
 #include <optional>
 
+#include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/states.h"
+#include "slamdb/model/detail/lens_numbers.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -91,6 +93,9 @@ class Putter {
         ++report_.unknown_poses;
         continue;
       }
+      const KeyFrame& keyframe = atlas_.maps[place.map].keyframes[place.row];
+      RequireSameTime(pose, keyframe);
+      CompareLenses(pose, keyframe);
       news_[place.map].poses.emplace_back(place.row, &pose.world_from_camera);
       ++report_.keyframes;
     }
@@ -116,10 +121,34 @@ class Putter {
     Warn(report_.unknown_points, "position",
          " left out: of no good point of the atlas, or of one that is seen elsewhere");
     Warn(report_.followers, "keyframe", " without a new pose went with the parent in the spanning tree");
+    if (other_lenses_ > 0)
+      report_.warnings.push_back(Concat(Counted(other_lenses_, "pose"), " of another lens than the atlas has, as ",
+                                        lens_example_,
+                                        ": neither poses nor points fit the keypoints of the atlas as they should; "
+                                        "optimise again with the lens held as it is"));
     return std::move(report_);
   }
 
  private:
+  // Ids of another atlas are of other keyframes.
+  void RequireSameTime(const KeyFramePose& pose, const KeyFrame& keyframe) const {
+    const bool known = pose.keyframe.has_value() && pose.has_time && std::isfinite(pose.timestamp) &&
+                       std::isfinite(keyframe.timestamp);
+    if (!known || std::abs(pose.timestamp - keyframe.timestamp) <= options_.max_time_difference) return;
+    throw Error(ErrorKind::kNotPossible,
+                Concat("the poses are of another atlas: ", keyframe.id, " is of ", detail::SecondsText(pose.timestamp),
+                       " s there, and of ", detail::SecondsText(keyframe.timestamp), " s in this one"));
+  }
+
+  void CompareLenses(const KeyFramePose& pose, const KeyFrame& keyframe) {
+    if (pose.lens.empty()) return;
+    const std::vector<double> lens = detail::LensNumbers(keyframe, index_.FindCamera(keyframe.camera));
+    if (lens.empty() || detail::AreLensesAlike(pose.lens, lens)) return;
+    if (other_lenses_++ == 0)
+      lens_example_ = Concat("that of ", keyframe.id, " (fx fy cx cy, distortion: ", detail::LensText(pose.lens),
+                             "; in the atlas ", detail::LensText(lens), ")");
+  }
+
   static bool IsSamePoint(const MapPoint& point, const PointPosition& position) {
     if (point.bad || !position.seen_by) return !point.bad;
     return std::ranges::any_of(point.observations, [&](const Observation& seen) {
@@ -162,6 +191,8 @@ class Putter {
   const PutPosesOptions& options_;
   const AtlasIndex index_;
   std::vector<News> news_;
+  std::uint64_t other_lenses_ = 0;  // poses
+  std::string lens_example_;
   PutPosesReport report_;
 };
 

@@ -14,7 +14,7 @@ namespace slamdb {
 
 struct PutPosesOptions {
   std::vector<PointPosition> points;   // those of which it is known; the others follow their reference keyframe
-  double max_time_difference = 0.005;  // seconds, between a keyframe and a pose without an id
+  double max_time_difference = 0.005;  // seconds, between a keyframe and its pose, where the time of both is known
   int threads = 0;                     // 0: every core
 };
 
@@ -36,8 +36,12 @@ struct PutPosesReport {
 // positions of bodies and directions of velocities follow. All else stays as it is.
 // Maps for which there is nothing are not touched, and what did not change keeps its bytes.
 //
-// Throws Error, and then changes nothing: kNotPossible when no pose is of a keyframe of the atlas; kUsage when a pose
-// or a position is not finite. Cost: linear, but for sorting times; the bytes are the same for any number of threads.
+// Warns where a pose is of another lens than the keyframe's: then neither poses nor points fit the keypoints as well as
+// the program says.
+//
+// Throws Error, and then changes nothing: kNotPossible when no pose is of a keyframe of the atlas, or one with an id is
+// of another time than the keyframe; kUsage when a pose or a position is not finite. Cost: linear, but for sorting
+// times; the bytes are the same for any number of threads.
 SLAMDB_EXPORT PutPosesReport PutPoses(Atlas& atlas, const std::vector<KeyFramePose>& poses,
                                       const PutPosesOptions& options = {});
 

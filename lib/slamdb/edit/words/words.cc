@@ -58,11 +58,26 @@ void RefuseOtherDescriptors(const Atlas& atlas) {
     }
 }
 
+// An atlas without any would name a vocabulary of which it has no word.
+void RefuseNoDescriptors(const Atlas& atlas) {
+  bool any_keyframe = false;
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) {
+      if (!keyframe.features.descriptors.empty()) return;
+      any_keyframe = true;
+    }
+  if (any_keyframe)
+    throw Error(ErrorKind::kNotPossible,
+                "no keyframe has a descriptor, so there are no words to compute; reconstructions get theirs from the "
+                "database that ColmapReadOptions::database names, when they are read");
+}
+
 }  // namespace
 
 RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, const Vocabulary& identity,
                                     const RecomputeWordsOptions& options) {
   RefuseOtherDescriptors(atlas);
+  RefuseNoDescriptors(atlas);
   if (options.only_missing) RefuseMixing(atlas, identity);
   RecomputeWordsReport report{.before = atlas.vocabulary, .after = identity};
   const std::vector<KeyFrame*> wanted = Wanted(atlas, options.only_missing, report);

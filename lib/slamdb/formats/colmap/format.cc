@@ -94,8 +94,7 @@ colmap::Model ReadModel(const std::string& folder) {
 }
 
 // In the folder of the model, or where COLMAP's tutorials lay it: above `sparse/0`.
-std::optional<std::string> FindDatabase(const std::string& given, const std::string& folder) {
-  if (!given.empty()) return given;
+std::optional<std::string> FindDatabase(const std::string& folder) {
   std::error_code missing;
   fs::path place = fs::absolute(folder, missing).lexically_normal();
   if (!place.has_filename()) place = place.parent_path();
@@ -105,6 +104,20 @@ std::optional<std::string> FindDatabase(const std::string& given, const std::str
   return std::nullopt;
 }
 
+// One that was named has to be one; another file of that name near a model is no reason not to read the model.
+std::unique_ptr<colmap::FeatureDatabase> OpenDatabase(const std::string& given, const std::string& folder,
+                                                      Notices& notices) {
+  if (!given.empty()) return std::make_unique<colmap::FeatureDatabase>(given);
+  const std::optional<std::string> found = FindDatabase(folder);
+  if (!found) return nullptr;
+  try {
+    return std::make_unique<colmap::FeatureDatabase>(*found);
+  } catch (const Error& error) {
+    notices.Warn(Concat(error.what(), "; the model is read without it"));
+    return nullptr;
+  }
+}
+
 Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& notices) {
   std::vector<colmap::NamedModel> models;
   for (const Place& place : FindModels(source.path))
@@ -112,10 +125,9 @@ Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& noti
   if (models.empty())
     throw Error(ErrorKind::kDamaged, source.path, "",
                 "holds no model of COLMAP: cameras, images and points3D, all .bin or all .txt");
-  std::optional<colmap::FeatureDatabase> database;
-  if (const auto path = FindDatabase(options.of<ColmapReadOptions>().database, models.front().path))
-    database.emplace(*path);
-  return colmap::AtlasOf(models, database ? &*database : nullptr, options, notices);
+  const std::unique_ptr<colmap::FeatureDatabase> database =
+      OpenDatabase(options.of<ColmapReadOptions>().database, models.front().path, notices);
+  return colmap::AtlasOf(models, database.get(), options, notices);
 }
 
 // Models of an earlier run stay where they are: one that would be read in place of what is written, or as a further map

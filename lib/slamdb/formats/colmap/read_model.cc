@@ -42,6 +42,7 @@ struct Unread {
   std::uint64_t strangers = 0;     // images that the database has not
   std::uint64_t descriptors = 0;   // of keypoints, that are not ORB's
   std::uint64_t undescribed = 0;   // keypoints without descriptor
+  std::uint64_t rights = 0;        // right images by their names, of pairs that no rig makes
 };
 
 Rigid3f RigidOf(const Pose& pose) {
@@ -208,7 +209,9 @@ class MapMaker {
         ++unread_.images;
         continue;
       }
-      if (!places_[row].is_right) map.keyframes.push_back(KeyFrameOf(row));
+      if (places_[row].is_right) continue;
+      unread_.rights += image.name.starts_with("right/") ? 1 : 0;
+      map.keyframes.push_back(KeyFrameOf(row));
     }
   }
 
@@ -441,7 +444,20 @@ void SetTimes(Atlas& atlas, Unread& unread) {
   unread.names = count;
 }
 
-void Tell(const Unread& unread, bool has_database, Notices& notices) {
+void TellOfDescriptors(const Unread& unread, bool has_database, Notices& notices) {
+  if (unread.descriptors > 0)
+    notices.Warn(Concat(Counted(unread.descriptors, "keypoint"),
+                        " have descriptors that are not the 32 bytes of ORB: they are kept, and points have none"));
+  if (unread.undescribed > 0)
+    notices.Warn(Concat(Counted(unread.undescribed, "keypoint"), " and all points have no ORB descriptors: ",
+                        has_database ? "the database has none of them"
+                                     : "a model has none; ColmapReadOptions::database names the database that has"));
+  if (unread.strangers > 0)
+    notices.Warn(Concat("the database has other keypoints, or another name, or nothing for ",
+                        Counted(unread.strangers, "image")));
+}
+
+void Tell(const Unread& unread, bool has_database, bool with_descriptors, Notices& notices) {
   const auto lose = [&](std::uint64_t count, std::string_view noun, std::string_view why) {
     if (count > 0) notices.Lose(Concat(Counted(count, noun), " ", why));
   };
@@ -454,20 +470,15 @@ void Tell(const Unread& unread, bool has_database, Notices& notices) {
   lose(unread.names, "image", "lose their names, which are no times: timestamps are their order, in seconds");
   lose(unread.undistorted, "keypoint",
        "are of lenses that slamdb has not, and are read where a lens without distortion would see them");
-  if (unread.descriptors > 0)
-    notices.Warn(Concat(Counted(unread.descriptors, "keypoint"),
-                        " have descriptors that are not the 32 bytes of ORB: they are kept, and points have none"));
-  if (unread.undescribed > 0)
-    notices.Warn(Concat(Counted(unread.undescribed, "keypoint"), " and all points have no ORB descriptors: ",
-                        has_database ? "the database has none of them"
-                                     : "a model has none; ColmapReadOptions::database names the database that has"));
-  if (unread.strangers > 0)
-    notices.Warn(Concat("the database has other keypoints, or another name, or nothing for ",
-                        Counted(unread.strangers, "image")));
+  if (unread.rights > 0)
+    notices.Warn(Concat(Counted(unread.rights, "image"),
+                        " named as right ones of fisheye pairs, which no rig of the model makes pairs: each is a "
+                        "keyframe of its own. COLMAP before 3.12 knows nothing of rigs"));
   if (unread.rigs > 0)
     notices.Warn(
         "rigs that are no pair of fisheye cameras: each of their images is a keyframe of its own, at its pose");
   if (unread.moved_models > 0) notices.Warn("several models had the same ids: those of later ones were moved up");
+  if (with_descriptors) TellOfDescriptors(unread, has_database, notices);
 }
 
 }  // namespace
@@ -490,7 +501,7 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
   }
   SetTimes(atlas, unread);
   detail::CompleteAtlas(atlas, "COLMAP", options.threads, notices);
-  Tell(unread, database != nullptr, notices);
+  Tell(unread, database != nullptr, options.features == FeatureColumns::kAll, notices);
   detail::Select(options.selection, atlas);
   return atlas;
 }

@@ -83,6 +83,7 @@ class Parser {
       KeyFramePose& pose = graph_.poses[row];
       const auto time = times_.find(pose.keyframe.value());
       pose.timestamp = time == times_.end() ? static_cast<double>(row) : time->second;
+      pose.has_time = time != times_.end();
       graph_.times += time == times_.end() ? 0 : 1;
     }
   }
