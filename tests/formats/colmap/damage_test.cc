@@ -16,6 +16,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Field;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr std::array kParts = {Part::kCameras, Part::kImages, Part::kPoints, Part::kRigs, Part::kFrames};
 
@@ -59,6 +60,20 @@ TEST(ColmapDamage, WordsAreNamedWithTheirLine) {
   EXPECT_THAT(Refusal(Part::kPoints, "1 a 0 0 0 0 0 0\n", false), HasSubstr("expected a position, found"));
   EXPECT_THAT(Refusal(Part::kPoints, "1 0 0 0 256 0 0 0\n", false), HasSubstr("expected a colour, found"));
   EXPECT_THAT(Refusal(Part::kRigs, "1 1 OWL 1\n", false), HasSubstr("there is no sensor of type"));
+}
+
+// Text that is cut between its lines is whole to the eye; the head says how many there were.
+TEST(ColmapDamage, TextThatEndsBeforeWhatItsHeadCountsIsRefused) {
+  const std::array<std::string, 5> heads = {"cameras", "images", "points", "rigs", "frames"};
+  for (const Part part : kParts) {
+    const std::string head = "# List\n# Number of " + heads[static_cast<std::size_t>(part)] + ": ";
+    const std::string rest = ", mean of something: 2.5\n" + SmallText(part);
+    EXPECT_EQ(Refusal(part, head + "1" + rest, false), "read") << int(part);  // written on by hand
+    EXPECT_THAT(Refusal(part, head + "7" + rest, false), HasSubstr("of the 7 entries that its head counts"))
+        << int(part);
+    EXPECT_THAT(Refusal(part, head + "1\n", false), HasSubstr("after 0 of the 1 entries")) << int(part);
+    EXPECT_EQ(Refusal(part, head + "many\n", false), "read");
+  }
 }
 
 struct Read {
@@ -110,6 +125,18 @@ TEST(ColmapContent, WhatLeadsNowhereIsLeftOutAndCounted) {
   EXPECT_THAT(twice.notices.items(), Says("1 keypoint see nothing now"));
   EXPECT_THAT(twice.notices.items(), Says("1 image lose their names"));
   EXPECT_EQ(twice.atlas.maps[0].keyframes[0].timestamp, 1);
+}
+
+// Without a head that counts, tracks tell that images are gone.
+TEST(ColmapContent, TracksThatLeadNowhereAreCounted) {
+  const std::string images = "5 1 0 0 0 0 0 0 1 1.png\n1 2 9 3 4 -1\n";
+  const auto read = [&](const std::string& track) {
+    return ReadFiles({{"images.txt", images}, {"points3D.txt", "9 0 0 1 0 0 0 -1 " + track + "\n"}}).notices;
+  };
+  EXPECT_THAT(read("5 0").items(), Not(Says("of tracks left out")));
+  for (const char* track : {"5 0 6 0", "5 0 5 2", "5 0 5 1", "5 0 4294967295 4294967295"})
+    EXPECT_THAT(read(track).items(), Says("1 element of tracks left out")) << track;
+  EXPECT_THAT(ReadFiles({{"images.txt", ""}}).notices.items(), Says("of tracks left out"));
 }
 
 TEST(ColmapContent, StrangeNumbersAreRead) {

@@ -30,19 +30,20 @@ using detail::Counted;
 
 // What is left out of models that were read.
 struct Unread {
-  std::uint64_t images = 0;        // twice there, or of a camera that is not
-  std::uint64_t points = 0;        // twice there
-  std::uint64_t unseen = 0;        // points that are no image's keypoint
-  std::uint64_t keypoints = 0;     // of points that are not there, or that the image sees twice
-  std::uint64_t colors = 0;        // of points
-  std::uint64_t names = 0;         // of images, which are no times
-  std::uint64_t undistorted = 0;   // keypoints of lenses that we have not
-  std::uint64_t moved_models = 0;  // whose ids others had
-  std::uint64_t rigs = 0;          // of other kinds than a fisheye stereo pair
-  std::uint64_t strangers = 0;     // images that the database has not
-  std::uint64_t descriptors = 0;   // of keypoints, that are not ORB's
-  std::uint64_t undescribed = 0;   // keypoints without descriptor
-  std::uint64_t rights = 0;        // right images by their names, of pairs that no rig makes
+  std::uint64_t images = 0;          // twice there, or of a camera that is not
+  std::uint64_t points = 0;          // twice there
+  std::uint64_t unseen = 0;          // points that are no image's keypoint
+  std::uint64_t keypoints = 0;       // of points that are not there, or that the image sees twice
+  std::uint64_t track_elements = 0;  // of keypoints that are not there, or see another point
+  std::uint64_t colors = 0;          // of points
+  std::uint64_t names = 0;           // of images, which are no times
+  std::uint64_t undistorted = 0;     // keypoints of lenses that we have not
+  std::uint64_t moved_models = 0;    // whose ids others had
+  std::uint64_t rigs = 0;            // of other kinds than a fisheye stereo pair
+  std::uint64_t strangers = 0;       // images that the database has not
+  std::uint64_t descriptors = 0;     // of keypoints, that are not ORB's
+  std::uint64_t undescribed = 0;     // keypoints without descriptor
+  std::uint64_t rights = 0;          // right images by their names, of pairs that no rig makes
 };
 
 Rigid3f RigidOf(const Pose& pose) {
@@ -379,6 +380,20 @@ class MapMaker {
   std::size_t descriptor_bytes_ = 0;
 };
 
+// Keypoints say which point they see, and tracks say it again: what tracks say alone is left out, and counted.
+void CheckTracks(const Model& model, Unread& unread) {
+  const auto rows = RowsById(model.images);
+  const auto is_seen = [&](const TrackElement& element, std::uint64_t point) {
+    const auto row = rows.find(element.image);
+    if (row == rows.end()) return false;
+    const Column<Point2>& keypoints = model.images[row->second].points;
+    return element.row < keypoints.size() && keypoints[element.row].point == point;
+  };
+  for (const Point& point : model.points)
+    for (std::uint64_t row = 0; row < point.track_length; ++row)
+      unread.track_elements += is_seen(model.tracks[point.track_begin + row], point.id) ? 0 : 1;
+}
+
 // COLMAP counts ids of each model from 1 on, and an atlas has each id once.
 class UsedIds {
  public:
@@ -466,6 +481,8 @@ void Tell(const Unread& unread, bool has_database, bool with_descriptors, Notice
   lose(unread.unseen, "point", "left out, which no image sees: ORB-SLAM3 crashes on such");
   lose(unread.keypoints, "keypoint",
        "see nothing now: their point is not there, or the image has another keypoint of it");
+  lose(unread.track_elements, "element",
+       "of tracks left out: their image or keypoint is not there, or sees another point");
   lose(unread.colors, "point", "lose their colours, which an atlas has no place for");
   lose(unread.names, "image", "lose their names, which are no times: timestamps are their order, in seconds");
   lose(unread.undistorted, "keypoint",
@@ -495,6 +512,7 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
     const std::uint64_t points_above = used_points.Enter(IdsOf(named.model.points, [](std::uint64_t id) { return id; }),
                                                          named.path, unread.moved_models);
     cameras.MoveUp(used_cameras.Enter(named.model.cameras, cameras));
+    CheckTracks(named.model, unread);
     MapMaker maker(named, database, images, cameras, points_above, unread);
     atlas.maps.push_back(maker.Make(MapId(named.map)));
     maker.AddCameras(atlas.cameras);

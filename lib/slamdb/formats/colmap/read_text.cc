@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -24,7 +25,10 @@ class Lines {
     while (!rest_.empty()) {
       NextAsItIs();
       line_ = detail::Trimmed(line_);
-      if (!line_.empty() && line_.front() != '#') return true;
+      if (line_.starts_with('#'))
+        TakeComment();
+      else if (!line_.empty())
+        return true;
     }
     return false;
   }
@@ -78,6 +82,13 @@ class Lines {
     if (const std::string_view word = Word(); !word.empty())
       Fail(Concat("too much in the line: ", detail::Excerpt(word)));
   }
+  // Holds what was read against what the head promises: `# Number of images: 14, ...`. More is no sign of damage.
+  void EndAfter(std::uint64_t entries) const {
+    if (!promised_ || entries >= *promised_) return;
+    throw Error(ErrorKind::kDamaged, file_.path(), Concat("line ", number_),
+                Concat("the file ends after ", entries, " of the ", *promised_,
+                       " entries that its head counts: it is truncated; copy it again"));
+  }
   // How many words of at least one letter the rest of the line can hold.
   std::size_t most_words() const { return line_.size() / 2 + 1; }
   [[noreturn]] void Fail(const std::string& problem) const {
@@ -85,9 +96,18 @@ class Lines {
   }
 
  private:
+  void TakeComment() {
+    const std::size_t name = line_.find(kCountIs), end = line_.find(": ");
+    if (promised_ || name == line_.npos || end == line_.npos) return;
+    const std::string_view count = line_.substr(end + 2);
+    promised_ = detail::ParseNumber<std::uint64_t>(count.substr(0, count.find(',')));
+  }
+
+  static constexpr std::string_view kCountIs = "# Number of ";
   const WholeFile& file_;
   std::string_view rest_, line_;
   std::size_t number_ = 0;
+  std::optional<std::uint64_t> promised_;
 };
 
 void TakeCamera(Lines& lines, Model& model) {
@@ -167,7 +187,9 @@ void TakeFrame(Lines& lines, Model& model) {
 void DecodeText(Part part, const WholeFile& file, Model& model) {
   constexpr std::array kTake = {TakeCamera, TakeImage, TakePoint, TakeRig, TakeFrame};
   Lines lines(file);
-  while (lines.Next()) kTake[static_cast<std::size_t>(part)](lines, model);
+  std::uint64_t entries = 0;
+  for (; lines.Next(); ++entries) kTake[static_cast<std::size_t>(part)](lines, model);
+  lines.EndAfter(entries);
 }
 
 }  // namespace slamdb::colmap

@@ -113,10 +113,14 @@ constexpr std::array<std::string_view, 5> kHeads = {
     "#   FRAME_ID, RIG_ID, RIG_FROM_WORLD[QW, QX, QY, QZ, TX, TY, TZ], NUM_DATA_IDS, DATA_IDS[] as (SENSOR_TYPE, "
     "SENSOR_ID, DATA_ID)\n"};
 
+constexpr std::array<std::string_view, 5> kCounted = {"cameras", "images", "points", "rigs", "frames"};
+
 template <class List, class AppendOne>
 void WriteList(Part part, const List& list, std::size_t grain, AtomicFile& file, const WriteOptions& options,
                const AppendOne& append) {
-  file.Write(kHeads[static_cast<std::size_t>(part)]);
+  const auto number = static_cast<std::size_t>(part);
+  file.Write(kHeads[number]);
+  file.Write(Concat("# Number of ", kCounted[number], ": ", list.size(), "\n"));  // by which readers see a cut
   detail::WriteRows(file, list.size(), grain, options, [&](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) append(out, list[row]);
   });
