@@ -222,6 +222,16 @@ TEST(PlyReader, NumbersThatAreNoIdsAreNone) {
   EXPECT_EQ(read.point(4).id, MapPointId(3));
 }
 
+TEST(PlyReader, LaterPointsOfAnIdAreNamedAndLeftOut) {
+  const std::vector<std::string> properties = {"float x", "float y", "float z", "uint id", "uint map"};
+  const ReadCloud read =
+      ReadAsCloud(kPly, Header("ascii", 4, properties) + "1 0 0 7 0\n2 0 0 5 0\n3 0 0 7 0\n4 0 0 7 1\n");
+  ASSERT_EQ(read.atlas.maps.at(0).points.size(), 2U);
+  EXPECT_EQ(read.position(0).x(), 1);
+  EXPECT_EQ(read.atlas.maps.at(1).points.size(), 1U);
+  EXPECT_TRUE(read.Tells(Notice::Kind::kLoss, "an earlier point of the map has their id: 1 point;"));
+}
+
 TEST(PlyReader, TakesNumbersThatNoFloatHolds) {
   const ReadCloud read = ReadAsCloud(kPly, Header("ascii", 2, kXyz) + "1e-50 0 0\n1e39 -inf 0\n");
   EXPECT_EQ(read.position(0).x(), 0);

@@ -68,6 +68,7 @@ class Reader {
  private:
   // What the heads claim, which edited and cut files do not hold.
   struct Claim {
+    std::uint64_t line = 0;  // where
     std::optional<std::uint64_t> keyframes, points;
   };
 
@@ -150,6 +151,7 @@ class Reader {
     JsonScanner json(line.text);
     Map& map = lines_.atlas.maps.emplace_back();
     Claim& claim = claims_.emplace_back();
+    claim.line = line.number;
     lines_.maps.emplace_back().map = MapMembers().ReadObject(json, map, [&](std::string_view name) {
       if (name == "keyframe_count")
         claim.keyframes = json.Whole<std::uint64_t>();
@@ -227,22 +229,36 @@ class Reader {
       for (const auto& entity : list) of_list.push_back(entity.id);
       return of_list;
     };
-    if (claimed_maps_ && *claimed_maps_ != ids(atlas.maps))
-      notices.Warn(Concat("the first line lists ", Counted(claimed_maps_->size(), "map"), ", but lines of ",
-                          atlas.maps.size(), " follow, or others; a part of an atlas, or a file that was cut off?"));
-    if (claimed_cameras_ && *claimed_cameras_ != ids(atlas.cameras))
-      notices.Warn(Concat("the first line lists ", Counted(claimed_cameras_->size(), "camera"), ", but lines of ",
-                          atlas.cameras.size(), " follow, or others"));
+    if (claimed_maps_) TellList(*claimed_maps_, ids(atlas.maps), "map", notices);
+    if (claimed_cameras_) TellList(*claimed_cameras_, ids(atlas.cameras), "camera", notices);
     for (std::size_t m = 0; m < claims_.size(); ++m) {
-      TellClaim(atlas.maps[m].id, claims_[m].keyframes, atlas.maps[m].keyframes.size(), "keyframe", notices);
-      TellClaim(atlas.maps[m].id, claims_[m].points, atlas.maps[m].points.size(), "map point", notices);
+      TellClaim(claims_[m].keyframes, atlas.maps[m].keyframes.size(), claims_[m].line, "keyframe", notices);
+      TellClaim(claims_[m].points, atlas.maps[m].points.size(), claims_[m].line, "map point", notices);
     }
   }
-  static void TellClaim(MapId map, std::optional<std::uint64_t> claim, std::uint64_t count, std::string_view noun,
-                        Notices& notices) {
-    if (claim && *claim != count)
-      notices.Warn(Concat("the line of ", ToString(map), " counts ", Counted(*claim, noun), ", but ", count,
-                          " follow; was the file edited, or cut off?"));
+  template <class Id>
+  static void TellList(const std::vector<Id>& claim, const std::vector<Id>& found, std::string_view noun,
+                       Notices& notices) {
+    if (claim == found) return;
+    TellMissing(claim.size() > found.size(),
+                Concat("the first line lists ", Counted(claim.size(), noun), ", but lines of ", found.size(),
+                       " follow, or others"),
+                notices);
+  }
+  static void TellClaim(std::optional<std::uint64_t> claim, std::uint64_t count, std::uint64_t line,
+                        std::string_view noun, Notices& notices) {
+    if (!claim || *claim == count) return;
+    TellMissing(*claim > count,
+                Concat("line ", line, ", of a map, counts ", Counted(*claim, noun), ", but ", count, " follow"),
+                notices);
+  }
+  // Whoever took lines out says so by the counts; a file that is cut off at the end of a line tells of it by them
+  // alone.
+  static void TellMissing(bool fewer, const std::string& problem, Notices& notices) {
+    if (fewer)
+      notices.Lose(problem + "; the file was cut off, or edited: then the counts are to be mended, or left out");
+    else
+      notices.Warn(problem + "; was the file edited?");
   }
 
   const std::string& path_;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <unordered_set>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -219,8 +221,20 @@ void PointSet::EndPoint() {
   point.descriptor_form = MatrixForm::kEmpty;
 }
 
+void PointSet::LeaveOutTwins() {
+  for (Map& map : atlas_.maps) {
+    if (std::ranges::adjacent_find(map.points, std::greater_equal(), &MapPoint::id) == map.points.end()) continue;
+    std::unordered_set<std::uint64_t> seen;
+    twins_ += std::erase_if(map.points,
+                            [&](const MapPoint& point) { return point.id && !seen.insert(point.id.value()).second; });
+  }
+}
+
 void PointSet::Tell(Notices& notices) const {
   if (!unknown_.empty()) notices.Lose("an atlas has no place for the columns " + unknown_ + "; they are left out");
+  if (twins_ > 0)
+    notices.Lose(Concat("left out, since an earlier point of the map has their id: ", Counted(twins_, "point"),
+                        "; if the column `id` is something else, give it another name"));
   if (!derived_.empty()) notices.Note("left out what tells of keyframes, which are not there: " + derived_);
   if (cameras_ > 0) notices.Note("left out corners of cameras that are drawn: " + Thousands(cameras_));
   if (empty_ > 0) notices.Note("left out where nothing was measured: " + Counted(empty_, "point"));
@@ -230,6 +244,7 @@ void PointSet::Tell(Notices& notices) const {
 }
 
 Atlas PointSet::Finish(const Selection& selection, Notices& notices) {
+  if (has_ids_) LeaveOutTwins();
   Select(selection, atlas_);
   RaiseCounters(atlas_);
   Tell(notices);

@@ -76,7 +76,8 @@ class PointSet {
   // Throws Error (kUnsupported) when there are more maps than any atlas has.
   void EndPoint();
 
-  // Maps in the order in which they came; names as losses what an atlas has no place for.
+  // Maps in the order in which they came; names as losses what an atlas has no place for, and leaves out points whose
+  // id an earlier one of their map has.
   Atlas Finish(const Selection& selection, Notices& notices);
 
  private:
@@ -90,13 +91,14 @@ class PointSet {
   void SetReal(PointField field, double value);
   void SetWhole(PointField field, std::optional<std::uint64_t> value);
   Map& MapOf(std::uint64_t id);
+  void LeaveOutTwins();
   void Tell(Notices& notices) const;
 
   const std::string& path_;
   std::string unknown_, derived_;  // names of columns
   bool has_ids_ = false;
   Row now_;
-  std::uint64_t row_ = 0, expected_ = 0, cameras_ = 0, empty_ = 0, rounded_ = 0;
+  std::uint64_t row_ = 0, expected_ = 0, cameras_ = 0, empty_ = 0, rounded_ = 0, twins_ = 0;
   double most_rounded_ = 0;
   Atlas atlas_;
   std::unordered_map<std::uint64_t, std::size_t> rows_of_maps_;  // of atlas_.maps, by id
