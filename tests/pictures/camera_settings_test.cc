@@ -89,6 +89,18 @@ TEST(Undistorted, IsTheWayBack) {
     EXPECT_LT((Undistorted(settings, Distorted(settings, pixel)) - pixel).norm(), 0.05);
 }
 
+// Those that ORB-SLAM3 recorded of pictures of EuRoC, made smaller: cut off, not rounded.
+TEST(UndistortedBounds, AreThoseThatMapsRecord) {
+  CameraSettings settings;
+  settings.camera.parameters = {458.654F, 457.296F, 325.2F, 240.4F};
+  settings.distortion = {-0.2834081, 0.07395907, 0.00019359, 1.7618711e-05};
+  const ImageBounds bounds = UndistortedBounds(settings, 640, 480);
+  EXPECT_EQ(bounds.min_x, -108);
+  EXPECT_EQ(bounds.min_y, -80);
+  EXPECT_EQ(bounds.max_x, 741);
+  EXPECT_EQ(bounds.max_y, 559);
+}
+
 TEST(SettingsOfMap, AreThoseOfItsPicturesAlone) {
   const Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kStereo, .keyframes = 4, .points = 100, .threads = 1});
   const ImageBounds& bounds = atlas.maps[0].keyframes[0].bounds;

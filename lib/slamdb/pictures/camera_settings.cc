@@ -117,7 +117,7 @@ void SetSize(const Lines& lines, CameraSettings& settings) {
     parameters[static_cast<std::size_t>(row)] *= factor;
 }
 
-// Whether bounds are those of pictures of one size: where a lens distorts, ORB-SLAM3 looks at the corners alone.
+// Whether bounds are those of pictures of one size: where a lens distorts, about.
 bool IsAbout(const ImageBounds& one, const ImageBounds& other) {
   const std::int32_t width = one.max_x - one.min_x, height = one.max_y - one.min_y;
   const bool straight = one.min_x == 0 && one.min_y == 0;
@@ -172,14 +172,14 @@ Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2
 }
 
 ImageBounds UndistortedBounds(const CameraSettings& settings, std::int32_t width, std::int32_t height) {
-  Eigen::AlignedBox2d box;
-  for (const double x : {0.0, 0.5, 1.0})
-    for (const double y : {0.0, 0.5, 1.0}) box.extend(Undistorted(settings, {x * width, y * height}));
+  const Eigen::Vector2d upper_left = Undistorted(settings, {0, 0}), upper_right = Undistorted(settings, {width, 0}),
+                        lower_left = Undistorted(settings, {0, height}),
+                        lower_right = Undistorted(settings, {width, height});
   const auto whole = [](double value) { return static_cast<std::int32_t>(std::clamp(value, -1e6, 1e6)); };
-  return {.min_x = whole(std::floor(box.min().x())),
-          .min_y = whole(std::floor(box.min().y())),
-          .max_x = whole(std::ceil(box.max().x())),
-          .max_y = whole(std::ceil(box.max().y()))};
+  return {.min_x = whole(std::min(upper_left.x(), lower_left.x())),
+          .min_y = whole(std::min(upper_left.y(), upper_right.y())),
+          .max_x = whole(std::max(upper_right.x(), lower_right.x())),
+          .max_y = whole(std::max(lower_left.y(), lower_right.y()))};
 }
 
 std::optional<CameraSettings> SettingsOfMap(const Atlas& atlas, std::int32_t width, std::int32_t height) {

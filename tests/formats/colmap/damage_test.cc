@@ -139,6 +139,22 @@ TEST(ColmapContent, TracksThatLeadNowhereAreCounted) {
   EXPECT_THAT(ReadFiles({{"images.txt", ""}}).notices.items(), Says("of tracks left out"));
 }
 
+// Coordinates of the world would be rounded by half a metre.
+TEST(ColmapContent, ModelsFarFromTheirOriginAreMovedBeforeTheyAreRounded) {
+  const Read read = ReadFiles({{"images.txt",
+                                "5 0.5 0.5 0.5 0.5 -487654.25 -4600000.5 -4200000.125 1 1.png\n1 2 9 3 4 -1\n"
+                                "6 0.5 0.5 0.5 0.5 -487652.25 -4600000.5 -4200000.125 1 2.png\n1 2 9 3 4 -1\n"},
+                               {"points3D.txt", "9 4600003.0625 4200001 487650.1875 0 0 0 -1 5 0 6 0\n"},
+                               {"rigs.txt", ""},
+                               {"frames.txt", ""}});
+  EXPECT_THAT(read.notices.items(), Says("(4600001, 4200000, 487652) was taken off all positions"));
+  // Turned by a third about (1, 1, 1): camera x is world z.
+  const Map& map = read.atlas.maps[0];
+  EXPECT_EQ(map.keyframes[0].camera_from_world.translation, Eigen::Vector3f(-2.25, 0.5, -0.125));
+  EXPECT_EQ(map.points[0].position, Eigen::Vector3f(2.0625, 1, -1.8125));
+  EXPECT_THAT(ReadFiles({}).notices.items(), Not(Says("was taken off")));
+}
+
 TEST(ColmapContent, StrangeNumbersAreRead) {
   const Read read =
       ReadFiles({{"images.txt", "5 nan 0 0 0 inf 0 0 1 1.png\n1e300 -inf 9\n4294967295 0 0 0 0 0 0 0 1 2.png\n\n"},

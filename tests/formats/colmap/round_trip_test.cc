@@ -216,6 +216,14 @@ TEST(ColmapFolders, RefuseModelsThatWouldBeReadInstead) {
   EXPECT_EQ(write(detail::kColmapFormat, three), "");
   EXPECT_THAT(write(detail::kColmapFormat, atlas), HasSubstr("model/2"));
   EXPECT_EQ(write(detail::kColmapFormat, three), "");
+  EXPECT_THAT(write(detail::kColmapFormat, OneMapAtlas()), HasSubstr("model/0 that would be read"));
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("model/cameras.bin")));
+
+  std::filesystem::create_directory(folder.Path("work"));
+  std::filesystem::rename(folder.Path("model"), folder.Path("work/sparse"));
+  std::filesystem::rename(folder.Path("work"), folder.Path("model"));
+  for (const Atlas& written : {atlas, OneMapAtlas()})
+    EXPECT_THAT(write(detail::kColmapFormat, written), HasSubstr("model/sparse/0 that would be read"));
 }
 
 // Of each kind there is one loss, with its count.

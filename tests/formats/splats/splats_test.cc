@@ -84,6 +84,29 @@ void Distort(Atlas& atlas) {
     }
 }
 
+// Scenes of an earlier run would stay beside the new ones.
+TEST_F(Scenes, AreNotMixedWithThoseOfOtherMaps) {
+  const auto write = [&](const Atlas& atlas) {
+    Notices notices;
+    try {
+      detail::kGaussianFormat.write(atlas, out_, {.overwrite = true, .sync = false}, notices);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("written");
+  };
+  const Atlas several = SmallAtlas();
+  ASSERT_GT(several.maps.size(), 1U);
+  EXPECT_EQ(write(several), "written");
+  EXPECT_EQ(write(several), "written");
+  EXPECT_THAT(write(OneMapAtlas()), HasSubstr("out/0/sparse/0 that would be read with what is written"));
+  EXPECT_FALSE(fs::exists(out_ + "/sparse"));
+  fs::remove_all(out_);
+  EXPECT_EQ(write(OneMapAtlas()), "written");
+  EXPECT_EQ(write(OneMapAtlas()), "written");
+  EXPECT_THAT(write(several), HasSubstr("out/sparse/0 that would be read with what is written"));
+}
+
 TEST_F(Scenes, OfSplatsWithoutPicturesAreGrey) {
   EXPECT_THAT(Write(detail::kGaussianFormat, OneMapAtlas()), HasSubstr("without pictures"));
   EXPECT_THAT(Names(), ElementsAre("1.5.png", "0.5.png"));

@@ -12,6 +12,7 @@
 #include "slamdb/formats/colmap/detail/codec.h"
 #include "slamdb/formats/colmap/detail/colmap.h"
 #include "slamdb/formats/colmap/detail/database.h"
+#include "slamdb/formats/colmap/detail/folders.h"
 #include "slamdb/formats/colmap/detail/models.h"
 #include "slamdb/formats/export/detail/rows.h"
 
@@ -19,27 +20,18 @@ namespace slamdb {
 namespace {
 
 namespace fs = std::filesystem;
+using colmap::FileOf;
+using colmap::HasModel;
+using colmap::kBinary;
+using colmap::kNeeded;
 using colmap::kPartNames;
+using colmap::kText;
 using colmap::Part;
 using detail::Concat;
 
-constexpr std::string_view kBinary = ".bin", kText = ".txt";
 constexpr std::string_view kDatabase = "database.db";
-constexpr std::size_t kNeeded = 3;  // of kPartNames; older versions write no more
 
 // ---- where models are in a folder
-
-std::string FileOf(const std::string& folder, std::string_view part, std::string_view suffix) {
-  return (fs::path(folder) / Concat(part, suffix)).string();
-}
-
-bool HasModel(const std::string& folder, std::string_view suffix) {
-  std::error_code missing;
-  return std::ranges::all_of(kPartNames.begin(), kPartNames.begin() + kNeeded, [&](std::string_view part) {
-    return fs::is_regular_file(FileOf(folder, part, suffix), missing);
-  });
-}
-bool HasModel(const std::string& folder) { return HasModel(folder, kBinary) || HasModel(folder, kText); }
 
 struct Place {
   std::string folder;
@@ -130,20 +122,12 @@ Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& noti
   return colmap::AtlasOf(models, database.get(), options, notices);
 }
 
-// Models of an earlier run stay where they are: one that would be read in place of what is written, or as a further map
-// of it, is refused.
-void RefuseLeftovers(const std::string& folder, std::size_t maps, std::string_view suffix) {
-  const auto refuse = [&](const std::string& place) {
-    throw Error(ErrorKind::kAlreadyExists, folder, "",
-                Concat("holds a model in ", place,
-                       " that would be read with what is written, or in its place; remove it, "
-                       "or name another folder"));
-  };
-  if (suffix == kText && HasModel(folder, kBinary)) refuse(folder);
-  if (maps <= 1) return;
-  if (HasModel(folder)) refuse(folder);
-  for (const Place& place : FindModelsIn(folder))
-    if (place.number >= maps || (suffix == kText && HasModel(place.folder, kBinary))) refuse(place.folder);
+// Where the models of several maps stand in their folder; one alone is the folder.
+std::vector<std::string> FoldersOf(std::size_t maps) {
+  if (maps <= 1) return {""};
+  std::vector<std::string> folders;
+  for (std::size_t row = 0; row < maps; ++row) folders.push_back(Concat(row, "/"));
+  return folders;
 }
 
 using Encode = void (*)(Part, const colmap::Model&, AtomicFile&, const WriteOptions&);
@@ -162,13 +146,14 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
   AtomicFolder folder(target, detail::FileOptions(options));
   const ColmapWriteOptions& wanted = options.of<ColmapWriteOptions>();
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, wanted.pictures);
-  RefuseLeftovers(target.path, outline.maps.size(), suffix);
+  const std::vector<std::string> folders = FoldersOf(outline.maps.size());
+  colmap::RefuseOtherModels(target.path, folders, suffix);
   std::optional<colmap::DatabaseWriter> database;
   if (wanted.with_database) database.emplace(outline, wanted.schema, target.path);
   colmap::Unheld unheld;
   for (std::size_t row = 0; row < outline.maps.size(); ++row) {
     const colmap::Model model = colmap::ModelOf(outline, outline.maps[row], options, unheld);
-    WriteFiles(model, outline.maps.size() == 1 ? "" : Concat(row, "/"), suffix, encode, folder, options);
+    WriteFiles(model, folders[row], suffix, encode, folder, options);
     if (database) database->AddPairs(outline.maps[row], model);
   }
   if (outline.maps.empty()) WriteFiles({}, "", suffix, encode, folder, options);
@@ -177,6 +162,7 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
     database->Write(*file);
     file->Commit();
   }
+  colmap::RefuseOtherModels(target.path, folders, suffix);  // that came in the meantime
   folder.Commit();
   colmap::Tell(outline, unheld, id, wanted.with_database, notices);
 }

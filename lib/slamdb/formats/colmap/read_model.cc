@@ -14,6 +14,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/database.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
+#include "slamdb/formats/colmap/detail/local_origin.h"
 #include "slamdb/formats/colmap/detail/models.h"
 #include "slamdb/formats/colmap/detail/names.h"
 #include "slamdb/formats/colmap/detail/poses.h"
@@ -505,6 +506,7 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
   Unread unread;
   UsedIds used_images, used_points;
   UsedCameras used_cameras;
+  MoveToLocalOrigin(models, notices);
   for (NamedModel& named : models) {
     Ids images(named.model.images), cameras(named.model.cameras);
     images.MoveUp(used_images.Enter(IdsOf(named.model.images, [&](std::uint64_t id) { return images.Of(id); }),

@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/colmap/detail/codec.h"
+#include "slamdb/formats/colmap/detail/folders.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/splats/detail/scene.h"
@@ -84,6 +85,8 @@ void WriteText(AtomicFolder& folder, const std::string& name, std::string_view b
   file->Commit();
 }
 
+constexpr std::string_view kModel = "sparse/0/";
+
 void WriteScene(const colmap::Outline& outline, Scene& scene, AtomicFolder& folder, const WriteOptions& options) {
   Straighten(outline, scene);
   const auto develop = [&](const View& view, const std::string& bytes, const ColorPicture& picture) {
@@ -97,18 +100,23 @@ void WriteScene(const colmap::Outline& outline, Scene& scene, AtomicFolder& fold
   });
   for (const Part part : {Part::kCameras, Part::kImages, Part::kPoints}) {
     const std::string_view name = colmap::kPartNames[static_cast<std::size_t>(part)];
-    const std::unique_ptr<AtomicFile> file = folder.Make(Concat(scene.folder, "sparse/0/", name, ".bin"));
+    const std::unique_ptr<AtomicFile> file = folder.Make(Concat(scene.folder, kModel, name, ".bin"));
     colmap::EncodeBinary(part, scene.model, *file, options);
     file->Commit();
   }
-  WriteText(folder, scene.folder + "sparse/0/points3D.ply", splats::PlyOf(scene.model, Eigen::Matrix3d::Identity()));
+  WriteText(folder, Concat(scene.folder, kModel, "points3D.ply"),
+            splats::PlyOf(scene.model, Eigen::Matrix3d::Identity()));
 }
 
 void WriteGaussian(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFolder folder(target, detail::FileOptions(options));
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
   std::vector<Scene> scenes = splats::ScenesOf(outline, options);
+  std::vector<std::string> models;
+  for (const Scene& scene : scenes) models.push_back(Concat(scene.folder, kModel));
+  colmap::RefuseOtherModels(target.path, models, colmap::kBinary);
   for (Scene& scene : scenes) WriteScene(outline, scene, folder, options);
+  colmap::RefuseOtherModels(target.path, models, colmap::kBinary);  // that came in the meantime
   folder.Commit();
   splats::Tell(scenes, outline, notices);
 }
