@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "slamdb/base/error.h"
@@ -29,6 +30,13 @@ constexpr std::string_view kHeader =
     "%YAML:1.0\n---\nmappointsFile: \"m.mappoints\"\nnMappoints: 1\nkeyframesFile: m.keyframes\nnKeyframes: 2\n"
     "featuresFile: /home/them/maps/m.features\nnFeatures: 2\nOptions: 0\ncameraMatrices:\n"
     "   - { fx:5.0e+02, fy:501.,\n       cx:320., cy:2.4e+02 }\n";
+
+std::string HeaderOf(int keyframes, int features) {
+  std::string header(kHeader);
+  header.replace(header.find("nKeyframes: ") + 12, 1, std::to_string(keyframes));
+  header.replace(header.find("nFeatures: ") + 11, 1, std::to_string(features));
+  return header;
+}
 
 std::string Message(const std::function<void(ProtoAppender&)>& fill) {
   std::string bytes;
@@ -169,14 +177,14 @@ TEST_F(Osmap, ReadsCamerasOfKeyFramesAndFieldsOfOthers) {
       keyframe.Text(77, "what another program adds");
     });
   });
-  std::string header(kHeader);
+  std::string header = HeaderOf(1, 1);
   header.replace(header.find("Options: 0"), 10, "Options: 256");
   header.resize(header.find("cameraMatrices"));
   EXPECT_EQ(Read(Points(), keyframes, FeaturesOf(3), header).maps[0].keyframes[0].intrinsics.cy, 40);
 }
 
 TEST_F(Osmap, ReadsMapsWithoutDescriptorsOfFeatures) {
-  const Atlas atlas = Read(FeaturesOf(3, false));
+  const Atlas atlas = Read(FeaturesOf(3, false), HeaderOf(2, 1));
   EXPECT_TRUE(atlas.maps[0].keyframes[0].features.descriptors.empty());
   EXPECT_EQ(atlas.maps[0].points[0].descriptor[0], 0x11);
 }
@@ -193,33 +201,66 @@ TEST_F(Osmap, NamesDescriptorsThatOthersOfTheirKeyFrameLack) {
         });
     });
   });
-  EXPECT_TRUE(Read(features).maps[0].keyframes[0].features.descriptors.empty());
+  EXPECT_TRUE(Read(features, HeaderOf(2, 3)).maps[0].keyframes[0].features.descriptors.empty());
   EXPECT_THAT(notices_.items(),
               Contains(Field(&Notice::text, HasSubstr("left out: descriptors of features whose keyframes have other "
                                                       "features without one (2)"))));
   EXPECT_TRUE(notices_.lossy());
 }
 
-TEST_F(Osmap, SaysWhatCountsAndKeyFramesDoNotAgree) {
-  Read(FeaturesOf(3) + FeaturesOf(99) + FeaturesOf(4));
-  EXPECT_THAT(notices_.items(), Contains(Field(&Notice::text, HasSubstr("holds 3 features, its header says 2"))));
+TEST_F(Osmap, SaysWhichFeaturesHaveNoKeyFrame) {
+  Read(FeaturesOf(3) + FeaturesOf(99) + FeaturesOf(4), HeaderOf(2, 3));
   EXPECT_THAT(notices_.items(), Contains(Field(&Notice::text, HasSubstr("keyframes that are not there"))));
   EXPECT_TRUE(notices_.lossy());
 }
 
-TEST_F(Osmap, EveryCutOfASideIsReadOrRefused) {
+TEST_F(Osmap, SidesHoldWhatTheHeaderCounts) {
+  const std::string features = FeaturesOf(3) + FeaturesOf(4);
+  EXPECT_EQ(Refusal(features), "read");
+  EXPECT_THAT(Refusal(features + FeaturesOf(5)), HasSubstr("m.features: : holds 3 features, its header says 2"));
+  EXPECT_THAT(Refusal(std::string(), KeyFrames(), features), HasSubstr("m.mappoints: : holds 0 map points"));
+  EXPECT_THAT(Refusal(Points(), std::string(), features), HasSubstr("m.keyframes: : holds 0 keyframes"));
+  EXPECT_THAT(Refusal(Points(), KeyFrames(), std::string()), HasSubstr("m.features: : holds 0 features"));
+  // The file of another kind.
+  std::string header = HeaderOf(2, 5);
+  header.replace(header.find("/home/them/maps/m.features"), 26, "m.keyframes");
+  EXPECT_THAT(Refusal(features, header), HasSubstr("m.keyframes: : holds 2 features, its header says 5"));
+}
+
+TEST_F(Osmap, HeadersNameAllSides) {
+  const std::string features = FeaturesOf(3) + FeaturesOf(4);
+  for (const std::string_view name : {"mappointsFile", "keyframesFile", "featuresFile"}) {
+    const std::string header(kHeader);
+    const std::size_t at = header.find(name), end = header.find('\n', at);
+    const std::string expected = "m.yaml: " + std::string(name) + ": names no file";
+    EXPECT_THAT(Refusal(features, header.substr(0, at)), HasSubstr(": names no file"));
+    EXPECT_THAT(Refusal(features, header.substr(0, at) + header.substr(end + 1)), HasSubstr(expected));
+    EXPECT_THAT(Refusal(features, header.substr(0, at + name.size()) + ": \"\"" + header.substr(end)),
+                HasSubstr(expected));
+  }
+  // Of nothing there need be no file.
+  std::string header = HeaderOf(2, 0);
+  header.replace(header.find("/home/them/maps/m.features"), 26, "\"\"");
+  EXPECT_EQ(Refusal(features, header), "read");
+  header = HeaderOf(2, 2);
+  header.replace(header.find("featuresFile"), header.find("nFeatures") - header.find("featuresFile"), "");
+  header.replace(header.find("Options: 0"), 10, "Options: 16");
+  EXPECT_EQ(Refusal(features, header), "read");
+}
+
+TEST_F(Osmap, EveryCutOfASideIsRefused) {
   const std::string points = Points(), keyframes = KeyFrames(), features = FeaturesOf(3) + FeaturesOf(4);
-  std::size_t refused = 0;
   for (std::size_t size = 0; size < features.size(); ++size)
-    refused += Refusal(points, keyframes, features.substr(0, size)) != "read" ? 1 : 0;
-  EXPECT_EQ(refused, features.size() - 2);  // nothing, or one of two keyframes, is whole
+    EXPECT_NE(Refusal(points, keyframes, features.substr(0, size)), "read") << size;
+  for (std::size_t size = 0; size < keyframes.size(); ++size)
+    EXPECT_NE(Refusal(points, keyframes.substr(0, size), features), "read") << size;
   for (std::size_t size = 1; size < points.size(); ++size)
     EXPECT_THAT(Refusal(points.substr(0, size), keyframes, features),
                 AllOf(HasSubstr("m.mappoints: byte "), HasSubstr("truncated")));
 }
 
 TEST_F(Osmap, AnyFlipIsReadOrRefused) {
-  const std::string keyframes = KeyFrames(), features = FeaturesOf(3);
+  const std::string keyframes = KeyFrames(), features = FeaturesOf(3) + FeaturesOf(4);
   for (std::string flipped = keyframes; char& byte : flipped) {
     byte = static_cast<char>(byte ^ 0x85);
     Refusal(Points(), flipped, features);
@@ -248,6 +289,35 @@ TEST_F(Osmap, CamerasThatAreNotThereAreRefused) {
               HasSubstr("without all of fx, fy, cx and cy"));
   EXPECT_THAT(Refusal(FeaturesOf(3), header + "cameraMatrices:\n   - { fx:many }\n"),
               HasSubstr("line 11: `fx` must be a number"));
+}
+
+TEST_F(Osmap, CamerasWithoutFocalLengthsAreRefused) {
+  for (const char* length : {"0", "-450", "nan", "inf"}) {
+    std::string header(kHeader);
+    header.replace(header.find("5.0e+02"), 7, length);
+    EXPECT_THAT(Refusal(FeaturesOf(3), header), HasSubstr("m.yaml: line 12: a camera whose focal lengths")) << length;
+  }
+}
+
+TEST_F(Osmap, PosesAndPositionsAreNumbers) {
+  const std::string point = Message([](ProtoAppender& array) {
+    array.Message(1, [](ProtoAppender& one) {
+      one.Message(2, [](ProtoAppender& axes) { axes.Float(1, std::numeric_limits<float>::infinity()); });
+    });
+  });
+  EXPECT_THAT(Refusal(point, KeyFrames(), FeaturesOf(3)), HasSubstr("a position that is not finite"));
+  for (const float number : {0.F, 2.F, std::numeric_limits<float>::quiet_NaN()}) {
+    const std::string keyframe = Message([&](ProtoAppender& array) {
+      array.Message(1, [&](ProtoAppender& one) {
+        one.Message(2, [&](ProtoAppender& pose) {
+          pose.Head(1, 48);
+          const std::array<float, 12> numbers = {number, 0, 0, 0, 0, number, 0, 0, 0, 0, number, 0};
+          pose.Raw(std::as_bytes(std::span(numbers)));
+        });
+      });
+    });
+    EXPECT_THAT(Refusal(Points(), keyframe, FeaturesOf(3)), HasSubstr("a matrix that is no rotation")) << number;
+  }
 }
 
 TEST_F(Osmap, SidesThatAreMissingAreNamed) {

@@ -2,6 +2,7 @@
 #include "slamdb/formats/osmap/detail/header.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -17,10 +18,11 @@ constexpr std::array<std::string_view, 4> kMembers = {"fx", "fy", "cx", "cy"};
 struct SideNames {
   std::string_view file, count;
   Side Header::*side;
+  std::uint32_t without;  // bit of Options
 };
-constexpr std::array<SideNames, 3> kSides = {{{"mappointsFile", "nMappoints", &Header::points},
-                                              {"keyframesFile", "nKeyframes", &Header::keyframes},
-                                              {"featuresFile", "nFeatures", &Header::features}}};
+constexpr std::array<SideNames, 3> kSides = {{{"mappointsFile", "nMappoints", &Header::points, kNoPoints},
+                                              {"keyframesFile", "nKeyframes", &Header::keyframes, kNoKeyFrames},
+                                              {"featuresFile", "nFeatures", &Header::features, kNoFeatures}}};
 
 class Parser {
  public:
@@ -39,12 +41,23 @@ class Parser {
     }
     if (member_ != kMembers.size() && !header_.cameras.empty())
       Fail("a camera matrix without all of fx, fy, cx and cy");
+    RequireSides();
     return std::move(header_);
   }
 
  private:
   [[noreturn]] void Fail(const std::string& problem) const {
     throw Error(ErrorKind::kDamaged, path_, Concat("line ", number_), problem);
+  }
+
+  // A header names all three files but those that its options leave out.
+  void RequireSides() const {
+    for (const SideNames& names : kSides) {
+      const Side& side = header_.*names.side;
+      if (!side.file.empty() || side.count == 0U || (header_.options & names.without) != 0) continue;
+      throw Error(ErrorKind::kDamaged, path_, std::string(names.file),
+                  Concat("names no file, and ", names.count, " is not 0; the header was cut off, or edited"));
+    }
   }
 
   // `name: value` at the beginning of a line.
@@ -96,6 +109,8 @@ class Parser {
       if (!number) Fail(Concat("`", name, "` must be a number, ", detail::Excerpt(value)));
       if (static_cast<std::size_t>(member) != member_) Fail("a camera matrix is fx, fy, cx and cy, in this order");
       header_.cameras.back()[member_++] = *number;
+      if (member_ < kMembers.size()) continue;
+      if (const char* why = WhyNoCamera(header_.cameras.back())) Fail(why);
     }
   }
 
@@ -117,6 +132,12 @@ std::string Quoted(std::string_view text) {
 }
 
 }  // namespace
+
+const char* WhyNoCamera(const CameraMatrix& camera) {
+  const bool finite = std::ranges::all_of(camera, [](float number) { return std::isfinite(number); });
+  const bool known = camera[0] > 0 && camera[1] > 0;
+  return finite && (known || camera == CameraMatrix{}) ? nullptr : "a camera whose focal lengths are not above 0";
+}
 
 Header ParseHeader(std::string_view text, const std::string& path) { return Parser(text, path).Parse(); }
 

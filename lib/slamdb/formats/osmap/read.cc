@@ -14,6 +14,7 @@
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/import/detail/complete.h"
+#include "slamdb/formats/import/detail/pose_numbers.h"
 #include "slamdb/formats/osmap/detail/header.h"
 #include "slamdb/formats/osmap/detail/osmap.h"
 #include "slamdb/model/index.h"
@@ -70,6 +71,7 @@ CameraMatrix ReadCameraMatrix(const ProtoFile& file, std::string_view message) {
   ForEachField(file, message, [&](const ProtoField& field) {
     if (field.number >= 1 && field.number <= camera.size()) camera[field.number - 1] = field.AsFloat();
   });
+  if (const char* why = WhyNoCamera(camera)) file.Fail(message.data(), why);
   return camera;
 }
 
@@ -106,6 +108,7 @@ MapPoint ReadPoint(const ProtoFile& file, std::string_view message) {
       default:;
     }
   });
+  if (const char* why = detail::WhyNoPosition(point.position.cast<double>())) file.Fail(message.data(), why);
   return point;
 }
 
@@ -117,6 +120,8 @@ Rigid3f ReadPose(const ProtoFile& file, std::string_view message) {
   if (values.size() != 12) file.Fail(message.data(), Concat("a pose of ", values.size(), " numbers, expected 12"));
   const Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>> matrix(values.data());
   const Eigen::Matrix3d rotation = matrix.leftCols<3>().cast<double>();
+  if (const char* why = detail::WhyNoPoseOfMatrix(rotation, matrix.col(3).cast<double>()))
+    file.Fail(message.data(), why);
   Rigid3f pose;
   pose.rotation = Quaternionf(Eigen::Quaterniond(rotation).normalized().cast<float>());
   pose.translation = matrix.col(3);
@@ -190,7 +195,7 @@ class MapReader {
     ForEachField(file, file.bytes, [&](const ProtoField& field) {
       if (field.number == 1) map.points.push_back(ReadPoint(file, BytesOf(file, field)));
     });
-    Compare(header_.points, map.points.size(), "map point");
+    Compare(file, header_.points, map.points.size(), "map point");
   }
 
   void ReadKeyFrames(Map& map) {
@@ -202,7 +207,7 @@ class MapReader {
       SetCamera(read, field.bytes.data(), file);
       map.keyframes.push_back(std::move(read.keyframe));
     });
-    Compare(header_.keyframes, map.keyframes.size(), "keyframe");
+    Compare(file, header_.keyframes, map.keyframes.size(), "keyframe");
     CloseLoops(map);
   }
 
@@ -262,7 +267,7 @@ class MapReader {
       else
         of_row[row] = &block;
     }
-    Compare(header_.features, features, "feature");
+    Compare(file, header_.features, features, "feature");
     if (strangers > 0)
       notices_.Lose("left out: features of keyframes that are not there, or had some already: " +
                     Counted(strangers, "keyframe"));
@@ -321,9 +326,12 @@ class MapReader {
     });
   }
 
-  void Compare(const Side& side, std::uint64_t count, std::string_view what) {
+  // A message that was cut off between two of its elements is whole to protobuf; the count alone tells.
+  static void Compare(const ProtoFile& file, const Side& side, std::uint64_t count, std::string_view what) {
     if (side.count && *side.count != count)
-      notices_.Warn(Concat(side.file, " holds ", Counted(count, what), ", its header says ", *side.count));
+      throw Error(ErrorKind::kDamaged, file.path, "",
+                  Concat("holds ", Counted(count, what), ", its header says ", *side.count,
+                         "; the file was cut off, or is another map's"));
   }
 
   void Tell() {
