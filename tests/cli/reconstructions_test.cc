@@ -77,14 +77,14 @@ TEST_F(Reconstructions, TellWhatWentOnto) {
 TEST_F(Reconstructions, SayWhereTheirCamerasAreOthers) {
   Json({"convert", kSession, In("model"), "--to", "colmap-text"});
   std::string cameras = ReadWholeFile(In("model/cameras.txt"));
-  const std::size_t at = cameras.find(" 458.654");
+  const std::size_t at = cameras.find(" 450 ");
   ASSERT_NE(at, std::string::npos) << cameras;
-  cameras.replace(at, 5, " 470.");
+  cameras.replace(at, 4, " 470");
   WriteWholeFile(In("model/cameras.txt"), cameras);
   const ProcessResult result = RunSlamdb({"convert", In("model"), In("back.osa"), "--onto", kSession});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("14 poses of another lens than the atlas has, as that of kf 0 (fx fy cx cy, "));
-  EXPECT_THAT(result.err, HasSubstr("470.654"));
+  EXPECT_THAT(result.err, HasSubstr("470 450 320 240; in the atlas 450 450 320 240"));
 }
 
 // Descriptors are what ORB-SLAM3 matches by.
@@ -127,7 +127,7 @@ TEST_F(Reconstructions, AreReadBesideAnotherDatabase) {
 
 // COLMAP before 3.12 writes no rigs.
 TEST_F(Reconstructions, SayWhichOfTheirImagesAreRightOnes) {
-  ASSERT_EQ(RunSlamdb({"synthesize", In("pair.osa"), "--sensor", "fisheye-stereo", "--keyframes", "4"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"synthesize", In("pair.osa"), "--sensor", "fisheye", "--keyframes", "4"}).exit_code, 0);
   Json({"convert", In("pair.osa"), In("model"), "--to", "colmap"});
   fs::remove(In("model/rigs.bin"));
   fs::remove(In("model/frames.bin"));
