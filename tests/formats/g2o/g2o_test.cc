@@ -47,6 +47,15 @@ std::string Refusal(const std::string& text) {
   return "read";
 }
 
+TEST(G2o, SaysByHowMuchPosesFarOffAreRounded) {
+  Notices near, far;
+  ReadGraph("VERTEX_SE3:QUAT 0 1000.1 0 0 0 0 0 1\n# TIME 0 1\n", near);
+  EXPECT_FALSE(near.lossy());
+  ReadGraph("VERTEX_SE3:QUAT 0 4600000.2 0 0 0 0 0 1\n# TIME 0 1\n", far);
+  ASSERT_TRUE(far.lossy());
+  EXPECT_THAT(far.items().front().text, HasSubstr("rounded to the 32-bit floats of an atlas: 1, by up to 0.2"));
+}
+
 TEST(G2o, WritesVerticesTimesAnchorsAndEdges) {
   EXPECT_EQ(Encoded(G2o(), SmallAtlas()),
             "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1\n"

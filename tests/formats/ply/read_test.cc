@@ -160,9 +160,13 @@ TEST(PlyReader, SaysByHowMuchDoublesAreRounded) {
   CloudBytes exact, utm;
   exact.Add(0.5).Add(static_cast<double>(0.1F)).Add(-3.0);
   utm.Add(456789.125).Add(5412345.3).Add(500.0);
+  CloudBytes near;
+  near.Add(0.1).Add(0.5).Add(1000.0001);
   EXPECT_TRUE(ReadAsCloud(kPly, Header("binary_little_endian", 1, properties) + exact.text()).notices.items().empty());
   const ReadCloud rounded = ReadAsCloud(kPly, Header("binary_little_endian", 1, properties) + utm.text());
-  EXPECT_TRUE(rounded.Tells(Notice::Kind::kWarning, "rounded to the 32-bit floats of an atlas: 1, by up to 0.2"));
+  EXPECT_TRUE(rounded.Tells(Notice::Kind::kLoss, "rounded to the 32-bit floats of an atlas: 1, by up to 0.2"));
+  const ReadCloud little = ReadAsCloud(kPly, Header("binary_little_endian", 1, properties) + near.text());
+  EXPECT_TRUE(little.Tells(Notice::Kind::kWarning, "rounded to the 32-bit floats of an atlas: 2, by up to "));
 }
 
 // What programs write: Open3D, CloudCompare, MeshLab, PCL, COLMAP's fused clouds, 3D Gaussian splats.

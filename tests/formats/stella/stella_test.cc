@@ -20,6 +20,7 @@ using ::testing::ElementsAre;
 using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 std::string Repacked(const std::string& bytes) { return Packed(json::from_msgpack(bytes)); }
@@ -276,6 +277,25 @@ TEST(Stella, WritesWhatItsLoaderNeeds) {
   int roots = 0;
   for (const auto& [id, keyframe] : written["keyframes"].items()) roots += keyframe["span_parent"] == -1 ? 1 : 0;
   EXPECT_EQ(roots, 2);  // one of each map
+}
+
+TEST(Stella, NamesThatResponseAndSizeOfKeypointsAreLost) {
+  Atlas atlas = ReadStella(SmallStellaMap());
+  Column<Keypoint>& keypoints = atlas.maps[0].keyframes[0].features.undistorted;
+  const auto told = [&](const Format& format) {
+    Notices notices;
+    Encoded(format, atlas, {}, notices);
+    std::string text;
+    for (const Notice& notice : notices.items()) text += notice.text;
+    return text;
+  };
+  EXPECT_THAT(told(detail::kStellaFormat), Not(HasSubstr("response and size")));
+  keypoints[0].response = 20;
+  EXPECT_THAT(told(detail::kStellaFormat), HasSubstr("1 keypoint lose response and size"));
+  keypoints[0].response = 0;
+  keypoints[0].size += 1;
+  EXPECT_THAT(told(detail::kStellaFormat), HasSubstr("1 keypoint lose response and size"));
+  EXPECT_THAT(told(detail::kStellaDatabaseFormat), Not(HasSubstr("response and size")));
 }
 
 TEST(Stella, RefusesIdsThatItHasNoPlaceFor) {

@@ -87,6 +87,13 @@ TEST(Xyz, ReadsColumnsThatAreNamed) {
   EXPECT_TRUE(read.Tells(Notice::Kind::kLoss, "the columns intensity;"));
 }
 
+// The shortest text of a float has fewer digits than the float.
+TEST(Xyz, SaysByHowMuchCoordinatesOfTheWorldAreRounded) {
+  EXPECT_TRUE(ReadAsCloud(kXyz, "0.1 1048576.1 1048576.125\n").notices.items().empty());
+  const ReadCloud read = ReadAsCloud(kXyz, "456789.125 5412345.3 500.1\n");
+  EXPECT_TRUE(read.Tells(Notice::Kind::kLoss, "rounded to the 32-bit floats of an atlas: 1, by up to 0.2"));
+}
+
 TEST(Xyz, LeavesOutWhatWasNotMeasured) {
   const ReadCloud read = ReadAsCloud(kXyz, "1 2 3\nnan nan nan\n4 5 6\n");
   EXPECT_EQ(read.atlas.maps.at(0).points.size(), 2U);

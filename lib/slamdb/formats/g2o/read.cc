@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/detail/rounding.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/g2o/detail/similarity_log.h"
@@ -177,6 +178,7 @@ class AtlasMaker {
       notices.Note(
           "edges between neighbours by id are the way that was gone, all others are loops; measurements and "
           "information of edges have no place in an atlas");
+    rounding_.Tell(notices);
     if (dangling_ > 0) notices.Warn(Counted(dangling_, "edge") + " left out, to a vertex that is not there");
     if (graph_.times < graph_.poses.size())
       notices.Warn(Concat("g2o has no times: ", Counted(graph_.poses.size() - graph_.times, "keyframe"),
@@ -226,13 +228,16 @@ class AtlasMaker {
     }
   }
 
-  static void AddKeyFrame(const KeyFramePose& pose, KeyFrame& keyframe) {
+  void AddKeyFrame(const KeyFramePose& pose, KeyFrame& keyframe) {
     keyframe.id = pose.keyframe;
     keyframe.timestamp = pose.timestamp;
     const Quaternionf rotation(pose.world_from_camera.rotation.conjugate().cast<float>());
     // The camera's centre is where rotation and translation say together, so the rotation is the rounded one.
     const Eigen::Quaterniond rounded = Eigen::Quaternionf(rotation).cast<double>().normalized();
-    keyframe.camera_from_world = {rotation, (-(rounded * pose.world_from_camera.translation)).cast<float>()};
+    const Eigen::Vector3d translation = -(rounded * pose.world_from_camera.translation);
+    keyframe.camera_from_world = {rotation, translation.cast<float>()};
+    const double off = (translation - keyframe.camera_from_world.translation.cast<double>()).cwiseAbs().maxCoeff();
+    if (off > detail::Rounding::kMost) rounding_.Add(off);  // less is what every number is off
   }
 
   static void SetEnds(Map& map) {
@@ -272,6 +277,7 @@ class AtlasMaker {
   IdTable rows_;                   // of poses
   std::vector<EntityRow> places_;  // by row of the poses
   std::uint64_t dangling_ = 0;
+  detail::Rounding rounding_;
 };
 
 }  // namespace

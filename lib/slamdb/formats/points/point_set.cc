@@ -2,6 +2,8 @@
 #include "slamdb/formats/points/detail/point_set.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -100,6 +102,17 @@ std::optional<std::uint64_t> WholeOf(Number value) {
   return static_cast<std::uint64_t>(value);
 }
 
+// How far a float is from its text. That of a float may have fewer digits than it takes: what is off by no more than a
+// millimetre, or is the shortest text of the float, is it.
+double OffIn(std::string_view number, float value) {
+  const double exact = ParseNumber<double>(number).value_or(static_cast<double>(value));
+  const double off = std::abs(static_cast<double>(value) - exact);
+  if (!(off > Rounding::kMost)) return 0;
+  std::array<char, 64> text;
+  const char* end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return ParseNumber<double>(std::string_view(text.data(), end)) == exact ? 0 : off;
+}
+
 }  // namespace
 
 std::size_t SizeOf(NumberType type) {
@@ -146,6 +159,7 @@ void PointSet::Set(const CloudColumn& column, const std::byte* number, bool swap
 bool PointSet::Set(const CloudColumn& column, std::string_view number) {
   if (column.type == NumberType::kFloat && !IsWhole(column.field)) {  // rounded once
     if (const auto value = ParseNumber<float>(number)) {
+      if (column.field <= PointField::kZ) rounding_.Add(OffIn(number, *value));
       SetReal(column.field, *value);
       return true;
     }
@@ -167,8 +181,7 @@ void PointSet::SetReal(PointField field, double value) {
   const auto real = static_cast<float>(value);
   if (field <= PointField::kZ) {
     now_.position[static_cast<int>(field)] = real;
-    const double off = std::abs(static_cast<double>(real) - value);
-    if (off > 0) ++rounded_, most_rounded_ = std::max(most_rounded_, off);
+    rounding_.Add(std::abs(static_cast<double>(real) - value));
   } else if (field <= PointField::kNormalZ) {
     now_.normal[static_cast<int>(field) - static_cast<int>(PointField::kNormalX)] = real;
   } else if (field == PointField::kMinDistance) {
@@ -238,9 +251,7 @@ void PointSet::Tell(Notices& notices) const {
   if (!derived_.empty()) notices.Note("left out what tells of keyframes, which are not there: " + derived_);
   if (cameras_ > 0) notices.Note("left out corners of cameras that are drawn: " + Thousands(cameras_));
   if (empty_ > 0) notices.Note("left out where nothing was measured: " + Counted(empty_, "point"));
-  if (rounded_ > 0)
-    notices.Warn(Concat("coordinates are rounded to the 32-bit floats of an atlas: ", Thousands(rounded_),
-                        ", by up to ", most_rounded_));
+  rounding_.Tell(notices);
 }
 
 Atlas PointSet::Finish(const Selection& selection, Notices& notices) {

@@ -2,7 +2,6 @@
 #include "slamdb/formats/stella/detail/assemble.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -140,13 +139,6 @@ class Assembler {
     if (features.keypoints.empty()) features.keypoints = Distorted(lens, features.undistorted);
     if (lens.model == Model::kFisheye) features.undistorted = features.keypoints;
     keyframe.not_erase = !keyframe.loop_edges.empty();
-  }
-
-  // What ORB-SLAM3 describes at an octave: 31 pixels of the level.
-  static float PatchAt(std::int32_t octave, const ScalePyramid& pyramid) {
-    constexpr float kPatch = 31;
-    const bool is_level = octave >= 0 && octave < pyramid.levels;
-    return std::floor(kPatch * (is_level ? pyramid.factors[static_cast<std::size_t>(octave)] : 1));
   }
 
   void MakeMaps(Atlas& atlas) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <numbers>
 
@@ -67,6 +68,12 @@ std::string_view NameOf(Model model) { return kModels[static_cast<std::size_t>(m
 std::string_view NameOf(Setup setup) { return kSetups[static_cast<std::size_t>(setup)]; }
 std::optional<Model> ModelOf(std::string_view name) { return Find<Model>(kModels, name); }
 std::optional<Setup> SetupOf(std::string_view name) { return Find<Setup>(kSetups, name); }
+
+float PatchAt(std::int32_t octave, const ScalePyramid& pyramid) {
+  constexpr float kPatch = 31;
+  const bool is_level = octave >= 0 && static_cast<std::size_t>(octave) < pyramid.factors.size();
+  return std::floor(kPatch * (is_level ? pyramid.factors[static_cast<std::size_t>(octave)] : 1));
+}
 
 OrbParams OrbParams::Of(const ScalePyramid& pyramid) {
   OrbParams params;

@@ -288,6 +288,20 @@ OutgoingFeatures Outgoing::FeaturesOf(const OutgoingKeyFrame& written) const {
   return out;
 }
 
+std::uint64_t Outgoing::CountShapes() const {
+  std::uint64_t count = 0;
+  for (const OutgoingKeyFrame& written : keyframes_) {
+    const Features& features = written.keyframe->features;
+    const Column<Keypoint>& keypoints = features.is_fisheye_stereo() ? features.keypoints : features.undistorted;
+    for (std::size_t row = 0; row < written.rows; ++row) {
+      const Keypoint& keypoint = keypoints[row];
+      const bool is_usual = keypoint.size == PatchAt(keypoint.octave, written.keyframe->pyramid);
+      count += keypoint.response != 0 || !is_usual ? 1 : 0;
+    }
+  }
+  return count;
+}
+
 void Outgoing::Losses::Tell(Notices& notices) const {
   const auto lose = [&](std::uint64_t count, std::string_view noun, std::string_view what) {
     if (count > 0) notices.Lose(Concat(Counted(count, noun), what));

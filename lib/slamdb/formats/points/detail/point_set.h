@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/detail/rounding.h"
 #include "slamdb/formats/format.h"
 
 // Point clouds read as atlases of points alone, to be compared and converted.
@@ -98,8 +99,8 @@ class PointSet {
   std::string unknown_, derived_;  // names of columns
   bool has_ids_ = false;
   Row now_;
-  std::uint64_t row_ = 0, expected_ = 0, cameras_ = 0, empty_ = 0, rounded_ = 0, twins_ = 0;
-  double most_rounded_ = 0;
+  std::uint64_t row_ = 0, expected_ = 0, cameras_ = 0, empty_ = 0, twins_ = 0;
+  Rounding rounding_;
   Atlas atlas_;
   std::unordered_map<std::uint64_t, std::size_t> rows_of_maps_;  // of atlas_.maps, by id
 };

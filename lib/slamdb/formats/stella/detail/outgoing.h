@@ -56,6 +56,8 @@ class Outgoing {
   std::uint64_t next_point() const { return next_point_; }
 
   OutgoingFeatures FeaturesOf(const OutgoingKeyFrame& keyframe) const;
+  // Keypoints with a response, or a size that is not their octave's: what only a database holds.
+  std::uint64_t CountShapes() const;
 
  private:
   // What the notices tell.
