@@ -255,6 +255,7 @@ constexpr Exception kExceptions[] = {
     {"osa", "Landmark.*", "no .osa file holds them; a loss"},
     {"osa", "LandmarkFeature.*", "no .osa file holds them; a loss"},
     {"osa", "FeatureDescriptor.*", "no .osa file holds them; a loss"},
+    {"ndjson reader", "Atlas.layout", "a name that is no UTF-8"},
     {"ndjson reader", "Atlas.repeated_maps", "there is nothing at that place or row"},
     {"ndjson reader", "Atlas.repeated_cameras", "there is nothing at that place or row"},
     {"ndjson reader", "Map.repeated_keyframes", "there is nothing at that place or row"},

@@ -176,8 +176,9 @@ void RequirePlain(const Format& format, const std::string& path, const std::stri
              " files hold one atlas without a name; a `#` in the name of a file needs the file's suffix behind it"));
 }
 
+// A format of folders may be told by its main file, too.
 bool Sniffs(const Format& format, const Probe& probe) {
-  return format.sniff != nullptr && format.is_folder == probe.is_directory && format.sniff(probe);
+  return format.sniff != nullptr && (format.is_folder || !probe.is_directory) && format.sniff(probe);
 }
 
 // What a file is: of a format, or something else that is known, or neither.

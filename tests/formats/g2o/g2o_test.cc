@@ -216,6 +216,13 @@ TEST(G2o, BadLinesAreErrorsWithTheirPlace) {
   EXPECT_THAT(Refusal("VERTEX_SE2 0 0 0 0\n"), HasSubstr("has no vertices of the kinds"));
 }
 
+TEST(G2o, VerticesThatAreThereTwiceAreRefused) {
+  const std::string vertex = "VERTEX_SE3:QUAT 4 0 0 0 0 0 0 1\n";
+  EXPECT_EQ(Refusal(vertex + vertex), "line 2: vertex 4 is in line 1 already");
+  EXPECT_THAT(Refusal(vertex + "#\nVERTEX_SIM3:EXPMAP 4 0 0 0 1 2 3 0 1 1 1 1\n"),
+              HasSubstr("line 3: vertex 4 is in line 1 already"));
+}
+
 TEST(G2o, AnyCutOrFlipIsReadOrRefused) {
   const std::string graph = Encoded(G2o(), SmallAtlas()) + "VERTEX_SIM3:EXPMAP 8 0.1 0.2 0.3 1 2 3 0.5 1 1 1 1\n";
   for (std::size_t at = 0; at < graph.size(); ++at) {

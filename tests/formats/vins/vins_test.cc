@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/digest.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -82,15 +84,40 @@ TEST_F(Vins, IsToldByItsGraph) {
   EXPECT_TRUE(detail::kVinsFormat.sniff(Probe::Of(folder_.path().string())));
 }
 
+TEST_F(Vins, IsReadByTheFileOfItsGraph) {
+  folder_.Make("pose_graph.txt", kGraph);
+  folder_.Make("0_keypoints.txt", "10.5 20 0.1 0.2\n30 40 0.3 0.4\n");
+  const Atlas atlas = ReadAtlas(folder_.Path("pose_graph.txt"));
+  EXPECT_EQ(atlas.maps[0].keyframes.at(0).features.keypoints.size(), 2U);
+  ReadOptions options;
+  options.format = "vins";
+  EXPECT_EQ(HashOf(ReadAtlas(folder_.Path("pose_graph.txt"), options)), HashOf(atlas));
+  // Of another name, or what another program calls so.
+  folder_.Make("graph.txt", kGraph);
+  EXPECT_FALSE(detail::kVinsFormat.sniff(Probe::Of(folder_.Path("graph.txt"))));
+  EXPECT_THROW(detail::kVinsFormat.read(folder_.Path("graph.txt"), {}, notices_), Error);
+  std::filesystem::remove(folder_.Path("pose_graph.txt"));
+  folder_.Make("pose_graph.txt", "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n");
+  EXPECT_FALSE(detail::kVinsFormat.sniff(Probe::Of(folder_.Path("pose_graph.txt"))));
+}
+
 TEST_F(Vins, BadLinesAreErrorsWithTheirPlace) {
   EXPECT_THAT(Refusal("0 1 2\n"), HasSubstr("line 1: expected 26 numbers, found in place of number 4"));
   EXPECT_THAT(Refusal("0.5" + kGraph.substr(2)), HasSubstr("line 1: number 1 must be a whole one"));
   std::string no_turn = kGraph;
   no_turn.replace(no_turn.find(" 1 0 0 0 -1"), 8, " 0 0 0 0");
   EXPECT_THAT(Refusal(no_turn), HasSubstr("a quaternion of length 0"));
+  std::string far = kGraph;
+  far.replace(far.find(" 1 2 3"), 6, " 1 2 1e39");
+  EXPECT_THAT(Refusal(far), HasSubstr("line 1: a position that is not finite"));
   folder_.Make("0_keypoints.txt", "1 2 3 4\n");
   folder_.Make("0_briefdes.dat", "0101\n");
   EXPECT_THAT(Refusal(kGraph), HasSubstr("expected a descriptor of 256 digits"));
+}
+
+TEST_F(Vins, IndicesAreThereOnce) {
+  EXPECT_THAT(Refusal(kGraph + kGraph), HasSubstr("line 4: keyframe 0 is there already"));
+  EXPECT_THAT(Refusal("-1" + kGraph.substr(2)), HasSubstr("line 1: keyframe -1 has no index"));
 }
 
 // As both programs print them: six decimals.

@@ -55,11 +55,11 @@ class Parser {
  private:
   void TakeRecord(std::string_view tag) {
     if (tag == "VERTEX_SE3:QUAT") {
-      const std::uint64_t id = TakeId();
-      graph_.poses.push_back({KeyFrameId(id), 0, TakePose()});
+      const KeyFrameId id = TakeNewVertex();
+      graph_.poses.push_back({id, 0, TakePose()});
     } else if (tag == "VERTEX_SIM3:EXPMAP") {
-      const std::uint64_t id = TakeId();
-      graph_.poses.push_back({KeyFrameId(id), 0, TakeSimilarity()});
+      const KeyFrameId id = TakeNewVertex();
+      graph_.poses.push_back({id, 0, TakeSimilarity()});
     } else if (tag == "EDGE_SE3:QUAT" || tag == "EDGE_SIM3:EXPMAP") {
       const std::uint64_t first = TakeId(), second = TakeId();
       for (int i = 0; i < 7; ++i) TakeNumber();
@@ -99,6 +99,12 @@ class Parser {
     if (!id || *id == KeyFrameId::kNone) Fail(Concat("expected the id of a vertex, ", detail::Excerpt(word)));
     return *id;
   }
+  KeyFrameId TakeNewVertex() {
+    const std::uint64_t id = TakeId();
+    const auto [vertex, is_new] = vertices_.try_emplace(id, number_);
+    if (!is_new) Fail(Concat("vertex ", id, " is in line ", vertex->second, " already"));
+    return KeyFrameId(id);
+  }
   double TakeNumber() {
     const std::string_view word = detail::TakeWord(line_, detail::kBlanks);
     const auto number = detail::ParseNumber<double>(word);
@@ -128,6 +134,7 @@ class Parser {
   std::size_t number_ = 0;
   PoseGraph graph_;
   std::map<std::uint64_t, double> times_;
+  std::map<std::uint64_t, std::size_t> vertices_;  // their lines
 };
 
 PoseGraph Parse(const Source& source, Notices& notices) {

@@ -20,7 +20,8 @@ using detail::Concat;
 using layouts::MapRecords;
 using layouts::RecordList;
 
-// Whether one in two of the keyframes, and of the points, that are seen whole is read by the layout from end to end.
+// Whether one in eight of the keyframes, and of the points, that are seen whole is read by the layout from end to end:
+// of another layout none is, and of a damaged file many may not be.
 bool FitsRecords(const layouts::ArchiveBytes& archive, const Layout& layout, std::span<const MapRecords> maps) {
   const layouts::Wire wire(layout, archive.encoding);
   const layouts::WarmWalk walk(wire, archive.file, archive.encoding);
@@ -37,7 +38,7 @@ bool FitsRecords(const layouts::ArchiveBytes& archive, const Layout& layout, std
             end > 0 && walk.BehindMembers(wire.classes[static_cast<std::size_t>(row)], list.records[i].body, 0) == end;
       }
     }
-    return 2 * fitting >= known;
+    return 8 * fitting >= known;
   };
   return fits("KeyFrame", &MapRecords::keyframes) && fits("MapPoint", &MapRecords::points);
 }

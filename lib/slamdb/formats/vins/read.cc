@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <unordered_set>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
+#include "slamdb/formats/import/detail/pose_numbers.h"
 #include "slamdb/formats/vins/detail/vins.h"
 #include "slamdb/model/index.h"
 
@@ -50,10 +52,24 @@ void ForEachLine(const WholeFile& file, const Visit& visit) {
   }
 }
 
+bool IsGraphFile(const std::filesystem::path& path) {
+  std::error_code missing;
+  return path.filename() == kGraphFile && std::filesystem::is_regular_file(path, missing);
+}
+
+// Of the graph's file it is the folder around it.
+std::filesystem::path FolderOf(const std::filesystem::path& path) {
+  if (IsGraphFile(path)) return path.parent_path();
+  if (std::error_code missing; std::filesystem::is_regular_file(path, missing))
+    throw Error(ErrorKind::kUsage, path.string(), "",
+                Concat("a pose graph of VINS is a folder: give its path, or that of its ", kGraphFile));
+  return path;
+}
+
 class GraphReader {
  public:
   GraphReader(const Source& source, const ReadOptions& options, Notices& notices)
-      : folder_(source.path), options_(options), notices_(notices) {}
+      : folder_(FolderOf(source.path)), options_(options), notices_(notices) {}
 
   Atlas Read() {
     Map& map = atlas_.maps.emplace_back();
@@ -80,13 +96,17 @@ class GraphReader {
     Map& map = atlas_.maps[0];
     const KeyFrameId before = map.keyframes.empty() ? KeyFrameId() : map.keyframes.back().id;
     KeyFrame& keyframe = map.keyframes.emplace_back();
-    keyframe.id = KeyFrameId(static_cast<std::uint64_t>(whole(kIndex)));
+    const std::int64_t index = whole(kIndex);
+    if (index < 0 || !indices_.insert(index).second)
+      throw Error(ErrorKind::kDamaged, path, Concat("line ", line),
+                  Concat("keyframe ", index, index < 0 ? " has no index" : " is there already"));
+    keyframe.id = KeyFrameId(static_cast<std::uint64_t>(index));
     keyframe.timestamp = numbers[kTime];
     const Eigen::Vector3d position(numbers[kPosition], numbers[kPosition + 1], numbers[kPosition + 2]);
     const Eigen::Quaterniond world_from_body(numbers[kRotation], numbers[kRotation + 1], numbers[kRotation + 2],
                                              numbers[kRotation + 3]);
-    if (!(world_from_body.norm() > 1e-6))
-      throw Error(ErrorKind::kDamaged, path, Concat("line ", line), "a quaternion of length 0");
+    if (const char* why = detail::WhyNoPose(world_from_body.coeffs(), position))
+      throw Error(ErrorKind::kDamaged, path, Concat("line ", line), why);
     const Quaternionf rotation(world_from_body.normalized().conjugate().cast<float>());
     // The centre is where rotation and translation say together, so the rotation is the rounded one.
     const Eigen::Quaterniond rounded = Eigen::Quaternionf(rotation).cast<double>().normalized();
@@ -179,14 +199,23 @@ class GraphReader {
   const ReadOptions& options_;
   Notices& notices_;
   Atlas atlas_;
+  std::unordered_set<std::int64_t> indices_;                   // of keyframes
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends_;  // of loops, rows
   std::uint64_t dangling_ = 0, without_keypoints_ = 0, odd_counts_ = 0;
 };
 
+// Any program may call a file so; in this one a line is 26 numbers.
+bool BeginsWithLineOfGraph(const Probe& probe) {
+  std::string_view text = detail::WithoutMark(probe.head);
+  std::string_view line = detail::TakeLine(text);
+  for (std::size_t column = 0; column < kColumns; ++column)
+    if (!detail::ParseNumber<double>(detail::TakeWord(line, detail::kBlanks))) return false;
+  return detail::Trimmed(line).empty();
+}
+
 bool Sniff(const Probe& probe) {
-  std::error_code missing;
-  return probe.is_directory &&
-         std::filesystem::is_regular_file(std::filesystem::path(probe.path) / kGraphFile, missing);
+  const std::filesystem::path path(probe.path);
+  return probe.is_directory ? IsGraphFile(path / kGraphFile) : IsGraphFile(path) && BeginsWithLineOfGraph(probe);
 }
 
 Atlas Read(const Source& source, const ReadOptions& options, Notices& notices) {
