@@ -83,8 +83,8 @@ TEST_F(Reconstructions, SayWhereTheirCamerasAreOthers) {
   WriteWholeFile(In("model/cameras.txt"), cameras);
   const ProcessResult result = RunSlamdb({"convert", In("model"), In("back.osa"), "--onto", kSession});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("14 poses of another lens than the atlas has, as that of kf 0 (fx fy cx cy, "));
-  EXPECT_THAT(result.err, HasSubstr("470 450 320 240; in the atlas 450 450 320 240"));
+  EXPECT_THAT(result.err, HasSubstr("14 poses of another lens than the atlas has, as that of kf "));
+  EXPECT_THAT(result.err, HasSubstr("470 450 319.5 239.5; in the atlas 450 450 319.5 239.5"));
 }
 
 // Descriptors are what ORB-SLAM3 matches by.
@@ -127,7 +127,9 @@ TEST_F(Reconstructions, AreReadBesideAnotherDatabase) {
 
 // COLMAP before 3.12 writes no rigs.
 TEST_F(Reconstructions, SayWhichOfTheirImagesAreRightOnes) {
-  ASSERT_EQ(RunSlamdb({"synthesize", In("pair.osa"), "--sensor", "fisheye", "--keyframes", "4"}).exit_code, 0);
+  ASSERT_EQ(
+      RunSlamdb({"synthesize", In("pair.osa"), "--sensor", "fisheye", "--keyframes", "4", "--points", "100"}).exit_code,
+      0);
   Json({"convert", In("pair.osa"), In("model"), "--to", "colmap"});
   fs::remove(In("model/rigs.bin"));
   fs::remove(In("model/frames.bin"));
