@@ -58,8 +58,11 @@ constexpr std::array kWorld = {
     "(printf 'P5\\n640 480\\n255\\n'; head -c 307200 /dev/zero) >frame.png; mkdir frames && cp frame.png frames",
     "printf 'Camera1.%s: 400\\n' fx fy cx cy >camera.yaml",
     "slamdb convert session_a.osa fork.osa --to-layout visible-found -q; slamdb layouts show visible-found >fork.json",
-    "mkdir ORB_SLAM3_FORK && printf 'class Map { int a; template <class A> void serialize(A& ar, unsigned) { ar & a; } };"
-    "void Save(Map* map) { boost::archive::binary_oarchive oa(f); oa << map; }' >ORB_SLAM3_FORK/Map.h",
+    "mkdir ORB_SLAM3_FORK && for class in Atlas Map KeyFrame MapPoint; do echo \"class $class { int a; "
+    "template <class A> void serialize(A& ar, unsigned) { ar & a; } };\"; done >ORB_SLAM3_FORK/Map.h && echo "
+    "'void Save(Atlas* a, Map* m, KeyFrame* k, MapPoint* p) { boost::archive::binary_oarchive oa(f); oa << a << m << k "
+    "<< p; "
+    "}' >>ORB_SLAM3_FORK/Map.h",
     "mkdir -p parts build .zfunc .config/fish/completions disk && cp lab.db disk",
 };
 
