@@ -19,8 +19,6 @@ inline ColmapParts SplitColmap(std::string_view input) {
   return {.binary = !input.starts_with('t'), .files = SplitFiles<5>(input.substr(input.empty() ? 0 : 1))};
 }
 
-inline std::string JoinColmap(const ColmapParts& parts) {
-  return (parts.binary ? "b" : "t") + JoinFiles(parts.files);
-}
+inline std::string JoinColmap(const ColmapParts& parts) { return (parts.binary ? "b" : "t") + JoinFiles(parts.files); }
 
 }  // namespace slamdb::fuzz

@@ -82,7 +82,9 @@ class Aligner {
     const std::vector<Consensus> found = FindConsensus(pair_, tried.hypotheses);
     Alignment best = NothingAgrees();
     if (!HasFeatures(pair_.first.views) || !HasFeatures(pair_.second.views))
-      best.reason = "one of the maps has no keypoints with ORB descriptors, as trajectories have none, and maps of SIFT or SuperPoint";
+      best.reason =
+          "one of the maps has no keypoints with ORB descriptors, as trajectories have none, and maps of SIFT or "
+          "SuperPoint";
     std::size_t judged = 0;
     while (judged < std::min(found.size(), kConsensusesTried)) {
       Alignment alignment = Judge(tried, found, judged);

@@ -169,7 +169,8 @@ std::size_t RestoreNormals(Atlas& atlas) {
 
 void CheckPointDescriptor(const Subject& subject, Findings& findings) {
   ForEachPoint(subject.atlas, [&](std::size_t, const Map& map, const MapPoint& point) {
-    if (!point.has_descriptor() && !point.has_other_descriptor()) findings.Add(PlaceOf(map, point), "has no descriptor");
+    if (!point.has_descriptor() && !point.has_other_descriptor())
+      findings.Add(PlaceOf(map, point), "has no descriptor");
   });
 }
 

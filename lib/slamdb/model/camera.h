@@ -10,8 +10,8 @@
 namespace slamdb {
 
 enum class CameraModel : std::uint32_t {
-  kPinhole = 0,         // parameters fx, fy, cx, cy (pixels)
-  kKannalaBrandt8 = 1,  // parameters fx, fy, cx, cy, k0, k1, k2, k3 (Kannala and Brandt, PAMI 2006)
+  kPinhole = 0,          // parameters fx, fy, cx, cy (pixels)
+  kKannalaBrandt8 = 1,   // parameters fx, fy, cx, cy, k0, k1, k2, k3 (Kannala and Brandt, PAMI 2006)
   kEquirectangular = 2,  // of the fork super_SLAM3: 2 parameters; kept and written back, nothing is projected with it
 };
 

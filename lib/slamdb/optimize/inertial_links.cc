@@ -6,9 +6,9 @@
 #include <numbers>
 #include <optional>
 
+#include "slamdb/edit/frame/detail/states.h"
 #include "slamdb/model/index.h"
 #include "slamdb/model/up.h"
-#include "slamdb/edit/frame/detail/states.h"
 
 namespace slamdb::detail {
 namespace {

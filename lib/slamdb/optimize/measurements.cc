@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "slamdb/model/derive.h"
 #include "slamdb/edit/frame/detail/states.h"
+#include "slamdb/model/derive.h"
 
 namespace slamdb::detail {
 namespace {

@@ -44,8 +44,8 @@ struct CameraSettings {
 // Without distortion, or for Kannala-Brandt, the pixel itself.
 [[nodiscard]] SLAMDB_EXPORT Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2d& pixel);
 
-// Where the corners of a picture would be, as ORB-SLAM3 records it: pixels without their fractions. It looks at no other
-// places of the sides. Without a grid.
+// Where the corners of a picture would be, as ORB-SLAM3 records it: pixels without their fractions. It looks at no
+// other places of the sides. Without a grid.
 [[nodiscard]] SLAMDB_EXPORT ImageBounds UndistortedBounds(const CameraSettings& settings, std::int32_t width,
                                                           std::int32_t height);
 

@@ -14,10 +14,10 @@ namespace slamdb::detail {
 // goes.
 //
 // What kills a program leaves such a file behind. So it is locked (flock) while its writer lives, and
-// RemoveDeadTemporaryFiles() removes those in a folder that nobody holds any more: regular files and folders of this user (of any,
-// for the superuser), of such a name, with one link, whose lock is free, and which this run does not read. Locks of
-// another machine cannot be seen on every network file system; on any file system that is not known to be local, a dead
-// one goes only when it was not written for a day.
+// RemoveDeadTemporaryFiles() removes those in a folder that nobody holds any more: regular files and folders of this
+// user (of any, for the superuser), of such a name, with one link, whose lock is free, and which this run does not
+// read. Locks of another machine cannot be seen on every network file system; on any file system that is not known to
+// be local, a dead one goes only when it was not written for a day.
 class TemporaryFile {
  public:
   // Beside `target`, which need not exist; `mode` as in open(), which the process' mask narrows. Errors name `path`.
@@ -51,8 +51,8 @@ class TemporaryFile {
   int slot_ = -1;  // among those that RemoveTemporaryFiles knows
 };
 
-// A folder beside the place where it belongs once it is whole, of such a name, locked and removed as a temporary file is,
-// with all that is in it.
+// A folder beside the place where it belongs once it is whole, of such a name, locked and removed as a temporary file
+// is, with all that is in it.
 class TemporaryFolder {
  public:
   // Beside `target`; errors name `path`.

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "slamdb/model/detail/covisibility.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/covisibility.h"
 #include "slamdb/model/detail/observed.h"
 #include "slamdb/model/index.h"
 

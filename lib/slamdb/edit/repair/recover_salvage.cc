@@ -4,8 +4,8 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
-#include "slamdb/model/detail/covisibility.h"
 #include "slamdb/edit/repair/recover.h"
+#include "slamdb/model/detail/covisibility.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {

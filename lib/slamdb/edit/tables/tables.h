@@ -30,9 +30,9 @@ struct TableEditOptions {
 // What a table did.
 struct TableEditChanges {
   std::uint64_t rows = 0;
-  std::uint64_t moved = 0;    // other positions, or poses
-  std::uint64_t changed = 0;  // another value in any other column; those that moved may be among them
-  std::uint64_t deleted = 0;  // whose column `bad` became 1, or that have no row
+  std::uint64_t moved = 0;           // other positions, or poses
+  std::uint64_t changed = 0;         // another value in any other column; those that moved may be among them
+  std::uint64_t deleted = 0;         // whose column `bad` became 1, or that have no row
   std::vector<std::string> ignored;  // columns of another name
   friend bool operator==(const TableEditChanges&, const TableEditChanges&) = default;
 };
@@ -46,10 +46,11 @@ struct TableEditReport {
 
 // Gives `atlas` what the rows of the tables say, and closes what deleting leaves open as KeepSubset does.
 // A value that is written as the atlas has it changes nothing, not a bit; an empty cell, and a column that is not
-// there, neither: x alone moves along x. What `bad` becomes 1 of is deleted, as nothing may refer to what is bad. Points that moved, and those that moved keyframes see, get normals and distance ranges anew, as
-// ORB-SLAM3's UpdateNormalAndDepth, unless their row has others. The position of the body follows the camera. Points
-// that deleted keyframes leave with too few observers go, as Border::kStrict says. UndoRepair(atlas, report.journal)
-// takes all of it back bit by bit.
+// there, neither: x alone moves along x. What `bad` becomes 1 of is deleted, as nothing may refer to what is bad.
+// Points that moved, and those that moved keyframes see, get normals and distance ranges anew, as ORB-SLAM3's
+// UpdateNormalAndDepth, unless their row has others. The position of the body follows the camera. Points that deleted
+// keyframes leave with too few observers go, as Border::kStrict says. UndoRepair(atlas, report.journal) takes all of it
+// back bit by bit.
 //
 // Throws Error, with file and line, before anything changes:
 //   kDamaged      no such table: the column `id` is missing; a cell is no such number; an id that the atlas, or its

@@ -31,7 +31,8 @@ struct RecomputeWordsReport {
 // new keyframe (KeyFrame::ComputeBoW), and makes the atlas name `identity` as its vocabulary.
 //
 // Throws Error (kNotPossible), before it changes anything, when only the missing are asked for and others stay that
-// were made with another vocabulary, and where descriptors are not ORB's. Cost: linear, in place; the result is the same for any number of threads.
+// were made with another vocabulary, and where descriptors are not ORB's. Cost: linear, in place; the result is the
+// same for any number of threads.
 SLAMDB_EXPORT RecomputeWordsReport RecomputeWords(Atlas& atlas, const VocabularyTree& tree, const Vocabulary& identity,
                                                   const RecomputeWordsOptions& options = {});
 

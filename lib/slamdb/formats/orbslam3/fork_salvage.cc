@@ -25,7 +25,7 @@ using layouts::RecordList;
 bool FitsRecords(const layouts::ArchiveBytes& archive, const Layout& layout, std::span<const MapRecords> maps) {
   const layouts::Wire wire(layout, archive.encoding);
   const layouts::WarmWalk walk(wire, archive.file, archive.encoding);
-  const auto fits = [&](const char* name, RecordList MapRecords::* list_of) {
+  const auto fits = [&](const char* name, RecordList MapRecords::*list_of) {
     const std::int64_t row = wire.RowOf(name);
     if (row < 0) return false;
     std::size_t known = 0, fitting = 0;

@@ -332,7 +332,8 @@ Salvage SalvageStore(const std::string& path, const std::string& name, const Rea
   if (options.of<StoreReadOptions>().accept_edits) database.AcceptEdits(&edits);
   Salvage salvage = sqlite::SalvageRows(database, statement.Integer(0));
   if (lacks_carried)
-    salvage.damage.insert(salvage.damage.begin(), "table carried: lost, and with it what entities had of a fork's file");
+    salvage.damage.insert(salvage.damage.begin(),
+                          "table carried: lost, and with it what entities had of a fork's file");
   if (image.changed()) throw Error(ErrorKind::kLocked, path, "", "is being changed while it is read: try again");
   if (image.lacks_pages())
     salvage.damage.insert(salvage.damage.begin(),

@@ -4,9 +4,9 @@
 #include <ceres/manifold.h>
 #include <ceres/sized_cost_function.h>
 
+#include "slamdb/edit/frame/detail/states.h"
 #include "slamdb/optimize/detail/inertial_links.h"
 #include "slamdb/optimize/detail/measurements.h"
-#include "slamdb/edit/frame/detail/states.h"
 
 // What Ceres minimises, with analytic derivatives. The block of a pose has seven numbers and six degrees of freedom;
 // its derivatives are by the six, in the first columns, and the manifold passes them on.
