@@ -302,10 +302,10 @@ Run AddConvert(CLI::App& verb) {
       ->required();
   AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
   AddFrom(verb, options->from);
-  verb.add_option("--onto", options->onto,
-                  "Write this atlas with the poses and points of INPUT, such as a graph or a reconstruction that was "
-                  "optimised: by "
-                  "id, or by time where INPUT is a trajectory; other points follow their reference keyframe")
+  verb.add_option(
+          "--onto", options->onto,
+          "Write this atlas with the poses and points of INPUT: a graph or a reconstruction that was optimised, by "
+          "id, or a trajectory, by time; other points follow their reference keyframe")
       ->type_name("FILE");
   AddTarget(verb, options->target);
   AddWait(verb, options->wait);

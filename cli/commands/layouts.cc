@@ -181,9 +181,7 @@ Run BindList(CLI::App& verb) {
 
 Run BindShow(CLI::App& verb) {
   const auto layout = std::make_shared<std::string>();
-  verb.add_option("LAYOUT", *layout, "The id of a known layout, or a file with one")
-      ->type_name("LAYOUT|FILE")
-      ->required();
+  verb.add_option("LAYOUT", *layout, "The id of a known layout, or a file with one")->type_name("LAYOUT")->required();
   return [layout](Console& console) { return RunShowLayout(*layout, console); };
 }
 

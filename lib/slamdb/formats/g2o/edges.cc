@@ -38,8 +38,8 @@ std::vector<Edge> EssentialEdges(const Map& map) {
   };
   std::ranges::sort(
       edges, [&](const Edge& a, const Edge& b) { return ids(a) != ids(b) ? ids(a) < ids(b) : a.weight > b.weight; });
-  const auto repeated = std::ranges::unique(edges, {}, ids);
-  edges.erase(repeated.begin(), repeated.end());
+  edges.erase(std::unique(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return ids(a) == ids(b); }),
+              edges.end());
   return edges;
 }
 

@@ -53,8 +53,8 @@ class MapText {
     }
     const auto id = [&](std::uint32_t row) { return map.keyframes[row].id; };
     std::ranges::stable_sort(rows_, {}, id);
-    const auto repeated = std::ranges::unique(rows_, {}, id);
-    rows_.erase(repeated.begin(), repeated.end());
+    const auto same = [&](std::uint32_t a, std::uint32_t b) { return id(a) == id(b); };
+    rows_.erase(std::unique(rows_.begin(), rows_.end(), same), rows_.end());
     views_.emplace(atlas, map);
   }
 
