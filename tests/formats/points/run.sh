@@ -58,7 +58,7 @@ places text.ply | paste -d ' ' - expected.xyz >both.txt
 awk 'function far(a, b) { d = a - b; return d * d > 1e-10 * (1 + b * b) }
   NF != 6 || far($1, $4) || far($2, $5) || far($3, $6) { exit 1 }' both.txt || fail "PLY of PCL as text"
 pcl_pcd2ply -format 1 -use_camera 1 ours.pcd camera.ply >/dev/null 2>&1
-status=0; "$SLAMDB" convert camera.ply camera.osa -q 2>/dev/null || status=$?
+status=0; "$slamdb" convert camera.ply camera.db --quiet 2>/dev/null || status=$?
 [ $status = 3 ] || fail "an element camera is left out with status $status, expected 3"
 places camera.ply >found.xyz
 same "PLY of PCL with an element camera" found.xyz expected.xyz
