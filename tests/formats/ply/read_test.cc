@@ -240,7 +240,7 @@ TEST(PlyReader, TakesNumbersThatNoFloatHolds) {
   const ReadCloud read = ReadAsCloud(kPly, Header("ascii", 2, kXyz) + "1e-50 0 0\n1e39 -inf 0\n");
   EXPECT_EQ(read.position(0).x(), 0);
   EXPECT_EQ(read.atlas.maps[0].points.size(), 1U) << "what is beyond all floats has no place";
-  EXPECT_TRUE(read.Tells(Notice::Kind::kWarning, "by up to inf"));
+  EXPECT_TRUE(read.Tells(Notice::Kind::kLoss, "by up to inf"));
 }
 
 TEST(PlyReader, PointsOfScansWithoutAPlaceAreNone) {
