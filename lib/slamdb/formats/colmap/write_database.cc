@@ -12,6 +12,7 @@
 #include "slamdb/formats/colmap/detail/models.h"
 #include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/colmap/detail/schemas.h"
+#include "slamdb/model/detail/rotations.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::colmap {
@@ -102,10 +103,7 @@ Relation RelationOf(const Image& first, const Image& second, const Camera& first
   relation.translation = TranslationOf(between);
   const double length = relation.translation.norm();
   relation.translation = length > kNothing ? Eigen::Vector3d(relation.translation / length) : Eigen::Vector3d::Zero();
-  const Eigen::Vector3d& t = relation.translation;
-  Eigen::Matrix3d cross;
-  cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
-  relation.essential = cross * relation.second_from_first.toRotationMatrix();
+  relation.essential = detail::Hat(relation.translation) * relation.second_from_first.toRotationMatrix();
   const auto one = InverseCalibration(first_camera), two = InverseCalibration(second_camera);
   if (one && two) relation.fundamental = two->transpose() * relation.essential * *one;
   return relation;

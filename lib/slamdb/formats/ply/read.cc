@@ -23,9 +23,6 @@ struct Element {
   std::uint64_t count = 0;
   std::vector<Property> properties;
 
-  bool has_lists() const {
-    return std::ranges::any_of(properties, [](const Property& property) { return property.count.has_value(); });
-  }
   // That a row takes at least.
   std::uint64_t least_bytes(bool text) const {
     std::uint64_t bytes = 0;

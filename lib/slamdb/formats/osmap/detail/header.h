@@ -11,13 +11,9 @@
 namespace slamdb::osmap {
 
 // The bits of Options that a reader has to know.
-inline constexpr std::uint32_t kDelimited = 1U << 0;     // features file: messages behind their lengths
-inline constexpr std::uint32_t kNotDelimited = 1U << 1;  //
+inline constexpr std::uint32_t kDelimited = 1U << 0;  // features file: messages behind their lengths
 inline constexpr std::uint32_t kNoPoints = 1U << 2, kNoKeyFrames = 1U << 3, kNoFeatures = 1U << 4;
-inline constexpr std::uint32_t kNoFeatureDescriptors = 1U << 5;
 inline constexpr std::uint32_t kPointFeaturesOnly = 1U << 6;  // keypoints without a point are left out
-inline constexpr std::uint32_t kNoLoops = 1U << 7;
-inline constexpr std::uint32_t kKInKeyFrame = 1U << 8;
 
 // fx, fy, cx, cy. Pixels.
 using CameraMatrix = std::array<float, 4>;
