@@ -293,7 +293,9 @@ class Editor {
     detail::EditedRows& flags = flags_[place.map].points;
     flags.moved[place.row] = SetVector(table, kX, point.position);
     flags.own_normal[place.row] = SetVector(table, kNormalX, point.normal);
-    flags.own_range[place.row] = Set(table, kNearest, point.min_distance) | Set(table, kFarthest, point.max_distance);
+    const bool nearest = Set(table, kNearest, point.min_distance);
+    const bool farthest = Set(table, kFarthest, point.max_distance);
+    flags.own_range[place.row] = nearest || farthest;
     const bool reference = SetReference(table, place.map, point.reference);
     const bool restored = SetBad(table, kPointBad, point.bad, flags.dropped[place.row]);
     ++changes.rows;
