@@ -12,6 +12,7 @@
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/model/up.h"
@@ -30,10 +31,6 @@ std::vector<double> ScalesOf(const ScalePyramid& pyramid) {
   while (scales.size() < static_cast<std::size_t>(std::clamp(pyramid.levels, 1, kMostOctaves)))
     scales.push_back(scales.back() * factor);
   return scales;
-}
-
-bool IsPosed(const Rigid3f& pose) {
-  return pose.rotation.coeffs().allFinite() && pose.translation.allFinite() && pose.rotation.norm() > 0;
 }
 
 Eigen::AlignedBox2d FrameOf(const ImageBounds& bounds, std::span<const Keypoint> keypoints) {
@@ -132,7 +129,7 @@ void MapViews::AddViews(const Atlas& atlas) {
     const KeyFrame& keyframe = map_->keyframes[row];
     const Camera* camera = index.FindCamera(keyframe.camera);
     const std::optional<Lens> lens = camera != nullptr ? Lens::Of(*camera) : std::nullopt;
-    if (keyframe.bad || !lens || !IsPosed(keyframe.camera_from_world)) continue;
+    if (keyframe.bad || !lens || !detail::IsPose(keyframe.camera_from_world)) continue;
     const Features& features = keyframe.features;
     const std::span<const Descriptor> descriptors(features.descriptors);
     const bool pair = features.is_fisheye_stereo();
@@ -147,7 +144,7 @@ void MapViews::AddViews(const Atlas& atlas) {
     views_.push_back(view);
     const Camera* right_camera = pair ? index.FindCamera(keyframe.right_camera) : nullptr;
     const std::optional<Lens> right_lens = right_camera != nullptr ? Lens::Of(*right_camera) : std::nullopt;
-    if (!right_lens || !IsPosed(keyframe.left_from_right)) continue;
+    if (!right_lens || !detail::IsPose(keyframe.left_from_right)) continue;
     view.right = true;
     view.lens = *right_lens;
     SetPose(view, RightCameraFromWorld(keyframe));

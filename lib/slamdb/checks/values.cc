@@ -9,20 +9,14 @@
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/detail/observed.h"
 
 namespace slamdb::detail {
 namespace {
 
-constexpr float kUnitTolerance = 1e-3F;         // files hold unit quaternions to 1e-6
-constexpr float kLeastNorm = 0.1F;              // a quaternion below it is no rotation any more
+constexpr float kUnitTolerance = 1e-3F;         // of normals
 constexpr double kLargeReprojectionPixels = 5;  // real maps have a median of about 1
-
-bool IsFinite(const Rigid3f& transform) {
-  return transform.rotation.coeffs().allFinite() && transform.translation.allFinite();
-}
-
-bool IsUnit(const Quaternionf& rotation) { return std::abs(rotation.norm() - 1) <= kUnitTolerance; }
 
 // visit(name, transform) for the rigid transforms of a keyframe, all of which ORB-SLAM3 constructs on load.
 template <class Visit>
@@ -119,8 +113,7 @@ std::size_t NormalizeRotations(Atlas& atlas) {
   for (Map& map : atlas.maps)
     for (KeyFrame& keyframe : map.keyframes) {
       if (keyframe.bad) continue;
-      if (Rigid3f& relative = keyframe.camera_from_parent;
-          IsFinite(relative) && relative.rotation.norm() < kLeastNorm) {
+      if (Rigid3f& relative = keyframe.camera_from_parent; IsFinite(relative) && !IsRotation(relative.rotation)) {
         relative.rotation.setIdentity();
         ++normalized;
       }
@@ -128,7 +121,7 @@ std::size_t NormalizeRotations(Atlas& atlas) {
            {&keyframe.camera_from_world, &keyframe.camera_from_parent, &keyframe.left_from_right,
             &keyframe.imu_calibration.camera_from_body, &keyframe.imu_calibration.body_from_camera}) {
         Quaternionf& rotation = transform->rotation;
-        if (!IsFinite(*transform) || IsUnit(rotation) || rotation.norm() < kLeastNorm) continue;
+        if (!IsPose(*transform) || IsUnit(rotation)) continue;
         rotation.normalize();
         ++normalized;
       }

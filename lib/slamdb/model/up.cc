@@ -11,6 +11,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -100,9 +101,7 @@ Cameras CamerasOf(const Map& map) {
   Cameras cameras;
   for (const KeyFrame& keyframe : map.keyframes) {
     const Rigid3f& pose = keyframe.camera_from_world;
-    if (keyframe.bad || !pose.rotation.coeffs().allFinite() || !pose.translation.allFinite() ||
-        !(pose.rotation.norm() > 0))
-      continue;
+    if (keyframe.bad || !detail::IsPose(pose)) continue;
     const Eigen::Matrix3d axes = pose.rotation.cast<double>().normalized().conjugate().toRotationMatrix();
     cameras.centers.push_back(CameraCenter(keyframe).cast<double>());
     cameras.mean_y += axes.col(1);

@@ -9,6 +9,7 @@
 
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
 #include "slamdb/optimize/detail/find_map.h"
 
@@ -19,10 +20,8 @@ using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
 void RequireSense(const PoseConstraint& constraint) {
   const Similarity3d& transform = constraint.first_from_second;
-  const bool finite = transform.rotation.coeffs().allFinite() && transform.translation.allFinite() &&
-                      std::isfinite(transform.scale) && constraint.information.allFinite();
   const std::string pair = ToString(constraint.first) + " and " + ToString(constraint.second);
-  if (!finite || !(transform.scale > 0) || !(transform.rotation.norm() > 0.5))
+  if (!IsPose(transform) || !constraint.information.allFinite())
     throw Error(ErrorKind::kUsage, "the constraint between " + pair +
                                        " is no transform: it holds what is not finite, "
                                        "or a scale that is not positive");

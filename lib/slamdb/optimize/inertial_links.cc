@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "slamdb/edit/frame/detail/states.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
 #include "slamdb/model/up.h"
 
@@ -14,10 +15,9 @@ namespace slamdb::detail {
 namespace {
 
 bool IsUsable(const KeyFrame& keyframe) {
-  const Rigid3f& mount = keyframe.imu_calibration.camera_from_body;
   return IsPosed(keyframe) && keyframe.imu_calibration.is_set && keyframe.velocity.allFinite() &&
          keyframe.imu_bias.gyroscope.allFinite() && keyframe.imu_bias.accelerometer.allFinite() &&
-         mount.rotation.coeffs().allFinite() && mount.translation.allFinite() && mount.rotation.norm() > 0.5F;
+         IsPose(keyframe.imu_calibration.camera_from_body);
 }
 
 bool IsMeasured(const ImuPreintegration& imu) {

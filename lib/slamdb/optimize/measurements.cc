@@ -7,6 +7,7 @@
 
 #include "slamdb/edit/frame/detail/states.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/is_pose.h"
 
 namespace slamdb::detail {
 namespace {
@@ -81,7 +82,7 @@ void Measurements::AddEyes(const AtlasIndex& index, const Map& map) {
     }
     const Rigid3f& mount = keyframe.left_from_right;
     const auto right = keyframe.features.is_fisheye_stereo() ? LensOf(index, keyframe.right_camera) : std::nullopt;
-    if (!right || !mount.translation.allFinite() || !(mount.rotation.norm() > 0.5F)) continue;
+    if (!right || !IsPose(mount)) continue;
     const Eigen::Quaterniond turn = mount.rotation.cast<double>().normalized().conjugate();
     eyes_[2 * row + 1] = Eye{.lens = *right,
                              .right = true,

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/view/detail/encode.h"
 
 namespace slamdb::view {
@@ -29,8 +30,7 @@ struct Pose {
 Pose PoseOf(const KeyFrame& keyframe) {
   const Quaternionf rotation = keyframe.camera_from_world.Normalized().rotation.conjugate();
   const Eigen::Vector3f center = CameraCenter(keyframe);
-  // A rotation of zeros, or too large to have a length, is none.
-  if (!center.allFinite() || !rotation.coeffs().allFinite() || rotation.squaredNorm() < 0.5F) return {};
+  if (!detail::IsPose(keyframe.camera_from_world) || !center.allFinite()) return {};
   return {center, rotation, true};
 }
 

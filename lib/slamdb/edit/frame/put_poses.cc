@@ -10,6 +10,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/states.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/detail/lens_numbers.h"
 #include "slamdb/model/index.h"
 
@@ -20,12 +21,9 @@ using detail::Concat;
 using detail::Counted;
 
 void RequireFinite(const std::vector<KeyFramePose>& poses, const std::vector<PointPosition>& points) {
-  for (const KeyFramePose& pose : poses) {
-    const Similarity3d& it = pose.world_from_camera;
-    const bool sound = it.rotation.coeffs().allFinite() && it.rotation.norm() > 0.5 &&
-                       it.translation.cast<float>().allFinite() && std::isfinite(it.scale) && it.scale > 0;
-    if (!sound) throw Error(ErrorKind::kUsage, Concat("the new pose of ", pose.keyframe, " is none, or not finite"));
-  }
+  for (const KeyFramePose& pose : poses)
+    if (!detail::IsPose(pose.world_from_camera))
+      throw Error(ErrorKind::kUsage, Concat("the new pose of ", pose.keyframe, " is none, or not finite"));
   for (const PointPosition& point : points)
     if (!point.position.cast<float>().allFinite())
       throw Error(ErrorKind::kUsage, Concat("the new position of ", point.point, " is not finite"));

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/detail/observed.h"
 #include "slamdb/model/index.h"
 
@@ -83,11 +84,7 @@ void MapStates::Move(const Similarity3d& target_from_source, const Moved& moved)
     if (moved.points[row]) points[row] = target_from_source * points[row];
 }
 
-bool IsPosed(const KeyFrame& keyframe) {
-  const Rigid3f& pose = keyframe.camera_from_world;
-  return !keyframe.bad && pose.rotation.coeffs().allFinite() && pose.translation.allFinite() &&
-         pose.rotation.norm() > 0.5F && pose.rotation.norm() < 2;
-}
+bool IsPosed(const KeyFrame& keyframe) { return !keyframe.bad && IsPose(keyframe.camera_from_world); }
 
 bool IsPlaced(const MapPoint& point) { return !point.bad && point.position.allFinite(); }
 

@@ -9,6 +9,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/unit.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/up.h"
 
 namespace slamdb {
@@ -18,10 +19,6 @@ constexpr std::size_t kKeyFramesPerBlock = 32, kPointsPerBlock = 4096;
 
 bool IsIdentity(const Similarity3d& transform) {
   return transform.scale == 1 && transform.rotation.vec().isZero(0) && transform.translation.isZero(0);
-}
-
-bool IsFinite(const Rigid3f& transform) {
-  return transform.rotation.coeffs().allFinite() && transform.translation.allFinite();
 }
 
 // A merge scale is set only in keyframes that were merged and garbage in all others. What is no plausible scale, by the
@@ -69,7 +66,7 @@ class Mover {
 
   // Camera coordinates scale with the world, so that pixels stay: s x_c = s (R_cw x + t_cw) for x = R^T (x' - t) / s.
   Rigid3f CameraFromTarget(const Rigid3f& camera_from_source) const {
-    if (!IsFinite(camera_from_source)) return camera_from_source;
+    if (!detail::IsFinite(camera_from_source)) return camera_from_source;
     const Eigen::Quaterniond recorded = camera_from_source.rotation.cast<double>();
     const Eigen::Quaterniond rotation = recorded * rotation_.conjugate();
     const Eigen::Vector3d translation =
@@ -80,7 +77,7 @@ class Mover {
   // The camera's centre moves; the lever arm from it to the IMU is metal and only turns.
   Eigen::Vector3f BodyPosition(const KeyFrame& keyframe) const {
     const Rigid3f& pose = keyframe.camera_from_world;
-    if (!keyframe.imu_calibration.is_set || !keyframe.body_position.allFinite() || !IsFinite(pose))
+    if (!keyframe.imu_calibration.is_set || !keyframe.body_position.allFinite() || !detail::IsFinite(pose))
       return keyframe.body_position;
     const Eigen::Quaterniond world_from_camera = pose.rotation.cast<double>().normalized().conjugate();
     const Eigen::Vector3d center = -(world_from_camera * pose.translation.cast<double>());

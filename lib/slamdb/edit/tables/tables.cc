@@ -14,6 +14,7 @@
 #include "slamdb/edit/tables/detail/edited.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/camera_in_world.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/digest.h"
 #include "slamdb/model/index.h"
 
@@ -196,8 +197,7 @@ bool SetPose(const Table& table, Rigid3f& camera_from_world) {
   const bool moved = SetNumbers(table, kPose, {pose.translation.data(), 3});
   const bool turned = SetNumbers(table, kPose + 3, {pose.rotation.coeffs().data(), 4});
   if (!moved && !turned) return false;
-  const float length = pose.rotation.norm();
-  if (!pose.translation.allFinite() || !std::isfinite(length) || length < 0.5F || length > 2)
+  if (!detail::IsPose(pose))
     throw table.LineError("no pose: x, y, z are to be finite, and qx, qy, qz, qw a rotation of length 1");
   camera_from_world = pose.Normalized().Inverse();
   return true;

@@ -13,6 +13,7 @@
 #include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/raw.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::colmap {
@@ -21,10 +22,6 @@ namespace {
 using detail::AppendRaw;
 
 constexpr std::uint64_t kMostImages = 2147483646;  // ids of COLMAP are below
-
-bool IsFinite(const Rigid3f& pose) {
-  return pose.rotation.coeffs().allFinite() && pose.translation.allFinite() && pose.rotation.norm() > 0;
-}
 
 // With the parameters of its model, or those that the keyframe keeps of it.
 slamdb::Camera CameraWithParameters(const Atlas& atlas, CameraId id, const KeyFrame& keyframe) {
@@ -190,8 +187,8 @@ Outline OutlineOf(const Atlas& atlas, const Target& target, const WriteOptions& 
       const KeyFrame& keyframe = map->keyframes[row];
       if (keyframe.bad) {
         ++outline.bad_keyframes;
-      } else if (!IsFinite(keyframe.camera_from_world) ||
-                 (keyframe.features.is_fisheye_stereo() && !IsFinite(keyframe.left_from_right))) {
+      } else if (!detail::IsPose(keyframe.camera_from_world) ||
+                 (keyframe.features.is_fisheye_stereo() && !detail::IsPose(keyframe.left_from_right))) {
         ++outline.not_finite;
       } else {
         views.view_of_row[row] = static_cast<std::uint32_t>(views.views.size());

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::g2o {
 
 bool IsVertex(const KeyFrame& keyframe) {
-  const Rigid3f& pose = keyframe.camera_from_world;
-  return !keyframe.bad && keyframe.id && pose.rotation.coeffs().allFinite() && pose.translation.allFinite() &&
-         pose.rotation.norm() > 0.5F;
+  return !keyframe.bad && keyframe.id && detail::IsPose(keyframe.camera_from_world);
 }
 
 std::vector<Edge> EssentialEdges(const Map& map) {

@@ -9,6 +9,7 @@
 #include "slamdb/formats/orbslam3/detail/looks_whole.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/model/counters.h"
+#include "slamdb/model/detail/is_pose.h"
 
 // How an atlas of a fork is read: one pass from front to back. Members that the model knows go through the same steps
 // as those of v1.0; the others are packed.
@@ -421,7 +422,7 @@ bool IsPlausible(const KeyFrame& keyframe) {
   constexpr double kLatest = 1e11, kEarliest = 1e-6;  // seconds; between 0 and that are the bits of something else
   const double time = keyframe.timestamp;
   const bool timed = time == 0 || (time >= kEarliest && time < kLatest);
-  return timed && std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F;
+  return timed && slamdb::detail::IsUnit(keyframe.camera_from_world.rotation);
 }
 
 }  // namespace

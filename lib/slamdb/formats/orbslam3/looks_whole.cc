@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/model/detail/is_pose.h"
+
 namespace slamdb::orbslam3 {
 namespace {
 
@@ -20,7 +22,7 @@ bool LooksWhole(const KeyFrame& keyframe) {
   return features.keypoints.size() == left && features.undistorted.size() == left &&
          keyframe.descriptor_count() == count && features.map_points.size() == count &&
          keyframe.pyramid.factors.size() == levels && features.grid.column_sizes.size() == columns &&
-         std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F && Holds(keyframe.first_connection) &&
+         slamdb::detail::IsUnit(keyframe.camera_from_world.rotation) && Holds(keyframe.first_connection) &&
          Holds(keyframe.not_erase) && Holds(keyframe.to_be_erased) && Holds(keyframe.bad) &&
          Holds(keyframe.imu_initialized) && Holds(keyframe.has_velocity) && Holds(keyframe.imu_calibration.is_set);
 }
