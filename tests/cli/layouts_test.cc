@@ -114,7 +114,7 @@ TEST(Layouts, AnInputThatIsOfNoForkIsReadBesideOneThatIs) {
   EXPECT_EQ(RunSlamdb({"diff", kSession, fork, "--layout", layout}).exit_code, diff.exit_code);
   EXPECT_EQ(RunSlamdb({"check", fork, kSession, "--layout", layout}).exit_code,
             RunSlamdb({"check", kSession}).exit_code);
-  EXPECT_EQ(RunSlamdb({"info", SLAMDB_FIXTURES "/forks/obvi.osa", "--layout", layout}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"info", SLAMDB_FIXTURES "/conformance/layouts/obvi.osa", "--layout", layout}).exit_code, 0);
   // What fits neither is refused as of the layout that is given.
   WriteWholeFile(folder / "cut.osa", ReadWholeFile(kSession).substr(0, 2'000'000));
   EXPECT_EQ(RunSlamdb({"info", folder / "cut.osa", "--layout", layout}).exit_code, 1);

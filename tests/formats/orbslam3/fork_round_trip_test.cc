@@ -134,35 +134,6 @@ TEST_P(KnownLayout, ComesBackWithIrregularEntries) {
   ExpectSameBytes(ReadFork(odd, "v1.0"));
 }
 
-// The tiny atlas with something in what only forks have, where that is numbers alone.
-Atlas TinyFork(const std::string& layout) {
-  Atlas atlas = InLayout(ReadFork(ReadWhole(SLAMDB_FIXTURES "/tiny/tiny.osa"), "v1.0"), layout);
-  const auto fill = [&](Boxed<Carried>& carried) {
-    for (std::size_t i = 0; carried && i < carried->members.size(); ++i)
-      carried.Make().members[i] = static_cast<std::byte>(i * 7 % 64);
-  };
-  for (MapPoint& point : atlas.maps[0].points) {
-    if (layout == "mavis-points") fill(point.carried);
-    if (layout == "visible-found" || layout == "v03") point.visible_count = 12, point.found_count = 7;
-  }
-  for (KeyFrame& keyframe : atlas.maps[0].keyframes)
-    if (layout == "gnss") fill(keyframe.carried);
-  if (layout == "equirect") {
-    atlas.cameras[0].model = CameraModel::kEquirectangular;
-    atlas.cameras[0].recorded_type = 2;
-    atlas.cameras[0].parameters = {1920, 960};
-  }
-  return atlas;
-}
-
-// The files of fixtures/forks, which a decoder that shares nothing with ours reads to their last byte.
-TEST_P(KnownLayout, IsWrittenAsItWas) {
-  const std::string path = SLAMDB_FIXTURES "/forks/" + id() + ".osa", bytes = EncodeOrbslam3(TinyFork(id()));
-  if (std::getenv("SLAMDB_UPDATE_GOLDEN") != nullptr) WriteWhole(path, bytes);
-  EXPECT_TRUE(bytes == ReadWhole(path)) << "SLAMDB_UPDATE_GOLDEN=1 rewrites " << path;
-  EXPECT_EQ(ReadFork(bytes, "").layout, id());
-}
-
 TEST_P(KnownLayout, IsFoundWithoutBeingNamed) {
   const std::string bytes = WriteFork(SmallWorld(), id());
   EXPECT_EQ(ReadFork(bytes, "").layout, id());

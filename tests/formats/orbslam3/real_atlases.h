@@ -30,11 +30,6 @@ inline std::string ReadWhole(const std::string& path) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-inline void WriteWhole(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
 }  // namespace slamdb
 
 // Leaves the test as skipped, by name, when the file is not there.
