@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "slamdb/base/error.h"
 
@@ -15,6 +16,16 @@ inline Error ErrorOf(const std::function<void()>& work) {
     return error;
   }
   return {ErrorKind::kInternal, "no error"};
+}
+
+// What a reader says of what it refuses: `line 3: expected a number`; `read` when it does not.
+inline std::string RefusalOf(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const Error& error) {
+    return (error.place().empty() ? "" : error.place() + ": ") + error.problem();
+  }
+  return "read";
 }
 
 }  // namespace slamdb

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "slamdb/base/detail/median.h"
+#include "slamdb/model/detail/distortion.h"
 
 namespace slamdb {
 namespace {
@@ -50,22 +51,11 @@ bool HasParameters(const Camera& camera) {
   return false;
 }
 
-// The distance from the image centre, in focal lengths, of a ray `theta` away from the optical axis.
-float KannalaBrandtRadius(const float* k, float theta) {
-  const float theta2 = theta * theta;
-  return theta * (1 + theta2 * (k[0] + theta2 * (k[1] + theta2 * (k[2] + theta2 * k[3]))));
-}
-
-float KannalaBrandtSlope(const float* k, float theta) {
-  const float theta2 = theta * theta;
-  return 1 + theta2 * (3 * k[0] + theta2 * (5 * k[1] + theta2 * (7 * k[2] + theta2 * 9 * k[3])));
-}
-
 // Newton's method for the angle of a radius, at most ten steps as in ORB-SLAM3.
 float KannalaBrandtAngle(const float* k, float radius, float precision) {
   float theta = radius;
   for (int step = 0; step < 10; ++step) {
-    const float change = (KannalaBrandtRadius(k, theta) - radius) / KannalaBrandtSlope(k, theta);
+    const float change = (detail::KannalaBrandtRadius(k, theta) - radius) / detail::KannalaBrandtSlope(k, theta);
     theta -= change;
     if (std::abs(change) < precision) break;
   }
@@ -119,7 +109,7 @@ std::optional<Eigen::Vector2f> Project(const Camera& camera, const Eigen::Vector
   }
   const float off_axis = std::sqrt(x * x + y * y);
   if (off_axis == 0) return Eigen::Vector2f(p[2], p[3]);
-  const float radius = KannalaBrandtRadius(p + 4, std::atan2(off_axis, z));
+  const float radius = detail::KannalaBrandtRadius(p + 4, std::atan2(off_axis, z));
   return Eigen::Vector2f(p[0] * radius * (x / off_axis) + p[2], p[1] * radius * (y / off_axis) + p[3]);
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/model/detail/distortion.h"
+
 namespace slamdb::detail {
 namespace {
 
@@ -26,13 +28,13 @@ bool ProjectKannalaBrandt(const Lens& lens, const Eigen::Vector3d& point, Eigen:
   const double across2 = point.x() * point.x() + point.y() * point.y(), across = std::sqrt(across2);
   if (across < kNearest) return ProjectPinhole(lens, point, pixel, by_point);
   if (!std::isfinite(across2 + point.z())) return false;
-  const double theta = std::atan2(across, point.z()), theta2 = theta * theta;
-  const auto& k = lens.k;
-  const double radius = theta * (1 + theta2 * (k[0] + theta2 * (k[1] + theta2 * (k[2] + theta2 * k[3]))));
+  const double theta = std::atan2(across, point.z());
+  const double* k = lens.k.data();
+  const double radius = KannalaBrandtRadius(k, theta);
   const double x = point.x() / across, y = point.y() / across;
   pixel = {lens.fx * radius * x + lens.cx, lens.fy * radius * y + lens.cy};
   if (by_point == nullptr) return true;
-  const double slope = 1 + theta2 * (3 * k[0] + theta2 * (5 * k[1] + theta2 * (7 * k[2] + theta2 * 9 * k[3])));
+  const double slope = KannalaBrandtSlope(k, theta);
   // theta grows by z / |point|^2 along the direction across, and falls by across / |point|^2 along z.
   const double length2 = across2 + point.z() * point.z();
   const double along = slope * point.z() / length2, sideways = radius / across;

@@ -7,14 +7,14 @@
 #include <iterator>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::detail {
 
 std::vector<double> DistortionCoefficients(const KeyFrame& keyframe) {
-  constexpr std::int32_t kFloats = 5;  // OpenCV's type code
   const Matrix& matrix = keyframe.distortion;
   std::vector<double> distortion;
-  if (matrix.type != kFloats) return distortion;
+  if (matrix.type != kCv32F) return distortion;
   for (std::size_t at = 0; at + sizeof(float) <= matrix.data.size() && distortion.size() < 5; at += sizeof(float)) {
     float value = 0;
     std::memcpy(&value, &matrix.data[at], sizeof(float));

@@ -15,6 +15,8 @@
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
+#include "slamdb/model/detail/distortion.h"
+#include "slamdb/model/detail/image_bounds.h"
 #include "slamdb/model/detail/lens_numbers.h"
 #include "slamdb/model/index.h"
 
@@ -24,7 +26,6 @@ namespace {
 using detail::Concat;
 
 constexpr std::int32_t kLargestSide = 32768, kMostFeatures = 100'000, kMostLevels = 32;
-constexpr int kUndistortions = 5;  // as cv::undistortPoints, and so as the keypoints that maps record
 
 [[noreturn]] void Refuse(const std::string& place, const std::string& problem) {
   throw Error(ErrorKind::kDamaged, "", place, problem);
@@ -159,27 +160,13 @@ Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2
   const std::vector<float>& p = settings.camera.parameters;
   const Eigen::Array2d focal(p[0], p[1]), center(p[2], p[3]);
   const Eigen::Array2d distorted = (pixel.array() - center) / focal;
-  Eigen::Array2d place = distorted;
-  for (int i = 0; i < kUndistortions; ++i) {
-    const double x = place.x(), y = place.y(), r2 = x * x + y * y;
-    const double radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-    if (!(radial > 0)) return pixel;  // beyond where the model means anything
-    const Eigen::Array2d tangential(2 * k[2] * x * y + k[3] * (r2 + 2 * x * x),
-                                    k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y);
-    place = (distorted - tangential) / radial;
-  }
-  return (place * focal + center).matrix();
+  const auto place = detail::UndistortBrown(k.data(), distorted.matrix());
+  return place ? Eigen::Vector2d((place->array() * focal + center).matrix()) : pixel;
 }
 
 ImageBounds UndistortedBounds(const CameraSettings& settings, std::int32_t width, std::int32_t height) {
-  const Eigen::Vector2d upper_left = Undistorted(settings, {0, 0}), upper_right = Undistorted(settings, {width, 0}),
-                        lower_left = Undistorted(settings, {0, height}),
-                        lower_right = Undistorted(settings, {width, height});
-  const auto whole = [](double value) { return static_cast<std::int32_t>(std::clamp(value, -1e6, 1e6)); };
-  return {.min_x = whole(std::min(upper_left.x(), lower_left.x())),
-          .min_y = whole(std::min(upper_left.y(), upper_right.y())),
-          .max_x = whole(std::max(upper_right.x(), lower_right.x())),
-          .max_y = whole(std::max(lower_left.y(), lower_right.y()))};
+  return detail::BoundsOfCorners(width, height,
+                                 [&](const Eigen::Vector2d& corner) { return Undistorted(settings, corner); });
 }
 
 std::optional<CameraSettings> SettingsOfMap(const Atlas& atlas, std::int32_t width, std::int32_t height) {

@@ -5,6 +5,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/detail/raw.h"
 #include "tests/formats/colmap/model_files.h"
+#include "tests/support/error_of.h"
 
 namespace slamdb::colmap {
 namespace {
@@ -164,12 +165,7 @@ Model Decode(Part part, const std::string& bytes, bool binary) {
 }
 
 std::string Refusal(Part part, const std::string& bytes, bool binary) {
-  try {
-    Decode(part, bytes, binary);
-  } catch (const Error& error) {
-    return error.place() + ": " + error.problem();
-  }
-  return "read";
+  return RefusalOf([&] { Decode(part, bytes, binary); });
 }
 
 void MakeFiles(const TemporaryFolder& folder, bool binary, const std::map<std::string, std::string>& instead) {

@@ -6,6 +6,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "tests/formats/orbslam3/real_atlases.h"
+#include "tests/support/error_of.h"
 
 namespace slamdb {
 namespace {
@@ -20,14 +21,9 @@ const std::string kBytes = " 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 
 // Bytes in memory, which must outlive it.
 Source File(const std::string& bytes) { return {std::as_bytes(std::span(bytes)), "vocabulary"}; }
 
-// What loading says of a file that it refuses; "loaded" when it does not.
+// What loading says of a file that it refuses; "read" when it does not.
 std::string Refusal(const std::string& bytes) {
-  try {
-    static_cast<void>(LoadVocabulary(File(bytes), 2));
-  } catch (const Error& error) {
-    return (error.place().empty() ? "" : error.place() + ": ") + error.problem();
-  }
-  return "loaded";
+  return RefusalOf([&] { static_cast<void>(LoadVocabulary(File(bytes), 2)); });
 }
 
 void ExpectSameTree(const VocabularyTree& a, const VocabularyTree& b) {
@@ -99,7 +95,7 @@ TEST(LoadVocabulary, ChildrenNeedNotStandTogether) {
 TEST(LoadVocabulary, NamesTheLineThatIsWrong) {
   const std::string head = "2 2 0 0\n0 0" + kBytes + "0\n";
   const std::string word = "1 1" + kBytes + "0.5\n";
-  EXPECT_EQ(Refusal(head + word), "loaded");
+  EXPECT_EQ(Refusal(head + word), "read");
   EXPECT_THAT(Refusal(head + "x 1" + kBytes + "0.5"), HasSubstr("line 3: expected the number of a parent"));
   EXPECT_THAT(Refusal(head + "1 2" + kBytes + "0.5\n" + word), HasSubstr("line 3: expected 1 for a word"));
   EXPECT_THAT(Refusal(head + "1 1 256 2 3\n" + word), HasSubstr("line 3: expected a descriptor"));
@@ -120,7 +116,7 @@ TEST(LoadVocabulary, RefusesWhatIsNoTree) {
               HasSubstr("line 3: node 2 is a child of node 1, which is a word"));
   EXPECT_THAT(Refusal("2 2 0 0\n0" + inner + "0" + word), HasSubstr("line 2: node 1 is no word and has no children"));
   EXPECT_THAT(Refusal("2 1 0 0\n0" + inner + "1" + word), HasSubstr("line 3: node 2 is deeper than the 1 levels"));
-  EXPECT_EQ(Refusal("2 1 0 0\n0" + word + "0" + word + "0" + word), "loaded");  // see schema/vocabulary.md
+  EXPECT_EQ(Refusal("2 1 0 0\n0" + word + "0" + word + "0" + word), "read");  // see schema/vocabulary.md
   EXPECT_THAT(Refusal("2 1 0 0\n0" + word + "0" + word + "0" + word + "0" + word),
               HasSubstr("line 5: node 0 has more than the 2 children"));
 }

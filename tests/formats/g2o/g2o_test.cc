@@ -19,6 +19,7 @@
 #include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/formats/orbslam3/real_atlases.h"
+#include "tests/support/error_of.h"
 
 namespace slamdb {
 namespace {
@@ -39,12 +40,7 @@ Atlas ReadGraph(const std::string& text) {
   return ReadGraph(text, notices);
 }
 std::string Refusal(const std::string& text) {
-  try {
-    ReadGraph(text);
-  } catch (const Error& error) {
-    return error.place() + ": " + error.problem();
-  }
-  return "read";
+  return RefusalOf([&] { ReadGraph(text); });
 }
 
 TEST(G2o, SaysByHowMuchPosesFarOffAreRounded) {
@@ -210,8 +206,13 @@ TEST(G2o, BadLinesAreErrorsWithTheirPlace) {
   EXPECT_THAT(Refusal("VERTEX_SE3:QUAT 0 0 0 0 0 0 0\n"), HasSubstr("line 1: expected a number"));
   EXPECT_THAT(Refusal("\nVERTEX_SE3:QUAT a 0 0 0 0 0 0 1\n"), HasSubstr("line 2: expected the id of a vertex"));
   EXPECT_THAT(Refusal("VERTEX_SE3:QUAT -1 0 0 0 0 0 0 1\n"), HasSubstr("expected the id of a vertex"));
-  EXPECT_THAT(Refusal("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0\n"), HasSubstr("a quaternion of length 0"));
-  EXPECT_THAT(Refusal("VERTEX_SIM3:EXPMAP 1 0 0 0 0 0 0 1e9\n"), HasSubstr("no similarity"));
+  EXPECT_THAT(Refusal("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0\n"), HasSubstr("line 1: the quaternion 0 0 0 0"));
+  EXPECT_THAT(Refusal("VERTEX_SE3:QUAT 1 0 nan 0 0 0 0 1\n"), HasSubstr("line 1: the position 0 nan 0 is not finite"));
+  EXPECT_THAT(Refusal("VERTEX_SE3:QUAT 1 0 0 1e39 0 0 0 1\n"), HasSubstr("line 1: the position 0 0 1e+39"));
+  EXPECT_THAT(Refusal("VERTEX_SE3:QUAT 1 0 0 0 0 nan 0 inf\n"), HasSubstr("line 1: the quaternion 0 nan 0 inf"));
+  EXPECT_THAT(Refusal("VERTEX_SIM3:EXPMAP 1 0 0 0 0 0 0 1e9\n"), HasSubstr("line 1: the scale inf"));
+  EXPECT_THAT(Refusal("VERTEX_SIM3:EXPMAP 1 0 0 0 0 0 0 -1e9\n"), HasSubstr("line 1: the scale 0 is not above 0"));
+  EXPECT_THAT(Refusal("VERTEX_SIM3:EXPMAP 1 0 0 0 inf 0 0 0\n"), HasSubstr("line 1: the position"));
   EXPECT_THAT(Refusal("FIX\nEDGE_SE3:QUAT 1\n"), HasSubstr("line 2"));
   EXPECT_THAT(Refusal("VERTEX_SE2 0 0 0 0\n"), HasSubstr("has no vertices of the kinds"));
 }

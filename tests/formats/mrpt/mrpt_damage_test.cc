@@ -7,6 +7,7 @@
 #include "slamdb/formats/mrpt/detail/gzip.h"
 #include "slamdb/formats/mrpt/detail/mrpt.h"
 #include "tests/formats/formats/in_memory.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -19,12 +20,7 @@ const std::string kRealMap = SLAMDB_FIXTURES "/mrpt/landmarks.bin";
 
 // What reading says of bytes that it refuses; "read" when it does not.
 std::string Refusal(const std::string& bytes) {
-  try {
-    Decoded(detail::kMrptFormat, bytes);
-  } catch (const Error& error) {
-    return error.place() + ": " + error.problem();
-  }
-  return "read";
+  return RefusalOf([&] { Decoded(detail::kMrptFormat, bytes); });
 }
 
 std::string MapHeader(std::uint32_t count) {

@@ -17,11 +17,13 @@
 #include "tests/formats/orbslam3/real_atlases.h"
 #include "tests/support/boost_reference/boost_reference.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -42,12 +44,7 @@ Atlas ReadGraph(const std::string& bytes) {
 
 // What reading says of bytes that it refuses; "read" when it does not.
 std::string Refusal(const std::string& bytes) {
-  try {
-    ReadGraph(bytes);
-  } catch (const Error& error) {
-    return error.place() + ": " + error.problem();
-  }
-  return "read";
+  return RefusalOf([&] { ReadGraph(bytes); });
 }
 
 Atlas MonocularAtlas() {
@@ -60,46 +57,53 @@ Atlas MonocularAtlas() {
   return atlas;
 }
 
-// What an ORB-SLAM2 file can give back of a map: the rest as it is filled. Poses, which are matrices there, are those
-// of `read`, when they are the same but for the last bits.
+// 31 pixels times 1.2 for each octave, without their fraction.
+constexpr std::array kPatches = {31.F, 37.F, 44.F, 53.F, 64.F, 77.F, 92.F, 111.F};
+
+// Poses are matrices there: the same but for the last bits. `read` gives those.
+void ExpectAndTakePoses(KeyFrame& keyframe, const KeyFrame& read) {
+  for (Rigid3f KeyFrame::*pose : {&KeyFrame::camera_from_world, &KeyFrame::camera_from_parent}) {
+    const Rigid3f& given = keyframe.*pose;
+    EXPECT_LT(Eigen::Quaternionf(given.rotation).angularDistance(Eigen::Quaternionf((read.*pose).rotation)), 1e-3F);
+    EXPECT_EQ(given.translation, (read.*pose).translation);
+    keyframe.*pose = read.*pose;
+  }
+}
+
+// What an ORB-SLAM2 file gives back of a keyframe: the rest is as if it had never been set.
+KeyFrame Holdable(KeyFrame keyframe) {
+  const KeyFrame none;
+  keyframe.distortion = none.distortion;
+  keyframe.camera = CameraId(0);  // the maps here have one
+  keyframe.merge_edges.clear();
+  keyframe.merge_scale = 0;
+  keyframe.origin_map = 0;
+  keyframe.imu_bias = none.imu_bias;
+  keyframe.preintegration = none.preintegration;
+  keyframe.imu_calibration = none.imu_calibration;
+  keyframe.body_position = none.body_position;
+  keyframe.velocity = none.velocity;
+  keyframe.previous = keyframe.next = {};
+  keyframe.left_from_right = none.left_from_right;
+  std::ranges::sort(keyframe.children);
+  std::ranges::sort(keyframe.loop_edges);
+  if (!keyframe.loop_edges.empty()) keyframe.not_erase = true;
+  for (auto column : {&Features::keypoints, &Features::undistorted})
+    for (Keypoint& keypoint : keyframe.features.*column)
+      keypoint.size = kPatches.at(static_cast<std::size_t>(keypoint.octave));
+  keyframe.features.right_of_left.clear();
+  keyframe.features.left_of_right.clear();
+  return keyframe;
+}
+
 Map Holdable(Map map, const Map& read) {
   for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
-    KeyFrame& keyframe = map.keyframes[i];
-    const KeyFrame& other = read.keyframes[i];
-    for (Rigid3f KeyFrame::*pose : {&KeyFrame::camera_from_world, &KeyFrame::camera_from_parent}) {
-      const Rigid3f& given = keyframe.*pose;
-      EXPECT_LT(Eigen::Quaternionf(given.rotation).angularDistance(Eigen::Quaternionf((other.*pose).rotation)), 1e-3F);
-      EXPECT_EQ(given.translation, (other.*pose).translation);
-      keyframe.*pose = other.*pose;
-    }
-    keyframe.distortion = other.distortion;
-    keyframe.camera = other.camera;
-    keyframe.merge_edges.clear();
-    keyframe.merge_scale = 0;
-    keyframe.first_connection = other.first_connection;  // as the spanning tree has it
-    keyframe.not_erase = other.not_erase;                // with loop edges
-    keyframe.origin_map = 0;
-    const KeyFrame none;
-    keyframe.imu_bias = none.imu_bias;
-    keyframe.preintegration = none.preintegration;
-    keyframe.imu_calibration = none.imu_calibration;
-    keyframe.body_position = other.body_position;
-    keyframe.velocity = other.velocity;
-    keyframe.previous = other.previous;
-    keyframe.next = other.next;
-    keyframe.left_from_right = none.left_from_right;
-    std::sort(keyframe.children.begin(), keyframe.children.end());
-    std::sort(keyframe.loop_edges.begin(), keyframe.loop_edges.end());
-    for (auto column : {&Features::keypoints, &Features::undistorted})
-      for (std::size_t row = 0; row < (keyframe.features.*column).size(); ++row)
-        (keyframe.features.*column)[row].size = (other.features.*column)[row].size;
-    keyframe.features.right_of_left.clear();
-    keyframe.features.left_of_right.clear();
+    KeyFrame& keyframe = map.keyframes[i] = Holdable(map.keyframes[i]);
+    ExpectAndTakePoses(keyframe, read.keyframes[i]);
+    keyframe.first_connection = i == 0;
   }
-  map.id = read.id;
-  map.initial_keyframe = read.initial_keyframe;
-  map.first_keyframe = read.first_keyframe;
-  map.lowest_keyframe = read.lowest_keyframe;
+  map.id = MapId(0);
+  map.initial_keyframe = map.first_keyframe = map.lowest_keyframe = map.keyframes[0].id;
   return map;
 }
 
@@ -251,6 +255,8 @@ TEST(Orbslam2, NamesWhatItLeavesOut) {
   Notices notices;
   ReadGraph(ReadFile(kGolden), notices);
   EXPECT_THAT(notices.items(), Contains(Field(&Notice::text, HasSubstr("vocabulary has no name"))));
+  // Its matrices are zeros.
+  EXPECT_THAT(notices.items(), Contains(Field(&Notice::text, HasSubstr("the file has no pose of 2 keyframes"))));
 }
 
 TEST(Orbslam2, EveryCutIsAnErrorWithItsPlace) {
@@ -315,10 +321,35 @@ TEST(Orbslam2, DanglingAndDuplicateIdsAreRead) {
   Map& map = atlas.maps[0];
   map.points[1].replaced_by = MapPointId(1'000'000);
   map.keyframes[2].parent = KeyFrameId(1'000'000);
-  map.points[0].position.x() = std::numeric_limits<float>::quiet_NaN();
   map.keyframes[1].timestamp = std::numeric_limits<double>::infinity();
   const Atlas read = ReadGraph(EncodeGraph(map).bytes);
   EXPECT_EQ(read.maps[0].points.size(), map.points.size());
+}
+
+TEST(Orbslam2, NumbersThatNoPoseNorPointNorCameraHasAreRefused) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const auto refusal = [](const std::function<void(Map&)>& change) {
+    Map map = MonocularAtlas().maps[0];
+    change(map);
+    return Refusal(EncodeGraph(map).bytes);
+  };
+  EXPECT_THAT(refusal([=](Map& map) { map.points[3].position.x() = kNan; }),
+              AllOf(HasSubstr("mp 3, mWorldPos: the position nan"), StartsWith("byte ")));
+  EXPECT_THAT(refusal([=](Map& map) { map.keyframes[2].camera_from_world.translation.y() = kNan; }),
+              HasSubstr("kf 2, Tcw: the position"));
+  EXPECT_THAT(refusal([=](Map& map) { map.keyframes[2].camera_from_world.rotation.coeffs().setConstant(kNan); }),
+              HasSubstr("kf 2, Tcw: the matrix"));
+  EXPECT_THAT(refusal([](Map& map) { map.keyframes[2].intrinsics.fy = -1; }), HasSubstr("kf 2, cy: the focal lengths"));
+  EXPECT_THAT(refusal([=](Map& map) { map.keyframes[2].calibration_matrix(0, 2) = kNan; }),
+              HasSubstr("kf 2, mK: the camera's numbers nan"));
+}
+
+TEST(Orbslam2, MembersAreNamedWhereTheFileEnds) {
+  const std::string whole = ReadFile(kGolden);
+  std::string refusals;
+  for (std::size_t size = 16; size < whole.size(); ++size) refusals += Refusal(whole.substr(0, size)) + "\n";
+  for (const char* member : {"fx", "fy", "cx", "cy", "invfx", "invfy", "mbf", "mb", "mThDepth", "mnMinX", "mnMaxY"})
+    EXPECT_THAT(refusals, HasSubstr(", kf 0, " + std::string(member) + ": ")) << member;
 }
 
 TEST(Orbslam2, AMapWithNothingInItIsRead) {

@@ -236,11 +236,14 @@ TEST(PlyReader, LaterPointsOfAnIdAreNamedAndLeftOut) {
   EXPECT_TRUE(read.Tells(Notice::Kind::kLoss, "an earlier point of the map has their id: 1 point;"));
 }
 
-TEST(PlyReader, TakesNumbersThatNoFloatHolds) {
-  const ReadCloud read = ReadAsCloud(kPly, Header("ascii", 2, kXyz) + "1e-50 0 0\n1e39 -inf 0\n");
-  EXPECT_EQ(read.position(0).x(), 0);
-  EXPECT_EQ(read.atlas.maps[0].points.size(), 1U) << "what is beyond all floats has no place";
-  EXPECT_TRUE(read.Tells(Notice::Kind::kLoss, "by up to inf"));
+TEST(PlyReader, CoordinatesThatNoFloatHoldsAreRefused) {
+  EXPECT_EQ(ReadAsCloud(kPly, Header("ascii", 1, kXyz) + "1e-50 0 0\n").position(0).x(), 0);
+  const Error error = ErrorOf(Header("ascii", 2, kXyz) + "0 0 0\n1 -1e39 0\n");
+  EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
+  EXPECT_EQ(error.place(), "point 1");
+  EXPECT_THAT(error.problem(), HasSubstr("the coordinate -1e+39 does not fit"));
+  const std::string doubles = Header("binary_little_endian", 1, {"double x", "double y", "double z"});
+  EXPECT_EQ(ErrorOf(doubles + CloudBytes().Add(0.0).Add(1e300).Add(0.0).text()).place(), "point 0");
 }
 
 TEST(PlyReader, PointsOfScansWithoutAPlaceAreNone) {

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/rtabmap/detail/rtabmap.h"
@@ -121,6 +122,41 @@ TEST_F(RtabmapDamage, NumbersThatAreNoneAreRead) {
   forge_.Execute("UPDATE Feature SET depth_x = 9e999, octave = 65791 WHERE node_id = 3");
   forge_.Execute("UPDATE Node SET stamp = NULL, map_id = -8 WHERE id = 4");
   EXPECT_EQ(ReadAtlas(path_).maps.size(), 1U);
+}
+
+// NaN and zeros are how RTAB-Map says that it has no pose.
+TEST_F(RtabmapDamage, PosesThatCanBeNoneAreRefused) {
+  const auto error_of = [&](float scale, float x) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation().x() = static_cast<double>(x);
+    pose.linear() *= static_cast<double>(scale);
+    SetBlob("Node SET pose = ? WHERE id = 3", PoseBlob(pose));
+    return ErrorOfRead();
+  };
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(error_of(1, 1).problem(), "no error");
+  EXPECT_EQ(error_of(1, std::numeric_limits<float>::quiet_NaN()).problem(), "no error");
+  EXPECT_EQ(error_of(0, 0).problem(), "no error");
+  EXPECT_THAT(error_of(3, 0).problem(), HasSubstr("(row by row) is no rotation"));
+  EXPECT_THAT(error_of(1, kInfinity).problem(), HasSubstr("the position inf 0 0 is not finite"));
+  EXPECT_EQ(error_of(1, 1e30F).place(), "table Node, row 3");
+}
+
+TEST_F(RtabmapDamage, NumbersThatNoCameraHasAreRefused) {
+  const auto error_of = [&](const ForgedCamera& camera) {
+    SetBlob("Data SET calibration = ? WHERE id = 2", CalibrationBlob("0.21.4", {camera}));
+    return ErrorOfRead();
+  };
+  EXPECT_EQ(error_of({}).problem(), "no error");
+  EXPECT_EQ(error_of({.f = 0, .cx = 0, .cy = 0}).problem(), "no error") << "not calibrated";
+  EXPECT_THAT(error_of({.f = 0}).problem(), HasSubstr("the focal lengths 0 0"));
+  EXPECT_EQ(error_of({.width = 0, .height = 0}).problem(), "no error") << "not recorded";
+  EXPECT_THAT(error_of({.f = -100}).problem(), HasSubstr("the focal lengths -100"));
+  EXPECT_THAT(error_of({.f = std::numeric_limits<float>::quiet_NaN()}).problem(), HasSubstr("the focal lengths nan"));
+  EXPECT_THAT(error_of({.cx = std::numeric_limits<float>::infinity()}).problem(),
+              HasSubstr("the camera's numbers inf"));
+  EXPECT_THAT(error_of({.width = 1 << 21}).problem(), HasSubstr("images of 2097152 x 96"));
+  EXPECT_THAT(error_of({.height = -1}).problem(), HasSubstr("images of 128 x -1"));
 }
 
 // A word that is everywhere costs no more than one of a few places.

@@ -14,6 +14,8 @@ namespace {
 using std::string_literals::operator""s;
 using ::testing::HasSubstr;
 
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
 Error ErrorOfBytes(const std::string& bytes) {
   return ErrorOf([&] {
     Notices ignored;
@@ -131,16 +133,45 @@ TEST(StellaDamage, CamerasAndPyramidsMustBeKnown) {
   EXPECT_THAT(ErrorOfMap(map).problem(), HasSubstr("has 4000000000 levels"));
 }
 
+// Times and keypoints may be anything; poses, points and cameras may not.
 TEST(StellaDamage, NumbersThatAreNoneAreRead) {
   json map = SmallStellaMap();
-  map["keyframes"]["4"]["ts"] = std::numeric_limits<double>::quiet_NaN();
+  map["keyframes"]["4"]["ts"] = kNan;
   map["keyframes"]["4"]["undist_keypts"][0]["pt"] = {1e300, -1e300};
   map["keyframes"]["12"]["undist_keypts"][0]["oct"] = 4'000'000'000;
-  map["landmarks"]["7"]["pos_w"] = {std::numeric_limits<double>::infinity(), 0, 0};
-  map["cameras"]["lab"]["k1"] = -1e300;
-  map["cameras"]["lab"]["cols"] = 4'000'000'000;
+  map["cameras"]["lab"]["k1"] = -1e10;
   Notices ignored;
   EXPECT_NO_THROW(ReadStella(Packed(map), ignored));
+}
+
+TEST(StellaDamage, NumbersThatNoPoseNorPointHasAreRefused) {
+  const auto error_of = [](const char* list, const char* id, const char* key, const json& numbers) {
+    json map = SmallStellaMap();
+    map[list][id][key] = numbers;
+    return ErrorOfMap(map);
+  };
+  const Error error = error_of("keyframes", "4", "rot_cw", {0, 0, 0, 0});
+  EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
+  EXPECT_THAT(error.problem(), HasSubstr("the quaternion 0 0 0 0 (x y z w) is no rotation; the file is damaged"));
+  EXPECT_THAT(error.place(), HasSubstr("keyframe 4"));
+  EXPECT_THAT(error_of("keyframes", "4", "rot_cw", {0, kNan, 0, 1}).problem(), HasSubstr("the quaternion 0 nan 0 1"));
+  EXPECT_THAT(error_of("keyframes", "4", "trans_cw", {0, 1e39, 0}).problem(), HasSubstr("the position 0 1e+39 0"));
+  EXPECT_THAT(error_of("landmarks", "7", "pos_w", {0, 1e39, 0}).problem(), HasSubstr("the position 0 1e+39 0"));
+  EXPECT_THAT(error_of("landmarks", "7", "pos_w", {0, 1e39, 0}).place(), HasSubstr("landmark 7"));
+}
+
+TEST(StellaDamage, NumbersThatNoCameraHasAreRefused) {
+  const auto error_of = [](const char* key, const json& number) {
+    json map = SmallStellaMap();
+    map["cameras"]["lab"][key] = number;
+    return ErrorOfMap(map);
+  };
+  EXPECT_THAT(error_of("cols", 4'000'000'000).problem(), HasSubstr("images of 4000000000 x"));
+  EXPECT_THAT(error_of("rows", 0).problem(), HasSubstr("pixels are impossible"));
+  EXPECT_THAT(error_of("fx", 0).problem(), HasSubstr("the focal lengths 0 "));
+  EXPECT_THAT(error_of("fy", kNan).problem(), HasSubstr("are not above 0, or not finite"));
+  EXPECT_THAT(error_of("k1", -1e300).problem(), HasSubstr("are not all finite"));
+  EXPECT_THAT(error_of("cx", kNan).place(), HasSubstr("camera `lab`"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "slamdb/formats/formats.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/digest.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -39,12 +40,7 @@ class Vins : public ::testing::Test {
     return detail::kVinsFormat.read(folder_.path().string(), {}, notices_);
   }
   std::string Refusal(const std::string& graph) {
-    try {
-      Read(graph);
-    } catch (const Error& error) {
-      return error.place() + ": " + error.problem();
-    }
-    return "read";
+    return RefusalOf([&] { Read(graph); });
   }
 
   TemporaryFolder folder_;
@@ -106,10 +102,10 @@ TEST_F(Vins, BadLinesAreErrorsWithTheirPlace) {
   EXPECT_THAT(Refusal("0.5" + kGraph.substr(2)), HasSubstr("line 1: number 1 must be a whole one"));
   std::string no_turn = kGraph;
   no_turn.replace(no_turn.find(" 1 0 0 0 -1"), 8, " 0 0 0 0");
-  EXPECT_THAT(Refusal(no_turn), HasSubstr("a quaternion of length 0"));
+  EXPECT_THAT(Refusal(no_turn), HasSubstr("line 1: the quaternion 0 0 0 0"));
   std::string far = kGraph;
   far.replace(far.find(" 1 2 3"), 6, " 1 2 1e39");
-  EXPECT_THAT(Refusal(far), HasSubstr("line 1: a position that is not finite"));
+  EXPECT_THAT(Refusal(far), HasSubstr("line 1: the position 1 2 1e+39 is not finite"));
   folder_.Make("0_keypoints.txt", "1 2 3 4\n");
   folder_.Make("0_briefdes.dat", "0101\n");
   EXPECT_THAT(Refusal(kGraph), HasSubstr("expected a descriptor of 256 digits"));

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
+#include <span>
+
+#include "slamdb/formats/import/detail/possible.h"
+#include "slamdb/model/detail/distortion.h"
 
 namespace slamdb::colmap {
 namespace {
-
-constexpr std::uint64_t kLargestSide = 1'000'000;  // pixels
 
 struct Layout {
   bool one_focal_length;
@@ -45,10 +46,9 @@ bool IsRational(const Camera& camera) {
 // ---- where the point (u, v, 1) is seen, in focal lengths
 
 Eigen::Vector2d DistortRational(const double* k, const Eigen::Vector2d& at) {
-  const double u = at.x(), v = at.y(), r2 = at.squaredNorm();
-  const double radial = (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
-  return {u * radial + 2 * k[2] * u * v + k[3] * (r2 + 2 * u * u),
-          v * radial + 2 * k[3] * u * v + k[2] * (r2 + 2 * v * v)};
+  const double r2 = at.squaredNorm();
+  const detail::Brown brown(k, at);
+  return at * (brown.radial / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])))) + brown.tangential;
 }
 
 // Devernay and Faugeras, 2001.
@@ -69,21 +69,9 @@ Eigen::Vector2d DistortThinPrism(const double* k, const Eigen::Vector2d& at) {
           v * radial + 2 * k[3] * u * v + k[2] * (r2 + 2 * v * v) + k[7] * r2};
 }
 
-// Fitzgibbon, 2001: u = d / (1 + k |d|^2).
-Eigen::Vector2d DistortDivision(const double* k, const Eigen::Vector2d& at) {
-  return at * (2 / (1 + std::sqrt(1 - 4 * *k * at.squaredNorm())));
-}
-
 // Khomutenko et al., RA-L 2016: alpha, beta.
 Eigen::Vector2d DistortEnhancedUnified(const double* k, const Eigen::Vector2d& at) {
   return at / (k[0] * std::sqrt(k[1] * at.squaredNorm() + 1) + 1 - k[0]);
-}
-
-// Kannala-Brandt.
-Eigen::Vector2d DistortFisheye(const double* k, const Eigen::Vector2d& at) {
-  constexpr double kSmall = 1e-12;
-  const double r = at.norm(), theta = std::atan(r), t2 = theta * theta;
-  return r < kSmall ? at : at * (theta / r * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))));
 }
 
 Eigen::Vector2d Distort(const Camera& camera, const Eigen::Vector2d& at) {
@@ -92,20 +80,20 @@ Eigen::Vector2d Distort(const Camera& camera, const Eigen::Vector2d& at) {
     case kPinhole:
       return at;
     case kOpencv: {
-      const std::array<double, 8> k = {rest[0], rest[1], rest[2], rest[3]};
-      return DistortRational(k.data(), at);
+      const std::array<double, 5> k = {rest[0], rest[1], rest[2], rest[3]};
+      return detail::DistortBrown(k.data(), at);
     }
     case kFullOpencv:
       return DistortRational(rest, at);
     case kOpencvFisheye:
-      return DistortFisheye(rest, at);
+      return detail::DistortKannalaBrandt(rest, at);
     case kFov:
       return DistortFov(rest, at);
     case kThinPrismFisheye:
       return DistortThinPrism(rest, at);
     case kSimpleDivision:
     case kDivision:
-      return DistortDivision(rest, at);
+      return detail::DistortDivision(*rest, at);
     default:
       return DistortEnhancedUnified(rest, at);
   }
@@ -187,16 +175,17 @@ std::optional<Eigen::Vector2d> SeenBy(const Camera& camera, const Eigen::Vector3
   return Eigen::Vector2d(p[0] * at.x() + p[2], p[1] * at.y() + p[3]);
 }
 
+std::string WhyNoCamera(const Camera& camera) {
+  std::string why = detail::WhyNoImageSize(static_cast<double>(camera.width), static_cast<double>(camera.height));
+  if (!why.empty() || camera.model == kEquirectangular) return why;
+  const std::span<const double> numbers = camera.parameters;
+  const std::size_t focal_lengths = LayoutOf(camera).one_focal_length ? 1 : 2;
+  return detail::WhyNoCamera(numbers[0], numbers[focal_lengths - 1], numbers.subspan(focal_lengths));
+}
+
 const char* WhyNotRead(const Camera& camera) {
   if (camera.model == kEquirectangular) return "panoramas have no pinhole, and slamdb no camera for them";
   if (camera.model == kRadTanThinPrismFisheye) return "slamdb knows no such lens";
-  if (camera.width == 0 || camera.height == 0 || camera.width > kLargestSide || camera.height > kLargestSide)
-    return "its images have an impossible size";
-  const auto is_float = [](double value) { return std::abs(value) <= std::numeric_limits<float>::max(); };
-  if (!std::ranges::all_of(camera.parameters, is_float)) return "its parameters are no numbers";
-  const std::size_t focal_lengths = LayoutOf(camera).one_focal_length ? 1 : 2;
-  for (std::size_t row = 0; row < focal_lengths; ++row)
-    if (!(camera.parameters[row] > 0)) return "its focal length is not positive";
   return nullptr;
 }
 

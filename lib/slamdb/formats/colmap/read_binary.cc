@@ -6,6 +6,8 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/codec.h"
+#include "slamdb/formats/colmap/detail/lenses.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 
 namespace slamdb::colmap {
 namespace {
@@ -45,6 +47,7 @@ class Cursor {
     Pose pose;
     TakeAll(pose.wxyz.data(), pose.wxyz.size());
     TakeAll(pose.translation.data(), pose.translation.size());
+    Require(WhyNoPose(pose));
     return pose;
   }
   SensorType TakeSensorType() {
@@ -61,6 +64,9 @@ class Cursor {
   }
   [[noreturn]] void Fail(const std::string& problem) const {
     throw Error(ErrorKind::kDamaged, file_.path(), Concat("byte ", at_, ", ", entity_, " ", row_), problem);
+  }
+  void Require(const std::string& why_not) const {
+    if (!why_not.empty()) Fail(why_not);
   }
 
  private:
@@ -105,6 +111,7 @@ void TakeCameras(Cursor& cursor, Model& model) {
       cursor.Fail(Concat("there is no camera model ", camera.model));
     camera.parameters.resize(kCameraModels[static_cast<std::size_t>(camera.model)].parameters);
     cursor.TakeAll(camera.parameters.data(), camera.parameters.size());
+    cursor.Require(WhyNoCamera(camera));
   });
 }
 
@@ -123,6 +130,7 @@ void TakePoints(Cursor& cursor, Model& model) {
   TakeList(cursor, 51, "points", model.points, [&](Point& point) {
     point.id = cursor.Take<std::uint64_t>();
     cursor.TakeAll(point.position.data(), point.position.size());
+    cursor.Require(WhyNoPosition(point));
     cursor.TakeAll(point.color.data(), point.color.size());
     point.error = cursor.Take<double>();
     point.track_begin = model.tracks.size();

@@ -7,6 +7,8 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/codec.h"
+#include "slamdb/formats/colmap/detail/lenses.h"
+#include "slamdb/formats/colmap/detail/poses.h"
 
 namespace slamdb::colmap {
 namespace {
@@ -62,6 +64,7 @@ class Lines {
     Pose pose;
     TakeAll(pose.wxyz, "a quaternion");
     TakeAll(pose.translation, "a translation");
+    Require(WhyNoPose(pose));
     return pose;
   }
   Sensor TakeSensor() {
@@ -94,6 +97,9 @@ class Lines {
   [[noreturn]] void Fail(const std::string& problem) const {
     throw Error(ErrorKind::kDamaged, file_.path(), Concat("line ", number_), problem);
   }
+  void Require(const std::string& why_not) const {
+    if (!why_not.empty()) Fail(why_not);
+  }
 
  private:
   void TakeComment() {
@@ -121,6 +127,7 @@ void TakeCamera(Lines& lines, Model& model) {
   camera.height = lines.Take<std::uint64_t>("a height");
   camera.parameters.resize(known->parameters);
   lines.TakeAll(camera.parameters, Concat("one of ", known->parameters, " parameters"));
+  lines.Require(WhyNoCamera(camera));
   lines.End();
 }
 
@@ -146,6 +153,7 @@ void TakePoint(Lines& lines, Model& model) {
   Point& point = model.points.emplace_back();
   point.id = lines.Take<std::uint64_t>("a point's id");
   lines.TakeAll(point.position, "a position");
+  lines.Require(WhyNoPosition(point));
   lines.TakeAll(point.color, "a colour");
   point.error = lines.Take<double>("an error");
   point.track_begin = model.tracks.size();

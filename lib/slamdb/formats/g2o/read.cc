@@ -8,11 +8,15 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/detail/union_find.h"
 #include "slamdb/formats/detail/rounding.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/g2o/detail/similarity_log.h"
+#include "slamdb/formats/import/detail/loops.h"
+#include "slamdb/formats/import/detail/possible.h"
 #include "slamdb/model/counters.h"
+#include "slamdb/model/detail/camera_in_world.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -92,6 +96,9 @@ class Parser {
   [[noreturn]] void Fail(const std::string& problem) const {
     throw Error(ErrorKind::kDamaged, path_, Concat("line ", number_), problem);
   }
+  void Require(const std::string& why_not) const {
+    if (!why_not.empty()) Fail(why_not);
+  }
 
   std::uint64_t TakeId() {
     const std::string_view word = detail::TakeWord(line_, detail::kBlanks);
@@ -116,8 +123,7 @@ class Parser {
     Similarity3d pose;
     for (double& value : pose.translation) value = TakeNumber();
     for (double& value : pose.rotation.coeffs()) value = TakeNumber();
-    constexpr double kLeastNorm = 1e-6;
-    if (!(pose.rotation.norm() > kLeastNorm)) Fail("a quaternion of length 0");
+    Require(detail::WhyNoPose(pose.rotation, pose.translation));
     pose.rotation.normalize();
     return pose;
   }
@@ -125,7 +131,8 @@ class Parser {
     g2o::Vector7d logarithm;
     for (double& value : logarithm) value = TakeNumber();
     const Similarity3d pose = g2o::ExpOf(logarithm);
-    if (!(pose.scale > 0) || !pose.translation.allFinite()) Fail("the logarithm of no similarity");
+    Require(detail::WhyNoScale(pose.scale));
+    Require(detail::WhyNoPose(pose.rotation, pose.translation));
     return pose;
   }
 
@@ -144,21 +151,6 @@ PoseGraph Parse(const Source& source, Notices& notices) {
     notices.Warn(Concat("left out: ", detail::Thousands(count), " lines ", tag, ", which are no poses"));
   return graph;
 }
-
-// Sets of vertices that edges hold together, by row.
-class Components {
- public:
-  explicit Components(std::size_t vertices) : leaders_(vertices) { std::iota(leaders_.begin(), leaders_.end(), 0U); }
-
-  std::uint32_t Find(std::uint32_t row) {
-    for (; leaders_[row] != row; row = leaders_[row]) leaders_[row] = leaders_[leaders_[row]];
-    return row;
-  }
-  void Join(std::uint32_t a, std::uint32_t b) { leaders_[std::max(Find(a), Find(b))] = std::min(Find(a), Find(b)); }
-
- private:
-  std::vector<std::uint32_t> leaders_;
-};
 
 class AtlasMaker {
  public:
@@ -196,7 +188,7 @@ class AtlasMaker {
  private:
   // By row of the poses: which map.
   std::vector<std::uint32_t> AssignMaps(Atlas& atlas) {
-    Components components(graph_.poses.size());
+    detail::UnionFind components(graph_.poses.size());  // that edges hold together, by row
     for (const Link& link : graph_.links) {
       const std::uint32_t first = rows_.Find(link.first), second = rows_.Find(link.second);
       if (first == kNoRow || second == kNoRow)
@@ -209,13 +201,13 @@ class AtlasMaker {
     std::size_t maps = 0;
     for (const std::uint64_t id : graph_.fixed) {
       const std::uint32_t row = rows_.Find(id);
-      if (row == kNoRow || std::exchange(taken[components.Find(row)], 1) != 0) continue;
+      if (row == kNoRow || std::exchange(taken[components.Root(row)], 1) != 0) continue;
       atlas.maps.resize(std::max(atlas.maps.size(), maps + 1));
-      map_of_component[components.Find(row)] = static_cast<std::uint32_t>(maps);
+      map_of_component[components.Root(row)] = static_cast<std::uint32_t>(maps);
       atlas.maps[maps++].initial_keyframe = KeyFrameId(id);
     }
     std::vector<std::uint32_t> map_of(graph_.poses.size());
-    for (std::uint32_t row = 0; row < map_of.size(); ++row) map_of[row] = map_of_component[components.Find(row)];
+    for (std::uint32_t row = 0; row < map_of.size(); ++row) map_of[row] = map_of_component[components.Root(row)];
     return map_of;
   }
 
@@ -238,12 +230,9 @@ class AtlasMaker {
   void AddKeyFrame(const KeyFramePose& pose, KeyFrame& keyframe) {
     keyframe.id = pose.keyframe;
     keyframe.timestamp = pose.timestamp;
-    const Quaternionf rotation(pose.world_from_camera.rotation.conjugate().cast<float>());
-    // The camera's centre is where rotation and translation say together, so the rotation is the rounded one.
-    const Eigen::Quaterniond rounded = Eigen::Quaternionf(rotation).cast<double>().normalized();
-    const Eigen::Vector3d translation = -(rounded * pose.world_from_camera.translation);
-    keyframe.camera_from_world = {rotation, translation.cast<float>()};
-    const double off = (translation - keyframe.camera_from_world.translation.cast<double>()).cwiseAbs().maxCoeff();
+    const Eigen::Vector3d& center = pose.world_from_camera.translation;
+    keyframe.camera_from_world = detail::CameraFromWorld(pose.world_from_camera.rotation, center);
+    const double off = (detail::ExactCenter(keyframe.camera_from_world) - center).cwiseAbs().maxCoeff();
     if (off > detail::Rounding::kMost) rounding_.Add(off);  // less is what every number is off
   }
 
@@ -265,19 +254,13 @@ class AtlasMaker {
       Column<KeyFrame>& keyframes = atlas.maps[places_[one].map].keyframes;
       KeyFrame &first = keyframes[places_[one].row], &second = keyframes[places_[other].row];
       if (places_[other].row != places_[one].row + 1) {
-        first.loop_edges.push_back(second.id);
-        second.loop_edges.push_back(first.id);
+        detail::AddLoop(first, second);
       } else if (!second.parent) {
         second.parent = first.id;
         first.children.push_back(second.id);
       }
     }
-    for (Map& map : atlas.maps)
-      for (KeyFrame& keyframe : map.keyframes) {
-        Column<KeyFrameId>& edges = keyframe.loop_edges;
-        std::sort(edges.begin(), edges.end());
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-      }
+    for (Map& map : atlas.maps) detail::SortLoops(map.keyframes);
   }
 
   const PoseGraph& graph_;

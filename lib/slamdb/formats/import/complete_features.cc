@@ -5,20 +5,14 @@
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/formats/import/detail/completed.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/image_bounds.h"
 
 namespace slamdb::detail {
 namespace {
 
-constexpr std::int32_t kGridColumns = 64, kGridRows = 48, kLevels = 8;
+constexpr std::int32_t kLevels = 8;
 constexpr float kScaleFactor = 1.2F;
 constexpr float kFarthest = 1 << 20;  // pixels: what lies beyond is a damaged keypoint
-
-void SetGrid(ImageBounds& bounds) {
-  bounds.grid_columns = kGridColumns;
-  bounds.grid_rows = kGridRows;
-  bounds.inverse_cell_width = kGridColumns / static_cast<float>(bounds.max_x - bounds.min_x);
-  bounds.inverse_cell_height = kGridRows / static_cast<float>(bounds.max_y - bounds.min_y);
-}
 
 bool IsSet(const ImageBounds& bounds) { return bounds.max_x > bounds.min_x && bounds.max_y > bounds.min_y; }
 

@@ -3,15 +3,14 @@
 
 #include "slamdb/formats/ndjson/detail/members.h"
 #include "slamdb/formats/ndjson/json.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb {
 namespace {
 
-constexpr std::int32_t kOpenCvFloat = 5;  // CV_32FC1
-
 // 32-bit floats as numbers, any other type as the bytes that it is.
 void AppendMatrixData(detail::JsonAppender& json, const Matrix& matrix) {
-  if (matrix.type == kOpenCvFloat && matrix.data.size() % sizeof(float) == 0) {
+  if (matrix.type == detail::kCv32F && matrix.data.size() % sizeof(float) == 0) {
     Column<float> values(matrix.data.size() / sizeof(float));
     if (!values.empty()) std::memcpy(values.data(), matrix.data.data(), matrix.data.size());
     json.Array("values", values);

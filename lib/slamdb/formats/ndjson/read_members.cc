@@ -4,6 +4,7 @@
 #include <span>
 
 #include "slamdb/formats/ndjson/detail/names.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::detail {
 namespace {
@@ -53,13 +54,6 @@ bool BytesOfHex(std::string_view hex, std::uint8_t* bytes) {
   return wrong >= 0;
 }
 
-// What OpenCV's type code takes for one element; 0: it is none.
-std::uint64_t BytesOfType(std::int32_t type) {
-  constexpr std::array<std::uint64_t, 8> kDepthBytes{1, 1, 2, 2, 4, 4, 8, 2};  // CV_8U .. CV_16F
-  if (type < 0 || type >= 4096) return 0;
-  return kDepthBytes[static_cast<std::size_t>(type & 7)] * (static_cast<std::uint64_t>(type >> 3) + 1);
-}
-
 }  // namespace
 
 void ReadHex(JsonScanner& json, std::vector<std::uint8_t>& bytes) {
@@ -83,7 +77,7 @@ void ReadMatrixBytes(JsonScanner& json, Column<std::byte>& bytes) {
 }
 
 void RequireSound(JsonScanner& json, std::string_view name, const Matrix& matrix) {
-  const std::uint64_t element = BytesOfType(matrix.type);
+  const std::uint64_t element = IsMatrixType(matrix.type) ? ElementBytes(matrix.type) : 0;
   if (matrix.rows < 0 || matrix.columns < 0 || element == 0)
     json.Refuse(Concat(name, "there is no matrix of such rows, columns and type"));
   const std::uint64_t cells = static_cast<std::uint64_t>(matrix.rows) * static_cast<std::uint64_t>(matrix.columns);

@@ -3,11 +3,10 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/ndjson/detail/read.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::detail {
 namespace {
-
-constexpr std::int32_t kOpenCvFloat = 5;  // CV_32FC1
 
 template <class Sizes>
 std::uint64_t Sum(const Sizes& sizes) {
@@ -28,12 +27,12 @@ void FinishMatrix(JsonScanner& json, Given& given, Matrix& matrix) {
   const auto lacks = [&](std::string_view name) { return !given[KeyFrameMembers().Find(name)]; };
   if (given[kValues] && given[kBytes]) json.Refuse("distortion: either values or bytes, not both");
   if (given[kValues]) {
-    if (lacks("distortion.type")) matrix.type = kOpenCvFloat;
+    if (lacks("distortion.type")) matrix.type = kCv32F;
     if (lacks("distortion.columns")) matrix.columns = 1;
     if (lacks("distortion.rows") && matrix.columns == 1)
       matrix.rows = static_cast<std::int32_t>(matrix.data.size() / sizeof(float));
     if (lacks("distortion.continuous")) matrix.continuous = true;
-    if (matrix.type != kOpenCvFloat) json.Refuse("distortion: matrices of other types than 5 have bytes, not values");
+    if (matrix.type != kCv32F) json.Refuse("distortion: matrices of other types than 5 have bytes, not values");
   }
   if (given[kBytes]) given.set(kValues);
   RequireSound(json, "distortion: ", matrix);

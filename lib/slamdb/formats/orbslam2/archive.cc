@@ -5,6 +5,7 @@
 #include <string>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::orbslam2 {
 
@@ -19,15 +20,6 @@ struct WireKeypoint {
   float response, response_again, x, y;
 };
 static_assert(sizeof(WireKeypoint) == 28);
-
-constexpr std::uint64_t kDepthMask = 7, kTypeMask = 0xfff;
-constexpr std::uint64_t kFloatType = 5;
-
-// Of a matrix of that type of OpenCV: depth in the lower three bits, channels less one above them.
-std::uint64_t ElementBytes(std::uint64_t type) {
-  constexpr std::array<std::uint8_t, 8> kBytes = {1, 1, 2, 2, 4, 4, 8, 2};
-  return kBytes[type & kDepthMask] * ((type >> 3U) + 1);
-}
 
 }  // namespace
 
@@ -94,13 +86,14 @@ Archive::MatrixHead Archive::TakeMatrixHead(const char* field) {
   head.columns = input_.Take<std::int32_t>();
   head.rows = input_.Take<std::int32_t>();
   const auto element = input_.Take<std::uint64_t>();
-  head.type = input_.Take<std::uint64_t>();
+  const auto type = static_cast<std::int64_t>(input_.Take<std::uint64_t>());
+  if (detail::IsMatrixType(type)) head.type = static_cast<std::int32_t>(type);  // an empty one may have any
   if (head.columns < 0 || head.rows < 0)
     Fail(Concat("a matrix of ", head.rows, " x ", head.columns, ": the file is damaged"));
   const std::uint64_t elements = static_cast<std::uint64_t>(head.columns) * static_cast<std::uint64_t>(head.rows);
   if (elements == 0) return head;
-  if (head.type > kTypeMask || element != ElementBytes(head.type))
-    Fail(Concat("a matrix of type ", head.type, " with elements of ", element, " bytes: the file is damaged"));
+  if (!detail::IsMatrixType(type) || element != detail::ElementBytes(head.type))
+    Fail(Concat("a matrix of type ", type, " with elements of ", element, " bytes: the file is damaged"));
   head.bytes = CheckCount(elements, element) * element;
   return head;
 }
@@ -110,7 +103,7 @@ Matrix Archive::TakeMatrix(const char* field) {
   Matrix matrix;
   matrix.rows = head.rows;
   matrix.columns = head.columns;
-  matrix.type = static_cast<std::int32_t>(head.type & kTypeMask);
+  matrix.type = head.type;
   matrix.continuous.recorded = 1;
   matrix.data.resize(head.bytes);
   input_.TakeArray(matrix.data.data(), matrix.data.size());
@@ -120,7 +113,7 @@ Matrix Archive::TakeMatrix(const char* field) {
 void Archive::TakeFloats(const char* field, float* values, std::int32_t rows, std::int32_t columns) {
   const MatrixHead head = TakeMatrixHead(field);
   if (head.bytes == 0) return;
-  if (head.rows != rows || head.columns != columns || head.type != kFloatType)
+  if (head.rows != rows || head.columns != columns || head.type != detail::kCv32F)
     Fail(Concat("a matrix of ", head.rows, " x ", head.columns, " of type ", head.type, ", expected ", rows, " x ",
                 columns, " floats"),
          ErrorKind::kUnsupported);

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
-#include <map>
-
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/slam_files.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
+#include "slamdb/formats/import/detail/keypoints.h"
+#include "slamdb/formats/import/detail/pinhole_cameras.h"
 #include "slamdb/formats/orbslam2/detail/orbslam2.h"
 #include "slamdb/formats/orbslam2/detail/read.h"
 
@@ -18,29 +14,18 @@ namespace {
 using detail::Concat;
 using detail::Counted;
 
-constexpr float kPatch = 31;  // pixels: what ORB describes at octave 0
-
-// A camera for each calibration matrix that keyframes have, told apart by their bits.
+// A camera for each calibration matrix that keyframes have.
 void MakeCameras(Atlas& atlas) {
-  std::map<std::array<std::uint32_t, 4>, CameraId> known;
+  detail::PinholeCameras cameras;
   for (KeyFrame& keyframe : atlas.maps[0].keyframes) {
     const Eigen::Matrix3f& k = keyframe.calibration_matrix;
-    const std::array<float, 4> parameters = {k(0, 0), k(1, 1), k(0, 2), k(1, 2)};
-    const auto [camera, is_new] =
-        known.try_emplace(std::bit_cast<std::array<std::uint32_t, 4>>(parameters), CameraId(known.size()));
-    if (is_new) atlas.cameras.push_back({.id = camera->second, .parameters = {parameters.begin(), parameters.end()}});
-    keyframe.camera = camera->second;
+    keyframe.camera = cameras.IdOf({k(0, 0), k(1, 1), k(0, 2), k(1, 2)}, atlas);
   }
 }
 
-// The diameter of a keypoint is that of the patch at its octave, in whole pixels.
 void FillSizes(KeyFrame& keyframe) {
-  const std::vector<float>& factors = keyframe.pyramid.factors;
   for (Column<Keypoint>* keypoints : {&keyframe.features.keypoints, &keyframe.features.undistorted})
-    for (Keypoint& keypoint : *keypoints) {
-      const auto octave = static_cast<std::size_t>(keypoint.octave);
-      keypoint.size = octave < factors.size() ? std::trunc(kPatch * factors[octave]) : kPatch;
-    }
+    for (Keypoint& keypoint : *keypoints) keypoint.size = detail::PatchAt(keypoint.octave, keyframe.pyramid);
 }
 
 void Tell(const orbslam2::RecordedMap& recorded, Notices& notices) {
@@ -48,6 +33,8 @@ void Tell(const orbslam2::RecordedMap& recorded, Notices& notices) {
       "a map of ORB-SLAM2 does not say what camera and vocabulary it was made with: cameras are pinholes of the "
       "undistorted image, distortion is unknown, diameters of keypoints are those of their octaves, the vocabulary has "
       "no name");
+  if (recorded.without_pose > 0)
+    notices.Warn(Concat("the file has no pose of ", Counted(recorded.without_pose, "keyframe"), ": at the origin"));
   if (recorded.loose_keyframes + recorded.loose_points > 0)
     notices.Warn(
         Concat("not in the map, but linked to it, and not flagged bad: ", Counted(recorded.loose_keyframes, "keyframe"),

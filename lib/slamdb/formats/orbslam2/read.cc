@@ -9,13 +9,12 @@
 #include "slamdb/formats/orbslam2/detail/read.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
-#include <numeric>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/orbslam2/detail/archive.h"
+#include "slamdb/formats/orbslam2/detail/link.h"
+#include "slamdb/formats/orbslam2/detail/members.h"
 
 namespace slamdb::orbslam2 {
 namespace {
@@ -39,51 +38,8 @@ Id<Entity> RowId(const Pointer& pointer) {
   return pointer.row == kNull ? Id<Entity>() : Id<Entity>(pointer.row);
 }
 
-Rigid3f ToRigid(const Eigen::Matrix<float, 4, 4, Eigen::RowMajor>& matrix) {
-  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>().cast<double>();
-  Rigid3f rigid;
-  rigid.rotation = Quaternionf(Eigen::Quaterniond(rotation).normalized().cast<float>());
-  rigid.translation = matrix.topRightCorner<3, 1>();
-  return rigid;
-}
-
-// Whether the rows of a matrix are descriptors as ORB has them.
-bool IsOrb(const Matrix& matrix) {
-  return matrix.type == 0 && matrix.columns == static_cast<std::int32_t>(sizeof(Descriptor));
-}
-
-// By row.
-template <class Entity>
-std::vector<Id<Entity>> IdsOf(const Column<Entity>& entities) {
-  std::vector<Id<Entity>> ids(entities.size());
-  std::transform(entities.begin(), entities.end(), ids.begin(), [](const Entity& entity) { return entity.id; });
-  return ids;
-}
-
-template <class Entity>
-void ToId(const std::vector<Id<Entity>>& ids, Id<Entity>& link) {
-  if (link.has_value()) link = ids[link.value()];
-}
-
-void SortByKeyFrame(auto& links) {
-  std::stable_sort(links.begin(), links.end(), [](const auto& a, const auto& b) { return a.keyframe < b.keyframe; });
-}
-
-// Sorts by id without moving large entities more than once.
-template <class Entity>
-void SortEntities(Column<Entity>& entities) {
-  std::vector<std::uint32_t> order(entities.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return entities[a].id < entities[b].id; });
-  Column<Entity> sorted;
-  sorted.reserve(entities.size());
-  for (const std::uint32_t row : order) sorted.push_back(std::move(entities[row]));
-  entities = std::move(sorted);
-}
-
 // Which objects a set of the map holds, by row.
-class Members {
+class ObjectSet {
  public:
   void Add(const Pointer& pointer) {
     if (pointer.row == kNull) return;
@@ -113,7 +69,9 @@ class MapReader {
     Root(WireClass::kDatabase);
     if (!archive_.AtEnd())
       archive_.Fail("bytes are left behind the map: the file is damaged, or of a fork with other members");
-    Link();
+    recorded_.loose_keyframes = keyframes_.CountLoose(recorded_.map.keyframes);
+    recorded_.loose_points = points_.CountLoose(recorded_.map.points);
+    LinkObjects(recorded_.map, threads_);
     return std::move(recorded_);
   }
 
@@ -271,7 +229,7 @@ class MapReader {
     Pointer pointer;
     switch (frame.step) {
       case 0:
-        ReadPointHead(point(frame));
+        TakePointHead(archive_, point(frame), recorded_.next_point);
         Begin(frame, "mObservations", WireClass::kObservationMap);
         [[fallthrough]];
       case 1:
@@ -280,7 +238,7 @@ class MapReader {
                 [&](const Pointer& p) { point(frame).observations.push_back({.keyframe = RowId<KeyFrame>(p)}); },
                 [&] { point(frame).observations.back().left = TakeRow(); }))
           return false;
-        ReadPointMatrices(point(frame));
+        TakePointMatrices(archive_, point(frame));
         [[fallthrough]];
       case 2: {
         MapPoint& it = point(frame);
@@ -310,34 +268,6 @@ class MapReader {
     return true;
   }
 
-  void ReadPointHead(MapPoint& point) {
-    point.id = MapPointId(archive_.Take<std::uint64_t>("mnId"));
-    archive_.place().id = point.id.value();
-    recorded_.next_point = std::max(recorded_.next_point, archive_.Take<std::uint64_t>("nNextId"));
-    point.first_keyframe = archive_.Take<std::int64_t>("mnFirstKFid");
-    point.first_frame = archive_.Take<std::int64_t>("mnFirstFrame");
-    point.observation_count = archive_.Take<std::int32_t>("nObs");
-    archive_.Skip<float>("mTrackProjX", 3);
-    archive_.Skip<std::uint8_t>("mbTrackInView", 1);
-    archive_.Skip<std::int32_t>("mnTrackScaleLevel", 1);
-    archive_.Skip<float>("mTrackViewCos", 1);
-    archive_.Skip<std::uint64_t>("mnTrackReferenceForFrame", 7);
-    archive_.SkipMatrix("mPosGBA");
-    archive_.Skip<std::uint64_t>("mnBAGlobalForKF", 1);
-    archive_.TakeFloats("mWorldPos", point.position.data(), 3, 1);
-  }
-
-  void ReadPointMatrices(MapPoint& point) {
-    archive_.TakeFloats("mNormalVector", point.normal.data(), 3, 1);
-    Matrix descriptor = archive_.TakeMatrix("mDescriptor");
-    if (IsOrb(descriptor) && descriptor.rows == 1) {
-      std::memcpy(point.descriptor.data(), descriptor.data.data(), sizeof(Descriptor));
-      return;
-    }
-    point.descriptor_form = MatrixForm::kEmpty;
-    if (!descriptor.data.empty()) point.carried.Make().descriptors = std::move(descriptor);
-  }
-
   // The row of a keypoint, of 64 bits.
   std::int32_t TakeRow() {
     const auto row = archive_.Take<std::uint64_t>("mObservations");
@@ -351,9 +281,9 @@ class MapReader {
     const std::uint32_t row = frame.row;
     switch (frame.step) {
       case 0:
-        ReadKeyFrameHead(keyframe(frame));
-        ReadFeatures(keyframe(frame));
-        ReadPoses(keyframe(frame));
+        TakeKeyFrameHead(archive_, keyframe(frame), recorded_.next_keyframe);
+        TakeFeatures(archive_, keyframe(frame));
+        if (!TakePoses(archive_, keyframe(frame))) ++recorded_.without_pose;
         Begin(frame, "mvpMapPoints", WireClass::kPointList);
         keyframe(frame).features.map_points.reserve(frame.left);
         [[fallthrough]];
@@ -412,128 +342,11 @@ class MapReader {
         if (!List(frame, "mspLoopEdges", WireClass::kKeyFrame,
                   [&](const Pointer& p) { at_row().loop_edges.push_back(RowId<KeyFrame>(p)); }))
           return false;
-        ReadKeyFrameTail(keyframe(frame));
+        TakeKeyFrameTail(archive_, keyframe(frame));
+        Report();
         return One(frame, "mpMap", WireClass::kMap, pointer);
     }
     return true;
-  }
-
-  void ReadKeyFrameHead(KeyFrame& keyframe) {
-    recorded_.next_keyframe = std::max(recorded_.next_keyframe, archive_.Take<std::uint64_t>("nNextId"));
-    keyframe.id = KeyFrameId(archive_.Take<std::uint64_t>("mnId"));
-    archive_.place().id = keyframe.id.value();
-    keyframe.frame_id = archive_.Take<std::uint64_t>("mnFrameId");
-    keyframe.timestamp = archive_.Take<double>("mTimeStamp");
-    ImageBounds& bounds = keyframe.bounds;
-    bounds.grid_columns = archive_.Take<std::int32_t>("mnGridCols");
-    bounds.grid_rows = archive_.Take<std::int32_t>("mnGridRows");
-    bounds.inverse_cell_width = archive_.Take<float>("mfGridElementWidthInv");
-    bounds.inverse_cell_height = archive_.Take<float>("mfGridElementHeightInv");
-    archive_.Skip<std::uint64_t>("mnTrackReferenceForFrame", 4);
-    for (const char* query : {"mnLoopQuery", "mnRelocQuery"}) {
-      archive_.Skip<std::uint64_t>(query, 1);
-      archive_.Skip<std::int32_t>(query, 1);
-      archive_.Skip<float>(query, 1);
-    }
-    archive_.SkipMatrix("mTcwGBA");
-    archive_.SkipMatrix("mTcwBefGBA");
-    archive_.Skip<std::uint64_t>("mnBAGlobalForKF", 1);
-    Intrinsics& intrinsics = keyframe.intrinsics;
-    for (float* value :
-         {&intrinsics.fx, &intrinsics.fy, &intrinsics.cx, &intrinsics.cy, &intrinsics.inverse_fx,
-          &intrinsics.inverse_fy, &intrinsics.baseline_fx, &intrinsics.baseline, &intrinsics.depth_threshold})
-      *value = archive_.Take<float>("fx");
-  }
-
-  void ReadFeatures(KeyFrame& keyframe) {
-    Features& features = keyframe.features;
-    features.count = archive_.Take<std::int32_t>("N");
-    archive_.TakeKeypoints("mvKeys", features.keypoints);
-    archive_.TakeKeypoints("mvKeysUn", features.undistorted);
-    archive_.TakeNumbers("mvuRight", WireClass::kFloats, features.right_x);
-    archive_.TakeNumbers("mvDepth", WireClass::kFloats, features.depth);
-    Matrix descriptors = archive_.TakeMatrix("mDescriptors");
-    if (IsOrb(descriptors)) {
-      features.descriptors.resize(static_cast<std::size_t>(descriptors.rows));
-      if (!descriptors.data.empty())
-        std::memcpy(features.descriptors.data(), descriptors.data.data(), descriptors.data.size());
-    } else if (!descriptors.data.empty()) {
-      keyframe.carried.Make().descriptors = std::move(descriptors);
-    }
-    archive_.TakeBagOfWords(features.bag_of_words);
-    archive_.TakeFeatureVector(features.feature_vector);
-  }
-
-  void ReadPoses(KeyFrame& keyframe) {
-    using Matrix4 = Eigen::Matrix<float, 4, 4, Eigen::RowMajor>;
-    Matrix4 pose = Matrix4::Identity();
-    archive_.TakeFloats("mTcp", pose.data(), 4, 4);
-    keyframe.camera_from_parent = ToRigid(pose);
-    ScalePyramid& pyramid = keyframe.pyramid;
-    pyramid.levels = archive_.Take<std::int32_t>("mnScaleLevels");
-    pyramid.factor = archive_.Take<float>("mfScaleFactor");
-    pyramid.log_factor = archive_.Take<float>("mfLogScaleFactor");
-    archive_.TakeNumbers("mvScaleFactors", WireClass::kFloats, pyramid.factors);
-    archive_.TakeNumbers("mvLevelSigma2", WireClass::kFloats, pyramid.sigma2);
-    archive_.TakeNumbers("mvInvLevelSigma2", WireClass::kFloats, pyramid.inverse_sigma2);
-    ImageBounds& bounds = keyframe.bounds;
-    for (std::int32_t* value : {&bounds.min_x, &bounds.min_y, &bounds.max_x, &bounds.max_y})
-      *value = archive_.Take<std::int32_t>("mnMinX");
-    Eigen::Matrix<float, 3, 3, Eigen::RowMajor> calibration = Eigen::Matrix3f::Identity();
-    archive_.TakeFloats("mK", calibration.data(), 3, 3);
-    keyframe.calibration_matrix = calibration;
-    pose.setIdentity();
-    archive_.TakeFloats("Tcw", pose.data(), 4, 4);
-    keyframe.camera_from_world = ToRigid(pose);
-    for (const char* derived : {"Twc", "Ow", "Cw"}) archive_.SkipMatrix(derived);
-  }
-
-  void ReadKeyFrameTail(KeyFrame& keyframe) {
-    keyframe.not_erase = archive_.TakeFlag("mbNotErase");
-    keyframe.to_be_erased = archive_.TakeFlag("mbToBeErased");
-    keyframe.bad = archive_.TakeFlag("mbBad");
-    keyframe.half_baseline = archive_.Take<float>("mHalfBaseline");
-    Report();
-  }
-
-  // ---- when all is read
-
-  void Link() {
-    Map& map = recorded_.map;
-    recorded_.loose_keyframes = keyframes_.CountLoose(map.keyframes);
-    recorded_.loose_points = points_.CountLoose(map.points);
-    const std::vector<KeyFrameId> keyframe_ids = IdsOf(map.keyframes);
-    const std::vector<MapPointId> point_ids = IdsOf(map.points);
-    for (KeyFrameId& origin : map.origins) ToId(keyframe_ids, origin);
-    constexpr std::size_t kGrain = 16;
-    detail::ParallelFor(map.keyframes.size(), kGrain, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row) LinkKeyFrame(map.keyframes[row], keyframe_ids, point_ids);
-    });
-    detail::ParallelFor(map.points.size(), kGrain * kGrain, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row) LinkPoint(map.points[row], keyframe_ids, point_ids);
-    });
-    SortEntities(map.keyframes);
-    SortEntities(map.points);
-  }
-
-  static void LinkKeyFrame(KeyFrame& keyframe, const std::vector<KeyFrameId>& keyframe_ids,
-                           const std::vector<MapPointId>& point_ids) {
-    for (MapPointId& point : keyframe.features.map_points) ToId(point_ids, point);
-    for (Connection& connection : keyframe.connections) ToId(keyframe_ids, connection.keyframe);
-    SortByKeyFrame(keyframe.connections);
-    ToId(keyframe_ids, keyframe.parent);
-    for (Column<KeyFrameId>* links : {&keyframe.children, &keyframe.loop_edges}) {
-      for (KeyFrameId& link : *links) ToId(keyframe_ids, link);
-      std::sort(links->begin(), links->end());
-    }
-  }
-
-  static void LinkPoint(MapPoint& point, const std::vector<KeyFrameId>& keyframe_ids,
-                        const std::vector<MapPointId>& point_ids) {
-    for (Observation& observation : point.observations) ToId(keyframe_ids, observation.keyframe);
-    SortByKeyFrame(point.observations);
-    ToId(keyframe_ids, point.reference);
-    ToId(point_ids, point.replaced_by);
   }
 
   void Report() {
@@ -550,7 +363,7 @@ class MapReader {
   Archive archive_;
   RecordedMap recorded_;
   std::vector<Frame> stack_;
-  Members keyframes_, points_;
+  ObjectSet keyframes_, points_;
   std::vector<std::int32_t> ignored_;
   std::size_t released_ = 0;
 };

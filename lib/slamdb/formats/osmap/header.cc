@@ -2,11 +2,12 @@
 #include "slamdb/formats/osmap/detail/header.h"
 
 #include <algorithm>
-#include <cmath>
+#include <span>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/import/detail/possible.h"
 
 namespace slamdb::osmap {
 namespace {
@@ -110,7 +111,7 @@ class Parser {
       if (static_cast<std::size_t>(member) != member_) Fail("a camera matrix is fx, fy, cx and cy, in this order");
       header_.cameras.back()[member_++] = *number;
       if (member_ < kMembers.size()) continue;
-      if (const char* why = WhyNoCamera(header_.cameras.back())) Fail(why);
+      if (const std::string why = WhyNoCamera(header_.cameras.back()); !why.empty()) Fail(why);
     }
   }
 
@@ -133,10 +134,9 @@ std::string Quoted(std::string_view text) {
 
 }  // namespace
 
-const char* WhyNoCamera(const CameraMatrix& camera) {
-  const bool finite = std::ranges::all_of(camera, [](float number) { return std::isfinite(number); });
-  const bool known = camera[0] > 0 && camera[1] > 0;
-  return finite && (known || camera == CameraMatrix{}) ? nullptr : "a camera whose focal lengths are not above 0";
+std::string WhyNoCamera(const CameraMatrix& camera) {
+  const std::array<double, 4> numbers = {camera[0], camera[1], camera[2], camera[3]};
+  return detail::WhyNoCameraOrNone(numbers[0], numbers[1], std::span(numbers).subspan(2));
 }
 
 Header ParseHeader(std::string_view text, const std::string& path) { return Parser(text, path).Parse(); }

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <map>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
@@ -14,9 +13,13 @@
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/import/detail/complete.h"
-#include "slamdb/formats/import/detail/pose_numbers.h"
+#include "slamdb/formats/import/detail/keypoints.h"
+#include "slamdb/formats/import/detail/loops.h"
+#include "slamdb/formats/import/detail/pinhole_cameras.h"
+#include "slamdb/formats/import/detail/possible.h"
 #include "slamdb/formats/osmap/detail/header.h"
 #include "slamdb/formats/osmap/detail/osmap.h"
+#include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::osmap {
@@ -28,7 +31,7 @@ using detail::ProtoField;
 using detail::ProtoFile;
 using detail::ProtoReader;
 
-constexpr float kPatch = 31;  // pixels: what ORB describes at octave 0
+constexpr std::int32_t kMostOctaves = 64;
 
 // A file beside the header; the folder that its name begins with is that of whoever saved it.
 class SideFile {
@@ -48,6 +51,10 @@ class SideFile {
 std::string_view BytesOf(const ProtoFile& file, const ProtoField& field) {
   if (!field.is_bytes()) file.Fail(nullptr, Concat("field ", field.number, " is a number, expected a message"));
   return field.bytes;
+}
+
+void Require(const ProtoFile& file, std::string_view message, const std::string& why_not) {
+  if (!why_not.empty()) file.Fail(message.data(), why_not);
 }
 
 template <class Visit>
@@ -71,7 +78,7 @@ CameraMatrix ReadCameraMatrix(const ProtoFile& file, std::string_view message) {
   ForEachField(file, message, [&](const ProtoField& field) {
     if (field.number >= 1 && field.number <= camera.size()) camera[field.number - 1] = field.AsFloat();
   });
-  if (const char* why = WhyNoCamera(camera)) file.Fail(message.data(), why);
+  Require(file, message, WhyNoCamera(camera));
   return camera;
 }
 
@@ -108,7 +115,7 @@ MapPoint ReadPoint(const ProtoFile& file, std::string_view message) {
       default:;
     }
   });
-  if (const char* why = detail::WhyNoPosition(point.position.cast<double>())) file.Fail(message.data(), why);
+  Require(file, message, detail::WhyNoPosition(point.position.cast<double>()));
   return point;
 }
 
@@ -120,12 +127,9 @@ Rigid3f ReadPose(const ProtoFile& file, std::string_view message) {
   if (values.size() != 12) file.Fail(message.data(), Concat("a pose of ", values.size(), " numbers, expected 12"));
   const Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>> matrix(values.data());
   const Eigen::Matrix3d rotation = matrix.leftCols<3>().cast<double>();
-  if (const char* why = detail::WhyNoPoseOfMatrix(rotation, matrix.col(3).cast<double>()))
-    file.Fail(message.data(), why);
-  Rigid3f pose;
-  pose.rotation = Quaternionf(Eigen::Quaterniond(rotation).normalized().cast<float>());
-  pose.translation = matrix.col(3);
-  return pose;
+  const Eigen::Vector3d translation = matrix.col(3).cast<double>();
+  Require(file, message, detail::WhyNoPose(rotation, translation));
+  return detail::PoseOf(rotation, translation);
 }
 
 struct ReadKeyFrame {
@@ -216,11 +220,7 @@ class MapReader {
       file.Fail(at, Concat("camera ", read.camera, " of the ", header_.cameras.size(), " in ", path_));
     const CameraMatrix k = read.own_camera ? *read.own_camera : header_.cameras[read.camera];
     detail::SetPinhole(read.keyframe, k[0], k[1], k[2], k[3]);
-    std::array<std::uint32_t, 4> bits{};
-    std::memcpy(bits.data(), k.data(), sizeof bits);
-    const auto [camera, is_new] = cameras_.try_emplace(bits, CameraId(cameras_.size()));
-    if (is_new) atlas_.cameras.push_back({.id = camera->second, .parameters = {k.begin(), k.end()}});
-    read.keyframe.camera = camera->second;
+    read.keyframe.camera = cameras_.IdOf(k, atlas_);
   }
 
   // Of each loop the keyframe of the larger id has the edge.
@@ -233,11 +233,7 @@ class MapReader {
         if (const std::uint32_t found = rows.Find(other.value()); found != kNoRow && other != id)
           map.keyframes[found].loop_edges.push_back(id);
     }
-    for (KeyFrame& keyframe : map.keyframes) {
-      auto& edges = keyframe.loop_edges;
-      std::sort(edges.begin(), edges.end());
-      edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    }
+    detail::SortLoops(map.keyframes);
   }
 
   // The features of one keyframe: where they are in the file.
@@ -299,7 +295,7 @@ class MapReader {
     std::size_t described = 0;
     for (std::size_t row = 0; row < count; ++row) {
       Keypoint& keypoint = features.undistorted[row];
-      keypoint = {.angle = 0, .response = 0, .size = kPatch, .x = 0, .y = 0, .class_id = -1, .octave = 0};
+      keypoint = detail::KeypointAt(0, 0);
       ForEachField(file, block.features[row], [&](const ProtoField& field) {
         if (field.number == 2 && field.value != 0) features.map_points[row] = MapPointId(field.value);
         if (field.number == 3) ReadKeypoint(file, BytesOf(file, field), keypoint);
@@ -318,11 +314,11 @@ class MapReader {
       if (field.number == 1) keypoint.x = field.AsFloat();
       if (field.number == 2) keypoint.y = field.AsFloat();
       if (field.number == 3) keypoint.angle = field.AsFloat();
-      constexpr float kMostOctaves = 64;
       if (field.number != 4) return;
+      static const ScalePyramid kPyramid = DerivePyramid(kMostOctaves, 1.2F);
       const float octave = field.AsFloat();
       keypoint.octave = octave >= 0 && octave < kMostOctaves ? static_cast<std::int32_t>(octave) : 0;
-      keypoint.size = std::trunc(kPatch * std::pow(1.2F, static_cast<float>(keypoint.octave)));
+      keypoint.size = detail::PatchAt(keypoint.octave, kPyramid);
     });
   }
 
@@ -347,7 +343,7 @@ class MapReader {
   Notices& notices_;
   Header header_;
   Atlas atlas_;
-  std::map<std::array<std::uint32_t, 4>, CameraId> cameras_;
+  detail::PinholeCameras cameras_;
   std::atomic<std::uint64_t> undescribed_ = 0;  // descriptors of keyframes that have too few
 };
 

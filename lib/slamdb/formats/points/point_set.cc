@@ -180,6 +180,11 @@ bool PointSet::Set(const CloudColumn& column, std::string_view number) {
 void PointSet::SetReal(PointField field, double value) {
   const auto real = static_cast<float>(value);
   if (field <= PointField::kZ) {
+    if (std::isfinite(value) && !std::isfinite(real))
+      throw Error(ErrorKind::kDamaged, path_, Concat("point ", row_),
+                  Concat("the coordinate ", value,
+                         " does not fit into the 32-bit floats of an atlas; the file is "
+                         "damaged, or its numbers are of another type"));
     now_.position[static_cast<int>(field)] = real;
     rounding_.Add(std::abs(static_cast<double>(real) - value));
   } else if (field <= PointField::kNormalZ) {

@@ -8,6 +8,9 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
+#include "slamdb/formats/import/detail/loops.h"
+#include "slamdb/formats/import/detail/pinhole_cameras.h"
+#include "slamdb/formats/import/detail/possible.h"
 
 namespace slamdb::rtabmap {
 namespace {
@@ -76,13 +79,6 @@ Placement PlaceNodes(const Graph& graph) {
   return placement;
 }
 
-Rigid3f RigidOf(const Pose& pose) {
-  Rigid3f rigid;
-  rigid.rotation = Quaternionf(Eigen::Quaterniond(pose.linear()).normalized().cast<float>());
-  rigid.translation = pose.translation().cast<float>();
-  return rigid;
-}
-
 class Assembler {
  public:
   explicit Assembler(Placement placement) : placement_(std::move(placement)) {}
@@ -128,7 +124,9 @@ class Assembler {
       world_from_camera = world_from_camera * node.cameras[camera].base_from_camera;
       SetCamera(keyframe, node.cameras[camera], atlas);
     }
-    keyframe.camera_from_world = RigidOf(world_from_camera.inverse());
+    const Pose camera_from_world = world_from_camera.inverse();
+    keyframe.camera_from_world =
+        detail::PoseOf(Eigen::Matrix3d(camera_from_world.linear()), camera_from_world.translation());
     return shot;
   }
 
@@ -140,13 +138,10 @@ class Assembler {
     if (from.width > 0 && from.height > 0) keyframe.bounds = detail::BoundsOfImage(from.width, from.height);
     if (from.baseline <= 0) ++virtual_baselines_;
     SetBaseline(keyframe, from.baseline > 0 ? from.baseline : kVirtualBaseline);
-    const auto [camera, is_new] =
-        cameras_.try_emplace({from.fx, from.fy, from.cx, from.cy}, CameraId(atlas.cameras.size()));
-    if (is_new) atlas.cameras.push_back({.id = camera->second, .parameters = {from.fx, from.fy, from.cx, from.cy}});
-    keyframe.camera = camera->second;
+    keyframe.camera = cameras_.IdOf({from.fx, from.fy, from.cx, from.cy}, atlas);
   }
 
-  std::map<std::array<float, 4>, CameraId> cameras_;  // by their parameters
+  detail::PinholeCameras cameras_;
   Placement placement_;
   std::uint64_t without_picture_ = 0, virtual_baselines_ = 0;
 };
@@ -171,18 +166,12 @@ LinkCounts SetLinks(const Graph& graph, Shots& shots) {
       KeyFrame& before = shots.list[from + camera].keyframe;
       KeyFrame& behind = shots.list[to + camera].keyframe;
       if (link.is_closure()) {
-        before.loop_edges.push_back(behind.id);
-        behind.loop_edges.push_back(before.id);
+        detail::AddLoop(before, behind);
       } else if (!before.next && !behind.previous) {
         before.next = behind.id;
         behind.previous = before.id;
       }
     }
-  }
-  for (Shot& shot : shots.list) {
-    Column<KeyFrameId>& edges = shot.keyframe.loop_edges;
-    std::ranges::sort(edges);
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   }
   return counts;
 }
@@ -262,6 +251,7 @@ Atlas ReadAtlas(sqlite::Database& database, const ReadOptions& options, Notices&
   const LinkCounts links = SetLinks(graph, shots);
   TellLosses(graph, features, points, links, notices);
   for (Shot& shot : shots.list) atlas.maps[shot.map].keyframes.push_back(std::move(shot.keyframe));
+  for (Map& map : atlas.maps) detail::SortLoops(map.keyframes);
   detail::CompleteAtlas(atlas, "RTAB-Map", options.threads, notices);
   detail::Select(options.selection, atlas);
   return atlas;

@@ -9,13 +9,13 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/import/detail/possible.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::rtabmap {
 namespace {
 
 using detail::Concat;
-
-constexpr std::int32_t kIntegers = 4, kFloats = 5;  // OpenCV's types of one channel
 
 // A zlib stream, and behind it rows, columns and type. Both types have 4 bytes an element.
 template <class Value>
@@ -47,17 +47,18 @@ std::vector<Value> ValuesOf(Bytes blob, std::int32_t type, const Place& place) {
 }  // namespace
 
 void Place::Fail(const std::string& problem) const { throw Error(ErrorKind::kDamaged, path, where, problem); }
+void Place::Require(const std::string& why_not) const {
+  if (!why_not.empty()) Fail(why_not);
+}
 
-std::optional<Pose> PoseOf(const float* rows) {
-  Eigen::Matrix<double, 3, 4> matrix;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) matrix(row, column) = static_cast<double>(rows[4 * row + column]);
-  if (!matrix.allFinite() || matrix.isZero(0)) return std::nullopt;
+std::optional<Pose> PoseOf(const float* rows, const Place& place) {
+  const Eigen::Matrix<double, 3, 4> matrix =
+      Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>(rows).cast<double>();
+  if (matrix.hasNaN() || matrix.isZero(0)) return std::nullopt;
+  place.Require(detail::WhyNoPose(Eigen::Matrix3d(matrix.leftCols<3>()), matrix.col(3)));
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix.leftCols<3>(), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
-  if (!(rotation.determinant() > 0)) return std::nullopt;
   Pose pose = Pose::Identity();
-  pose.linear() = rotation;
+  pose.linear() = svd.matrixU() * svd.matrixV().transpose();
   pose.translation() = matrix.col(3);
   return pose;
 }
@@ -67,7 +68,7 @@ std::optional<Pose> PoseOf(Bytes blob, const Place& place) {
   std::array<float, 12> rows;
   if (blob.size() != sizeof rows) place.Fail(Concat("a pose has ", blob.size(), " bytes, expected ", sizeof rows));
   std::memcpy(rows.data(), blob.data(), sizeof rows);
-  return PoseOf(rows.data());
+  return PoseOf(rows.data(), place);
 }
 
 std::optional<GpsFix> FixOf(Bytes blob, double stamp, const Place& place) {
@@ -81,8 +82,8 @@ std::optional<GpsFix> FixOf(Bytes blob, double stamp, const Place& place) {
 }
 
 std::vector<std::int32_t> IntegersOf(Bytes blob, const Place& place) {
-  return ValuesOf<std::int32_t>(blob, kIntegers, place);
+  return ValuesOf<std::int32_t>(blob, detail::kCv32S, place);
 }
-std::vector<float> FloatsOf(Bytes blob, const Place& place) { return ValuesOf<float>(blob, kFloats, place); }
+std::vector<float> FloatsOf(Bytes blob, const Place& place) { return ValuesOf<float>(blob, detail::kCv32F, place); }
 
 }  // namespace slamdb::rtabmap

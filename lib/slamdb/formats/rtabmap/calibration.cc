@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/import/detail/possible.h"
 #include "slamdb/formats/rtabmap/detail/blobs.h"
 
 namespace slamdb::rtabmap {
@@ -43,8 +44,9 @@ class Cursor {
 
 // x forward, y left, z up, as robots are; and z forward, x right, y down, as cameras are.
 Pose UsualCamera() {
-  constexpr std::array<float, 12> kOptical = {0, 0, 1, 0, -1, 0, 0, 0, 0, -1, 0, 0};
-  return *PoseOf(kOptical.data());
+  Pose base_from_camera = Pose::Identity();
+  base_from_camera.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return base_from_camera;
 }
 
 NodeCamera WithIntrinsics(double fx, double fy, double cx, double cy) {
@@ -78,7 +80,7 @@ Mono TakeMono(Cursor& cursor, const Place& place) {
   mono.camera.width = header[4];
   mono.camera.height = header[5];
   mono.camera.base_from_camera = UsualCamera();
-  if (local.size() == 12) mono.camera.base_from_camera = PoseOf(local.data()).value_or(UsualCamera());
+  if (local.size() == 12) mono.camera.base_from_camera = PoseOf(local.data(), place).value_or(UsualCamera());
   return mono;
 }
 
@@ -98,6 +100,20 @@ NodeCamera TakeStereo(Cursor& cursor, const Place& place) {
   return left.camera;
 }
 
+// Of what is no size of an image, -1.
+std::int32_t WholePixels(float pixels) {
+  constexpr float kMost = 1 << 30;
+  return pixels >= 0 && pixels < kMost ? static_cast<std::int32_t>(pixels) : -1;
+}
+
+// Sizes of 0 are not recorded, cameras of zeros not calibrated.
+std::string WhyNoCamera(const NodeCamera& camera) {
+  const std::array<double, 3> others = {camera.cx, camera.cy, camera.baseline};
+  const bool has_size = camera.width != 0 || camera.height != 0;
+  std::string why = has_size ? detail::WhyNoImageSize(camera.width, camera.height) : std::string();
+  return why.empty() ? detail::WhyNoCameraOrNone(camera.fx, camera.fy, others) : why;
+}
+
 // Before 0.18, floats alone: focal lengths, principal point, the baseline of a stereo camera, since 0.11.2 the size of
 // the picture, and where the camera is.
 std::vector<NodeCamera> OldCalibration(Cursor& cursor, bool has_size, const Place& place) {
@@ -112,9 +128,8 @@ std::vector<NodeCamera> OldCalibration(Cursor& cursor, bool has_size, const Plac
     camera.fx = numbers[0], camera.fy = numbers[1], camera.cx = numbers[2], camera.cy = numbers[3];
     if (is_stereo) camera.baseline = numbers[4];
     const float* behind = numbers.data() + (is_stereo ? 5 : 4);
-    const auto size = [](float pixels) { return pixels > 0 && pixels < 1e6F ? static_cast<std::int32_t>(pixels) : 0; };
-    if (has_size) camera.width = size(behind[0]), camera.height = size(behind[1]);
-    camera.base_from_camera = PoseOf(behind + (has_size ? 2 : 0)).value_or(UsualCamera());
+    if (has_size) camera.width = WholePixels(behind[0]), camera.height = WholePixels(behind[1]);
+    camera.base_from_camera = PoseOf(behind + (has_size ? 2 : 0), place).value_or(UsualCamera());
   }
   return cameras;
 }
@@ -130,6 +145,7 @@ std::vector<NodeCamera> CalibrationOf(Bytes blob, const Version& version, const 
     cameras.push_back(cursor.Peek(3) == 1 ? TakeStereo(cursor, place) : TakeMono(cursor, place).camera);
   if (cameras.size() > kMostCameras)
     place.Fail(Concat("a calibration has ", cameras.size(), " cameras, expected at most ", kMostCameras));
+  for (const NodeCamera& camera : cameras) place.Require(WhyNoCamera(camera));
   return cameras;
 }
 

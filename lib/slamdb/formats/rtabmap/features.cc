@@ -9,6 +9,7 @@
 #include "slamdb/formats/rtabmap/detail/keyframes.h"
 #include "slamdb/formats/sqlite/detail/foreign.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::rtabmap {
 namespace {
@@ -138,14 +139,13 @@ class FeatureReader {
     for (std::size_t row = 0; row < shots_.list.size(); ++row) {
       Other& other = others_[row];
       if (other.bytes == 0) continue;
-      constexpr std::int32_t kBytes = 0, kFloats = 5;  // OpenCV's types
       KeyFrame& keyframe = shots_.list[row].keyframe;
       const std::size_t rows = keyframe.features.keypoints.size();
       other.data.resize(rows * other.bytes, std::byte{0});
       Matrix& matrix = keyframe.carried.Make().descriptors;
       matrix.rows = static_cast<std::int32_t>(rows);
       matrix.columns = static_cast<std::int32_t>(other.has_floats ? other.bytes / sizeof(float) : other.bytes);
-      matrix.type = other.has_floats ? kFloats : kBytes;
+      matrix.type = other.has_floats ? detail::kCv32F : detail::kCv8U;
       matrix.continuous = true;
       matrix.data = std::move(other.data);
       keyframe.features.descriptors.clear();

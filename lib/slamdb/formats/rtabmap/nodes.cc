@@ -82,7 +82,7 @@ void ReadOptimized(Database& database, Graph& graph) {
   if (poses.size() != 12 * ids.size())
     place.Fail(Concat("has ", poses.size(), " numbers of poses for ", ids.size(), " nodes, expected 12 each"));
   for (std::size_t i = 0; i < ids.size(); ++i)
-    if (Node* node = Find(graph, ids[i])) node->optimized = PoseOf(poses.data() + 12 * i);
+    if (Node* node = Find(graph, ids[i])) node->optimized = PoseOf(poses.data() + 12 * i, place);
 }
 
 void ReadCalibrations(Database& database, Graph& graph, const ReadOptions& options) {

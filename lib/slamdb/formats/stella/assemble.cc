@@ -12,6 +12,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
+#include "slamdb/formats/import/detail/keypoints.h"
 #include "slamdb/formats/stella/detail/cameras.h"
 #include "slamdb/formats/stella/detail/lens.h"
 #include "slamdb/formats/stella/detail/links.h"
@@ -135,7 +136,7 @@ class Assembler {
     Features& features = keyframe.features;
     for (Column<Keypoint>* column : {&features.keypoints, &features.undistorted})
       for (Keypoint& keypoint : *column)
-        if (keypoint.size == 0) keypoint.size = PatchAt(keypoint.octave, keyframe.pyramid);
+        if (keypoint.size == 0) keypoint.size = detail::PatchAt(keypoint.octave, keyframe.pyramid);
     if (features.keypoints.empty()) features.keypoints = Distorted(lens, features.undistorted);
     if (lens.model == Model::kFisheye) features.undistorted = features.keypoints;
     keyframe.not_erase = !keyframe.loop_edges.empty();

@@ -6,15 +6,16 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <span>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/import/detail/possible.h"
 #include "slamdb/formats/stella/detail/lens.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::stella {
 namespace {
-
-constexpr std::int32_t kFloats = 5, kDoubles = 6;  // OpenCV's types
 
 constexpr std::string_view kScale = " levels, scale ";  // in names of ORB parameters
 
@@ -39,16 +40,9 @@ LensCamera Pinhole(const LensCamera& lens) {
   return pinhole;
 }
 
+// k3 only where there is one.
 Matrix MatrixOf(const std::array<double, 5>& distortion) {
-  const std::size_t count = distortion[4] == 0 ? 4 : 5;
-  Matrix matrix{
-      .rows = static_cast<std::int32_t>(count), .columns = 1, .type = kFloats, .continuous = true, .data = {}};
-  matrix.data.resize(count * sizeof(float));
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto value = static_cast<float>(distortion[i]);
-    std::memcpy(matrix.data.data() + i * sizeof value, &value, sizeof value);
-  }
-  return matrix;
+  return detail::FloatColumn(std::span(distortion).first(distortion[4] == 0 ? 4 : 5));
 }
 
 template <class Value>
@@ -69,12 +63,6 @@ std::string_view NameOf(Setup setup) { return kSetups[static_cast<std::size_t>(s
 std::optional<Model> ModelOf(std::string_view name) { return Find<Model>(kModels, name); }
 std::optional<Setup> SetupOf(std::string_view name) { return Find<Setup>(kSetups, name); }
 
-float PatchAt(std::int32_t octave, const ScalePyramid& pyramid) {
-  constexpr float kPatch = 31;
-  const bool is_level = octave >= 0 && static_cast<std::size_t>(octave) < pyramid.factors.size();
-  return std::floor(kPatch * (is_level ? pyramid.factors[static_cast<std::size_t>(octave)] : 1));
-}
-
 OrbParams OrbParams::Of(const ScalePyramid& pyramid) {
   OrbParams params;
   params.levels = pyramid.levels > 0 ? static_cast<std::uint32_t>(pyramid.levels) : 0;
@@ -94,6 +82,16 @@ std::optional<OrbParams> OrbParams::Named(const std::string& name) {
   OrbParams params{.name = name, .scale_factor = factor.value_or(0), .levels = levels.value_or(0)};
   if (!params.is_sound()) return std::nullopt;
   return params;
+}
+
+std::string WhyNoCamera(const LensCamera& lens) {
+  const auto& k = lens.distortion;
+  const std::array<double, 8> others = {lens.cx, lens.cy, k[0], k[1], k[2], k[3], k[4], lens.focal_x_baseline};
+  const bool is_known = lens.fx != 0 || lens.fy != 0 || lens.columns > 0 || lens.rows > 0;
+  std::string why = is_known ? detail::WhyNoImageSize(lens.columns, lens.rows) : std::string();
+  if (!why.empty()) return why;
+  const bool has_focal_length = lens.model != Model::kEquirectangular;
+  return has_focal_length ? detail::WhyNoCameraOrNone(lens.fx, lens.fy, others) : detail::WhyNoCamera(1, 1, others);
 }
 
 Camera CameraOf(const LensCamera& lens, CameraId id) {
@@ -153,8 +151,8 @@ LensCamera LensOf(const KeyFrame& keyframe, const Camera* camera) {
     std::ranges::copy(camera->parameters, pinhole.begin());
   lens.fx = static_cast<double>(pinhole[0]), lens.fy = static_cast<double>(pinhole[1]);
   lens.cx = static_cast<double>(pinhole[2]), lens.cy = static_cast<double>(pinhole[3]);
-  if (keyframe.distortion.type == kFloats) lens.distortion = NumbersOf<float>(keyframe.distortion);
-  if (keyframe.distortion.type == kDoubles) lens.distortion = NumbersOf<double>(keyframe.distortion);
+  if (keyframe.distortion.type == detail::kCv32F) lens.distortion = NumbersOf<float>(keyframe.distortion);
+  if (keyframe.distortion.type == detail::kCv64F) lens.distortion = NumbersOf<double>(keyframe.distortion);
   return lens;
 }
 

@@ -2,10 +2,10 @@
 #include "slamdb/formats/stella/detail/links.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/union_find.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::stella {
@@ -93,26 +93,6 @@ class Cleaner {
   std::uint64_t twins_ = 0, slots_ = 0, repeated_ = 0, unseen_ = 0, links_ = 0;
 };
 
-// Rows that belong together.
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parents_(count) {
-    std::iota(parents_.begin(), parents_.end(), std::uint32_t{0});
-  }
-  std::uint32_t Root(std::uint32_t row) {
-    while (parents_[row] != row) row = parents_[row] = parents_[parents_[row]];
-    return row;
-  }
-  // The lower root stays one.
-  void Join(std::uint32_t a, std::uint32_t b) {
-    const auto [low, high] = std::minmax({Root(a), Root(b)});
-    parents_[high] = low;
-  }
-
- private:
-  std::vector<std::uint32_t> parents_;
-};
-
 }  // namespace
 
 void CleanLinks(StoredMap& map, Notices& notices) {
@@ -123,7 +103,7 @@ void CleanLinks(StoredMap& map, Notices& notices) {
 
 Parts PartsOf(const StoredMap& map) {
   const IdTable keyframes = TableOf(map.keyframes), points = TableOf(map.points);
-  UnionFind joined(map.keyframes.size());
+  detail::UnionFind joined(map.keyframes.size());
   std::vector<std::uint32_t> seen_by(map.points.size(), kNoRow);
   for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) {
     const KeyFrame& keyframe = map.keyframes[row].keyframe;

@@ -12,6 +12,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/detail/maps.h"
+#include "slamdb/formats/import/detail/keypoints.h"
 #include "slamdb/formats/stella/detail/cameras.h"
 #include "slamdb/formats/stella/detail/lens.h"
 
@@ -295,7 +296,7 @@ std::uint64_t Outgoing::CountShapes() const {
     const Column<Keypoint>& keypoints = features.is_fisheye_stereo() ? features.keypoints : features.undistorted;
     for (std::size_t row = 0; row < written.rows; ++row) {
       const Keypoint& keypoint = keypoints[row];
-      const bool is_usual = keypoint.size == PatchAt(keypoint.octave, written.keyframe->pyramid);
+      const bool is_usual = keypoint.size == detail::PatchAt(keypoint.octave, written.keyframe->pyramid);
       count += keypoint.response != 0 || !is_usual ? 1 : 0;
     }
   }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/model/detail/is_pose.h"
+
 namespace slamdb::stella {
 namespace {
 
@@ -58,7 +60,8 @@ Eigen::Vector4f QuaternionOf(const Eigen::Matrix3d& m) {
 
 Eigen::Matrix4d PoseMatrix(const Rigid3f& pose) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  matrix.topLeftCorner<3, 3>() = MatrixOf(pose.rotation.coeffs());
+  const bool is_unit = detail::IsUnit(pose.rotation);
+  matrix.topLeftCorner<3, 3>() = MatrixOf((is_unit ? pose : pose.Normalized()).rotation.coeffs());
   matrix.topRightCorner<3, 1>() = pose.translation.cast<double>();
   return matrix;
 }

@@ -6,7 +6,9 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/import/detail/possible.h"
 #include "slamdb/formats/sqlite/detail/foreign.h"
+#include "slamdb/formats/stella/detail/cameras.h"
 #include "slamdb/formats/stella/detail/database_format.h"
 #include "slamdb/formats/stella/detail/pose_matrix.h"
 #include "slamdb/model/index.h"
@@ -57,6 +59,9 @@ class Row {
   [[noreturn]] void Fail(const std::string& problem) const {
     throw Error(ErrorKind::kDamaged, database_.path(), Concat("table ", table_, ", row ", statement_.Integer(0)),
                 problem);
+  }
+  void Require(const std::string& why_not) const {
+    if (!why_not.empty()) Fail(why_not);
   }
 
  private:
@@ -117,6 +122,7 @@ void ReadCameras(Database& database, StoredMap& map) {
                if (camera.model == Model::kFisheye) camera.distortion = {k(12), k(13), k(16), k(17), 0};
                if (camera.model == Model::kRadialDivision) camera.distortion = {k(19), 0, 0, 0, 0};
                camera.focal_x_baseline = row.RealOrZero(18);
+               row.Require(WhyNoCamera(camera));
              });
 }
 
@@ -148,6 +154,14 @@ void ReadFeatures(const Row& row, Features& features) {
   row.Fill(10, features.descriptors, count, "descs");
 }
 
+Rigid3f TakePose(const Row& row, int column) {
+  std::vector<double> numbers;
+  row.Fill(column, numbers, 16, "pose_cw");
+  const Eigen::Map<const Eigen::Matrix4d> pose(numbers.data());
+  row.Require(detail::WhyNoPose(Eigen::Matrix3d(pose.topLeftCorner<3, 3>()), pose.topRightCorner<3, 1>()));
+  return PoseOf(pose);
+}
+
 void ReadKeyFrames(Database& database, StoredMap& map, const ReadOptions& options) {
   const std::int64_t total = database.Integer("SELECT count(*) FROM keyframes");
   ForEachRow(database, "keyframes",
@@ -161,9 +175,7 @@ void ReadKeyFrames(Database& database, StoredMap& map, const ReadOptions& option
                stored.keyframe.timestamp = row.Real(2);
                stored.camera = row.Text(3);
                stored.orb_params = row.Text(4);
-               std::vector<double> pose;
-               row.Fill(5, pose, 16, "pose_cw");
-               stored.keyframe.camera_from_world = PoseOf(Eigen::Map<const Eigen::Matrix4d>(pose.data()));
+               stored.keyframe.camera_from_world = TakePose(row, 5);
                ReadFeatures(row, stored.keyframe.features);
                if (row.Integer(11) > 0) map.marker_sightings += static_cast<std::uint64_t>(row.Integer(11));
                if (options.progress && total > 0)
@@ -211,8 +223,9 @@ void ReadPoints(Database& database, StoredMap& map) {
                point.first_keyframe = row.Integer(1);
                std::vector<double> position;
                row.Fill(2, position, 3, "pos_w");
-               for (int i = 0; i < 3; ++i)
-                 point.position[i] = static_cast<float>(position[static_cast<std::size_t>(i)]);
+               const Eigen::Map<const Eigen::Vector3d> place(position.data());
+               row.Require(detail::WhyNoPosition(place));
+               point.position = place.cast<float>();
                point.reference = KeyFrameOf(row.Integer(3));
                const auto count = [&](int column) {
                  return static_cast<std::int32_t>(std::min<std::uint32_t>(row.Size(column), 0x7fffffff));

@@ -5,6 +5,8 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/import/detail/possible.h"
+#include "slamdb/formats/stella/detail/cameras.h"
 #include "slamdb/formats/stella/detail/message_pack.h"
 #include "slamdb/formats/stella/detail/message_pack_format.h"
 
@@ -17,7 +19,9 @@ constexpr std::uint64_t kMostIds = std::uint64_t{1} << 32;  // ids have 32 bits
 
 // What a keyframe must have, and what OpenVSLAM gives apart.
 struct Seen {
-  bool rotation = false, translation = false, keypoints = false;
+  std::optional<Eigen::Quaterniond> rotation;
+  std::optional<Eigen::Vector3d> translation;
+  bool keypoints = false;
   std::optional<std::int64_t> count;
   std::vector<std::array<float, 2>> undistorted;  // of keypoints as detected
   bool has_undistorted = false;
@@ -47,6 +51,10 @@ class Decoder {
   }
 
  private:
+  void Require(const std::string& why_not) const {
+    if (!why_not.empty()) reader_.Fail(why_not);
+  }
+
   template <class Take>
   void ForEachKey(const Take& take) {
     for (std::uint32_t pairs = reader_.Map(); pairs > 0; --pairs) take(reader_.Text());
@@ -154,6 +162,7 @@ void Decoder::ReadCamera(LensCamera& camera) {
   if (camera.model == Model::kPerspective) camera.distortion = {k[0], k[1], p1, p2, k[2]};
   if (camera.model == Model::kFisheye) camera.distortion = {k[0], k[1], k[2], k[3], 0};
   if (camera.model == Model::kRadialDivision) camera.distortion = {division, 0, 0, 0, 0};
+  Require(WhyNoCamera(camera));
 }
 
 void Decoder::ReadOrbParams() {
@@ -194,14 +203,8 @@ void Decoder::ReadKeyFrame(StoredKeyFrame& stored) {
     if (key == "ts") return void(keyframe.timestamp = reader_.Number());
     if (key == "cam") return void(stored.camera = reader_.Text());
     if (key == "orb_params") return void(stored.orb_params = reader_.Text());
-    if (key == "rot_cw") {
-      seen.rotation = true;
-      return ReadNumbers(keyframe.camera_from_world.rotation.coeffs(), 4, "rot_cw");
-    }
-    if (key == "trans_cw") {
-      seen.translation = true;
-      return ReadNumbers(keyframe.camera_from_world.translation, 3, "trans_cw");
-    }
+    if (key == "rot_cw") return ReadNumbers(seen.rotation.emplace().coeffs(), 4, "rot_cw");
+    if (key == "trans_cw") return ReadNumbers(seen.translation.emplace(), 3, "trans_cw");
     if (key == "span_parent") return void(keyframe.parent = TakeKeyFrameId());
     if (key == "span_children") return ReadList(keyframe.children, &Decoder::TakeKeyFrameId);
     if (key == "loop_edges") return ReadList(keyframe.loop_edges, &Decoder::TakeKeyFrameId);
@@ -272,6 +275,8 @@ void Decoder::ReadDescriptors(Column<Descriptor>& descriptors) {
 // All columns have the rows that the keypoints have, or none where there is no such measurement.
 void Decoder::Finish(StoredKeyFrame& stored, Seen& seen) {
   if (!seen.rotation || !seen.translation) reader_.Fail("has no pose (rot_cw, trans_cw)");
+  Require(detail::WhyNoPose(*seen.rotation, *seen.translation));
+  stored.keyframe.camera_from_world = detail::PoseOf(*seen.rotation, *seen.translation);
   if (!seen.keypoints && !seen.has_undistorted) reader_.Fail("has no keypoints (undist_keypts)");
   Features& features = stored.keyframe.features;
   if (seen.has_undistorted) {
@@ -312,20 +317,22 @@ void Decoder::ReadPoints() {
 }
 
 void Decoder::ReadPoint(MapPoint& point) {
-  bool has_position = false;
+  std::optional<Eigen::Vector3d> position;
   const auto count = [&] {
     const std::int64_t value = reader_.Integer();
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(value, 0, std::numeric_limits<std::int32_t>::max()));
   };
   ForEachKey([&](std::string_view key) {
-    if (key == "pos_w") return has_position = true, ReadNumbers(point.position, 3, "pos_w");
+    if (key == "pos_w") return ReadNumbers(position.emplace(), 3, "pos_w");
     if (key == "1st_keyfrm") return void(point.first_keyframe = reader_.Integer());
     if (key == "ref_keyfrm") return void(point.reference = TakeKeyFrameId());
     if (key == "n_vis") return void(point.visible_count = count());
     if (key == "n_fnd") return void(point.found_count = count());
     reader_.Skip();
   });
-  if (!has_position) reader_.Fail("has no position (pos_w)");
+  if (!position) reader_.Fail("has no position (pos_w)");
+  Require(detail::WhyNoPosition(*position));
+  point.position = position->cast<float>();
 }
 
 }  // namespace

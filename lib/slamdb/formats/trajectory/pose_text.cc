@@ -8,6 +8,7 @@
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
+#include "slamdb/model/detail/camera_in_world.h"
 
 namespace slamdb::detail {
 
@@ -17,7 +18,8 @@ Atlas ReadPoses(const Source& source, PoseLayout layout, const ReadOptions& opti
   for (const MapText& map : ReadTrajectoryText(source, layout, options, notices)) {
     atlas.BeginMap(map.id);
     for (const PoseText& pose : map.poses)
-      rounding.Add(pose.translation, CenterOf(atlas.Add(pose.timestamp, pose.quaternion, pose.translation)));
+      rounding.Add(pose.translation,
+                   ExactCenter(atlas.Add(pose.timestamp, pose.quaternion, pose.translation).camera_from_world));
   }
   rounding.Tell("rounded", notices);
   return atlas.Finish(options);

@@ -11,6 +11,8 @@
 #include "slamdb/formats/export/detail/pose.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/export/options.h"
+#include "slamdb/model/detail/camera_in_world.h"
+#include "slamdb/model/detail/is_pose.h"
 
 namespace slamdb::detail {
 namespace {
@@ -37,14 +39,13 @@ KeyFrameTrajectory Collect(const Map& map, PoseFrame frame, Census& census) {
       continue;
     }
     const Rigid3f pose = PoseInWorld(keyframe, frame);
-    const bool finite = std::isfinite(keyframe.timestamp) && pose.rotation.coeffs().allFinite() &&
-                        pose.translation.allFinite() && pose.rotation.norm() > 0;
-    if (!finite) {
+    if (!std::isfinite(keyframe.timestamp) || !detail::IsPose(pose)) {
       ++census.not_finite;
       continue;
     }
     if (!keyframe.imu_calibration.is_set) ++census.without_body;
-    if (frame == PoseFrame::kCamera) census.rounding.Add(CenterOf(keyframe), pose.translation.cast<double>());
+    if (frame == PoseFrame::kCamera)
+      census.rounding.Add(ExactCenter(keyframe.camera_from_world), pose.translation.cast<double>());
     trajectory.poses.push_back({keyframe.timestamp, pose, &keyframe});
   }
   std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(), [](const TimedPose& a, const TimedPose& b) {
@@ -62,11 +63,6 @@ std::int64_t Nanoseconds(double seconds) {
 }
 
 bool FitsNanoseconds(double seconds) { return std::abs(seconds) < 9.2e9; }
-
-Eigen::Vector3d CenterOf(const KeyFrame& keyframe) {
-  const Rigid3f& pose = keyframe.camera_from_world;
-  return -(pose.rotation.cast<double>().normalized().conjugate() * pose.translation.cast<double>());
-}
 
 void Rounding::Add(const Eigen::Vector3d& exact, const Eigen::Vector3d& rounded) {
   constexpr double kSeen = 5e-4;  // metres
@@ -130,10 +126,7 @@ const KeyFrame& PoseAtlas::Add(double timestamp, const Eigen::Quaterniond& world
   keyframe.id = KeyFrameId(next_keyframe_);
   keyframe.frame_id = next_keyframe_++;
   keyframe.timestamp = timestamp;
-  const Quaternionf rotation(world_from_camera.conjugate().normalized().cast<float>());
-  // The camera's centre is where rotation and translation say together, so the rotation is the rounded one.
-  const Eigen::Vector3d translation = -(rotation.cast<double>().normalized() * position);
-  keyframe.camera_from_world = {rotation, translation.cast<float>()};
+  keyframe.camera_from_world = CameraFromWorld(world_from_camera, position);
   if (map.keyframes.size() == 1) map.initial_keyframe = map.first_keyframe = map.lowest_keyframe = keyframe.id;
   map.max_keyframe_id = keyframe.id.value();
   return keyframe;

@@ -11,8 +11,11 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
-#include "slamdb/formats/import/detail/pose_numbers.h"
+#include "slamdb/formats/import/detail/keypoints.h"
+#include "slamdb/formats/import/detail/loops.h"
+#include "slamdb/formats/import/detail/possible.h"
 #include "slamdb/formats/vins/detail/vins.h"
+#include "slamdb/model/detail/camera_in_world.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -22,7 +25,6 @@ using detail::Concat;
 using detail::Counted;
 
 constexpr std::string_view kGraphFile = "pose_graph.txt";
-constexpr float kPatch = 31;  // pixels: what its BRIEF describes is about as large
 
 // Columns of a line of the graph.
 constexpr std::size_t kIndex = 0, kTime = 1, kPosition = 5, kRotation = 12, kLoop = 16, kKeypoints = 25, kColumns = 26;
@@ -105,12 +107,9 @@ class GraphReader {
     const Eigen::Vector3d position(numbers[kPosition], numbers[kPosition + 1], numbers[kPosition + 2]);
     const Eigen::Quaterniond world_from_body(numbers[kRotation], numbers[kRotation + 1], numbers[kRotation + 2],
                                              numbers[kRotation + 3]);
-    if (const char* why = detail::WhyNoPose(world_from_body.coeffs(), position))
+    if (const std::string why = detail::WhyNoPose(world_from_body, position); !why.empty())
       throw Error(ErrorKind::kDamaged, path, Concat("line ", line), why);
-    const Quaternionf rotation(world_from_body.normalized().conjugate().cast<float>());
-    // The centre is where rotation and translation say together, so the rotation is the rounded one.
-    const Eigen::Quaterniond rounded = Eigen::Quaternionf(rotation).cast<double>().normalized();
-    keyframe.camera_from_world = {rotation, (-(rounded * position)).cast<float>()};
+    keyframe.camera_from_world = detail::CameraFromWorld(world_from_body, position);
     keyframe.parent = before;
     if (before) map.keyframes[map.keyframes.size() - 2].children.push_back(keyframe.id);
     if (const std::int64_t loop = whole(kLoop); loop >= 0)
@@ -132,13 +131,7 @@ class GraphReader {
     const WholeFile file(keypoints.string());
     ForEachLine(file, [&](std::string_view line, std::size_t number) {
       const auto numbers = NumbersOf<2>(line, file.path(), number);
-      features.keypoints.push_back({.angle = 0,
-                                    .response = 0,
-                                    .size = kPatch,
-                                    .x = static_cast<float>(numbers[0]),
-                                    .y = static_cast<float>(numbers[1]),
-                                    .class_id = -1,
-                                    .octave = 0});
+      features.keypoints.push_back(detail::KeypointAt(static_cast<float>(numbers[0]), static_cast<float>(numbers[1])));
     });
     odd_counts_ += features.keypoints.size() != static_cast<std::uint64_t>(std::max<std::int64_t>(count, 0)) ? 1 : 0;
     if (std::error_code missing; !std::filesystem::exists(descriptors, missing)) return;
@@ -175,11 +168,8 @@ class GraphReader {
       else
         ends_.emplace_back(row, end);
     }
-    for (const auto& [row, end] : ends_) {
-      map.keyframes[row].loop_edges.push_back(map.keyframes[end].id);
-      map.keyframes[end].loop_edges.push_back(map.keyframes[row].id);
-    }
-    for (KeyFrame& keyframe : map.keyframes) std::sort(keyframe.loop_edges.begin(), keyframe.loop_edges.end());
+    for (const auto& [row, end] : ends_) detail::AddLoop(map.keyframes[row], map.keyframes[end]);
+    detail::SortLoops(map.keyframes);
   }
 
   void Tell(const Map& map) {

@@ -18,4 +18,11 @@ inline Rigid3f CameraInWorld(const Rigid3f& camera_from_world) {
   return Tidied(camera_from_world.Normalized().Inverse());
 }
 
+// Where it is in double: of what is far from the origin, floats of the world know less than the pose does.
+Eigen::Vector3d ExactCenter(const Rigid3f& camera_from_world);
+
+// The pose of a camera at a place. Rotation and translation say together where that is, so the latter is computed with
+// the former as it is rounded.
+Rigid3f CameraFromWorld(const Eigen::Quaterniond& world_from_camera, const Eigen::Vector3d& center);
+
 }  // namespace slamdb::detail

@@ -22,6 +22,11 @@ Camera CameraOf(const CameraSettings& settings, std::uint32_t id);
 // behind it.
 std::optional<Eigen::Vector2d> SeenBy(const Camera& camera, const Eigen::Vector3d& x_in_camera);
 
+// As the end of an error; empty: numbers that a camera can have.
+//
+// Requires: the camera has the parameters of its model.
+std::string WhyNoCamera(const Camera& camera);
+
 // Why a camera is not read, or null.
 const char* WhyNotRead(const Camera& camera);
 

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "slamdb/formats/colmap/detail/model.h"
+#include "slamdb/formats/import/detail/possible.h"
 
 namespace slamdb::colmap {
 
@@ -17,6 +18,14 @@ inline Eigen::Vector3d TranslationOf(const Pose& pose) {
 inline Pose PoseOf(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation) {
   return {{rotation.w(), rotation.x(), rotation.y(), rotation.z()},
           {translation.x(), translation.y(), translation.z()}};
+}
+
+inline Rigid3f RigidOf(const Pose& pose) { return detail::PoseOf(RotationOf(pose), TranslationOf(pose)); }
+
+// As the end of an error; empty: they are numbers of one.
+inline std::string WhyNoPose(const Pose& pose) { return detail::WhyNoPose(RotationOf(pose), TranslationOf(pose)); }
+inline std::string WhyNoPosition(const Point& point) {
+  return detail::WhyNoPosition(Eigen::Map<const Eigen::Vector3d>(point.position.data()));
 }
 
 inline Pose Inverse(const Pose& pose) {

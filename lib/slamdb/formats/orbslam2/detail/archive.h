@@ -70,6 +70,9 @@ class Archive {
   [[noreturn]] void Fail(const std::string& problem, ErrorKind kind = ErrorKind::kDamaged) const {
     input_.Fail(problem, kind);
   }
+  void Require(const std::string& why_not) const {
+    if (!why_not.empty()) Fail(why_not);
+  }
 
   template <class T>
   T Take(const char* field) {
@@ -111,8 +114,8 @@ class Archive {
 
  private:
   struct MatrixHead {
-    std::int32_t columns, rows;
-    std::uint64_t type, bytes;
+    std::int32_t columns, rows, type;
+    std::uint64_t bytes;
   };
   struct Object {
     WireClass wire_class;

@@ -9,6 +9,7 @@ namespace slamdb::orbslam2 {
 struct RecordedMap {
   Map map;
   std::uint64_t next_keyframe = 0, next_point = 0;  // static members, the largest recorded
+  std::uint64_t without_pose = 0;                   // keyframes
   // Neither flagged bad nor in the map's own sets.
   std::uint64_t loose_keyframes = 0, loose_points = 0;
 };

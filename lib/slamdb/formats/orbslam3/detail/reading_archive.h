@@ -3,6 +3,7 @@
 
 #include "slamdb/formats/orbslam3/detail/input.h"
 #include "slamdb/formats/orbslam3/detail/layout.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::orbslam3 {
 
@@ -98,16 +99,14 @@ class ReadingArchive {
     matrix.rows = input.template Take<std::int32_t>();
     matrix.type = input.template Take<std::int32_t>();
     matrix.continuous.recorded = input.template Take<std::uint8_t>();
-    if (matrix.columns < 0 || matrix.rows < 0 || matrix.type < 0 || matrix.type >= 4096)
+    if (matrix.columns < 0 || matrix.rows < 0 || !slamdb::detail::IsMatrixType(matrix.type))
       input.Fail("a matrix of " + std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns) + ", type " +
                  std::to_string(matrix.type) + ": the file is damaged, or written by a fork with other members");
     return DataBytes(matrix);
   }
   // How many bytes the data of a matrix has, of which the header is known.
   std::uint64_t DataBytes(const Matrix& matrix) const {
-    constexpr std::array<std::uint64_t, 8> kDepthBytes{1, 1, 2, 2, 4, 4, 8, 2};  // OpenCV's CV_8U .. CV_16F
-    const std::uint64_t element =
-        kDepthBytes[static_cast<std::size_t>(matrix.type & 7)] * (static_cast<std::uint64_t>(matrix.type >> 3) + 1);
+    const std::uint64_t element = slamdb::detail::ElementBytes(matrix.type);
     const std::uint64_t cells = static_cast<std::uint64_t>(matrix.columns) * static_cast<std::uint64_t>(matrix.rows);
     return input.CheckCount(cells, element, element) * element;
   }

@@ -17,8 +17,8 @@ inline constexpr std::uint32_t kPointFeaturesOnly = 1U << 6;  // keypoints witho
 
 // fx, fy, cx, cy. Pixels.
 using CameraMatrix = std::array<float, 4>;
-// As the end of an error; nullptr: it is one. All 0: of a keyframe whose camera nobody knows.
-const char* WhyNoCamera(const CameraMatrix& camera);
+// As the end of an error; empty: it is one. All 0: of a keyframe whose camera nobody knows.
+std::string WhyNoCamera(const CameraMatrix& camera);
 
 struct Side {
   std::string file;                    // name; empty: there is none

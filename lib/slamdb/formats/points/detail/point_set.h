@@ -69,6 +69,7 @@ class PointSet {
 
   void BeginPoint() { now_ = {}; }
   // A number of the point that was begun, as it stands in memory; `swapped`: the other byte order.
+  // Throws Error (kDamaged) for a coordinate that no float holds.
   void Set(const CloudColumn& column, const std::byte* number, bool swapped);
   // The same as text; false when it is no number.
   bool Set(const CloudColumn& column, std::string_view number);

@@ -19,6 +19,7 @@ struct Place {
   const std::string& path;
   std::string where;                                         // `table Node, row 12`
   [[noreturn]] void Fail(const std::string& problem) const;  // kDamaged
+  void Require(const std::string& why_not) const;            // fails unless it is empty
 };
 
 struct Version {
@@ -28,11 +29,11 @@ struct Version {
 
 using Pose = Eigen::Isometry3d;
 
-// 12 floats, the rows of a 3x4 matrix; the rotation made one again. nullopt: no blob, or RTAB-Map's null transform, or
-// one that is not finite.
+// 12 floats, the rows of a 3x4 matrix; the rotation made one again. nullopt: no blob, or what RTAB-Map takes for its
+// null transform: zeros, or NaN.
 std::optional<Pose> PoseOf(Bytes blob, const Place& place);
 // Of 12 numbers.
-std::optional<Pose> PoseOf(const float* rows);
+std::optional<Pose> PoseOf(const float* rows, const Place& place);
 
 // Six doubles: time, longitude, latitude, altitude, accuracy, bearing. `stamp`: of the node, where the fix has no time.
 // nullopt: no blob, or no place on earth.
@@ -49,6 +50,7 @@ struct NodeCamera {
   float baseline = 0;                    // metres; 0: no stereo camera
   Pose base_from_camera = Pose::Identity();
 
+  // As RTAB-Map says it. Others are not calibrated.
   bool is_valid() const { return fx > 0 && fy > 0 && cx > 0 && cy > 0; }
 };
 

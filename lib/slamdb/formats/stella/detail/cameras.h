@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "slamdb/formats/stella/detail/stella_map.h"
 
 // Cameras of stella_vslam and of ORB-SLAM3.
 namespace slamdb::stella {
+
+// As the end of an error; empty: numbers that a camera can have. Zeros: one that nobody knows.
+std::string WhyNoCamera(const LensCamera& lens);
 
 // Perspective: a pinhole. Fisheye: Kannala-Brandt. RadialDivision: a pinhole, as which it sees undistorted keypoints.
 // Equirectangular: what it is, its parameters the size of the picture; ORB-SLAM3 has no such camera.

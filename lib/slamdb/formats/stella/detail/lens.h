@@ -12,7 +12,6 @@
 namespace slamdb::stella {
 
 Eigen::Vector2d Distorted(const LensCamera& camera, const Eigen::Vector2d& pixel);
-// By iterating, a pinhole as often as cv::undistortPoints does by default.
 Eigen::Vector2d Undistorted(const LensCamera& camera, const Eigen::Vector2d& pixel);
 
 // The places of keypoints changed, all else kept.

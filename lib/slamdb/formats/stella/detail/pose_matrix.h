@@ -7,11 +7,13 @@
 
 namespace slamdb::stella {
 
-// The 4x4 matrix of a transform: in double, of the rotation as it is recorded, so that nothing is rounded.
+// The 4x4 matrix of a transform: in double, of a rotation of length 1 as it is recorded, so that nothing is rounded.
 Eigen::Matrix4d PoseMatrix(const Rigid3f& pose);
 
 // The transform of a matrix: the one in single precision whose matrix it is, where there is one, and otherwise the
-// nearest. A rotation of determinant -1, or not finite, gives what it gives: a checker's business.
+// nearest.
+//
+// Requires: a rotation.
 Rigid3f PoseOf(const Eigen::Matrix4d& matrix);
 
 }  // namespace slamdb::stella

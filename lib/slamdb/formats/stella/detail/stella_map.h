@@ -54,9 +54,6 @@ struct OrbParams {
   friend auto operator<=>(const OrbParams&, const OrbParams&) = default;
 };
 
-// The size of a keypoint that ORB-SLAM3 describes at an octave: 31 pixels of the level.
-float PatchAt(std::int32_t octave, const ScalePyramid& pyramid);
-
 // A keyframe with what it names.
 struct StoredKeyFrame {
   KeyFrame keyframe;  // id, time, pose, keypoints, right_x, depth, descriptors, map_points, tree and loops

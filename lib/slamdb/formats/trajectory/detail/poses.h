@@ -51,9 +51,6 @@ std::int64_t Nanoseconds(double seconds);
 // What 64 bits of nanoseconds reach: 292 years to both sides.
 bool FitsNanoseconds(double seconds);
 
-// The camera's centre, as a keyframe of single precision has it.
-Eigen::Vector3d CenterOf(const KeyFrame& keyframe);
-
 // What single precision makes of positions; a rounding that nobody would see is none.
 class Rounding {
  public:
