@@ -2,7 +2,6 @@
 #include "slamdb/formats/rtabmap/detail/assemble.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 
 #include "slamdb/base/detail/concat.h"
