@@ -410,6 +410,16 @@ TEST(Euroc, IsNoOtherTableOfItsDataSet) {
   EXPECT_FALSE(detail::kEurocFormat.sniff(imu) || detail::kTumFormat.sniff(imu) || detail::kKittiFormat.sniff(imu));
 }
 
+TEST(Trajectory, WithoutPosesIsNone) {
+  const std::string problem = "holds no pose; was it cut off after its first lines?";
+  EXPECT_EQ(ReadProblem(detail::kTumFormat, "# timestamp tx ty tz qx qy qz qw\n"), problem);
+  EXPECT_EQ(ReadProblem(detail::kTumFormat, "# map 0\n# map 1\n"), problem);
+  EXPECT_EQ(ReadProblem(detail::kEurocFormat,
+                        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], "
+                        "q_RS_x [], q_RS_y [], q_RS_z []\n"),
+            problem);
+}
+
 TEST(Trajectory, ErrorsHaveKinds) {
   const TemporaryFolder folder;
   Notices notices;

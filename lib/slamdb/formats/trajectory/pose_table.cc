@@ -252,6 +252,16 @@ TrajectoryText ReadMatrices(const Source& source, const ReadOptions& options, No
   return maps;
 }
 
+TrajectoryText ReadRows(const Source& source, PoseLayout layout, const ReadOptions& options, Notices& notices) {
+  if (!options.of<TrajectoryReadOptions>().times.empty())
+    throw Error(ErrorKind::kUsage, source.path, "", "has times of its own; a file of times belongs to KITTI's poses");
+  return ParseFile(source, "a trajectory", [&](std::string_view text) {
+    const bool told = !options.format.empty() || options.custom_format != nullptr;
+    const PoseLayout order = told ? layout : LayoutOfRows(text, layout, source.path, notices);
+    return ParsePoses(text, layout, order, options, notices);
+  });
+}
+
 }  // namespace
 
 PoseColumns ColumnsOf(PoseLayout layout) {
@@ -265,14 +275,11 @@ const TableKind& PoseTable(PoseLayout layout) {
 
 TrajectoryText ReadTrajectoryText(const Source& source, PoseLayout layout, const ReadOptions& options,
                                   Notices& notices) {
-  if (layout == PoseLayout::kKitti) return ReadMatrices(source, options, notices);
-  if (!options.of<TrajectoryReadOptions>().times.empty())
-    throw Error(ErrorKind::kUsage, source.path, "", "has times of its own; a file of times belongs to KITTI's poses");
-  return ParseFile(source, "a trajectory", [&](std::string_view text) {
-    const bool told = !options.format.empty() || options.custom_format != nullptr;
-    const PoseLayout order = told ? layout : LayoutOfRows(text, layout, source.path, notices);
-    return ParsePoses(text, layout, order, options, notices);
-  });
+  TrajectoryText maps = layout == PoseLayout::kKitti ? ReadMatrices(source, options, notices)
+                                                     : ReadRows(source, layout, options, notices);
+  if (std::ranges::all_of(maps, [](const MapText& map) { return map.poses.empty(); }))
+    throw Error(ErrorKind::kDamaged, source.path, "", "holds no pose; was it cut off after its first lines?");
+  return maps;
 }
 
 }  // namespace slamdb::detail
