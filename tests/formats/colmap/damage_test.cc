@@ -8,6 +8,7 @@
 #include "slamdb/formats/colmap/detail/colmap.h"
 #include "slamdb/formats/colmap/options.h"
 #include "tests/formats/colmap/model_files.h"
+#include "tests/support/error_of.h"
 
 namespace slamdb::colmap {
 namespace {
@@ -89,6 +90,14 @@ Read ReadFiles(const std::map<std::string, std::string>& instead, bool binary = 
   return read;
 }
 
+// Cut off in its head, before the head counts anything, a text file is one of nothing: the others tell.
+TEST(ColmapDamage, APartOfNothingToWhichOthersReferIsCutOff) {
+  EXPECT_THAT(RefusalOf([] { ReadFiles({{"cameras.txt", "# Camera list\n"}}); }), HasSubstr("not one camera"));
+  EXPECT_THAT(RefusalOf([] { ReadFiles({{"rigs.txt", "# Rig cal"}}); }), HasSubstr("not one rig"));
+  EXPECT_THAT(RefusalOf([] { ReadFiles({{"frames.txt", "#"}}); }), HasSubstr("no frames; was their file cut off?"));
+  EXPECT_THAT(RefusalOf([] { ReadFiles({{"points3D.txt", "# 3D"}}); }), HasSubstr("and no points; was their file"));
+}
+
 auto Says(const std::string& text) { return Contains(Field(&Notice::text, HasSubstr(text))); }
 
 TEST(ColmapContent, BinaryAndTextAreTheSameAtlas) {
@@ -160,7 +169,7 @@ TEST(ColmapContent, StrangeNumbersAreRead) {
   const Read read =
       ReadFiles({{"images.txt", "5 3 0 0 0 0 0 0 1 1.png\n1e300 -inf 9\n4294967295 1 0 0 0 0 0 0 1 2.png\n\n"},
                  {"points3D.txt", "18446744073709551614 0 0 0 0 0 0 -1\n9 0 0 0 0 0 0 -1 77 99\n"},
-                 {"frames.txt", "1 99 1 0 0 0 0 0 0 1 CAMERA 1 5\n"}});
+                 {"frames.txt", "1 99 1 0 0 0 0 0 0 1 CAMERA 1 5\n2 1 1 0 0 0 0 0 0 0\n"}});
   const Map& map = read.atlas.maps[0];
   ASSERT_EQ(map.keyframes.size(), 2U);
   EXPECT_EQ(map.keyframes[0].camera_from_world.rotation.coeffs(), Eigen::Vector4f(0, 0, 0, 1));

@@ -411,7 +411,7 @@ TEST(Euroc, IsNoOtherTableOfItsDataSet) {
 }
 
 TEST(Trajectory, WithoutPosesIsNone) {
-  const std::string problem = "holds no pose; was it cut off after its first lines?";
+  const std::string problem = ": holds no pose; was it cut off after its first lines?";
   EXPECT_EQ(ReadProblem(detail::kTumFormat, "# timestamp tx ty tz qx qy qz qw\n"), problem);
   EXPECT_EQ(ReadProblem(detail::kTumFormat, "# map 0\n# map 1\n"), problem);
   EXPECT_EQ(ReadProblem(detail::kEurocFormat,

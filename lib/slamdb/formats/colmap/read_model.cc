@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/ids.h"
 #include "slamdb/formats/colmap/detail/local_origin.h"
 #include "slamdb/formats/colmap/detail/map_maker.h"
@@ -24,6 +27,36 @@ void CheckTracks(const Model& model, Unread& unread) {
   for (const Point& point : model.points)
     for (std::uint64_t row = 0; row < point.track_length; ++row)
       unread.track_elements += is_seen(model.tracks[point.track_begin + row], point.id) ? 0 : 1;
+}
+
+// Refuses what a file that was cut off behind its head leaves: references of which not one leads anywhere. Single ones
+// that lead nowhere are left out later, and counted.
+template <class Row, class IdOf, class Target>
+void RequireSome(const std::vector<Row>& rows, std::string_view noun, const IdOf& id_of,
+                 const std::vector<Target>& targets, std::string_view target, const std::string& path) {
+  const auto known = RowsById(targets);
+  if (rows.empty() || std::ranges::any_of(rows, [&](const Row& row) { return known.contains(id_of(row)); })) return;
+  throw Error(ErrorKind::kDamaged, path, "",
+              detail::Concat("has ", detail::Counted(rows.size(), noun), " and not one ", target,
+                             " that they name; was the file of ", target, "s cut off?"));
+}
+
+bool SeesPoints(const Image& image) {
+  return std::ranges::any_of(image.points, [](const Point2& keypoint) { return keypoint.point != kNoPoint; });
+}
+
+void RequireWhole(const NamedModel& named) {
+  const Model& model = named.model;
+  const auto camera_of = [](const Image& image) { return image.camera; };
+  const auto rig_of = [](const Frame& frame) { return frame.rig; };
+  RequireSome(model.images, "image", camera_of, model.cameras, "camera", named.path);
+  RequireSome(model.frames, "frame", rig_of, model.rigs, "rig", named.path);
+  const auto fail = [&](std::string_view what) {
+    throw Error(ErrorKind::kDamaged, named.path, "", detail::Concat("has ", what, "; was their file cut off?"));
+  };
+  if (!model.rigs.empty() && model.frames.empty() && !model.images.empty()) fail("rigs and images, and no frames");
+  if (model.points.empty() && std::ranges::any_of(model.images, SeesPoints))
+    fail("images that see points, and no points");
 }
 
 template <class Row, class IdOf>
@@ -55,6 +88,7 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
   UsedCameras used_cameras;
   MoveToLocalOrigin(models, notices);
   for (NamedModel& named : models) {
+    RequireWhole(named);
     Ids images(named.model.images), cameras(named.model.cameras);
     images.MoveUp(used_images.Enter(IdsOf(named.model.images, [&](std::uint64_t id) { return images.Of(id); }),
                                     named.path, unread.moved_models));
