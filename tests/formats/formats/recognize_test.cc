@@ -120,6 +120,12 @@ TEST(RecognizeFolder, KnowsRos2Bags) {
   EXPECT_THAT(Problem(folder.Path("")), HasSubstr("ROS 2 bag"));
 }
 
+TEST(RecognizeFolder, KnowsScenesForNerfs) {
+  const TemporaryFolder folder;
+  folder.Make("transforms.json", "{}");
+  EXPECT_THAT(Problem(folder.Path("")), HasSubstr("scene for NeRFs, which slamdb writes but does not read"));
+}
+
 TEST(RecognizeFolder, NamesTheAtlasInIt) {
   const TemporaryFolder folder;
   EXPECT_EQ(Problem(folder.Path("")),
