@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/colmap/detail/folders.h"
 #include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/export/detail/json_appender.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -19,7 +20,7 @@ using colmap::View;
 using splats::Developed;
 using splats::Scene;
 
-constexpr std::string_view kPoints = "points.ply";
+constexpr std::string_view kPoints = "points.ply", kTransforms = "transforms.json";
 
 // World coordinates are turned so that z is up where y was down, as nerfstudio does with COLMAP's.
 Eigen::Matrix3d UpwardFromWorld() {
@@ -98,10 +99,21 @@ std::string TransformsOf(const Scene& scene, const fs::path& folder) {
   return text + "\n";
 }
 
+// Scenes of an earlier run, of more maps or fewer.
+void RefuseOtherScenes(const std::string& folder, const std::vector<Scene>& scenes) {
+  std::vector<std::string> places;
+  for (const Scene& scene : scenes) places.push_back(scene.folder);
+  colmap::RefuseLeft(folder, places, [](const std::string& place) {
+    std::error_code missing;
+    return fs::exists(fs::path(place) / kTransforms, missing);
+  });
+}
+
 void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFolder folder(target, detail::FileOptions(options));
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
   std::vector<Scene> scenes = splats::ScenesOf(outline, options);
+  RefuseOtherScenes(target.path, scenes);
   for (Scene& scene : scenes) {
     const auto leave = [](const View&, const std::string&, const ColorPicture&) { return Developed{}; };
     splats::ShowPictures(outline, scene, options, leave, [](const Developed&) {});
@@ -110,9 +122,10 @@ void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& opt
       file->Write(bytes);
       file->Commit();
     };
-    write("transforms.json", TransformsOf(scene, fs::path(target.path) / scene.folder));
+    write(kTransforms, TransformsOf(scene, fs::path(target.path) / scene.folder));
     write(kPoints, splats::PlyOf(scene.model, UpwardFromWorld()));
   }
+  RefuseOtherScenes(target.path, scenes);  // that came in the meantime
   folder.Commit();
   splats::Tell(scenes, outline, notices);
 }
