@@ -113,7 +113,7 @@ void InsertPoints(sqlite::Database& database, const Outgoing& map) {
 
 void WriteDatabase(const Outgoing& map, const Target& target, const WriteOptions& options) {
   AtomicFile file(target, detail::FileOptions(options));
-  sqlite::Database database = sqlite::Database::InMemory(target.path);
+  sqlite::Database database = sqlite::Database::InMemory(target.path, map.keyframes().size());
   sqlite::Transaction transaction(database, sqlite::Transaction::Kind::kBegin);
   database.Execute(kTables);
   InsertCameras(database, map);
