@@ -176,6 +176,18 @@ TEST_F(AtomicFolders, AreExchangedAsAWholeWhereTheyHoldNothingElse) {
   EXPECT_THAT(folder_.Names(), ElementsAre("model"));
 }
 
+// An empty folder of somebody's is something else, too.
+TEST_F(AtomicFolders, KeepFoldersOfOthers) {
+  Fill(path_);
+  fs::create_directories(path_ + "/sparse/mine");
+  fs::permissions(path_ + "/sparse/0", fs::perms::owner_all);
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_TRUE(fs::exists(path_ + "/sparse/mine"));
+  fs::remove(path_ + "/sparse/mine");
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_EQ(fs::status(path_ + "/sparse/0").permissions(), fs::perms::owner_all);
+}
+
 TEST_F(AtomicFolders, AreFilledOneByOneWhereTheSystemCannotExchange) {
   fs::create_directories(path_);
   for (const char* other : {"", "mine.txt"}) {

@@ -338,7 +338,7 @@ TEST(Convert, TakesPosesOfAnyInputOntoAnAtlas) {
 TEST(Convert, TakesPosesOfTheBodyOntoAnAtlas) {
   const TemporaryFolder folder;
   const std::string map = folder / "vi.osa", poses = folder / "body.tum";
-  ASSERT_EQ(RunSlamdb({"synthesize", map, "--sensor", "stereo", "--inertial", "--keyframes", "5"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"synthesize", map, "--sensor", "stereo", "--inertial", "--keyframes", "5", "--points", "60"}).exit_code, 0);
   ASSERT_EQ(RunSlamdb({"convert", map, poses, "--body"}).exit_code, 0);
   const ProcessResult put = RunSlamdb({"convert", poses, folder / "put.osa", "--onto", map, "--body"});
   EXPECT_EQ(put.exit_code, 0) << put.err;
@@ -355,8 +355,11 @@ TEST(Convert, LosesUseToOrbslam3AsOtherVerbsDo) {
   const TemporaryFolder folder;
   const std::string model = folder / "model";
   ASSERT_EQ(RunSlamdb({"convert", kSession, model, "--to", "colmap"}).exit_code, 3);
-  for (const std::vector<std::string>& line : std::vector<std::vector<std::string>>{
-           {"convert", model}, {"transform", model, "--scale", "2"}, {"merge", model, kSession}, {"renumber", model}}) {
+  for (const std::vector<std::string>& line :
+       std::vector<std::vector<std::string>>{{"convert", model},
+                                             {"transform", model, "--scale", "2"},
+                                             {"merge", model, kSession, "--force"},
+                                             {"renumber", model}}) {
     std::vector<std::string> words = line;
     words.insert(words.end(), {"-o", folder / "out.osa", "-O"});
     const ProcessResult lost = RunSlamdb(words);

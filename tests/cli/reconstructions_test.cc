@@ -58,7 +58,7 @@ TEST_F(Reconstructions, GoBackOntoTheirAtlas) {
 
 // Far from the origin they are read about one among them, and go back to where the atlas has them.
 TEST_F(Reconstructions, GoBackOntoAnAtlasThatIsFarAway) {
-  ASSERT_EQ(RunSlamdb({"transform", kSession, In("far.osa"), "--by", "50000,-20000,300,0,0,0,1"}).exit_code, 0);
+  Json({"transform", kSession, In("far.osa"), "--by", "50000,-20000,300,0,0,0,1"});
   Json({"convert", In("far.osa"), In("model"), "--to", "colmap"});
   const json put = Json({"convert", In("model"), In("back.osa"), "--onto", In("far.osa"), "--json"});
   EXPECT_EQ(put["put"]["keyframes"], 14);
@@ -66,7 +66,7 @@ TEST_F(Reconstructions, GoBackOntoAnAtlasThatIsFarAway) {
   const ProcessResult alone = RunSlamdb({"convert", In("model"), In("near.osa")});
   EXPECT_THAT(alone.err, HasSubstr("was taken off all positions"));
   const ProcessResult onto = RunSlamdb({"convert", In("model"), In("again.osa"), "--onto", In("near.osa")});
-  EXPECT_THAT(onto.err, HasSubstr("positions stay as the atlas has them: without (5"));
+  EXPECT_THAT(onto.err, HasSubstr("positions stay as the atlas has them: without (49997, -20000, 300)"));
 }
 
 // By their list, too: names keep its folders, however the list is named.
@@ -81,7 +81,7 @@ TEST_F(Reconstructions, NameImagesAsTheListDoes) {
     if (line.front() != '#')
       list += line.substr(0, line.find(' ')) + " cam0/" + line.substr(0, line.find(' ')) + ".png\n";
   WriteWholeFile("list.txt", list);
-  for (const std::string named : {"list.txt", "./list.txt", In("list.txt").c_str()}) {
+  for (const std::string& named : std::vector<std::string>{"list.txt", "./list.txt", In("list.txt")}) {
     Json({"convert", kSession, "model", "-O", "--to", "colmap-text", "--images", named});
     EXPECT_THAT(ReadWholeFile("model/images.txt"), HasSubstr(" cam0/1403636579.763555.png")) << named;
   }

@@ -115,19 +115,20 @@ void FilesTogether::RefusePlaces() const {
 }
 
 void FilesTogether::TakeRightsOfOld() const {
-  for (const std::string& name : names_)
-    TakeRightsOf(PlaceOf(name), (fs::path(temporary_.path()) / name).string());
+  for (const std::string& name : names_) TakeRightsOf(PlaceOf(name), (fs::path(temporary_.path()) / name).string());
 }
 
 // ---- the whole folder at once
 
 bool FilesTogether::HoldsOnlyThese(const std::string& folder) const {
   const std::set<std::string> names(names_.begin(), names_.end());
+  const std::vector<std::string> folders = Folders();
   const std::string unfinished = fs::path(unfinished_).filename().string();
   std::error_code failed;
   for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
-    if (entry->is_directory(failed) && !entry->is_symlink(failed)) continue;
     const std::string name = entry->path().lexically_relative(folder).string();
+    const bool is_folder = entry->is_directory(failed) && !entry->is_symlink(failed);
+    if (is_folder && std::ranges::find(folders, name) != folders.end()) continue;
     if (!entry->is_regular_file(failed) || entry->is_symlink(failed) || (!names.contains(name) && name != unfinished))
       return false;
   }
@@ -138,7 +139,8 @@ bool FilesTogether::HoldsOnlyThese(const std::string& folder) const {
 bool FilesTogether::Exchange() {
   if (IsWorkedIn(root_) || !HoldsOnlyThese(root_)) return false;
   const Claim claim(unfinished_, path_);
-  TakeRightsOf(root_, temporary_.path());
+  for (const std::string& folder : Folders())
+    TakeRightsOf((fs::path(root_) / folder).string(), (fs::path(temporary_.path()) / folder).string());
   SyncFolders(temporary_.path());
   if (!temporary_.Exchange(root_)) return false;
   if (HoldsOnlyThese(temporary_.path())) return true;

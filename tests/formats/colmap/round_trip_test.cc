@@ -251,6 +251,12 @@ TEST(ColmapRoundTrip, NamesWhatIsLeftOut) {
 // A match of a fisheye pair comes back where both keypoints see one point; depths never do.
 TEST(ColmapRoundTrip, NamesWhatFisheyePairsLose) {
   Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo, .keyframes = 4, .points = 100, .features = 400});
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes) {
+    const auto left = keyframe.features.map_points.begin() + keyframe.features.left_count;
+    const auto none = std::find(keyframe.features.map_points.begin(), left, MapPointId());
+    if (none != left)
+      keyframe.features.right_of_left[static_cast<std::size_t>(none - keyframe.features.map_points.begin())] = 0;
+  }
   const TemporaryFolder folder;
   Notices notices;
   detail::kColmapFormat.write(atlas, folder.Path("model"), {.sync = false}, notices);

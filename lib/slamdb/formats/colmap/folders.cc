@@ -43,6 +43,13 @@ std::string PathOf(const std::string& folder, const std::string& place) {
   return place.empty() ? folder : (fs::path(folder) / place).parent_path().string();
 }
 
+Error Left(const std::string& folder, const std::string& place) {
+  return {ErrorKind::kAlreadyExists, folder, "",
+          Concat("holds a model or scene in ", PathOf(folder, place),
+                 " that would be read with what is written, or in its place, or never again; remove it, or name "
+                 "another folder")};
+}
+
 }  // namespace
 
 std::string FileOf(const std::string& folder, std::string_view part, std::string_view suffix) {
@@ -82,11 +89,7 @@ void RefuseLeft(const std::string& folder, const std::vector<std::string>& writt
   AddPlaces(folder, "", kDeepest, has, places);
   std::ranges::sort(places);
   for (const std::string& place : places)
-    if (std::ranges::find(written, place) == written.end())
-      throw Error(ErrorKind::kAlreadyExists, folder, "",
-                  Concat("holds a model or scene in ", PathOf(folder, place),
-                         " that would be read with what is written, or in its place, or never again; remove it, "
-                         "or name another folder"));
+    if (std::ranges::find(written, place) == written.end()) throw Left(folder, place);
 }
 
 void RefuseOtherModels(const std::string& folder, const std::vector<std::string>& written, std::string_view suffix,
@@ -95,10 +98,7 @@ void RefuseOtherModels(const std::string& folder, const std::vector<std::string>
   std::error_code missing;
   for (const std::string& place : written) {
     const std::string path = PathOf(folder, place);
-    if (suffix != kBinary && HasModel(path, kBinary))
-      throw Error(ErrorKind::kAlreadyExists, folder, "",
-                  Concat("holds a binary model in ", path,
-                         " that would be read in place of what is written; remove it, or name another folder"));
+    if (suffix != kBinary && HasModel(path, kBinary)) throw Left(folder, place);
     for (std::size_t part = parts; part < kPartNames.size(); ++part)
       if (const std::string file = FileOf(path, kPartNames[part], suffix); fs::exists(file, missing))
         throw Error(ErrorKind::kAlreadyExists, file, "",

@@ -168,18 +168,12 @@ std::int64_t PairId(std::uint32_t one, std::uint32_t other) {
   return kMost * std::min(one, other) + std::max(one, other);
 }
 
-std::size_t CountViews(const Outline& outline) {
-  std::size_t count = 0;
-  for (const MapOutline& map : outline.maps) count += map.views.size();
-  return count;
-}
-
 }  // namespace
 
 DatabaseWriter::DatabaseWriter(const Outline& outline, ColmapSchema schema, const std::string& path)
     : outline_(outline),
       schema_(schema),
-      database_(sqlite::Database::InMemory(path, CountViews(outline))),
+      database_(sqlite::Database::InMemory(path)),
       transaction_(database_, sqlite::Transaction::Kind::kBegin) {
   database_.Execute(std::string(schema == ColmapSchema::kNew ? kNewTables : kOldTables));
   database_.Execute(std::string(kCommonTables));

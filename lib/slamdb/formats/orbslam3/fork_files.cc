@@ -214,7 +214,8 @@ void NameLossesToOwnLayout(const Atlas& atlas, Notices& notices) {
 
 namespace {
 
-// Keyframes and points keep theirs apart: a layout may have one member and lack the other.
+// Keyframes and points keep theirs apart: a layout may have one member and lack the other. Zeros are what stands where
+// a file had none.
 bool LosesDescriptors(const Atlas& atlas, const ForkProgram& program) {
   const bool of_keyframes = program.Lacks("KeyFrame.mDescriptors"), of_points = program.Lacks("MapPoint.mDescriptor");
   return std::ranges::any_of(atlas.maps, [&](const Map& map) {
@@ -222,7 +223,7 @@ bool LosesDescriptors(const Atlas& atlas, const ForkProgram& program) {
             std::ranges::any_of(map.keyframes,
                                 [](const KeyFrame& keyframe) { return keyframe.descriptor_count() > 0; })) ||
            (of_points && std::ranges::any_of(map.points, [](const MapPoint& point) {
-              return point.has_descriptor() || point.has_other_descriptor();
+              return (point.has_descriptor() && point.descriptor != Descriptor{}) || point.has_other_descriptor();
             }));
   });
 }

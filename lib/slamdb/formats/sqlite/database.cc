@@ -220,11 +220,9 @@ Database::Database(const std::string& path, Access access, double lock_timeout, 
     OpenToWrite(access);
 }
 
-Database Database::InMemory(const std::string& called, std::size_t keyframes) {
-  constexpr std::size_t kMany = 100;
+Database Database::InMemory(const std::string& called) {
   Database database(called);
   database.OpenMemory();
-  if (keyframes >= kMany) database.Execute("PRAGMA page_size = 32768");
   return database;
 }
 

@@ -59,8 +59,9 @@ bool HasStereo(const Features& features) {
          std::ranges::any_of(features.depth, [](float depth) { return depth > 0; });
 }
 
-Column<float> Padded(const Column<float>& column, std::size_t rows) {
-  Column<float> padded(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(std::min(rows, column.size())));
+std::span<const float> Padded(const Column<float>& column, std::size_t rows, Column<float>& padded) {
+  if (column.size() >= rows) return std::span(column).first(rows);
+  padded = column;
   padded.resize(rows, -1.0F);
   return padded;
 }
@@ -282,8 +283,8 @@ OutgoingFeatures Outgoing::FeaturesOf(const OutgoingKeyFrame& written) const {
     out.undistorted = std::span(out.changed).first(written.rows);
   }
   if (written.has_stereo) {
-    out.right_x = Padded(features.right_x, written.rows);
-    out.depth = Padded(features.depth, written.rows);
+    out.right_x = Padded(features.right_x, written.rows, out.padded_right_x);
+    out.depth = Padded(features.depth, written.rows, out.padded_depth);
   }
   return out;
 }

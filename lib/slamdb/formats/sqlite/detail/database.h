@@ -69,9 +69,8 @@ class Database {
   Database(const std::string& path, Access access, double lock_timeout, Progress progress = {});
 
   // A database in memory: an empty one, to be filled, or of bytes, to be read, which are copied only where SQLite could
-  // not read them as they are. `called` is what errors call it; `keyframes`, how many of them it will hold: with many,
-  // whose features are long, it has large pages.
-  static Database InMemory(const std::string& called, std::size_t keyframes);
+  // not read them as they are. `called` is what errors call it.
+  static Database InMemory(const std::string& called);
   static Database OfBytes(Bytes bytes, const std::string& called);
   // The bytes of one that was filled. Valid until it is changed. Of the same content they are the same, whichever
   // version of SQLite made them.
