@@ -22,6 +22,7 @@
 #include "slamdb/edit/part/cull.h"
 #include "slamdb/edit/part/select.h"
 #include "slamdb/edit/part/shrink.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -270,6 +271,39 @@ Sample Copy(const Workplace& at, int threads) {
 Sample CopyOneThread(const Workplace& at) { return Copy(at, 1); }
 Sample CopyAllThreads(const Workplace& at) { return Copy(at, 0); }
 
+// ---- exports, on one core, and what writing their bytes takes
+
+void Export(const Atlas& atlas, const Workplace& at, const std::string& format) {
+  std::filesystem::remove_all(at.output());
+  WriteAtlas(atlas, at.output(), {.format = format, .sync = false, .threads = 1});
+}
+Sample ExportAs(const Workplace& at, const std::string& format) {
+  const Atlas atlas = Read(at.binary());
+  const Sample sample = Time([&] { Export(atlas, at, format); });
+  std::filesystem::remove_all(at.output());
+  return sample;
+}
+Sample WriteBytesOf(const Workplace& at, const std::string& format) {
+  Export(Read(at.binary()), at, format);
+  std::string bytes;
+  if (std::filesystem::is_directory(at.output()))
+    for (const auto& entry : std::filesystem::directory_iterator(at.output()))
+      bytes += WholeFile(Source(entry.path().string())).text();
+  else
+    bytes = WholeFile(Source(at.output())).text();
+  std::filesystem::remove_all(at.output());
+  return Time([&] {
+    std::ofstream out(at.output(), std::ios::binary);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  });
+}
+Sample ExportStella(const Workplace& at) { return ExportAs(at, "stella"); }
+Sample WriteStellaBytes(const Workplace& at) { return WriteBytesOf(at, "stella"); }
+Sample ExportStellaDatabase(const Workplace& at) { return ExportAs(at, "stella-sqlite"); }
+Sample WriteStellaDatabaseBytes(const Workplace& at) { return WriteBytesOf(at, "stella-sqlite"); }
+Sample ExportColmap(const Workplace& at) { return ExportAs(at, "colmap"); }
+Sample WriteColmapBytes(const Workplace& at) { return WriteBytesOf(at, "colmap"); }
+
 // ... and from the page cache into a new file.
 Sample CopyToFile(const Workplace& at) {
   std::filesystem::remove(at.output());
@@ -305,6 +339,12 @@ constexpr Measurement kMeasurements[] = {
     {"store-save-again", StoreSaveAgain},
     {"merge", Merge},
     {"merge-input-output", MergeInputAndOutput},
+    {"export-stella", ExportStella},
+    {"export-stella-bytes", WriteStellaBytes},
+    {"export-stella-sqlite", ExportStellaDatabase},
+    {"export-stella-sqlite-bytes", WriteStellaDatabaseBytes},
+    {"export-colmap", ExportColmap},
+    {"export-colmap-bytes", WriteColmapBytes},
     {"copy", CopyOneThread},
     {"copy-parallel", CopyAllThreads},
     {"copy-to-file", CopyToFile},

@@ -12,6 +12,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/words/mend.h"
+#include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/names.h"
@@ -50,6 +51,8 @@ std::string HoldsNothing(const Format& format, const Substance& atlas) {
   return problem;
 }
 
+bool IsArchive(const Format& format) { return format.id.starts_with("orbslam3"); }
+
 // The name of an atlas that its location tells; empty when it tells none.
 std::string NameOfAtlas(const Location& input) {
   std::error_code missing;
@@ -62,9 +65,17 @@ std::string NameOfAtlas(const Location& input) {
 
 }  // namespace
 
-void Inputs::Add(const Atlas& atlas) {
+void Inputs::Add(const Atlas& atlas, const Format* format) {
   all |= SubstanceOf(atlas, /*with_bad=*/true);
   good |= SubstanceOf(atlas);
+  archives_alone &= format != nullptr && IsArchive(*format);
+}
+
+void LoseUseToOrbslam3(const Atlas& atlas, const Inputs& inputs, const Format& output, const TargetOptions& target,
+                       Notices& notices) {
+  if (!IsArchive(output) || inputs.archives_alone || !atlas.layout.empty() || !target.layout.empty()) return;
+  const std::string why = WhyNoUseToOrbslam3(atlas);
+  if (!why.empty()) notices.Lose(why);
 }
 
 void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::string& output, const Format& format,
@@ -164,8 +175,9 @@ Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices, 
   RefuseBadOutput(options);
   ReadOptions read = MakeReadOptions(console, options.from, options.wait);
   read.needs = options.needs;
-  Atlas atlas = ReadAtlas(options.input, read, &notices);
-  options.inputs->Add(atlas);
+  const HeldSource held = HoldInput(options.input, read);
+  Atlas atlas = ReadAtlas(held, read, &notices);
+  options.inputs->Add(atlas, FormatOfInput(held, options.from));
   if (errors == InputErrors::kTell) TellErrors(options.input, atlas, console, notices);
   return atlas;
 }
@@ -206,6 +218,7 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
   const Format& format = elsewhere ? FormatById("orbslam3") : FormatOfOutput(options.output, options.target.to);
   RefuseEmptyResult(atlas, *options.inputs, options.output, format, options.dry_run, notices);
   if (options.dry_run) return;
+  LoseUseToOrbslam3(atlas, *options.inputs, format, options.target, notices);
   WriteOptions write = MakeWriteOptions(console, options.target, provenance, options.wait);
   write.format = FormatToWrite(atlas, options.output, options.target.to);
   if (beside != nullptr) write.before_commit = [beside] { beside->Commit(); };

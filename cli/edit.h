@@ -26,11 +26,19 @@ inline constexpr std::string_view kOutputLossy =
     "Done, but the output, of a format for atlases, does not hold all of the atlas; standard error names what it "
     "lacks.";
 
-// What the inputs of a verb have some of, all together: with what is flagged bad, and without.
+// What the inputs of a verb have some of, all together: with what is flagged bad, and without; and whether all are
+// archives of ORB-SLAM3.
 struct Inputs {
   Substance all, good;
-  void Add(const Atlas& atlas);
+  bool archives_alone = true;
+  // `format`: of the file; null where nothing tells it.
+  void Add(const Atlas& atlas, const Format* format);
 };
+
+// What is no map of ORB-SLAM3, written as one, is a loss, of every verb. Its own files are given back as they are, and
+// a fork's descriptors are for the fork.
+void LoseUseToOrbslam3(const Atlas& atlas, const Inputs& inputs, const Format& output, const TargetOptions& target,
+                       Notices& notices);
 
 // The one guard against an empty result that passes for a success, for every verb that writes an atlas. Throws Error
 // when the output would hold nothing of what it is for (keyframes and points; of an export what that format is of)

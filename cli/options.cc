@@ -94,6 +94,10 @@ CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string&
   return files;
 }
 
+const Format* FormatOfInput(const HeldSource& input, const InputFormat& from) {
+  return from.format.empty() ? FindFormatOfInput(input) : &FormatById(from.format);
+}
+
 void AddLayout(CLI::App& verb, std::string& layout) {
   verb.add_option(
           "--layout", layout,

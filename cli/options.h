@@ -37,6 +37,8 @@ CLI::Option* AddInputs(CLI::App& verb, InputOptions& options, const std::string&
 
 // --from and --layout alone, for verbs that name their inputs otherwise.
 void AddFrom(CLI::App& verb, InputFormat& from);
+// The format that it names, or what the content tells; null where nothing does.
+const Format* FormatOfInput(const HeldSource& input, const InputFormat& from);
 // --layout alone, for verbs that read trajectories too.
 void AddLayout(CLI::App& verb, std::string& layout);
 // What options of the library have of a layout that the user names by its id or its file; empty for none.

@@ -25,9 +25,9 @@ KeyFramePictures PicturesOf(const std::string& named) {
     errno = ENOENT;
     throw SystemError(named, "cannot open");
   }
-  const bool folder = fs::is_directory(named, missing);
   const std::array<std::string, 1> names = {named};
-  return {.files = FindPictures(names), .folder = folder ? named : fs::path(named).parent_path().string()};
+  const fs::path folder = fs::is_directory(named, missing) ? fs::path(named) : fs::path(named).parent_path();
+  return {.files = FindPictures(names), .folder = folder.empty() ? "." : folder.string()};
 }
 
 }  // namespace

@@ -123,17 +123,16 @@ std::optional<std::uint64_t> TryToWrite(const Atlas& atlas, const Format& format
   return EncodeAtlas(atlas, write, &notices).size();
 }
 
-// Null where nothing tells it.
-const Format* FindFormat(const HeldSource& input, const ConvertOptions& options) {
-  return options.from.format.empty() ? FindFormatOfInput(input) : &FormatById(options.from.format);
+bool IsOfTrajectory(const HeldSource& input, const ConvertOptions& options) {
+  const Format* format = FormatOfInput(input, options.from);
+  return format != nullptr && IsTrajectory(*format);
 }
 
 // A trajectory becomes a trajectory without an atlas between, in whose single precision digits would be lost. The body
 // is known to atlases alone.
 bool IsOfTrajectories(const HeldSource& input, const Format& output, const ConvertOptions& options) {
   if (!IsTrajectory(output) || options.body || !options.onto.empty()) return false;
-  const Format* format = FindFormat(input, options);
-  return format != nullptr && IsTrajectory(*format);
+  return IsOfTrajectory(input, options);
 }
 
 ExitCode ConvertPoses(const HeldSource& input, const Location& output, const Format& format, const ReadOptions& read,
@@ -152,21 +151,10 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   return Finish(std::move(report), output, options, console, notices);
 }
 
-// What is no map of ORB-SLAM3 when it is written as one. Its own files are given back as they are, and a fork's
-// descriptors are for the fork.
-void LoseUseToOrbslam3(const Atlas& atlas, const Format* source, const Format& output, const ConvertOptions& options,
-                       Notices& notices) {
-  const auto is_archive = [](const Format& format) { return format.id.starts_with("orbslam3"); };
-  if (!is_archive(output) || (source != nullptr && is_archive(*source))) return;
-  if (!atlas.layout.empty() || !options.target.layout.empty()) return;
-  const std::string why = WhyNoUseToOrbslam3(atlas);
-  if (!why.empty()) notices.Lose(why);
-}
-
 // Options that would be without effect.
 void RefuseIdleOptions(const Format& output, const ConvertOptions& options) {
   const std::string is = " only; the output is " + std::string(output.title);
-  if (options.body && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
+  if (options.body && options.onto.empty() && !IsTrajectory(output)) RefuseUsage("--body is for trajectories" + is);
   if (options.sim3 && output.id != "g2o") RefuseUsage("--sim3 is for g2o" + is);
   RefuseIdleViewerOptions(output, options.viewers);
   RefuseIdleReconstructionOptions(output, options.reconstructions);
@@ -200,13 +188,15 @@ void AddOfPoses(const Notices& of_poses, const std::string& source, Notices& not
 // The atlas of --onto with the poses of the input.
 Atlas PutOnto(const HeldSource& poses, const ReadOptions& read, const Location& output, const ConvertOptions& options,
               Console& console, std::optional<PutInto>& into, Notices& notices) {
+  if (options.body && !IsOfTrajectory(poses, options))
+    RefuseUsage("--body with --onto is for trajectories only; the poses of other inputs are of cameras");
   if (!read.selection.everything()) RefuseUsage("--onto takes all poses of the input: it goes with no selection");
   const InputFormat onto{.format = {}, .layout = options.from.layout};
   Atlas atlas = ReadAtlas(Location(options.onto), MakeReadOptions(console, onto, options.wait), &notices);
   RequireMapOnto(atlas, options, output);
-  PutPosesOptions places{.threads = console.threads()};
+  PutPosesOptions places{.of_body = options.body, .threads = console.threads()};
   Notices of_poses;
-  const std::vector<KeyFramePose> found = ReadKeyFramePoses(poses, read, &of_poses, &places.points);
+  const std::vector<KeyFramePose> found = ReadKeyFramePoses(poses, read, &of_poses, &places.points, &places.origin);
   AddOfPoses(of_poses, options.input, notices);
   const PutPosesReport put = PutPoses(atlas, found, places);
   into = {.keyframes = put.keyframes, .points = put.points, .largest_shift = put.largest_shift};
@@ -222,10 +212,9 @@ Atlas Prepare(const HeldSource& held, const ReadOptions& read, const Location& o
               bool& sound) {
   Atlas atlas = options.onto.empty() ? ReadAtlas(held, read, &notices)
                                      : PutOnto(held, read, output, options, console, into, notices);
-  LoseUseToOrbslam3(atlas, options.onto.empty() ? FindFormat(held, options) : FindFormatOfInput(Location(options.onto)),
-                    format, options, notices);
   Inputs inputs;
-  inputs.Add(atlas);
+  inputs.Add(atlas, options.onto.empty() ? FormatOfInput(held, options.from) : FindFormatOfInput(options.onto));
+  LoseUseToOrbslam3(atlas, inputs, format, options.target, notices);
   sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
   RefuseEmptySelection(atlas, options.input, held, read);
   RefuseEmptyResult(atlas, inputs, output.ToString(), format, options.dry_run, notices);
@@ -251,8 +240,9 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   read.of<TrajectoryReadOptions>() = options.times.ForReading();
   SetReconstructionOptions(options.reconstructions, read);
   const HeldSource held = HoldInput(input, read);
-  if (options.times.any()) RefuseIdleTimes(FindFormat(held, options), options.times);
-  if (!options.reconstructions.database.empty()) RefuseIdleDatabase(FindFormat(held, options), options.reconstructions);
+  if (options.times.any()) RefuseIdleTimes(FormatOfInput(held, options.from), options.times);
+  if (!options.reconstructions.database.empty())
+    RefuseIdleDatabase(FormatOfInput(held, options.from), options.reconstructions);
   read.selection = ParseSelection(options.selection, held, read);
   WriteOptions write = WriteOptionsOf(options, read.selection, console);
   if (IsOfTrajectories(held, format, options)) return ConvertPoses(held, output, format, read, write, options, console);
@@ -286,7 +276,9 @@ void BindFormatOptions(CLI::App& verb, ConvertOptions& options) {
       ->group(kArchiveGroup);
   constexpr const char* kExport = "Points and trajectories";
   verb.add_flag("--ascii", options.ascii, "Write PLY and PCD as text")->group(kExport);
-  verb.add_flag("--body", options.body, "Write trajectories of the body (IMU) frame instead of the camera's")
+  verb.add_flag(
+          "--body", options.body,
+          "Trajectories are of the body (IMU) frame instead of the camera's: that is written, or read with --onto")
       ->group(kExport);
   verb.add_flag("--sim3", options.sim3, "Write g2o with a scale for each keyframe: VERTEX_SIM3:EXPMAP")->group(kExport);
   AddTimes(verb, options.times, "a trajectory", kExport);

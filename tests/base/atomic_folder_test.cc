@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/atomic_folder.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <stdio.h>
 #include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 
+#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/error.h"
@@ -137,6 +141,135 @@ TEST_F(AtomicFolders, ReplaceNoMapThatLiesInThem) {
     EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), map);
     EXPECT_FALSE(fs::exists(path_ + "/sparse/0/points.bin"));
   }
+}
+
+// A call that fails where `fails` says so.
+template <class Call>
+class Failing {
+ public:
+  Failing(Call& call, Call replacement) : call_(call), kept_(call) { call_ = replacement; }
+  ~Failing() { call_ = kept_; }
+  Failing(const Failing&) = delete;
+  Failing& operator=(const Failing&) = delete;
+
+ private:
+  Call &call_, kept_;
+};
+
+int left_exchanges = 0;
+int ExchangeSome(int from_folder, const char* from, int to_folder, const char* to, unsigned int flags) {
+  if (left_exchanges-- > 0) return ::renameat2(from_folder, from, to_folder, to, flags);
+  errno = EINVAL;
+  return -1;
+}
+
+TEST_F(AtomicFolders, AreExchangedAsAWholeWhereTheyHoldNothingElse) {
+  Fill(path_);
+  fs::permissions(path_, fs::perms::owner_all);
+  const auto before = fs::last_write_time(path_ + "/cameras.bin");
+  detail::FileCalls& calls = detail::CallsOfFiles();
+  const Failing no_rename(
+      calls.rename, +[](const char*, const char*) { return -1; });
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_NE(fs::last_write_time(path_ + "/cameras.bin"), before);
+  EXPECT_EQ(fs::status(path_).permissions(), fs::perms::owner_all);
+  EXPECT_THAT(folder_.Names(), ElementsAre("model"));
+}
+
+// An empty folder of somebody's is something else, too.
+TEST_F(AtomicFolders, KeepFoldersOfOthers) {
+  Fill(path_);
+  fs::create_directories(path_ + "/sparse/mine");
+  fs::permissions(path_ + "/sparse/0", fs::perms::owner_all);
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_TRUE(fs::exists(path_ + "/sparse/mine"));
+  fs::remove(path_ + "/sparse/mine");
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_EQ(fs::status(path_ + "/sparse/0").permissions(), fs::perms::owner_all);
+}
+
+TEST_F(AtomicFolders, AreFilledOneByOneWhereTheSystemCannotExchange) {
+  fs::create_directories(path_);
+  for (const char* other : {"", "mine.txt"}) {
+    folder_.Make("model/cameras.bin", "old cameras");
+    if (*other != 0) folder_.Make("model/mine.txt", "mine");
+    left_exchanges = 0;
+    const Failing no_exchange(detail::CallsOfFiles().renameat2, &ExchangeSome);
+    Fill(path_, true, /*overwrite=*/true);
+    EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), "new cameras");
+    EXPECT_FALSE(fs::exists(path_ + "/.slamdb-unfinished"));
+    EXPECT_THAT(folder_.Names(), ElementsAre("model"));
+  }
+}
+
+TEST_F(AtomicFolders, AreTakenBackAlsoWhereTheSystemCannotExchange) {
+  fs::create_directories(path_);
+  folder_.Make("model/cameras.bin", "old cameras");
+  folder_.Make("model/mine.txt", "mine");
+  static int renames;
+  renames = 0;
+  left_exchanges = 0;
+  const Failing no_exchange(detail::CallsOfFiles().renameat2, &ExchangeSome);
+  const Failing third_rename(
+      detail::CallsOfFiles().rename,
+      +[](const char* from, const char* to) { return ++renames == 3 ? (errno = EIO, -1) : std::rename(from, to); });
+  EXPECT_THAT(ProblemOf([&] { Fill(path_, true, /*overwrite=*/true); }), HasSubstr("points.bin: cannot rename"));
+  EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), "old cameras");
+  EXPECT_FALSE(fs::exists(path_ + "/sparse"));
+  EXPECT_FALSE(fs::exists(path_ + "/.slamdb-unfinished"));
+}
+
+TEST_F(AtomicFolders, AreNotReplacedByTwoAtOnce) {
+  fs::create_directories(path_);
+  folder_.Make("model/cameras.bin", "old cameras");
+  folder_.Make("model/mine.txt", "mine");
+  folder_.Make("model/.slamdb-unfinished", "");
+  const int other = ::open((path_ + "/.slamdb-unfinished").c_str(), O_RDWR);
+  ASSERT_EQ(::flock(other, LOCK_EX), 0);
+  EXPECT_THAT(ProblemOf([&] { Fill(path_, true, /*overwrite=*/true); }), HasSubstr("by another program"));
+  EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), "old cameras");
+  ::close(other);
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), "new cameras");
+  EXPECT_FALSE(fs::exists(path_ + "/.slamdb-unfinished"));
+}
+
+TEST_F(AtomicFolders, OfWhichAKilledProgramReplacedOtherFilesAreNotMixed) {
+  fs::create_directories(path_);
+  folder_.Make("model/frames.bin", "old or new");
+  const std::string unfinished = folder_.Make("model/.slamdb-unfinished", "some words:\ncameras.bin\nframes.bin\n");
+  EXPECT_THAT(ProblemOf([&] { detail::RefuseUnfinished(unfinished, path_); }), HasSubstr("was killed"));
+  EXPECT_EQ(ProblemOf([&] { detail::RefuseUnfinished(unfinished, path_, "sparse/0/"); }), "");
+  EXPECT_THAT(ProblemOf([&] { Fill(path_, true, /*overwrite=*/true); }), HasSubstr("and frames.bin, which is not"));
+  EXPECT_TRUE(fs::exists(unfinished));
+  fs::remove(path_ + "/frames.bin");
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_FALSE(fs::exists(unfinished));
+}
+
+TEST_F(AtomicFolders, ReplaceNoFolderByAFile) {
+  fs::create_directories(path_ + "/cameras.bin/mine");
+  EXPECT_THAT(ProblemOf([&] { Fill(path_, true, /*overwrite=*/true); }), HasSubstr("is no file"));
+  EXPECT_TRUE(fs::exists(path_ + "/cameras.bin/mine"));
+}
+
+TEST_F(AtomicFolders, WithFilesThatAreNotToBeReplacedStay) {
+  folder_.Make("map.points", "old points");
+  const auto write = [&](bool overwrite) {
+    AtomicFiles files(folder_ / "map.yaml", {.overwrite = overwrite, .sync = false});
+    for (const char* name : {"map.points", "map.yaml"}) {
+      const auto file = files.Make(name);
+      file->Write("new");
+      file->Commit();
+    }
+    files.Commit();
+  };
+  EXPECT_THAT(ProblemOf([&] { write(false); }), HasSubstr("is there already"));
+  EXPECT_EQ(ReadFile(folder_ / "map.points"), "old points");
+  EXPECT_THAT(folder_.Names(), ElementsAre("map.points"));
+  write(true);
+  EXPECT_EQ(ReadFile(folder_ / "map.points"), "new");
+  EXPECT_THAT(folder_.Names(), ElementsAre("map.points", "map.yaml"));
 }
 
 TEST_F(AtomicFolders, OfKilledProgramsAreRemovedByTheNext) {

@@ -335,6 +335,41 @@ TEST(Convert, TakesPosesOfAnyInputOntoAnAtlas) {
   }
 }
 
+TEST(Convert, TakesPosesOfTheBodyOntoAnAtlas) {
+  const TemporaryFolder folder;
+  const std::string map = folder / "vi.osa", poses = folder / "body.tum";
+  ASSERT_EQ(RunSlamdb({"synthesize", map, "--sensor", "stereo", "--inertial", "--keyframes", "5", "--points", "60"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", map, poses, "--body"}).exit_code, 0);
+  const ProcessResult put = RunSlamdb({"convert", poses, folder / "put.osa", "--onto", map, "--body"});
+  EXPECT_EQ(put.exit_code, 0) << put.err;
+  EXPECT_THAT(put.err, ContainsRegex("the largest shift of a camera is (0|[0-9.]+e-0[67])\n"));
+  const ProcessResult other = RunSlamdb({"convert", map, folder / "o.osa", "--onto", map, "--body"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("--body with --onto is for trajectories only"));
+  const ProcessResult bare = RunSlamdb({"convert", poses, folder / "o.osa", "--onto", kSession, "--body"});
+  EXPECT_EQ(bare.exit_code, 1);
+}
+
+// What is no map of ORB-SLAM3 is a loss of every verb that writes one.
+TEST(Convert, LosesUseToOrbslam3AsOtherVerbsDo) {
+  const TemporaryFolder folder;
+  const std::string model = folder / "model";
+  ASSERT_EQ(RunSlamdb({"convert", kSession, model, "--to", "colmap"}).exit_code, 3);
+  for (const std::vector<std::string>& line :
+       std::vector<std::vector<std::string>>{{"convert", model},
+                                             {"transform", model, "--scale", "2"},
+                                             {"merge", model, kSession, "--force"},
+                                             {"renumber", model}}) {
+    std::vector<std::string> words = line;
+    words.insert(words.end(), {"-o", folder / "out.osa", "-O"});
+    const ProcessResult lost = RunSlamdb(words);
+    EXPECT_EQ(lost.exit_code, 3) << line[0] << lost.err;
+    EXPECT_THAT(lost.err, HasSubstr("loss: ORB-SLAM3 cannot use this map: ")) << line[0];
+    words[words.size() - 2] = folder / "store.db";
+    EXPECT_THAT(RunSlamdb(words).err, Not(HasSubstr("cannot use this map"))) << line[0];
+  }
+}
+
 TEST(Convert, RefusesToPutPosesOfAnotherMap) {
   const TemporaryFolder folder;
   const std::string other = SLAMDB_FIXTURES "/session_small_b/session_small_b.osa";

@@ -80,7 +80,8 @@ TEST_F(Edit, TablesThatDoNotFitAreRefused) {
   ExpectRefused({"edit", input_, output_, "--points", cloud},
                 "not a table of points: this is a PLY point cloud; `slamdb convert` to a .csv file makes a table");
   ExpectRefused({"edit", input_, output_, "--points", input_}, "not a table of points: this is an atlas");
-  ExpectRefused({"edit", other_, output_, "--points", points}, "tables add nothing, ndjson does");
+  ExpectRefused({"edit", other_, output_, "--points", points},
+                "line 2: column reference_keyframe: keyframe 2 does not observe the point");
   ExpectRefused({"edit", cloud, output_, "--keyframes", points}, "line 1: a table of points");
   EXPECT_FALSE(std::filesystem::exists(output_));
 }

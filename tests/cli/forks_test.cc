@@ -45,6 +45,21 @@ TEST_F(Forks, AreReadByThemselvesAndWrittenBackByteForByte) {
   }
 }
 
+// Also of those that lack what is lost to them on the way there.
+TEST_F(Forks, LoseNothingInTheirOwnLayout) {
+  const std::string map = folder_ / "map.osa";
+  ASSERT_EQ(RunSlamdb({"synthesize", map, "--keyframes", "4", "--points", "60", "--features", "100"}).exit_code, 0);
+  const json known = json::parse(RunSlamdb({"layouts", "list", "--json"}).out);
+  ASSERT_FALSE(known["layouts"].empty());
+  for (const json& layout : known["layouts"]) {
+    const std::string id = layout["id"], fork = folder_ / (id + ".osa"), again = folder_ / (id + ".again.osa");
+    RunSlamdb({"convert", map, fork, "--to-layout", id});
+    const ProcessResult copied = RunSlamdb({"convert", fork, again, "--strict"});
+    EXPECT_EQ(copied.exit_code, 0) << id << copied.err;
+    EXPECT_TRUE(ReadWholeFile(fork) == ReadWholeFile(again)) << id;
+  }
+}
+
 TEST_F(Forks, OfLayoutsThatNobodyKnowsAreReadByTheirFile) {
   const std::string fork = Forged(OwnLayout()), again = folder_ / "again.osa", stored = folder_ / "maps.db#fork";
   EXPECT_EQ(RunSlamdb({"info", fork}).exit_code, 1);

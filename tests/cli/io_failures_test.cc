@@ -88,13 +88,28 @@ Run RunOn(const std::vector<std::string>& line, long at, const std::string& how,
   return run;
 }
 
+// Files that belong together: by what their names begin with.
+struct Together {
+  std::string beginning;
+  std::vector<std::vector<std::string>> before;  // command lines that make the old ones
+  std::string mine;                              // another file beside them; empty: none
+  std::vector<std::string> read;                 // reads them; empty: no run may mix them
+};
+
 // A verb in a folder of its own, which every run begins anew.
 class Trial {
  public:
-  Trial(const std::vector<std::string>& line, bool overwrites) : line_(line), before_(fs::current_path()) {
+  Trial(const std::vector<std::string>& line, bool overwrites, Together together = {})
+      : line_(line), before_(fs::current_path()), together_(std::move(together)) {
     FillFolder(inputs_.path().string());
+    fs::current_path(inputs_.path());
+    for (std::vector<std::string> before : together_.before) {
+      before.insert(before.begin(), SLAMDB_COMMAND);
+      EXPECT_THAT(RunProgram(before).exit_code, ::testing::AnyOf(0, 3));
+    }
+    if (!together_.mine.empty()) WriteWholeFile(inputs_ / together_.mine, "mine");
     if (overwrites) {
-      WriteWholeFile(inputs_ / "out.osa", "old");
+      if (together_.beginning.empty()) WriteWholeFile(inputs_ / "out.osa", "old");
       line_.push_back("-O");
     }
     line_.insert(line_.end(), {"--threads", "1"});
@@ -118,6 +133,7 @@ class Trial {
     SCOPED_TRACE(how + " at call " + std::to_string(at) + " (" + run.failed + ")");
     const Content now = ContentHere();
     ExpectOldOrNew(now, /*temporaries=*/how == "kill");
+    ExpectTogether(now, /*may_be_unfinished=*/how == "kill");
     if (run.exit_code == clean_.exit_code && run.exit_code != 1) {
       EXPECT_EQ(now, new_) << "exit status " << run.exit_code;
     }
@@ -125,6 +141,7 @@ class Trial {
     const Run next = RunOn(line_, 0, "none", Log());
     EXPECT_THAT(next.exit_code, ::testing::AnyOf(clean_.exit_code, 1));
     ExpectOldOrNew(ContentHere(), /*temporaries=*/false);
+    ExpectTogether(ContentHere(), /*may_be_unfinished=*/false);
   }
 
  private:
@@ -160,19 +177,39 @@ class Trial {
     for (const auto& [path, bytes] : old_) EXPECT_TRUE(now.contains(path)) << path << " is gone";
   }
 
+  // All are old, or all new; or some of each, which reading tells.
+  void ExpectTogether(const Content& now, bool may_be_unfinished) {
+    if (together_.beginning.empty()) return;
+    const auto are = [&](const Content& those) {
+      return std::ranges::all_of(those, [&](const auto& file) {
+        if (!file.first.starts_with(together_.beginning)) return true;
+        const auto there = now.find(file.first);
+        return there != now.end() && there->second == file.second;
+      });
+    };
+    if (are(old_) || are(new_)) return;
+    ASSERT_TRUE(may_be_unfinished && !together_.read.empty()) << "files of two runs are mixed";
+    std::vector<std::string> words = together_.read;
+    words.insert(words.begin(), SLAMDB_COMMAND);
+    const ProcessResult read = RunProgram(words);
+    EXPECT_NE(read.exit_code, 0) << "files of two runs are read as one";
+    EXPECT_THAT(read.err, ::testing::HasSubstr("was killed between two of them"));
+  }
+
   std::vector<std::string> line_;
   const fs::path before_;
+  const Together together_;
   const TemporaryFolder inputs_, outside_;
   std::unique_ptr<TemporaryFolder> folder_;
   Content old_, new_;
   Run clean_;
 };
 
-void TryEverywhere(const std::vector<std::string>& line, bool overwrites) {
+void TryEverywhere(const std::vector<std::string>& line, bool overwrites, const Together& together = {}) {
   std::string name;
   for (const std::string& word : line) name += word + " ";
   SCOPED_TRACE(name);
-  Trial trial(line, overwrites);
+  Trial trial(line, overwrites, together);
   ASSERT_TRUE(trial.RunClean()) << "nothing is written: a new verb may need a line in verbs.cc";
   ASSERT_GT(trial.calls(), 0) << "the preloaded library is not asked";
   const long step = 1 + trial.calls() / kMostCalls;
@@ -204,6 +241,28 @@ INSTANTIATE_TEST_SUITE_P(EveryVerb, EveryCallOf, ::testing::ValuesIn(VerbsThatWr
 TEST(EveryCallOfASave, IntoAnotherAtlas) { TryEverywhere({"repair", "a.osa", "m.db#a"}, true); }
 TEST(EveryCallOfASave, OfANewAtlas) { TryEverywhere({"convert", "a.osa", "m.db#c"}, false); }
 TEST(EveryCallOfASave, WithAJournal) { TryEverywhere({"repair", "a.osa", "m.db#c", "--journal", "fix.json"}, true); }
+
+// Folders of which every file is replaced are exchanged; beside files of others, or of several runs, each is moved.
+void ReplaceTogether(const std::string& format, const std::string& output, const Together& together) {
+  Together with_old = together;
+  with_old.before.push_back({"convert", "room.osa", output, "--to", format});
+  TryEverywhere({"convert", "a.osa", output, "--to", format}, true, with_old);
+}
+
+TEST(EveryCallOfFilesTogether, ModelOfColmap) { ReplaceTogether("colmap", "out", {.beginning = "out/"}); }
+TEST(EveryCallOfFilesTogether, ModelOfColmapBesideOthers) {
+  ReplaceTogether("colmap", "out", {.beginning = "out/", .mine = "out/mine.txt", .read = {"info", "out"}});
+}
+TEST(EveryCallOfFilesTogether, SceneForSplatsBesideOthers) {
+  ReplaceTogether("3dgs", "out", {.beginning = "out/", .mine = "out/mine.txt", .read = {"info", "out"}});
+}
+TEST(EveryCallOfFilesTogether, SceneForNerfs) { ReplaceTogether("nerf", "out", {.beginning = "out/"}); }
+TEST(EveryCallOfFilesTogether, MapOfOsmap) {
+  ReplaceTogether("osmap", "map.yaml", {.beginning = "map.", .read = {"info", "map.yaml"}});
+}
+TEST(EveryCallOfFilesTogether, PosesOfKittiAndTheirTimes) {
+  ReplaceTogether("kitti", "p.kitti", {.beginning = "p.kitti", .read = {"convert", "p.kitti", "p.tum", "--dry-run"}});
+}
 
 }  // namespace
 }  // namespace slamdb::testing

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
@@ -53,6 +54,38 @@ TEST_F(Reconstructions, GoBackOntoTheirAtlas) {
   EXPECT_EQ(back.exit_code, 0) << back.err;  // what the model lacks, the atlas has
   EXPECT_THAT(back.err, AllOf(Not(HasSubstr("loss:")), Not(HasSubstr("derived")), Not(HasSubstr("lens"))));
   EXPECT_EQ(RunSlamdb({"diff", kSession, In("back.osa"), "--tolerance", "1e-6"}).exit_code, 0);
+}
+
+// Far from the origin they are read about one among them, and go back to where the atlas has them.
+TEST_F(Reconstructions, GoBackOntoAnAtlasThatIsFarAway) {
+  Json({"transform", kSession, In("far.osa"), "--by", "50000,-20000,300,0,0,0,1"});
+  Json({"convert", In("far.osa"), In("model"), "--to", "colmap"});
+  const json put = Json({"convert", In("model"), In("back.osa"), "--onto", In("far.osa"), "--json"});
+  EXPECT_EQ(put["put"]["keyframes"], 14);
+  EXPECT_LT(put["put"]["largest_shift"], 0.01);  // what floats are off by there
+  const ProcessResult alone = RunSlamdb({"convert", In("model"), In("near.osa")});
+  EXPECT_THAT(alone.err, HasSubstr("was taken off all positions"));
+  const ProcessResult onto = RunSlamdb({"convert", In("model"), In("again.osa"), "--onto", In("near.osa")});
+  EXPECT_THAT(onto.err, HasSubstr("positions stay as the atlas has them: without (49997, -20000, 300)"));
+}
+
+// By their list, too: names keep its folders, however the list is named.
+TEST_F(Reconstructions, NameImagesAsTheListDoes) {
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_.path());
+  std::string list;
+  const ProcessResult poses = RunSlamdb({"convert", kSession, "poses.tum"});
+  ASSERT_EQ(poses.exit_code, 0) << poses.err;
+  std::istringstream lines(ReadWholeFile("poses.tum"));
+  for (std::string line; std::getline(lines, line);)
+    if (line.front() != '#')
+      list += line.substr(0, line.find(' ')) + " cam0/" + line.substr(0, line.find(' ')) + ".png\n";
+  WriteWholeFile("list.txt", list);
+  for (const std::string& named : std::vector<std::string>{"list.txt", "./list.txt", In("list.txt")}) {
+    Json({"convert", kSession, "model", "-O", "--to", "colmap-text", "--images", named});
+    EXPECT_THAT(ReadWholeFile("model/images.txt"), HasSubstr(" cam0/1403636579.763555.png")) << named;
+  }
+  fs::current_path(before);
 }
 
 TEST_F(Reconstructions, OfAnotherMapDoNotGoOnto) {

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/atomic_folder.h"
 
-#include <fcntl.h>
-#include <stdio.h>
-
 #include <filesystem>
 #include <utility>
-#include <vector>
 
-#include "slamdb/base/detail/file_calls.h"
+#include "slamdb/base/detail/claim.h"
+#include "slamdb/base/detail/files_together.h"
 #include "slamdb/base/detail/links.h"
-#include "slamdb/base/detail/recognize.h"
-#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/error.h"
 
@@ -41,33 +36,6 @@ void RefuseWhatIsThere(const std::string& path, const std::string& target, bool 
                 "is there already and holds files; WriteOptions::overwrite replaces those of the same names");
 }
 
-// A file that was made goes to its place; what was there comes to where it was made, if the system can exchange them.
-struct Move {
-  std::string made, place;
-  bool was_there = false, exchanged = false;
-};
-
-bool Exchange(const std::string& a, const std::string& b) {
-  return detail::CallsOfFiles().renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
-}
-
-void MakeMove(Move& move, bool sync) {
-  std::error_code ignored;
-  fs::create_directories(fs::path(move.place).parent_path(), ignored);
-  move.was_there = fs::exists(move.place, ignored);
-  move.exchanged = move.was_there && Exchange(move.made, move.place);
-  if (!move.exchanged && detail::CallsOfFiles().rename(move.made.c_str(), move.place.c_str()) != 0)
-    throw SystemError(move.place, "cannot rename the finished file into place");
-  if (sync) detail::SyncFolderOf(move.place, move.place);
-}
-
-void TakeBack(const Move& move) {
-  if (move.exchanged)
-    Exchange(move.made, move.place);
-  else if (!move.was_there)
-    detail::CallsOfFiles().rename(move.place.c_str(), move.made.c_str());
-}
-
 }  // namespace
 
 AtomicFolder::AtomicFolder(const Target& target, AtomicFileOptions options)
@@ -78,49 +46,49 @@ AtomicFolder::AtomicFolder(const Target& target, AtomicFileOptions options)
   target_ = detail::FollowLinks(WithoutSlash(path_)).string();
   RefuseWhatIsThere(path_, target_, options_.overwrite);
   detail::RemoveDeadTemporaryFiles(target_);
-  temporary_ = std::make_unique<detail::TemporaryFolder>(target_, path_);
+  files_ = std::make_unique<detail::FilesTogether>(target_, target_, detail::UnfinishedIn(target_), path_, options_);
 }
 
 AtomicFolder::~AtomicFolder() = default;
 
-std::unique_ptr<AtomicFile> AtomicFolder::Make(const std::string& name) {
-  const fs::path place = fs::path(temporary_->path()) / name;
-  std::error_code error;
-  fs::create_directories(place.parent_path(), error);
-  if (error) throw Error(ErrorKind::kPermission, path_, "", "cannot make a folder in it: " + error.message());
-  const std::string final_place = (fs::path(target_) / name).string();
-  detail::EnterOutput(final_place);
-  names_.push_back(name);
-  return std::make_unique<AtomicFile>(place.string(), AtomicFileOptions{.sync = options_.sync});
-}
+std::unique_ptr<AtomicFile> AtomicFolder::Make(const std::string& name) { return files_->Make(name); }
 
 void AtomicFolder::Commit() {
   if (options_.before_commit) options_.before_commit();
   RefuseWhatIsThere(path_, target_, options_.overwrite);
   if (HoldsFiles(target_))
-    MoveInto();
+    files_->Replace(/*whole=*/true);
   else
-    temporary_->Place(target_);
-  for (const std::string& name : names_) detail::EnterPlaced((fs::path(target_) / name).string());
+    files_->Place();
   if (options_.sync) detail::SyncFolderOf(target_, path_);
 }
 
-void AtomicFolder::MoveInto() {
-  std::vector<Move> moves;
-  for (const std::string& name : names_) {
-    Move& move = moves.emplace_back();
-    move.made = (fs::path(temporary_->path()) / name).string();
-    move.place = (fs::path(target_) / name).string();
-    detail::RefuseInput(move.place);
-    detail::RefuseReplacingMap(move.place);
-  }
-  std::size_t done = 0;
-  try {
-    for (; done < moves.size(); ++done) MakeMove(moves[done], options_.sync);
-  } catch (...) {
-    while (done > 0) TakeBack(moves[--done]);
-    throw;
-  }
+AtomicFiles::AtomicFiles(const Target& target, AtomicFileOptions options)
+    : path_(target.path), options_(std::move(options)) {
+  if (path_.empty()) throw Error(ErrorKind::kUsage, "the name of the file to write is empty");
+  std::error_code missing;
+  if (!fs::path(path_).has_filename() || fs::is_directory(path_, missing))
+    throw Error(ErrorKind::kUsage, path_, "", "is a directory, expected a file to write");
+  detail::RemoveDeadTemporaryFiles(path_);
+  files_ = std::make_unique<detail::FilesTogether>(path_, detail::FolderOf(path_).string(),
+                                                   detail::UnfinishedBeside(path_), path_, options_);
+}
+
+AtomicFiles::~AtomicFiles() = default;
+
+std::unique_ptr<AtomicFile> AtomicFiles::Make(const std::string& name) {
+  std::error_code missing;
+  const fs::path place = detail::FolderOf(path_) / name;
+  if (!options_.overwrite && fs::exists(fs::symlink_status(place, missing)))
+    throw Error(ErrorKind::kAlreadyExists, place.string(), "", "is there already; WriteOptions::overwrite replaces it");
+  return files_->Make(name);
+}
+
+std::unique_ptr<AtomicFile> AtomicFiles::MakeTarget() { return Make(fs::path(path_).filename().string()); }
+
+void AtomicFiles::Commit() {
+  if (options_.before_commit) options_.before_commit();
+  files_->Replace(/*whole=*/false);
 }
 
 }  // namespace slamdb

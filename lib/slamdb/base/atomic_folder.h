@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/file.h"
@@ -12,19 +11,22 @@
 namespace slamdb {
 
 namespace detail {
-class TemporaryFolder;
+class FilesTogether;
 }
 
-// A folder of files that appears whole or not at all: how every format is written that is more than one file.
+// A folder of files that appears whole or not at all: how every format is written that is a folder.
 // The files are made in a temporary folder beside it, of such a name as AtomicFile has. Commit() renames the folder
-// where nothing or an empty folder is; into a folder that holds files, which needs `overwrite`, it moves one file after
-// the other, in the order in which they were asked for, and leaves there what has other names. Without Commit() the
-// temporary folder is removed and the target is as it was; what a killed program left is removed by the next one that
-// writes into that folder. When one file cannot be moved, those before it are taken back; a program that is killed
-// between two leaves new files beside old ones.
+// where nothing or an empty folder is, and exchanges it, in one step, with one that holds nothing but files of the same
+// names. Into a folder that holds other files too, which stay, it moves one file after the other, in the order in which
+// they were asked for. Both need `overwrite`. Without Commit() the temporary folder is removed and the target is as it
+// was; what a killed program left is removed by the next one that writes into that folder.
+//
+// When one file cannot be moved, those before it are taken back. A program that is killed between two leaves new files
+// beside old ones, and `.slamdb-unfinished`, which names them: reading such a folder is refused, and the next that
+// writes the same files mends it. Of two that move files into one folder at once the second is refused.
 //
 // Throws Error: kAlreadyExists when the target holds files and not `overwrite`, or an atlas or database in the place of
-// one that is written; kUsage when it is no folder, is
+// one that is written; kLocked when another program moves files into it; kUsage when it is no folder, is
 // standard output or has no name, or when a file would be an input; and as the system has it (SystemError).
 class SLAMDB_EXPORT AtomicFolder {
  public:
@@ -40,13 +42,32 @@ class SLAMDB_EXPORT AtomicFolder {
   void Commit();
 
  private:
-  void MoveInto();
-
   std::string path_;    // as the user named it
   std::string target_;  // with symbolic links followed, without a slash at the end
-  std::unique_ptr<detail::TemporaryFolder> temporary_;
   AtomicFileOptions options_;
-  std::vector<std::string> names_;  // of the files made, in order
+  std::unique_ptr<detail::FilesTogether> files_;
+};
+
+// Several files of one folder that belong together and lie among others, as osmap's four: written and replaced as those
+// of AtomicFolder are, one after the other. `target`, a path, is the file by whose name they are known; names are of the
+// files alone, and with `overwrite` they are replaced.
+//
+// Throws Error as AtomicFolder does.
+class SLAMDB_EXPORT AtomicFiles {
+ public:
+  explicit AtomicFiles(const Target& target, AtomicFileOptions options = {});
+  ~AtomicFiles();
+  AtomicFiles(const AtomicFiles&) = delete;
+  AtomicFiles& operator=(const AtomicFiles&) = delete;
+
+  std::unique_ptr<AtomicFile> Make(const std::string& name);
+  std::unique_ptr<AtomicFile> MakeTarget();
+  void Commit();
+
+ private:
+  std::string path_;
+  AtomicFileOptions options_;
+  std::unique_ptr<detail::FilesTogether> files_;
 };
 
 }  // namespace slamdb

@@ -73,26 +73,6 @@ struct Slot {
 // There before main(): a handler cannot wait for what another thread is about to construct.
 constinit std::array<Slot, 64> slots;
 
-// -1: no place is left, or the path is too long. Then only the next run removes what a signal leaves.
-int TakeSlot(const std::string& path) {
-  if (path.size() >= PATH_MAX) return -1;
-  for (std::size_t i = 0; i < slots.size(); ++i) {
-    Slot& slot = slots[i];
-    if (slot.taken.exchange(true)) continue;
-    std::memcpy(slot.path.data(), path.c_str(), path.size() + 1);
-    slot.filled = true;
-    return static_cast<int>(i);
-  }
-  return -1;
-}
-
-void GiveBackSlot(int index) {
-  if (index < 0) return;
-  Slot& slot = slots[static_cast<std::size_t>(index)];
-  slot.filled = false;
-  slot.taken = false;
-}
-
 // ---- removal, also where nothing but system calls is allowed: in a signal handler
 
 // What getdents64 gives: the system's own struct has no name in its headers.
@@ -174,6 +154,25 @@ Error CannotRename(const std::string& path) { return SystemError(path, "cannot r
 
 }  // namespace
 
+int TakeSlot(const std::string& path) {
+  if (path.size() >= PATH_MAX) return -1;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    Slot& slot = slots[i];
+    if (slot.taken.exchange(true)) continue;
+    std::memcpy(slot.path.data(), path.c_str(), path.size() + 1);
+    slot.filled = true;
+    return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void GiveBackSlot(int index) {
+  if (index < 0) return;
+  Slot& slot = slots[static_cast<std::size_t>(index)];
+  slot.filled = false;
+  slot.taken = false;
+}
+
 TemporaryFile::TemporaryFile(const std::string& target, mode_t mode, const std::string& path) : named_(path) {
   for (struct stat status{}; status.st_nlink == 0;) {  // until none takes a new one for a dead one before it is locked
     if (descriptor_ >= 0) ::close(descriptor_);
@@ -199,14 +198,16 @@ TemporaryFile::~TemporaryFile() {
 int TemporaryFile::Close() { return CallsOfFiles().close(std::exchange(descriptor_, -1)); }
 
 // By a link where the file system has no such renaming.
+bool RenameToNew(const std::string& from, const std::string& to) {
+  if (CallsOfFiles().renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) return false;
+  if (CallsOfFiles().link(from.c_str(), to.c_str()) != 0) return false;
+  ::unlink(from.c_str());
+  return true;
+}
+
 void TemporaryFile::Claim(const std::string& target) {
-  const char *from = path_.c_str(), *to = target.c_str();
-  bool claimed = CallsOfFiles().renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0;
-  if (!claimed && (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) && CallsOfFiles().link(from, to) == 0) {
-    ::unlink(from);
-    claimed = true;
-  }
-  if (claimed) return Keep();
+  if (RenameToNew(path_, target)) return Keep();
   if (errno == EEXIST)
     throw Error(ErrorKind::kAlreadyExists, named_, "",
                 "is there already, made by another program meanwhile; WriteOptions::overwrite replaces it");
@@ -257,6 +258,10 @@ void TemporaryFolder::Place(const std::string& target) {
   }
   path_.clear();
   GiveBackSlot(std::exchange(slot_, -1));
+}
+
+bool TemporaryFolder::Exchange(const std::string& target) {
+  return CallsOfFiles().renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0;
 }
 
 void RemoveDeadTemporaryFiles(const std::string& target) {

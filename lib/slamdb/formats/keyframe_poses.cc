@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slamdb/formats/colmap/options.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/g2o/detail/g2o.h"
@@ -68,12 +69,14 @@ std::vector<PointPosition> PointsOf(const Atlas& atlas) {
 }  // namespace
 
 std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held, const ReadOptions& options, Notices* notices,
-                                            std::vector<PointPosition>* points) {
+                                            std::vector<PointPosition>* points, Eigen::Vector3d* origin) {
   Notices unheard;
   Notices& heard = notices == nullptr ? unheard : *notices;
   ReadOptions poses = options;
   poses.needs = Content::kPoses;
   poses.features = FeatureColumns::kNone;
+  if (origin != nullptr) *origin = Eigen::Vector3d::Zero();
+  poses.of<ColmapReadOptions>().origin = origin;
   const Format& format = detail::FormatToRead(held.source(), poses);
   if (IsTrajectory(format)) return OfTrajectories(held, poses, heard);
   if (format.id == detail::kG2oFormat.id) return detail::ReadG2oPoses(held.source(), heard);

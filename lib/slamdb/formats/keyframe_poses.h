@@ -13,11 +13,14 @@ namespace slamdb {
 // the format has them (g2o's similarities). Bad keyframes are left out.
 // `points`, when given, receives where the points are of an input that has some, by id: those that keyframes see, since
 // nothing has moved the others.
+// `origin`, when given, receives what was taken off all positions, where an input reaches too far for the floats of an
+// atlas (ColmapReadOptions::origin); it is zero otherwise.
 //
 // Throws Error as ReadAtlas.
 [[nodiscard]] SLAMDB_EXPORT std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held,
                                                                         const ReadOptions& options = {},
                                                                         Notices* notices = nullptr,
-                                                                        std::vector<PointPosition>* points = nullptr);
+                                                                        std::vector<PointPosition>* points = nullptr,
+                                                                        Eigen::Vector3d* origin = nullptr);
 
 }  // namespace slamdb

@@ -10,6 +10,7 @@
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/message_of.h"
 
 namespace slamdb {
 namespace {
@@ -41,6 +42,53 @@ TEST(PutPoses, ThatAreThereChangeNothing) {
   EXPECT_EQ(report.keyframes, 12U);
   EXPECT_EQ(report.unknown_poses, 0U);
   EXPECT_THAT(put, EqualsAtlas(atlas));
+}
+
+TEST(PutPoses, OfTheBodyLeadToTheCamera) {
+  const Atlas atlas = InertialWorld();
+  std::vector<KeyFramePose> poses = PosesOf(atlas.maps[0]);
+  for (std::size_t row = 0; row < poses.size(); ++row) {
+    const Rigid3f body = WorldFromBody(atlas.maps[0].keyframes[row]);
+    poses[row].world_from_camera = {1, Eigen::Quaternionf(body.rotation).cast<double>().normalized(),
+                                    body.translation.cast<double>()};
+  }
+  Atlas put = atlas;
+  EXPECT_LT(PutPoses(put, poses, {.of_body = true}).largest_shift, 1e-5);
+  for (std::size_t row = 0; row < poses.size(); ++row)
+    EXPECT_LT(
+        PoseOf(put.maps[0].keyframes[row]).rotation.angularDistance(PoseOf(atlas.maps[0].keyframes[row]).rotation),
+        1e-5);
+  put = atlas;
+  EXPECT_GT(PutPoses(put, poses).largest_shift, 0.01);  // taken for the camera's
+
+  Atlas bare = atlas;
+  bare.maps[0].keyframes[3].imu_calibration.is_set = false;
+  const Atlas before = bare;
+  EXPECT_THAT(MessageOf([&] { PutPoses(bare, poses, {.of_body = true}); }), HasSubstr("kf 3 has no IMU calibration"));
+  EXPECT_THAT(bare, EqualsAtlas(before));
+}
+
+// Positions were taken to an origin among them: those of the atlas are not there, or are.
+TEST(PutPoses, LieWhereTheAtlasDoes) {
+  const Atlas atlas = InertialWorld();
+  const Eigen::Vector3d origin(4'000'000, -3'000'000, 500'000);
+  std::vector<KeyFramePose> poses = PosesOf(atlas.maps[0]);
+  PutPosesOptions options{.origin = origin};
+  options.points.push_back({.point = atlas.maps[0].points[0].id,
+                            .position = atlas.maps[0].points[0].position.cast<double>() + Eigen::Vector3d(1, 2, 3)});
+  Atlas put = atlas;
+  const PutPosesReport stays = PutPoses(put, poses, options);
+  EXPECT_LT(stays.largest_shift, 1e-5);
+  EXPECT_THAT(
+      stays.warnings,
+      ::testing::Contains(HasSubstr("positions stay as the atlas has them: without (4000000, -3000000, 500000")));
+
+  for (KeyFramePose& pose : poses) pose.world_from_camera.translation -= origin;
+  options.points[0].position -= origin;
+  Atlas far = atlas;
+  const PutPosesReport moves = PutPoses(far, poses, options);
+  EXPECT_LT(moves.largest_shift, 1e-5);
+  EXPECT_EQ(far.maps[0].points[0].position, put.maps[0].points[0].position);
 }
 
 // One keyframe moves; the points that refer to it stay where they are in its picture.

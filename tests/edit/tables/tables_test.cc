@@ -359,9 +359,13 @@ TEST_P(EditErrors, SayFileAndLine) {
   const Atlas before = atlas;
   const auto filled = [&](const char* text) -> std::optional<std::string> {
     if (text == nullptr) return std::nullopt;
-    std::string table = text;  // P and K are ids that there are
-    for (const auto& [letter, id] :
-         {std::pair('P', atlas.maps[0].points[2].id.value()), std::pair('K', atlas.maps[0].keyframes[2].id.value())})
+    std::string table = text;  // P, K, and U, which does not see P, are ids that there are
+    const MapPoint& point = atlas.maps[0].points[2];
+    const auto unseeing = std::ranges::find_if(atlas.maps[0].keyframes, [&](const KeyFrame& keyframe) {
+      return std::ranges::find(point.observations, keyframe.id, &Observation::keyframe) == point.observations.end();
+    });
+    for (const auto& [letter, id] : {std::pair('P', point.id.value()), std::pair('U', unseeing->id.value()),
+                                     std::pair('K', atlas.maps[0].keyframes[2].id.value())})
       for (std::size_t at = table.find(letter); at != table.npos; at = table.find(letter))
         table.replace(at, 1, std::to_string(id));
     return table;
@@ -386,23 +390,37 @@ constexpr Refused kRefused[] = {
     {"Twice", "map,id,x,y,z\n0,P,1,2,3\n1,P,1,2,3\n0,P,1,2,4\n", nullptr, "line 4: has the id of a row above"},
     {"NoNumber", "map,id,x,y,z\n0,P,1,two,3\n", nullptr, "line 2: expected a number, found 'two' in column y"},
     {"NoNumberAlone", "map,id,x\n0,P,abc\n", nullptr, "line 2: expected a number, found 'abc' in column x"},
-    {"NotFiniteAlone", "map,id,z\n0,P,inf\n", nullptr, "line 2: no finite numbers"},
-    {"NoRotationAlone", nullptr, "map,id,qx,qy,qz,qw\n0,K,0,0,0,0\n", "line 2: no pose"},
-    {"NotFinitePoseAlone", nullptr, "map,id,x\n0,K,nan\n", "line 2: no pose"},
+    {"NotFiniteAlone", "map,id,z\n0,P,inf\n", nullptr, "line 2: expected a finite number, found 'inf' in column z"},
+    {"NoRotationAlone", nullptr, "map,id,qx,qy,qz,qw\n0,K,0,0,0,0\n", "line 2: no rotation in columns qx"},
+    {"NotFinitePoseAlone", nullptr, "map,id,x\n0,K,nan\n", "line 2: expected a finite number, found 'nan' in column x"},
     {"HalfAnExponent", "map;id;x\n0;P;4,9e-\n", nullptr, "line 2: expected a number, found '4,9e-' in column x"},
-    {"NotFinite", "map,id,x,y,z\n0,P,1,nan,3\n", nullptr, "line 2: no finite numbers for the three components"},
-    {"Infinite", "map,id,x,y,z\n0,P,1,inf,3\n", nullptr, "line 2: no finite numbers"},
+    {"NotFinite", "map,id,x,y,z\n0,P,1,nan,3\n", nullptr, "line 2: expected a finite number, found 'nan' in column y"},
+    {"Infinite", "map,id,x,y,z\n0,P,1,inf,3\n", nullptr, "line 2: expected a finite number, found 'inf' in column y"},
     {"NegativeId", "map,id,x,y,z\n0,-1,1,2,3\n", nullptr, "line 2: expected an id, found '-1' in column id"},
     {"HugeId", "map,id,x,y,z\n0,18446744073709551616,1,2,3\n", nullptr, "line 2: expected an id"},
     {"NoneId", "map,id,x,y,z\n0,18446744073709551615,1,2,3\n", nullptr, "line 2: map 0 has no point"},
     {"Flag", "map,id,bad\n0,P,maybe\n", nullptr, "line 2: expected 0 or 1, false or true, found 'maybe' in column bad"},
-    {"Reference", "map,id,reference_keyframe\n0,P,999999\n", nullptr, "line 2: its map has no keyframe 999999"},
+    {"Reference", "map,id,reference_keyframe\n0,P,999999\n", nullptr,
+     "line 2: column reference_keyframe: keyframe 999999 is not in the map"},
+    {"ReferenceThatDoesNotSeeIt", "map,id,reference_keyframe\n0,P,U\n", nullptr, "does not observe the point"},
+    {"NormalWithoutLength", "map,id,nx,ny,nz\n0,P,0,0,0\n", nullptr, "line 2: no viewing direction in columns nx"},
+    {"LongNormal", "map,id,nx,ny,nz\n0,P,3,0,0\n", nullptr, "it has length 3, expected above 0 and at most 1"},
+    {"NotFiniteNormal", "map,id,nx,ny,nz\n0,P,nan,0,0\n", nullptr, "found 'nan' in column nx"},
+    {"NegativeDistance", "map,id,min_distance\n0,P,-1\n", nullptr,
+     "line 2: expected a finite distance above 0, found '-1' in column min_distance"},
+    {"NotFiniteDistance", "map,id,max_distance\n0,P,nan\n", nullptr, "found 'nan' in column max_distance"},
+    {"NoRange", "map,id,min_distance,max_distance\n0,P,4,2\n", nullptr,
+     "line 2: no range of distances in columns min_distance, max_distance: from 4 to 2"},
+    {"NotANumberTime", nullptr, "map,id,timestamp\n0,K,nan\n", "found 'nan' in column timestamp"},
+    {"NotFiniteVelocity", nullptr, "map,id,vx,vy,vz\n0,K,0,inf,0\n", "found 'inf' in column vy"},
     {"TooFewCells", "map,id,x,y,z\n0,P,1,2\n", nullptr, "line 2: expected 5 cells, found 4"},
     {"TooManyCells", "map,id,x,y,z\n0,P,1,2,3,4\n", nullptr, "line 2: expected 5 cells, found 6"},
     {"ColumnTwice", "map,id,x,x,y,z\n0,P,1,2,3,4\n", nullptr, "columns 3 and 4 are both named x"},
-    {"Rotation", nullptr, "map,id,x,y,z,qx,qy,qz,qw\n0,K,1,2,3,0,0,0,0\n", "line 2: no pose"},
-    {"LongRotation", nullptr, "map,id,x,y,z,qx,qy,qz,qw\n0,K,1,2,3,0,0,0,90\n", "line 2: no pose"},
-    {"NotFiniteRotation", nullptr, "map,id,x,y,z,qx,qy,qz,qw\n0,K,1,2,3,nan,0,0,1\n", "line 2: no pose"},
+    {"Rotation", nullptr, "map,id,x,y,z,qx,qy,qz,qw\n0,K,1,2,3,0,0,0,0\n", "line 2: no rotation in columns"},
+    {"LongRotation", nullptr, "map,id,x,y,z,qx,qy,qz,qw\n0,K,1,2,3,0,0,0,90\n",
+     "line 2: no rotation in columns qx, qy, qz, qw: it has length 90"},
+    {"NotFiniteRotation", nullptr, "map,id,x,y,z,qx,qy,qz,qw\n0,K,1,2,3,nan,0,0,1\n",
+     "line 2: expected a finite number, found 'nan' in column qx"},
     {"Time", nullptr, "map,id,timestamp\n0,K,inf\n",
      "line 2: expected a time in seconds, found 'inf' in column timestamp"},
     {"OfKeyFrames", "map,id,x,y,z,qx,qy,qz,qw\n0,P,1,2,3,0,0,0,1\n", nullptr,

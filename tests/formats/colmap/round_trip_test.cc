@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/colmap.h"
 #include "slamdb/formats/colmap/options.h"
@@ -245,6 +246,34 @@ TEST(ColmapRoundTrip, NamesWhatIsLeftOut) {
             "see no point now, since the point does not name them: 1 keypoint\n"
             "colmap cannot hold descriptors without a database (2)\n"
             "colmap cannot hold scales, angles and scores of keypoints (2)\n");
+}
+
+// A match of a fisheye pair comes back where both keypoints see one point; depths never do.
+TEST(ColmapRoundTrip, NamesWhatFisheyePairsLose) {
+  Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo, .keyframes = 4, .points = 100, .features = 400});
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes) {
+    const auto left = keyframe.features.map_points.begin() + keyframe.features.left_count;
+    const auto none = std::find(keyframe.features.map_points.begin(), left, MapPointId());
+    if (none != left)
+      keyframe.features.right_of_left[static_cast<std::size_t>(none - keyframe.features.map_points.begin())] = 0;
+  }
+  const TemporaryFolder folder;
+  Notices notices;
+  detail::kColmapFormat.write(atlas, folder.Path("model"), {.sync = false}, notices);
+  const Atlas back = detail::kColmapFormat.read(folder.Path("model"), {}, notices);
+  std::size_t depths = 0, matches = 0;
+  for (std::size_t row = 0; row < atlas.maps[0].keyframes.size(); ++row) {
+    const Features &had = atlas.maps[0].keyframes[row].features, &has = back.maps[0].keyframes[row].features;
+    for (std::size_t at = 0; at < had.depth.size(); ++at) depths += had.depth[at] > 0 ? 1 : 0;
+    for (std::size_t at = 0; at < had.right_of_left.size(); ++at)
+      matches += had.right_of_left[at] >= 0 && has.right_of_left[at] != had.right_of_left[at] ? 1 : 0;
+  }
+  ASSERT_GT(depths, 0U);
+  ASSERT_GT(matches, 0U);
+  std::string said;
+  for (const Notice& notice : notices.items()) said += notice.text + "\n";
+  EXPECT_THAT(said, HasSubstr("depths of stereo and depth cameras (" + detail::Thousands(depths) + ")"));
+  EXPECT_THAT(said, HasSubstr("keypoints that see no point (" + detail::Thousands(matches) + ")"));
 }
 
 TEST(ColmapRoundTrip, ModelsOfOneNumberingAreMovedApart) {

@@ -9,9 +9,12 @@
 #include <span>
 
 #include "slamdb/base/error.h"
+#include "slamdb/edit/frame/transform.h"
 #include "slamdb/formats/colmap/detail/codec.h"
 #include "slamdb/formats/colmap/options.h"
+#include "slamdb/model/up.h"
 #include "slamdb/pictures/color_picture.h"
+#include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/support/temporary_folder.h"
 
@@ -105,6 +108,28 @@ TEST_F(Scenes, AreNotMixedWithThoseOfOtherMaps) {
   EXPECT_EQ(write(OneMapAtlas()), "written");
   EXPECT_EQ(write(OneMapAtlas()), "written");
   EXPECT_THAT(write(several), HasSubstr("out/sparse/0 that would be read with what is written"));
+}
+
+// Of more maps, or of a program that knows rigs.
+TEST_F(Scenes, AreNotMixedWithWhatAnEarlierRunLeft) {
+  const auto write = [&](const Format& format, const Atlas& atlas) {
+    Notices notices;
+    try {
+      format.write(atlas, out_, {.overwrite = true, .sync = false}, notices);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("written");
+  };
+  const Atlas several = SmallAtlas();
+  EXPECT_EQ(write(detail::kNerfFormat, several), "written");
+  EXPECT_EQ(write(detail::kNerfFormat, several), "written");
+  EXPECT_THAT(write(detail::kNerfFormat, OneMapAtlas()), HasSubstr("out/0 that would be read with what is written"));
+  EXPECT_FALSE(fs::exists(out_ + "/transforms.json"));
+  fs::remove_all(out_);
+  EXPECT_EQ(write(detail::kGaussianFormat, OneMapAtlas()), "written");
+  folder_.Make("out/sparse/0/rigs.bin", "of another model");
+  EXPECT_THAT(write(detail::kGaussianFormat, OneMapAtlas()), HasSubstr("rigs.bin: is a part of a model"));
 }
 
 TEST_F(Scenes, OfSplatsWithoutPicturesAreGrey) {
@@ -229,6 +254,24 @@ TEST_F(Scenes, OfNerfsSayWhatSmallAtlasIs) {
   const std::string points = ReadFile(out_ + "/0/points.ply");
   EXPECT_THAT(points, HasSubstr("element vertex 2\n"));
   EXPECT_TRUE(fs::exists(out_ + "/1/transforms.json"));  // maps are not aligned
+}
+
+TEST_F(Scenes, OfNerfsHaveZUp) {
+  const auto turn_of = [&](const Atlas& atlas) {
+    fs::remove_all(out_);
+    Write(detail::kNerfFormat, atlas);
+    const auto applied = nlohmann::json::parse(ReadFile(out_ + "/transforms.json")).at("applied_transform");
+    Eigen::Matrix3d turn;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) turn(row, column) = applied.at(row).at(column);
+    return turn;
+  };
+  Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kStereo, .inertial = true, .keyframes = 8, .points = 100});
+  EXPECT_TRUE((turn_of(atlas) * UpOf(atlas.maps[0]).direction).isApprox(Eigen::Vector3d::UnitZ(), 0.05));
+  EXPECT_TRUE(turn_of(atlas).isIdentity());
+  const Eigen::Quaternionf tilt(Eigen::AngleAxisf(0.7F, Eigen::Vector3f(1, 2, 0.5F).normalized()));
+  TransformMap(atlas.maps[0], {1, tilt.cast<double>(), Eigen::Vector3d::Zero()});
+  EXPECT_TRUE((turn_of(atlas) * UpOf(atlas.maps[0]).direction).isApprox(Eigen::Vector3d::UnitZ(), 1e-4));
 }
 
 TEST_F(Scenes, OfNerfsLeaveThePicturesWhereTheyAre) {

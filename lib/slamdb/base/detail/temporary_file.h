@@ -69,12 +69,23 @@ class TemporaryFolder {
   //
   // Throws Error: kAlreadyExists when somebody has put files there; as the system has it otherwise.
   void Place(const std::string& target);
+  // Gives it the name `target`, and what has it the name of this one, in one step. False: the system cannot.
+  bool Exchange(const std::string& target);
 
  private:
   std::string named_, path_;
   int lock_ = -1;
   int slot_ = -1;
 };
+
+// Gives a file the name `to`, where no file has that name, in one step. False, with errno: EEXIST when somebody has taken
+// the name.
+bool RenameToNew(const std::string& from, const std::string& to);
+
+// A place among the files that RemoveTemporaryFiles() removes, to be given back; -1: there is none left, so that only
+// the next run removes what a signal leaves.
+int TakeSlot(const std::string& path);
+void GiveBackSlot(int slot);
 
 // Makes the name of a new file survive a power cut. Errors name `path`.
 //

@@ -68,8 +68,8 @@ class Clock {
 
 // What is new in one map: by row.
 struct News {
-  std::vector<std::pair<std::uint32_t, const Similarity3d*>> poses;
-  std::vector<std::pair<std::uint32_t, const Eigen::Vector3d*>> points;
+  std::vector<std::pair<std::uint32_t, Similarity3d>> poses;  // world_from_camera
+  std::vector<std::pair<std::uint32_t, Eigen::Vector3d>> points;
   bool any() const { return !poses.empty() || !points.empty(); }
 };
 
@@ -94,7 +94,7 @@ class Putter {
       const KeyFrame& keyframe = atlas_.maps[place.map].keyframes[place.row];
       RequireSameTime(pose, keyframe);
       CompareLenses(pose, keyframe);
-      news_[place.map].poses.emplace_back(place.row, &pose.world_from_camera);
+      news_[place.map].poses.emplace_back(place.row, CameraOf(pose, keyframe));
       ++report_.keyframes;
     }
     for (const PointPosition& point : options_.points) {
@@ -103,7 +103,7 @@ class Putter {
         ++report_.unknown_points;
         continue;
       }
-      news_[place.map].points.emplace_back(place.row, &point.position);
+      news_[place.map].points.emplace_back(place.row, point.position);
       ++report_.points;
     }
     if (report_.keyframes + report_.points == 0)
@@ -112,6 +112,7 @@ class Putter {
   }
 
   PutPosesReport Put() {
+    AddOrigin();
     for (std::size_t map = 0; map < news_.size(); ++map)
       if (news_[map].any()) PutMap(atlas_.maps[map], news_[map]);
     Warn(report_.unknown_poses, "pose",
@@ -147,6 +148,49 @@ class Putter {
                              "; in the atlas ", detail::LensText(lens), ")");
   }
 
+  Similarity3d CameraOf(const KeyFramePose& pose, const KeyFrame& keyframe) const {
+    if (!options_.of_body) return pose.world_from_camera;
+    const ImuCalibration& calibration = keyframe.imu_calibration;
+    const Eigen::Quaterniond rotation = Eigen::Quaternionf(calibration.body_from_camera.rotation).cast<double>();
+    const Eigen::Vector3d translation = calibration.body_from_camera.translation.cast<double>();
+    if (!calibration.is_set || !(rotation.norm() > 0) || !rotation.coeffs().allFinite() || !translation.allFinite())
+      throw Error(ErrorKind::kNotPossible,
+                  Concat(keyframe.id, " has no IMU calibration, which leads from the body to the camera"));
+    const Similarity3d& world_from_body = pose.world_from_camera;  // whose scale is of the map's lengths
+    const Eigen::Quaterniond turn = world_from_body.rotation.normalized();
+    return {world_from_body.scale, turn * rotation.normalized(),
+            world_from_body.translation + world_from_body.scale * (turn * translation)};
+  }
+
+  // An atlas that was made of the same model lies where that was moved to; one that it was made of does not.
+  void AddOrigin() {
+    if (options_.origin.isZero(0)) return;
+    std::size_t nearer = 0, all = 0;
+    for (std::size_t map = 0; map < news_.size(); ++map)
+      for (const auto& [row, pose] : news_[map].poses) {
+        const Eigen::Vector3d there = PlaceOf(atlas_.maps[map].keyframes[row]);
+        nearer += (pose.translation + options_.origin - there).norm() < (pose.translation - there).norm() ? 1 : 0;
+        ++all;
+      }
+    if (2 * nearer < all) {
+      report_.warnings.push_back(Concat("positions stay as the atlas has them: without (",
+                                        detail::Fixed(options_.origin.x(), 0), ", ",
+                                        detail::Fixed(options_.origin.y(), 0), ", ",
+                                        detail::Fixed(options_.origin.z(), 0), "), which the poses have"));
+      return;
+    }
+    for (News& news : news_) {
+      for (auto& [row, pose] : news.poses) pose.translation += options_.origin;
+      for (auto& [row, position] : news.points) position += options_.origin;
+    }
+  }
+
+  static Eigen::Vector3d PlaceOf(const KeyFrame& keyframe) {
+    const Rigid3f& pose = keyframe.camera_from_world;
+    return -(Eigen::Quaternionf(pose.rotation).cast<double>().normalized().conjugate() *
+             pose.translation.cast<double>());
+  }
+
   static bool IsSamePoint(const MapPoint& point, const PointPosition& position) {
     if (point.bad || !position.seen_by) return !point.bad;
     return std::ranges::any_of(point.observations, [&](const Observation& seen) {
@@ -163,14 +207,14 @@ class Putter {
     for (const auto& [row, pose] : news.poses) {
       moved.keyframes[row] = 1;
       const Similarity3d old = before.poses[row].WorldFromCamera();
-      const Similarity3d now{pose->scale, pose->rotation.normalized(), pose->translation};
+      const Similarity3d now{pose.scale, pose.rotation.normalized(), pose.translation};
       if (IsThere(now, old)) continue;
       after.poses[row].SetWorldFromCamera(now.rotation, now.translation);
       motions[row] = now * old.Inverse();
-      report_.largest_shift = std::max(report_.largest_shift, (pose->translation - old.translation).norm());
+      report_.largest_shift = std::max(report_.largest_shift, (pose.translation - old.translation).norm());
     }
     for (const auto& [row, position] : news.points) {
-      after.points[row] = *position;
+      after.points[row] = position;
       moved.points[row] = 1;
     }
     const detail::MapStates put = after;

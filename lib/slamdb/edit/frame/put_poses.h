@@ -15,7 +15,11 @@ namespace slamdb {
 struct PutPosesOptions {
   std::vector<PointPosition> points;   // those of which it is known; the others follow their reference keyframe
   double max_time_difference = 0.005;  // seconds, between a keyframe and its pose, where the time of both is known
-  int threads = 0;                     // 0: every core
+  // What was taken off all poses and points that are put: it is added again where that brings more of them nearer to
+  // where their keyframes are, and a warning says where not.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  bool of_body = false;  // poses are of the body (IMU): each keyframe's calibration leads to its camera
+  int threads = 0;       // 0: every core
 };
 
 // What PutPoses did.
@@ -40,8 +44,8 @@ struct PutPosesReport {
 // the program says.
 //
 // Throws Error, and then changes nothing: kNotPossible when no pose is of a keyframe of the atlas, or one with an id is
-// of another time than the keyframe; kUsage when a pose or a position is not finite. Cost: linear, but for sorting
-// times; the bytes are the same for any number of threads.
+// of another time than the keyframe; or of the body and of a keyframe without calibration; kUsage when a pose or a
+// position is not finite. Cost: linear, but for sorting times; the bytes are the same for any number of threads.
 SLAMDB_EXPORT PutPosesReport PutPoses(Atlas& atlas, const std::vector<KeyFramePose>& poses,
                                       const PutPosesOptions& options = {});
 

@@ -183,12 +183,42 @@ bool SetNumbers(const Table& table, std::size_t first, std::span<float> numbers)
   return changed;
 }
 
+void RequireFinite(const Table& table, std::size_t first, std::span<const float> numbers) {
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (!std::isfinite(numbers[i])) throw table.CellError(first + i, "a finite number");
+}
+
 bool SetVector(const Table& table, std::size_t first, Eigen::Vector3f& field) {
   Eigen::Vector3f value = field;
   if (!SetNumbers(table, first, {value.data(), 3})) return false;
-  if (!value.allFinite()) throw table.LineError("no finite numbers for the three components of a vector");
+  RequireFinite(table, first, {value.data(), 3});
   field = value;
   return true;
+}
+
+// ORB-SLAM3's are means of the directions in which keyframes see a point.
+bool SetNormal(const Table& table, Eigen::Vector3f& field) {
+  if (!SetVector(table, kNormalX, field)) return false;
+  constexpr float kLongest = 1.001F;
+  if (const float length = field.norm(); !(length > 0 && length <= kLongest))
+    throw table.LineError(Concat("no viewing direction in columns nx, ny, nz: it has length ", length,
+                                 ", expected above 0 and at most 1"));
+  return true;
+}
+
+// The range of distances from which a point is looked for.
+bool SetRange(const Table& table, MapPoint& point) {
+  const bool nearest = Set(table, kNearest, point.min_distance);
+  const bool farthest = Set(table, kFarthest, point.max_distance);
+  const auto require = [&](bool set, std::size_t column, float distance) {
+    if (set && !(std::isfinite(distance) && distance > 0)) throw table.CellError(column, "a finite distance above 0");
+  };
+  require(nearest, kNearest, point.min_distance);
+  require(farthest, kFarthest, point.max_distance);
+  if ((nearest || farthest) && !(point.min_distance <= point.max_distance))
+    throw table.LineError(Concat("no range of distances in columns min_distance, max_distance: from ",
+                                 point.min_distance, " to ", point.max_distance));
+  return nearest || farthest;
 }
 
 // The poses that tables hold are those of the camera in the world.
@@ -197,8 +227,11 @@ bool SetPose(const Table& table, Rigid3f& camera_from_world) {
   const bool moved = SetNumbers(table, kPose, {pose.translation.data(), 3});
   const bool turned = SetNumbers(table, kPose + 3, {pose.rotation.coeffs().data(), 4});
   if (!moved && !turned) return false;
+  RequireFinite(table, kPose, {pose.translation.data(), 3});
+  RequireFinite(table, kPose + 3, {pose.rotation.coeffs().data(), 4});
   if (!detail::IsPose(pose))
-    throw table.LineError("no pose: x, y, z are to be finite, and qx, qy, qz, qw a rotation of length 1");
+    throw table.LineError(
+        Concat("no rotation in columns qx, qy, qz, qw: it has length ", pose.rotation.norm(), ", expected 1"));
   camera_from_world = pose.Normalized().Inverse();
   return true;
 }
@@ -292,20 +325,23 @@ class Editor {
     MapPoint& point = atlas_.maps[place.map].points[place.row];
     detail::EditedRows& flags = flags_[place.map].points;
     flags.moved[place.row] = SetVector(table, kX, point.position);
-    flags.own_normal[place.row] = SetVector(table, kNormalX, point.normal);
-    const bool nearest = Set(table, kNearest, point.min_distance);
-    const bool farthest = Set(table, kFarthest, point.max_distance);
-    flags.own_range[place.row] = nearest || farthest;
-    const bool reference = SetReference(table, place.map, point.reference);
+    flags.own_normal[place.row] = SetNormal(table, point.normal);
+    flags.own_range[place.row] = SetRange(table, point);
+    const bool reference = SetReference(table, place.map, point);
     const bool restored = SetBad(table, kPointBad, point.bad, flags.dropped[place.row]);
     ++changes.rows;
     changes.moved += flags.moved[place.row];
     changes.changed += flags.own_normal[place.row] || flags.own_range[place.row] || reference || restored;
   }
-  bool SetReference(const Table& table, std::uint32_t map, KeyFrameId& reference) const {
-    if (!Set(table, kReference, reference)) return false;
-    if (index_.KeyFrameRow(map, reference) == kNoRow)
-      throw table.LineError(Concat("its map has no keyframe ", reference.value(), " for a reference"));
+  // From which the point is seen at its scale, and updated.
+  bool SetReference(const Table& table, std::uint32_t map, MapPoint& point) const {
+    if (!Set(table, kReference, point.reference)) return false;
+    const auto fail = [&](std::string_view problem) {
+      return table.LineError(Concat("column reference_keyframe: keyframe ", point.reference.value(), " ", problem));
+    };
+    if (index_.KeyFrameRow(map, point.reference) == kNoRow) throw fail("is not in the map of the point");
+    if (std::ranges::find(point.observations, point.reference, &Observation::keyframe) == point.observations.end())
+      throw fail("does not observe the point");
     return true;
   }
 

@@ -55,7 +55,8 @@ struct TableEditReport {
 // Throws Error, with file and line, before anything changes:
 //   kDamaged      no such table: the column `id` is missing; a cell is no such number; an id that the atlas, or its
 //                 map, does not have, or that several maps have where no column `map` tells; two rows of one entity; a
-//                 position that is not finite; a rotation without length
+//                 number that is not finite; a rotation or viewing direction without length; distances that are not
+//                 above 0, or no range; a reference keyframe that does not observe the point
 //   kNotFound and others as WholeFile
 //   kUsage        neither table is given
 // Cost: linear; holds a second copy of the atlas meanwhile.

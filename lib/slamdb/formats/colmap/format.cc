@@ -85,14 +85,10 @@ colmap::Model ReadModel(const std::string& folder) {
   return model;
 }
 
-// In the folder of the model, or where COLMAP's tutorials lay it: above `sparse/0`.
 std::optional<std::string> FindDatabase(const std::string& folder) {
   std::error_code missing;
-  fs::path place = fs::absolute(folder, missing).lexically_normal();
-  if (!place.has_filename()) place = place.parent_path();
-  constexpr int kUp = 2;
-  for (int up = 0; up <= kUp; ++up, place = place.parent_path())
-    if (fs::is_regular_file(place / kDatabase, missing)) return (place / kDatabase).string();
+  for (const fs::path workspace : colmap::WorkspacesOf(folder))
+    if (fs::is_regular_file(workspace / kDatabase, missing)) return (workspace / kDatabase).string();
   return std::nullopt;
 }
 
@@ -112,8 +108,11 @@ std::unique_ptr<colmap::FeatureDatabase> OpenDatabase(const std::string& given, 
 
 Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& notices) {
   std::vector<colmap::NamedModel> models;
-  for (const Place& place : FindModels(source.path))
+  for (const Place& place : FindModels(source.path)) {
+    colmap::RefuseUnfinished(place.folder);
     models.push_back({.path = place.folder, .map = place.number, .model = ReadModel(place.folder)});
+    colmap::RefuseUnfinished(place.folder);
+  }
   if (models.empty())
     throw Error(ErrorKind::kDamaged, source.path, "",
                 "holds no model of COLMAP: cameras, images and points3D, all .bin or all .txt");
@@ -147,7 +146,7 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
   const ColmapWriteOptions& wanted = options.of<ColmapWriteOptions>();
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, wanted.pictures);
   const std::vector<std::string> folders = FoldersOf(outline.maps.size());
-  colmap::RefuseOtherModels(target.path, folders, suffix);
+  colmap::RefuseOtherModels(target.path, folders, suffix, kPartNames.size());
   std::optional<colmap::DatabaseWriter> database;
   if (wanted.with_database) database.emplace(outline, wanted.schema, target.path);
   colmap::Unheld unheld;
@@ -162,7 +161,7 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
     database->Write(*file);
     file->Commit();
   }
-  colmap::RefuseOtherModels(target.path, folders, suffix);  // that came in the meantime
+  colmap::RefuseOtherModels(target.path, folders, suffix, kPartNames.size());  // that came in the meantime
   folder.Commit();
   colmap::Tell(outline, unheld, id, wanted.with_database, notices);
 }

@@ -73,12 +73,17 @@ void Move(const Vector3d& origin, Model& model) {
 
 }  // namespace
 
-void MoveToLocalOrigin(std::span<NamedModel> models, Notices& notices) {
+Vector3d MoveToLocalOrigin(std::span<NamedModel> models) {
   const std::vector<Vector3d> places = PlacesIn(models);
-  if (places.empty()) return;
+  if (places.empty()) return Vector3d::Zero();
   const Vector3d origin = MiddleOf(places);
-  if (!(origin.norm() > kFar * ExtentAbout(origin, places))) return;
+  if (!(origin.norm() > kFar * ExtentAbout(origin, places))) return Vector3d::Zero();
   for (NamedModel& named : models) Move(origin, named.model);
+  return origin;
+}
+
+void WarnOfLocalOrigin(const Vector3d& origin, Notices& notices) {
+  if (origin.isZero(0)) return;
   notices.Warn(detail::Concat("coordinates are far from their origin for the 32-bit floats of an atlas: (",
                               WholeText(origin.x()), ", ", WholeText(origin.y()), ", ", WholeText(origin.z()),
                               ") was taken off all positions"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,9 @@ struct SLAMDB_EXPORT ColmapWriteOptions {
 struct SLAMDB_EXPORT ColmapReadOptions {
   std::string database;  // where keypoints' scales and angles and descriptors are; empty: database.db in the folder of
                          // the model or those above, up to two
+  // Gets what was taken off all positions, which reach too far for the floats of an atlas; zero where nothing was.
+  // Null: a warning says it.
+  Eigen::Vector3d* origin = nullptr;
 };
 
 }  // namespace slamdb

@@ -152,7 +152,10 @@ class Cameras {
 
 void AddViews(const KeyFrame& keyframe, std::uint32_t rig, const Outline& outline, std::vector<View>& views) {
   const OutlineRig& cameras = outline.rigs[rig];
-  views.push_back({.keyframe = &keyframe, .camera = cameras.left, .rig = rig});
+  views.push_back({.keyframe = &keyframe,
+                   .camera = cameras.left,
+                   .rig = rig,
+                   .undistorted = IsUndistortedAlone(keyframe.features, outline.cameras[cameras.left].settings)});
   if (cameras.is_pair()) views.push_back({.keyframe = &keyframe, .camera = cameras.right, .rig = rig, .right = true});
 }
 
@@ -203,10 +206,10 @@ Outline OutlineOf(const Atlas& atlas, const Target& target, const WriteOptions& 
   return outline;
 }
 
-ViewKeypoints KeypointsOf(const View& view, const CameraSettings& settings) {
+ViewKeypoints KeypointsOf(const View& view) {
   const Features& features = view.keyframe->features;
   if (view.right) return {&features.right_keypoints, static_cast<std::size_t>(features.left_count)};
-  return {IsUndistortedAlone(features, settings) ? &features.undistorted : &features.keypoints, 0};
+  return {view.undistorted ? &features.undistorted : &features.keypoints, 0};
 }
 
 Pose PoseOf(const View& view) {

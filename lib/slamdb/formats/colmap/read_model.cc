@@ -86,7 +86,11 @@ Atlas AtlasOf(std::span<NamedModel> models, FeatureDatabase* database, const Rea
   Unread unread;
   UsedIds used_images, used_points;
   UsedCameras used_cameras;
-  MoveToLocalOrigin(models, notices);
+  const Eigen::Vector3d origin = MoveToLocalOrigin(models);
+  if (Eigen::Vector3d* taken_off = options.of<ColmapReadOptions>().origin)
+    *taken_off = origin;
+  else
+    WarnOfLocalOrigin(origin, notices);
   for (NamedModel& named : models) {
     RequireWhole(named);
     Ids images(named.model.images), cameras(named.model.cameras);

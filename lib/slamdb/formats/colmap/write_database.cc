@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <span>
-#include <tuple>
 
 #include "slamdb/formats/colmap/detail/database.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
@@ -76,7 +76,6 @@ using Match = std::array<std::uint32_t, 2>;
 struct Sighting {
   std::uint32_t other;  // row of Model::images, behind the image's own
   Match rows;
-  friend auto operator<=>(const Sighting&, const Sighting&) = default;
 };
 
 // What two images say about each other.
@@ -118,22 +117,29 @@ class Pairs {
       first = std::min(first, image.id);
       last = std::max(last, image.id);
     }
+    begins_.resize(model.images.size() + 1);
     IdTable images(first, last, model.images.size());
     for (std::uint32_t row = 0; row < model.images.size(); ++row) images.Insert(model.images[row].id, row);
     for (const TrackElement& element : model.tracks) image_of_element_.push_back(images.Find(element.image));
   }
 
-  // In the order of the other images.
+  // In the order of the other images, and of the keypoints in this one.
   const std::vector<Sighting>& SightingsOf(std::uint32_t image) {
-    sightings_.clear();
+    found_.clear();
+    std::ranges::fill(begins_, 0);
     const Column<Point2>& keypoints = model_.images[image].points;
     for (std::uint32_t row = 0; row < keypoints.size(); ++row) {
       if (keypoints[row].point == kNoPoint) continue;
       const Point& point = model_.points[points_.Find(keypoints[row].point)];
       for (std::uint64_t at = point.track_begin; at < point.track_begin + point.track_length; ++at)
-        if (image_of_element_[at] > image) sightings_.push_back({image_of_element_[at], {row, model_.tracks[at].row}});
+        if (const std::uint32_t other = image_of_element_[at]; other > image) {
+          found_.push_back({other, {row, model_.tracks[at].row}});
+          ++begins_[other + 1];
+        }
     }
-    std::ranges::sort(sightings_);
+    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+    sightings_.resize(found_.size());
+    for (const Sighting& sighting : found_) sightings_[begins_[sighting.other]++] = sighting;
     return sightings_;
   }
 
@@ -141,7 +147,8 @@ class Pairs {
   const Model& model_;
   IdTable points_;
   std::vector<std::uint32_t> image_of_element_;
-  std::vector<Sighting> sightings_;
+  std::vector<Sighting> found_, sightings_;
+  std::vector<std::size_t> begins_;  // by the other image: its place among the sightings
 };
 
 void BindGeometry(Statement& geometry, const Relation& relation, const std::array<double, 4>& rotation) {
@@ -221,7 +228,7 @@ void DatabaseWriter::AddImages() {
 }
 
 void DatabaseWriter::AddFeatures(const View& view, Statement& keypoints, Statement& descriptors) {
-  const ViewKeypoints of_view = KeypointsOf(view, outline_.cameras[view.camera].settings);
+  const ViewKeypoints of_view = KeypointsOf(view);
   const std::vector<KeypointRow> rows = RowsOf(*of_view.keypoints, view.keyframe->pyramid);
   const auto count = static_cast<std::int64_t>(rows.size());
   keypoints_ += rows.size();

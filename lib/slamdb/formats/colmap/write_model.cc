@@ -26,6 +26,18 @@ std::uint64_t CarriedRows(const KeyFrame& keyframe) {
   return static_cast<std::uint64_t>(std::max(keyframe.carried->descriptors.rows, 0));
 }
 
+// Keypoints with a column in the right image of a rectified pair, or a depth.
+std::uint64_t CountStereo(const Features& features) {
+  std::uint64_t count = 0;
+  const std::size_t rows = std::max(features.right_x.size(), features.depth.size());
+  for (std::size_t row = 0; row < rows; ++row)
+    count += (row < features.right_x.size() && features.right_x[row] >= 0) ||
+                     (row < features.depth.size() && features.depth[row] > 0)
+                 ? 1
+                 : 0;
+  return count;
+}
+
 // Makes one model.
 class Maker {
  public:
@@ -38,6 +50,7 @@ class Maker {
     AddFrames();
     AddPoints();
     CountSlots();
+    CountMatches();
     AddErrors();
     return std::move(model_);
   }
@@ -74,9 +87,7 @@ class Maker {
       if (view.right) continue;
       unheld_.descriptors += features.descriptors.size();
       if (view.keyframe->carried) unheld_.descriptors += CarriedRows(*view.keyframe);
-      if (!features.is_fisheye_stereo())
-        unheld_.stereo +=
-            static_cast<std::uint64_t>(std::ranges::count_if(features.right_x, [](float x) { return x >= 0; }));
+      unheld_.stereo += CountStereo(features);
     }
   }
 
@@ -86,7 +97,7 @@ class Maker {
     image.camera = camera.id;
     image.camera_from_world = PoseOf(view);
     image.name = view.name;
-    const Column<Keypoint>& keypoints = *KeypointsOf(view, camera.settings).keypoints;
+    const Column<Keypoint>& keypoints = *KeypointsOf(view).keypoints;
     image.points.resize(keypoints.size());
     for (std::size_t row = 0; row < keypoints.size(); ++row)
       image.points[row] = {static_cast<double>(keypoints[row].x) + kHalfPixel,
@@ -174,13 +185,29 @@ class Maker {
   void CountSlots() {
     for (std::size_t view = 0; view < map_.views.size(); ++view) {
       const View& seen = map_.views[view];
-      const std::size_t first = KeypointsOf(seen, outline_.cameras[seen.camera].settings).first_row;
+      const std::size_t first = KeypointsOf(seen).first_row;
       const Column<MapPointId>& slots = seen.keyframe->features.map_points;
       const Column<Point2>& points = model_.images[view].points;
       for (std::size_t row = 0; row < points.size() && first + row < slots.size(); ++row)
         if (slots[first + row] && points[row].point != slots[first + row].value()) ++unheld_.slots;
     }
     unheld_.slots -= std::min(unheld_.slots, unheld_.alone);  // which were told
+  }
+
+  // What is the same keypoint in both images of a fisheye pair is told by the point that both see, and by it alone.
+  void CountMatches() {
+    for (std::size_t view = 1; view < map_.views.size(); ++view) {
+      if (!map_.views[view].right) continue;
+      const Column<std::int32_t>& matches = map_.views[view].keyframe->features.right_of_left;
+      const Column<Point2>&left = model_.images[view - 1].points, &right = model_.images[view].points;
+      for (std::size_t row = 0; row < matches.size(); ++row) {
+        const auto match = static_cast<std::size_t>(matches[row]);
+        if (matches[row] < 0) continue;
+        const bool seen = row < left.size() && match < right.size() && left[row].point != kNoPoint &&
+                          left[row].point == right[match].point;
+        unheld_.matches += seen ? 0 : 1;
+      }
+    }
   }
 
   // As COLMAP has them: in the image as it is, means over the track; -1 where there is none.
@@ -270,8 +297,11 @@ void Tell(const Outline& outline, const Unheld& unheld, std::string_view format,
   if (unheld.slots > 0)
     notices.Lose(Concat("see no point now, since the point does not name them: ", Counted(unheld.slots, "keypoint")));
   if (unheld.stereo > 0)
-    notices.Lose(Concat(format, " cannot hold the right keypoints and depths of rectified stereo and depth cameras (",
+    notices.Lose(Concat(format, " cannot hold the right columns and depths of stereo and depth cameras (",
                         detail::Thousands(unheld.stereo), ")"));
+  if (unheld.matches > 0)
+    notices.Lose(Concat(format, " cannot hold matches of left and right keypoints that see no point (",
+                        detail::Thousands(unheld.matches), ")"));
   if (unheld.descriptors > 0 && !with_database)
     notices.Lose(
         Concat(format, " cannot hold descriptors without a database (", detail::Thousands(unheld.descriptors), ")"));

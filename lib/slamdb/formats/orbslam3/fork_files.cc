@@ -212,6 +212,24 @@ void NameLossesToOwnLayout(const Atlas& atlas, Notices& notices) {
   NameDropped(atlas, kOwn, notices);
 }
 
+namespace {
+
+// Keyframes and points keep theirs apart: a layout may have one member and lack the other. Zeros are what stands where
+// a file had none.
+bool LosesDescriptors(const Atlas& atlas, const ForkProgram& program) {
+  const bool of_keyframes = program.Lacks("KeyFrame.mDescriptors"), of_points = program.Lacks("MapPoint.mDescriptor");
+  return std::ranges::any_of(atlas.maps, [&](const Map& map) {
+    return (of_keyframes &&
+            std::ranges::any_of(map.keyframes,
+                                [](const KeyFrame& keyframe) { return keyframe.descriptor_count() > 0; })) ||
+           (of_points && std::ranges::any_of(map.points, [](const MapPoint& point) {
+              return (point.has_descriptor() && point.descriptor != Descriptor{}) || point.has_other_descriptor();
+            }));
+  });
+}
+
+}  // namespace
+
 Content HeldBy(const Atlas& atlas, const std::string& layout, bool strict) {
   Content held = Content::kAtlas;
   // Otherwise what is carried is named member by member where it is written.
@@ -225,7 +243,7 @@ Content HeldBy(const Atlas& atlas, const std::string& layout, bool strict) {
     };
     if (std::ranges::none_of(atlas.maps, has_origin)) held |= Content::kTracking;
   }
-  if (program.Lacks("KeyFrame.mDescriptors")) held &= ~Content::kDescriptors;
+  if (LosesDescriptors(atlas, program)) held &= ~Content::kDescriptors;
   if (program.Lacks("KeyFrame.mBowVec")) held &= ~Content::kBagOfWords;
   if (program.Lacks("KeyFrame.mBackupImuPreintegrated")) held &= ~Content::kInertial;
   return held;

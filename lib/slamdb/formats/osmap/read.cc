@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/text.h"
@@ -176,6 +177,7 @@ class MapReader {
  public:
   MapReader(const Source& source, const ReadOptions& options, Notices& notices)
       : path_(source.path), options_(options), notices_(notices) {
+    RefuseUnfinished();
     header_ = ParseHeader(WholeFile(source).text(), path_);
   }
 
@@ -185,12 +187,15 @@ class MapReader {
     if (!header_.points.file.empty()) ReadPoints(map);
     if (!header_.keyframes.file.empty()) ReadKeyFrames(map);
     if (!header_.features.file.empty()) ReadFeatures(map);
+    RefuseUnfinished();
     Tell();
     detail::CompleteAtlas(atlas_, "osmap", options_.threads, notices_);
     return std::move(atlas_);
   }
 
  private:
+  void RefuseUnfinished() const { detail::RefuseUnfinished(detail::UnfinishedBeside(path_), path_); }
+
   void ReadPoints(Map& map) {
     const SideFile side(path_, header_.points);
     const ProtoFile& file = side.proto();

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 
-#include "slamdb/base/atomic_file.h"
+#include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/recognize.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -55,35 +55,24 @@ class MapWriter {
   }
 
   void Write(const Target& target) {
-    const std::filesystem::path base = std::filesystem::path(target.path).replace_extension();
-    const AtomicFileOptions side{.overwrite = options_.overwrite, .sync = options_.sync};
-    const Target places[] = {SidePath(base, ".mappoints", header_.points),
-                             SidePath(base, ".keyframes", header_.keyframes),
-                             SidePath(base, ".features", header_.features)};
-    for (const Target& place : places) detail::RefuseReplacingMap(place.path);
-    AtomicFile points(places[0], side), keyframes(places[1], side), features(places[2], side);
-    AtomicFileOptions last = detail::FileOptions(options_);
-    last.before_commit = [&] {
-      if (options_.before_commit) options_.before_commit();
-      for (AtomicFile* file : {&points, &keyframes, &features}) file->Commit();
+    const std::filesystem::path base = std::filesystem::path(target.path).stem();
+    AtomicFiles files(target, detail::FileOptions(options_));
+    const auto write = [&](Side& side, std::size_t count, const char* suffix, auto&& append) {
+      side = {.file = base.string() + suffix, .count = count};
+      const std::unique_ptr<AtomicFile> file = files.Make(side.file);
+      append(*file);
+      file->Commit();
     };
-    AtomicFile header(target, last);
-    WritePoints(points);
-    WriteKeyFrames(keyframes);
-    WriteFeatures(features);
-    header_.points.count = points_.size();
-    header_.keyframes.count = keyframes_.size();
-    header_.features.count = features_;
-    header.Write(HeaderText(header_));
-    header.Commit();
+    write(header_.points, points_.size(), ".mappoints", [this](AtomicFile& file) { WritePoints(file); });
+    write(header_.keyframes, keyframes_.size(), ".keyframes", [this](AtomicFile& file) { WriteKeyFrames(file); });
+    write(header_.features, features_, ".features", [this](AtomicFile& file) { WriteFeatures(file); });
+    const std::unique_ptr<AtomicFile> header = files.MakeTarget();
+    header->Write(HeaderText(header_));
+    header->Commit();
+    files.Commit();
   }
 
  private:
-  static Target SidePath(std::filesystem::path base, const char* suffix, Side& side) {
-    base += suffix;
-    side.file = base.filename().string();
-    return base.string();
-  }
   static std::size_t RowsOf(const KeyFrame& keyframe) { return keyframe.features.undistorted.size(); }
 
   static std::uint32_t NarrowId(std::uint64_t id, const std::string& name) {

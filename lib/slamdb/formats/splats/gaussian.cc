@@ -86,6 +86,7 @@ void WriteText(AtomicFolder& folder, const std::string& name, std::string_view b
 }
 
 constexpr std::string_view kModel = "sparse/0/";
+constexpr std::array kParts = {Part::kCameras, Part::kImages, Part::kPoints};
 
 void WriteScene(const colmap::Outline& outline, Scene& scene, AtomicFolder& folder, const WriteOptions& options) {
   Straighten(outline, scene);
@@ -98,7 +99,7 @@ void WriteScene(const colmap::Outline& outline, Scene& scene, AtomicFolder& fold
   splats::ShowPictures(outline, scene, options, develop, [&](const Developed& developed) {
     WriteText(folder, Concat(scene.folder, "images/", developed.name), developed.bytes);
   });
-  for (const Part part : {Part::kCameras, Part::kImages, Part::kPoints}) {
+  for (const Part part : kParts) {
     const std::string_view name = colmap::kPartNames[static_cast<std::size_t>(part)];
     const std::unique_ptr<AtomicFile> file = folder.Make(Concat(scene.folder, kModel, name, ".bin"));
     colmap::EncodeBinary(part, scene.model, *file, options);
@@ -114,9 +115,9 @@ void WriteGaussian(const Atlas& atlas, const Target& target, const WriteOptions&
   std::vector<Scene> scenes = splats::ScenesOf(outline, options);
   std::vector<std::string> models;
   for (const Scene& scene : scenes) models.push_back(Concat(scene.folder, kModel));
-  colmap::RefuseOtherModels(target.path, models, colmap::kBinary);
+  colmap::RefuseOtherModels(target.path, models, colmap::kBinary, kParts.size());
   for (Scene& scene : scenes) WriteScene(outline, scene, folder, options);
-  colmap::RefuseOtherModels(target.path, models, colmap::kBinary);  // that came in the meantime
+  colmap::RefuseOtherModels(target.path, models, colmap::kBinary, kParts.size());  // that came in the meantime
   folder.Commit();
   splats::Tell(scenes, outline, notices);
 }

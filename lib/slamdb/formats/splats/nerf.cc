@@ -2,13 +2,16 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "slamdb/base/error.h"
+#include "slamdb/formats/colmap/detail/folders.h"
 #include "slamdb/formats/colmap/detail/poses.h"
 #include "slamdb/formats/export/detail/json_appender.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/splats/detail/scene.h"
 #include "slamdb/formats/splats/detail/splats.h"
+#include "slamdb/model/up.h"
 
 namespace slamdb {
 namespace {
@@ -19,10 +22,15 @@ using colmap::View;
 using splats::Developed;
 using splats::Scene;
 
-constexpr std::string_view kPoints = "points.ply";
+constexpr std::string_view kPoints = "points.ply", kTransforms = "transforms.json";
 
-// World coordinates are turned so that z is up where y was down, as nerfstudio does with COLMAP's.
-Eigen::Matrix3d UpwardFromWorld() {
+// World coordinates are turned so that z is up: where y was down as nerfstudio does with COLMAP's, and not at all where
+// it is up already, as in maps with inertial data.
+Eigen::Matrix3d UpwardFromWorld(const Scene& scene) {
+  const Eigen::Vector3d up = scene.outline.map == nullptr ? Up().direction : UpOf(*scene.outline.map).direction;
+  const std::optional<std::string> axis = NearAxis(up);
+  if (axis == "z") return Eigen::Matrix3d::Identity();
+  if (axis != "-y") return UprightFromMap(up).toRotationMatrix();
   Eigen::Matrix3d turn;
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   return turn;
@@ -51,13 +59,12 @@ void AddCamera(detail::JsonAppender& json, const colmap::Camera& camera) {
 }
 
 // World from camera, of the turned world and a camera that looks along -z, y up.
-Eigen::Matrix4d TransformOf(const Image& image) {
+Eigen::Matrix4d TransformOf(const Image& image, const Eigen::Matrix3d& upward) {
   const colmap::Pose world_from_camera = colmap::Inverse(image.camera_from_world);
   Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();
-  transform.topLeftCorner<3, 3>() = UpwardFromWorld() *
-                                    colmap::RotationOf(world_from_camera).normalized().toRotationMatrix() *
+  transform.topLeftCorner<3, 3>() = upward * colmap::RotationOf(world_from_camera).normalized().toRotationMatrix() *
                                     Eigen::Vector3d(1, -1, -1).asDiagonal();
-  transform.topRightCorner<3, 1>() = UpwardFromWorld() * colmap::TranslationOf(world_from_camera);
+  transform.topRightCorner<3, 1>() = upward * colmap::TranslationOf(world_from_camera);
   return transform.array() + 0.0;  // no -0
 }
 
@@ -73,14 +80,14 @@ std::string PathOf(const View& view, const fs::path& folder) {
   return path;
 }
 
-std::string TransformsOf(const Scene& scene, const fs::path& folder) {
+std::string TransformsOf(const Scene& scene, const Eigen::Matrix3d& upward, const fs::path& folder) {
   const colmap::Model& model = scene.model;
   std::string text;
   detail::JsonAppender json(text);
   json.BeginObject();
   if (model.cameras.size() == 1) AddCamera(json, model.cameras[0]);
   Eigen::Matrix<double, 3, 4> applied = Eigen::Matrix<double, 3, 4>::Zero();
-  applied.leftCols<3>() = UpwardFromWorld();
+  applied.leftCols<3>() = upward;
   AddMatrix(json, "applied_transform", applied);
   json.Field("ply_file_path", kPoints);
   json.BeginArray("frames");
@@ -89,7 +96,7 @@ std::string TransformsOf(const Scene& scene, const fs::path& folder) {
     json.Field("file_path", std::string_view(PathOf(scene.outline.views[row], folder)));
     for (const colmap::Camera& camera : model.cameras)
       if (model.cameras.size() > 1 && camera.id == model.images[row].camera) AddCamera(json, camera);
-    AddMatrix(json, "transform_matrix", TransformOf(model.images[row]));
+    AddMatrix(json, "transform_matrix", TransformOf(model.images[row], upward));
     json.EndObject();
     text += '\n';
   }
@@ -98,10 +105,21 @@ std::string TransformsOf(const Scene& scene, const fs::path& folder) {
   return text + "\n";
 }
 
+// Scenes of an earlier run, of more maps or fewer.
+void RefuseOtherScenes(const std::string& folder, const std::vector<Scene>& scenes) {
+  std::vector<std::string> places;
+  for (const Scene& scene : scenes) places.push_back(scene.folder);
+  colmap::RefuseLeft(folder, places, [](const std::string& place) {
+    std::error_code missing;
+    return fs::exists(fs::path(place) / kTransforms, missing);
+  });
+}
+
 void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFolder folder(target, detail::FileOptions(options));
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
   std::vector<Scene> scenes = splats::ScenesOf(outline, options);
+  RefuseOtherScenes(target.path, scenes);
   for (Scene& scene : scenes) {
     const auto leave = [](const View&, const std::string&, const ColorPicture&) { return Developed{}; };
     splats::ShowPictures(outline, scene, options, leave, [](const Developed&) {});
@@ -110,9 +128,11 @@ void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& opt
       file->Write(bytes);
       file->Commit();
     };
-    write("transforms.json", TransformsOf(scene, fs::path(target.path) / scene.folder));
-    write(kPoints, splats::PlyOf(scene.model, UpwardFromWorld()));
+    const Eigen::Matrix3d upward = UpwardFromWorld(scene);
+    write(kTransforms, TransformsOf(scene, upward, fs::path(target.path) / scene.folder));
+    write(kPoints, splats::PlyOf(scene.model, upward));
   }
+  RefuseOtherScenes(target.path, scenes);  // that came in the meantime
   folder.Commit();
   splats::Tell(scenes, outline, notices);
 }

@@ -39,9 +39,8 @@ struct Shown {
 };
 
 // Where keypoints are that slots name; observations that a model leaves out count too.
-std::vector<Sample> SamplesOf(const colmap::View& view, const CameraSettings& settings, const ColorPicture& picture,
-                              const IdTable& rows) {
-  const colmap::ViewKeypoints of_view = colmap::KeypointsOf(view, settings);
+std::vector<Sample> SamplesOf(const colmap::View& view, const ColorPicture& picture, const IdTable& rows) {
+  const colmap::ViewKeypoints of_view = colmap::KeypointsOf(view);
   const Column<MapPointId>& slots = view.keyframe->features.map_points;
   std::vector<Sample> samples;
   for (std::size_t row = 0; row < of_view.keypoints->size() && of_view.first_row + row < slots.size(); ++row) {
@@ -155,7 +154,7 @@ void ShowPictures(const colmap::Outline& outline, Scene& scene, const WriteOptio
         const ColorPicture picture = ReadColorPicture({file.bytes(), view.picture});
         RequireSize(view, settings, picture);
         shown[row] = {{picture.width, picture.height},
-                      SamplesOf(view, settings, picture, rows),
+                      SamplesOf(view, picture, rows),
                       develop(view, std::string(file.text()), picture)};
       }
     });

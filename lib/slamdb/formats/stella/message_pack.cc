@@ -252,17 +252,14 @@ void MessagePackAppender::Text(std::string_view text) {
   Raw(text);
 }
 
-void MessagePackAppender::Negative(std::int64_t value) {
-  if (value >= -32)
-    Byte(static_cast<std::uint8_t>(value));
-  else if (value >= std::numeric_limits<std::int8_t>::min())
-    Append(kSigned8, static_cast<std::uint8_t>(value));
-  else if (value >= std::numeric_limits<std::int16_t>::min())
-    Append(kSigned8 + 1, static_cast<std::uint16_t>(value));
-  else if (value >= std::numeric_limits<std::int32_t>::min())
-    Append(kSigned8 + 2, static_cast<std::uint32_t>(value));
-  else
-    Append(kSigned64, static_cast<std::uint64_t>(value));
+// Below -32, which one byte holds.
+char* MessagePackAppender::PutNegative(char* at, std::int64_t value) {
+  if (value >= std::numeric_limits<std::int8_t>::min()) return Typed(at, kSigned8, static_cast<std::uint8_t>(value));
+  if (value >= std::numeric_limits<std::int16_t>::min())
+    return Typed(at, kSigned8 + 1, static_cast<std::uint16_t>(value));
+  if (value >= std::numeric_limits<std::int32_t>::min())
+    return Typed(at, kSigned8 + 2, static_cast<std::uint32_t>(value));
+  return Typed(at, kSigned64, static_cast<std::uint64_t>(value));
 }
 
 char* MessagePackAppender::Put(char* at, double value) {

@@ -60,8 +60,9 @@ bool HasStereo(const Features& features) {
          std::ranges::any_of(features.depth, [](float depth) { return depth > 0; });
 }
 
-Column<float> Padded(const Column<float>& column, std::size_t rows) {
-  Column<float> padded(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(std::min(rows, column.size())));
+std::span<const float> Padded(const Column<float>& column, std::size_t rows, Column<float>& padded) {
+  if (column.size() >= rows) return std::span(column).first(rows);
+  padded = column;
   padded.resize(rows, -1.0F);
   return padded;
 }
@@ -283,8 +284,8 @@ OutgoingFeatures Outgoing::FeaturesOf(const OutgoingKeyFrame& written) const {
     out.undistorted = std::span(out.changed).first(written.rows);
   }
   if (written.has_stereo) {
-    out.right_x = Padded(features.right_x, written.rows);
-    out.depth = Padded(features.depth, written.rows);
+    out.right_x = Padded(features.right_x, written.rows, out.padded_right_x);
+    out.depth = Padded(features.depth, written.rows, out.padded_depth);
   }
   return out;
 }
@@ -294,10 +295,15 @@ std::uint64_t Outgoing::CountShapes() const {
   for (const OutgoingKeyFrame& written : keyframes_) {
     const Features& features = written.keyframe->features;
     const Column<Keypoint>& keypoints = features.is_fisheye_stereo() ? features.keypoints : features.undistorted;
+    const ScalePyramid& pyramid = written.keyframe->pyramid;
+    std::vector<float> patches;
+    for (std::size_t level = 0; level < pyramid.factors.size(); ++level)
+      patches.push_back(detail::PatchAt(static_cast<std::int32_t>(level), pyramid));
     for (std::size_t row = 0; row < written.rows; ++row) {
       const Keypoint& keypoint = keypoints[row];
-      const bool is_usual = keypoint.size == detail::PatchAt(keypoint.octave, written.keyframe->pyramid);
-      count += keypoint.response != 0 || !is_usual ? 1 : 0;
+      const auto level = static_cast<std::size_t>(keypoint.octave);
+      const float usual = level < patches.size() ? patches[level] : detail::PatchAt(keypoint.octave, pyramid);
+      count += keypoint.response != 0 || keypoint.size != usual ? 1 : 0;
     }
   }
   return count;

@@ -32,9 +32,9 @@ std::vector<std::int32_t> Numbers(const std::vector<KeyFrameId>& ids) {
 }
 
 // x, y, size, angle, response, octave, class_id: as cv::KeyPoint is in memory.
-std::vector<char> KeypointBytes(std::span<const Keypoint> keypoints) {
+void SetKeypointBytes(std::span<const Keypoint> keypoints, std::vector<char>& bytes) {
   constexpr std::size_t kBytes = 28;
-  std::vector<char> bytes(kBytes * keypoints.size());
+  bytes.resize(kBytes * keypoints.size());
   char* at = bytes.data();
   const auto put = [&at](auto value) {
     std::memcpy(at, &value, sizeof value);
@@ -45,7 +45,14 @@ std::vector<char> KeypointBytes(std::span<const Keypoint> keypoints) {
     put(keypoint.octave);
     put(keypoint.class_id);
   }
-  return bytes;
+}
+
+// As many as there are keypoints; zeros stand for those that are missing, which `padded` then has too.
+Bytes DescriptorBytes(const Column<Descriptor>& descriptors, std::size_t rows, Column<Descriptor>& padded) {
+  if (descriptors.size() >= rows) return BytesOfColumn(std::span(descriptors).first(rows));
+  padded = descriptors;
+  padded.resize(rows, Descriptor{});
+  return BytesOfColumn(padded);
 }
 
 void InsertCameras(sqlite::Database& database, const Outgoing& map) {
@@ -72,20 +79,21 @@ void InsertCameras(sqlite::Database& database, const Outgoing& map) {
 void InsertKeyFrames(sqlite::Database& database, const Outgoing& map, const WriteOptions& options) {
   sqlite::Statement keyframe(database, "INSERT INTO keyframes VALUES(?1,NULL,?2,?3,?4,?5,?6,?7,?8,?9,?10,0,x'')");
   sqlite::Statement association(database, "INSERT INTO associations VALUES(?1,?2,?3,?4,?5,?6,?7)");
+  std::vector<char> keypoints;
+  Column<Descriptor> padded;
   std::size_t done = 0;
   for (const OutgoingKeyFrame& written : map.keyframes()) {
     const KeyFrame& from = *written.keyframe;
     const auto id = static_cast<std::int64_t>(from.id.value());
     const OutgoingFeatures features = map.FeaturesOf(written);
-    const std::vector<char> keypoints = KeypointBytes(features.undistorted);
-    Column<Descriptor> descriptors = from.features.descriptors;
-    descriptors.resize(written.rows, Descriptor{});
+    SetKeypointBytes(features.undistorted, keypoints);
+    const Bytes descriptors = DescriptorBytes(from.features.descriptors, written.rows, padded);
     const Eigen::Matrix4d pose = PoseMatrix(from.camera_from_world);
     keyframe.Bind(1, id).BindReal(2, from.timestamp).BindBlob(3, BytesOf(map.cameras()[written.camera].name));
     keyframe.BindBlob(4, BytesOf(map.orb_params()[written.orb_params].name));
     keyframe.BindBlob(5, std::as_bytes(std::span(pose.data(), 16))).Bind(6, static_cast<std::int64_t>(written.rows));
     keyframe.BindBlob(7, BytesOfColumn(keypoints)).BindBlob(8, BytesOfColumn(features.right_x));
-    keyframe.BindBlob(9, BytesOfColumn(features.depth)).BindBlob(10, BytesOfColumn(descriptors)).Run();
+    keyframe.BindBlob(9, BytesOfColumn(features.depth)).BindBlob(10, descriptors).Run();
     const std::vector<std::int32_t> children = Numbers(written.children), loops = Numbers(written.loop_edges);
     association.Bind(1, id).BindBlob(2, BytesOfColumn(written.points));
     association.Bind(3, written.parent ? static_cast<std::int64_t>(written.parent.value()) : -1);

@@ -32,9 +32,13 @@ void Append(Appender& out, std::string_view key, std::string_view text) {
 
 template <class Reals>
 void AppendReals(Appender& out, std::string_view key, const Reals& reals) {
+  const auto count = static_cast<std::size_t>(reals.size());
   out.Text(key);
-  out.List(static_cast<std::size_t>(reals.size()));
-  for (const auto value : reals) out.Real(value);
+  out.List(count);
+  out.Fill(count * Appender::kMostOfNumber, [&](char* at) {
+    for (const auto value : reals) at = Appender::Put(at, value);
+    return at;
+  });
 }
 
 void AppendIds(Appender& out, std::string_view key, const std::vector<KeyFrameId>& ids) {
@@ -90,10 +94,20 @@ void AppendDescriptors(Appender& out, const Column<Descriptor>& descriptors, std
     std::memcpy(words.data(), row < descriptors.size() ? descriptors[row].data() : kNone.data(), sizeof words);
     out.Fill(kMost, [&](char* at) {
       at = Appender::Put(at, "\x98"sv);
-      for (const std::uint32_t word : words) at = Appender::Put(at, std::uint64_t{word});
+      for (const std::uint32_t word : words) at = Appender::PutWord(at, word);
       return at;
     });
   }
+}
+
+// Links to points: most are -1.
+void AppendSigned(Appender& out, std::string_view key, const std::vector<std::int32_t>& values) {
+  out.Text(key);
+  out.List(values.size());
+  out.Fill(values.size() * Appender::kMostOfNumber, [&](char* at) {
+    for (const std::int32_t value : values) at = Appender::Put(at, std::int64_t{value});
+    return at;
+  });
 }
 
 void AppendKeypoints(Appender& out, std::span<const Keypoint> keypoints) {
@@ -125,9 +139,7 @@ void AppendKeyFrame(Appender& out, const Outgoing& map, const OutgoingKeyFrame& 
   Append(out, "cam", map.cameras()[written.camera].name);
   AppendReals(out, "depths", features.depth);
   AppendDescriptors(out, keyframe.features.descriptors, written.rows);
-  out.Text("lm_ids");
-  out.List(written.points.size());
-  for (const std::int32_t id : written.points) out.Integer(std::int64_t{id});
+  AppendSigned(out, "lm_ids", written.points);
   AppendIds(out, "loop_edges", written.loop_edges);
   Append(out, "n_keypts", std::uint64_t{written.rows});
   Append(out, "orb_params", map.orb_params()[written.orb_params].name);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
-#include <optional>
+#include <filesystem>
 
+#include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/table.h"
 #include "slamdb/base/detail/text.h"
@@ -49,29 +50,36 @@ std::string LinesOfMaps(const std::vector<Lines>& maps) {
   return text;
 }
 
-// Options of the poses, before which the times appear: without them the poses would not say when.
-AtomicFileOptions TogetherWith(std::optional<AtomicFile>& times, const WriteOptions& options) {
-  AtomicFileOptions together = detail::FileOptions(options);
-  if (times) together.before_commit = [&times] { times->Commit(); };
-  return together;
+void WriteTo(AtomicFile& file, const std::vector<Lines>& maps, std::string Lines::*text) {
+  for (const Lines& lines : maps) file.Write(lines.*text);
+}
+
+// Poses alone do not say when.
+void WriteTogether(const std::vector<Lines>& maps, const Target& target, const std::string& times,
+                   const WriteOptions& options) {
+  AtomicFiles files(target, detail::FileOptions(options));
+  const auto seconds = files.Make(std::filesystem::path(times).filename().string()), poses = files.MakeTarget();
+  WriteTo(*seconds, maps, &Lines::seconds);
+  WriteTo(*poses, maps, &Lines::poses);
+  seconds->Commit();
+  poses->Commit();
+  files.Commit();
 }
 
 void WriteLines(const std::vector<Lines>& maps, const std::string& summary, const Target& target,
                 const WriteOptions& options, Notices& notices) {
-  const std::string times_path = target.path + ".times";
-  std::optional<AtomicFile> times;
-  if (target.is_file() && !IsSpecialFile(target.path)) times.emplace(times_path, detail::FileOptions(options));
-  AtomicFile file(target, TogetherWith(times, options));
   detail::WarnOfSeveralFrames(maps.size(), LinesOfMaps(maps), notices);
-  if (!times)
-    notices.Warn(detail::Concat("kitti has no timestamps in its lines, and ",
-                                target.sink ? target.path : "standard output", " has no second file for them"));
-  for (const Lines& lines : maps) {
-    file.Write(lines.poses);
-    if (times) times->Write(lines.seconds);
+  if (target.is_file() && !IsSpecialFile(target.path)) {
+    const std::string times = target.path + ".times";
+    WriteTogether(maps, target, times, options);
+    return notices.Tell(summary + "; their times are in " + times);
   }
+  notices.Warn(detail::Concat("kitti has no timestamps in its lines, and ",
+                              target.sink ? target.path : "standard output", " has no second file for them"));
+  AtomicFile file(target, detail::FileOptions(options));
+  WriteTo(file, maps, &Lines::poses);
   file.Commit();
-  notices.Tell(summary + (times ? "; their times are in " + times_path : std::string()));
+  notices.Tell(summary);
 }
 
 void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {

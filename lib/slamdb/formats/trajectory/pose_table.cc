@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/lengths.h"
 #include "slamdb/base/detail/parse_file.h"
@@ -229,6 +230,7 @@ void SetTimes(std::vector<PoseText>& poses, const Source& source, const ReadOpti
     for (std::size_t i = 0; i < poses.size(); ++i) seconds.push_back(std::to_string(i));
   } else {
     seconds = ReadTimes(path, options, notices);
+    if (source.is_file()) RefuseUnfinished(UnfinishedBeside(source.path), source.path);
     notices.Note("the times are those of " + path);
   }
   if (seconds.size() != poses.size())

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,12 +15,22 @@ std::string FileOf(const std::string& folder, std::string_view part, std::string
 bool HasModel(const std::string& folder, std::string_view suffix);
 inline bool HasModel(const std::string& folder) { return HasModel(folder, kBinary) || HasModel(folder, kText); }
 
-// Models of an earlier run stay where they are: one that would be read in place of what is written, or as a further map
-// of it, is refused, and so is one that what is written would hide.
+// The folder and those above it that may be the workspace of its model, as COLMAP's tutorials lay it: above `sparse/0`.
+std::vector<std::string> WorkspacesOf(const std::string& folder);
+
+// Throws Error when a program was killed, or is at work, that replaces the files of the model (detail::RefuseUnfinished).
+void RefuseUnfinished(const std::string& folder);
+
+// What an earlier run wrote stays where it is: a model or scene that would be read in place of what is written, or as a
+// further map of it, is refused, and so is one that what is written would hide.
 //
-// `written`: the folders in `folder` that get a model of `suffix`: ``, `0/`, `sparse/0/`.
+// `written`: the folders in `folder` that get one: ``, `0/`, `sparse/0/`.
 //
 // Throws Error (kAlreadyExists).
-void RefuseOtherModels(const std::string& folder, const std::vector<std::string>& written, std::string_view suffix);
+void RefuseOtherModels(const std::string& folder, const std::vector<std::string>& written, std::string_view suffix,
+                       std::size_t parts);
+// The same of all that `has` finds in a folder.
+void RefuseLeft(const std::string& folder, const std::vector<std::string>& written,
+                const std::function<bool(const std::string& folder)>& has);
 
 }  // namespace slamdb::colmap

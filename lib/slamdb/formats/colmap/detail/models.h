@@ -18,6 +18,7 @@ struct Unheld {
   std::uint64_t alone = 0;           // of points that no other image sees
   std::uint64_t slots = 0;           // keypoints that say they see a point which does not say so
   std::uint64_t stereo = 0;          // right columns and depths
+  std::uint64_t matches = 0;         // of left and right keypoints of a fisheye pair that are not one point
   std::uint64_t descriptors = 0;     // of keypoints, which a database holds
   std::uint64_t keypoints = 0;       // whose scales, angles and scores are not held
 };

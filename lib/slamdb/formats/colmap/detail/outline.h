@@ -21,6 +21,7 @@ struct View {
   std::uint32_t camera = 0;  // row of Outline::cameras
   std::uint32_t rig = 0;     // row of Outline::rigs
   bool right = false;        // stands behind its left one
+  bool undistorted = false;  // its keypoints are those without distortion, for want of one that leads to them
   std::string name;
   std::string picture;  // the path of its file; empty: not known
 };
@@ -61,13 +62,12 @@ struct Outline {
 Outline OutlineOf(const Atlas& atlas, const Target& target, const WriteOptions& options,
                   const KeyFramePictures& pictures);
 
-// The columns that the keypoints of a view are in, and whether they are undistorted, for want of a distortion that
-// leads from one to the other.
+// The column that the keypoints of a view are in.
 struct ViewKeypoints {
   const Column<Keypoint>* keypoints = nullptr;
   std::size_t first_row = 0;  // of the first one in Features::map_points and descriptors
 };
-ViewKeypoints KeypointsOf(const View& view, const CameraSettings& settings);
+ViewKeypoints KeypointsOf(const View& view);
 
 // The right camera from the world, for a right view, in double.
 Pose PoseOf(const View& view);

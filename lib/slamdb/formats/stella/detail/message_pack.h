@@ -78,7 +78,9 @@ class MessagePackAppender {
   void Integer(std::uint64_t value) {
     Fill(kMostOfNumber, [=](char* at) { return Put(at, value); });
   }
-  void Integer(std::int64_t value) { value >= 0 ? Integer(static_cast<std::uint64_t>(value)) : Negative(value); }
+  void Integer(std::int64_t value) {
+    Fill(kMostOfNumber, [=](char* at) { return Put(at, value); });
+  }
   void Real(float value) {
     Fill(kMostOfNumber, [=](char* at) { return Put(at, value); });
   }
@@ -104,6 +106,14 @@ class MessagePackAppender {
     if (value <= 0xffff) return Typed(at, 0xcd, static_cast<std::uint16_t>(value));
     if (value <= 0xffffffff) return Typed(at, 0xce, static_cast<std::uint32_t>(value));
     return Typed(at, 0xcf, value);
+  }
+  static char* Put(char* at, std::int64_t value) {
+    if (value >= 0) return Put(at, static_cast<std::uint64_t>(value));
+    return value >= -32 ? PutByte(at, static_cast<std::uint8_t>(value)) : PutNegative(at, value);
+  }
+  // Of bits that are mostly all in use, as those of descriptors.
+  static char* PutWord(char* at, std::uint32_t value) {
+    return value > 0xffff ? Typed(at, 0xce, value) : Put(at, std::uint64_t{value});
   }
   static char* Put(char* at, float value) {
     if (std::isfinite(value)) return Typed(at, 0xca, std::bit_cast<std::uint32_t>(value));
@@ -136,7 +146,7 @@ class MessagePackAppender {
     Fill(1, [=](char* at) { return PutByte(at, byte); });
   }
   void Head(std::size_t count, std::uint8_t small, std::uint8_t type16);
-  void Negative(std::int64_t value);
+  static char* PutNegative(char* at, std::int64_t value);
 
   std::string& out_;  // up to at_; behind that, room
   std::size_t at_;

@@ -33,7 +33,8 @@ struct OutgoingPoint {
 struct OutgoingFeatures {
   std::span<const Keypoint> undistorted;  // of the keyframe, or `changed`
   Column<Keypoint> changed;
-  Column<float> right_x, depth;  // or none
+  std::span<const float> right_x, depth;  // of the keyframe, or padded; or none
+  Column<float> padded_right_x, padded_depth;
 };
 
 // What both formats write of a point: `1st_keyfrm`, -1 where none fits; how often it was seen or found, from 1 on, as

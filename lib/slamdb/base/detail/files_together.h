@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "slamdb/base/atomic_file.h"
+#include "slamdb/base/detail/temporary_file.h"
+
+namespace slamdb::detail {
+
+// Files that belong together: made in a temporary folder, then moved to their places one after the other, under a Claim.
+// What fails takes those back that were moved; what is killed leaves the claim, which says so.
+class FilesTogether {
+ public:
+  // The temporary folder is beside `beside`; names of files are relative to `root`; `unfinished` is the claim's file.
+  // Errors name `path`.
+  FilesTogether(const std::string& beside, std::string root, std::string unfinished, std::string path,
+                AtomicFileOptions options);
+
+  std::unique_ptr<AtomicFile> Make(const std::string& name);
+  const std::vector<std::string>& names() const { return names_; }
+
+  // Gives the temporary folder the name of the root, where nothing or an empty folder is.
+  void Place();
+  // Puts the files among those of the root: by exchanging the folders, where `whole` and the old one holds nothing but
+  // files of these names, else one by one.
+  void Replace(bool whole);
+
+ private:
+  struct Move;
+
+  std::string PlaceOf(const std::string& name) const;
+  bool HoldsOnlyThese(const std::string& folder) const;
+  bool Exchange();
+  void MoveEach();
+  void MakeMove(Move& move) const;
+  std::vector<std::string> Folders() const;
+  void SyncFolders(const std::string& root) const;
+  void RefusePlaces() const;
+  void TakeRightsOfOld() const;
+
+  std::string root_, unfinished_, path_;
+  AtomicFileOptions options_;
+  TemporaryFolder temporary_;
+  std::vector<std::string> names_;  // in the order in which they were asked for
+};
+
+}  // namespace slamdb::detail
