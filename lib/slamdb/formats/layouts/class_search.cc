@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <map>
+#include <numeric>
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
@@ -13,7 +13,7 @@ using detail::Concat;
 
 constexpr std::size_t kSamples = 6, kMostRounds = 8, kJudged = 100, kMostOptions = 24;
 constexpr double kMostUnfit = 0.02;  // of records: those that bring a class for the first time
-constexpr double kAlike = 0.5;       // penalties that do not tell one from the other
+constexpr double kAlike = 25;        // more speaks against what is not worth a look at the whole file
 constexpr std::string_view kUnknown = "unknown";
 
 // The classes that a class holds, itself first.
@@ -57,7 +57,7 @@ class ClassSearch {
     for (const Layout& known : KnownLayouts()) {
       const Wire wire(known, archive_.encoding);
       if (wire.RowOf(class_name_) < 0 || Unfit(wire, 1)) continue;
-      const double penalty = Penalty(wire);
+      const double penalty = Penalty(known, wire);
       if (penalty >= least) continue;
       least = penalty;
       best = &known;
@@ -72,7 +72,7 @@ class ClassSearch {
 
   std::vector<ClassOption> Changed(const Layout& layout) const {
     Wire wire(layout, archive_.encoding);
-    RecordSearch search(wire, archive_.file, archive_.encoding, StepsOf(wire, class_name_));
+    RecordSearch search(wire, archive_.file, archive_.encoding, StepsOf(layout, wire, class_name_));
     std::vector<MemberPlace> samples = Samples();
     for (std::size_t round = 0; round < kMostRounds; ++round) {
       const std::vector<RecordSolution> solutions =
@@ -86,7 +86,6 @@ class ClassSearch {
           samples.push_back(*Unfit(result, 0));
           break;
         }
-        Compare(i, solutions, search.steps(), option.findings);
         options.push_back(std::move(option));
       }
       if (solutions.empty() || !options.empty()) return options;
@@ -116,11 +115,14 @@ class ClassSearch {
       Layout changed = layout;
       Findings found;
       Apply(solution, steps, changed, found);
-      penalties.push_back(Penalty(Wire(changed, archive_.encoding)));
+      penalties.push_back(Penalty(changed, Wire(changed, archive_.encoding)));
     }
     const double most = *std::ranges::min_element(penalties) + kAlike;
+    std::vector<std::size_t> order(solutions.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return penalties[i]; });
     std::vector<RecordSolution> likeliest;
-    for (std::size_t i = 0; i < solutions.size(); ++i)
+    for (const std::size_t i : order)
       if (penalties[i] <= most) likeliest.push_back(std::move(solutions[i]));
     return likeliest;
   }
@@ -143,7 +145,7 @@ class ClassSearch {
   }
 
   // What speaks against the members, by record.
-  double Penalty(const Wire& wire) const {
+  double Penalty(const Layout& layout, const Wire& wire) const {
     const WarmWalk walk(wire, archive_.file, archive_.encoding);
     std::vector<MemberPlace> at = Spread(records_, kJudged);
     std::erase_if(at, [&](const MemberPlace& record) {
@@ -152,14 +154,14 @@ class ClassSearch {
     });
     std::vector<RecordFacts> facts(at.size());
     double penalty = 0;
-    for (const SearchStep& step : StepsOf(wire, class_name_)) {
+    for (const SearchStep& step : StepsOf(layout, wire, class_name_)) {
       std::vector<MemberPlace> places;
       for (MemberPlace& record : at) {
         const std::uint64_t behind = walk.Behind(step.type, record.begin);
         places.push_back({record.begin, behind});
         record.begin = behind;
       }
-      if (step.known != nullptr) penalty += PenaltyOf(*step.known, archive_.file, places, facts);
+      penalty += step.check.Penalty(archive_.file, places, facts);
     }
     return penalty;
   }
@@ -210,6 +212,7 @@ class ClassSearch {
              Findings& found) const {
     int unknown = Unknowns(layout);
     for (const RecordEdit& edit : solution.edits) {
+      if (IsOfMember(edit)) continue;
       const bool removes = edit.kind == RecordEdit::Kind::kRemove;
       LayoutClass& of = *layout.Find(removes ? steps[edit.step].of_class : OwnerOf(steps, edit.step));
       const auto at = of.members.begin() + static_cast<std::ptrdiff_t>(RowInFront(of, steps, edit.step));
@@ -217,6 +220,15 @@ class ClassSearch {
         of.members.erase(at);
       else
         of.members.insert(at, {Concat(kUnknown, ++unknown), edit.type});
+    }
+    for (const RecordEdit& edit : solution.edits) {  // by their names, which others go by, too
+      if (!IsOfMember(edit)) continue;
+      LayoutClass& of = *layout.Find(steps[edit.step].of_class);
+      const auto at = of.members.begin() + static_cast<std::ptrdiff_t>(RowOf(of, steps[edit.step].name));
+      if (edit.kind == RecordEdit::Kind::kForm)
+        *at = {edit.name, edit.type};
+      else
+        std::iter_swap(at, at + 1);
     }
     for (const std::uint32_t step : solution.doubtful) {
       LayoutMember& member =
@@ -226,6 +238,11 @@ class ClassSearch {
       member.name = Concat(kUnknown, ++unknown);
     }
     for (const RecordEdit& edit : solution.edits) found.differences.push_back(Text(edit, steps));
+  }
+
+  // Of a member that is there.
+  static bool IsOfMember(const RecordEdit& edit) {
+    return edit.kind == RecordEdit::Kind::kForm || edit.kind == RecordEdit::Kind::kSwap;
   }
 
   static int Unknowns(const Layout& layout) {
@@ -238,25 +255,16 @@ class ClassSearch {
   std::string Text(const RecordEdit& edit, const std::vector<SearchStep>& steps) const {
     const std::string name = edit.step < steps.size() ? steps[edit.step].name : "";
     if (edit.kind == RecordEdit::Kind::kRemove) return Concat(steps[edit.step].of_class, ": no ", name);
+    if (edit.kind == RecordEdit::Kind::kForm)
+      return Concat(steps[edit.step].of_class, ": ", edit.type, " ", edit.name, " for ", name);
+    if (edit.kind == RecordEdit::Kind::kSwap)
+      return Concat(steps[edit.step].of_class, ": ", steps[edit.step + 1].name, " in front of ", name);
     const std::string owner = OwnerOf(steps, edit.step);
     const std::string where = edit.step == 0 ? Concat("in front of ", name)
                               : edit.step == steps.size()
                                   ? Concat("at the end, behind ", steps.back().name)
                                   : Concat("between ", steps[edit.step - 1].name, " and ", name);
     return Concat(owner, ": ", edit.type, " more, ", where);
-  }
-
-  // Says which other changes explain the records as well.
-  void Compare(std::size_t chosen, const std::vector<RecordSolution>& solutions, const std::vector<SearchStep>& steps,
-               Findings& found) const {
-    for (std::size_t i = 0; i < solutions.size(); ++i) {
-      if (i == chosen) continue;
-      std::string text;
-      for (const RecordEdit& edit : solutions[i].edits)
-        if (std::ranges::find(solutions[chosen].edits, edit) == solutions[chosen].edits.end())
-          text += (text.empty() ? "" : "; ") + Text(edit, steps);
-      if (!text.empty()) found.alternatives.push_back(std::move(text));
-    }
   }
 
   const ArchiveBytes& archive_;
@@ -269,11 +277,14 @@ class ClassSearch {
 bool IsUnknown(const LayoutMember& member) { return member.name.starts_with(kUnknown); }
 
 std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
-                                   std::span<const MemberPlace> records, const Layout& layout) {
+                                   std::span<const MemberPlace> records, const Layout& layout, bool thorough) {
   if (records.empty()) return {{layout, {}}};  // nothing speaks against the members that it has
   const ClassSearch search(archive, class_name, records);
-  if (std::optional<ClassOption> known = search.Known(layout)) return {std::move(*known)};
-  return search.Changed(layout);
+  std::vector<ClassOption> options;
+  if (std::optional<ClassOption> known = search.Known(layout)) options.push_back(std::move(*known));
+  if (!options.empty() && !thorough) return options;
+  for (ClassOption& changed : search.Changed(layout)) options.push_back(std::move(changed));
+  return options;
 }
 
 // ---- Types of unknown members

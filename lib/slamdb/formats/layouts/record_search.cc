@@ -7,11 +7,13 @@
 #include <set>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/layouts/detail/member_forms.h"
 
 namespace slamdb::layouts {
 namespace {
 
 constexpr int kEdit = 100;                 // costs a member that is more or less,
+constexpr int kSameBytes = 40;             // one of another form, but as many bytes,
 constexpr int kNextRemoval = 35;           // one more that is missing behind it,
 constexpr int kTie = 4;                    // and what is as good as the best
 constexpr std::array kSlacks = {45, 160};  // where an anchor was passed, ways that cost more are given up
@@ -20,6 +22,7 @@ constexpr int kDoubt = 45;
 constexpr std::size_t kMostEntries = 4'000'000;
 constexpr std::uint8_t kMostInsertsInGap = 3;
 constexpr std::size_t kMostSolutions = 64;
+constexpr std::uint64_t kMostOfHead = 13;    // of an empty matrix
 constexpr std::uint64_t kLongBytes = 512;  // from here on ends of values are kept
 
 // Sizes that forks' members have, likeliest first.
@@ -38,20 +41,24 @@ std::uint64_t Mixed(std::uint64_t hash, std::uint64_t value) {
 
 }  // namespace
 
-std::vector<SearchStep> StepsOf(const Wire& wire, std::string_view class_name) {
+std::vector<SearchStep> StepsOf(const Layout& layout, const Wire& wire, std::string_view class_name) {
   std::vector<SearchStep> steps;
-  const std::int64_t row = wire.RowOf(class_name);
-  if (row < 0) return steps;
-  const auto add = [&](const WireClass& of, const WireMember& member) {
-    steps.push_back({of.name, member.name, member.type, FindKnownMember(of.name, member.name)});
+  const LayoutClass* of = layout.Find(class_name);
+  if (of == nullptr) return steps;
+  const auto add = [&](const LayoutClass& holder) {
+    const WireClass& rows = wire.classes[static_cast<std::size_t>(wire.RowOf(holder.name))];
+    return [&steps, &holder, &rows](std::size_t i) {
+      const LayoutMember& member = holder.members[i];
+      steps.push_back({holder.name, member.name, rows.members[i].type, CheckedMember(holder.name, member)});
+    };
   };
-  for (const WireMember& member : wire.classes[static_cast<std::size_t>(row)].members) {
-    const WireType& type = wire.types[member.type];
-    const bool flat = type.kind == WireType::Kind::kValue && (wire.classes[type.class_row].name == "Preintegrated" ||
-                                                              wire.classes[type.class_row].name == "Calib");
-    if (!flat) add(wire.classes[static_cast<std::size_t>(row)], member);
-    if (flat)
-      for (const WireMember& inner : wire.classes[type.class_row].members) add(wire.classes[type.class_row], inner);
+  for (std::size_t i = 0; i < of->members.size(); ++i) {
+    const std::string& type = of->members[i].type;
+    const LayoutClass* flat = nullptr;
+    for (const char* name : {"Preintegrated", "Calib"})
+      if (type == detail::Concat("val<", name, ">")) flat = layout.Find(name);
+    if (flat == nullptr) add(*of)(i);
+    for (std::size_t inner = 0; flat != nullptr && inner < flat->members.size(); ++inner) add(*flat)(inner);
   }
   return steps;
 }
@@ -60,13 +67,15 @@ RecordSearch::RecordSearch(Wire& wire, std::string_view file, const ArchiveEncod
                            std::vector<SearchStep> steps)
     : wire_(wire), file_(file), encoding_(encoding), steps_(std::move(steps)) {
   MakeShapes();
+  MakeForms();
 }
 
 // ---- What may be put in
 
 void RecordSearch::AddShape(std::string type, int cost, bool raw) {
   const std::uint32_t row = wire_.Add(ParseLayoutType(type));
-  shapes_.push_back({std::move(type), row, kEdit + cost, raw});
+  const bool has_head = type == "mat" || type == "kps";
+  shapes_.push_back({std::move(type), row, kEdit + cost, raw, has_head});
 }
 
 void RecordSearch::MakeShapes() {
@@ -80,6 +89,23 @@ void RecordSearch::MakeShapes() {
        {"ptr<GeometricCamera>", "vec<vec<u64>>", "vec<vec<u32>>", "vec<vec<u8>>", "vec<string>", "map<u32,vec<u32>>",
         "map<u64,vec<u64>>", "map<u64,vec<u32>>", "map<u64,string>", "vec<vec<vec<u64>>>", "vec<mat>"})
     AddShape(type, 9, false);
+}
+
+// What cannot be held against anything is no form: it would explain any bytes.
+void RecordSearch::MakeForms() {
+  for (SearchStep& step : steps_) {
+    const LayoutType* own = OwnTypeOf(step.of_class, step.name);
+    if (own == nullptr || !step.check.known()) continue;
+    for (LayoutMember& form : OtherForms(step.name, *own)) {
+      const std::uint32_t row = wire_.Add(ParseLayoutType(form.type));
+      const bool as_wide = wire_.types[row].kind == WireType::Kind::kFixed &&
+                           wire_.types[step.type].kind == WireType::Kind::kFixed &&
+                           wire_.types[row].bytes == wire_.types[step.type].bytes;
+      const int cost = as_wide ? kSameBytes : kEdit + 1 + static_cast<int>(step.forms.size()) / 4;
+      const CheckedMember check(step.of_class, form);
+      step.forms.push_back({std::move(form), row, cost, check});
+    }
+  }
 }
 
 // ---- The search
@@ -121,6 +147,10 @@ void RecordSearch::Search(std::span<const MemberPlace> samples) {
       if (!goals_.empty()) most = std::min(most, nodes_[static_cast<std::size_t>(goals_.front())].cost + kTie);
     } else if (entry.action == kRemove) {
       RemoveStep(entry.node, entry.cost);
+    } else if (entry.action == kSwap) {
+      TakeSwapped(entry.node, entry.cost);
+    } else if (entry.action <= kForms) {
+      TakeForm(entry.node, static_cast<std::size_t>(kForms - entry.action), entry.cost);
     } else if (entry.action <= kTiers) {
       Tier(entry.node, kTiers - entry.action, entry.cost);
     } else {
@@ -180,6 +210,11 @@ void RecordSearch::Expand(std::int32_t id) {
     }
   } else {
     TakeStep(id);
+    const std::vector<StepForm>& forms = steps_[node.step].forms;
+    for (std::size_t form = 0; form < forms.size(); ++form)
+      Push(node.cost + forms[form].cost, id, kForms - static_cast<std::int32_t>(form));
+    if (node.step + 1 < steps_.size() && steps_[node.step].check.known() && steps_[node.step + 1].check.known())
+      Push(node.cost + kEdit, id, kSwap);
     if (node.inserts == 0) Push(node.cost + (node.last == Last::kRemove ? kNextRemoval : kEdit), id, kRemove);
   }
   if (node.inserts >= kMostInsertsInGap) return;
@@ -191,46 +226,81 @@ void RecordSearch::Expand(std::int32_t id) {
     Push(node.cost + kTiersOfSizes[tier].cost, id, kTiers - static_cast<std::int32_t>(tier));
 }
 
-void RecordSearch::TakeStep(std::int32_t id) {
-  const Node node = nodes_[static_cast<std::size_t>(id)];
-  const std::size_t at = static_cast<std::size_t>(id) * samples_.size();
-  const SearchStep& step = steps_[node.step];
+// The cursors and facts of a node, to go on from.
+void RecordSearch::StayAt(std::int32_t id) {
+  const auto at = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(id) * samples_.size());
+  const auto count = static_cast<std::ptrdiff_t>(samples_.size());
+  std::copy(cursors_.begin() + at, cursors_.begin() + at + count, next_cursors_.begin());
+  std::copy(facts_.begin() + at, facts_.begin() + at + count, next_facts_.begin());
+}
+
+// Goes on behind a value; what speaks against it, or nothing when there can be none.
+std::optional<int> RecordSearch::Pass(std::uint32_t type, const CheckedMember& check) {
   std::vector<MemberPlace> places(samples_.size());
   for (std::size_t i = 0; i < samples_.size(); ++i) {
-    const std::uint64_t behind = Behind(step.type, i, cursors_[at + i]);
-    if (behind == kNowhere) return;
-    places[i] = {cursors_[at + i], behind};
+    const std::uint64_t behind = Behind(type, i, next_cursors_[i]);
+    if (behind == kNowhere) return std::nullopt;
+    places[i] = {next_cursors_[i], behind};
     next_cursors_[i] = behind;
-    next_facts_[i] = facts_[at + i];
   }
-  const int penalty = step.known == nullptr ? 0 : PenaltyOf(*step.known, file_, places, next_facts_);
-  Node next{.parent = id, .action = kTake, .step = node.step + 1, .cost = node.cost + penalty, .penalty = penalty};
+  return check.Penalty(file_, places, next_facts_);
+}
+
+void RecordSearch::TakeStep(std::int32_t id) {
+  const Node node = nodes_[static_cast<std::size_t>(id)];
+  const SearchStep& step = steps_[node.step];
+  StayAt(id);
+  const std::optional<int> penalty = Pass(step.type, step.check);
+  if (!penalty) return;
+  Node next{.parent = id, .action = kTake, .step = node.step + 1, .cost = node.cost + *penalty, .penalty = *penalty};
   if (next.cost > kMostCost) return;
-  if (step.known != nullptr && step.known->anchor && penalty == 0)
-    anchored_[node.step] = std::min(anchored_[node.step], next.cost);
+  if (step.check.anchor() && *penalty == 0) anchored_[node.step] = std::min(anchored_[node.step], next.cost);
   Settle(next);
 }
 
-bool RecordSearch::RemoveStep(std::int32_t id, int cost) {
+// What is changed must be like the member.
+void RecordSearch::TakeForm(std::int32_t id, std::size_t row, int cost) {
   const Node node = nodes_[static_cast<std::size_t>(id)];
-  const std::size_t at = static_cast<std::size_t>(id) * samples_.size();
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    next_cursors_[i] = cursors_[at + i];
-    next_facts_[i] = facts_[at + i];
+  const StepForm& form = steps_[node.step].forms[row];
+  StayAt(id);
+  const std::optional<int> penalty = Pass(form.type, form.check);
+  if (!penalty || *penalty >= kDoubt) return;
+  Settle({.parent = id,
+          .action = kForms - static_cast<std::int32_t>(row),
+          .step = node.step + 1,
+          .cost = cost + *penalty,
+          .penalty = *penalty});
+}
+
+void RecordSearch::TakeSwapped(std::int32_t id, int cost) {
+  const Node node = nodes_[static_cast<std::size_t>(id)];
+  StayAt(id);
+  int penalty = 0;
+  for (const std::uint32_t step : {node.step + 1, node.step}) {
+    const std::optional<int> of_step = Pass(steps_[step].type, steps_[step].check);
+    if (!of_step || *of_step >= kDoubt) return;
+    penalty += *of_step;
   }
-  Settle({.parent = id, .action = kRemove, .step = node.step + 1, .cost = cost, .last = Last::kRemove});
-  return true;
+  Settle({.parent = id, .action = kSwap, .step = node.step + 2, .cost = cost + penalty});
+}
+
+void RecordSearch::RemoveStep(std::int32_t id, int cost) {
+  StayAt(id);
+  const std::uint32_t step = nodes_[static_cast<std::size_t>(id)].step + 1;
+  Settle({.parent = id, .action = kRemove, .step = step, .cost = cost, .last = Last::kRemove});
 }
 
 void RecordSearch::Insert(std::int32_t id, std::size_t shape_row, int cost) {
   const Node node = nodes_[static_cast<std::size_t>(id)];
   const std::size_t at = static_cast<std::size_t>(id) * samples_.size();
   const InsertShape shape = shapes_[shape_row];
-  bool grows = shape.raw;  // what is empty everywhere is no list, but bytes
+  // What is as long everywhere is no list, but bytes; matrices and keypoints are told by their heads.
+  bool grows = shape.raw;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const std::uint64_t behind = Behind(shape.row, i, cursors_[at + i]);
     if (behind == kNowhere) return;
-    grows = grows || behind - cursors_[at + i] != Behind(shape.row, 0, cursors_[at]) - cursors_[at];
+    grows = grows || behind - cursors_[at + i] != Behind(shape.row, 0, cursors_[at]) - cursors_[at] ||
+            (shape.has_head && behind - cursors_[at + i] > kMostOfHead);
     next_cursors_[i] = behind;
     next_facts_[i] = facts_[at + i];
   }
@@ -251,7 +321,7 @@ void RecordSearch::Tier(std::int32_t id, int tier, int cost) {
     const std::string type = detail::Concat("arr<u8,", size, ">");
     auto shape = std::ranges::find(shapes_, type, &InsertShape::type);
     if (shape == shapes_.end()) {
-      shapes_.push_back({type, wire_.Add(ParseLayoutType(type)), kMostCost + 1, true});
+      shapes_.push_back({type, wire_.Add(ParseLayoutType(type)), kMostCost + 1, true, false});
       shape = shapes_.end() - 1;
     }
     Insert(id, static_cast<std::size_t>(shape - shapes_.begin()), cost + static_cast<int>(size % 4 == 0 ? 0 : 4));
@@ -273,8 +343,8 @@ bool RecordSearch::FitsBehind(std::int32_t id, std::uint64_t bytes) {
     places[i] = {from, behind};
     next_facts_[i] = facts_[at + i];
   }
-  if (node.step == steps_.size() || steps_[node.step].known == nullptr) return true;
-  return PenaltyOf(*steps_[node.step].known, file_, places, next_facts_) < kDoubt;
+  if (node.step == steps_.size()) return true;
+  return steps_[node.step].check.Penalty(file_, places, next_facts_) < kDoubt;
 }
 
 // Behind a value that stays within the sample.
@@ -340,6 +410,12 @@ RecordSolution RecordSearch::SolutionOf(const std::vector<Alternative>& way) con
     } else if (at->action == kTake) {
       if (node.penalty >= kDoubt) solution.doubtful.push_back(step);
       ++step;
+    } else if (at->action == kSwap) {
+      solution.edits.push_back({RecordEdit::Kind::kSwap, step, {}});
+      step += 2;
+    } else if (at->action <= kForms) {
+      const LayoutMember& form = steps_[step].forms[static_cast<std::size_t>(kForms - at->action)].member;
+      solution.edits.push_back({RecordEdit::Kind::kForm, step++, form.type, form.name});
     } else {
       solution.edits.push_back({RecordEdit::Kind::kInsert, step, shapes_[static_cast<std::size_t>(at->action)].type});
     }

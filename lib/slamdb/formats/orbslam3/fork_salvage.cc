@@ -164,8 +164,9 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   const Layout* known = KnownLayoutOf(archive, maps);
   if (known == &KnownLayouts().front()) return std::nullopt;
   if (auto whole = Whole(bytes, path)) return whole;
-  const auto layout = known != nullptr ? std::optional(*known) : layouts::LayoutOfRecords(archive, maps);
-  if (!layout) return std::nullopt;
+  const auto options = known != nullptr ? std::vector<layouts::ClassOption>{{*known, {}}} : layouts::LayoutsOfRecords(archive, maps, false);
+  if (options.empty()) return std::nullopt;
+  const Layout* layout = &options.front().layout;
   std::vector<MapPlaces> places;
   for (const MapRecords& map : maps) places.push_back({PlacesOf(map.keyframes), PlacesOf(map.points)});
   ForkProgram program(*layout);

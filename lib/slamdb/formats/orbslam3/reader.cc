@@ -318,7 +318,7 @@ Atlas ReadInGivenLayout(const Source& source, const std::string& layout, const R
   if (options.part_sizes != nullptr) own.part_sizes = &sizes;
   try {
     Notices given;
-    LayoutReading reading = ReadInLayout(source, layout, own, given);
+    LayoutReading reading = ReadInLayout(source, ForkProgram(LayoutOf(layout)), own, given);
     if (!reading.fits)
       if (auto other = ReadWhole(source, options, notices)) return *std::move(other);
     if (options.part_sizes != nullptr) *options.part_sizes = std::move(sizes);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <queue>
 #include <span>
 #include <string>
@@ -16,28 +17,40 @@
 // end, where a member that is missing or one that is more costs, and so does one whose bytes are not like it.
 namespace slamdb::layouts {
 
+// A form in which a fork may have written a member.
+struct StepForm {
+  LayoutMember member;
+  std::uint32_t type = 0;  // row
+  int cost = 0;
+  CheckedMember check;
+};
+
 // A member of the class, or of one that it holds by value.
 struct SearchStep {
   std::string of_class, name;
   std::uint32_t type = 0;  // row
-  const KnownMember* known = nullptr;
+  CheckedMember check;
+  std::vector<StepForm> forms = {};  // but its own
 };
 
 // The members of a class in order, those of Preintegrated and Calib among them.
-std::vector<SearchStep> StepsOf(const Wire& wire, std::string_view class_name);
+std::vector<SearchStep> StepsOf(const Layout& layout, const Wire& wire, std::string_view class_name);
 
 // What a fork may have put in.
 struct InsertShape {
   std::string type;  // a word of a layout; the bytes where all its classes have been met
   std::uint32_t row = 0;
   int cost = 0;
-  bool raw = false;  // bytes of a fixed number
+  bool raw = false;       // bytes of a fixed number
+  bool has_head = false;  // that tells what it is
 };
 
 struct RecordEdit {
-  enum class Kind : std::uint8_t { kInsert, kRemove } kind = Kind::kInsert;
-  std::uint32_t step = 0;  // in front of it; the one that is removed
-  std::string type;        // kInsert
+  // kForm: the step is of another form; kSwap: it stands behind the next one.
+  enum class Kind : std::uint8_t { kInsert, kRemove, kForm, kSwap } kind = Kind::kInsert;
+  std::uint32_t step = 0;  // in front of it; the one that is removed, or changed
+  std::string type;        // kInsert, kForm
+  std::string name = {};   // kForm
 
   friend bool operator==(const RecordEdit&, const RecordEdit&) = default;
   friend auto operator<=>(const RecordEdit&, const RecordEdit&) = default;
@@ -63,7 +76,8 @@ class RecordSearch {
 
  private:
   enum class Last : std::uint8_t { kTake, kRemove, kRaw, kInsert };
-  static constexpr std::int32_t kTake = -1, kRemove = -2, kTiers = -3;  // actions; else the row of a shape
+  // Actions; kTiers, kForms: and those below, for each tier of sizes and each form; else the row of a shape.
+  static constexpr std::int32_t kTake = -1, kRemove = -2, kSwap = -3, kTiers = -4, kForms = -16;
   struct Node {
     std::int32_t parent = -1, action = kTake;
     std::uint32_t step = 0;
@@ -83,11 +97,16 @@ class RecordSearch {
 
   void Search(std::span<const MemberPlace> samples);
   void MakeShapes();
+  void MakeForms();
   void AddShape(std::string type, int cost, bool raw);
   void Push(int cost, std::int32_t node, std::int32_t action);
   void Expand(std::int32_t node);
   void TakeStep(std::int32_t node);
-  bool RemoveStep(std::int32_t node, int cost);
+  void TakeForm(std::int32_t node, std::size_t form, int cost);
+  void TakeSwapped(std::int32_t node, int cost);
+  void StayAt(std::int32_t node);
+  std::optional<int> Pass(std::uint32_t type, const CheckedMember& check);
+  void RemoveStep(std::int32_t node, int cost);
   void Insert(std::int32_t node, std::size_t shape, int cost);
   void Tier(std::int32_t node, int tier, int cost);
   bool FitsBehind(std::int32_t node, std::uint64_t bytes);
@@ -100,7 +119,7 @@ class RecordSearch {
   Wire& wire_;
   const std::string_view file_;
   const ArchiveEncoding encoding_;
-  const std::vector<SearchStep> steps_;
+  std::vector<SearchStep> steps_;
   std::vector<InsertShape> shapes_;
   std::vector<MemberPlace> samples_;
   std::vector<Node> nodes_;

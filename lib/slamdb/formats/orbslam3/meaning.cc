@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/orbslam3/detail/meaning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/model/derive.h"
+#include "slamdb/model/reprojection.h"
+
+namespace slamdb::orbslam3 {
+namespace {
+
+using detail::Concat;
+
+constexpr double kWrong = 60;  // a question to which all answers are wrong weighs as much as a member that is not like it
+constexpr double kUnasked = 15;
+constexpr double kMost = 0.5;  // of the answers: more that are wrong make a doubt
+
+// One thing that holds of nearly all keyframes or points of a sound file.
+struct Question {
+  std::string_view doubt;  // what is said where it does not
+  std::vector<std::string_view> members;  // that it is about
+  std::size_t asked = 0, wrong = 0;
+
+  void Ask(bool right) {
+    ++asked;
+    wrong += !right;
+  }
+  double share() const { return asked == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(asked); }
+};
+
+// The bytes of a descriptor, ORB's or another.
+std::span<const std::byte> DescriptorOf(const MapPoint& point) {
+  if (point.has_other_descriptor()) return std::as_bytes(std::span(point.carried->descriptors.data));
+  return point.has_descriptor() ? std::as_bytes(std::span(point.descriptor)) : std::span<const std::byte>();
+}
+std::span<const std::byte> DescriptorOf(const KeyFrame& keyframe, std::size_t row) {
+  if (row >= keyframe.descriptor_count()) return {};
+  if (keyframe.features.descriptors.size() > row) return std::as_bytes(std::span(keyframe.features.descriptors[row]));
+  const auto bytes = std::as_bytes(std::span(keyframe.carried->descriptors.data));
+  const std::size_t size = bytes.size() / keyframe.descriptor_count();
+  return bytes.subspan(row * size, size);
+}
+
+class Interview {
+ public:
+  explicit Interview(const Atlas& atlas) : atlas_(atlas) {}
+
+  void Run() {
+    std::size_t points = 0;
+    for (const Map& map : atlas_.maps) points += map.points.size();
+    const std::size_t step = points / kMostPoints + 1;
+    for (const Map& map : atlas_.maps) {
+      const Reprojection reprojection(atlas_, map);
+      AskKeyFrames(map, reprojection);
+      for (std::size_t row = 0; row < map.points.size(); row += step)
+        if (!map.points[row].bad) AskPoint(map.points[row], reprojection);
+    }
+  }
+
+  layouts::Meaning Answer(const ForkProgram& program) const {
+    layouts::Meaning meaning;
+    for (const Question* question : {&pose_, &times_, &graph_, &projects_, &faces_, &near_, &counts_, &looks_,
+                                     &matches_, &reference_, &first_}) {
+      if (std::ranges::any_of(question->members, [&](std::string_view name) { return program.Lacks(name); })) {
+        meaning.penalty += kUnasked;  // less than a wrong answer, but it must not pay to leave a member out
+        continue;
+      }
+      meaning.penalty += kWrong * question->share();
+      if (question->share() > kMost)
+        meaning.doubts.push_back(Concat(question->doubt, " (", question->wrong, " of ", question->asked, ")"));
+    }
+    return meaning;
+  }
+
+ private:
+  void AskKeyFrames(const Map& map, const Reprojection& reprojection) {
+    std::vector<const KeyFrame*> by_id;
+    for (const KeyFrame& keyframe : map.keyframes) {
+      by_id.push_back(&keyframe);
+      const auto back = [&](KeyFrameId id, const auto& refers) {
+        const KeyFrame* other = id ? reprojection.Find(id) : nullptr;
+        if (other != nullptr || id) graph_.Ask(other != nullptr && refers(*other));
+      };
+      pose_.Ask(std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F &&
+                keyframe.camera_from_world.translation.cwiseAbs().maxCoeff() < 1e7F);
+      back(keyframe.parent, [&](const KeyFrame& other) {
+        return std::ranges::find(other.children, keyframe.id) != other.children.end();
+      });
+      back(keyframe.previous, [&](const KeyFrame& other) { return other.next == keyframe.id; });
+      for (const KeyFrameId child : keyframe.children)
+        back(child, [&](const KeyFrame& other) { return other.parent == keyframe.id; });
+      for (const Connection& connection : keyframe.connections)
+        back(connection.keyframe, [&](const KeyFrame& other) {
+          return std::ranges::find(other.connections, keyframe.id, &Connection::keyframe) != other.connections.end();
+        });
+    }
+    std::ranges::sort(by_id, {}, [](const KeyFrame* keyframe) { return keyframe->id; });
+    for (std::size_t i = 1; i < by_id.size(); ++i) {
+      const double gap = by_id[i]->timestamp - by_id[i - 1]->timestamp;
+      times_.Ask(gap >= 0 && gap < kLongestGap);
+    }
+  }
+
+  void AskPoint(const MapPoint& point, const Reprojection& reprojection) {
+    std::size_t sides = 0, left = kMostObservations;
+    std::vector<Eigen::Vector3f> centers;
+    bool same_look = false, looked = false, is_reference = false;
+    const auto look = DescriptorOf(point);
+    for (const Observation& observation : point.observations) {
+      for (const std::int32_t side : {observation.left, observation.right}) sides += side >= 0;
+      is_reference = is_reference || observation.keyframe == point.reference;
+      const KeyFrame* keyframe = reprojection.Find(observation.keyframe);
+      if (keyframe == nullptr) {
+        matches_.Ask(false);
+        continue;
+      }
+      centers.push_back(CameraCenter(*keyframe));
+      const auto row = static_cast<std::size_t>(observation.left >= 0 ? observation.left : observation.right);
+      const auto of_keyframe = DescriptorOf(*keyframe, row);
+      looked = looked || !of_keyframe.empty();
+      same_look = same_look || std::ranges::equal(look, of_keyframe);
+      const Column<MapPointId>& matches = keyframe->features.map_points;
+      matches_.Ask(row < matches.size() && matches[row] == point.id);
+      if (left > 0 && ObservedKeypoint(*keyframe, observation.left) != nullptr && HasCamera(keyframe->camera)) {
+        --left;
+        projects_.Ask(reprojection.Of(point, observation).left < kFarthest);  // NaN behind the camera
+      }
+    }
+    if (point.observations.empty()) return;
+    counts_.Ask(point.observation_count >= static_cast<std::int32_t>(sides) &&
+                point.observation_count <= 2 * static_cast<std::int32_t>(sides));
+    reference_.Ask(is_reference);
+    if (looked && !look.empty()) looks_.Ask(same_look);
+    AskPlace(point, centers, reprojection);
+  }
+
+  void AskPlace(const MapPoint& point, std::span<const Eigen::Vector3f> centers, const Reprojection& reprojection) {
+    if (!centers.empty()) {
+      const Eigen::Vector3f seen = MeanViewingDirection(point.position, centers);
+      const float length = point.normal.norm();
+      faces_.Ask(length > 0.2F && length < 1.01F && point.normal.dot(seen) > 0.7F * length * seen.norm());
+    }
+    if (const KeyFrame* reference = reprojection.Find(point.reference)) {
+      const float distance = (point.position - CameraCenter(*reference)).norm();
+      near_.Ask(distance >= point.min_distance / 2 && distance <= point.max_distance * 2);
+    }
+    const KeyFrame* first = reprojection.Find(KeyFrameId(static_cast<std::uint64_t>(point.first_keyframe)));
+    if (first != nullptr) first_.Ask(static_cast<std::int64_t>(first->frame_id) == point.first_frame);
+  }
+
+  bool HasCamera(CameraId id) const {
+    return std::ranges::find(atlas_.cameras, id, &Camera::id) != atlas_.cameras.end();
+  }
+
+  static constexpr std::size_t kMostPoints = 600, kMostObservations = 6;
+  static constexpr float kFarthest = 20;                 // pixels
+  static constexpr double kLongestGap = 10 * 365 * 86400.0;  // seconds
+
+  const Atlas& atlas_;
+  Question pose_{"orientations of keyframes are no rotations", {"KeyFrame.mTcw"}};
+  Question times_{"times of keyframes do not rise", {"KeyFrame.mTimeStamp", "KeyFrame.mnId"}};
+  Question graph_{"keyframes do not refer to each other", {"KeyFrame.mBackupParentId", "KeyFrame.mvBackupChildrensId"}};
+  Question projects_{"map points are not where keyframes see them", {"KeyFrame.mTcw", "KeyFrame.mvKeysUn"}};
+  Question faces_{"normals of map points do not face their keyframes", {"MapPoint.mNormalVector", "KeyFrame.mTcw"}};
+  Question near_{"map points are out of the distances at which they are seen",
+                 {"MapPoint.mfMinDistance", "MapPoint.mfMaxDistance", "MapPoint.mBackupRefKFId", "KeyFrame.mTcw"}};
+  Question counts_{"counts of observations are others than there are", {"MapPoint.nObs"}};
+  Question looks_{"descriptors of map points are none of their keypoints'",
+                  {"MapPoint.mDescriptor", "KeyFrame.mDescriptors"}};
+  Question matches_{"keyframes and map points do not refer to each other", {"KeyFrame.mvBackupMapPointsId"}};
+  Question reference_{"map points are not seen by their reference keyframes", {"MapPoint.mBackupRefKFId"}};
+  Question first_{"map points are of other frames than their first keyframes",
+                  {"MapPoint.mnFirstKFid", "MapPoint.mnFirstFrame", "KeyFrame.mnFrameId"}};
+};
+
+}  // namespace
+
+layouts::Meaning MeaningOf(const Atlas& atlas, const ForkProgram& program) {
+  Interview interview(atlas);
+  interview.Run();
+  return interview.Answer(program);
+}
+
+}  // namespace slamdb::orbslam3
