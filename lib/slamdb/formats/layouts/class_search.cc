@@ -70,13 +70,14 @@ class ClassSearch {
     return option;
   }
 
-  std::vector<ClassOption> Changed(const Layout& layout) const {
+  std::vector<ClassOption> Changed(const Layout& layout, bool thorough) const {
     Wire wire(layout, archive_.encoding);
     RecordSearch search(wire, archive_.file, archive_.encoding, StepsOf(layout, wire, class_name_));
     std::vector<MemberPlace> samples = Samples();
     for (std::size_t round = 0; round < kMostRounds; ++round) {
       const std::vector<RecordSolution> solutions =
-          Likeliest(round == 0 ? RunWithoutOutlier(search, samples) : search.Run(samples), search.steps(), layout);
+          Likeliest(round == 0 ? RunWithoutOutlier(search, samples, thorough) : search.Run(samples, thorough),
+                    search.steps(), layout);
       std::vector<ClassOption> options;
       for (std::size_t i = 0; i < solutions.size() && options.size() < kMostOptions; ++i) {
         ClassOption option{layout, {}};
@@ -95,12 +96,13 @@ class ClassSearch {
 
  private:
   // A record that brings a class for the first time is like no other: where nothing explains all samples, without one.
-  static std::vector<RecordSolution> RunWithoutOutlier(RecordSearch& search, std::vector<MemberPlace>& samples) {
-    std::vector<RecordSolution> solutions = search.Run(samples);
+  static std::vector<RecordSolution> RunWithoutOutlier(RecordSearch& search, std::vector<MemberPlace>& samples,
+                                                       bool thorough) {
+    std::vector<RecordSolution> solutions = search.Run(samples, thorough);
     for (std::size_t left_out = 0; solutions.empty() && left_out < samples.size() && samples.size() > 2; ++left_out) {
       std::vector<MemberPlace> others = samples;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
-      solutions = search.Run(others, RecordSearch::kMostNodes / 4);
+      solutions = search.Run(others, thorough, RecordSearch::kMostNodes / 4);
       if (!solutions.empty()) samples = std::move(others);
     }
     return solutions;
@@ -213,8 +215,10 @@ class ClassSearch {
     int unknown = Unknowns(layout);
     for (const RecordEdit& edit : solution.edits) {
       if (IsOfMember(edit)) continue;
-      const bool removes = edit.kind == RecordEdit::Kind::kRemove;
-      LayoutClass& of = *layout.Find(removes ? steps[edit.step].of_class : OwnerOf(steps, edit.step));
+      const bool removes = edit.kind == RecordEdit::Kind::kRemove || edit.kind == RecordEdit::Kind::kRemoveClass;
+      const std::string owner =
+          edit.kind == RecordEdit::Kind::kRemove ? steps[edit.step].of_class : OwnerOf(steps, edit.step);
+      LayoutClass& of = *layout.Find(owner);
       const auto at = of.members.begin() + static_cast<std::ptrdiff_t>(RowInFront(of, steps, edit.step));
       if (removes)
         of.members.erase(at);
@@ -260,6 +264,7 @@ class ClassSearch {
     if (edit.kind == RecordEdit::Kind::kSwap)
       return Concat(steps[edit.step].of_class, ": ", steps[edit.step + 1].name, " in front of ", name);
     const std::string owner = OwnerOf(steps, edit.step);
+    if (edit.kind == RecordEdit::Kind::kRemoveClass) return Concat(owner, ": no ", steps[edit.step].of_class);
     const std::string where = edit.step == 0 ? Concat("in front of ", name)
                               : edit.step == steps.size()
                                   ? Concat("at the end, behind ", steps.back().name)
@@ -283,7 +288,7 @@ std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view
   std::vector<ClassOption> options;
   if (std::optional<ClassOption> known = search.Known(layout)) options.push_back(std::move(*known));
   if (!options.empty() && !thorough) return options;
-  for (ClassOption& changed : search.Changed(layout)) options.push_back(std::move(changed));
+  for (ClassOption& changed : search.Changed(layout, thorough)) options.push_back(std::move(changed));
   return options;
 }
 
@@ -332,6 +337,11 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
     AddParts(bytes, types);
     return types;
   }
+  if (warm_type == "map<u32,vec<u32>>")
+    return {"map<u32,vec<u32>>", "map<i32,vec<i32>>", "map<i32,vec<u32>>", "map<u32,vec<i32>>", "map<u32,vec<f32>>",
+            "map<i32,vec<f32>>"};
+  if (warm_type == "map<u64,vec<u64>>") return {"map<u64,vec<u64>>", "map<u64,vec<f64>>", "map<i64,vec<i64>>"};
+  if (warm_type == "map<u64,vec<u32>>") return {"map<u64,vec<u32>>", "map<u64,vec<i32>>", "map<u64,vec<f32>>"};
   if (warm_type == "vec<u32>") return {"vec<u32>", "vec<i32>", "vec<f32>"};
   if (warm_type == "vec<u64>") return {"vec<u64>", "vec<i64>", "vec<f64>"};
   if (warm_type == "vec<u8>") return {"string", "vec<u8>"};
@@ -349,6 +359,8 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
   if (bytes == 16) types = {"map<u64,u64>", "map<u64,f64>"};
   types.push_back(Concat("vec<", value(bytes), ">"));
   types.push_back(Concat("set<arr<u8,", bytes, ">>"));
+  if (bytes > 8) types.push_back(Concat("map<u64,arr<u8,", bytes - 8, ">>"));
+  if (bytes > 4) types.push_back(Concat("map<u32,arr<u8,", bytes - 4, ">>"));
   return types;
 }
 

@@ -107,6 +107,8 @@ class FrameSearch {
   // Many edits bring the walk to the same place: few of each are worth going on with.
   std::vector<Candidate> Farthest() {
     std::ranges::stable_sort(next_, [](const Candidate& a, const Candidate& b) {
+      const std::size_t of_a = ListsPassed(a), of_b = ListsPassed(b);
+      if (of_a != of_b) return of_a > of_b;
       return a.verdict.reached != b.verdict.reached ? a.verdict.reached > b.verdict.reached
                                                     : a.verdict.penalty < b.verdict.penalty;
     });
@@ -135,21 +137,33 @@ class FrameSearch {
       }
     }
   }
-  // Behind the last list of objects that was passed: no change in front of those leads to them.
+  // The row behind the last list of objects that the walk has passed.
+  static std::size_t RowBehindLists(const Candidate& from, const LayoutClass& of) {
+    const std::size_t entered =
+        from.verdict.members.at(static_cast<std::size_t>(&of - from.layout.classes.data()));
+    std::size_t behind = 0;
+    for (std::size_t i = 0; i < of.members.size() && i + 1 < entered; ++i)
+      if (of.members[i].type.starts_with("vec<ptr<")) behind = i + 1;
+    return behind;
+  }
+  // Whose objects no chance brings about.
+  static std::size_t ListsPassed(const Candidate& from) {
+    std::size_t passed = 0;
+    for (const char* name : {"Map", "Atlas"}) {
+      const LayoutClass* of = from.layout.Find(name);
+      if (of != nullptr) passed += RowBehindLists(from, *of);
+    }
+    return passed;
+  }
+  // Where changes may stand that lead farther: behind the lists that were passed, as those are right.
   static std::size_t FirstRow(const Candidate& from, const LayoutClass& of) {
-    const auto passed = [&](const LayoutClass& holder) {
-      const auto row = static_cast<std::size_t>(&holder - from.layout.classes.data());
-      std::size_t first = 0;
-      for (std::size_t i = 0; i < holder.members.size() && i + 1 < from.verdict.members.at(row); ++i)
-        if (holder.members[i].type.starts_with("vec<ptr<")) first = i + 1;
-      return first;
-    };
-    const LayoutClass* map = from.layout.Find("Map");
-    const auto is_maps = [](const LayoutMember& member) { return member.type == "vec<ptr<Map>>"; };
-    const bool in_map = of.name == "Atlas" && map != nullptr && passed(*map) > 0;
-    const auto maps = std::ranges::find_if(of.members, is_maps);
-    if (!in_map || maps == of.members.end()) return passed(of);
-    return std::max(passed(of), static_cast<std::size_t>(maps - of.members.begin()) + 1);
+    const LayoutClass *map = from.layout.Find("Map"), *atlas = from.layout.Find("Atlas");
+    const auto cameras = std::ranges::find(atlas->members, "mvpCameras", &LayoutMember::name) - atlas->members.begin();
+    const std::size_t behind = RowBehindLists(from, of);
+    if (&of != atlas) return static_cast<std::ptrdiff_t>(RowBehindLists(from, *atlas)) > cameras ? of.members.size() + 1 : behind;
+    const bool in_map = map != nullptr && RowBehindLists(from, *map) > 0;
+    const auto maps = std::ranges::find(atlas->members, "mvpBackupMaps", &LayoutMember::name) - atlas->members.begin();
+    return in_map ? std::max(behind, static_cast<std::size_t>(maps) + 1) : behind;
   }
   void Insert(const Candidate& from, const char* name, std::size_t row, std::size_t type) {
     Candidate next = from;

@@ -158,6 +158,7 @@ class TypeSearch {
       if (verdict.whole) {
         const Verdict cold = Judge(archive_, typed);
         if (cold.penalty < kMostPenalty) return Fit{std::move(typed), cold.total, option.findings};
+        continue;
       }
       Keep(verdict.reached, {std::move(typed), ends, option.findings});
     }
@@ -220,13 +221,15 @@ class Inference {
     Rank();
     std::string problem;
     if (IsDoubtful()) problem = Search(/*thorough=*/false);
-    if (IsDoubtful() && problem.empty()) problem = Search(/*thorough=*/true);
+    if (IsDoubtful()) (void)Search(/*thorough=*/true);
     if (fits_.empty()) Fail(problem);
     return Chosen();
   }
 
  private:
-  bool IsDoubtful() const { return fits_.empty() || !fits_.front().meaning.doubts.empty(); }
+  bool IsDoubtful() const {
+    return fits_.empty() || !fits_.front().meaning.doubts.empty() || !fits_.front().findings.doubts.empty();
+  }
 
   // Known layouts that come to the end.
   void AddKnown(double most) {

@@ -14,14 +14,17 @@ namespace {
 
 constexpr int kEdit = 100;                 // costs a member that is more or less,
 constexpr int kSameBytes = 40;             // one of another form, but as many bytes,
-constexpr int kNextRemoval = 35;           // one more that is missing behind it,
-constexpr int kTie = 4;                    // and what is as good as the best
+constexpr int kLaterForm = 40;             // or where another one is wider,
+constexpr int kNextForm = 8;               // or its neighbour,
+constexpr int kNextRemoval = 15;           // one more that is missing behind it,
+constexpr int kTie = 4;                    // and what is as good as the best,
+constexpr int kNearTie = 110;              // or nearly so
 constexpr std::array kSlacks = {45, 160};  // where an anchor was passed, ways that cost more are given up
 constexpr int kMostCost = 700;
 constexpr int kDoubt = 45;
 constexpr std::size_t kMostEntries = 4'000'000;
 constexpr std::uint8_t kMostInsertsInGap = 3;
-constexpr std::size_t kMostSolutions = 64;
+constexpr std::size_t kMostSolutions = 64, kMostNearSolutions = 400;
 constexpr std::uint64_t kMostOfHead = 13;    // of an empty matrix
 constexpr std::uint64_t kLongBytes = 512;  // from here on ends of values are kept
 
@@ -83,7 +86,7 @@ void RecordSearch::MakeShapes() {
   for (const std::uint32_t size : kUsualSizes) AddShape(detail::Concat("arr<u8,", size, ">"), cost++ / 2, true);
   for (const char* type : {"vec<u32>", "vec<u64>", "vec<u8>", "vec<u16>"}) AddShape(type, 4, false);
   for (const char* type : {"mat", "kps"}) AddShape(type, 5, false);
-  for (const int size : {12, 8, 4, 16, 28, 24, 36, 20, 32, 9, 5, 1, 2, 40, 48, 56, 64})
+  for (const int size : {12, 8, 4, 16, 28, 24, 36, 20, 32, 9, 5, 1, 2, 40, 48, 56, 64, 11, 10, 6, 3})
     AddShape(detail::Concat("vec<arr<u8,", size, ">>"), 7, false);
   for (const char* type :
        {"ptr<GeometricCamera>", "vec<vec<u64>>", "vec<vec<u32>>", "vec<vec<u8>>", "vec<string>", "map<u32,vec<u32>>",
@@ -98,20 +101,22 @@ void RecordSearch::MakeForms() {
     if (own == nullptr || !step.check.known()) continue;
     for (LayoutMember& form : OtherForms(step.name, *own)) {
       const std::uint32_t row = wire_.Add(ParseLayoutType(form.type));
-      const bool as_wide = wire_.types[row].kind == WireType::Kind::kFixed &&
+      const bool same_bytes = wire_.types[row].kind == WireType::Kind::kFixed &&
                            wire_.types[step.type].kind == WireType::Kind::kFixed &&
                            wire_.types[row].bytes == wire_.types[step.type].bytes;
-      const int cost = as_wide ? kSameBytes : kEdit + 1 + static_cast<int>(step.forms.size()) / 4;
+      const int cost = kEdit + 1 + static_cast<int>(step.forms.size()) / 4;
       const CheckedMember check(step.of_class, form);
-      step.forms.push_back({std::move(form), row, cost, check});
+      step.forms.push_back({std::move(form), row, cost, same_bytes, check});
     }
   }
 }
 
 // ---- The search
 
-std::vector<RecordSolution> RecordSearch::Run(std::span<const MemberPlace> samples, std::size_t most_nodes) {
+std::vector<RecordSolution> RecordSearch::Run(std::span<const MemberPlace> samples, bool thorough,
+                                              std::size_t most_nodes) {
   most_nodes_ = most_nodes;
+  thorough_ = thorough;
   for (const int slack : kSlacks) {
     slack_ = slack;
     Search(samples);
@@ -144,9 +149,11 @@ void RecordSearch::Search(std::span<const MemberPlace> samples) {
     if (IsBehindHope(nodes_[static_cast<std::size_t>(entry.node)])) continue;
     if (entry.action == kTake) {
       Expand(entry.node);
-      if (!goals_.empty()) most = std::min(most, nodes_[static_cast<std::size_t>(goals_.front())].cost + kTie);
+      if (!goals_.empty()) most = std::min(most, nodes_[static_cast<std::size_t>(goals_.front())].cost + (thorough_ ? kNearTie : kTie));
     } else if (entry.action == kRemove) {
-      RemoveStep(entry.node, entry.cost);
+      RemoveSteps(entry.node, 1, entry.cost, kRemove);
+    } else if (entry.action == kRemoveClass) {
+      RemoveSteps(entry.node, EndOfClass(nodes_[static_cast<std::size_t>(entry.node)].step), entry.cost, kRemoveClass);
     } else if (entry.action == kSwap) {
       TakeSwapped(entry.node, entry.cost);
     } else if (entry.action <= kForms) {
@@ -172,7 +179,7 @@ bool RecordSearch::IsBehindHope(const Node& node) const {
 
 // Keeps a node with the cursors and facts that were made for it, unless it is there.
 void RecordSearch::Settle(const Node& node) {
-  std::uint64_t hash = Mixed(node.step, static_cast<std::uint64_t>(node.last) * 8U + node.inserts);
+  std::uint64_t hash = Mixed(node.step, static_cast<std::uint64_t>(node.last) * 16U + node.inserts * 2U + node.formed);
   for (const std::uint64_t cursor : next_cursors_) hash = Mixed(hash, cursor);
   for (const RecordFacts& facts : next_facts_)
     for (const double value : facts.values) hash = Mixed(hash, std::hash<double>()(value));
@@ -182,7 +189,7 @@ void RecordSearch::Settle(const Node& node) {
     const Node& known = nodes_[static_cast<std::size_t>(other)];
     const std::size_t at = static_cast<std::size_t>(other) * count;
     const bool equal =
-        known.step == node.step && known.last == node.last && known.inserts == node.inserts &&
+        known.step == node.step && known.last == node.last && known.inserts == node.inserts && known.formed == node.formed &&
         std::equal(next_cursors_.begin(), next_cursors_.end(), cursors_.begin() + static_cast<std::ptrdiff_t>(at)) &&
         std::equal(next_facts_.begin(), next_facts_.end(), facts_.begin() + static_cast<std::ptrdiff_t>(at));
     if (!equal) continue;
@@ -209,13 +216,16 @@ void RecordSearch::Expand(std::int32_t id) {
       return;
     }
   } else {
-    TakeStep(id);
+    const bool like = TakeStep(id);
     const std::vector<StepForm>& forms = steps_[node.step].forms;
     for (std::size_t form = 0; form < forms.size(); ++form)
-      Push(node.cost + forms[form].cost, id, kForms - static_cast<std::int32_t>(form));
+      if (!forms[form].same_bytes || !like)
+        Push(node.cost + CostOf(node, forms[form]), id, kForms - static_cast<std::int32_t>(form));
     if (node.step + 1 < steps_.size() && steps_[node.step].check.known() && steps_[node.step + 1].check.known())
       Push(node.cost + kEdit, id, kSwap);
-    if (node.inserts == 0) Push(node.cost + (node.last == Last::kRemove ? kNextRemoval : kEdit), id, kRemove);
+    const int removal = node.cost + (node.last == Last::kRemove ? kNextRemoval : kEdit);
+    if (node.inserts == 0) Push(removal, id, kRemove);
+    if (node.inserts == 0 && EndOfClass(node.step) > 1) Push(removal, id, kRemoveClass);
   }
   if (node.inserts >= kMostInsertsInGap) return;
   for (std::size_t shape = 0; shape < shapes_.size(); ++shape)
@@ -246,16 +256,32 @@ std::optional<int> RecordSearch::Pass(std::uint32_t type, const CheckedMember& c
   return check.Penalty(file_, places, next_facts_);
 }
 
-void RecordSearch::TakeStep(std::int32_t id) {
+// Whoever writes one member wider does so with others.
+int RecordSearch::CostOf(const Node& node, const StepForm& form) {
+  if (form.same_bytes) return kSameBytes;
+  if (node.last == Last::kForm) return kNextForm;
+  return node.formed ? kLaterForm : form.cost;
+}
+
+// Returns whether the bytes are like the member.
+bool RecordSearch::TakeStep(std::int32_t id) {
   const Node node = nodes_[static_cast<std::size_t>(id)];
   const SearchStep& step = steps_[node.step];
   StayAt(id);
   const std::optional<int> penalty = Pass(step.type, step.check);
-  if (!penalty) return;
-  Node next{.parent = id, .action = kTake, .step = node.step + 1, .cost = node.cost + *penalty, .penalty = *penalty};
-  if (next.cost > kMostCost) return;
+  if (!penalty) return false;
+  const int unlike = thorough_ && *penalty >= kDoubt ? kEdit : 0;
+  Node next{.parent = id,
+            .action = kTake,
+            .step = node.step + 1,
+            .cost = node.cost + *penalty + unlike,
+            .penalty = *penalty,
+            .formed = node.formed};
+  const bool like = *penalty < kDoubt;
+  if (next.cost > kMostCost) return like;
   if (step.check.anchor() && *penalty == 0) anchored_[node.step] = std::min(anchored_[node.step], next.cost);
   Settle(next);
+  return like;
 }
 
 // What is changed must be like the member.
@@ -269,7 +295,9 @@ void RecordSearch::TakeForm(std::int32_t id, std::size_t row, int cost) {
           .action = kForms - static_cast<std::int32_t>(row),
           .step = node.step + 1,
           .cost = cost + *penalty,
-          .penalty = *penalty});
+          .penalty = *penalty,
+          .last = form.same_bytes ? Last::kTake : Last::kForm,
+          .formed = node.formed || !form.same_bytes});
 }
 
 void RecordSearch::TakeSwapped(std::int32_t id, int cost) {
@@ -281,13 +309,27 @@ void RecordSearch::TakeSwapped(std::int32_t id, int cost) {
     if (!of_step || *of_step >= kDoubt) return;
     penalty += *of_step;
   }
-  Settle({.parent = id, .action = kSwap, .step = node.step + 2, .cost = cost + penalty});
+  Settle({.parent = id, .action = kSwap, .step = node.step + 2, .cost = cost + penalty, .formed = node.formed});
 }
 
-void RecordSearch::RemoveStep(std::int32_t id, int cost) {
+void RecordSearch::RemoveSteps(std::int32_t id, std::uint32_t count, int cost, std::int32_t action) {
   StayAt(id);
-  const std::uint32_t step = nodes_[static_cast<std::size_t>(id)].step + 1;
-  Settle({.parent = id, .action = kRemove, .step = step, .cost = cost, .last = Last::kRemove});
+  const Node& node = nodes_[static_cast<std::size_t>(id)];
+  Settle({.parent = id,
+          .action = action,
+          .step = node.step + count,
+          .cost = cost,
+          .last = Last::kRemove,
+          .formed = node.formed});
+}
+
+// How many steps a class has that begins here; 0 when none does.
+std::uint32_t RecordSearch::EndOfClass(std::uint32_t step) const {
+  const std::string& name = steps_[step].of_class;
+  if (name == steps_.front().of_class || steps_[step - 1].of_class == name) return 0;
+  std::uint32_t count = 0;
+  while (step + count < steps_.size() && steps_[step + count].of_class == name) ++count;
+  return count;
 }
 
 void RecordSearch::Insert(std::int32_t id, std::size_t shape_row, int cost) {
@@ -310,7 +352,8 @@ void RecordSearch::Insert(std::int32_t id, std::size_t shape_row, int cost) {
           .step = node.step,
           .cost = cost,
           .last = shape.raw ? Last::kRaw : Last::kInsert,
-          .inserts = static_cast<std::uint8_t>(node.inserts + 1)});
+          .inserts = static_cast<std::uint8_t>(node.inserts + 1),
+          .formed = node.formed});
 }
 
 // Unusual sizes are worth a node only where the next member fits behind them.
@@ -375,7 +418,8 @@ std::vector<RecordSolution> RecordSearch::Solutions() const {
   };
   std::vector<Open> open;
   for (auto goal = goals_.rbegin(); goal != goals_.rend(); ++goal) open.push_back({*goal, {}});
-  while (!open.empty() && solutions.size() < kMostSolutions) {
+  const std::size_t most = thorough_ ? kMostNearSolutions : kMostSolutions;
+  while (!open.empty() && solutions.size() < most) {
     Open at = std::move(open.back());
     open.pop_back();
     const Node& node = nodes_[static_cast<std::size_t>(at.node)];
@@ -410,6 +454,9 @@ RecordSolution RecordSearch::SolutionOf(const std::vector<Alternative>& way) con
     } else if (at->action == kTake) {
       if (node.penalty >= kDoubt) solution.doubtful.push_back(step);
       ++step;
+    } else if (at->action == kRemoveClass) {
+      solution.edits.push_back({RecordEdit::Kind::kRemoveClass, step, {}});
+      step += EndOfClass(step);
     } else if (at->action == kSwap) {
       solution.edits.push_back({RecordEdit::Kind::kSwap, step, {}});
       step += 2;

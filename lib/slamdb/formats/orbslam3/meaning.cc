@@ -2,6 +2,7 @@
 #include "slamdb/formats/orbslam3/detail/meaning.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -31,19 +32,6 @@ struct Question {
   double share() const { return asked == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(asked); }
 };
 
-// The bytes of a descriptor, ORB's or another.
-std::span<const std::byte> DescriptorOf(const MapPoint& point) {
-  if (point.has_other_descriptor()) return std::as_bytes(std::span(point.carried->descriptors.data));
-  return point.has_descriptor() ? std::as_bytes(std::span(point.descriptor)) : std::span<const std::byte>();
-}
-std::span<const std::byte> DescriptorOf(const KeyFrame& keyframe, std::size_t row) {
-  if (row >= keyframe.descriptor_count()) return {};
-  if (keyframe.features.descriptors.size() > row) return std::as_bytes(std::span(keyframe.features.descriptors[row]));
-  const auto bytes = std::as_bytes(std::span(keyframe.carried->descriptors.data));
-  const std::size_t size = bytes.size() / keyframe.descriptor_count();
-  return bytes.subspan(row * size, size);
-}
-
 class Interview {
  public:
   explicit Interview(const Atlas& atlas) : atlas_(atlas) {}
@@ -62,7 +50,7 @@ class Interview {
 
   layouts::Meaning Answer(const ForkProgram& program) const {
     layouts::Meaning meaning;
-    for (const Question* question : {&pose_, &times_, &graph_, &projects_, &faces_, &near_, &counts_, &looks_,
+    for (const Question* question : {&pose_, &rest_, &camera_, &times_, &graph_, &projects_, &faces_, &near_, &counts_, &looks_,
                                      &matches_, &reference_, &first_}) {
       if (std::ranges::any_of(question->members, [&](std::string_view name) { return program.Lacks(name); })) {
         meaning.penalty += kUnasked;  // less than a wrong answer, but it must not pay to leave a member out
@@ -86,6 +74,15 @@ class Interview {
       };
       pose_.Ask(std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F &&
                 keyframe.camera_from_world.translation.cwiseAbs().maxCoeff() < 1e7F);
+      AskCamera(keyframe);
+      for (const Rigid3f* pose : {&keyframe.camera_from_parent, &keyframe.left_from_right,
+                                  &keyframe.imu_calibration.camera_from_body, &keyframe.imu_calibration.body_from_camera})
+        AskRest(*pose);
+      for (const auto edges : {&KeyFrame::loop_edges, &KeyFrame::merge_edges})
+        for (const KeyFrameId edge : keyframe.*edges)
+          back(edge, [&](const KeyFrame& other) {
+            return std::ranges::find(other.*edges, keyframe.id) != (other.*edges).end();
+          });
       back(keyframe.parent, [&](const KeyFrame& other) {
         return std::ranges::find(other.children, keyframe.id) != other.children.end();
       });
@@ -108,7 +105,6 @@ class Interview {
     std::size_t sides = 0, left = kMostObservations;
     std::vector<Eigen::Vector3f> centers;
     bool same_look = false, looked = false, is_reference = false;
-    const auto look = DescriptorOf(point);
     for (const Observation& observation : point.observations) {
       for (const std::int32_t side : {observation.left, observation.right}) sides += side >= 0;
       is_reference = is_reference || observation.keyframe == point.reference;
@@ -119,12 +115,12 @@ class Interview {
       }
       centers.push_back(CameraCenter(*keyframe));
       const auto row = static_cast<std::size_t>(observation.left >= 0 ? observation.left : observation.right);
-      const auto of_keyframe = DescriptorOf(*keyframe, row);
-      looked = looked || !of_keyframe.empty();
-      same_look = same_look || std::ranges::equal(look, of_keyframe);
+      const Column<Descriptor>& looks = keyframe->features.descriptors;
+      looked = looked || row < looks.size();
+      same_look = same_look || (row < looks.size() && looks[row] == point.descriptor);
       const Column<MapPointId>& matches = keyframe->features.map_points;
       matches_.Ask(row < matches.size() && matches[row] == point.id);
-      if (left > 0 && ObservedKeypoint(*keyframe, observation.left) != nullptr && HasCamera(keyframe->camera)) {
+      if (left > 0 && ObservedKeypoint(*keyframe, observation.left) != nullptr && !atlas_.cameras.empty()) {
         --left;
         projects_.Ask(reprojection.Of(point, observation).left < kFarthest);  // NaN behind the camera
       }
@@ -133,7 +129,7 @@ class Interview {
     counts_.Ask(point.observation_count >= static_cast<std::int32_t>(sides) &&
                 point.observation_count <= 2 * static_cast<std::int32_t>(sides));
     reference_.Ask(is_reference);
-    if (looked && !look.empty()) looks_.Ask(same_look);
+    if (looked && point.has_descriptor()) looks_.Ask(same_look);
     AskPlace(point, centers, reprojection);
   }
 
@@ -145,15 +141,25 @@ class Interview {
     }
     if (const KeyFrame* reference = reprojection.Find(point.reference)) {
       const float distance = (point.position - CameraCenter(*reference)).norm();
-      near_.Ask(distance >= point.min_distance / 2 && distance <= point.max_distance * 2);
+  const std::vector<float>& factors = reference->pyramid.factors;
+      const float range = factors.empty() ? 0 : factors.back() * point.min_distance;
+      near_.Ask(distance >= point.min_distance / 2 && distance <= point.max_distance * 2 &&
+                (range == 0 || std::abs(point.max_distance - range) < 0.02F * range));
     }
     const KeyFrame* first = reprojection.Find(KeyFrameId(static_cast<std::uint64_t>(point.first_keyframe)));
     if (first != nullptr) first_.Ask(static_cast<std::int64_t>(first->frame_id) == point.first_frame);
   }
 
-  bool HasCamera(CameraId id) const {
-    return std::ranges::find(atlas_.cameras, id, &Camera::id) != atlas_.cameras.end();
+  // The camera's parameters begin with what the keyframe repeats.
+  void AskCamera(const KeyFrame& keyframe) {
+    const auto camera = std::ranges::find(atlas_.cameras, keyframe.camera, &Camera::id);
+    if (camera == atlas_.cameras.end() || camera->parameters.size() < 4) return;
+    const Intrinsics& of = keyframe.intrinsics;
+    const std::array<float, 4> own = {of.fx, of.fy, of.cx, of.cy};
+    camera_.Ask(std::equal(own.begin(), own.end(), camera->parameters.begin()));
   }
+  // One that was never set is the identity, not half a turn about an axis.
+  void AskRest(const Rigid3f& pose) { rest_.Ask(std::abs(pose.rotation.x()) != 1 && std::abs(pose.rotation.z()) != 1); }
 
   static constexpr std::size_t kMostPoints = 600, kMostObservations = 6;
   static constexpr float kFarthest = 20;                 // pixels
@@ -161,6 +167,8 @@ class Interview {
 
   const Atlas& atlas_;
   Question pose_{"orientations of keyframes are no rotations", {"KeyFrame.mTcw"}};
+  Question rest_{"poses that were never set are half a turn", {}};
+  Question camera_{"keyframes and cameras have other intrinsics", {"KeyFrame.fx", "KeyFrame.cx"}};
   Question times_{"times of keyframes do not rise", {"KeyFrame.mTimeStamp", "KeyFrame.mnId"}};
   Question graph_{"keyframes do not refer to each other", {"KeyFrame.mBackupParentId", "KeyFrame.mvBackupChildrensId"}};
   Question projects_{"map points are not where keyframes see them", {"KeyFrame.mTcw", "KeyFrame.mvKeysUn"}};
