@@ -104,9 +104,8 @@ void RecordSearch::MakeForms() {
       const bool same_bytes = wire_.types[row].kind == WireType::Kind::kFixed &&
                            wire_.types[step.type].kind == WireType::Kind::kFixed &&
                            wire_.types[row].bytes == wire_.types[step.type].bytes;
-      const int cost = kEdit + 1 + static_cast<int>(step.forms.size()) / 4;
       const CheckedMember check(step.of_class, form);
-      step.forms.push_back({std::move(form), row, cost, same_bytes, check});
+      step.forms.push_back({std::move(form), row, static_cast<int>(step.forms.size()), same_bytes, check});
     }
   }
 }
@@ -118,6 +117,7 @@ std::vector<RecordSolution> RecordSearch::Run(std::span<const MemberPlace> sampl
   most_nodes_ = most_nodes;
   thorough_ = thorough;
   for (const int slack : kSlacks) {
+    if (thorough && slack != kSlacks.back()) continue;
     slack_ = slack;
     Search(samples);
     if (!goals_.empty()) break;
@@ -259,8 +259,8 @@ std::optional<int> RecordSearch::Pass(std::uint32_t type, const CheckedMember& c
 // Whoever writes one member wider does so with others.
 int RecordSearch::CostOf(const Node& node, const StepForm& form) {
   if (form.same_bytes) return kSameBytes;
-  if (node.last == Last::kForm) return kNextForm;
-  return node.formed ? kLaterForm : form.cost;
+  const int first = node.last == Last::kForm ? kNextForm : node.formed ? kLaterForm : kEdit + 1;
+  return first + form.rank;
 }
 
 // Returns whether the bytes are like the member.

@@ -21,7 +21,7 @@ namespace slamdb::layouts {
 struct StepForm {
   LayoutMember member;
   std::uint32_t type = 0;  // row
-  int cost = 0;
+  int rank = 0;             // the likeliest is 0
   bool same_bytes = false;  // as many as its own form has
   CheckedMember check;
 };
