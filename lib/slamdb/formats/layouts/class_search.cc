@@ -338,8 +338,8 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
     return types;
   }
   if (warm_type == "map<u32,vec<u32>>")
-    return {"map<u32,vec<u32>>", "map<i32,vec<i32>>", "map<i32,vec<u32>>", "map<u32,vec<i32>>", "map<u32,vec<f32>>",
-            "map<i32,vec<f32>>"};
+    return {"map<u32,vec<u32>>", "map<i32,vec<i32>>", "map<i32,vec<u32>>",
+            "map<u32,vec<i32>>", "map<u32,vec<f32>>", "map<i32,vec<f32>>"};
   if (warm_type == "map<u64,vec<u64>>") return {"map<u64,vec<u64>>", "map<u64,vec<f64>>", "map<i64,vec<i64>>"};
   if (warm_type == "map<u64,vec<u32>>") return {"map<u64,vec<u32>>", "map<u64,vec<i32>>", "map<u64,vec<f32>>"};
   if (warm_type == "vec<u32>") return {"vec<u32>", "vec<i32>", "vec<f32>"};

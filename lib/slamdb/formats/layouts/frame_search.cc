@@ -139,8 +139,7 @@ class FrameSearch {
   }
   // The row behind the last list of objects that the walk has passed.
   static std::size_t RowBehindLists(const Candidate& from, const LayoutClass& of) {
-    const std::size_t entered =
-        from.verdict.members.at(static_cast<std::size_t>(&of - from.layout.classes.data()));
+    const std::size_t entered = from.verdict.members.at(static_cast<std::size_t>(&of - from.layout.classes.data()));
     std::size_t behind = 0;
     for (std::size_t i = 0; i < of.members.size() && i + 1 < entered; ++i)
       if (of.members[i].type.starts_with("vec<ptr<")) behind = i + 1;
@@ -160,7 +159,8 @@ class FrameSearch {
     const LayoutClass *map = from.layout.Find("Map"), *atlas = from.layout.Find("Atlas");
     const auto cameras = std::ranges::find(atlas->members, "mvpCameras", &LayoutMember::name) - atlas->members.begin();
     const std::size_t behind = RowBehindLists(from, of);
-    if (&of != atlas) return static_cast<std::ptrdiff_t>(RowBehindLists(from, *atlas)) > cameras ? of.members.size() + 1 : behind;
+    if (&of != atlas)
+      return static_cast<std::ptrdiff_t>(RowBehindLists(from, *atlas)) > cameras ? of.members.size() + 1 : behind;
     const bool in_map = map != nullptr && RowBehindLists(from, *map) > 0;
     const auto maps = std::ranges::find(atlas->members, "mvpBackupMaps", &LayoutMember::name) - atlas->members.begin();
     return in_map ? std::max(behind, static_cast<std::size_t>(maps) + 1) : behind;

@@ -238,8 +238,7 @@ class Inference {
       if (!verdict.whole || verdict.penalty >= most) continue;
       fits_.push_back({layout, verdict.total, {}, /*known=*/true});
       if (verdict.penalty >= kMostPenalty)
-        fits_.back().findings.doubts.emplace_back(
-            "the last byte is reached, but values are unlike those of ORB-SLAM3");
+        fits_.back().findings.doubts.emplace_back("the last byte is reached, but values are unlike those of ORB-SLAM3");
     }
   }
 
@@ -248,7 +247,8 @@ class Inference {
     if (archive_.encoding.long_bytes != 8 || archive_.encoding.size_bytes != 8)
       return "it is of none of the known layouts, and others are only found in archives with longs of 8 bytes";
     if (maps_.empty()) return "it is of none of the known layouts, and no keyframe was found by the size of its grid";
-    const auto keyframes = WholeRecords(maps_, &MapRecords::keyframes), points = WholeRecords(maps_, &MapRecords::points);
+    const auto keyframes = WholeRecords(maps_, &MapRecords::keyframes),
+               points = WholeRecords(maps_, &MapRecords::points);
     TypeSearch search(archive_, maps_, judge_);
     std::vector<ClassOption> options;
     try {
@@ -280,20 +280,31 @@ class Inference {
       if (fit.meaning.penalty == 0) fit.meaning = judge_(fit.layout);
     std::erase_if(fits_, [](const Fit& fit) { return fit.meaning.penalty >= kUnreadable; });
     std::ranges::stable_sort(fits_, {}, &Fit::against);
-    if (fits_.empty() || fits_.front().meaning.doubts.empty()) return;
+    constexpr std::uint64_t kMostReformed = kMostBytes / 8;  // which are walked through some hundred times
+    if (fits_.empty() || fits_.front().meaning.doubts.empty() || archive_.file.size() > kMostReformed) return;
     Fit reformed = fits_.front();
-    Reform(archive_, judge_, reformed.layout, reformed.meaning, reformed.findings.differences);
+    reformed.meaning.penalty += Judge(archive_, reformed.layout).penalty;
+    Reform([this](const Layout& layout) { return MeaningAndMembers(layout); }, reformed.layout, reformed.meaning,
+           reformed.findings.differences);
     if (reformed.findings.differences.size() == fits_.front().findings.differences.size()) return;
     reformed.known = false;
     fits_.insert(fits_.begin(), std::move(reformed));
   }
 
+  // A layout is only decoded where its members are like what they are called.
+  Meaning MeaningAndMembers(const Layout& layout) const {
+    const Verdict verdict = Judge(archive_, layout);
+    if (!verdict.whole || verdict.penalty >= kMostPenalty) return {.penalty = kUnreadable, .doubts = {}};
+    Meaning meaning = judge_(layout);
+    meaning.penalty += verdict.penalty;
+    return meaning;
+  }
+
   InferredLayout Chosen() {
     constexpr double kAlike = 2;  // what does not tell one from another
     const double most = fits_.front().against() + kAlike;
-    std::erase_if(fits_, [&](const Fit& fit) {
-      return fit.against() > most || (fits_.front().known && &fit != &fits_.front());
-    });
+    std::erase_if(
+        fits_, [&](const Fit& fit) { return fit.against() > most || (fits_.front().known && &fit != &fits_.front()); });
     ExpectChoiceUpTo(fits_.size());
     Fit& taken = fits_[choice_ - 1];
     InferredLayout inferred{.layout = taken.layout, .known = taken.known};

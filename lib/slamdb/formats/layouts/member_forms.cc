@@ -155,7 +155,8 @@ class Writing {
     std::uint64_t count = type.count;
     if (type.kind != Kind::kArray) {
       const long double counted = Next();
-      count = counted > 0 && counted <= static_cast<long double>(numbers_.size()) ? static_cast<std::uint64_t>(counted) : 0;
+      count =
+          counted > 0 && counted <= static_cast<long double>(numbers_.size()) ? static_cast<std::uint64_t>(counted) : 0;
       PutNumber(Number::kU64, static_cast<long double>(count));
       if (type.kind != Kind::kVector || type.elements[0].kind != Kind::kNumber) PutNumber(Number::kU32, 0);
     }
@@ -233,7 +234,8 @@ std::vector<LayoutMember> OtherForms(std::string_view name, const LayoutType& ow
   for (const char* form : {"columns", "rows"})
     AddForms(name, form, {"arr<f32,16>", "arr<f64,16>", "arr<f32,12>", "arr<f64,12>"}, forms);
   for (const char* form : {"inverse", "inverse.xyzw"}) AddForms(name, form, {"arr<f32,7>", "arr<f64,7>"}, forms);
-  for (const char* form : {"inverse.columns", "inverse.rows"}) AddForms(name, form, {"arr<f32,16>", "arr<f64,16>"}, forms);
+  for (const char* form : {"inverse.columns", "inverse.rows"})
+    AddForms(name, form, {"arr<f32,16>", "arr<f64,16>"}, forms);
   AddForms(name, "inverse", {"mat"}, forms);
   return forms;
 }
@@ -244,12 +246,12 @@ bool IsForm(std::string_view form, const LayoutType& type, const LayoutType& own
     return own.kind == Kind::kNumber && own.number == Number::kF64 && type.kind == Kind::kNumber &&
            (type.number == Number::kU64 || type.number == Number::kI64);
   if (type.kind == Kind::kMatrix)
-    return IsFloats(own) && (form.empty() ? own.count == 3 || own.count == 7 || own.count == 9
-                                          : form == "inverse" && IsPose(own));
+    return IsFloats(own) &&
+           (form.empty() ? own.count == 3 || own.count == 7 || own.count == 9 : form == "inverse" && IsPose(own));
   const bool is_matrix = Has(form, "rows") || Has(form, "columns");
   const bool fits = is_matrix ? IsFloats(type) && (type.count == 12 || type.count == 16) : IsPose(type);
-  constexpr std::array<std::string_view, 7> kForms = {
-      "xyzw", "columns", "rows", "inverse", "inverse.xyzw", "inverse.columns", "inverse.rows"};
+  constexpr std::array<std::string_view, 7> kForms = {"xyzw",         "columns",         "rows",        "inverse",
+                                                      "inverse.xyzw", "inverse.columns", "inverse.rows"};
   return IsPose(own) && fits && std::ranges::find(kForms, form) != kForms.end();
 }
 

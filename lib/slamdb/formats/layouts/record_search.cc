@@ -25,7 +25,7 @@ constexpr int kDoubt = 45;
 constexpr std::size_t kMostEntries = 4'000'000;
 constexpr std::uint8_t kMostInsertsInGap = 3;
 constexpr std::size_t kMostSolutions = 64, kMostNearSolutions = 400;
-constexpr std::uint64_t kMostOfHead = 13;    // of an empty matrix
+constexpr std::uint64_t kMostOfHead = 13;  // of an empty matrix
 constexpr std::uint64_t kLongBytes = 512;  // from here on ends of values are kept
 
 // Sizes that forks' members have, likeliest first.
@@ -60,8 +60,8 @@ std::vector<SearchStep> StepsOf(const Layout& layout, const Wire& wire, std::str
     const LayoutClass* flat = nullptr;
     for (const char* name : {"Preintegrated", "Calib"})
       if (type == detail::Concat("val<", name, ">")) flat = layout.Find(name);
-    if (flat == nullptr) add(*of)(i);
-    for (std::size_t inner = 0; flat != nullptr && inner < flat->members.size(); ++inner) add(*flat)(inner);
+    if (flat == nullptr) add (*of)(i);
+    for (std::size_t inner = 0; flat != nullptr && inner < flat->members.size(); ++inner) add (*flat)(inner);
   }
   return steps;
 }
@@ -102,8 +102,8 @@ void RecordSearch::MakeForms() {
     for (LayoutMember& form : OtherForms(step.name, *own)) {
       const std::uint32_t row = wire_.Add(ParseLayoutType(form.type));
       const bool same_bytes = wire_.types[row].kind == WireType::Kind::kFixed &&
-                           wire_.types[step.type].kind == WireType::Kind::kFixed &&
-                           wire_.types[row].bytes == wire_.types[step.type].bytes;
+                              wire_.types[step.type].kind == WireType::Kind::kFixed &&
+                              wire_.types[row].bytes == wire_.types[step.type].bytes;
       const CheckedMember check(step.of_class, form);
       step.forms.push_back({std::move(form), row, static_cast<int>(step.forms.size()), same_bytes, check});
     }
@@ -149,7 +149,8 @@ void RecordSearch::Search(std::span<const MemberPlace> samples) {
     if (IsBehindHope(nodes_[static_cast<std::size_t>(entry.node)])) continue;
     if (entry.action == kTake) {
       Expand(entry.node);
-      if (!goals_.empty()) most = std::min(most, nodes_[static_cast<std::size_t>(goals_.front())].cost + (thorough_ ? kNearTie : kTie));
+      if (!goals_.empty())
+        most = std::min(most, nodes_[static_cast<std::size_t>(goals_.front())].cost + (thorough_ ? kNearTie : kTie));
     } else if (entry.action == kRemove) {
       RemoveSteps(entry.node, 1, entry.cost, kRemove);
     } else if (entry.action == kRemoveClass) {
@@ -189,7 +190,8 @@ void RecordSearch::Settle(const Node& node) {
     const Node& known = nodes_[static_cast<std::size_t>(other)];
     const std::size_t at = static_cast<std::size_t>(other) * count;
     const bool equal =
-        known.step == node.step && known.last == node.last && known.inserts == node.inserts && known.formed == node.formed &&
+        known.step == node.step && known.last == node.last && known.inserts == node.inserts &&
+        known.formed == node.formed &&
         std::equal(next_cursors_.begin(), next_cursors_.end(), cursors_.begin() + static_cast<std::ptrdiff_t>(at)) &&
         std::equal(next_facts_.begin(), next_facts_.end(), facts_.begin() + static_cast<std::ptrdiff_t>(at));
     if (!equal) continue;

@@ -83,21 +83,15 @@ std::vector<Change> ChangesOf(const Layout& layout) {
 
 }  // namespace
 
-void Reform(const ArchiveBytes& archive, const MeaningJudge& judge, Layout& layout, Meaning& meaning,
-            std::vector<std::string>& differences) {
+void Reform(const MeaningJudge& judge, Layout& layout, Meaning& meaning, std::vector<std::string>& differences) {
   for (int round = 0; round < kMostRounds && !meaning.doubts.empty(); ++round) {
-    const double before = Judge(archive, layout).penalty + meaning.penalty;
-    double least = before - kEnough;
     Change best;
-    Meaning of_best;
+    Meaning of_best{.penalty = meaning.penalty - kEnough, .doubts = {}};
     for (Change& change : ChangesOf(layout)) {
-      const Verdict verdict = Judge(archive, change.layout);
-      if (!verdict.whole || verdict.penalty >= least) continue;
       Meaning changed = judge(change.layout);
-      if (verdict.penalty + changed.penalty >= least) continue;
-      least = verdict.penalty + changed.penalty;
-      best = std::move(change);
+      if (changed.penalty >= of_best.penalty) continue;
       of_best = std::move(changed);
+      best = std::move(change);
     }
     if (best.text.empty()) return;
     layout = std::move(best.layout);

@@ -395,8 +395,7 @@ FoundConversion<MapPoint> FindConversion(std::span<const LayoutMember> members, 
 }
 // The counters alone are the model's.
 template <>
-FoundConversion<Atlas> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>,
-                                      const LayoutType&) {
+FoundConversion<Atlas> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>, const LayoutType&) {
   return {};
 }
 template <>
@@ -426,8 +425,8 @@ FoundConversion<ImuPreintegration> FindConversion(std::span<const LayoutMember> 
 }
 
 template FoundConversion<Map> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>,
-                                              const LayoutType&);
+                                             const LayoutType&);
 template FoundConversion<Camera> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>,
-                                              const LayoutType&);
+                                                const LayoutType&);
 
 }  // namespace slamdb::orbslam3

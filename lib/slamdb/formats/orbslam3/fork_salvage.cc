@@ -131,17 +131,21 @@ struct RecordReading {
   std::vector<std::string> differences, doubts;
 };
 
-void TryOptions(const Source& source, std::span<const MapPlaces> places, bool known,
-                 std::span<const layouts::ClassOption> options, std::optional<RecordReading>& best) {
+RecordReading ReadIn(const Layout& layout, const Source& source, std::span<const MapPlaces> places) {
+  ForkProgram program(layout);
+  detail::FileStream stream(source);
+  Notices notices;
+  const ArchiveHeader header = ReadArchiveHeader(stream, notices);
+  RecordReading reading{.atlas = ReadForkRecords(stream, header, program, places)};
+  reading.meaning = MeaningOf(reading.atlas, program);
+  return reading;
+}
+
+void TryOptions(const Source& source, std::span<const MapPlaces> places, std::span<const layouts::ClassOption> options,
+                std::optional<RecordReading>& best) {
   constexpr double kAlike = 2;
   for (const layouts::ClassOption& option : options) {
-    ForkProgram program(option.layout);
-    detail::FileStream stream(source);
-    Notices notices;
-    const ArchiveHeader header = ReadArchiveHeader(stream, notices);
-    RecordReading reading{.atlas = ReadForkRecords(stream, header, program, places)};
-    reading.meaning = MeaningOf(reading.atlas, program);
-    reading.known = known ? option.layout.id : std::string();
+    RecordReading reading = ReadIn(option.layout, source, places);
     reading.differences = option.findings.differences;
     reading.doubts = option.findings.doubts;
     reading.doubts.insert(reading.doubts.end(), reading.meaning.doubts.begin(), reading.meaning.doubts.end());
@@ -152,15 +156,31 @@ void TryOptions(const Source& source, std::span<const MapPlaces> places, bool kn
   }
 }
 
+// In the known layout, or one with members in other forms; in another one where that makes no sense.
 std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, const Source& source,
                                          std::span<const MapRecords> maps, std::span<const MapPlaces> places,
                                          const Layout* known) {
   std::optional<RecordReading> best;
-  if (known != nullptr)
-    TryOptions(source, places, /*known=*/true, std::vector<layouts::ClassOption>{{*known, {}}}, best);
+  if (known != nullptr) {
+    best = ReadIn(*known, source, places);
+    best->known = known->id;
+    constexpr std::size_t kMostBytes = std::size_t{24} << 20U;  // which are decoded some hundred times
+    if (archive.file.size() > kMostBytes) return best;
+    Layout layout = *known;
+    layouts::Meaning meaning = best->meaning;
+    std::vector<std::string> differences;
+    const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, places).meaning; };
+    layouts::Reform(judge, layout, meaning, differences);
+    best->doubts = meaning.doubts;
+    if (!differences.empty()) {
+      best = ReadIn(layout, source, places);
+      best->differences = std::move(differences);
+      best->doubts = best->meaning.doubts;
+    }
+  }
   for (const bool thorough : {false, true})
     if (!best || !best->meaning.doubts.empty())
-      TryOptions(source, places, /*known=*/false, layouts::LayoutsOfRecords(archive, maps, thorough), best);
+      TryOptions(source, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
   return best;
 }
 
@@ -204,12 +224,13 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   if (maps.empty()) return std::nullopt;
   const layouts::ArchiveBytes archive{file, header.encoding, header.bytes};
   const Layout* known = KnownLayoutOf(archive, maps);
-  if (known == &KnownLayouts().front()) return std::nullopt;
-  if (auto whole = Whole(bytes, path)) return whole;
   std::vector<MapPlaces> places;
   for (const MapRecords& map : maps) places.push_back({PlacesOf(map.keyframes), PlacesOf(map.points)});
+  const bool own = known == &KnownLayouts().front();
+  if (own && ReadIn(*known, {bytes, path}, places).meaning.doubts.empty()) return std::nullopt;
+  if (auto whole = Whole(bytes, path)) return whole;
   std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, maps, places, known);
-  if (!reading) return std::nullopt;
+  if (!reading || reading->known == KnownLayouts().front().id) return std::nullopt;
   Salvage salvage{.atlas = std::move(reading->atlas)};
   salvage.atlas.encoding = header.encoding;
   salvage.atlas.vocabulary = VocabularyOf(file, header);

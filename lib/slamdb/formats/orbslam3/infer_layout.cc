@@ -94,11 +94,12 @@ InferredLayout InferBinary(const WholeFile& file, const orbslam3::ArchiveHeader&
     const Layout* known =
         none_found ? orbslam3::KnownLayoutOf({file.text(), header.encoding, header.bytes}, maps) : nullptr;
     if (known == nullptr) throw Error(error.kind(), file.path(), "", error.problem());
-    throw Error(ErrorKind::kNotPossible, file.path(), "",
-                detail::Concat("no layout found: keyframes and map points are as in ", known->id,
-                               ", but nothing explains what stands around them: the file is damaged or cut short, or "
-                               "its Map and Atlas have other members. `RecoverAtlas` saves what is whole, and "
-                               "`DeriveLayoutOfFolder` derives the layout from the sources of the program that wrote it"));
+    throw Error(
+        ErrorKind::kNotPossible, file.path(), "",
+        detail::Concat("no layout found: keyframes and map points are as in ", known->id,
+                       ", but nothing explains what stands around them: the file is damaged or cut short, or "
+                       "its Map and Atlas have other members. `RecoverAtlas` saves what is whole, and "
+                       "`DeriveLayoutOfFolder` derives the layout from the sources of the program that wrote it"));
   }
 }
 

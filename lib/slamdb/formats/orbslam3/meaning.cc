@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/reprojection.h"
 
@@ -15,13 +16,14 @@ namespace {
 
 using detail::Concat;
 
-constexpr double kWrong = 60;  // a question to which all answers are wrong weighs as much as a member that is not like it
+constexpr double kWrong =
+    60;  // a question to which all answers are wrong weighs as much as a member that is not like it
 constexpr double kUnasked = 15;
 constexpr double kMost = 0.5;  // of the answers: more that are wrong make a doubt
 
 // One thing that holds of nearly all keyframes or points of a sound file.
 struct Question {
-  std::string_view doubt;  // what is said where it does not
+  std::string_view doubt;                 // what is said where it does not
   std::vector<std::string_view> members;  // that it is about
   std::size_t asked = 0, wrong = 0;
 
@@ -50,55 +52,73 @@ class Interview {
 
   layouts::Meaning Answer(const ForkProgram& program) const {
     layouts::Meaning meaning;
-    for (const Question* question : {&pose_, &rest_, &camera_, &times_, &graph_, &projects_, &faces_, &near_, &counts_, &looks_,
-                                     &matches_, &reference_, &first_}) {
+    for (const Question* question : {&pose_, &rest_, &camera_, &times_, &graph_, &projects_, &faces_, &near_, &counts_,
+                                     &looks_, &matches_, &reference_, &first_}) {
       if (std::ranges::any_of(question->members, [&](std::string_view name) { return program.Lacks(name); })) {
         meaning.penalty += kUnasked;  // less than a wrong answer, but it must not pay to leave a member out
         continue;
       }
       meaning.penalty += kWrong * question->share();
-      if (question->share() > kMost)
-        meaning.doubts.push_back(Concat(question->doubt, " (", question->wrong, " of ", question->asked, ")"));
+      if (question->share() > kMost) meaning.doubts.push_back(DoubtOf(*question));
     }
     return meaning;
   }
+  std::string AnswerOfPoses() const {
+    constexpr double kNearlyAll = 0.8;
+    for (const Question* question : {&projects_, &times_})
+      if (question->asked >= kEnough && question->share() > kNearlyAll) return DoubtOf(*question);
+    return {};
+  }
 
  private:
+  static std::string DoubtOf(const Question& question) {
+    return Concat(question.doubt, " (", question.wrong, " of ", question.asked, ")");
+  }
+
   void AskKeyFrames(const Map& map, const Reprojection& reprojection) {
     std::vector<const KeyFrame*> by_id;
-    for (const KeyFrame& keyframe : map.keyframes) {
+    const std::size_t step = map.keyframes.size() / kMostKeyFrames + 1;
+    for (std::size_t row = 0; row < map.keyframes.size(); ++row) {
+      const KeyFrame& keyframe = map.keyframes[row];
       by_id.push_back(&keyframe);
-      const auto back = [&](KeyFrameId id, const auto& refers) {
-        const KeyFrame* other = id ? reprojection.Find(id) : nullptr;
-        if (other != nullptr || id) graph_.Ask(other != nullptr && refers(*other));
-      };
-      pose_.Ask(std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F &&
-                keyframe.camera_from_world.translation.cwiseAbs().maxCoeff() < 1e7F);
-      AskCamera(keyframe);
-      for (const Rigid3f* pose : {&keyframe.camera_from_parent, &keyframe.left_from_right,
-                                  &keyframe.imu_calibration.camera_from_body, &keyframe.imu_calibration.body_from_camera})
-        AskRest(*pose);
-      for (const auto edges : {&KeyFrame::loop_edges, &KeyFrame::merge_edges})
-        for (const KeyFrameId edge : keyframe.*edges)
-          back(edge, [&](const KeyFrame& other) {
-            return std::ranges::find(other.*edges, keyframe.id) != (other.*edges).end();
-          });
-      back(keyframe.parent, [&](const KeyFrame& other) {
-        return std::ranges::find(other.children, keyframe.id) != other.children.end();
-      });
-      back(keyframe.previous, [&](const KeyFrame& other) { return other.next == keyframe.id; });
-      for (const KeyFrameId child : keyframe.children)
-        back(child, [&](const KeyFrame& other) { return other.parent == keyframe.id; });
-      for (const Connection& connection : keyframe.connections)
-        back(connection.keyframe, [&](const KeyFrame& other) {
-          return std::ranges::find(other.connections, keyframe.id, &Connection::keyframe) != other.connections.end();
-        });
+      if (row % step == 0) AskKeyFrame(keyframe, reprojection);
     }
     std::ranges::sort(by_id, {}, [](const KeyFrame* keyframe) { return keyframe->id; });
     for (std::size_t i = 1; i < by_id.size(); ++i) {
-      const double gap = by_id[i]->timestamp - by_id[i - 1]->timestamp;
-      times_.Ask(gap >= 0 && gap < kLongestGap);
+      times_.Ask(IsTime(by_id[i]->timestamp) && Follows(by_id[i]->timestamp, by_id[i - 1]->timestamp));
     }
+  }
+
+  void AskKeyFrame(const KeyFrame& keyframe, const Reprojection& reprojection) {
+    AskCamera(keyframe);
+    for (const Rigid3f* pose : {&keyframe.camera_from_parent, &keyframe.left_from_right,
+                                &keyframe.imu_calibration.camera_from_body, &keyframe.imu_calibration.body_from_camera})
+      AskRest(*pose);
+    pose_.Ask(std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F &&
+              keyframe.camera_from_world.translation.cwiseAbs().maxCoeff() < 1e7F);
+    AskGraph(keyframe, reprojection);
+  }
+
+  // Keyframes that it refers to refer to it.
+  void AskGraph(const KeyFrame& keyframe, const Reprojection& reprojection) {
+    const auto back = [&](KeyFrameId id, const auto& refers) {
+      const KeyFrame* other = id ? reprojection.Find(id) : nullptr;
+      if (id) graph_.Ask(other != nullptr && refers(*other));
+    };
+    for (const auto edges : {&KeyFrame::loop_edges, &KeyFrame::merge_edges})
+      for (const KeyFrameId edge : keyframe.*edges)
+        back(edge, [&](const KeyFrame& other) {
+          return std::ranges::find(other.*edges, keyframe.id) != (other.*edges).end();
+        });
+    back(keyframe.parent,
+         [&](const KeyFrame& other) { return std::ranges::find(other.children, keyframe.id) != other.children.end(); });
+    back(keyframe.previous, [&](const KeyFrame& other) { return other.next == keyframe.id; });
+    for (const KeyFrameId child : keyframe.children)
+      back(child, [&](const KeyFrame& other) { return other.parent == keyframe.id; });
+    for (const Connection& connection : keyframe.connections)
+      back(connection.keyframe, [&](const KeyFrame& other) {
+        return std::ranges::find(other.connections, keyframe.id, &Connection::keyframe) != other.connections.end();
+      });
   }
 
   void AskPoint(const MapPoint& point, const Reprojection& reprojection) {
@@ -120,9 +140,9 @@ class Interview {
       same_look = same_look || (row < looks.size() && looks[row] == point.descriptor);
       const Column<MapPointId>& matches = keyframe->features.map_points;
       matches_.Ask(row < matches.size() && matches[row] == point.id);
-      if (left > 0 && ObservedKeypoint(*keyframe, observation.left) != nullptr && !atlas_.cameras.empty()) {
+      if (left > 0 && ObservedKeypoint(*keyframe, observation.left) != nullptr) {
         --left;
-        projects_.Ask(reprojection.Of(point, observation).left < kFarthest);  // NaN behind the camera
+        AskProjection(point, *keyframe, observation, reprojection);
       }
     }
     if (point.observations.empty()) return;
@@ -133,6 +153,20 @@ class Interview {
     AskPlace(point, centers, reprojection);
   }
 
+  // Where the cameras are lost, by what the keyframe repeats of them, which leaves out how a fisheye distorts.
+  void AskProjection(const MapPoint& point, const KeyFrame& keyframe, const Observation& observation,
+                     const Reprojection& reprojection) {
+    if (!atlas_.cameras.empty()) return projects_.Ask(reprojection.Of(point, observation).left < kFarthest);
+    if (keyframe.features.is_fisheye_stereo()) return;
+    const Intrinsics& of = keyframe.intrinsics;
+    Camera camera{.model = CameraModel::kPinhole};
+    camera.parameters = {of.fx, of.fy, of.cx, of.cy};
+    const Rigid3f pose = keyframe.camera_from_world.Normalized();
+    const auto pixel = Project(camera, pose.rotation * point.position + pose.translation);
+    const Keypoint& keypoint = *ObservedKeypoint(keyframe, observation.left);
+    projects_.Ask(pixel && (*pixel - Eigen::Vector2f(keypoint.x, keypoint.y)).norm() < kFarthestDistorted);
+  }
+
   void AskPlace(const MapPoint& point, std::span<const Eigen::Vector3f> centers, const Reprojection& reprojection) {
     if (!centers.empty()) {
       const Eigen::Vector3f seen = MeanViewingDirection(point.position, centers);
@@ -141,7 +175,7 @@ class Interview {
     }
     if (const KeyFrame* reference = reprojection.Find(point.reference)) {
       const float distance = (point.position - CameraCenter(*reference)).norm();
-  const std::vector<float>& factors = reference->pyramid.factors;
+      const std::vector<float>& factors = reference->pyramid.factors;
       const float range = factors.empty() ? 0 : factors.back() * point.min_distance;
       near_.Ask(distance >= point.min_distance / 2 && distance <= point.max_distance * 2 &&
                 (range == 0 || std::abs(point.max_distance - range) < 0.02F * range));
@@ -161,9 +195,9 @@ class Interview {
   // One that was never set is the identity, not half a turn about an axis.
   void AskRest(const Rigid3f& pose) { rest_.Ask(std::abs(pose.rotation.x()) != 1 && std::abs(pose.rotation.z()) != 1); }
 
-  static constexpr std::size_t kMostPoints = 600, kMostObservations = 6;
-  static constexpr float kFarthest = 20;                 // pixels
-  static constexpr double kLongestGap = 10 * 365 * 86400.0;  // seconds
+  static constexpr std::size_t kEnough = 5, kMostKeyFrames = 200, kMostPoints = 600, kMostObservations = 6;
+  static constexpr float kFarthestDistorted = 200;
+  static constexpr float kFarthest = 20;  // pixels
 
   const Atlas& atlas_;
   Question pose_{"orientations of keyframes are no rotations", {"KeyFrame.mTcw"}};
@@ -190,6 +224,12 @@ layouts::Meaning MeaningOf(const Atlas& atlas, const ForkProgram& program) {
   Interview interview(atlas);
   interview.Run();
   return interview.Answer(program);
+}
+
+std::string DoubtOfPoses(const Atlas& atlas) {
+  Interview interview(atlas);
+  interview.Run();
+  return interview.AnswerOfPoses();
 }
 
 }  // namespace slamdb::orbslam3

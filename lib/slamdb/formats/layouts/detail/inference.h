@@ -35,17 +35,17 @@ Verdict Judge(const ArchiveBytes& archive, const Layout& layout, std::span<const
 
 // What speaks against what a whole file means, read in a layout: whether points lie where keyframes see them, and more.
 struct Meaning {
-  double penalty = 0;                // as Verdict's
+  double penalty = 0;               // as Verdict's
   std::vector<std::string> doubts;  // for people
 };
 using MeaningJudge = std::function<Meaning(const Layout&)>;
 // From here on it cannot be read in the layout at all.
 inline constexpr double kUnreadable = 1000;
 
-// The layout of an archive: a known one, when it comes to the last byte and what it reads is like what ORB-SLAM3 writes;
-// or else the smallest change of one, members more or less, in other forms or order, in KeyFrame, MapPoint, Map and
-// Atlas. Members that are new are called unknown1, unknown2, ..., with a type that has their bytes. Of several that fit
-// as well, the one counts against which least speaks. Where longs have 4 bytes, of known layouts alone.
+// The layout of an archive: a known one, when it comes to the last byte and what it reads is like what ORB-SLAM3
+// writes; or else the smallest change of one, members more or less, in other forms or order, in KeyFrame, MapPoint, Map
+// and Atlas. Members that are new are called unknown1, unknown2, ..., with a type that has their bytes. Of several that
+// fit as well, the one counts against which least speaks. Where longs have 4 bytes, of known layouts alone.
 //
 // Tries are bounded: seconds. Deterministic.
 // Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there.
@@ -53,8 +53,7 @@ InferredLayout Infer(const ArchiveBytes& archive, const InferOptions& options, c
 
 // Puts members into other forms of as many bytes, or into another order, as long as that takes away much of what speaks
 // against the meaning. Says what it changed.
-void Reform(const ArchiveBytes& archive, const MeaningJudge& judge, Layout& layout, Meaning& meaning,
-            std::vector<std::string>& differences);
+void Reform(const MeaningJudge& judge, Layout& layout, Meaning& meaning, std::vector<std::string>& differences);
 
 // What was found out, for people.
 struct Findings {
@@ -68,8 +67,8 @@ struct ClassOption {
 };
 
 // What the members of a class may be that its records have: those of a known layout, or of `layout` with the fewest
-// changes, likeliest first; `thorough`: changes even where a known one fits. `records`: from end to end, with every class
-// met before; none: `layout` it is.
+// changes, likeliest first; `thorough`: changes even where a known one fits. `records`: from end to end, with every
+// class met before; none: `layout` it is.
 std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
                                    std::span<const MemberPlace> records, const Layout& layout, bool thorough = false);
 
@@ -81,13 +80,13 @@ std::vector<std::string> TypesLike(const std::string& warm_type);
 // Gives a member of the layout another of those types; classes of its own where it needs them.
 void SetType(Layout& layout, const std::string& class_name, std::size_t row, const std::string& types);
 
-// The layout with other members of Map, Atlas and cameras, and another root, that come to the end of the file, likeliest
-// first; empty where none is found.
+// The layout with other members of Map, Atlas and cameras, and another root, that come to the end of the file,
+// likeliest first; empty where none is found.
 std::vector<ClassOption> FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends,
                                    const Layout& layout, const MeaningJudge& judge);
 
-// The layouts that keyframes and map points may have in a damaged archive, likeliest first; unknown members are bytes as
-// they stand where every class has been met. Empty when no change of v1.0 explains them.
+// The layouts that keyframes and map points may have in a damaged archive, likeliest first; unknown members are bytes
+// as they stand where every class has been met. Empty when no change of v1.0 explains them.
 std::vector<ClassOption> LayoutsOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps, bool thorough);
 
 }  // namespace slamdb::layouts

@@ -20,7 +20,7 @@ namespace slamdb::layouts {
 // A form in which a fork may have written a member.
 struct StepForm {
   LayoutMember member;
-  std::uint32_t type = 0;  // row
+  std::uint32_t type = 0;   // row
   int rank = 0;             // the likeliest is 0
   bool same_bytes = false;  // as many as its own form has
   CheckedMember check;

@@ -10,4 +10,7 @@ namespace slamdb::orbslam3 {
 // each other, times rise. A sample of the points is looked at. What the layout lacks is not held against it.
 layouts::Meaning MeaningOf(const Atlas& atlas, const ForkProgram& program);
 
+// What is said where times, or poses and positions, of a whole atlas are nearly all such as no map has; empty as a rule.
+std::string DoubtOfPoses(const Atlas& atlas);
+
 }  // namespace slamdb::orbslam3

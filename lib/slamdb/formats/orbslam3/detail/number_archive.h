@@ -13,8 +13,8 @@ namespace slamdb::orbslam3 {
 using Number = long double;
 static_assert(std::numeric_limits<Number>::digits >= 64);  // every integer of 64 bits and every double
 
-// The archive (see layout.h) whose values are plain numbers, for members of a fork that are of another type; of lists the
-// count stands in front. What does not consist of numbers is passed over.
+// The archive (see layout.h) whose values are plain numbers, for members of a fork that are of another type; of lists
+// the count stands in front. What does not consist of numbers is passed over.
 template <bool reads>
 class NumberArchive {
  public:
