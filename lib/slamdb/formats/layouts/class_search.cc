@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <map>
+#include <numeric>
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
@@ -13,7 +13,7 @@ using detail::Concat;
 
 constexpr std::size_t kSamples = 6, kMostRounds = 8, kJudged = 100, kMostOptions = 24;
 constexpr double kMostUnfit = 0.02;  // of records: those that bring a class for the first time
-constexpr double kAlike = 0.5;       // penalties that do not tell one from the other
+constexpr double kAlike = 25;        // more speaks against what is not worth a look at the whole file
 constexpr std::string_view kUnknown = "unknown";
 
 // The classes that a class holds, itself first.
@@ -57,7 +57,7 @@ class ClassSearch {
     for (const Layout& known : KnownLayouts()) {
       const Wire wire(known, archive_.encoding);
       if (wire.RowOf(class_name_) < 0 || Unfit(wire, 1)) continue;
-      const double penalty = Penalty(wire);
+      const double penalty = Penalty(known, wire);
       if (penalty >= least) continue;
       least = penalty;
       best = &known;
@@ -70,13 +70,14 @@ class ClassSearch {
     return option;
   }
 
-  std::vector<ClassOption> Changed(const Layout& layout) const {
+  std::vector<ClassOption> Changed(const Layout& layout, bool thorough) const {
     Wire wire(layout, archive_.encoding);
-    RecordSearch search(wire, archive_.file, archive_.encoding, StepsOf(wire, class_name_));
+    RecordSearch search(wire, archive_.file, archive_.encoding, StepsOf(layout, wire, class_name_));
     std::vector<MemberPlace> samples = Samples();
     for (std::size_t round = 0; round < kMostRounds; ++round) {
       const std::vector<RecordSolution> solutions =
-          Likeliest(round == 0 ? RunWithoutOutlier(search, samples) : search.Run(samples), search.steps(), layout);
+          Likeliest(round == 0 ? RunWithoutOutlier(search, samples, thorough) : search.Run(samples, thorough),
+                    search.steps(), layout);
       std::vector<ClassOption> options;
       for (std::size_t i = 0; i < solutions.size() && options.size() < kMostOptions; ++i) {
         ClassOption option{layout, {}};
@@ -86,7 +87,6 @@ class ClassSearch {
           samples.push_back(*Unfit(result, 0));
           break;
         }
-        Compare(i, solutions, search.steps(), option.findings);
         options.push_back(std::move(option));
       }
       if (solutions.empty() || !options.empty()) return options;
@@ -96,12 +96,13 @@ class ClassSearch {
 
  private:
   // A record that brings a class for the first time is like no other: where nothing explains all samples, without one.
-  static std::vector<RecordSolution> RunWithoutOutlier(RecordSearch& search, std::vector<MemberPlace>& samples) {
-    std::vector<RecordSolution> solutions = search.Run(samples);
+  static std::vector<RecordSolution> RunWithoutOutlier(RecordSearch& search, std::vector<MemberPlace>& samples,
+                                                       bool thorough) {
+    std::vector<RecordSolution> solutions = search.Run(samples, thorough);
     for (std::size_t left_out = 0; solutions.empty() && left_out < samples.size() && samples.size() > 2; ++left_out) {
       std::vector<MemberPlace> others = samples;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
-      solutions = search.Run(others, RecordSearch::kMostNodes / 4);
+      solutions = search.Run(others, thorough, RecordSearch::kMostNodes / 4);
       if (!solutions.empty()) samples = std::move(others);
     }
     return solutions;
@@ -116,11 +117,14 @@ class ClassSearch {
       Layout changed = layout;
       Findings found;
       Apply(solution, steps, changed, found);
-      penalties.push_back(Penalty(Wire(changed, archive_.encoding)));
+      penalties.push_back(Penalty(changed, Wire(changed, archive_.encoding)));
     }
     const double most = *std::ranges::min_element(penalties) + kAlike;
+    std::vector<std::size_t> order(solutions.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return penalties[i]; });
     std::vector<RecordSolution> likeliest;
-    for (std::size_t i = 0; i < solutions.size(); ++i)
+    for (const std::size_t i : order)
       if (penalties[i] <= most) likeliest.push_back(std::move(solutions[i]));
     return likeliest;
   }
@@ -143,7 +147,7 @@ class ClassSearch {
   }
 
   // What speaks against the members, by record.
-  double Penalty(const Wire& wire) const {
+  double Penalty(const Layout& layout, const Wire& wire) const {
     const WarmWalk walk(wire, archive_.file, archive_.encoding);
     std::vector<MemberPlace> at = Spread(records_, kJudged);
     std::erase_if(at, [&](const MemberPlace& record) {
@@ -152,14 +156,14 @@ class ClassSearch {
     });
     std::vector<RecordFacts> facts(at.size());
     double penalty = 0;
-    for (const SearchStep& step : StepsOf(wire, class_name_)) {
+    for (const SearchStep& step : StepsOf(layout, wire, class_name_)) {
       std::vector<MemberPlace> places;
       for (MemberPlace& record : at) {
         const std::uint64_t behind = walk.Behind(step.type, record.begin);
         places.push_back({record.begin, behind});
         record.begin = behind;
       }
-      if (step.known != nullptr) penalty += PenaltyOf(*step.known, archive_.file, places, facts);
+      penalty += step.check.Penalty(archive_.file, places, facts);
     }
     return penalty;
   }
@@ -210,13 +214,25 @@ class ClassSearch {
              Findings& found) const {
     int unknown = Unknowns(layout);
     for (const RecordEdit& edit : solution.edits) {
-      const bool removes = edit.kind == RecordEdit::Kind::kRemove;
-      LayoutClass& of = *layout.Find(removes ? steps[edit.step].of_class : OwnerOf(steps, edit.step));
+      if (IsOfMember(edit)) continue;
+      const bool removes = edit.kind == RecordEdit::Kind::kRemove || edit.kind == RecordEdit::Kind::kRemoveClass;
+      const std::string owner =
+          edit.kind == RecordEdit::Kind::kRemove ? steps[edit.step].of_class : OwnerOf(steps, edit.step);
+      LayoutClass& of = *layout.Find(owner);
       const auto at = of.members.begin() + static_cast<std::ptrdiff_t>(RowInFront(of, steps, edit.step));
       if (removes)
         of.members.erase(at);
       else
         of.members.insert(at, {Concat(kUnknown, ++unknown), edit.type});
+    }
+    for (const RecordEdit& edit : solution.edits) {  // by their names, which others go by, too
+      if (!IsOfMember(edit)) continue;
+      LayoutClass& of = *layout.Find(steps[edit.step].of_class);
+      const auto at = of.members.begin() + static_cast<std::ptrdiff_t>(RowOf(of, steps[edit.step].name));
+      if (edit.kind == RecordEdit::Kind::kForm)
+        *at = {edit.name, edit.type};
+      else
+        std::iter_swap(at, at + 1);
     }
     for (const std::uint32_t step : solution.doubtful) {
       LayoutMember& member =
@@ -226,6 +242,11 @@ class ClassSearch {
       member.name = Concat(kUnknown, ++unknown);
     }
     for (const RecordEdit& edit : solution.edits) found.differences.push_back(Text(edit, steps));
+  }
+
+  // Of a member that is there.
+  static bool IsOfMember(const RecordEdit& edit) {
+    return edit.kind == RecordEdit::Kind::kForm || edit.kind == RecordEdit::Kind::kSwap;
   }
 
   static int Unknowns(const Layout& layout) {
@@ -238,25 +259,17 @@ class ClassSearch {
   std::string Text(const RecordEdit& edit, const std::vector<SearchStep>& steps) const {
     const std::string name = edit.step < steps.size() ? steps[edit.step].name : "";
     if (edit.kind == RecordEdit::Kind::kRemove) return Concat(steps[edit.step].of_class, ": no ", name);
+    if (edit.kind == RecordEdit::Kind::kForm)
+      return Concat(steps[edit.step].of_class, ": ", edit.type, " ", edit.name, " for ", name);
+    if (edit.kind == RecordEdit::Kind::kSwap)
+      return Concat(steps[edit.step].of_class, ": ", steps[edit.step + 1].name, " in front of ", name);
     const std::string owner = OwnerOf(steps, edit.step);
+    if (edit.kind == RecordEdit::Kind::kRemoveClass) return Concat(owner, ": no ", steps[edit.step].of_class);
     const std::string where = edit.step == 0 ? Concat("in front of ", name)
                               : edit.step == steps.size()
                                   ? Concat("at the end, behind ", steps.back().name)
                                   : Concat("between ", steps[edit.step - 1].name, " and ", name);
     return Concat(owner, ": ", edit.type, " more, ", where);
-  }
-
-  // Says which other changes explain the records as well.
-  void Compare(std::size_t chosen, const std::vector<RecordSolution>& solutions, const std::vector<SearchStep>& steps,
-               Findings& found) const {
-    for (std::size_t i = 0; i < solutions.size(); ++i) {
-      if (i == chosen) continue;
-      std::string text;
-      for (const RecordEdit& edit : solutions[i].edits)
-        if (std::ranges::find(solutions[chosen].edits, edit) == solutions[chosen].edits.end())
-          text += (text.empty() ? "" : "; ") + Text(edit, steps);
-      if (!text.empty()) found.alternatives.push_back(std::move(text));
-    }
   }
 
   const ArchiveBytes& archive_;
@@ -269,11 +282,14 @@ class ClassSearch {
 bool IsUnknown(const LayoutMember& member) { return member.name.starts_with(kUnknown); }
 
 std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
-                                   std::span<const MemberPlace> records, const Layout& layout) {
+                                   std::span<const MemberPlace> records, const Layout& layout, bool thorough) {
   if (records.empty()) return {{layout, {}}};  // nothing speaks against the members that it has
   const ClassSearch search(archive, class_name, records);
-  if (std::optional<ClassOption> known = search.Known(layout)) return {std::move(*known)};
-  return search.Changed(layout);
+  std::vector<ClassOption> options;
+  if (std::optional<ClassOption> known = search.Known(layout)) options.push_back(std::move(*known));
+  if (!options.empty() && !thorough) return options;
+  for (ClassOption& changed : search.Changed(layout, thorough)) options.push_back(std::move(changed));
+  return options;
 }
 
 // ---- Types of unknown members
@@ -300,8 +316,8 @@ void AddParts(std::uint32_t bytes, std::vector<std::string>& types) {
     types.push_back(part("arr<u8,", front, ">") + part("+val<Unknown", bytes - front, ">"));
 }
 
-}  // namespace
-
+// What a member may be whose bytes were seen where every class has been met, likeliest first; several members one
+// behind the other are joined by `+`.
 std::vector<std::string> TypesLike(const std::string& warm_type) {
   const LayoutType type = ParseLayoutType(warm_type);
   const auto value = [](std::uint32_t bytes) { return Concat("val<Unknown", bytes, ">"); };
@@ -321,6 +337,11 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
     AddParts(bytes, types);
     return types;
   }
+  if (warm_type == "map<u32,vec<u32>>")
+    return {"map<u32,vec<u32>>", "map<i32,vec<i32>>", "map<i32,vec<u32>>",
+            "map<u32,vec<i32>>", "map<u32,vec<f32>>", "map<i32,vec<f32>>"};
+  if (warm_type == "map<u64,vec<u64>>") return {"map<u64,vec<u64>>", "map<u64,vec<f64>>", "map<i64,vec<i64>>"};
+  if (warm_type == "map<u64,vec<u32>>") return {"map<u64,vec<u32>>", "map<u64,vec<i32>>", "map<u64,vec<f32>>"};
   if (warm_type == "vec<u32>") return {"vec<u32>", "vec<i32>", "vec<f32>"};
   if (warm_type == "vec<u64>") return {"vec<u64>", "vec<i64>", "vec<f64>"};
   if (warm_type == "vec<u8>") return {"string", "vec<u8>"};
@@ -338,10 +359,10 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
   if (bytes == 16) types = {"map<u64,u64>", "map<u64,f64>"};
   types.push_back(Concat("vec<", value(bytes), ">"));
   types.push_back(Concat("set<arr<u8,", bytes, ">>"));
+  if (bytes > 8) types.push_back(Concat("map<u64,arr<u8,", bytes - 8, ">>"));
+  if (bytes > 4) types.push_back(Concat("map<u32,arr<u8,", bytes - 4, ">>"));
   return types;
 }
-
-namespace {
 
 // Gives the layout a class of so many bytes where the type wants one: each is a class of its own.
 std::string WithClass(Layout& layout, const std::string& type) {
@@ -374,6 +395,22 @@ void SetType(Layout& layout, const std::string& class_name, std::size_t row, con
       members.insert(members.begin() + static_cast<std::ptrdiff_t>(row), {Concat(name, "_", part), type});
     begin = end + 1;
   }
+}
+
+Typings::Typings(const Layout& layout) : layout_(layout) {
+  for (const LayoutClass& of : layout.classes)
+    for (std::size_t row = 0; row < of.members.size(); ++row)
+      if (IsUnknown(of.members[row])) unknown_.push_back({of.name, row, TypesLike(of.members[row].type)});
+  for (const Unknown& one : unknown_) count_ = std::min(kMost, count_ * one.types.size());
+}
+
+Layout Typings::At(std::size_t row) const {
+  Layout typed = layout_;
+  for (auto one = unknown_.rbegin(); one != unknown_.rend(); ++one) {  // rows in front stay where they are
+    SetType(typed, one->of_class, one->row, one->types[row % one->types.size()]);
+    row /= one->types.size();
+  }
+  return typed;
 }
 
 }  // namespace slamdb::layouts

@@ -9,7 +9,7 @@ namespace {
 
 using detail::Concat;
 
-constexpr std::size_t kBeam = 24, kMostEdits = 4;
+constexpr std::size_t kBeam = 24, kMostEdits = 4, kMostAlike = 3, kMostOptions = 8;
 constexpr std::size_t kLongestRemoval = 6;
 constexpr std::size_t kMostTrials = 15'000;
 
@@ -66,31 +66,24 @@ struct Candidate {
 
 class FrameSearch {
  public:
-  FrameSearch(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends)
-      : archive_(archive), known_ends_(known_ends) {}
+  FrameSearch(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends, const MeaningJudge& judge)
+      : archive_(archive), known_ends_(known_ends), judge_(judge) {}
 
   // Edits one after the other; those that come farthest go on.
-  bool Run(Layout& layout, Findings& findings) {
+  std::vector<ClassOption> Run(const Layout& layout) {
     std::vector<Candidate> beam{{.layout = layout, .verdict = Judge(archive_, layout, known_ends_)}};
-    if (FromKnown(layout, beam, findings)) return true;
-    for (std::size_t edits = 0; edits < kMostEdits; ++edits) {
+    AddKnown(layout, beam);
+    for (std::size_t edits = 0; edits < kMostEdits && whole_.empty(); ++edits) {
       next_.clear();
-      whole_.clear();
       for (const Candidate& candidate : beam) Extend(candidate);
-      if (!whole_.empty()) return Choose(layout, findings);
-      std::ranges::stable_sort(next_, [](const Candidate& a, const Candidate& b) {
-        return a.verdict.reached != b.verdict.reached ? a.verdict.reached > b.verdict.reached
-                                                      : a.verdict.penalty < b.verdict.penalty;
-      });
-      if (next_.size() > kBeam) next_.erase(next_.begin() + kBeam, next_.end());
-      beam = std::move(next_);
+      beam = Farthest();
     }
-    return false;
+    return Likeliest();
   }
 
  private:
-  // The frame of another known layout.
-  bool FromKnown(Layout& layout, std::vector<Candidate>& beam, Findings& findings) {
+  // The frames of the other known layouts.
+  void AddKnown(const Layout& layout, std::vector<Candidate>& beam) {
     for (const Layout& known : KnownLayouts().subspan(1)) {
       Candidate candidate{.layout = layout};
       candidate.layout.root = known.root;
@@ -103,14 +96,31 @@ class FrameSearch {
       }
       candidate.edits = {Concat("Atlas and Map: as in ", known.id)};
       candidate.verdict = Judge(archive_, candidate.layout, known_ends_);
-      if (candidate.verdict.whole && candidate.verdict.penalty < kMostPenalty) {
-        layout = std::move(candidate.layout);
-        findings.differences.insert(findings.differences.end(), candidate.edits.begin(), candidate.edits.end());
-        return true;
-      }
-      if (candidate.layout.root != layout.root) beam.push_back(std::move(candidate));
+      const bool fits = candidate.verdict.whole && candidate.verdict.penalty < kMostPenalty;
+      if (fits && judge_(candidate.layout).penalty < kUnreadable)
+        whole_.push_back(std::move(candidate));
+      else if (candidate.layout.root != layout.root)
+        beam.push_back(std::move(candidate));
     }
-    return false;
+  }
+
+  // Many edits bring the walk to the same place: few of each are worth going on with.
+  std::vector<Candidate> Farthest() {
+    std::ranges::stable_sort(next_, [](const Candidate& a, const Candidate& b) {
+      const std::size_t of_a = ListsPassed(a), of_b = ListsPassed(b);
+      if (of_a != of_b) return of_a > of_b;
+      return a.verdict.reached != b.verdict.reached ? a.verdict.reached > b.verdict.reached
+                                                    : a.verdict.penalty < b.verdict.penalty;
+    });
+    std::vector<Candidate> beam;
+    std::size_t alike = 0;
+    for (Candidate& candidate : next_) {
+      const bool same = !beam.empty() && beam.back().verdict.reached == candidate.verdict.reached;
+      alike = same ? alike + 1 : 0;
+      if (alike < kMostAlike) beam.push_back(std::move(candidate));
+      if (beam.size() == kBeam) break;
+    }
+    return beam;
   }
 
   // Changes of members that the walk has come to: what stands behind them does not help it on.
@@ -120,12 +130,40 @@ class FrameSearch {
       if (of == nullptr) continue;
       const std::size_t members = of->members.size();
       const std::size_t entered = from.verdict.members.at(static_cast<std::size_t>(of - from.layout.classes.data()));
-      for (std::size_t row = 0; row < entered; ++row) {
+      for (std::size_t row = FirstRow(from, *of); row < entered; ++row) {
         for (std::size_t type = 0; type < types_.size(); ++type) Insert(from, name, row, type);
         for (std::size_t count = 1; count <= kLongestRemoval && row + count <= members; ++count)
           Remove(from, name, row, count);
       }
     }
+  }
+  // The row behind the last list of objects that the walk has passed.
+  static std::size_t RowBehindLists(const Candidate& from, const LayoutClass& of) {
+    const std::size_t entered = from.verdict.members.at(static_cast<std::size_t>(&of - from.layout.classes.data()));
+    std::size_t behind = 0;
+    for (std::size_t i = 0; i < of.members.size() && i + 1 < entered; ++i)
+      if (of.members[i].type.starts_with("vec<ptr<")) behind = i + 1;
+    return behind;
+  }
+  // Whose objects no chance brings about.
+  static std::size_t ListsPassed(const Candidate& from) {
+    std::size_t passed = 0;
+    for (const char* name : {"Map", "Atlas"}) {
+      const LayoutClass* of = from.layout.Find(name);
+      if (of != nullptr) passed += RowBehindLists(from, *of);
+    }
+    return passed;
+  }
+  // Where changes may stand that lead farther: behind the lists that were passed, as those are right.
+  static std::size_t FirstRow(const Candidate& from, const LayoutClass& of) {
+    const LayoutClass *map = from.layout.Find("Map"), *atlas = from.layout.Find("Atlas");
+    const auto cameras = std::ranges::find(atlas->members, "mvpCameras", &LayoutMember::name) - atlas->members.begin();
+    const std::size_t behind = RowBehindLists(from, of);
+    if (&of != atlas)
+      return static_cast<std::ptrdiff_t>(RowBehindLists(from, *atlas)) > cameras ? of.members.size() + 1 : behind;
+    const bool in_map = map != nullptr && RowBehindLists(from, *map) > 0;
+    const auto maps = std::ranges::find(atlas->members, "mvpBackupMaps", &LayoutMember::name) - atlas->members.begin();
+    return in_map ? std::max(behind, static_cast<std::size_t>(maps) + 1) : behind;
   }
   void Insert(const Candidate& from, const char* name, std::size_t row, std::size_t type) {
     Candidate next = from;
@@ -165,24 +203,23 @@ class FrameSearch {
       next_.push_back(std::move(next));
   }
 
-  // The one against which least speaks; of those alike the likeliest type, at the last place.
-  bool Choose(Layout& layout, Findings& findings) {
+  // Those against which least speaks; of those alike the likeliest type, at the last place.
+  std::vector<ClassOption> Likeliest() {
     const auto better = [](const Candidate& a, const Candidate& b) {
       return a.verdict.total != b.verdict.total ? a.verdict.total < b.verdict.total : a.kind < b.kind;
     };
     std::ranges::reverse(whole_);
     std::ranges::stable_sort(whole_, better);
-    const Candidate& best = whole_.front();
-    for (const Candidate& other : std::span(whole_).subspan(1))
-      if (other.verdict.total == best.verdict.total && other.edits != best.edits)
-        findings.alternatives.push_back(other.edits.back());
-    findings.differences.insert(findings.differences.end(), best.edits.begin(), best.edits.end());
-    layout = best.layout;
-    return true;
+    std::vector<ClassOption> options;
+    for (Candidate& candidate : whole_)
+      if (candidate.verdict.total == whole_.front().verdict.total && options.size() < kMostOptions)
+        options.push_back({std::move(candidate.layout), {.differences = std::move(candidate.edits), .doubts = {}}});
+    return options;
   }
 
   const ArchiveBytes& archive_;
   const std::span<const std::uint64_t> known_ends_;
+  const MeaningJudge& judge_;
   const std::vector<std::string> types_ = FrameTypes();
   std::vector<Candidate> next_, whole_;
   std::size_t trials_ = 0;
@@ -190,9 +227,9 @@ class FrameSearch {
 
 }  // namespace
 
-bool FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends, Layout& layout,
-               Findings& findings) {
-  return FrameSearch(archive, known_ends).Run(layout, findings);
+std::vector<ClassOption> FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends,
+                                   const Layout& layout, const MeaningJudge& judge) {
+  return FrameSearch(archive, known_ends, judge).Run(layout);
 }
 
 }  // namespace slamdb::layouts

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "slamdb/formats/layouts/detail/member_forms.h"
 #include "slamdb/formats/orbslam3/detail/fork_steps.h"
 #include "slamdb/formats/orbslam3/detail/number_archive.h"
 
@@ -13,59 +14,34 @@ namespace slamdb::orbslam3 {
 namespace {
 
 using Kind = TypeNode::Kind;
-using Numbers = std::vector<Number>;
+using layouts::Numbers;
 constexpr std::int32_t kFloat = 5, kDouble = 6;  // OpenCV's CV_32F, CV_64F
 
-// Calls use(T()) with the type that a packed number has.
-template <class Use>
-void WithType(LayoutType::Number number, const Use& use) {
-  using N = LayoutType::Number;
-  switch (number) {
-    case N::kU8:
-    case N::kBool:
-      return use(std::uint8_t());
-    case N::kI8:
-      return use(std::int8_t());
-    case N::kI16:
-      return use(std::int16_t());
-    case N::kU16:
-      return use(std::uint16_t());
-    case N::kI32:
-      return use(std::int32_t());
-    case N::kU32:
-      return use(std::uint32_t());
-    case N::kU64:
-    case N::kULongLong:
-    case N::kSize:
-      return use(std::uint64_t());
-    case N::kI64:
-    case N::kLong:
-      return use(std::int64_t());
-    case N::kF32:
-      return use(float());
-    case N::kF64:
-      return use(double());
+void TakeNumber(ByteReader& in, LayoutType::Number type, Numbers& numbers) {
+  layouts::WithNumberType(type, [&](auto zero) { numbers.push_back(static_cast<Number>(in.Get<decltype(zero)>())); });
+}
+void PutNumber(ByteWriter& out, LayoutType::Number type, Number number) {
+  layouts::WithNumberType(type, [&](auto zero) { out.Put(layouts::Narrowed<decltype(zero)>(number)); });
+}
+
+// Packed lists of numbers, with their counts.
+void TakeNumbers(ByteReader& in, const TypeNode& node, Numbers& numbers) {
+  std::uint64_t count = node.count;
+  const bool is_list = node.kind == Kind::kVector || node.kind == Kind::kList || node.kind == Kind::kMap;
+  if (is_list) numbers.push_back(static_cast<Number>(count = in.Get<std::uint64_t>()));
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (node.children.empty()) TakeNumber(in, node.number, numbers);
+    for (const TypeNode& child : node.children) TakeNumbers(in, child, numbers);
   }
 }
-
-void TakeNumbers(ByteReader& in, LayoutType::Number type, std::size_t count, Numbers& numbers) {
-  WithType(type, [&](auto zero) {
-    for (std::size_t i = 0; i < count; ++i) numbers.push_back(static_cast<Number>(in.Get<decltype(zero)>()));
-  });
-}
-
-template <class T>
-T Narrowed(Number number) {
-  if constexpr (std::is_floating_point_v<T>) return static_cast<T>(number);
-  if (!(std::abs(number) < Number{18446744073709551616.0L})) return T{};
-  return number < 0 ? static_cast<T>(static_cast<std::int64_t>(std::max(number, Number{-9223372036854775808.0L})))
-                    : static_cast<T>(static_cast<std::uint64_t>(number));
-}
-
-void PutNumbers(ByteWriter& out, LayoutType::Number type, const Numbers& numbers) {
-  WithType(type, [&](auto zero) {
-    for (const Number number : numbers) out.Put(Narrowed<decltype(zero)>(number));
-  });
+void PutNumbers(ByteWriter& out, const TypeNode& node, const Numbers& numbers, std::size_t& next) {
+  std::uint64_t count = node.count;
+  const bool is_list = node.kind == Kind::kVector || node.kind == Kind::kList || node.kind == Kind::kMap;
+  if (is_list) out.Put(count = static_cast<std::uint64_t>(numbers[next++]));
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (node.children.empty()) PutNumber(out, node.number, numbers[next++]);
+    for (const TypeNode& child : node.children) PutNumbers(out, child, numbers, next);
+  }
 }
 
 struct PackedMatrix {
@@ -81,94 +57,69 @@ PackedMatrix TakeMatrix(Bytes bytes) {
   const bool known = matrix.type == kFloat || matrix.type == kDouble;
   if (!known || matrix.columns < 0 || matrix.rows < 0 || matrix.columns > 4 || matrix.rows > 4) return {};
   const auto count = static_cast<std::size_t>(matrix.columns * matrix.rows);
-  TakeNumbers(in, matrix.type == kFloat ? LayoutType::Number::kF32 : LayoutType::Number::kF64, count, matrix.values);
+  for (std::size_t i = 0; i < count; ++i)
+    TakeNumber(in, matrix.type == kFloat ? LayoutType::Number::kF32 : LayoutType::Number::kF64, matrix.values);
   return matrix;
 }
 
 void PutMatrix(ByteWriter& out, std::int32_t rows, std::int32_t columns, const Numbers& values) {
   for (const std::int32_t number : {columns, rows, kFloat}) out.Put(number);
   out.Put(std::uint8_t{1});
-  PutNumbers(out, LayoutType::Number::kF32, values);
+  for (const Number value : values) PutNumber(out, LayoutType::Number::kF32, value);
 }
-
-// A pose as v1.0 has it, w x y z and the translation, from the upper rows of a 4x4 or 3x4 matrix, and back.
-Numbers PoseOf(const PackedMatrix& matrix) {
-  if (matrix.columns != 4 || matrix.rows < 3) return {};
-  Eigen::Matrix3d rotation;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      rotation(row, column) = static_cast<double>(matrix.values[static_cast<std::size_t>(4 * row + column)]);
-  const Eigen::Quaterniond q = Eigen::Quaterniond(rotation).normalized();
-  return {q.w(), q.x(), q.y(), q.z(), matrix.values[3], matrix.values[7], matrix.values[11]};
-}
-Numbers MatrixOfPose(const Numbers& pose) {
-  const auto at = [&](std::size_t i) { return static_cast<double>(pose[i]); };
-  const Eigen::Matrix3d rotation = Eigen::Quaterniond(at(0), at(1), at(2), at(3)).normalized().toRotationMatrix();
-  Numbers values;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) values.push_back(rotation(row, column));
-    values.push_back(pose[static_cast<std::size_t>(4 + row)]);
-  }
-  values.insert(values.end(), {0, 0, 0, 1});
-  return values;
-}
-Numbers Transposed(const Numbers& m) { return {m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]}; }
 
 bool SameNumbers(const Numbers& a, const Numbers& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](Number x, Number y) { return x == y || (std::isnan(x) && std::isnan(y)); });
 }
 
-// A member that consists of numbers, in other numbers or as a matrix.
+// A member that consists of numbers, in other numbers, in another form or as a matrix.
 template <class Entity>
 class NumberConversion : public Conversion<Entity> {
  public:
   using Read = MemberStep<NumberArchive<true>, Entity>;
   using Write = MemberStep<NumberArchive<false>, const Entity>;
-  NumberConversion(const TypeNode& node, const Read& read, const Write& write, std::size_t count)
-      : matrix_(node.kind == Kind::kMatrix), type_(node.number), count_(count), read_(read), write_(write) {}
+  NumberConversion(std::string_view form, const TypeNode& node, const Read& read, const Write& write)
+      : form_(form), node_(node), read_(read), write_(write) {
+    if (node.kind == Kind::kMatrix && Of(Entity()).size() != 3) form_ += form_.empty() ? "rows" : ".rows";
+  }
 
   bool Decode(Bytes bytes, Entity& entity) const override {
-    Numbers numbers = Unpacked(bytes);
-    if (numbers.size() != count_) return true;  // an empty matrix says nothing
+    Numbers numbers = layouts::ToOwn(form_, Unpacked(bytes));
+    if (numbers.empty()) return node_.kind == Kind::kMatrix;  // an empty matrix says nothing
     NumberArchive<true> archive(numbers);
     read_.run(archive, read_.name, entity);
     return true;
   }
   void Encode(const Entity& entity, ByteWriter& out) const override {
-    const Numbers numbers = Of(entity);
-    if (!matrix_) return PutNumbers(out, type_, numbers);
-    if (count_ == 7) return PutMatrix(out, 4, 4, MatrixOfPose(numbers));
-    if (count_ == 9) return PutMatrix(out, 3, 3, Transposed(numbers));
-    PutMatrix(out, static_cast<std::int32_t>(count_), 1, numbers);
+    if (node_.kind != Kind::kMatrix) {
+      std::size_t next = 0;
+      return PutNumbers(out, node_, layouts::FromOwn(form_, Of(entity), node_.count), next);
+    }
+    constexpr std::size_t kMostElements = 16;
+    const Numbers values = layouts::FromOwn(form_, Of(entity), kMostElements);
+    const std::int32_t columns = values.size() == 3 ? 1 : values.size() == 9 ? 3 : 4;
+    PutMatrix(out, static_cast<std::int32_t>(values.size()) / columns, columns, values);
   }
   bool Same(const Entity& a, const Entity& b) const override { return SameNumbers(Of(a), Of(b)); }
 
-  static Numbers Of(const Write& write, const Entity& entity) {
+ private:
+  Numbers Of(const Entity& entity) const {
     Numbers numbers;
     NumberArchive<false> archive(numbers);
-    write.run(archive, write.name, entity);
+    write_.run(archive, write_.name, entity);
+    return numbers;
+  }
+  Numbers Unpacked(Bytes bytes) const {
+    if (node_.kind == Kind::kMatrix) return TakeMatrix(bytes).values;
+    Numbers numbers;
+    ByteReader in(bytes);
+    TakeNumbers(in, node_, numbers);
     return numbers;
   }
 
- private:
-  Numbers Of(const Entity& entity) const { return Of(write_, entity); }
-  Numbers Unpacked(Bytes bytes) const {
-    if (!matrix_) {
-      Numbers numbers;
-      ByteReader in(bytes);
-      TakeNumbers(in, type_, count_, numbers);
-      return numbers;
-    }
-    const PackedMatrix matrix = TakeMatrix(bytes);
-    if (count_ == 7) return PoseOf(matrix);
-    if (count_ == 9) return matrix.rows == 3 && matrix.columns == 3 ? Transposed(matrix.values) : Numbers();
-    return matrix.values;
-  }
-
-  bool matrix_;
-  LayoutType::Number type_;
-  std::size_t count_;
+  std::string form_;
+  TypeNode node_;
   Read read_;
   Write write_;
 };
@@ -289,20 +240,21 @@ class FeatureVectorConversion : public Conversion<KeyFrame> {
   bool map_;
 };
 
-// One side of a point's observations, where the two maps do not stand side by side.
+// One side of a point's observations, where the two maps do not stand side by side or are of other numbers.
 class ObservationConversion : public Conversion<MapPoint> {
  public:
-  explicit ObservationConversion(std::int32_t Observation::*side) : side_(side) {}
+  ObservationConversion(const TypeNode& node, std::int32_t Observation::*side) : node_(node), side_(side) {}
 
   bool Decode(Bytes bytes, MapPoint& point) const override {
     ByteReader in(bytes);
-    const auto count = in.Get<std::uint64_t>();
+    Numbers numbers;
+    TakeNumbers(in, node_, numbers);
     Column<Observation> given;
-    for (std::uint64_t i = 0; i < count; ++i) {
+    for (std::size_t i = 1; i + 1 < numbers.size(); i += 2) {
       Observation observation;
-      observation.keyframe = KeyFrameId(in.Get<std::uint64_t>());
+      observation.keyframe = KeyFrameId(layouts::Narrowed<std::uint64_t>(numbers[i]));
       observation.left = observation.right = Observation::kAbsent;
-      observation.*side_ = in.Get<std::int32_t>();
+      observation.*side_ = layouts::Narrowed<std::int32_t>(numbers[i + 1]);
       given.push_back(observation);
     }
     Column<Observation> both;
@@ -324,8 +276,8 @@ class ObservationConversion : public Conversion<MapPoint> {
         observations, [this](const Observation& observation) { return observation.*side_ != Observation::kAbsent; })));
     for (const Observation& observation : observations) {
       if (observation.*side_ == Observation::kAbsent) continue;
-      out.Put(observation.keyframe.value());
-      out.Put(observation.*side_);
+      PutNumber(out, node_.children[0].number, static_cast<Number>(observation.keyframe.value()));
+      PutNumber(out, node_.children[1].number, static_cast<Number>(observation.*side_));
     }
   }
   bool Same(const MapPoint& a, const MapPoint& b) const override {
@@ -336,6 +288,7 @@ class ObservationConversion : public Conversion<MapPoint> {
   }
 
  private:
+  TypeNode node_;
   std::int32_t Observation::*side_;
 };
 
@@ -384,18 +337,16 @@ bool IsListOfVectors(const TypeNode& node) {
   return node.kind == Kind::kList && IsVectorOf(node.children[0], LayoutType::Number::kU32);
 }
 
-// The member of that name in numbers. A matrix may be of a vector, a 3x3 matrix or a pose.
+// The member of that name in numbers, in another form than its own.
 template <class Entity>
-FoundConversion<Entity> FindNumbers(const LayoutMember& member, const TypeNode& node) {
-  if (node.kind != Kind::kNumbers && node.kind != Kind::kMatrix) return {};
+FoundConversion<Entity> FindNumbers(const LayoutMember& member, const TypeNode& node, const LayoutType& own) {
+  const std::string_view form = layouts::FormOf(member.name);
+  if (!layouts::IsForm(form, ParseLayoutType(member.type), own)) return {};
   const auto& reads = StepTable<NumberArchive<true>, Entity>::Steps();
   const auto& writes = StepTable<NumberArchive<false>, const Entity>::Steps();
-  for (std::size_t i = 0; i < reads.size(); ++i) {
-    if (reads[i].name != member.name) continue;
-    const std::size_t count = NumberConversion<Entity>::Of(writes[i], Entity()).size();
-    const bool fits = node.kind == Kind::kMatrix ? count == 3 || count == 7 || count == 9 : count == node.count;
-    if (fits && count > 0) return {std::make_shared<NumberConversion<Entity>>(node, reads[i], writes[i], count)};
-  }
+  for (std::size_t i = 0; i < reads.size(); ++i)
+    if (reads[i].name == layouts::NameOf(member.name))
+      return {std::make_shared<NumberConversion<Entity>>(form, node, reads[i], writes[i])};
   return {};
 }
 
@@ -421,37 +372,38 @@ FoundConversion<KeyFrame> FindOfKeyFrame(std::span<const LayoutMember> members, 
 }  // namespace
 
 template <class Entity>
-FoundConversion<Entity> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes) {
-  return FindNumbers<Entity>(members[0], nodes[0]);
+FoundConversion<Entity> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes,
+                                       const LayoutType& own) {
+  return FindNumbers<Entity>(members[0], nodes[0], own);
 }
 template <>
-FoundConversion<KeyFrame> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes) {
+FoundConversion<KeyFrame> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes,
+                                         const LayoutType& own) {
   FoundConversion<KeyFrame> found = FindOfKeyFrame(members, nodes);
-  return found.conversion ? found : FindNumbers<KeyFrame>(members[0], nodes[0]);
+  return found.conversion ? found : FindNumbers<KeyFrame>(members[0], nodes[0], own);
 }
 template <>
-FoundConversion<MapPoint> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes) {
-  using N = LayoutType::Number;
+FoundConversion<MapPoint> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes,
+                                         const LayoutType& own) {
   const TypeNode& node = nodes[0];
-  const bool is_map =
-      node.kind == Kind::kMap && IsNumber(node.children[0], N::kU64) && IsNumber(node.children[1], N::kI32);
+  const bool is_map = layouts::IsForm("", ParseLayoutType(members[0].type), own) && node.kind == Kind::kMap;
   if (is_map && members[0].name == "mBackupObservationsId1")
-    return {std::make_shared<ObservationConversion>(&Observation::left)};
+    return {std::make_shared<ObservationConversion>(node, &Observation::left)};
   if (is_map && members[0].name == "mBackupObservationsId2")
-    return {std::make_shared<ObservationConversion>(&Observation::right)};
-  return FindNumbers<MapPoint>(members[0], node);
+    return {std::make_shared<ObservationConversion>(node, &Observation::right)};
+  return FindNumbers<MapPoint>(members[0], node, own);
 }
 // The counters alone are the model's.
 template <>
-FoundConversion<Atlas> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>) {
+FoundConversion<Atlas> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>, const LayoutType&) {
   return {};
 }
 template <>
 FoundConversion<ImuPreintegration> FindConversion(std::span<const LayoutMember> members,
-                                                  std::span<const TypeNode> nodes) {
+                                                  std::span<const TypeNode> nodes, const LayoutType& own) {
   const TypeNode& node = nodes[0];
   if (members[0].name != "mvMeasurements" || node.kind != Kind::kList || node.children[0].kind != Kind::kClass)
-    return FindNumbers<ImuPreintegration>(members[0], node);
+    return FindNumbers<ImuPreintegration>(members[0], node, own);
   // Plain numbers, and among them the acceleration, the angular velocity and the duration, side by side.
   std::size_t bytes = 0, at = 0;
   const std::vector<TypeNode>& fields = node.children[0].children;
@@ -472,7 +424,9 @@ FoundConversion<ImuPreintegration> FindConversion(std::span<const LayoutMember> 
   return {std::make_shared<MeasurementConversion>(bytes, at)};
 }
 
-template FoundConversion<Map> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>);
-template FoundConversion<Camera> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>);
+template FoundConversion<Map> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>,
+                                             const LayoutType&);
+template FoundConversion<Camera> FindConversion(std::span<const LayoutMember>, std::span<const TypeNode>,
+                                                const LayoutType&);
 
 }  // namespace slamdb::orbslam3

@@ -150,9 +150,8 @@ std::uint64_t Reachable(const std::vector<std::string>& names, std::uint64_t cou
 
 bool IsOwnLayout(std::string_view layout) { return layout.empty() || layout == kOwn; }
 
-LayoutReading ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options,
+LayoutReading ReadInLayout(const Source& source, const ForkProgram& program, const ReadOptions& options,
                            Notices& notices) {
-  const ForkProgram program(LayoutOf(layout));
   ForkReading reading = ReadWithWidths(source, program, options);
   Finish(reading, program, source, options, notices);
   const bool doubtful = LooksLikeAnotherLayout(reading.atlas, CountImplausible(reading.atlas) + reading.implausible);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/layouts/detail/member_forms.h"
 #include "slamdb/formats/orbslam3/detail/fork_conversions.h"
 #include "slamdb/formats/orbslam3/detail/fork_steps.h"
 #include "slamdb/formats/orbslam3/detail/number_archive.h"
@@ -283,7 +284,10 @@ class Compiler {
     const std::span<const LayoutMember> members(of.members.data() + i, behind - i);
     for (const LayoutMember& member : members) op.nodes.push_back(NodeOf(ParseLayoutType(member.type)));
     FoundConversion<Entity> found;
-    if (!twice) found = FindConversion<Entity>(members, op.nodes);
+    std::string_view own = OwnType(of.name, layouts::NameOf(of.members[i].name));
+    for (const char* camera : {"GeometricCamera", "KannalaBrandt8"})
+      if (own.empty() && in_camera_) own = OwnType(camera, of.members[i].name);
+    if (!twice && !own.empty()) found = FindConversion<Entity>(members, op.nodes, ParseLayoutType(own));
     op.conversion = found.conversion;
     op.nodes.resize(found.conversion ? found.members : 1);
     if (!found.conversion) foreign.push_back(op.name);
@@ -365,8 +369,9 @@ std::string_view WithoutScope(std::string_view name) {
 }  // namespace
 
 std::size_t WidthOf(LayoutType::Number number) {
-  constexpr std::array<std::size_t, 13> kWidths{1, 1, 2, 2, 4, 4, 8, 8, 4, 8, 8, 8, 8};
-  return kWidths.at(static_cast<std::size_t>(number));
+  std::size_t width = 0;
+  layouts::WithNumberType(number, [&](auto zero) { width = sizeof(zero); });
+  return width;
 }
 
 std::uint64_t BytesOfNothing(const TypeNode& node) {

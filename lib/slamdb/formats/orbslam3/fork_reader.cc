@@ -419,18 +419,22 @@ class ForkReader {
 };
 
 bool IsPlausible(const KeyFrame& keyframe) {
-  constexpr double kLatest = 1e11, kEarliest = 1e-6;  // seconds; between 0 and that are the bits of something else
-  const double time = keyframe.timestamp;
-  const bool timed = time == 0 || (time >= kEarliest && time < kLatest);
-  return timed && slamdb::detail::IsUnit(keyframe.camera_from_world.rotation);
+  return IsTime(keyframe.timestamp) && slamdb::detail::IsUnit(keyframe.camera_from_world.rotation);
 }
 
 }  // namespace
 
 std::uint64_t CountImplausible(const Atlas& atlas) {
   std::uint64_t count = 0;
-  for (const Map& map : atlas.maps)
-    count += map.keyframes.size() - static_cast<std::size_t>(std::ranges::count_if(map.keyframes, IsPlausible));
+  for (const Map& map : atlas.maps) {
+    std::vector<const KeyFrame*> by_id;
+    for (const KeyFrame& keyframe : map.keyframes) by_id.push_back(&keyframe);
+    std::ranges::sort(by_id, {}, [](const KeyFrame* keyframe) { return keyframe->id; });
+    for (std::size_t i = 0; i < by_id.size(); ++i) {
+      const bool follows = i == 0 || Follows(by_id[i]->timestamp, by_id[i - 1]->timestamp);
+      count += !IsPlausible(*by_id[i]) || !follows;
+    }
+  }
   return count;
 }
 

@@ -8,6 +8,7 @@
 #include "slamdb/formats/layouts/detail/inference.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/detail/meaning.h"
 #include "slamdb/formats/orbslam3/infer_layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -122,6 +123,83 @@ void Tell(const SalvagedList& list, std::size_t map, const char* what, std::vect
         Concat("map ", map, ": ", list.listed - list.read, " of ", list.listed, " ", what, " are damaged"));
 }
 
+// Records of a damaged file, read in the layout that makes most sense of them.
+struct RecordReading {
+  Atlas atlas;
+  std::string known;  // the id of the layout; empty: it was inferred
+  layouts::Meaning meaning;
+  std::vector<std::string> differences, doubts;
+};
+
+RecordReading ReadIn(const Layout& layout, const Source& source, std::span<const MapPlaces> places) {
+  ForkProgram program(layout);
+  detail::FileStream stream(source);
+  Notices notices;
+  const ArchiveHeader header = ReadArchiveHeader(stream, notices);
+  RecordReading reading{.atlas = ReadForkRecords(stream, header, program, places)};
+  reading.meaning = MeaningOf(reading.atlas, program);
+  return reading;
+}
+
+// The first records bring the classes of members, and tell their types.
+RecordReading ReadTyped(const Layout& layout, const Source& source, std::span<const MapPlaces> places) {
+  constexpr std::size_t kMostTrials = 512;
+  MapPlaces first;
+  if (!places.front().keyframes.empty()) first.keyframes.push_back(places.front().keyframes.front());
+  if (!places.front().points.empty()) first.points.push_back(places.front().points.front());
+  const layouts::Typings typings(layout);
+  for (std::size_t trial = 0; trial < std::min(kMostTrials, typings.count()); ++trial) {
+    const Layout typed = typings.At(trial);
+    const Map read = ReadIn(typed, source, std::span(&first, 1)).atlas.maps.front();
+    if (read.keyframes.size() == first.keyframes.size() && read.points.size() == first.points.size())
+      return ReadIn(typed, source, places);
+  }
+  return ReadIn(layout, source, places);
+}
+
+void TryOptions(const Source& source, std::span<const MapPlaces> places, std::span<const layouts::ClassOption> options,
+                std::optional<RecordReading>& best) {
+  constexpr double kAlike = 2;
+  for (const layouts::ClassOption& option : options) {
+    RecordReading reading = ReadTyped(option.layout, source, places);
+    reading.differences = option.findings.differences;
+    reading.doubts = option.findings.doubts;
+    reading.doubts.insert(reading.doubts.end(), reading.meaning.doubts.begin(), reading.meaning.doubts.end());
+    if (!best || reading.meaning.penalty < best->meaning.penalty - kAlike)
+      best = std::move(reading);
+    else if (reading.meaning.penalty < best->meaning.penalty + kAlike)
+      best->doubts.push_back(Concat("it could as well be: ", Joined(reading.differences)));
+  }
+}
+
+// In the known layout, or one with members in other forms; in another one where that makes no sense.
+std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, const Source& source,
+                                         std::span<const MapRecords> maps, std::span<const MapPlaces> places,
+                                         const Layout* known) {
+  std::optional<RecordReading> best;
+  if (known != nullptr) {
+    best = ReadIn(*known, source, places);
+    best->known = known->id;
+    constexpr std::size_t kMostBytes = std::size_t{24} << 20U;  // which are decoded some hundred times
+    if (archive.file.size() > kMostBytes) return best;
+    Layout layout = *known;
+    layouts::Meaning meaning = best->meaning;
+    std::vector<std::string> differences;
+    const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, places).meaning; };
+    layouts::Reform(judge, layout, meaning, differences);
+    best->doubts = meaning.doubts;
+    if (!differences.empty()) {
+      best = ReadIn(layout, source, places);
+      best->differences = std::move(differences);
+      best->doubts = best->meaning.doubts;
+    }
+  }
+  for (const bool thorough : {false, true})
+    if (!best || !best->meaning.doubts.empty())
+      TryOptions(source, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
+  return best;
+}
+
 // The name and checksum in front of all.
 Vocabulary VocabularyOf(std::string_view file, const ArchiveHeader& header) {
   constexpr std::uint64_t kLongest = 4096, kChecksum = 32;
@@ -162,15 +240,14 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   if (maps.empty()) return std::nullopt;
   const layouts::ArchiveBytes archive{file, header.encoding, header.bytes};
   const Layout* known = KnownLayoutOf(archive, maps);
-  if (known == &KnownLayouts().front()) return std::nullopt;
-  if (auto whole = Whole(bytes, path)) return whole;
-  const auto layout = known != nullptr ? std::optional(*known) : layouts::LayoutOfRecords(archive, maps);
-  if (!layout) return std::nullopt;
   std::vector<MapPlaces> places;
   for (const MapRecords& map : maps) places.push_back({PlacesOf(map.keyframes), PlacesOf(map.points)});
-  ForkProgram program(*layout);
-  detail::FileStream stream({bytes, path});
-  Salvage salvage{.atlas = ReadForkRecords(stream, header, program, places)};
+  const bool own = known == &KnownLayouts().front();
+  if (own && ReadIn(*known, {bytes, path}, places).meaning.doubts.empty()) return std::nullopt;
+  if (auto whole = Whole(bytes, path)) return whole;
+  std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, maps, places, known);
+  if (!reading || reading->known == KnownLayouts().front().id) return std::nullopt;
+  Salvage salvage{.atlas = std::move(reading->atlas)};
   salvage.atlas.encoding = header.encoding;
   salvage.atlas.vocabulary = VocabularyOf(file, header);
   for (std::size_t row = 0; row < maps.size(); ++row) {
@@ -184,12 +261,14 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   }
   salvage.maps_listed = maps.size();
   salvage.lost_beginning = salvage.atlas.vocabulary.name.empty();
-  if (known != nullptr) {
-    salvage.atlas.layout = known->id;
+  if (!reading->known.empty()) {
+    salvage.atlas.layout = reading->known;
   } else {
     DropCarried(salvage.atlas);
     salvage.damage.emplace_back("members that ORB-SLAM3 v1.0 does not have are left out: their layout is not whole");
   }
+  if (!reading->doubts.empty())
+    salvage.damage.push_back(Concat("the layout is in doubt, and with it what was read: ", Joined(reading->doubts)));
   if (salvage.damage.empty()) salvage.damage.emplace_back("what stands around the keyframes and map points is damaged");
   return salvage;
 }

@@ -10,6 +10,7 @@
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/fork_files.h"
 #include "slamdb/formats/orbslam3/detail/fork_salvage.h"
+#include "slamdb/formats/orbslam3/detail/meaning.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 
@@ -68,19 +69,37 @@ InferredLayout InferText(const WholeFile& file) {
   return {.layout = LayoutOf(atlas.layout.empty() ? KnownLayouts().front().id : atlas.layout), .known = true};
 }
 
+// Of the file, decoded in a layout; what speaks against one that cannot be.
+layouts::MeaningJudge JudgeOf(const WholeFile& file) {
+  return [&file](const Layout& layout) -> layouts::Meaning {
+    try {
+      const orbslam3::ForkProgram program(layout);
+      Notices notices;
+      const Source source(file.bytes(), file.path());
+      return orbslam3::MeaningOf(orbslam3::ReadInLayout(source, program, {}, notices).atlas, program);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kDamaged && error.kind() != ErrorKind::kUnsupported) throw;
+      return {.penalty = layouts::kUnreadable, .doubts = {error.problem()}};
+    }
+  };
+}
+
 // What stands between the records of a known layout is damaged, or cut off.
 InferredLayout InferBinary(const WholeFile& file, const orbslam3::ArchiveHeader& header, const InferOptions& options) {
   try {
-    return InferLayoutOf(file.bytes(), header.encoding, header.bytes, options);
+    return layouts::Infer({file.text(), header.encoding, header.bytes}, options, JudgeOf(file));
   } catch (const Error& error) {
     const auto maps = layouts::FindRecords(file.text(), header.encoding);
     const bool none_found = error.kind() == ErrorKind::kNotPossible && !maps.empty();
     const Layout* known =
         none_found ? orbslam3::KnownLayoutOf({file.text(), header.encoding, header.bytes}, maps) : nullptr;
     if (known == nullptr) throw Error(error.kind(), file.path(), "", error.problem());
-    throw Error(ErrorKind::kNotPossible, file.path(), "",
-                detail::Concat("no layout found: keyframes and map points are as in ", known->id,
-                               ", but the file is damaged or cut short. `RecoverAtlas` saves what is whole"));
+    throw Error(
+        ErrorKind::kNotPossible, file.path(), "",
+        detail::Concat("no layout found: keyframes and map points are as in ", known->id,
+                       ", but nothing explains what stands around them: the file is damaged or cut short, or "
+                       "its Map and Atlas have other members. `RecoverAtlas` saves what is whole, and "
+                       "`DeriveLayoutOfFolder` derives the layout from the sources of the program that wrote it"));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "slamdb/formats/orbslam3/detail/decode_jobs.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/detail/meaning.h"
 #include "slamdb/formats/orbslam3/detail/part_sizes.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/formats/orbslam3/detail/skipper.h"
@@ -294,6 +295,15 @@ void NameTransfer(const Source& source, const Error& error) {
               detail::Concat(error.problem(), "; ", cause, transfers.left.empty() ? "; SalvageAtlas undoes it" : ""));
 }
 
+// A fork's file that has as many bytes as one of v1.0 is read without an error, and as something else.
+void WarnOfMeaning(const Source& source, const Atlas& atlas, const ReadOptions& options, Notices& notices) {
+  if (options.features != FeatureColumns::kAll) return;
+  const std::string doubt = DoubtOfPoses(atlas);
+  if (!doubt.empty())
+    notices.Warn(detail::Concat(source.path, ": ", doubt,
+                                ": the map may be broken, or of a fork whose layout `InferLayout` finds"));
+}
+
 // In v1.0 or a known layout, when all of the file is of it.
 std::optional<Atlas> ReadWhole(const Source& source, const ReadOptions& options, Notices& notices) {
   try {
@@ -318,7 +328,7 @@ Atlas ReadInGivenLayout(const Source& source, const std::string& layout, const R
   if (options.part_sizes != nullptr) own.part_sizes = &sizes;
   try {
     Notices given;
-    LayoutReading reading = ReadInLayout(source, layout, own, given);
+    LayoutReading reading = ReadInLayout(source, ForkProgram(LayoutOf(layout)), own, given);
     if (!reading.fits)
       if (auto other = ReadWhole(source, options, notices)) return *std::move(other);
     if (options.part_sizes != nullptr) *options.part_sizes = std::move(sizes);
@@ -351,6 +361,7 @@ Atlas ReadOrbslam3(const Source& given, const ReadOptions& options, Notices& not
     if (!reading.whole || orbslam3::LooksLikeAnotherLayout(atlas, orbslam3::CountImplausible(atlas)))
       if (auto fork = as_fork()) return *std::move(fork);
     notices.Add(own);
+    orbslam3::WarnOfMeaning(source, atlas, options, notices);
     return std::move(reading.atlas);
   } catch (const Error& error) {
     if (!orbslam3::IsOfTheBytes(error)) throw;

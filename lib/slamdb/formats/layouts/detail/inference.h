@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,9 +33,31 @@ struct Verdict {
 inline constexpr double kMostPenalty = 40;
 Verdict Judge(const ArchiveBytes& archive, const Layout& layout, std::span<const std::uint64_t> known_ends = {});
 
+// What speaks against what a whole file means, read in a layout: whether points lie where keyframes see them, and more.
+struct Meaning {
+  double penalty = 0;               // as Verdict's
+  std::vector<std::string> doubts;  // for people
+};
+using MeaningJudge = std::function<Meaning(const Layout&)>;
+// From here on it cannot be read in the layout at all.
+inline constexpr double kUnreadable = 1000;
+
+// The layout of an archive: a known one, when it comes to the last byte and what it reads is like what ORB-SLAM3
+// writes; or else the smallest change of one, members more or less, in other forms or order, in KeyFrame, MapPoint, Map
+// and Atlas. Members that are new are called unknown1, unknown2, ..., with a type that has their bytes. Of several that
+// fit as well, the one counts against which least speaks. Where longs have 4 bytes, of known layouts alone.
+//
+// Tries are bounded: seconds. Deterministic.
+// Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there.
+InferredLayout Infer(const ArchiveBytes& archive, const InferOptions& options, const MeaningJudge& meaning);
+
+// Puts members into other forms of as many bytes, or into another order, as long as that takes away much of what speaks
+// against the meaning. Says what it changed.
+void Reform(const MeaningJudge& judge, Layout& layout, Meaning& meaning, std::vector<std::string>& differences);
+
 // What was found out, for people.
 struct Findings {
-  std::vector<std::string> differences, alternatives, doubts;
+  std::vector<std::string> differences, doubts;
 };
 
 // A layout with other members of a class.
@@ -45,24 +67,43 @@ struct ClassOption {
 };
 
 // What the members of a class may be that its records have: those of a known layout, or of `layout` with the fewest
-// members more or less, likeliest first. `records`: from end to end, with every class met before; none: `layout` it is.
+// changes, likeliest first; `thorough`: changes even where a known one fits. `records`: from end to end, with every
+// class met before; none: `layout` it is.
 std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
-                                   std::span<const MemberPlace> records, const Layout& layout);
+                                   std::span<const MemberPlace> records, const Layout& layout, bool thorough = false);
 
 // Whether a member is one that FindClass put in.
 bool IsUnknown(const LayoutMember& member);
-// What a member may be whose bytes were seen where every class has been met, likeliest first; several members one
-// behind the other are joined by `+`.
-std::vector<std::string> TypesLike(const std::string& warm_type);
-// Gives a member of the layout another of those types; classes of its own where it needs them.
+// Gives a member of the layout another type, or several members joined by `+`; classes of its own where it needs them.
 void SetType(Layout& layout, const std::string& class_name, std::size_t row, const std::string& types);
 
-// Gives the layout the members of Map and Atlas and the root that the file has. Returns whether it comes to the end.
-bool FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends, Layout& layout,
-               Findings& findings);
+// The types that a layout's unknown members may have, one combination after the other, likeliest first.
+class Typings {
+ public:
+  explicit Typings(const Layout& layout);
+  std::size_t count() const { return count_; }
+  Layout At(std::size_t row) const;
 
-// The layout that keyframes and map points have in a damaged archive; unknown members are bytes as they stand where
-// every class has been met. Nothing when no change of v1.0 explains them.
-std::optional<Layout> LayoutOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps);
+ private:
+  struct Unknown {
+    std::string of_class;
+    std::size_t row = 0;
+    std::vector<std::string> types;
+  };
+  static constexpr std::size_t kMost = 2048;
+
+  const Layout& layout_;
+  std::vector<Unknown> unknown_;
+  std::size_t count_ = 1;
+};
+
+// The layout with other members of Map, Atlas and cameras, and another root, that come to the end of the file,
+// likeliest first; empty where none is found.
+std::vector<ClassOption> FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends,
+                                   const Layout& layout, const MeaningJudge& judge);
+
+// The layouts that keyframes and map points may have in a damaged archive, likeliest first; unknown members are bytes
+// as they stand where every class has been met. Empty when no change of v1.0 explains them.
+std::vector<ClassOption> LayoutsOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps, bool thorough);
 
 }  // namespace slamdb::layouts

@@ -3,8 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
+
+#include "slamdb/formats/layouts/layout.h"
 
 // What the members of ORB-SLAM3's keyframes and map points are like: how well bytes fit the member that they are taken
 // for.
@@ -63,11 +66,25 @@ struct KnownMember {
   double (*rises)(std::string_view file, std::uint64_t at) = nullptr;  // a number that is larger where the id is
 };
 
-// The member of that class and name; null when it is none of ORB-SLAM3's that can be told from others.
-const KnownMember* FindKnownMember(std::string_view of_class, std::string_view name);
+// How a member of a layout is held against what ORB-SLAM3's own member of that name is like, in whichever form it is.
+class CheckedMember {
+ public:
+  CheckedMember() = default;  // of which nothing is known
+  CheckedMember(std::string_view of_class, const LayoutMember& member);
 
-// The penalty of a member in several records, from 0 to 2 * kBadPenalty; `facts` learn from it.
-int PenaltyOf(const KnownMember& member, std::string_view file, std::span<const MemberPlace> places,
-              std::span<RecordFacts> facts);
+  bool known() const { return known_ != nullptr; }
+  bool anchor() const { return known() && known_->anchor; }
+  // Of several records, from 0 to 2 * kBadPenalty; `facts` learn from it.
+  int Penalty(std::string_view file, std::span<const MemberPlace> places, std::span<RecordFacts> facts) const;
+  // Of a whole number of 64 bits in ORB-SLAM3.
+  std::optional<std::int64_t> Whole(std::string_view file, MemberPlace place) const;
+
+ private:
+  const KnownMember* known_ = nullptr;
+  const LayoutType* own_ = nullptr;
+  bool is_own_ = true;  // the bytes are as in v1.0
+  LayoutType type_;
+  std::string form_;
+};
 
 }  // namespace slamdb::layouts

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <queue>
 #include <span>
 #include <string>
@@ -16,28 +17,42 @@
 // end, where a member that is missing or one that is more costs, and so does one whose bytes are not like it.
 namespace slamdb::layouts {
 
+// A form in which a fork may have written a member.
+struct StepForm {
+  LayoutMember member;
+  std::uint32_t type = 0;   // row
+  int rank = 0;             // the likeliest is 0
+  bool same_bytes = false;  // as many as its own form has
+  CheckedMember check;
+};
+
 // A member of the class, or of one that it holds by value.
 struct SearchStep {
   std::string of_class, name;
   std::uint32_t type = 0;  // row
-  const KnownMember* known = nullptr;
+  CheckedMember check;
+  std::vector<StepForm> forms = {};  // but its own
 };
 
 // The members of a class in order, those of Preintegrated and Calib among them.
-std::vector<SearchStep> StepsOf(const Wire& wire, std::string_view class_name);
+std::vector<SearchStep> StepsOf(const Layout& layout, const Wire& wire, std::string_view class_name);
 
 // What a fork may have put in.
 struct InsertShape {
   std::string type;  // a word of a layout; the bytes where all its classes have been met
   std::uint32_t row = 0;
   int cost = 0;
-  bool raw = false;  // bytes of a fixed number
+  bool raw = false;       // bytes of a fixed number
+  bool has_head = false;  // that tells what it is
 };
 
 struct RecordEdit {
-  enum class Kind : std::uint8_t { kInsert, kRemove } kind = Kind::kInsert;
-  std::uint32_t step = 0;  // in front of it; the one that is removed
-  std::string type;        // kInsert
+  // kRemoveClass: all steps of the class that begins with it; kForm: it is of another form; kSwap: it stands behind the
+  // next one.
+  enum class Kind : std::uint8_t { kInsert, kRemove, kRemoveClass, kForm, kSwap } kind = Kind::kInsert;
+  std::uint32_t step = 0;  // in front of it; the one that is removed, or changed
+  std::string type;        // kInsert, kForm
+  std::string name = {};   // kForm
 
   friend bool operator==(const RecordEdit&, const RecordEdit&) = default;
   friend auto operator<=>(const RecordEdit&, const RecordEdit&) = default;
@@ -58,18 +73,22 @@ class RecordSearch {
   RecordSearch(Wire& wire, std::string_view file, const ArchiveEncoding& encoding, std::vector<SearchStep> steps);
 
   // All solutions that are as good as the best one, in a fixed order; empty when there is none within the tries.
-  std::vector<RecordSolution> Run(std::span<const MemberPlace> samples, std::size_t most_nodes = kMostNodes);
+  // `thorough`: and those that are not much worse; a member that is not like itself costs as much as one that is more.
+  std::vector<RecordSolution> Run(std::span<const MemberPlace> samples, bool thorough,
+                                  std::size_t most_nodes = kMostNodes);
   const std::vector<SearchStep>& steps() const { return steps_; }
 
  private:
-  enum class Last : std::uint8_t { kTake, kRemove, kRaw, kInsert };
-  static constexpr std::int32_t kTake = -1, kRemove = -2, kTiers = -3;  // actions; else the row of a shape
+  enum class Last : std::uint8_t { kTake, kRemove, kRaw, kInsert, kForm };
+  // Actions; kTiers, kForms: and those below, for each tier of sizes and each form; else the row of a shape.
+  static constexpr std::int32_t kTake = -1, kRemove = -2, kSwap = -3, kRemoveClass = -4, kTiers = -5, kForms = -16;
   struct Node {
     std::int32_t parent = -1, action = kTake;
     std::uint32_t step = 0;
     int cost = 0, penalty = 0;
     Last last = Last::kTake;
     std::uint8_t inserts = 0;  // in this gap
+    bool formed = false;       // a member in front is of another form
   };
   struct Entry {
     int cost = 0;
@@ -83,11 +102,18 @@ class RecordSearch {
 
   void Search(std::span<const MemberPlace> samples);
   void MakeShapes();
+  void MakeForms();
   void AddShape(std::string type, int cost, bool raw);
   void Push(int cost, std::int32_t node, std::int32_t action);
   void Expand(std::int32_t node);
-  void TakeStep(std::int32_t node);
-  bool RemoveStep(std::int32_t node, int cost);
+  bool TakeStep(std::int32_t node);
+  static int CostOf(const Node& node, const StepForm& form);
+  void TakeForm(std::int32_t node, std::size_t form, int cost);
+  void TakeSwapped(std::int32_t node, int cost);
+  void StayAt(std::int32_t node);
+  std::optional<int> Pass(std::uint32_t type, const CheckedMember& check);
+  void RemoveSteps(std::int32_t node, std::uint32_t count, int cost, std::int32_t action);
+  std::uint32_t EndOfClass(std::uint32_t step) const;
   void Insert(std::int32_t node, std::size_t shape, int cost);
   void Tier(std::int32_t node, int tier, int cost);
   bool FitsBehind(std::int32_t node, std::uint64_t bytes);
@@ -100,7 +126,7 @@ class RecordSearch {
   Wire& wire_;
   const std::string_view file_;
   const ArchiveEncoding encoding_;
-  const std::vector<SearchStep> steps_;
+  std::vector<SearchStep> steps_;
   std::vector<InsertShape> shapes_;
   std::vector<MemberPlace> samples_;
   std::vector<Node> nodes_;
@@ -117,6 +143,7 @@ class RecordSearch {
   std::uint64_t order_ = 0;
   int slack_ = 0;
   std::size_t most_nodes_ = kMostNodes;
+  bool thorough_ = false;
 };
 
 }  // namespace slamdb::layouts

@@ -30,7 +30,15 @@ struct ForkReading {
 ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
                      const ReadOptions& options);
 
-// How many keyframes have no sensible time or orientation, as those of a file of another layout have.
+// Whether a keyframe may have been made then; the bits of something else are below 1e-6 or above 1e11 seconds.
+inline bool IsTime(double seconds) { return seconds == 0 || (seconds >= 1e-6 && seconds < 1e11); }
+// Whether a keyframe of the same map may follow then.
+inline bool Follows(double seconds, double last) {
+  constexpr double kLongestGap = 10 * 365 * 86400.0;
+  return seconds >= last && seconds - last < kLongestGap;
+}
+// How many keyframes have no sensible time or orientation, or a time in front of the last one's, as those of a file of
+// another layout have.
 std::uint64_t CountImplausible(const Atlas& atlas);
 // Where the members of a keyframe or map point stand.
 struct RecordPlace {

@@ -9,7 +9,7 @@
 namespace slamdb::orbslam3 {
 
 // What members that stand side by side mean, by their names (`mTimeStamp.seconds`, `mTimeStamp.nanoseconds`), and how
-// many of them it takes. Null: nothing, or not in these types.
+// many of them it takes. Null: nothing, or not in these types. `own`: the type that v1.0 has for the first of them.
 template <class Entity>
 struct FoundConversion {
   std::shared_ptr<const Conversion<Entity>> conversion;
@@ -17,6 +17,7 @@ struct FoundConversion {
 };
 
 template <class Entity>
-FoundConversion<Entity> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes);
+FoundConversion<Entity> FindConversion(std::span<const LayoutMember> members, std::span<const TypeNode> nodes,
+                                       const LayoutType& own);
 
 }  // namespace slamdb::orbslam3

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "slamdb/formats/format.h"
+#include "slamdb/formats/orbslam3/detail/fork_program.h"
 
 // Files of forks: which layout they are read in, and what is said about it.
 namespace slamdb::orbslam3 {
@@ -17,7 +18,7 @@ struct LayoutReading {
   Atlas atlas;
   bool fits = true;
 };
-LayoutReading ReadInLayout(const Source& source, const std::string& layout, const ReadOptions& options,
+LayoutReading ReadInLayout(const Source& source, const ForkProgram& program, const ReadOptions& options,
                            Notices& notices);
 
 // Reads a file in the known layout that fits: its last byte is reached, and keyframes have sensible times and

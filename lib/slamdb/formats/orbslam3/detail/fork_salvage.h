@@ -16,7 +16,8 @@ namespace slamdb::orbslam3 {
 const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const layouts::MapRecords> maps);
 
 // Reads what is whole in a binary archive of a fork: all of it in a layout that reads it to the end, or else every
-// keyframe and map point that is whole where its number says it stands. Nothing when the records are those of v1.0.
+// keyframe and map point that is whole where its number says it stands. Nothing when the records are those of v1.0, and
+// make sense as such.
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header);
 
 }  // namespace slamdb::orbslam3

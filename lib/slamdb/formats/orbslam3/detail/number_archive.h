@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -9,12 +10,11 @@
 
 namespace slamdb::orbslam3 {
 
-// Holds every integer of 64 bits and every double.
 using Number = long double;
-static_assert(std::numeric_limits<Number>::digits >= 64);
+static_assert(std::numeric_limits<Number>::digits >= 64);  // every integer of 64 bits and every double
 
-// The archive (see layout.h) whose values are plain numbers, for members of a fork that are of another type. What does
-// not consist of numbers is passed over.
+// The archive (see layout.h) whose values are plain numbers, for members of a fork that are of another type; of lists
+// the count stands in front. What does not consist of numbers is passed over.
 template <bool reads>
 class NumberArchive {
  public:
@@ -79,14 +79,22 @@ class NumberArchive {
   void MatrixValue(T&&...) {}
   template <class... T>
   void Keypoints(T&&...) {}
-  template <class... T>
-  void FloatVector(T&&...) {}
-  template <class... T>
-  void IntVector(T&&...) {}
-  template <class... T>
-  void LongLongVector(T&&...) {}
-  template <class... T>
-  void UnsignedLongVector(T&&...) {}
+  template <class T>
+  void FloatVector(const char*, T& values) {
+    MoveList(values, [this](auto& value) { Move(value); });
+  }
+  template <class T>
+  void IntVector(const char*, T& values) {
+    MoveList(values, [this](auto& value) { Move(value); });
+  }
+  template <class T>
+  void LongLongVector(const char*, T& ids) {
+    MoveList(ids, [this](auto& id) { MoveId(id); });
+  }
+  template <class T>
+  void UnsignedLongVector(const char*, T& ids) {
+    MoveList(ids, [this](auto& id) { MoveId(id); });
+  }
   template <class... T>
   void Descriptors(T&&...) {}
   template <class... T>
@@ -95,10 +103,24 @@ class NumberArchive {
   void Bow(T&&...) {}
   template <class... T>
   void FeatureMap(T&&...) {}
-  template <class... T>
-  void Grid(T&&...) {}
-  template <class... T>
-  void Connections(T&&...) {}
+  template <class T>
+  void Grid(const char*, T& grid) {
+    std::size_t cell = 0, keypoint = 0;
+    MoveList(grid.column_sizes, [&](auto& cells) {
+      MoveCount(cells);
+      MovePart(grid.cell_sizes, cell, cells, [&](auto& keypoints) {
+        MoveCount(keypoints);
+        MovePart(grid.keypoints, keypoint, keypoints, [this](auto& row) { Move(row); });
+      });
+    });
+  }
+  template <class T>
+  void Connections(const char*, T& connections) {
+    MoveList(connections, [this](auto& connection) {
+      MoveId(connection.keyframe);
+      Move(connection.weight);
+    });
+  }
   template <class... T>
   void Observations(T&&...) {}
   template <class... T>
@@ -124,6 +146,25 @@ class NumberArchive {
       numbers_.push_back(static_cast<Number>(value));
     else if (next_ < numbers_.size())
       value = Cast<T>(numbers_[next_++]);
+  }
+  // A count that the numbers behind it can hold.
+  template <class T>
+  void MoveCount(T& count) {
+    Move(count);
+    if constexpr (reads) count = static_cast<T>(std::min<std::size_t>(count, numbers_.size() - next_));
+  }
+  template <class T, class MoveOne>
+  void MoveList(T& values, const MoveOne& move_one) {
+    std::size_t count = values.size();
+    MoveCount(count);
+    if constexpr (reads) values.resize(count);
+    for (auto& value : values) move_one(value);
+  }
+  // `count` values of a list that belongs to several, from `next` on.
+  template <class T, class MoveOne>
+  void MovePart(T& values, std::size_t& next, std::size_t count, const MoveOne& move_one) {
+    if constexpr (reads) values.resize(next + count);
+    for (std::size_t i = 0; i < count && next < values.size(); ++i) move_one(values[next++]);
   }
   template <class Entity>
   void MoveId(const Id<Entity>& id) {
