@@ -89,15 +89,15 @@ void AppendDescriptors(Appender& out, const Column<Descriptor>& descriptors, std
   constexpr std::size_t kWords = sizeof(Descriptor) / sizeof(std::uint32_t), kMost = 1 + kWords * 5;
   out.Text("descs");
   out.List(rows);
-  for (std::size_t row = 0; row < rows; ++row) {
-    std::array<std::uint32_t, kWords> words;
-    std::memcpy(words.data(), row < descriptors.size() ? descriptors[row].data() : kNone.data(), sizeof words);
-    out.Fill(kMost, [&](char* at) {
+  out.Fill(rows * kMost, [&](char* at) {
+    for (std::size_t row = 0; row < rows; ++row) {
+      std::array<std::uint32_t, kWords> words;
+      std::memcpy(words.data(), row < descriptors.size() ? descriptors[row].data() : kNone.data(), sizeof words);
       at = Appender::Put(at, "\x98"sv);
       for (const std::uint32_t word : words) at = Appender::PutWord(at, word);
-      return at;
-    });
-  }
+    }
+    return at;
+  });
 }
 
 // Links to points: most are -1.
@@ -114,8 +114,8 @@ void AppendKeypoints(Appender& out, std::span<const Keypoint> keypoints) {
   constexpr std::size_t kMost = 64;
   out.Text("undist_keypts");
   out.List(keypoints.size());
-  for (const Keypoint& keypoint : keypoints)
-    out.Fill(kMost, [&](char* at) {
+  out.Fill(keypoints.size() * kMost, [&](char* at) {
+    for (const Keypoint& keypoint : keypoints) {
       at = Appender::Put(at,
                          "\x83\xa3"
                          "ang"sv);
@@ -127,8 +127,10 @@ void AppendKeypoints(Appender& out, std::span<const Keypoint> keypoints) {
       at = Appender::Put(at,
                          "\xa2"
                          "pt\x92"sv);
-      return Appender::Put(Appender::Put(at, keypoint.x), keypoint.y);
-    });
+      at = Appender::Put(Appender::Put(at, keypoint.x), keypoint.y);
+    }
+    return at;
+  });
 }
 
 void AppendKeyFrame(Appender& out, const Outgoing& map, const OutgoingKeyFrame& written) {
