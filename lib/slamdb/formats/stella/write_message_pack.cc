@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <span>
 
@@ -224,21 +225,25 @@ void WriteRows(AtomicFile& file, std::string_view name, const std::vector<std::u
 
 }  // namespace
 
-void WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options) {
+std::uint64_t WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options) {
   constexpr std::size_t kPointsPerBlock = 4096;
   AtomicFile file(target, detail::FileOptions(options));
   const auto keyframes = TextOrder(map.keyframes(), [](const auto& row) { return row.keyframe->id.value(); });
   const auto points = TextOrder(map.points(), [](const auto& row) { return row.point->id.value(); });
+  std::atomic<std::uint64_t> shapes = 0;
   Write(file, [](Appender& out) { out.Map(6); });
   WriteTable(file, "cameras", map.cameras(), AppendCamera);
   Write(file, [&](Appender& out) { Append(out, "keyframe_next_id", map.next_keyframe()); });
-  WriteRows(file, "keyframes", keyframes, 1, options,
-            [&](Appender& out, std::uint32_t row) { AppendKeyFrame(out, map, map.keyframes()[row]); });
+  WriteRows(file, "keyframes", keyframes, 1, options, [&](Appender& out, std::uint32_t row) {
+    AppendKeyFrame(out, map, map.keyframes()[row]);
+    shapes += CountShapes(map.keyframes()[row]);  // whose keypoints are at hand
+  });
   Write(file, [&](Appender& out) { Append(out, "landmark_next_id", map.next_point()); });
   WriteRows(file, "landmarks", points, kPointsPerBlock, options,
             [&](Appender& out, std::uint32_t row) { AppendPoint(out, map.points()[row]); });
   WriteTable(file, "orb_params", map.orb_params(), AppendOrbParams);
   file.Commit();
+  return shapes;
 }
 
 }  // namespace slamdb::stella
