@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -30,7 +31,8 @@ Eigen::Matrix3d UpwardFromWorld(const Scene& scene) {
   const Eigen::Vector3d up = scene.outline.map == nullptr ? Up().direction : UpOf(*scene.outline.map).direction;
   const std::optional<std::string> axis = NearAxis(up);
   if (axis == "z") return Eigen::Matrix3d::Identity();
-  if (axis != "-y") return UprightFromMap(up).toRotationMatrix();
+  const auto without_rounding = [](double value) { return std::abs(value) < 1e-12 ? 0.0 : value; };
+  if (axis != "-y") return UprightFromMap(up).toRotationMatrix().unaryExpr(without_rounding);
   Eigen::Matrix3d turn;
   turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   return turn;

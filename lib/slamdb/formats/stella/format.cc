@@ -41,8 +41,7 @@ Atlas ReadStella(const Source& source, const ReadOptions& options, Notices& noti
 
 void WriteStella(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   const stella::Outgoing map(atlas, target, options, notices);
-  stella::WriteMessagePack(map, target, options);
-  if (const std::uint64_t shapes = map.CountShapes(); shapes > 0)
+  if (const std::uint64_t shapes = stella::WriteMessagePack(map, target, options); shapes > 0)
     notices.Lose(Concat(Counted(shapes, "keypoint"),
                         " lose response and size: it has no place for them, and the size is read as that of the "
                         "octave"));

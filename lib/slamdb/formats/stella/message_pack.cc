@@ -226,9 +226,10 @@ void MessagePackReader::Skip() {
 }
 
 // To all that it has allocated, so that a string which is filled again and again soon has room.
+// By no more than half of what is there, or what is asked for: resizing fills with zeros.
 void MessagePackAppender::Grow(std::size_t bytes) {
   constexpr std::size_t kLeast = 4096;
-  out_.resize(std::max({at_ + bytes, 2 * at_, out_.capacity(), kLeast}));
+  out_.resize(at_ + std::max({bytes, at_ / 2, kLeast}));
 }
 
 void MessagePackAppender::Head(std::size_t count, std::uint8_t small, std::uint8_t type16) {

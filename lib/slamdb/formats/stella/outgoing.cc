@@ -290,21 +290,19 @@ OutgoingFeatures Outgoing::FeaturesOf(const OutgoingKeyFrame& written) const {
   return out;
 }
 
-std::uint64_t Outgoing::CountShapes() const {
+std::uint64_t CountShapes(const OutgoingKeyFrame& written) {
+  const Features& features = written.keyframe->features;
+  const Column<Keypoint>& keypoints = features.is_fisheye_stereo() ? features.keypoints : features.undistorted;
+  const ScalePyramid& pyramid = written.keyframe->pyramid;
+  std::vector<float> patches;
+  for (std::size_t level = 0; level < pyramid.factors.size(); ++level)
+    patches.push_back(detail::PatchAt(static_cast<std::int32_t>(level), pyramid));
   std::uint64_t count = 0;
-  for (const OutgoingKeyFrame& written : keyframes_) {
-    const Features& features = written.keyframe->features;
-    const Column<Keypoint>& keypoints = features.is_fisheye_stereo() ? features.keypoints : features.undistorted;
-    const ScalePyramid& pyramid = written.keyframe->pyramid;
-    std::vector<float> patches;
-    for (std::size_t level = 0; level < pyramid.factors.size(); ++level)
-      patches.push_back(detail::PatchAt(static_cast<std::int32_t>(level), pyramid));
-    for (std::size_t row = 0; row < written.rows; ++row) {
-      const Keypoint& keypoint = keypoints[row];
-      const auto level = static_cast<std::size_t>(keypoint.octave);
-      const float usual = level < patches.size() ? patches[level] : detail::PatchAt(keypoint.octave, pyramid);
-      count += keypoint.response != 0 || keypoint.size != usual ? 1 : 0;
-    }
+  for (std::size_t row = 0; row < written.rows; ++row) {
+    const Keypoint& keypoint = keypoints[row];
+    const auto level = static_cast<std::size_t>(keypoint.octave);
+    const float usual = level < patches.size() ? patches[level] : detail::PatchAt(keypoint.octave, pyramid);
+    count += keypoint.response != 0 || keypoint.size != usual ? 1 : 0;
   }
   return count;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <span>
 
@@ -89,15 +90,15 @@ void AppendDescriptors(Appender& out, const Column<Descriptor>& descriptors, std
   constexpr std::size_t kWords = sizeof(Descriptor) / sizeof(std::uint32_t), kMost = 1 + kWords * 5;
   out.Text("descs");
   out.List(rows);
-  for (std::size_t row = 0; row < rows; ++row) {
-    std::array<std::uint32_t, kWords> words;
-    std::memcpy(words.data(), row < descriptors.size() ? descriptors[row].data() : kNone.data(), sizeof words);
-    out.Fill(kMost, [&](char* at) {
+  out.Fill(rows * kMost, [&](char* at) {
+    for (std::size_t row = 0; row < rows; ++row) {
+      std::array<std::uint32_t, kWords> words;
+      std::memcpy(words.data(), row < descriptors.size() ? descriptors[row].data() : kNone.data(), sizeof words);
       at = Appender::Put(at, "\x98"sv);
       for (const std::uint32_t word : words) at = Appender::PutWord(at, word);
-      return at;
-    });
-  }
+    }
+    return at;
+  });
 }
 
 // Links to points: most are -1.
@@ -114,8 +115,8 @@ void AppendKeypoints(Appender& out, std::span<const Keypoint> keypoints) {
   constexpr std::size_t kMost = 64;
   out.Text("undist_keypts");
   out.List(keypoints.size());
-  for (const Keypoint& keypoint : keypoints)
-    out.Fill(kMost, [&](char* at) {
+  out.Fill(keypoints.size() * kMost, [&](char* at) {
+    for (const Keypoint& keypoint : keypoints) {
       at = Appender::Put(at,
                          "\x83\xa3"
                          "ang"sv);
@@ -127,8 +128,10 @@ void AppendKeypoints(Appender& out, std::span<const Keypoint> keypoints) {
       at = Appender::Put(at,
                          "\xa2"
                          "pt\x92"sv);
-      return Appender::Put(Appender::Put(at, keypoint.x), keypoint.y);
-    });
+      at = Appender::Put(Appender::Put(at, keypoint.x), keypoint.y);
+    }
+    return at;
+  });
 }
 
 void AppendKeyFrame(Appender& out, const Outgoing& map, const OutgoingKeyFrame& written) {
@@ -222,21 +225,25 @@ void WriteRows(AtomicFile& file, std::string_view name, const std::vector<std::u
 
 }  // namespace
 
-void WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options) {
+std::uint64_t WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options) {
   constexpr std::size_t kPointsPerBlock = 4096;
   AtomicFile file(target, detail::FileOptions(options));
   const auto keyframes = TextOrder(map.keyframes(), [](const auto& row) { return row.keyframe->id.value(); });
   const auto points = TextOrder(map.points(), [](const auto& row) { return row.point->id.value(); });
+  std::atomic<std::uint64_t> shapes = 0;
   Write(file, [](Appender& out) { out.Map(6); });
   WriteTable(file, "cameras", map.cameras(), AppendCamera);
   Write(file, [&](Appender& out) { Append(out, "keyframe_next_id", map.next_keyframe()); });
-  WriteRows(file, "keyframes", keyframes, 1, options,
-            [&](Appender& out, std::uint32_t row) { AppendKeyFrame(out, map, map.keyframes()[row]); });
+  WriteRows(file, "keyframes", keyframes, 1, options, [&](Appender& out, std::uint32_t row) {
+    AppendKeyFrame(out, map, map.keyframes()[row]);
+    shapes += CountShapes(map.keyframes()[row]);  // whose keypoints are at hand
+  });
   Write(file, [&](Appender& out) { Append(out, "landmark_next_id", map.next_point()); });
   WriteRows(file, "landmarks", points, kPointsPerBlock, options,
             [&](Appender& out, std::uint32_t row) { AppendPoint(out, map.points()[row]); });
   WriteTable(file, "orb_params", map.orb_params(), AppendOrbParams);
   file.Commit();
+  return shapes;
 }
 
 }  // namespace slamdb::stella

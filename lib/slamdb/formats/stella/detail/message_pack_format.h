@@ -14,6 +14,7 @@ namespace slamdb::stella {
 // Throws Error: kDamaged with byte and keyframe or landmark.
 StoredMap DecodeMessagePack(std::string_view bytes, const std::string& path, const ReadOptions& options);
 
-void WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options);
+// Returns how many keypoints lose their response or size.
+std::uint64_t WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options);
 
 }  // namespace slamdb::stella

@@ -42,6 +42,9 @@ struct OutgoingFeatures {
 std::int64_t FirstKeyFrameOf(const MapPoint& point);
 inline std::uint64_t CountOf(std::int32_t recorded) { return recorded > 0 ? static_cast<std::uint32_t>(recorded) : 1; }
 
+// Keypoints with a response, or a size that is not their octave's: what only a database holds.
+std::uint64_t CountShapes(const OutgoingKeyFrame& written);
+
 // What is written of an atlas, in one file: maps that are chosen, each with a root of its own.
 // Refers to the atlas.
 class Outgoing {
@@ -57,8 +60,6 @@ class Outgoing {
   std::uint64_t next_point() const { return next_point_; }
 
   OutgoingFeatures FeaturesOf(const OutgoingKeyFrame& keyframe) const;
-  // Keypoints with a response, or a size that is not their octave's: what only a database holds.
-  std::uint64_t CountShapes() const;
 
  private:
   // What the notices tell.
