@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <sstream>
+
+#include "slamdb/formats/orbslam3/detail/salvage.h"
 #include "slamdb/formats/orbslam3/infer_layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -158,6 +162,155 @@ TEST(InferLayout, FindsAMissingCounter) {
   const InferredLayout inferred = InferLayout(In(Forge(RealSession(), fork, random)));
   ASSERT_EQ(inferred.differences.size(), 1U);
   EXPECT_EQ(inferred.differences[0], "Atlas: no KeyFrame::nNextId");
+}
+
+// ---- What is written in another form, in another order or not at all
+
+// Changes of v1.0, each a line: `+Class.member name:type` puts one in behind it, `-Class.member` takes it out,
+// `~Class.member name:type` writes it so, `^Class.member` puts it in front of its neighbour.
+Layout Changed(std::string_view changes) {
+  Layout layout = KnownLayouts().front();
+  layout.id = layout.title = layout.who = "";
+  std::istringstream lines{std::string(changes)};
+  for (std::string line; std::getline(lines, line, '\n');) {
+    const std::size_t dot = line.find('.'), space = std::min(line.find(' '), line.size());
+    std::vector<LayoutMember>& members = layout.Find(line.substr(1, dot - 1))->members;
+    const auto at = std::ranges::find(members, line.substr(dot + 1, space - dot - 1), &LayoutMember::name);
+    const std::size_t colon = std::min(line.find(':', space), line.size());
+    const std::string rest = space < line.size() ? line.substr(space + 1) : "";
+    const LayoutMember member{rest.substr(0, colon - std::min(colon, space + 1)),
+                              colon < line.size() ? line.substr(colon + 1) : ""};
+    if (line[0] == '+') members.insert(at + 1, member);
+    if (line[0] == '-') members.erase(at);
+    if (line[0] == '~') *at = member;
+    if (line[0] == '^') std::iter_swap(at - 1, at);
+  }
+  return layout;
+}
+
+// Whether both say the same of where keyframes and map points are.
+void ExpectSamePlaces(const Atlas& found, const Atlas& truth) {
+  ASSERT_EQ(found.maps.size(), truth.maps.size());
+  const Map &a = found.maps[0], &b = truth.maps[0];
+  ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
+  ASSERT_EQ(a.points.size(), b.points.size());
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < a.keyframes.size(); ++i) {
+    const KeyFrame &x = a.keyframes[i], &y = b.keyframes[i];
+    const bool same = x.id == y.id && std::abs(x.timestamp - y.timestamp) < 1e-5 &&
+                      x.camera_from_world.rotation.coeffs().isApprox(y.camera_from_world.rotation.coeffs(), 1e-4F) &&
+                      (x.camera_from_world.translation - y.camera_from_world.translation).norm() < 1e-4F &&
+                      x.features.map_points == y.features.map_points;
+    wrong += !same;
+  }
+  for (std::size_t i = 0; i < a.points.size(); ++i) {
+    const MapPoint &x = a.points[i], &y = b.points[i];
+    wrong += !(x.id == y.id && x.position == y.position && x.normal == y.normal && x.observations == y.observations &&
+               x.observation_count == y.observation_count && x.max_distance == y.max_distance);
+  }
+  EXPECT_EQ(wrong, 0U);
+}
+
+struct Fork {
+  const char* name;
+  const char* changes;
+};
+void PrintTo(const Fork& fork, std::ostream* out) { *out << fork.name; }
+const Fork kForks[] = {
+    {"PositionsOfDoubles", "~MapPoint.mWorldPos mWorldPos:arr<f64,3>"},
+    {"PositionsAndNormalsOfDoubles",
+     "~MapPoint.mWorldPos mWorldPos:arr<f64,3>\n~MapPoint.mNormalVector mNormalVector:arr<f64,3>"},
+    {"PosesOfDoubles", "~KeyFrame.mTcw mTcw:arr<f64,7>"},
+    {"AllPosesOfDoubles",
+     "~KeyFrame.mTcp mTcp:arr<f64,7>\n~KeyFrame.mTcw mTcw:arr<f64,7>\n~KeyFrame.mTlr mTlr:arr<f64,7>"},
+    {"DistancesOfDoubles", "~MapPoint.mfMinDistance mfMinDistance:f64\n~MapPoint.mfMaxDistance mfMaxDistance:f64"},
+    {"ShortIds", "~KeyFrame.mnId mnId:u32\n~MapPoint.mnId mnId:u32"},
+    {"LongCounts", "~MapPoint.nObs nObs:i64"},
+    {"LongRows",
+     "~MapPoint.mBackupObservationsId1 mBackupObservationsId1:map<u64,u64>\n"
+     "~MapPoint.mBackupObservationsId2 mBackupObservationsId2:map<u64,u64>"},
+    {"ShortMatches", "~KeyFrame.mvBackupMapPointsId mvBackupMapPointsId:vec<i32>"},
+    {"ShortGrid", "~KeyFrame.mGrid mGrid:vec<vec<vec<u32>>>"},
+    {"Nanoseconds", "~KeyFrame.mTimeStamp mTimeStamp.nanoseconds:u64"},
+    {"QuaternionsFromX",
+     "~KeyFrame.mTcw mTcw.xyzw:arr<f32,7>\n~KeyFrame.mTcp mTcp.xyzw:arr<f32,7>\n~KeyFrame.mTlr mTlr.xyzw:arr<f32,7>"},
+    {"OneQuaternionFromX", "~KeyFrame.mTcw mTcw.xyzw:arr<f32,7>"},
+    {"DoubleQuaternionsFromX", "~KeyFrame.mTcw mTcw.xyzw:arr<f64,7>"},
+    {"WorldFromCamera", "~KeyFrame.mTcw mTcw.inverse:arr<f32,7>"},
+    {"MatricesByRows", "~KeyFrame.mTcw mTcw.rows:arr<f32,16>"},
+    {"MatricesByColumns", "~KeyFrame.mTcw mTcw.columns:arr<f64,16>"},
+    {"PositionsAsMatrices", "~MapPoint.mWorldPos mWorldPos:mat"},
+    {"NormalInFront", "^MapPoint.mNormalVector"},
+    {"DistancesTheOtherWay", "^MapPoint.mfMaxDistance"},
+    {"TimeInFront", "^KeyFrame.mTimeStamp"},
+    {"DoublesAndALabel", "~MapPoint.mWorldPos mWorldPos:arr<f64,3>\n+MapPoint.nObs x1:i32"},
+    {"DoublesAndTwoMore",
+     "~MapPoint.mWorldPos mWorldPos:arr<f64,3>\n+MapPoint.mbBad x1:u8\n+MapPoint.mfMaxDistance x2:f32"},
+    {"DoublesAndAnIdAndAScore",
+     "~MapPoint.mWorldPos mWorldPos:arr<f64,3>\n+MapPoint.mfMaxDistance x1:u64\n+KeyFrame.mbHasVelocity x2:f32"},
+    {"DoublesWithoutAParent", "-KeyFrame.mTcp\n~MapPoint.mWorldPos mWorldPos:arr<f64,3>\n+MapPoint.mbBad x1:bool"},
+    {"NanosecondsAndALabel", "~KeyFrame.mTimeStamp mTimeStamp.nanoseconds:u64\n+MapPoint.nObs x1:i32"},
+    {"AMatrixBehindDescriptors", "+KeyFrame.mDescriptors x1:mat"},
+    {"NoRightCamera",
+     "-KeyFrame.mnBackupIdCamera2\n-KeyFrame.mvLeftToRightMatch\n-KeyFrame.mvRightToLeftMatch\n-KeyFrame.NLeft\n"
+     "-KeyFrame.NRight\n-KeyFrame.mTlr\n-KeyFrame.mvKeysRight\n-KeyFrame.mGridRight"},
+    {"NoInertialState",
+     "-KeyFrame.mImuBias\n-KeyFrame.mBackupImuPreintegrated\n-KeyFrame.mImuCalib\n-KeyFrame.mBackupPrevKFId\n"
+     "-KeyFrame.mBackupNextKFId\n-KeyFrame.bImu\n-KeyFrame.mVw\n-KeyFrame.mOwb\n-KeyFrame.mbHasVelocity"},
+    {"FourClasses",
+     "+KeyFrame.mbHasVelocity x1:f32\n+MapPoint.mfMaxDistance x2:f32\n+Map.mbIMU_BA2 x3:f64\n"
+     "+Atlas.mnLastInitKFidMap x4:u64"},
+    {"MapAndAtlas", "+Map.mnId x1:string\n+Atlas.mvpCameras x2:u64"},
+    {"VectorsInAMap", "+KeyFrame.mvBackupMergeEdgesId x1:map<i32,vec<u32>>"},
+};
+
+class ForkOfOtherForm : public ::testing::TestWithParam<Fork> {};
+TEST_P(ForkOfOtherForm, IsReadRight) {
+  std::mt19937_64 random(2);
+  const std::string bytes = Forge(RealSession(), Changed(GetParam().changes), random);
+  const InferredLayout inferred = InferLayout(In(bytes));
+  EXPECT_TRUE(inferred.same_bytes);
+  EXPECT_EQ(inferred.doubts, std::vector<std::string>());
+  ExpectSamePlaces(ReadAs(bytes, ToJson(inferred.layout)), RealSession());
+}
+// What is damaged behind the first third of the points is read by its records alone.
+TEST_P(ForkOfOtherForm, IsRecoveredRight) {
+  std::mt19937_64 random(2);
+  std::string bytes = Forge(RealSession(), Changed(GetParam().changes), random);
+  bytes.resize(bytes.size() * 99 / 100);
+  const Salvage salvage = detail::SalvageOrbslam3(In(bytes), {});
+  ASSERT_EQ(salvage.atlas.maps.size(), 1U);
+  std::size_t wrong = 0, whole = 0;
+  std::map<MapPointId, const MapPoint*> truth;
+  for (const MapPoint& point : RealSession().maps[0].points) truth[point.id] = &point;
+  for (const MapPoint& point : salvage.atlas.maps[0].points) {
+    const auto found = truth.find(point.id);
+    ++whole;
+    wrong += found == truth.end() || found->second->position != point.position;
+  }
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GT(whole, truth.size() * 9 / 10);
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < salvage.atlas.maps[0].keyframes.size(); ++i)
+    turned += !salvage.atlas.maps[0].keyframes[i].camera_from_world.rotation.coeffs().isApprox(
+        RealSession().maps[0].keyframes[i].camera_from_world.rotation.coeffs(), 1e-4F);
+  EXPECT_EQ(turned, 0U);
+}
+INSTANTIATE_TEST_SUITE_P(InferLayout, ForkOfOtherForm, ::testing::ValuesIn(kForks),
+                         [](const auto& fork) { return std::string(fork.param.name); });
+
+// Of members in a form that no layout can say: that it is not like it is said.
+TEST(InferLayout, SaysWhatItDoesNotBelieve) {
+  Atlas broken = RealSession();
+  for (MapPoint& point : broken.maps[0].points) point.position = {point.position.z(), point.position.x(), 7};
+  const InferredLayout inferred = InferLayout(In(EncodeOrbslam3(broken)));
+  EXPECT_FALSE(inferred.sure());
+  EXPECT_THAT(inferred.doubts, ::testing::Contains(HasSubstr("not where keyframes see them")));
+  Notices notices;
+  const std::string bytes = EncodeOrbslam3(broken);
+  (void)ReadOrbslam3(In(bytes), {}, notices);
+  ASSERT_EQ(notices.items().size(), 1U);
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("`InferLayout`"));
 }
 
 // ---- What is no file of any layout

@@ -316,8 +316,8 @@ void AddParts(std::uint32_t bytes, std::vector<std::string>& types) {
     types.push_back(part("arr<u8,", front, ">") + part("+val<Unknown", bytes - front, ">"));
 }
 
-}  // namespace
-
+// What a member may be whose bytes were seen where every class has been met, likeliest first; several members one
+// behind the other are joined by `+`.
 std::vector<std::string> TypesLike(const std::string& warm_type) {
   const LayoutType type = ParseLayoutType(warm_type);
   const auto value = [](std::uint32_t bytes) { return Concat("val<Unknown", bytes, ">"); };
@@ -364,8 +364,6 @@ std::vector<std::string> TypesLike(const std::string& warm_type) {
   return types;
 }
 
-namespace {
-
 // Gives the layout a class of so many bytes where the type wants one: each is a class of its own.
 std::string WithClass(Layout& layout, const std::string& type) {
   constexpr std::string_view kWanted = "val<Unknown";
@@ -397,6 +395,22 @@ void SetType(Layout& layout, const std::string& class_name, std::size_t row, con
       members.insert(members.begin() + static_cast<std::ptrdiff_t>(row), {Concat(name, "_", part), type});
     begin = end + 1;
   }
+}
+
+Typings::Typings(const Layout& layout) : layout_(layout) {
+  for (const LayoutClass& of : layout.classes)
+    for (std::size_t row = 0; row < of.members.size(); ++row)
+      if (IsUnknown(of.members[row])) unknown_.push_back({of.name, row, TypesLike(of.members[row].type)});
+  for (const Unknown& one : unknown_) count_ = std::min(kMost, count_ * one.types.size());
+}
+
+Layout Typings::At(std::size_t row) const {
+  Layout typed = layout_;
+  for (auto one = unknown_.rbegin(); one != unknown_.rend(); ++one) {  // rows in front stay where they are
+    SetType(typed, one->of_class, one->row, one->types[row % one->types.size()]);
+    row /= one->types.size();
+  }
+  return typed;
 }
 
 }  // namespace slamdb::layouts

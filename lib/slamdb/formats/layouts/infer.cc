@@ -101,11 +101,6 @@ class TypeSearch {
   std::uint64_t most() const { return most_; }
 
  private:
-  struct Unknown {
-    std::string of_class;
-    std::size_t row = 0;
-    std::vector<std::string> types;
-  };
   struct Farthest {
     Layout layout;
     std::vector<std::uint64_t> ends;
@@ -133,27 +128,12 @@ class TypeSearch {
     return ends;
   }
 
-  static std::vector<Unknown> UnknownsOf(const Layout& layout) {
-    std::vector<Unknown> unknown;
-    for (const LayoutClass& of : layout.classes)
-      for (std::size_t row = 0; row < of.members.size(); ++row)
-        if (IsUnknown(of.members[row])) unknown.push_back({of.name, row, TypesLike(of.members[row].type)});
-    return unknown;
-  }
-
   // Keeps those that come farthest.
   std::optional<Fit> Typed(const ClassOption& option) {
     const std::vector<std::uint64_t> ends = EndsIn(option.layout);
-    const std::vector<Unknown> unknown = UnknownsOf(option.layout);
-    std::size_t trials = 1;
-    for (const Unknown& one : unknown) trials = std::min(kMostTrials, trials * one.types.size());
-    for (std::size_t trial = 0; trial < trials && trials_ < kMostTrials; ++trial, ++trials_) {
-      Layout typed = option.layout;
-      std::size_t rest = trial;
-      for (auto one = unknown.rbegin(); one != unknown.rend(); ++one) {  // rows in front stay where they are
-        SetType(typed, one->of_class, one->row, one->types[rest % one->types.size()]);
-        rest /= one->types.size();
-      }
+    const Typings typings(option.layout);
+    for (std::size_t trial = 0; trial < typings.count() && trials_ < kMostTrials; ++trial, ++trials_) {
+      Layout typed = typings.At(trial);
       const Verdict verdict = Judge(archive_, typed, ends);
       if (verdict.whole) {
         const Verdict cold = Judge(archive_, typed);

@@ -141,11 +141,27 @@ RecordReading ReadIn(const Layout& layout, const Source& source, std::span<const
   return reading;
 }
 
+// The first records bring the classes of members, and tell their types.
+RecordReading ReadTyped(const Layout& layout, const Source& source, std::span<const MapPlaces> places) {
+  constexpr std::size_t kMostTrials = 512;
+  MapPlaces first;
+  if (!places.front().keyframes.empty()) first.keyframes.push_back(places.front().keyframes.front());
+  if (!places.front().points.empty()) first.points.push_back(places.front().points.front());
+  const layouts::Typings typings(layout);
+  for (std::size_t trial = 0; trial < std::min(kMostTrials, typings.count()); ++trial) {
+    const Layout typed = typings.At(trial);
+    const Map read = ReadIn(typed, source, std::span(&first, 1)).atlas.maps.front();
+    if (read.keyframes.size() == first.keyframes.size() && read.points.size() == first.points.size())
+      return ReadIn(typed, source, places);
+  }
+  return ReadIn(layout, source, places);
+}
+
 void TryOptions(const Source& source, std::span<const MapPlaces> places, std::span<const layouts::ClassOption> options,
                 std::optional<RecordReading>& best) {
   constexpr double kAlike = 2;
   for (const layouts::ClassOption& option : options) {
-    RecordReading reading = ReadIn(option.layout, source, places);
+    RecordReading reading = ReadTyped(option.layout, source, places);
     reading.differences = option.findings.differences;
     reading.doubts = option.findings.doubts;
     reading.doubts.insert(reading.doubts.end(), reading.meaning.doubts.begin(), reading.meaning.doubts.end());

@@ -153,18 +153,19 @@ class Interview {
     AskPlace(point, centers, reprojection);
   }
 
-  // Where the cameras are lost, by what the keyframe repeats of them, which leaves out how a fisheye distorts.
+  // Where the cameras are lost, by what the keyframe repeats of them: in the middle, where a fisheye distorts little.
   void AskProjection(const MapPoint& point, const KeyFrame& keyframe, const Observation& observation,
                      const Reprojection& reprojection) {
     if (!atlas_.cameras.empty()) return projects_.Ask(reprojection.Of(point, observation).left < kFarthest);
     if (keyframe.features.is_fisheye_stereo()) return;
     const Intrinsics& of = keyframe.intrinsics;
+    const Keypoint& keypoint = *ObservedKeypoint(keyframe, observation.left);
+    if (std::hypot((keypoint.x - of.cx) / of.fx, (keypoint.y - of.cy) / of.fy) > kMiddle) return;
     Camera camera{.model = CameraModel::kPinhole};
     camera.parameters = {of.fx, of.fy, of.cx, of.cy};
     const Rigid3f pose = keyframe.camera_from_world.Normalized();
     const auto pixel = Project(camera, pose.rotation * point.position + pose.translation);
-    const Keypoint& keypoint = *ObservedKeypoint(keyframe, observation.left);
-    projects_.Ask(pixel && (*pixel - Eigen::Vector2f(keypoint.x, keypoint.y)).norm() < kFarthestDistorted);
+    projects_.Ask(pixel && (*pixel - Eigen::Vector2f(keypoint.x, keypoint.y)).norm() < kFarthest);
   }
 
   void AskPlace(const MapPoint& point, std::span<const Eigen::Vector3f> centers, const Reprojection& reprojection) {
@@ -196,7 +197,7 @@ class Interview {
   void AskRest(const Rigid3f& pose) { rest_.Ask(std::abs(pose.rotation.x()) != 1 && std::abs(pose.rotation.z()) != 1); }
 
   static constexpr std::size_t kEnough = 5, kMostKeyFrames = 200, kMostPoints = 600, kMostObservations = 6;
-  static constexpr float kFarthestDistorted = 200;
+  static constexpr float kMiddle = 0.3F;  // of the focal length
   static constexpr float kFarthest = 20;  // pixels
 
   const Atlas& atlas_;

@@ -74,11 +74,28 @@ std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view
 
 // Whether a member is one that FindClass put in.
 bool IsUnknown(const LayoutMember& member);
-// What a member may be whose bytes were seen where every class has been met, likeliest first; several members one
-// behind the other are joined by `+`.
-std::vector<std::string> TypesLike(const std::string& warm_type);
-// Gives a member of the layout another of those types; classes of its own where it needs them.
+// Gives a member of the layout another type, or several members joined by `+`; classes of its own where it needs them.
 void SetType(Layout& layout, const std::string& class_name, std::size_t row, const std::string& types);
+
+// The types that a layout's unknown members may have, one combination after the other, likeliest first.
+class Typings {
+ public:
+  explicit Typings(const Layout& layout);
+  std::size_t count() const { return count_; }
+  Layout At(std::size_t row) const;
+
+ private:
+  struct Unknown {
+    std::string of_class;
+    std::size_t row = 0;
+    std::vector<std::string> types;
+  };
+  static constexpr std::size_t kMost = 2048;
+
+  const Layout& layout_;
+  std::vector<Unknown> unknown_;
+  std::size_t count_ = 1;
+};
 
 // The layout with other members of Map, Atlas and cameras, and another root, that come to the end of the file,
 // likeliest first; empty where none is found.
