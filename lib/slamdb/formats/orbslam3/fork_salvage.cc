@@ -267,6 +267,7 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
     DropCarried(salvage.atlas);
     salvage.damage.emplace_back("members that ORB-SLAM3 v1.0 does not have are left out: their layout is not whole");
   }
+  if (!reading->doubts.empty()) DropDoubtfulFlags(salvage.atlas);
   if (!reading->doubts.empty())
     salvage.damage.push_back(Concat("the layout is in doubt, and with it what was read: ", Joined(reading->doubts)));
   if (salvage.damage.empty()) salvage.damage.emplace_back("what stands around the keyframes and map points is damaged");

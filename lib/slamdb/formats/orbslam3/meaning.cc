@@ -45,8 +45,7 @@ class Interview {
     for (const Map& map : atlas_.maps) {
       const Reprojection reprojection(atlas_, map);
       AskKeyFrames(map, reprojection);
-      for (std::size_t row = 0; row < map.points.size(); row += step)
-        if (!map.points[row].bad) AskPoint(map.points[row], reprojection);
+      for (std::size_t row = 0; row < map.points.size(); row += step) AskPoint(map.points[row], reprojection);
     }
   }
 
@@ -54,8 +53,9 @@ class Interview {
     layouts::Meaning meaning;
     for (const Question* question : {&pose_, &rest_, &camera_, &times_, &graph_, &projects_, &faces_, &near_, &counts_,
                                      &looks_, &matches_, &reference_, &first_}) {
-      if (std::ranges::any_of(question->members, [&](std::string_view name) { return program.Lacks(name); })) {
-        meaning.penalty += kUnasked;  // less than a wrong answer, but it must not pay to leave a member out
+      if (question->asked == 0 ||
+          std::ranges::any_of(question->members, [&](std::string_view name) { return program.Lacks(name); })) {
+        meaning.penalty += kUnasked;  // less than a wrong answer, but it must not pay to leave out what is asked about
         continue;
       }
       meaning.penalty += kWrong * question->share();
