@@ -81,19 +81,19 @@ class NumberArchive {
   void Keypoints(T&&...) {}
   template <class T>
   void FloatVector(const char*, T& values) {
-    MoveList(values, [this](auto& value) { Move(value); });
+    MoveList(values, [this](auto& value) { this->Move(value); });
   }
   template <class T>
   void IntVector(const char*, T& values) {
-    MoveList(values, [this](auto& value) { Move(value); });
+    MoveList(values, [this](auto& value) { this->Move(value); });
   }
   template <class T>
   void LongLongVector(const char*, T& ids) {
-    MoveList(ids, [this](auto& id) { MoveId(id); });
+    MoveList(ids, [this](auto& id) { this->MoveId(id); });
   }
   template <class T>
   void UnsignedLongVector(const char*, T& ids) {
-    MoveList(ids, [this](auto& id) { MoveId(id); });
+    MoveList(ids, [this](auto& id) { this->MoveId(id); });
   }
   template <class... T>
   void Descriptors(T&&...) {}
@@ -110,15 +110,15 @@ class NumberArchive {
       MoveCount(cells);
       MovePart(grid.cell_sizes, cell, cells, [&](auto& keypoints) {
         MoveCount(keypoints);
-        MovePart(grid.keypoints, keypoint, keypoints, [this](auto& row) { Move(row); });
+        MovePart(grid.keypoints, keypoint, keypoints, [this](auto& row) { this->Move(row); });
       });
     });
   }
   template <class T>
   void Connections(const char*, T& connections) {
     MoveList(connections, [this](auto& connection) {
-      MoveId(connection.keyframe);
-      Move(connection.weight);
+      this->MoveId(connection.keyframe);
+      this->Move(connection.weight);
     });
   }
   template <class... T>
