@@ -64,7 +64,8 @@ InferredLayout InferText(const WholeFile& file) {
     throw Error(
         ErrorKind::kNotPossible, file.path(), "",
         "no layout found: it is a text archive of none of the known layouts, and others are only found in binary "
-        "ones. `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it");
+        "ones. `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it, for "
+        "`Orbslam3ReadOptions::layout`");
   }
   return {.layout = LayoutOf(atlas.layout.empty() ? KnownLayouts().front().id : atlas.layout), .known = true};
 }

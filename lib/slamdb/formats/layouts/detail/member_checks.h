@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "slamdb/formats/layouts/layout.h"
@@ -65,6 +66,13 @@ struct KnownMember {
   bool anchor = false;      // a place that cannot be mistaken: when it fits, so does what stands in front
   double (*rises)(std::string_view file, std::uint64_t at) = nullptr;  // a number that is larger where the id is
 };
+
+// The member of that class and name; null when it is none of ORB-SLAM3's that can be told from others.
+const KnownMember* FindKnownMember(std::string_view of_class, std::string_view name);
+
+// The penalty of a member in several records, from 0 to 2 * kBadPenalty; `facts` learn from it.
+int PenaltyOf(const KnownMember& member, std::string_view file, std::span<const MemberPlace> places,
+              std::span<RecordFacts> facts);
 
 // How a member of a layout is held against what ORB-SLAM3's own member of that name is like, in whichever form it is.
 class CheckedMember {
