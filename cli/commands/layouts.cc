@@ -8,17 +8,16 @@
 #include "cli/report/layout.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/json.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/formats/layouts/from_source.h"
 #include "slamdb/formats/layouts/layout_text.h"
+#include "slamdb/formats/layouts/report.h"
 #include "slamdb/formats/orbslam3/infer_layout.h"
 
 namespace slamdb::cli {
 namespace {
 
 using detail::Concat;
-using detail::Json;
 using detail::Visible;
 
 struct ListLayoutsOptions {
@@ -35,11 +34,7 @@ struct FindLayoutOptions {
 
 ExitCode RunListLayouts(const ListLayoutsOptions& options, Console& console) {
   if (options.json) {
-    Json json = detail::ReportHead("layouts");
-    Json& layouts = json["layouts"] = Json::array();
-    for (const Layout& layout : KnownLayouts())
-      layouts.push_back({{"id", layout.id}, {"title", layout.title}, {"who", layout.who}});
-    console.PrintData(detail::JsonText(json));
+    console.PrintData(ToJson(KnownLayouts()));
     return ExitCode::kDone;
   }
   Table table({Table::Align::kLeft, Table::Align::kLeft, Table::Align::kLeft});
@@ -82,9 +77,11 @@ std::string Write(const Layout& layout, const FindLayoutOptions& options, std::o
          (complete ? ", for --layout of the other verbs\n" : ", to be completed\n");
 }
 
-void Print(const std::string& text, const Json& json, const FindLayoutOptions& options, Console& console) {
+template <class Report>
+void Print(const std::string& text, const Report& report, const FindLayoutOptions& options, Console& console) {
   const bool piped = !options.output.empty() && IsStandardOutput(options.output);
-  PrintReport(options.json ? detail::JsonText(json) : text, options.json, piped, console);
+  PrintReport(options.json ? ToJson(report, ReportFiles{options.input, options.output}) : text, options.json, piped,
+              console);
 }
 
 // ---- from-source
@@ -93,12 +90,8 @@ ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
   std::optional<AtomicFile> output = OpenOutput(options);
   const DerivedLayout derived = DeriveLayoutOfFolder(options.input);
   std::vector<std::string> questions;
-  for (const LayoutQuestion& question : derived.questions)
-    questions.push_back(question.file.empty() ? question.text
-                                              : Concat(question.file, ":", question.line, ": ", question.text));
-  std::uint64_t unknown = 0;
-  for (const LayoutClass& of : derived.layout.classes)
-    for (const LayoutMember& member : of.members) unknown += member.type.find('?') != std::string::npos;
+  for (const LayoutQuestion& question : derived.questions) questions.push_back(ToString(question));
+  const std::uint64_t unknown = CountUnknownTypes(derived.layout);
   std::string text = Counted(derived.files, "source file") + ", " +
                      Counted(derived.layout.classes.size(), "class", "classes") + " archived\n";
   text += derived.known.empty() ? "a layout that is not known\n" : "the layout " + derived.known + "\n";
@@ -108,14 +101,7 @@ ExitCode RunFromSource(const FindLayoutOptions& options, Console& console) {
   text += Listed("missing", derived.missing);
   const bool complete = unknown == 0 && derived.missing.empty();
   text += Write(derived.layout, options, output, complete);
-  Json json = detail::ReportHead("layouts-from-source", ReportFiles{options.input, options.output});
-  json["known"] = detail::TextOrNull(derived.known);
-  json["sources"] = derived.files;
-  json["questions"] = questions;
-  json["unknown_types"] = unknown;
-  json["lacks"] = derived.missing;
-  json["layout"] = Json::parse(ToJson(derived.layout));
-  Print(text, json, options, console);
+  Print(text, derived, options, console);
   return complete ? ExitCode::kDone : ExitCode::kFailed;
 }
 
@@ -140,24 +126,11 @@ std::string InferredText(const InferredLayout& inferred, const FindLayoutOptions
   return text + (inferred.same_bytes ? "the same bytes come of them\n" : "other bytes come of them\n");
 }
 
-Json InferredJson(const InferredLayout& inferred, const FindLayoutOptions& options) {
-  Json json = detail::ReportHead("layouts-infer", ReportFiles{options.input, options.output});
-  json["known"] = detail::TextOrNull(inferred.known ? inferred.layout.id : std::string());
-  json["differences"] = inferred.differences;
-  json["alternatives"] = inferred.alternatives;
-  json["doubts"] = inferred.doubts;
-  json["keyframes"] = inferred.keyframes;
-  json["points"] = inferred.points;
-  json["same_bytes"] = inferred.same_bytes;
-  json["layout"] = Json::parse(ToJson(inferred.layout));
-  return json;
-}
-
 ExitCode RunInfer(const FindLayoutOptions& options, Console& console) {
   std::optional<AtomicFile> output = OpenOutput(options);
   const InferredLayout inferred = InferLayout(options.input, {.choice = options.choice});
   const std::string text = InferredText(inferred, options) + Write(inferred.layout, options, output);
-  Print(text, InferredJson(inferred, options), options, console);
+  Print(text, inferred, options, console);
   if (!inferred.sure())
     console.Warn(
         "other layouts fit as well: look at values that you know, with `slamdb show`, before you edit the map");

@@ -80,6 +80,7 @@
 #include "slamdb/formats/layouts/infer.h"
 #include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/layouts/layout_text.h"
+#include "slamdb/formats/layouts/report.h"
 #include "slamdb/formats/location.h"
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/ndjson/json.h"

@@ -6,8 +6,6 @@
 #include <map>
 #include <set>
 
-#include "slamdb/base/detail/json.h"
-
 namespace slamdb {
 namespace detail {
 namespace {
@@ -280,15 +278,12 @@ Layout ParseLayoutOver(std::string_view text, const std::string& path, std::span
   return layout;
 }
 
-}  // namespace detail
-
-std::string ToJson(const Layout& layout) {
-  using detail::Json;
+Json JsonOf(const Layout& layout) {
   Json json;
   if (!layout.id.empty()) json["id"] = layout.id;
   if (!layout.title.empty()) json["title"] = layout.title;
   if (!layout.who.empty()) json["who"] = layout.who;
-  json["header"] = layout.header ? detail::kHeaderBytes : 0;
+  json["header"] = layout.header ? kHeaderBytes : 0;
   json["root"] = layout.root;
   Json& classes = json["classes"] = Json::object();
   for (const LayoutClass& of : layout.classes) {
@@ -299,7 +294,11 @@ std::string ToJson(const Layout& layout) {
     Json& fields = written["fields"] = Json::array();
     for (const LayoutMember& member : of.members) fields.push_back({member.name, member.type});
   }
-  return detail::Dumped(json);
+  return json;
 }
+
+}  // namespace detail
+
+std::string ToJson(const Layout& layout) { return detail::Dumped(detail::JsonOf(layout)); }
 
 }  // namespace slamdb

@@ -1,30 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/layouts/layout_text.h"
 
-#include "slamdb/base/detail/json.h"
+#include "slamdb/formats/layouts/detail/layout_json.h"
 
 namespace slamdb {
 namespace {
 
 using detail::Concat;
+using detail::Dumped;
 using detail::Json;
 
-std::string Value(const Json& json) { return detail::Dumped(json); }
-
-// `"registers": [...], `, what there is of it.
-std::string HeadOf(const LayoutClass& of) {
-  std::string text;
-  if (of.abstract) text += "\"abstract\": true, ";
-  if (!of.exported.empty()) text += Concat("\"export\": ", Value(of.exported), ", ");
-  if (!of.registers.empty()) text += Concat("\"registers\": ", Value(of.registers), ", ");
-  return text;
-}
-
-std::string ClassText(const LayoutClass& of) {
-  std::string text = Concat("    ", Value(of.name), ": {", HeadOf(of), "\"fields\": [");
-  for (std::size_t i = 0; i < of.members.size(); ++i) {
-    const LayoutMember& member = of.members[i];
-    text += Concat(i == 0 ? "\n" : ",\n", "      [", Value(member.name), ", ", Value(member.type), "]");
+std::string ClassText(const std::string& name, const Json& of) {
+  std::string text = Concat("    ", Dumped(name), ": {");
+  for (const auto& [key, value] : of.items())
+    if (key != "fields") text += Concat(Dumped(key), ": ", Dumped(value), ", ");
+  text += "\"fields\": [";
+  const char* separator = "\n";
+  for (const Json& member : of["fields"]) {
+    text += Concat(separator, "      [", Dumped(member[0]), ", ", Dumped(member[1]), "]");
+    separator = ",\n";
   }
   return text + "\n    ]}";
 }
@@ -32,15 +26,16 @@ std::string ClassText(const LayoutClass& of) {
 }  // namespace
 
 std::string LayoutText(const Layout& layout) {
-  constexpr int kHeaderBytes = 40;
+  const Json json = detail::JsonOf(layout);
   std::string text = "{\n";
-  if (!layout.id.empty()) text += Concat("  \"id\": ", Value(layout.id), ",\n");
-  if (!layout.title.empty()) text += Concat("  \"title\": ", Value(layout.title), ",\n");
-  if (!layout.who.empty()) text += Concat("  \"who\": ", Value(layout.who), ",\n");
-  text += Concat("  \"header\": ", layout.header ? kHeaderBytes : 0, ",\n  \"root\": ", Value(layout.root),
-                 ",\n  \"classes\": {");
-  for (std::size_t i = 0; i < layout.classes.size(); ++i)
-    text += Concat(i == 0 ? "\n" : ",\n", ClassText(layout.classes[i]));
+  for (const auto& [key, value] : json.items())
+    if (key != "classes") text += Concat("  ", Dumped(key), ": ", Dumped(value), ",\n");
+  text += "  \"classes\": {";
+  const char* separator = "\n";
+  for (const auto& [name, of] : json["classes"].items()) {
+    text += Concat(separator, ClassText(name, of));
+    separator = ",\n";
+  }
   return text + "\n  }\n}\n";
 }
 
