@@ -57,13 +57,17 @@ inline constexpr int kBadPenalty = 100;  // it can hardly be the member
 // What speaks against the bytes being the member, from 0 to kBadPenalty.
 using MemberCheck = int (*)(std::string_view file, MemberPlace place, RecordFacts& facts);
 
+struct MemberTraits {
+  bool differs = false;   // from record to record
+  bool constant = false;  // in all records of a session
+  bool anchor = false;    // a place that cannot be mistaken: when it fits, so does what stands in front
+};
+
 struct KnownMember {
   std::string_view of_class, name;
   MemberCheck check = nullptr;
   std::uint64_t bytes = 0;  // of the type that the check knows; 0: of any length
-  bool differs = false;     // from record to record
-  bool constant = false;    // in all records of a session
-  bool anchor = false;      // a place that cannot be mistaken: when it fits, so does what stands in front
+  MemberTraits traits;
   double (*rises)(std::string_view file, std::uint64_t at) = nullptr;  // a number that is larger where the id is
 };
 
@@ -81,7 +85,7 @@ class CheckedMember {
   CheckedMember(std::string_view of_class, const LayoutMember& member);
 
   bool known() const { return known_ != nullptr; }
-  bool anchor() const { return known() && known_->anchor; }
+  bool anchor() const { return known() && known_->traits.anchor; }
   // Of several records, from 0 to 2 * kBadPenalty; `facts` learn from it.
   int Penalty(std::string_view file, std::span<const MemberPlace> places, std::span<RecordFacts> facts) const;
   // Of a whole number of 64 bits in ORB-SLAM3.
