@@ -143,7 +143,12 @@ TEST_P(EveryFormat, WritesAnEmptyAtlas) {
   EXPECT_FALSE(notices.lossy());
   if (format().read == nullptr || ReadFileOrFolder(folder.Path("out")).empty())
     return;  // which no reader takes for an atlas
-  const Atlas atlas = format().read({folder.Path("out"), ""}, {}, notices);
+  const auto read = [&] { return format().read({folder.Path("out"), ""}, {}, notices); };
+  if (format().reads == (Content::kPoses | Content::kMaps)) {  // a head alone is what is left of a cut trajectory
+    EXPECT_THAT(ProblemOf(read), HasSubstr("holds no pose"));
+    return;
+  }
+  const Atlas atlas = read();
   for (const Map& map : atlas.maps) EXPECT_TRUE(map.keyframes.empty() && map.points.empty());
 }
 
