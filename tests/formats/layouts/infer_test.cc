@@ -243,6 +243,8 @@ const Fork kForks[] = {
     {"NormalInFront", "^MapPoint.mNormalVector"},
     {"DistancesTheOtherWay", "^MapPoint.mfMaxDistance"},
     {"TimeInFront", "^KeyFrame.mTimeStamp"},
+    {"FirstFramesInFront", "^MapPoint.mnFirstFrame"},
+    {"Microseconds", "~KeyFrame.mTimeStamp mTimeStamp.microseconds:u64"},
     {"DoublesAndALabel", "~MapPoint.mWorldPos mWorldPos:arr<f64,3>\n+MapPoint.nObs x1:i32"},
     {"DoublesAndTwoMore",
      "~MapPoint.mWorldPos mWorldPos:arr<f64,3>\n+MapPoint.mbBad x1:u8\n+MapPoint.mfMaxDistance x2:f32"},
@@ -311,6 +313,56 @@ TEST(InferLayout, SaysWhatItDoesNotBelieve) {
   (void)ReadOrbslam3(In(bytes), {}, notices);
   ASSERT_EQ(notices.items().size(), 1U);
   EXPECT_THAT(notices.items()[0].text, HasSubstr("`InferLayout`"));
+}
+
+// What a file has the same bytes with, or no member for: the doubt that is said.
+struct Doubted {
+  const char *name, *changes, *doubt;
+};
+void PrintTo(const Doubted& of, std::ostream* out) { *out << of.name; }
+const Doubted kDoubted[] = {
+    {"DepthsInFront", "^KeyFrame.mvDepth", "depths and columns in the right image do not fit"},
+    {"PosesAtTheEnd", "-KeyFrame.mTcw\n+KeyFrame.mbHasVelocity x1:arr<f32,7>", "no member is KeyFrame.mTcw"},
+    {"NoDescriptors", "-MapPoint.mDescriptor", "no member is MapPoint.mDescriptor"},
+    {"Milliseconds", "~KeyFrame.mTimeStamp mTimeStamp.milliseconds:u64", ""},  // nanoseconds would do as well
+};
+class ForkInDoubt : public ::testing::TestWithParam<Doubted> {};
+TEST_P(ForkInDoubt, IsDoubtedOrReadRight) {
+  std::mt19937_64 random(2);
+  const std::string bytes = Forge(RealSession(), Changed(GetParam().changes), random);
+  const InferredLayout inferred = InferLayout(In(bytes));
+  if (inferred.sure()) return ExpectSamePlaces(ReadAs(bytes, ToJson(inferred.layout)), RealSession());
+  if (*GetParam().doubt != '\0') EXPECT_THAT(inferred.doubts, ::testing::Contains(HasSubstr(GetParam().doubt)));
+}
+INSTANTIATE_TEST_SUITE_P(InferLayout, ForkInDoubt, ::testing::ValuesIn(kDoubted),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+TEST(InferLayout, LayoutsWithoutPosesAreWarnedOf) {
+  std::mt19937_64 random(2);
+  const Layout without = Changed("-KeyFrame.mTcw");
+  const std::string bytes = Forge(RealSession(), without, random);
+  ReadOptions options;
+  options.of<Orbslam3ReadOptions>().layout = ToJson(without);
+  Notices notices;
+  (void)ReadOrbslam3(In(bytes), options, notices);
+  EXPECT_THAT(notices.items(), ::testing::Contains(::testing::Field(
+                                   &Notice::text, HasSubstr("no member is KeyFrame.mTcw: all keyframes are at"))));
+}
+
+TEST(InferLayout, KnowsArchivesOfWindows) {
+  Atlas atlas = RealSession();
+  atlas.encoding.long_bytes = 4;
+  const InferredLayout inferred = InferLayout(In(EncodeOrbslam3(atlas)));
+  EXPECT_EQ(inferred.layout.id, "v1.0");
+  EXPECT_TRUE(inferred.same_bytes && inferred.sure());
+}
+
+TEST(InferLayout, TextIsDoubtedLikeBytes) {
+  Atlas broken = RealSession();
+  broken.encoding.text = true;
+  for (MapPoint& point : broken.maps[0].points) point.position = {point.position.z(), point.position.x(), 7};
+  EXPECT_THAT(InferLayout(In(EncodeOrbslam3(broken))).doubts,
+              ::testing::Contains(HasSubstr("not where keyframes see them")));
 }
 
 // ---- What is no file of any layout

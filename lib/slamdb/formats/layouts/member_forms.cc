@@ -188,6 +188,20 @@ void AddForms(std::string_view name, const char* form, std::initializer_list<con
   for (const char* type : types) forms.push_back({detail::Concat(name, *form == '\0' ? "" : ".", form), type});
 }
 
+// A time as a whole number.
+struct TimeForm {
+  const char* form;
+  long double per_second;
+};
+constexpr std::array kTimes = {TimeForm{"nanoseconds", 1e9L}, TimeForm{"microseconds", 1e6L},
+                               TimeForm{"milliseconds", 1e3L}};
+
+const TimeForm* FindTime(std::string_view form) {
+  const auto found =
+      std::find_if(kTimes.begin(), kTimes.end(), [&](const TimeForm& time) { return form == time.form; });
+  return found == kTimes.end() ? nullptr : &*found;
+}
+
 // The type with numbers of the other width.
 LayoutType OtherWidth(LayoutType type) {
   constexpr std::array<std::pair<Number, Number>, 8> kOther{{{Number::kF32, Number::kF64},
@@ -226,7 +240,8 @@ std::vector<LayoutMember> OtherForms(std::string_view name, const LayoutType& ow
   } else {
     forms.push_back({std::string(name), ToString(OtherWidth(own))});
   }
-  if (name == "mTimeStamp") AddForms(name, "nanoseconds", {"u64"}, forms);
+  if (name == "mTimeStamp")
+    for (const TimeForm& time : kTimes) AddForms(name, time.form, {"u64"}, forms);
   if (IsFloats(own) && (own.count == 3 || own.count == 9)) AddForms(name, "", {"mat"}, forms);
   if (!IsPose(own)) return forms;
   AddForms(name, "", {"mat"}, forms);
@@ -242,7 +257,7 @@ std::vector<LayoutMember> OtherForms(std::string_view name, const LayoutType& ow
 
 bool IsForm(std::string_view form, const LayoutType& type, const LayoutType& own) {
   if (form.empty() && type.kind != Kind::kMatrix) return SameShape(type, own);
-  if (form == "nanoseconds")
+  if (FindTime(form) != nullptr)
     return own.kind == Kind::kNumber && own.number == Number::kF64 && type.kind == Kind::kNumber &&
            (type.number == Number::kU64 || type.number == Number::kI64);
   if (type.kind == Kind::kMatrix)
@@ -269,7 +284,8 @@ std::uint64_t FixedBytes(const LayoutType& type) {
 
 Numbers ToOwn(std::string_view form, Numbers numbers) {
   if (form.empty()) return numbers;
-  if (form == "nanoseconds") return numbers.size() == 1 ? Numbers{numbers[0] * 1e-9L} : Numbers();
+  if (const TimeForm* time = FindTime(form))
+    return numbers.size() == 1 ? Numbers{numbers[0] / time->per_second} : Numbers();
   if (Has(form, "columns")) numbers = Transposed(numbers, 4);
   if (Has(form, "rows") && numbers.size() == 9) return Transposed(numbers, 3);
   if (Has(form, "rows") || Has(form, "columns")) numbers = PoseOfRows(numbers);
@@ -280,7 +296,7 @@ Numbers ToOwn(std::string_view form, Numbers numbers) {
 
 Numbers FromOwn(std::string_view form, Numbers own, std::size_t count) {
   if (form.empty()) return own;
-  if (form == "nanoseconds") return {std::round(own[0] * 1e9L)};
+  if (const TimeForm* time = FindTime(form)) return {std::round(own[0] * time->per_second)};
   if (Has(form, "rows") && own.size() == 9) return Transposed(own, 3);
   if (own.size() != kPose) return {};
   if (Has(form, "inverse")) own = Inverse(own);

@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
+#include "slamdb/formats/orbslam3/detail/meaning.h"
 #include "slamdb/formats/orbslam3/detail/part_sizes.h"
 #include "slamdb/model/detail/carried_members.h"
 
@@ -76,6 +77,8 @@ void Finish(ForkReading& reading, const ForkProgram& program, const Source& sour
   if (!reading.derived.empty())
     notices.Warn(Concat(source.path, ": derived what the layout ", TitleOf(program.layout),
                         " lacks: ", Joined(reading.derived)));
+  for (const std::string& doubt : DoubtsOfMissing(program))
+    notices.Warn(Concat(source.path, ": in the layout ", TitleOf(program.layout), " ", doubt));
   if (options.part_sizes != nullptr)
     ListPartSizes(reading.part_bytes, static_cast<std::size_t>(detail::FileStream(source).size()), *options.part_sizes);
   detail::Select(options.selection, reading.atlas);

@@ -54,20 +54,23 @@ void Prove(const WholeFile& file, InferredLayout& inferred) {
   inferred.same_bytes = written.same();
 }
 
-InferredLayout InferText(const WholeFile& file) {
+// Where other layouts than the known ones are not looked for: in text, and where longs have 4 bytes.
+InferredLayout InferKnown(const WholeFile& file) {
   Notices notices;
   Atlas atlas;
   try {
     atlas = ReadOrbslam3(Source(file.bytes(), file.path()), {}, notices);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kDamaged) throw;
-    throw Error(
-        ErrorKind::kNotPossible, file.path(), "",
-        "no layout found: it is a text archive of none of the known layouts, and others are only found in binary "
-        "ones. `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it, for "
-        "`Orbslam3ReadOptions::layout`");
+    throw Error(ErrorKind::kNotPossible, file.path(), "",
+                "no layout found: it is of none of the known layouts, and others are only found in binary archives "
+                "with longs of 8 bytes. `DeriveLayoutOfFolder` derives it from the sources of the program that wrote "
+                "it, for `Orbslam3ReadOptions::layout`");
   }
-  return {.layout = LayoutOf(atlas.layout.empty() ? KnownLayouts().front().id : atlas.layout), .known = true};
+  InferredLayout inferred{.layout = LayoutOf(atlas.layout.empty() ? KnownLayouts().front().id : atlas.layout),
+                          .known = true};
+  inferred.doubts = orbslam3::MeaningOf(atlas, orbslam3::ForkProgram(inferred.layout)).doubts;
+  return inferred;
 }
 
 // Of the file, decoded in a layout; what speaks against one that cannot be.
@@ -111,7 +114,9 @@ InferredLayout InferLayout(const Source& source, const InferOptions& options) {
   detail::FileStream stream(Source(file.bytes(), file.path()));
   Notices notices;
   const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(stream, notices);
-  InferredLayout inferred = header.encoding.text ? InferText(file) : InferBinary(file, header, options);
+  const ArchiveEncoding& encoding = header.encoding;
+  const bool is_usual = !encoding.text && encoding.long_bytes == 8 && encoding.size_bytes == 8;
+  InferredLayout inferred = is_usual ? InferBinary(file, header, options) : InferKnown(file);
   Prove(file, inferred);
   return inferred;
 }

@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <utility>
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/distortion.h"
+#include "slamdb/model/detail/matrix_types.h"
 #include "slamdb/model/reprojection.h"
 
 namespace slamdb::orbslam3 {
@@ -20,6 +24,16 @@ constexpr double kWrong =
     60;  // a question to which all answers are wrong weighs as much as a member that is not like it
 constexpr double kUnasked = 15;
 constexpr double kMost = 0.5;  // of the answers: more that are wrong make a doubt
+
+// What no map is without, and what it is read as where a layout has no such member.
+struct Needed {
+  std::string_view member, instead;
+};
+constexpr std::array kNeeded = {Needed{"KeyFrame.mTcw", "all keyframes are at the origin"},
+                                Needed{"KeyFrame.mTimeStamp", "all keyframes are of time 0"},
+                                Needed{"KeyFrame.mDescriptors", "keypoints have no descriptors"},
+                                Needed{"MapPoint.mWorldPos", "all map points are at the origin"},
+                                Needed{"MapPoint.mDescriptor", "map points have no descriptors"}};
 
 // One thing that holds of nearly all keyframes or points of a sound file.
 struct Question {
@@ -51,8 +65,9 @@ class Interview {
 
   layouts::Meaning Answer(const ForkProgram& program) const {
     layouts::Meaning meaning;
-    for (const Question* question : {&pose_, &rest_, &camera_, &times_, &graph_, &projects_, &faces_, &near_, &counts_,
-                                     &looks_, &matches_, &reference_, &first_}) {
+    for (const Question* question :
+         {&pose_,     &rest_,  &camera_, &times_, &ticks_,  &graph_, &order_,   &sides_,     &depths_, &lens_, &body_,
+          &projects_, &sharp_, &faces_,  &near_,  &counts_, &looks_, &matches_, &reference_, &first_,  &born_}) {
       if (question->asked == 0 ||
           std::ranges::any_of(question->members, [&](std::string_view name) { return program.Lacks(name); })) {
         meaning.penalty += kUnasked;  // less than a wrong answer, but it must not pay to leave out what is asked about
@@ -84,9 +99,15 @@ class Interview {
       if (row % step == 0) AskKeyFrame(keyframe, reprojection);
     }
     std::ranges::sort(by_id, {}, [](const KeyFrame* keyframe) { return keyframe->id; });
-    for (std::size_t i = 1; i < by_id.size(); ++i) {
-      times_.Ask(IsTime(by_id[i]->timestamp) && Follows(by_id[i]->timestamp, by_id[i - 1]->timestamp));
-    }
+    for (std::size_t i = 1; i < by_id.size(); ++i) AskTimes(by_id[i - 1]->timestamp, by_id[i]->timestamp);
+  }
+
+  // Of a keyframe and the next one.
+  void AskTimes(double last, double time) {
+    constexpr double kShortest = 5e-4, kSame = 1e-6;  // seconds
+    times_.Ask(IsTime(time) && Follows(time, last) && time - last > kShortest);
+    const double part = time - std::floor(time);
+    if (part > 0 && time > last) ticks_.Ask(std::abs(part - (last - std::floor(last))) > kSame);
   }
 
   void AskKeyFrame(const KeyFrame& keyframe, const Reprojection& reprojection) {
@@ -97,6 +118,54 @@ class Interview {
     pose_.Ask(std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F &&
               keyframe.camera_from_world.translation.cwiseAbs().maxCoeff() < 1e7F);
     AskGraph(keyframe, reprojection);
+    AskFeatures(keyframe);
+    AskBody(keyframe);
+  }
+
+  // Depths, columns in the right image and lens of one keyframe say the same.
+  void AskFeatures(const KeyFrame& keyframe) {
+    const Features& features = keyframe.features;
+    if (features.is_fisheye_stereo()) return sides_.Ask(features.left_count + features.right_count == features.count);
+    const std::size_t rows = features.undistorted.size(), step = rows / kMostKeypoints + 1;
+    for (std::size_t row = 0; row < rows; row += step) {
+      if (row < std::min(features.depth.size(), features.right_x.size())) AskDepth(keyframe, row);
+      if (rows == features.keypoints.size()) AskLens(keyframe, row);
+    }
+  }
+  void AskDepth(const KeyFrame& keyframe, std::size_t row) {
+    const float depth = keyframe.features.depth[row], right_x = keyframe.features.right_x[row];
+    if (depth <= 0 && right_x < 0) return;
+    const float expected = keyframe.features.undistorted[row].x - keyframe.intrinsics.baseline_fx / depth;
+    depths_.Ask(depth > 0 && std::abs(right_x - expected) < kFar);
+  }
+  // Where the lens moves a keypoint at all.
+  void AskLens(const KeyFrame& keyframe, std::size_t row) {
+    const Keypoint &seen = keyframe.features.keypoints[row], &straight = keyframe.features.undistorted[row];
+    const std::array<double, 5> lens = DistortionOf(keyframe.distortion);
+    const Intrinsics& of = keyframe.intrinsics;
+    if (lens == std::array<double, 5>{} || std::hypot(seen.x - straight.x, seen.y - straight.y) < kFar) return;
+    const Eigen::Vector2d place((straight.x - of.cx) / of.fx, (straight.y - of.cy) / of.fy);
+    const Eigen::Vector2d bent = slamdb::detail::DistortBrown(lens.data(), place);
+    lens_.Ask(std::hypot(bent.x() * of.fx + of.cx - seen.x, bent.y() * of.fy + of.cy - seen.y) < kFar);
+  }
+  static std::array<double, 5> DistortionOf(const Matrix& matrix) {
+    std::array<double, 5> lens{};
+    const std::size_t count = std::min<std::size_t>(matrix.data.size() / sizeof(float), lens.size());
+    for (std::size_t i = 0; matrix.type == slamdb::detail::kCv32F && i < count; ++i) {
+      float number;
+      std::memcpy(&number, matrix.data.data() + i * sizeof(float), sizeof number);
+      lens[i] = number;
+    }
+    return lens;
+  }
+
+  // Where the IMU is, by the pose of the camera.
+  void AskBody(const KeyFrame& keyframe) {
+    const ImuCalibration& imu = keyframe.imu_calibration;
+    if (!imu.is_set || !keyframe.imu_initialized) return;
+    const Eigen::Vector3f body = keyframe.camera_from_world.Normalized().Inverse() * imu.camera_from_body.translation;
+    constexpr float kNear = 0.01F;  // metres
+    body_.Ask((body - keyframe.body_position).norm() < kNear * (1 + body.norm()));
   }
 
   // Keyframes that it refers to refer to it.
@@ -113,6 +182,8 @@ class Interview {
     back(keyframe.parent,
          [&](const KeyFrame& other) { return std::ranges::find(other.children, keyframe.id) != other.children.end(); });
     back(keyframe.previous, [&](const KeyFrame& other) { return other.next == keyframe.id; });
+    if (keyframe.previous) order_.Ask(keyframe.previous < keyframe.id);
+    if (keyframe.next) order_.Ask(keyframe.id < keyframe.next);
     for (const KeyFrameId child : keyframe.children)
       back(child, [&](const KeyFrame& other) { return other.parent == keyframe.id; });
     for (const Connection& connection : keyframe.connections)
@@ -156,7 +227,7 @@ class Interview {
   // Where the cameras are lost, by what the keyframe repeats of them: in the middle, where a fisheye distorts little.
   void AskProjection(const MapPoint& point, const KeyFrame& keyframe, const Observation& observation,
                      const Reprojection& reprojection) {
-    if (!atlas_.cameras.empty()) return projects_.Ask(reprojection.Of(point, observation).left < kFarthest);
+    if (!atlas_.cameras.empty()) return AskError(reprojection.Of(point, observation).left);
     if (keyframe.features.is_fisheye_stereo()) return;
     const Intrinsics& of = keyframe.intrinsics;
     const Keypoint& keypoint = *ObservedKeypoint(keyframe, observation.left);
@@ -165,7 +236,11 @@ class Interview {
     camera.parameters = {of.fx, of.fy, of.cx, of.cy};
     const Rigid3f pose = keyframe.camera_from_world.Normalized();
     const auto pixel = Project(camera, pose.rotation * point.position + pose.translation);
-    projects_.Ask(pixel && (*pixel - Eigen::Vector2f(keypoint.x, keypoint.y)).norm() < kFarthest);
+    AskError(pixel ? (*pixel - Eigen::Vector2f(keypoint.x, keypoint.y)).norm() : kFarthest);
+  }
+  void AskError(float pixels) {
+    projects_.Ask(pixels < kFarthest);
+    sharp_.Ask(pixels < kFar);
   }
 
   void AskPlace(const MapPoint& point, std::span<const Eigen::Vector3f> centers, const Reprojection& reprojection) {
@@ -183,6 +258,7 @@ class Interview {
     }
     const KeyFrame* first = reprojection.Find(KeyFrameId(static_cast<std::uint64_t>(point.first_keyframe)));
     if (first != nullptr) first_.Ask(static_cast<std::int64_t>(first->frame_id) == point.first_frame);
+    if (point.first_keyframe >= 0) born_.Ask(point.first_keyframe <= point.first_frame);
   }
 
   // The camera's parameters begin with what the keyframe repeats.
@@ -196,17 +272,28 @@ class Interview {
   // One that was never set is the identity, not half a turn about an axis.
   void AskRest(const Rigid3f& pose) { rest_.Ask(std::abs(pose.rotation.x()) != 1 && std::abs(pose.rotation.z()) != 1); }
 
-  static constexpr std::size_t kEnough = 5, kMostKeyFrames = 200, kMostPoints = 600, kMostObservations = 6;
-  static constexpr float kMiddle = 0.3F;  // of the focal length
-  static constexpr float kFarthest = 20;  // pixels
+  static constexpr std::size_t kEnough = 5, kMostKeyFrames = 200, kMostKeypoints = 20, kMostPoints = 600,
+                               kMostObservations = 6;
+  static constexpr float kMiddle = 0.3F;            // of the focal length
+  static constexpr float kFar = 5, kFarthest = 20;  // pixels
 
   const Atlas& atlas_;
   Question pose_{"orientations of keyframes are no rotations", {"KeyFrame.mTcw"}};
   Question rest_{"poses that were never set are half a turn", {}};
   Question camera_{"keyframes and cameras have other intrinsics", {"KeyFrame.fx", "KeyFrame.cx"}};
-  Question times_{"times of keyframes do not rise", {"KeyFrame.mTimeStamp", "KeyFrame.mnId"}};
+  Question times_{"times of keyframes do not rise, or are hours or no time apart",
+                  {"KeyFrame.mTimeStamp", "KeyFrame.mnId"}};
+  Question ticks_{"times of keyframes are whole seconds apart", {"KeyFrame.mTimeStamp"}};
   Question graph_{"keyframes do not refer to each other", {"KeyFrame.mBackupParentId", "KeyFrame.mvBackupChildrensId"}};
+  Question order_{"keyframes do not come between the one before and the one after them",
+                  {"KeyFrame.mBackupPrevKFId", "KeyFrame.mBackupNextKFId"}};
+  Question sides_{"keypoints of both sides are not as many as all", {"KeyFrame.NLeft", "KeyFrame.NRight"}};
+  Question depths_{"depths and columns in the right image do not fit", {"KeyFrame.mvDepth", "KeyFrame.mvuRight"}};
+  Question lens_{"keypoints are not where the lens puts the undistorted ones",
+                 {"KeyFrame.mvKeys", "KeyFrame.mvKeysUn"}};
+  Question body_{"positions of bodies are not those of their cameras", {"KeyFrame.mOwb", "KeyFrame.mTcw"}};
   Question projects_{"map points are not where keyframes see them", {"KeyFrame.mTcw", "KeyFrame.mvKeysUn"}};
+  Question sharp_{"map points are some pixels from where keyframes see them", {"KeyFrame.mTcw", "KeyFrame.mvKeysUn"}};
   Question faces_{"normals of map points do not face their keyframes", {"MapPoint.mNormalVector", "KeyFrame.mTcw"}};
   Question near_{"map points are out of the distances at which they are seen",
                  {"MapPoint.mfMinDistance", "MapPoint.mfMaxDistance", "MapPoint.mBackupRefKFId", "KeyFrame.mTcw"}};
@@ -217,6 +304,8 @@ class Interview {
   Question reference_{"map points are not seen by their reference keyframes", {"MapPoint.mBackupRefKFId"}};
   Question first_{"map points are of other frames than their first keyframes",
                   {"MapPoint.mnFirstKFid", "MapPoint.mnFirstFrame", "KeyFrame.mnFrameId"}};
+  Question born_{"map points are of keyframes that came after their frames",
+                 {"MapPoint.mnFirstKFid", "MapPoint.mnFirstFrame"}};
 };
 
 }  // namespace
@@ -224,7 +313,16 @@ class Interview {
 layouts::Meaning MeaningOf(const Atlas& atlas, const ForkProgram& program) {
   Interview interview(atlas);
   interview.Run();
-  return interview.Answer(program);
+  layouts::Meaning meaning = interview.Answer(program);
+  for (std::string& doubt : DoubtsOfMissing(program)) meaning.doubts.push_back(std::move(doubt));
+  return meaning;
+}
+
+std::vector<std::string> DoubtsOfMissing(const ForkProgram& program) {
+  std::vector<std::string> doubts;
+  for (const Needed& needed : kNeeded)
+    if (program.Lacks(needed.member)) doubts.push_back(Concat("no member is ", needed.member, ": ", needed.instead));
+  return doubts;
 }
 
 std::string DoubtOfPoses(const Atlas& atlas) {

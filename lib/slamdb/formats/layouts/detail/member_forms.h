@@ -9,13 +9,13 @@
 
 #include "slamdb/formats/layouts/layout.h"
 
-// Members of ORB-SLAM3 as forks write them: in numbers of another width, poses in other conventions, times in
-// nanoseconds. What stands behind the first dot of a name says the form:
+// Members of ORB-SLAM3 as forks write them: in numbers of another width, poses in other conventions, times as
+// whole numbers. What stands behind the first dot of a name says the form:
 //   .xyzw         of a pose: the quaternion begins with x
 //   .inverse      of a pose: world_from_camera
 //   .rows         of a pose: a matrix, row after row; of a matrix: so
 //   .columns      of a pose: a matrix, column after column
-//   .nanoseconds  of a time
+//   .nanoseconds  of a time; .microseconds and .milliseconds likewise
 namespace slamdb::layouts {
 
 // Holds every integer of 64 bits and every double. Of lists the count stands in front.

@@ -32,9 +32,9 @@ ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, cons
 
 // Whether a keyframe may have been made then; the bits of something else are below 1e-6 or above 1e11 seconds.
 inline bool IsTime(double seconds) { return seconds == 0 || (seconds >= 1e-6 && seconds < 1e11); }
-// Whether a keyframe of the same map may follow then.
+// Whether a keyframe of the same map may follow then, as most do.
 inline bool Follows(double seconds, double last) {
-  constexpr double kLongestGap = 10 * 365 * 86400.0;
+  constexpr double kLongestGap = 3600;
   return seconds >= last && seconds - last < kLongestGap;
 }
 // How many keyframes have no sensible time or orientation, or a time in front of the last one's, as those of a file of

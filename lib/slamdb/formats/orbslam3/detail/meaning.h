@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "slamdb/formats/layouts/detail/inference.h"
 #include "slamdb/formats/orbslam3/detail/fork_program.h"
 
@@ -10,7 +13,12 @@ namespace slamdb::orbslam3 {
 // each other, times rise. A sample of the points is looked at. What the layout lacks is not held against it.
 layouts::Meaning MeaningOf(const Atlas& atlas, const ForkProgram& program);
 
-// What is said where times, or poses and positions, of a whole atlas are nearly all such as no map has; empty as a rule.
+// Members that no map is without, of those that the layout lacks: `no member is KeyFrame.mTcw: all keyframes are at the
+// origin`.
+std::vector<std::string> DoubtsOfMissing(const ForkProgram& program);
+
+// What is said where times, or poses and positions, of a whole atlas are nearly all such as no map has; empty as a
+// rule.
 std::string DoubtOfPoses(const Atlas& atlas);
 
 }  // namespace slamdb::orbslam3
