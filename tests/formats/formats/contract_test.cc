@@ -144,8 +144,10 @@ TEST_P(EveryFormat, WritesAnEmptyAtlas) {
   if (format().read == nullptr || ReadFileOrFolder(folder.Path("out")).empty())
     return;  // which no reader takes for an atlas
   const auto read = [&] { return format().read({folder.Path("out"), ""}, {}, notices); };
-  if (format().reads == (Content::kPoses | Content::kMaps)) {  // a head alone is what is left of a cut trajectory
-    EXPECT_THAT(ProblemOf(read), HasSubstr("holds no pose"));
+  // Where a cut file can look the same, the reader refuses it.
+  constexpr std::array<std::string_view, 4> kRefused = {"tum", "euroc", "colmap", "colmap-text"};
+  if (std::ranges::find(kRefused, format().id) != kRefused.end()) {
+    EXPECT_THAT(ProblemOf(read), HasSubstr("holds no "));
     return;
   }
   const Atlas atlas = read();
