@@ -96,6 +96,14 @@ TEST(ColmapDamage, APartOfNothingToWhichOthersReferIsCutOff) {
   EXPECT_THAT(RefusalOf([] { ReadFiles({{"rigs.txt", "# Rig cal"}}); }), HasSubstr("not one rig"));
   EXPECT_THAT(RefusalOf([] { ReadFiles({{"frames.txt", "#"}}); }), HasSubstr("no frames; was their file cut off?"));
   EXPECT_THAT(RefusalOf([] { ReadFiles({{"points3D.txt", "# 3D"}}); }), HasSubstr("and no points; was their file"));
+  EXPECT_THAT(RefusalOf([] {
+                ReadFiles({{"images.txt", "# I"}});
+              }),
+              HasSubstr("points that images see, and no images"));
+  EXPECT_THAT(RefusalOf([] {
+                ReadFiles({{"images.txt", ""}, {"points3D.txt", "#"}, {"frames.txt", ""}, {"rigs.txt", ""}});
+              }),
+              HasSubstr("no image and no point"));
 }
 
 auto Says(const std::string& text) { return Contains(Field(&Notice::text, HasSubstr(text))); }
@@ -145,7 +153,6 @@ TEST(ColmapContent, TracksThatLeadNowhereAreCounted) {
   EXPECT_THAT(read("5 0").items(), Not(Says("of tracks left out")));
   for (const char* track : {"5 0 6 0", "5 0 5 2", "5 0 5 1", "5 0 4294967295 4294967295"})
     EXPECT_THAT(read(track).items(), Says("1 element of tracks left out")) << track;
-  EXPECT_THAT(ReadFiles({{"images.txt", ""}}).notices.items(), Says("of tracks left out"));
 }
 
 // Coordinates of the world would be rounded by half a metre.

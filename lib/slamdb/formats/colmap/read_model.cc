@@ -55,6 +55,11 @@ void RequireWhole(const NamedModel& named) {
     throw Error(ErrorKind::kDamaged, named.path, "", detail::Concat("has ", what, "; was their file cut off?"));
   };
   if (!model.rigs.empty() && model.frames.empty() && !model.images.empty()) fail("rigs and images, and no frames");
+  const auto has_track = [](const Point& point) { return point.track_length > 0; };
+  if (model.images.empty() && std::ranges::any_of(model.points, has_track))
+    fail("points that images see, and no images");
+  if (model.images.empty() && model.points.empty())
+    throw Error(ErrorKind::kDamaged, named.path, "", "holds no image and no point; were its files cut off?");
   if (model.points.empty() && std::ranges::any_of(model.images, SeesPoints))
     fail("images that see points, and no points");
 }
