@@ -203,6 +203,7 @@ Atlas PutOnto(const HeldSource& poses, const ReadOptions& read, const Location& 
   notices.Note("put " + Counted(put.keyframes, "pose") + " and " + Counted(put.points, "point") + " into " +
                options.onto + "; the largest shift of a camera is " + detail::Digits(put.largest_shift, 3));
   for (const std::string& warning : put.warnings) notices.Warn(warning);
+  for (const std::string& loss : put.losses) notices.Lose(loss);
   return atlas;
 }
 

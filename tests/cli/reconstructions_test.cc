@@ -67,6 +67,30 @@ TEST_F(Reconstructions, GoBackOntoAnAtlasThatIsFarAway) {
   EXPECT_THAT(alone.err, HasSubstr("was taken off all positions"));
   const ProcessResult onto = RunSlamdb({"convert", In("model"), In("again.osa"), "--onto", In("near.osa")});
   EXPECT_THAT(onto.err, HasSubstr("positions stay as the atlas has them: without (49997, -20000, 300)"));
+  // Of a part the middle is elsewhere, and of what is no model, too: nothing moves but by what floats were off by.
+  Json({"convert", In("far.osa"), In("part"), "--to", "colmap", "--keyframes", "0:4"});
+  EXPECT_THAT(RunSlamdb({"convert", In("part"), In("part.osa")}).err, Not(HasSubstr("(49997, -20000, 300)")));
+  for (const std::string poses : {"part", "far.g2o", "far.tum"}) {
+    if (poses != "part") Json({"convert", In("far.osa"), In(poses)});
+    const ProcessResult moved =
+        RunSlamdb({"convert", In(poses), In("o.osa"), "-O", "--onto", In("near.osa"), "--json"});
+    EXPECT_EQ(moved.exit_code, 0) << moved.err;
+    EXPECT_LT(json::parse(moved.out)["put"]["largest_shift"], 0.01) << poses;
+    EXPECT_THAT(moved.err, HasSubstr("positions stay as the atlas has them: without (49997, -20000, 300)"));
+  }
+}
+
+// Onto an atlas that reaches as far, floats round what is new: the loss that reading it alone is.
+TEST_F(Reconstructions, LoseOntoAFarAtlasWhatFloatsRound) {
+  Json({"transform", kSession, In("far.osa"), "--by", "500000,5400000,500,0,0,0,1"});
+  const auto put = [&] { return RunSlamdb({"convert", In("far.g2o"), In("o.osa"), "-O", "--onto", In("far.osa")}); };
+  Json({"convert", In("far.osa"), In("far.g2o")});
+  const ProcessResult same = put();
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  WriteWholeFile(In("far.g2o"), "VERTEX_SE3:QUAT 4 500001.3 5400001.6 500.2 0 0 0 1\n");
+  const ProcessResult rounded = put();
+  EXPECT_EQ(rounded.exit_code, 3) << rounded.err;
+  EXPECT_THAT(rounded.err, HasSubstr("loss: coordinates are rounded to the 32-bit floats of an atlas: 1, by up to 0."));
 }
 
 // By their list, too: names keep its folders, however the list is named.

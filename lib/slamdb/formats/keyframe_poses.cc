@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "slamdb/formats/colmap/options.h"
 #include "slamdb/formats/detail/choose.h"
@@ -10,6 +12,8 @@
 #include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/model/detail/lens_numbers.h"
+#include "slamdb/model/detail/local_origin.h"
+#include "slamdb/model/detail/rounding.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -66,6 +70,18 @@ std::vector<PointPosition> PointsOf(const Atlas& atlas) {
   return points;
 }
 
+// As the reader of COLMAP does, but only where floats would round by more than is a loss: few poses close together are
+// soon far for what they spread, and may have been moved there. Returns what was taken off.
+Eigen::Vector3d MoveToLocalOrigin(std::vector<KeyFramePose>& poses) {
+  std::vector<Eigen::Vector3d> places;
+  for (const KeyFramePose& pose : poses) places.push_back(pose.world_from_camera.translation);
+  const Eigen::Vector3d origin = detail::LocalOriginOf(std::move(places));
+  constexpr double kHalfStep = std::numeric_limits<float>::epsilon() / 2;
+  if (origin.norm() * kHalfStep <= detail::Rounding::kMost) return Eigen::Vector3d::Zero();
+  for (KeyFramePose& pose : poses) pose.world_from_camera.translation -= origin;
+  return origin;
+}
+
 }  // namespace
 
 std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held, const ReadOptions& options, Notices* notices,
@@ -78,8 +94,12 @@ std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held, const ReadOp
   if (origin != nullptr) *origin = Eigen::Vector3d::Zero();
   poses.of<ColmapReadOptions>().origin = origin;
   const Format& format = detail::FormatToRead(held.source(), poses);
-  if (IsTrajectory(format)) return OfTrajectories(held, poses, heard);
-  if (format.id == detail::kG2oFormat.id) return detail::ReadG2oPoses(held.source(), heard);
+  if (IsTrajectory(format) || format.id == detail::kG2oFormat.id) {
+    std::vector<KeyFramePose> exact =
+        IsTrajectory(format) ? OfTrajectories(held, poses, heard) : detail::ReadG2oPoses(held.source(), heard);
+    if (origin != nullptr) *origin = MoveToLocalOrigin(exact);
+    return exact;
+  }
   const Atlas atlas = ReadAtlas(held, poses, &heard);
   if (points != nullptr) *points = PointsOf(atlas);
   return OfAtlas(atlas);

@@ -14,7 +14,8 @@ namespace slamdb {
 // `points`, when given, receives where the points are of an input that has some, by id: those that keyframes see, since
 // nothing has moved the others.
 // `origin`, when given, receives what was taken off all positions, where an input reaches too far for the floats of an
-// atlas (ColmapReadOptions::origin); it is zero otherwise.
+// atlas (ColmapReadOptions::origin; poses of graphs and trajectories alike); it is zero otherwise. Without it graphs
+// and trajectories keep their positions.
 //
 // Throws Error as ReadAtlas.
 [[nodiscard]] SLAMDB_EXPORT std::vector<KeyFramePose> ReadKeyFramePoses(const HeldSource& held,

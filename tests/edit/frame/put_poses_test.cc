@@ -91,6 +91,41 @@ TEST(PutPoses, LieWhereTheAtlasDoes) {
   EXPECT_EQ(far.maps[0].points[0].position, put.maps[0].points[0].position);
 }
 
+// A part of a model has another middle than the whole that the atlas was made of, by whole numbers.
+TEST(PutPoses, OfAPartLieWhereTheAtlasOfTheWholeDoes) {
+  const Atlas atlas = InertialWorld();
+  const Eigen::Vector3d origin(500'000, 5'400'000, 500), other(1, 0, 2), adjusted(0.3, -0.1, 0);
+  std::vector<KeyFramePose> poses = PosesOf(atlas.maps[0]);
+  poses.resize(9);
+  for (KeyFramePose& pose : poses) pose.world_from_camera.translation += adjusted - other;
+  poses[4].world_from_camera.translation.x() += 7;
+  PutPosesOptions options{.origin = origin + other};
+  options.points.push_back(
+      {.point = atlas.maps[0].points[0].id, .position = atlas.maps[0].points[0].position.cast<double>() - other});
+  Atlas put = atlas;
+  const PutPosesReport report = PutPoses(put, poses, options);
+  EXPECT_THAT(report.warnings, ::testing::Contains(HasSubstr("without (500000, 5400000, 500), which the poses have")));
+  for (std::size_t row = 0; row < poses.size(); ++row) {
+    const Eigen::Vector3d shift =
+        PoseOf(put.maps[0].keyframes[row]).translation - PoseOf(atlas.maps[0].keyframes[row]).translation;
+    EXPECT_LT((shift - adjusted - Eigen::Vector3d(row == 4 ? 7 : 0, 0, 0)).norm(), 1e-5) << row;
+  }
+  EXPECT_LT((put.maps[0].points[0].position - atlas.maps[0].points[0].position).norm(), 1e-5F);
+
+  Atlas moved = atlas;  // nothing was taken off: a shift is one
+  EXPECT_NEAR(PutPoses(moved, poses).largest_shift, (adjusted - other + Eigen::Vector3d(7, 0, 0)).norm(), 1e-5);
+}
+
+TEST(PutPoses, NameWhatFloatsRound) {
+  const Atlas atlas = InertialWorld();
+  std::vector<KeyFramePose> poses = PosesOf(atlas.maps[0]);
+  Atlas put = atlas;
+  EXPECT_THAT(PutPoses(put, poses).losses, ElementsAre());
+  for (KeyFramePose& pose : poses) pose.world_from_camera.translation += Eigen::Vector3d(500'000.3, 5'400'000.6, 500.2);
+  EXPECT_THAT(PutPoses(put, poses).losses,
+              ElementsAre(HasSubstr("coordinates are rounded to the 32-bit floats of an atlas: 12, by up to 0.")));
+}
+
 // One keyframe moves; the points that refer to it stay where they are in its picture.
 TEST(PutPoses, ChangeNothingElse) {
   const Atlas atlas = InertialWorld();

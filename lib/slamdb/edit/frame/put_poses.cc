@@ -10,8 +10,11 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/states.h"
+#include "slamdb/model/detail/camera_in_world.h"
 #include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/detail/lens_numbers.h"
+#include "slamdb/model/detail/local_origin.h"
+#include "slamdb/model/detail/rounding.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -125,6 +128,9 @@ class Putter {
                                         lens_example_,
                                         ": neither poses nor points fit the keypoints of the atlas as they should; "
                                         "optimise again with the lens held as it is"));
+    Notices rounded;
+    rounding_.Tell(rounded);
+    for (const Notice& notice : rounded.items()) report_.losses.push_back(notice.text);
     return std::move(report_);
   }
 
@@ -162,33 +168,34 @@ class Putter {
             world_from_body.translation + world_from_body.scale * (turn * translation)};
   }
 
-  // An atlas that was made of the same model lies where that was moved to; one that it was made of does not.
+  // Where an origin was taken off, poses are in no frame yet: the atlas tells by what it has of them.
   void AddOrigin() {
     if (options_.origin.isZero(0)) return;
-    std::size_t nearer = 0, all = 0;
-    for (std::size_t map = 0; map < news_.size(); ++map)
-      for (const auto& [row, pose] : news_[map].poses) {
-        const Eigen::Vector3d there = PlaceOf(atlas_.maps[map].keyframes[row]);
-        nearer += (pose.translation + options_.origin - there).norm() < (pose.translation - there).norm() ? 1 : 0;
-        ++all;
-      }
-    if (2 * nearer < all) {
-      report_.warnings.push_back(Concat("positions stay as the atlas has them: without (",
-                                        detail::Fixed(options_.origin.x(), 0), ", ",
-                                        detail::Fixed(options_.origin.y(), 0), ", ",
-                                        detail::Fixed(options_.origin.z(), 0), "), which the poses have"));
-      return;
-    }
+    const Eigen::Vector3d shift = detail::WholeMiddleOf(Shifts());
+    const bool is_as_far = (shift + options_.origin).norm() < shift.norm();
+    const Eigen::Vector3d added = is_as_far ? options_.origin : Eigen::Vector3d(-shift);
     for (News& news : news_) {
-      for (auto& [row, pose] : news.poses) pose.translation += options_.origin;
-      for (auto& [row, position] : news.points) position += options_.origin;
+      for (auto& [row, pose] : news.poses) pose.translation += added;
+      for (auto& [row, position] : news.points) position += added;
     }
+    if (!is_as_far)
+      report_.warnings.push_back(Concat("positions stay as the atlas has them: without ",
+                                        detail::OriginText(options_.origin - added),
+                                        ", which the poses have, the median of how far they are from the atlas in "
+                                        "whole units: a shift of all of them by such does not show"));
   }
 
-  static Eigen::Vector3d PlaceOf(const KeyFrame& keyframe) {
-    const Rigid3f& pose = keyframe.camera_from_world;
-    return -(Eigen::Quaternionf(pose.rotation).cast<double>().normalized().conjugate() *
-             pose.translation.cast<double>());
+  // From where the atlas has them to where they are put.
+  std::vector<Eigen::Vector3d> Shifts() const {
+    std::vector<Eigen::Vector3d> shifts;
+    for (std::size_t map = 0; map < news_.size(); ++map) {
+      for (const auto& [row, pose] : news_[map].poses)
+        shifts.push_back(pose.translation - detail::ExactCenter(atlas_.maps[map].keyframes[row].camera_from_world));
+      for (const auto& [row, position] : news_[map].points)
+        if (const MapPoint& point = atlas_.maps[map].points[row]; detail::IsPlaced(point))
+          shifts.push_back(position - point.position.cast<double>());
+    }
+    return shifts;
   }
 
   static bool IsSamePoint(const MapPoint& point, const PointPosition& position) {
@@ -222,7 +229,15 @@ class Putter {
     for (std::size_t row = 0; row < put.poses.size(); ++row)
       report_.followers += put.poses[row].values != after.poses[row].values ? 1 : 0;
     detail::Record(before, after, options_.threads, map);
+    AddRounding(map, news);
     ++report_.maps;
+  }
+
+  void AddRounding(const Map& map, const News& news) {
+    for (const auto& [row, pose] : news.poses)
+      rounding_.AddPose(map.keyframes[row].camera_from_world, pose.translation);
+    for (const auto& [row, position] : news.points)
+      rounding_.AddLoss((map.points[row].position.cast<double>() - position).cwiseAbs().maxCoeff());
   }
 
   void Warn(std::uint64_t count, std::string_view noun, std::string_view what) {
@@ -235,6 +250,7 @@ class Putter {
   std::vector<News> news_;
   std::uint64_t other_lenses_ = 0;  // poses
   std::string lens_example_;
+  detail::Rounding rounding_;
   PutPosesReport report_;
 };
 

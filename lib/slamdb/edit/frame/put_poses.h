@@ -15,8 +15,10 @@ namespace slamdb {
 struct PutPosesOptions {
   std::vector<PointPosition> points;   // those of which it is known; the others follow their reference keyframe
   double max_time_difference = 0.005;  // seconds, between a keyframe and its pose, where the time of both is known
-  // What was taken off all poses and points that are put: it is added again where that brings more of them nearer to
-  // where their keyframes are, and a warning says where not.
+  // What was taken off all poses and points that are put, in whole numbers; zero: they stay as they are. It is added
+  // again where the atlas reaches as far. Of an atlas that does not, another origin may have been taken off: the whole
+  // numbers are that bring the poses and points nearest to what they are of, by the median, and a warning names what is
+  // left off.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   bool of_body = false;  // poses are of the body (IMU): each keyframe's calibration leads to its camera
   int threads = 0;       // 0: every core
@@ -32,6 +34,7 @@ struct PutPosesReport {
   std::uint64_t maps = 0;             // in which something was put
   double largest_shift = 0;           // of a camera, the map's units
   std::vector<std::string> warnings;  // a sentence each
+  std::vector<std::string> losses;    // what is not put as it was given: numbers that floats round visibly
 };
 
 // Puts what another program made of the poses of an atlas into it: keyframes by id, or by time where a pose has none.

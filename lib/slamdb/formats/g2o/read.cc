@@ -9,7 +9,6 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/detail/union_find.h"
-#include "slamdb/formats/detail/rounding.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/g2o/detail/g2o.h"
 #include "slamdb/formats/g2o/detail/similarity_log.h"
@@ -17,6 +16,7 @@
 #include "slamdb/formats/import/detail/possible.h"
 #include "slamdb/model/counters.h"
 #include "slamdb/model/detail/camera_in_world.h"
+#include "slamdb/model/detail/rounding.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -232,8 +232,7 @@ class AtlasMaker {
     keyframe.timestamp = pose.timestamp;
     const Eigen::Vector3d& center = pose.world_from_camera.translation;
     keyframe.camera_from_world = detail::CameraFromWorld(pose.world_from_camera.rotation, center);
-    const double off = (detail::ExactCenter(keyframe.camera_from_world) - center).cwiseAbs().maxCoeff();
-    if (off > detail::Rounding::kMost) rounding_.Add(off);  // less is what every number is off
+    rounding_.AddPose(keyframe.camera_from_world, center);
   }
 
   static void SetEnds(Map& map) {

@@ -14,7 +14,7 @@ namespace slamdb::detail {
 
 Atlas ReadPoses(const Source& source, PoseLayout layout, const ReadOptions& options, Notices& notices) {
   PoseAtlas atlas;
-  Rounding rounding;
+  PositionRounding rounding;
   for (const MapText& map : ReadTrajectoryText(source, layout, options, notices)) {
     atlas.BeginMap(map.id);
     for (const PoseText& pose : map.poses)

@@ -20,7 +20,7 @@ namespace {
 // What the notices tell about keyframes that are not written as they are.
 struct Census {
   std::size_t bad = 0, not_finite = 0, without_body = 0;
-  Rounding rounding;
+  PositionRounding rounding;
 
   void Tell(PoseFrame frame, Rounded rounded, Notices& notices) const {
     if (rounded == Rounded::kIsLoss) rounding.Tell("rounded again as they are written,", notices);
@@ -64,7 +64,7 @@ std::int64_t Nanoseconds(double seconds) {
 
 bool FitsNanoseconds(double seconds) { return std::abs(seconds) < 9.2e9; }
 
-void Rounding::Add(const Eigen::Vector3d& exact, const Eigen::Vector3d& rounded) {
+void PositionRounding::Add(const Eigen::Vector3d& exact, const Eigen::Vector3d& rounded) {
   constexpr double kSeen = 5e-4;  // metres
   const double error = (rounded - exact).norm();
   if (error <= kSeen) return;
@@ -73,7 +73,7 @@ void Rounding::Add(const Eigen::Vector3d& exact, const Eigen::Vector3d& rounded)
   farthest_ = std::max(farthest_, exact.cwiseAbs().maxCoeff());
 }
 
-void Rounding::Tell(std::string_view what_happened, Notices& notices) const {
+void PositionRounding::Tell(std::string_view what_happened, Notices& notices) const {
   if (poses_ == 0) return;
   notices.Lose(Concat("positions reach ", Fixed(farthest_, 0), ", where single precision has steps of ",
                       Digits(farthest_ * std::numeric_limits<float>::epsilon(), 1), ": ", what_happened, " by up to ",

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/detail/rounding.h"
 #include "slamdb/formats/format.h"
+#include "slamdb/model/detail/rounding.h"
 
 // Point clouds read as atlases of points alone, to be compared and converted.
 namespace slamdb::detail {

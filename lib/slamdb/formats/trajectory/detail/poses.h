@@ -52,7 +52,7 @@ std::int64_t Nanoseconds(double seconds);
 bool FitsNanoseconds(double seconds);
 
 // What single precision makes of positions; a rounding that nobody would see is none.
-class Rounding {
+class PositionRounding {
  public:
   void Add(const Eigen::Vector3d& exact, const Eigen::Vector3d& rounded);
   // As a loss: `positions reach 5411933, ...: rounded by up to 0.25: 2 poses`.

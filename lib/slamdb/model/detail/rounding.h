@@ -7,6 +7,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/notices.h"
+#include "slamdb/model/detail/camera_in_world.h"
 
 namespace slamdb::detail {
 
@@ -17,6 +18,13 @@ class Rounding {
 
   void Add(double off) {
     if (off > 0) ++count_, most_ = std::max(most_, off);
+  }
+  // Of a place that the pose was made of; no more than the millimetre is what every number is off.
+  void AddPose(const Rigid3f& camera_from_world, const Eigen::Vector3d& center) {
+    AddLoss((ExactCenter(camera_from_world) - center).cwiseAbs().maxCoeff());
+  }
+  void AddLoss(double off) {
+    if (off > kMost) Add(off);
   }
   void Tell(Notices& notices) const {
     if (count_ == 0) return;
