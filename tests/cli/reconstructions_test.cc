@@ -211,6 +211,38 @@ TEST_F(Reconstructions, AreWrittenWhereALinkLeads) {
   EXPECT_TRUE(fs::exists(In("there/points3D.bin")));
 }
 
+TEST_F(Reconstructions, InScenesAreNotMixedWithWhatWasLeft) {
+  Json({"convert", kSession, In("scene"), "--to", "3dgs"});
+  const std::string model = In("scene/sparse/0");
+  const auto problem = [&] { return RunSlamdb({"convert", kTiny, model, "--to", "colmap", "-O"}).err; };
+  EXPECT_THAT(problem(), HasSubstr("points3D.ply: is the cloud of another model"));
+  WriteWholeFile(model + "/.slamdb-unfinished", "words:\ncameras.bin\n");
+  EXPECT_THAT(RunSlamdb({"info", In("scene")}).err, HasSubstr("was killed"));
+  Json({"convert", kSession, In("scene"), "--to", "3dgs", "-O"});
+  Json({"info", In("scene")});
+  WriteWholeFile(In("scene/.slamdb-unfinished"), "words:\nsparse/0/cameras.bin\n");
+  EXPECT_THAT(problem(), HasSubstr("was killed"));
+}
+
+TEST_F(Reconstructions, OfSeveralFilesAreKnownThroughLinks) {
+  fs::create_directory(In("maps"));
+  fs::create_symlink("maps/m.yaml", In("link.yaml"));
+  fs::create_symlink("maps/p.kitti", In("link.kitti"));
+  for (const char* name : {"link.yaml", "link.kitti"}) {
+    const std::string format = std::string(name).ends_with("kitti") ? "kitti" : "osmap";
+    Json({"convert", kTiny, In(name), "--to", format});
+    Json({"convert", kTiny, In(name), "--to", format, "-O"});
+  }
+  EXPECT_THAT(Names(In("maps")),
+              UnorderedElementsAre("m.yaml", "m.mappoints", "m.keyframes", "m.features", "p.kitti", "p.kitti.times"));
+  Json({"info", In("link.yaml")});
+  EXPECT_THAT(RunSlamdb({"convert", In("link.kitti"), In("p.tum")}).err, HasSubstr("p.kitti.times"));
+  fs::copy_file(In("maps/m.yaml"), In("maps/copy.yaml"));
+  WriteWholeFile(In("maps/.m.slamdb-unfinished"), "words:\nm.mappoints\n");
+  for (const char* name : {"link.yaml", "maps/m.yaml", "maps/copy.yaml"})
+    EXPECT_THAT(RunSlamdb({"info", In(name)}).err, HasSubstr("was killed")) << name;
+}
+
 TEST_F(Reconstructions, RefuseOptionsWithoutEffect) {
   const auto expect = [&](const std::string& to, std::vector<std::string> more, const std::string& says) {
     more.insert(more.begin(), {"convert", kTiny, In("out"), "--to", to});
