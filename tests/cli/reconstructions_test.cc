@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Folders of COLMAP and scenes, as the command writes and reads them.
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
@@ -241,6 +246,30 @@ TEST_F(Reconstructions, OfSeveralFilesAreKnownThroughLinks) {
   WriteWholeFile(In("maps/.m.slamdb-unfinished"), "words:\nm.mappoints\n");
   for (const char* name : {"link.yaml", "maps/m.yaml", "maps/copy.yaml"})
     EXPECT_THAT(RunSlamdb({"info", In(name)}).err, HasSubstr("was killed")) << name;
+}
+
+// The last file of them is a FIFO: when it is opened, the others are read, and one of them is replaced.
+TEST_F(Reconstructions, OfSeveralFilesAreNotReadWhileTheyAreReplaced) {
+  Json({"convert", kTiny, In("m.yaml"), "--to", "osmap"});
+  Json({"convert", kTiny, In("p.kitti")});
+  const auto read = [&](const std::string& last, const std::string& replaced, const std::vector<std::string>& line) {
+    fs::rename(last, In("kept"));
+    ASSERT_EQ(::mkfifo(last.c_str(), 0600), 0);
+    std::thread other([&] {
+      std::ofstream fifo(last);
+      fs::copy_file(replaced, In("new"));
+      fs::rename(In("new"), replaced);
+      fifo << ReadWholeFile(In("kept"));
+    });
+    const ProcessResult result = RunSlamdb(line);
+    const int release = ::open(last.c_str(), O_RDONLY | O_NONBLOCK);  // where nothing has opened it
+    other.join();
+    ::close(release);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr(replaced + ": was replaced while it was read"));
+  };
+  read(In("m.features"), In("m.mappoints"), {"info", In("m.yaml")});
+  read(In("p.kitti.times"), In("p.kitti"), {"convert", In("p.kitti"), In("p.tum"), "--times", In("p.kitti.times")});
 }
 
 TEST_F(Reconstructions, RefuseOptionsWithoutEffect) {
