@@ -267,8 +267,15 @@ TEST_F(AtomicFolders, MendWhatWasLeftInFoldersBelow) {
   EXPECT_THAT(ProblemOf([&] { Fill(path_, true, /*overwrite=*/true); }), HasSubstr("and sparse/0/frames.bin, which"));
   EXPECT_TRUE(detail::IsUnfinished(unfinished));
   fs::remove(path_ + "/sparse/0/frames.bin");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const AtomicFolder target(path_ + "/sparse/0", {.overwrite = true, .sync = false});
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::waitpid(child, nullptr, 0);
   Fill(path_, true, /*overwrite=*/true);
   EXPECT_FALSE(fs::exists(unfinished));
+  EXPECT_EQ(std::distance(fs::directory_iterator(path_ + "/sparse"), fs::directory_iterator()), 1);
 }
 
 TEST_F(AtomicFolders, OfKilledProgramsKeepTheOldFilesUntilOthersAreThere) {

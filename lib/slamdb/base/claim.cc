@@ -129,14 +129,17 @@ void Claim::Begin(const std::vector<std::string>& names, bool sync) {
   GiveBackSlot(std::exchange(slot_, -1));
 }
 
+// Emptied, too, as far as it goes: its removal may fail.
 void Claim::Withdraw() {
   begun_ = false;
-  if (left_.empty() && ::ftruncate(descriptor_, 0) != 0) begun_ = true;
+  [[maybe_unused]] const bool is_empty = left_.empty() && ::ftruncate(descriptor_, 0) == 0;
 }
 
-// What a program left that was killed is mended by that too. Emptied first: its removal may fail.
+// What a program left that was killed is mended by that too. Emptied first: either may fail.
 void Claim::Finish() {
-  if (::ftruncate(descriptor_, 0) != 0) throw SystemError(path_, Concat("is written, but cannot empty ", unfinished_));
+  const bool is_empty = ::ftruncate(descriptor_, 0) == 0;
+  if (!is_empty && IsStillThere() && CallsOfFiles().unlink(unfinished_.c_str()) != 0)
+    throw SystemError(path_, Concat("is written, but cannot remove ", unfinished_));
   begun_ = false;
   left_.clear();
 }

@@ -243,6 +243,8 @@ void FilesTogether::MoveEach() {
   }
   folders.Keep();
   for (const auto& mended : below) mended->Finish();
+  for (const std::string& folder : Folders())
+    if (!below.empty()) RemoveDeadTemporaryFiles(PlaceOf(folder));
   claim.Finish();
 }
 
