@@ -16,6 +16,7 @@
 
 #include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/file_calls.h"
+#include "slamdb/base/detail/files_read.h"
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/error.h"
 #include "tests/support/temporary_folder.h"
@@ -245,6 +246,90 @@ TEST_F(AtomicFolders, OfWhichAKilledProgramReplacedOtherFilesAreNotMixed) {
   fs::remove(path_ + "/frames.bin");
   Fill(path_, true, /*overwrite=*/true);
   EXPECT_FALSE(fs::exists(unfinished));
+}
+
+TEST_F(AtomicFolders, AreReadThoughNobodyCanRemoveTheClaim) {
+  fs::create_directories(path_);
+  folder_.Make("model/mine.txt", "mine");
+  {
+    const Failing no_unlink(
+        detail::CallsOfFiles().unlink, +[](const char*) { return -1; });
+    Fill(path_, true, /*overwrite=*/true);
+  }
+  ASSERT_TRUE(fs::exists(path_ + "/.slamdb-unfinished"));
+  EXPECT_EQ(ProblemOf([&] { detail::RefuseUnfinished(path_ + "/.slamdb-unfinished", path_); }), "");
+}
+
+TEST_F(AtomicFolders, MendWhatWasLeftInFoldersBelow) {
+  fs::create_directories(path_ + "/sparse/0");
+  const std::string unfinished = folder_.Make("model/sparse/0/.slamdb-unfinished", "words:\npoints.bin\nframes.bin\n");
+  folder_.Make("model/sparse/0/frames.bin", "old or new");
+  EXPECT_THAT(ProblemOf([&] { Fill(path_, true, /*overwrite=*/true); }), HasSubstr("and sparse/0/frames.bin, which"));
+  EXPECT_TRUE(detail::IsUnfinished(unfinished));
+  fs::remove(path_ + "/sparse/0/frames.bin");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const AtomicFolder target(path_ + "/sparse/0", {.overwrite = true, .sync = false});
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::waitpid(child, nullptr, 0);
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_FALSE(fs::exists(unfinished));
+  EXPECT_EQ(std::distance(fs::directory_iterator(path_ + "/sparse"), fs::directory_iterator()), 1);
+}
+
+TEST_F(AtomicFolders, OfKilledProgramsKeepTheOldFilesUntilOthersAreThere) {
+  fs::create_directories(path_);
+  folder_.Make("model/cameras.bin", "old cameras");
+  folder_.Make("model/mine.txt", "mine");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    detail::CallsOfFiles().rename = [](const char*, const char*) { return ::kill(::getpid(), SIGKILL); };
+    Fill(path_, true, /*overwrite=*/true);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  Fill(path_, /*commit=*/false, /*overwrite=*/true);
+  EXPECT_THAT(folder_.Names(), SizeIs(2));
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_THAT(folder_.Names(), ElementsAre("model"));
+}
+
+TEST_F(AtomicFolders, AreNotReadWhileTheyAreReplacedAsAWhole) {
+  Fill(path_);
+  detail::FilesRead files;
+  for (const char* name : {"/cameras.bin", "/sparse/0/points.bin", "/frames.bin"}) files.Note(path_ + name);
+  EXPECT_EQ(ProblemOf([&] { files.RequireSame(); }), "");
+  Fill(path_, true, /*overwrite=*/true);
+  EXPECT_THAT(ProblemOf([&] { files.RequireSame(); }), HasSubstr("cameras.bin: was replaced while it was read"));
+  detail::FilesRead missing;
+  missing.Note(path_ + "/frames.bin");
+  folder_.Make("model/frames.bin", "new");
+  EXPECT_THAT(ProblemOf([&] { missing.RequireSame(); }), HasSubstr("frames.bin: was replaced"));
+}
+
+// Of whatever name their first file is, and through whatever link.
+TEST_F(AtomicFolders, WithFilesOfOneStemAreOneClaim) {
+  fs::create_directories(folder_ / "o");
+  fs::create_symlink("o/map.yaml", folder_ / "link.yaml");
+  const int other = ::open((folder_ / "o/.map.slamdb-unfinished").c_str(), O_RDWR | O_CREAT, 0666);
+  ASSERT_EQ(::flock(other, LOCK_EX), 0);
+  const auto write = [&](const char* name) {
+    AtomicFiles files(folder_ / name, {.overwrite = true, .sync = false});
+    for (const std::string& made : {fs::path(files.target()).stem().string() + ".points", std::string()}) {
+      const auto file = made.empty() ? files.MakeTarget() : files.Make(made);
+      file->Write("new");
+      file->Commit();
+    }
+    files.Commit();
+  };
+  for (const char* name : {"o/map.yaml", "o/map.osmap", "link.yaml"})
+    EXPECT_THAT(ProblemOf([&] { write(name); }), HasSubstr("by another program")) << name;
+  ::close(other);
+  write("link.yaml");
+  EXPECT_EQ(ReadFile(folder_ / "o/map.points"), "new");
+  EXPECT_THAT(folder_.Names(), ElementsAre("link.yaml", "o"));
 }
 
 TEST_F(AtomicFolders, ReplaceNoFolderByAFile) {

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Folders of COLMAP and scenes, as the command writes and reads them.
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
@@ -233,6 +238,62 @@ TEST_F(Reconstructions, AreWrittenWhereALinkLeads) {
   EXPECT_EQ(RunSlamdb({"convert", kTiny, In("link"), "--to", "colmap"}).exit_code, 3);
   EXPECT_TRUE(fs::is_symlink(In("link")));
   EXPECT_TRUE(fs::exists(In("there/points3D.bin")));
+}
+
+TEST_F(Reconstructions, InScenesAreNotMixedWithWhatWasLeft) {
+  Json({"convert", kSession, In("scene"), "--to", "3dgs"});
+  const std::string model = In("scene/sparse/0");
+  const auto problem = [&] { return RunSlamdb({"convert", kTiny, model, "--to", "colmap", "-O"}).err; };
+  EXPECT_THAT(problem(), HasSubstr("points3D.ply: is the cloud of another model"));
+  WriteWholeFile(model + "/.slamdb-unfinished", "words:\ncameras.bin\n");
+  EXPECT_THAT(RunSlamdb({"info", In("scene")}).err, HasSubstr("was killed"));
+  Json({"convert", kSession, In("scene"), "--to", "3dgs", "-O"});
+  Json({"info", In("scene")});
+  WriteWholeFile(In("scene/.slamdb-unfinished"), "words:\nsparse/0/cameras.bin\n");
+  EXPECT_THAT(problem(), HasSubstr("was killed"));
+}
+
+TEST_F(Reconstructions, OfSeveralFilesAreKnownThroughLinks) {
+  fs::create_directory(In("maps"));
+  fs::create_symlink("maps/m.yaml", In("link.yaml"));
+  fs::create_symlink("maps/p.kitti", In("link.kitti"));
+  for (const char* name : {"link.yaml", "link.kitti"}) {
+    const std::string format = std::string(name).ends_with("kitti") ? "kitti" : "osmap";
+    Json({"convert", kTiny, In(name), "--to", format});
+    Json({"convert", kTiny, In(name), "--to", format, "-O"});
+  }
+  EXPECT_THAT(Names(In("maps")),
+              UnorderedElementsAre("m.yaml", "m.mappoints", "m.keyframes", "m.features", "p.kitti", "p.kitti.times"));
+  Json({"info", In("link.yaml")});
+  EXPECT_THAT(RunSlamdb({"convert", In("link.kitti"), In("p.tum")}).err, HasSubstr("p.kitti.times"));
+  fs::copy_file(In("maps/m.yaml"), In("maps/copy.yaml"));
+  WriteWholeFile(In("maps/.m.slamdb-unfinished"), "words:\nm.mappoints\n");
+  for (const char* name : {"link.yaml", "maps/m.yaml", "maps/copy.yaml"})
+    EXPECT_THAT(RunSlamdb({"info", In(name)}).err, HasSubstr("was killed")) << name;
+}
+
+// The last file of them is a FIFO: when it is opened, the others are read, and one of them is replaced.
+TEST_F(Reconstructions, OfSeveralFilesAreNotReadWhileTheyAreReplaced) {
+  Json({"convert", kTiny, In("m.yaml"), "--to", "osmap"});
+  Json({"convert", kTiny, In("p.kitti")});
+  const auto read = [&](const std::string& last, const std::string& replaced, const std::vector<std::string>& line) {
+    fs::rename(last, In("kept"));
+    ASSERT_EQ(::mkfifo(last.c_str(), 0600), 0);
+    std::thread other([&] {
+      std::ofstream fifo(last);
+      fs::copy_file(replaced, In("new"));
+      fs::rename(In("new"), replaced);
+      fifo << ReadWholeFile(In("kept"));
+    });
+    const ProcessResult result = RunSlamdb(line);
+    const int release = ::open(last.c_str(), O_RDONLY | O_NONBLOCK);  // where nothing has opened it
+    other.join();
+    ::close(release);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr(replaced + ": was replaced while it was read"));
+  };
+  read(In("m.features"), In("m.mappoints"), {"info", In("m.yaml")});
+  read(In("p.kitti.times"), In("p.kitti"), {"convert", In("p.kitti"), In("p.tum"), "--times", In("p.kitti.times")});
 }
 
 TEST_F(Reconstructions, RefuseOptionsWithoutEffect) {

@@ -65,7 +65,8 @@ detail::FileCalls& detail::CallsOfFiles() {
                          .close = ::close,
                          .rename = std::rename,
                          .renameat2 = ::renameat2,
-                         .link = ::link};
+                         .link = ::link,
+                         .unlink = ::unlink};
   return calls;
 }
 

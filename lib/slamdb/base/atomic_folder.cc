@@ -60,6 +60,7 @@ void AtomicFolder::Commit() {
     files_->Replace(/*whole=*/true);
   else
     files_->Place();
+  detail::RemoveDeadTemporaryFiles(target_);  // those that a claim kept
   if (options_.sync) detail::SyncFolderOf(target_, path_);
 }
 
@@ -69,26 +70,27 @@ AtomicFiles::AtomicFiles(const Target& target, AtomicFileOptions options)
   std::error_code missing;
   if (!fs::path(path_).has_filename() || fs::is_directory(path_, missing))
     throw Error(ErrorKind::kUsage, path_, "", "is a directory, expected a file to write");
-  detail::RemoveDeadTemporaryFiles(path_);
-  files_ = std::make_unique<detail::FilesTogether>(path_, detail::FolderOf(path_).string(),
-                                                   detail::UnfinishedBeside(path_), path_, options_);
+  target_ = detail::LeadsTo(path_);
+  detail::RemoveDeadTemporaryFiles(target_);
+  files_ = std::make_unique<detail::FilesTogether>(target_, detail::FolderOf(target_).string(), "", path_, options_);
 }
 
 AtomicFiles::~AtomicFiles() = default;
 
 std::unique_ptr<AtomicFile> AtomicFiles::Make(const std::string& name) {
   std::error_code missing;
-  const fs::path place = detail::FolderOf(path_) / name;
+  const fs::path place = detail::FolderOf(target_) / name;
   if (!options_.overwrite && fs::exists(fs::symlink_status(place, missing)))
     throw Error(ErrorKind::kAlreadyExists, place.string(), "", "is there already; WriteOptions::overwrite replaces it");
   return files_->Make(name);
 }
 
-std::unique_ptr<AtomicFile> AtomicFiles::MakeTarget() { return Make(fs::path(path_).filename().string()); }
+std::unique_ptr<AtomicFile> AtomicFiles::MakeTarget() { return Make(fs::path(target_).filename().string()); }
 
 void AtomicFiles::Commit() {
   if (options_.before_commit) options_.before_commit();
   files_->Replace(/*whole=*/false);
+  detail::RemoveDeadTemporaryFiles(target_);  // those that a claim kept
 }
 
 }  // namespace slamdb

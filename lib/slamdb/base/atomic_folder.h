@@ -49,8 +49,9 @@ class SLAMDB_EXPORT AtomicFolder {
 };
 
 // Several files of one folder that belong together and lie among others, as osmap's four: written and replaced as those
-// of AtomicFolder are, one after the other. `target`, a path, is the file by whose name they are known; names are of the
-// files alone, and with `overwrite` they are replaced.
+// of AtomicFolder are, one after the other. `target`, a path, is the file by whose name they are known; where it is a
+// symbolic link, they lie where that leads. Names are of the files alone, and with `overwrite` they are replaced. What
+// names those that a killed program left is beside the first: `.STEM.slamdb-unfinished`.
 //
 // Throws Error as AtomicFolder does.
 class SLAMDB_EXPORT AtomicFiles {
@@ -64,8 +65,11 @@ class SLAMDB_EXPORT AtomicFiles {
   std::unique_ptr<AtomicFile> MakeTarget();
   void Commit();
 
+  // The target, or what it leads to when it is a symbolic link.
+  const std::string& target() const { return target_; }
+
  private:
-  std::string path_;
+  std::string path_, target_;
   AtomicFileOptions options_;
   std::unique_ptr<detail::FilesTogether> files_;
 };

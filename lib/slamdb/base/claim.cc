@@ -23,7 +23,8 @@ namespace slamdb::detail {
 namespace {
 
 constexpr std::string_view kName = ".slamdb-unfinished";
-constexpr std::string_view kFirstLine = "slamdb was replacing these files one after the other; some may be old, some new:";
+constexpr std::string_view kFirstLine =
+    "slamdb was replacing these files one after the other; some may be old, some new:";
 
 // Whether the lock is free. A file system without locks has none that are held.
 bool TryLock(int descriptor, int how) {
@@ -73,13 +74,17 @@ std::string UnfinishedIn(const std::string& folder) {
 }
 
 std::string UnfinishedBeside(const std::string& file) {
-  const std::filesystem::path path(file);
-  return (FolderOf(path) / Concat(".", path.filename().string(), kName)).string();
+  const std::filesystem::path path = FollowLinks(file);
+  return (FolderOf(path) / Concat(".", path.stem().string(), kName)).string();
+}
+
+bool IsUnfinished(const std::string& unfinished) {
+  struct stat status {};
+  return ::stat(unfinished.c_str(), &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0;
 }
 
 void RefuseUnfinished(const std::string& unfinished, const std::string& path, std::string_view below) {
-  struct stat status {};
-  if (::stat(unfinished.c_str(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_size == 0) return;
+  if (!IsUnfinished(unfinished)) return;
   const std::vector<std::string> names = NamesIn(unfinished);
   if (!below.empty() && std::ranges::none_of(names, [&](const auto& name) { return name.starts_with(below); })) return;
   const Descriptor file(::open(unfinished.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
@@ -108,7 +113,8 @@ bool Claim::Lock() {
 }
 
 bool Claim::IsStillThere() const {
-  struct stat opened {}, there {};
+  struct stat opened {
+  }, there{};
   return ::fstat(descriptor_, &opened) == 0 && ::lstat(unfinished_.c_str(), &there) == 0 &&
          opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
 }
@@ -123,14 +129,23 @@ void Claim::Begin(const std::vector<std::string>& names, bool sync) {
   GiveBackSlot(std::exchange(slot_, -1));
 }
 
-// What a program left that was killed is mended by that too.
+// Emptied, too, as far as it goes: its removal may fail.
+void Claim::Withdraw() {
+  begun_ = false;
+  [[maybe_unused]] const bool is_empty = left_.empty() && ::ftruncate(descriptor_, 0) == 0;
+}
+
+// What a program left that was killed is mended by that too. Emptied first: either may fail.
 void Claim::Finish() {
+  const bool is_empty = ::ftruncate(descriptor_, 0) == 0;
+  if (!is_empty && IsStillThere() && CallsOfFiles().unlink(unfinished_.c_str()) != 0)
+    throw SystemError(path_, Concat("is written, but cannot remove ", unfinished_));
   begun_ = false;
   left_.clear();
 }
 
 Claim::~Claim() {
-  if (!begun_ && left_.empty() && IsStillThere()) ::unlink(unfinished_.c_str());
+  if (!begun_ && left_.empty() && IsStillThere()) CallsOfFiles().unlink(unfinished_.c_str());
   ::close(descriptor_);
   GiveBackSlot(slot_);
 }

@@ -86,6 +86,7 @@ std::unique_ptr<AtomicFile> FilesTogether::Make(const std::string& name) {
   if (error) throw Error(ErrorKind::kPermission, path_, "", "cannot make a folder in it: " + error.message());
   EnterOutput(PlaceOf(name));
   names_.push_back(name);
+  if (unfinished_.empty()) unfinished_ = UnfinishedBeside(PlaceOf(name));
   return std::make_unique<AtomicFile>(made.string(), AtomicFileOptions{.sync = options_.sync});
 }
 
@@ -193,20 +194,35 @@ class NewFolders {
 };
 
 // What a killed program was replacing has to be replaced as a whole.
-void RefuseLeft(const Claim& claim, const std::string& root, const std::vector<std::string>& names,
-                const std::string& path) {
-  for (const std::string& name : claim.left())
+void RefuseLeft(const Claim& claim, const fs::path& folder, const std::string& root,
+                const std::vector<std::string>& names, const std::string& path) {
+  for (const std::string& left : claim.left()) {
+    const std::string name = (folder / left).string();
     if (std::ranges::find(names, name) == names.end() && IsThere((fs::path(root) / name).string()))
       throw Error(ErrorKind::kAlreadyExists, path, "",
                   Concat("a program that replaced its files was killed between two of them, and ", name,
                          ", which is not written now, may be old or new; remove it, or name another output"));
+  }
 }
 
 }  // namespace
 
+// Those that programs left which were killed while they replaced files of a folder in the root.
+std::vector<std::unique_ptr<Claim>> FilesTogether::ClaimsBelow() const {
+  std::vector<std::unique_ptr<Claim>> claims;
+  for (const std::string& folder : Folders()) {
+    const std::string unfinished = UnfinishedIn(PlaceOf(folder));
+    if (folder.empty() || !IsThere(unfinished)) continue;
+    claims.push_back(std::make_unique<Claim>(unfinished, path_));
+    RefuseLeft(*claims.back(), folder, root_, names_, path_);
+  }
+  return claims;
+}
+
 void FilesTogether::MoveEach() {
   Claim claim(unfinished_, path_);
-  RefuseLeft(claim, root_, names_, path_);
+  RefuseLeft(claim, "", root_, names_, path_);
+  const std::vector<std::unique_ptr<Claim>> below = ClaimsBelow();
   claim.Begin(names_, options_.sync);
   NewFolders folders;
   std::vector<Move> moved;
@@ -226,6 +242,9 @@ void FilesTogether::MoveEach() {
     throw;
   }
   folders.Keep();
+  for (const auto& mended : below) mended->Finish();
+  for (const std::string& folder : Folders())
+    if (!below.empty()) RemoveDeadTemporaryFiles(PlaceOf(folder));
   claim.Finish();
 }
 

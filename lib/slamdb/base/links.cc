@@ -30,4 +30,9 @@ fs::path FollowLinks(const fs::path& path) {
   return path;
 }
 
+std::string LeadsTo(const std::string& path) {
+  std::error_code missing;
+  return fs::is_symlink(fs::symlink_status(path, missing)) ? FollowLinks(path).string() : path;
+}
+
 }  // namespace slamdb::detail

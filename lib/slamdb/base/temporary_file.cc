@@ -27,6 +27,7 @@
 #include <tuple>
 #include <utility>
 
+#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/file_calls.h"
@@ -150,6 +151,15 @@ void RemoveIfDead(const std::string& path) {
   if (Lock(file.value, LOCK_EX | LOCK_NB) && IsStillAt(path, status)) RemoveTree(AT_FDCWD, path.c_str());
 }
 
+// What it holds may be all that is left of the files that a killed program was replacing.
+bool IsClaimed(const std::filesystem::path& temporary) {
+  const std::string name = temporary.filename().string();
+  const std::filesystem::path target =
+      temporary.parent_path() / name.substr(1, name.size() - 1 - kMark.size() - 2 * kHexDigits);
+  return IsUnfinished(UnfinishedIn(target.string())) || IsUnfinished(UnfinishedBeside(target.string())) ||
+         IsUnfinished(UnfinishedBeside(target.string() + ".suffix"));
+}
+
 Error CannotRename(const std::string& path) { return SystemError(path, "cannot rename the finished file into place"); }
 
 }  // namespace
@@ -271,12 +281,18 @@ void RemoveDeadTemporaryFiles(const std::string& target) {
   struct stat status {};
   if (::stat(folder.c_str(), &status) != 0) return;
   const std::lock_guard lock(mutex);
-  if (!done.emplace(status.st_dev, status.st_ino, folder.string()).second) return;
+  const auto [looked, is_first] = done.emplace(status.st_dev, status.st_ino, folder.string());
+  if (!is_first) return;
+  bool kept = false;
   std::error_code unreadable;
   for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
        entry.increment(unreadable))
-    if (IsTemporaryName(entry->path().filename().native()) && !IsOfThisRun(entry->path().native()))
-      RemoveIfDead(entry->path().native());
+    if (IsTemporaryName(entry->path().filename().native()) && !IsOfThisRun(entry->path().native())) {
+      const bool claimed = IsClaimed(entry->path());
+      kept = kept || claimed;
+      if (!claimed) RemoveIfDead(entry->path().native());
+    }
+  if (kept) done.erase(looked);
 }
 
 void RemoveTemporaryFiles() noexcept {

@@ -10,9 +10,11 @@
 namespace slamdb::detail {
 
 // The file that says that files which belong together are being replaced one after the other: in their folder, or
-// beside the one by whose name they are known.
+// beside the first of them that is moved, by its name without its suffix. Links are followed.
 SLAMDB_EXPORT std::string UnfinishedIn(const std::string& folder);
 SLAMDB_EXPORT std::string UnfinishedBeside(const std::string& file);
+// Whether it names files. An empty one is of a program that has moved none yet, or all.
+SLAMDB_EXPORT bool IsUnfinished(const std::string& unfinished);
 
 // Whoever reads files that belong together asks before, and once it has read them.
 //
@@ -21,8 +23,8 @@ SLAMDB_EXPORT std::string UnfinishedBeside(const std::string& file);
 SLAMDB_EXPORT void RefuseUnfinished(const std::string& unfinished, const std::string& path,
                                     std::string_view below = "");
 
-// The right to replace files that belong together: that file, locked. While it is empty nothing was moved; with names in
-// it, each of those may be old or new. It goes with this object, unless files are left in that state.
+// The right to replace files that belong together: that file, locked. While it is empty nothing was moved; with names
+// in it, each of those may be old or new. It goes with this object, unless files are left in that state.
 class Claim {
  public:
   // Errors name `path`. Throws Error: kLocked when another program holds it; as the system has it otherwise.
@@ -37,8 +39,8 @@ class Claim {
   // From now on the files may be old or new; on disk before the first is moved. Throws Error (SystemError).
   void Begin(const std::vector<std::string>& names, bool sync);
   // All are as they were before Begin().
-  void Withdraw() { begun_ = false; }
-  // All are new.
+  void Withdraw();
+  // All are new. Throws Error (SystemError) when the file still says otherwise.
   void Finish();
 
  private:

@@ -15,6 +15,7 @@ struct FileCalls {
   int (*rename)(const char*, const char*);
   int (*renameat2)(int, const char*, int, const char*, unsigned int);
   int (*link)(const char*, const char*);
+  int (*unlink)(const char*);
 };
 
 // Those in use: the system's. Not to be changed while files are written on other threads.

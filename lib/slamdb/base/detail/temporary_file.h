@@ -78,8 +78,8 @@ class TemporaryFolder {
   int slot_ = -1;
 };
 
-// Gives a file the name `to`, where no file has that name, in one step. False, with errno: EEXIST when somebody has taken
-// the name.
+// Gives a file the name `to`, where no file has that name, in one step. False, with errno: EEXIST when somebody has
+// taken the name.
 bool RenameToNew(const std::string& from, const std::string& to);
 
 // A place among the files that RemoveTemporaryFiles() removes, to be given back; -1: there is none left, so that only
@@ -92,7 +92,8 @@ void GiveBackSlot(int slot);
 // Throws Error (SystemError) when the folder cannot be synced; the file is there all the same.
 void SyncFolderOf(const std::string& target, const std::string& path);
 
-// What dead programs left in the folder where `target` is. A process looks once into each.
+// What dead programs left in the folder where `target` is, but what a claim still needs. A process looks once into
+// each, unless something was kept.
 void RemoveDeadTemporaryFiles(const std::string& target);
 
 // Removes the temporary files of this process. For a signal handler that ends the process right after.

@@ -38,6 +38,18 @@ void AddPlaces(const std::string& folder, const std::string& place, int deeper, 
   }
 }
 
+// By whoever replaced files of this folder from one above it.
+void RefuseUnfinishedAbove(const std::string& folder) {
+  std::error_code failed;
+  const fs::path real = fs::weakly_canonical(folder, failed);
+  const std::vector<std::string> workspaces = WorkspacesOf(failed ? folder : real.string());
+  for (const std::string& workspace : workspaces) {
+    if (workspace == workspaces.front()) continue;
+    const std::string below = fs::path(workspaces.front()).lexically_relative(workspace).string() + "/";
+    detail::RefuseUnfinished(detail::UnfinishedIn(workspace), folder, below);
+  }
+}
+
 // `folder` and `place` in it, without a slash at the end.
 std::string PathOf(const std::string& folder, const std::string& place) {
   return place.empty() ? folder : (fs::path(folder) / place).parent_path().string();
@@ -74,13 +86,8 @@ std::vector<std::string> WorkspacesOf(const std::string& folder) {
 }
 
 void RefuseUnfinished(const std::string& folder) {
-  const std::vector<std::string> workspaces = WorkspacesOf(folder);
-  for (const std::string& workspace : workspaces) {
-    const bool is_itself = workspace == workspaces.front();
-    const std::string below =
-        is_itself ? "" : fs::path(workspaces.front()).lexically_relative(workspace).string() + "/";
-    detail::RefuseUnfinished(detail::UnfinishedIn(workspace), folder, below);
-  }
+  detail::RefuseUnfinished(detail::UnfinishedIn(folder), folder);
+  RefuseUnfinishedAbove(folder);
 }
 
 void RefuseLeft(const std::string& folder, const std::vector<std::string>& written, const Has& has) {
@@ -94,6 +101,7 @@ void RefuseLeft(const std::string& folder, const std::vector<std::string>& writt
 
 void RefuseOtherModels(const std::string& folder, const std::vector<std::string>& written, std::string_view suffix,
                        std::size_t parts) {
+  RefuseUnfinishedAbove(folder);
   RefuseLeft(folder, written, [](const std::string& place) { return HasModel(place); });
   std::error_code missing;
   for (const std::string& place : written) {
@@ -104,6 +112,15 @@ void RefuseOtherModels(const std::string& folder, const std::vector<std::string>
         throw Error(ErrorKind::kAlreadyExists, file, "",
                     "is a part of a model that would be read with what is written; remove it, or name another folder");
   }
+}
+
+void RefuseOtherCloud(const std::string& folder, const std::vector<std::string>& written) {
+  std::error_code missing;
+  for (const std::string& place : written)
+    if (const std::string cloud = FileOf(PathOf(folder, place), "points3D", ".ply"); fs::exists(cloud, missing))
+      throw Error(ErrorKind::kAlreadyExists, cloud, "",
+                  "is the cloud of another model, which trainers of splats would read in place of the points that are "
+                  "written; remove it, or name another folder");
 }
 
 }  // namespace slamdb::colmap

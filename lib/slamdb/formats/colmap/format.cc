@@ -7,6 +7,7 @@
 
 #include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/files_read.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/codec.h"
@@ -85,6 +86,11 @@ colmap::Model ReadModel(const std::string& folder) {
   return model;
 }
 
+void NoteModel(const std::string& folder, detail::FilesRead& files) {
+  for (const std::string_view suffix : {kBinary, kText})
+    for (const std::string_view part : kPartNames) files.Note(FileOf(folder, part, suffix));
+}
+
 std::optional<std::string> FindDatabase(const std::string& folder) {
   std::error_code missing;
   for (const fs::path workspace : colmap::WorkspacesOf(folder))
@@ -108,16 +114,21 @@ std::unique_ptr<colmap::FeatureDatabase> OpenDatabase(const std::string& given, 
 
 Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& notices) {
   std::vector<colmap::NamedModel> models;
-  for (const Place& place : FindModels(source.path)) {
+  detail::FilesRead files;
+  const std::vector<Place> places = FindModels(source.path);
+  for (const Place& place : places) NoteModel(place.folder, files);
+  for (const Place& place : places) {
     colmap::RefuseUnfinished(place.folder);
     models.push_back({.path = place.folder, .map = place.number, .model = ReadModel(place.folder)});
-    colmap::RefuseUnfinished(place.folder);
   }
   if (models.empty())
     throw Error(ErrorKind::kDamaged, source.path, "",
                 "holds no model of COLMAP: cameras, images and points3D, all .bin or all .txt");
   const std::unique_ptr<colmap::FeatureDatabase> database =
       OpenDatabase(options.of<ColmapReadOptions>().database, models.front().path, notices);
+  // Once the database is open, too, which may be written with them.
+  for (const Place& place : places) colmap::RefuseUnfinished(place.folder);
+  files.RequireSame();
   return colmap::AtlasOf(models, database.get(), options, notices);
 }
 
@@ -147,6 +158,7 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, wanted.pictures);
   const std::vector<std::string> folders = FoldersOf(outline.maps.size());
   colmap::RefuseOtherModels(target.path, folders, suffix, kPartNames.size());
+  colmap::RefuseOtherCloud(target.path, folders);
   std::optional<colmap::DatabaseWriter> database;
   if (wanted.with_database) database.emplace(outline, wanted.schema, target.path);
   colmap::Unheld unheld;
@@ -162,6 +174,7 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
     file->Commit();
   }
   colmap::RefuseOtherModels(target.path, folders, suffix, kPartNames.size());  // that came in the meantime
+  colmap::RefuseOtherCloud(target.path, folders);
   folder.Commit();
   colmap::Tell(outline, unheld, id, wanted.with_database, notices);
 }

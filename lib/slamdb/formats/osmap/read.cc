@@ -7,6 +7,8 @@
 
 #include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/files_read.h"
+#include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/detail/select.h"
@@ -32,13 +34,22 @@ using detail::ProtoReader;
 
 constexpr std::int32_t kMostOctaves = 64;
 
-// A file beside the header; the folder that its name begins with is that of whoever saved it.
+// A file beside the header, or beside the link that leads to it; the folder that its name begins with is that of
+// whoever saved it.
+std::string PathOf(const std::string& header, const Side& side) {
+  const std::filesystem::path name = std::filesystem::path(side.file).filename();
+  const auto beside = [&name](const std::string& path) {
+    return (std::filesystem::path(path).parent_path() / name).string();
+  };
+  std::error_code missing;
+  const std::string path = beside(detail::LeadsTo(header));
+  return std::filesystem::exists(path, missing) ? path : beside(header);
+}
+
 class SideFile {
  public:
   SideFile(const std::string& header, const Side& side)
-      : file_(Source(
-            (std::filesystem::path(header).parent_path() / std::filesystem::path(side.file).filename()).string())),
-        proto_{file_.text(), file_.path()} {}
+      : file_(Source(PathOf(header, side))), proto_{file_.text(), file_.path()} {}
   const ProtoFile& proto() const { return proto_; }
 
  private:
@@ -177,8 +188,11 @@ class MapReader {
  public:
   MapReader(const Source& source, const ReadOptions& options, Notices& notices)
       : path_(source.path), options_(options), notices_(notices) {
-    RefuseUnfinished();
+    files_.Note(path_);
     header_ = ParseHeader(WholeFile(source).text(), path_);
+    for (const Side* side : {&header_.points, &header_.keyframes, &header_.features})
+      if (!side->file.empty()) files_.Note(sides_.emplace_back(PathOf(path_, *side)));
+    RefuseUnfinished();
   }
 
   Atlas Read() {
@@ -188,13 +202,16 @@ class MapReader {
     if (!header_.keyframes.file.empty()) ReadKeyFrames(map);
     if (!header_.features.file.empty()) ReadFeatures(map);
     RefuseUnfinished();
+    files_.RequireSame();
     Tell();
     detail::CompleteAtlas(atlas_, "osmap", options_.threads, notices_);
     return std::move(atlas_);
   }
 
  private:
-  void RefuseUnfinished() const { detail::RefuseUnfinished(detail::UnfinishedBeside(path_), path_); }
+  void RefuseUnfinished() const {
+    for (const std::string& side : sides_) detail::RefuseUnfinished(detail::UnfinishedBeside(side), path_);
+  }
 
   void ReadPoints(Map& map) {
     const SideFile side(path_, header_.points);
@@ -345,6 +362,8 @@ class MapReader {
   const ReadOptions& options_;
   Notices& notices_;
   Header header_;
+  std::vector<std::string> sides_;
+  detail::FilesRead files_;
   Atlas atlas_;
   detail::PinholeCameras cameras_;
   std::atomic<std::uint64_t> undescribed_ = 0;  // descriptors of keyframes that have too few

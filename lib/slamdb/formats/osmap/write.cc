@@ -55,8 +55,8 @@ class MapWriter {
   }
 
   void Write(const Target& target) {
-    const std::filesystem::path base = std::filesystem::path(target.path).stem();
     AtomicFiles files(target, detail::FileOptions(options_));
+    const std::filesystem::path base = std::filesystem::path(files.target()).stem();
     const auto write = [&](Side& side, std::size_t count, const char* suffix, auto&& append) {
       side = {.file = base.string() + suffix, .count = count};
       const std::unique_ptr<AtomicFile> file = files.Make(side.file);

@@ -55,23 +55,24 @@ void WriteTo(AtomicFile& file, const std::vector<Lines>& maps, std::string Lines
 }
 
 // Poses alone do not say when.
-void WriteTogether(const std::vector<Lines>& maps, const Target& target, const std::string& times,
-                   const WriteOptions& options) {
+// Returns where the times are.
+std::string WriteTogether(const std::vector<Lines>& maps, const Target& target, const WriteOptions& options) {
   AtomicFiles files(target, detail::FileOptions(options));
+  const std::string times = files.target() + ".times";
   const auto seconds = files.Make(std::filesystem::path(times).filename().string()), poses = files.MakeTarget();
   WriteTo(*seconds, maps, &Lines::seconds);
   WriteTo(*poses, maps, &Lines::poses);
   seconds->Commit();
   poses->Commit();
   files.Commit();
+  return times;
 }
 
 void WriteLines(const std::vector<Lines>& maps, const std::string& summary, const Target& target,
                 const WriteOptions& options, Notices& notices) {
   detail::WarnOfSeveralFrames(maps.size(), LinesOfMaps(maps), notices);
   if (target.is_file() && !IsSpecialFile(target.path)) {
-    const std::string times = target.path + ".times";
-    WriteTogether(maps, target, times, options);
+    const std::string times = WriteTogether(maps, target, options);
     return notices.Tell(summary + "; their times are in " + times);
   }
   notices.Warn(detail::Concat("kitti has no timestamps in its lines, and ",

@@ -8,7 +8,9 @@
 
 #include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/files_read.h"
 #include "slamdb/base/detail/lengths.h"
+#include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/pose_columns.h"
 #include "slamdb/base/detail/times.h"
@@ -202,8 +204,8 @@ std::string TimesBeside(const std::string& path) {
   const std::filesystem::path file(path);
   std::error_code missing;
   for (const std::filesystem::path& times :
-       {std::filesystem::path(path + ".times"), file.parent_path() / (file.stem().string() + "_times.txt"),
-        file.parent_path() / "times.txt"})
+       {std::filesystem::path(LeadsTo(path) + ".times"), std::filesystem::path(path + ".times"),
+        file.parent_path() / (file.stem().string() + "_times.txt"), file.parent_path() / "times.txt"})
     if (times != file && std::filesystem::exists(times, missing)) return times.string();
   return {};
 }
@@ -221,16 +223,21 @@ std::vector<std::string> ReadTimes(const std::string& path, const ReadOptions& o
   });
 }
 
-void SetTimes(std::vector<PoseText>& poses, const Source& source, const ReadOptions& options, Notices& notices) {
-  std::string path = options.of<TrajectoryReadOptions>().times;
-  if (path.empty() && source.is_file()) path = TimesBeside(source.path);
+// Those that were named, or lie beside the poses; empty: there are none.
+std::string TimesOf(const Source& source, const ReadOptions& options) {
+  const std::string& given = options.of<TrajectoryReadOptions>().times;
+  return given.empty() && source.is_file() ? TimesBeside(source.path) : given;
+}
+
+void SetTimes(std::vector<PoseText>& poses, const Source& source, const std::string& path, const ReadOptions& options,
+              Notices& notices) {
   std::vector<std::string> seconds;
   if (path.empty()) {
     notices.Warn("has no times, and none were found beside it: frame numbers stand for seconds");
     for (std::size_t i = 0; i < poses.size(); ++i) seconds.push_back(std::to_string(i));
   } else {
     seconds = ReadTimes(path, options, notices);
-    if (source.is_file()) RefuseUnfinished(UnfinishedBeside(source.path), source.path);
+    if (source.is_file()) RefuseUnfinished(UnfinishedBeside(LeadsTo(source.path) + ".times"), source.path);
     notices.Note("the times are those of " + path);
   }
   if (seconds.size() != poses.size())
@@ -245,12 +252,17 @@ void SetTimes(std::vector<PoseText>& poses, const Source& source, const ReadOpti
 
 TrajectoryText ReadMatrices(const Source& source, const ReadOptions& options, Notices& notices) {
   TrajectoryText maps(1, {MapId(0), {}});
+  const std::string times = TimesOf(source, options);
+  FilesRead files;
+  if (source.is_file()) files.Note(source.path);
+  if (!times.empty()) files.Note(times);
   ParseFile(source, "a trajectory", [&](std::string_view text) {
     Table table(text, MatrixTable());
     while (table.Next()) maps[0].poses.push_back(PoseOfMatrix(table));
     return 0;
   });
-  SetTimes(maps[0].poses, source, options, notices);
+  SetTimes(maps[0].poses, source, times, options, notices);
+  files.RequireSame();
   return maps;
 }
 

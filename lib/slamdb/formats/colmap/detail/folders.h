@@ -18,7 +18,8 @@ inline bool HasModel(const std::string& folder) { return HasModel(folder, kBinar
 // The folder and those above it that may be the workspace of its model, as COLMAP's tutorials lay it: above `sparse/0`.
 std::vector<std::string> WorkspacesOf(const std::string& folder);
 
-// Throws Error when a program was killed, or is at work, that replaces the files of the model (detail::RefuseUnfinished).
+// Throws Error when a program was killed, or is at work, that replaces the files of the model
+// (detail::RefuseUnfinished).
 void RefuseUnfinished(const std::string& folder);
 
 // What an earlier run wrote stays where it is: a model or scene that would be read in place of what is written, or as a
@@ -26,11 +27,14 @@ void RefuseUnfinished(const std::string& folder);
 //
 // `written`: the folders in `folder` that get one: ``, `0/`, `sparse/0/`.
 //
-// Throws Error (kAlreadyExists).
+// Throws Error: kAlreadyExists; as RefuseUnfinished() does, for what was replaced from a folder above.
 void RefuseOtherModels(const std::string& folder, const std::vector<std::string>& written, std::string_view suffix,
                        std::size_t parts);
 // The same of all that `has` finds in a folder.
 void RefuseLeft(const std::string& folder, const std::vector<std::string>& written,
                 const std::function<bool(const std::string& folder)>& has);
+// The cloud of points that a scene for splats has beside its model: trainers take it in place of the model's points.
+// Throws Error (kAlreadyExists).
+void RefuseOtherCloud(const std::string& folder, const std::vector<std::string>& written);
 
 }  // namespace slamdb::colmap
