@@ -10,11 +10,12 @@
 
 namespace slamdb::detail {
 
-// Files that belong together: made in a temporary folder, then moved to their places one after the other, under a Claim.
-// What fails takes those back that were moved; what is killed leaves the claim, which says so.
+// Files that belong together: made in a temporary folder, then moved to their places one after the other, while
+// they are Unfinished. What fails takes those back that were moved; what is killed leaves the file that says so.
 class FilesTogether {
  public:
-  // The temporary folder is beside `beside`; names of files are relative to `root`; `unfinished` is the claim's file.
+  // The temporary folder is beside `beside`; names of files are relative to `root`; `unfinished` is the path of
+  // that file.
   // Errors name `path`.
   FilesTogether(const std::string& beside, std::string root, std::string unfinished, std::string path,
                 AtomicFileOptions options);

@@ -10,6 +10,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/detail/states.h"
+#include "slamdb/model/detail/camera_in_world.h"
 #include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/detail/lens_numbers.h"
 #include "slamdb/model/index.h"
@@ -151,11 +152,11 @@ class Putter {
   Similarity3d CameraOf(const KeyFramePose& pose, const KeyFrame& keyframe) const {
     if (!options_.of_body) return pose.world_from_camera;
     const ImuCalibration& calibration = keyframe.imu_calibration;
-    const Eigen::Quaterniond rotation = Eigen::Quaternionf(calibration.body_from_camera.rotation).cast<double>();
-    const Eigen::Vector3d translation = calibration.body_from_camera.translation.cast<double>();
-    if (!calibration.is_set || !(rotation.norm() > 0) || !rotation.coeffs().allFinite() || !translation.allFinite())
+    if (!calibration.is_set || !detail::IsPose(calibration.body_from_camera))
       throw Error(ErrorKind::kNotPossible,
                   Concat(keyframe.id, " has no IMU calibration, which leads from the body to the camera"));
+    const Eigen::Quaterniond rotation = Eigen::Quaternionf(calibration.body_from_camera.rotation).cast<double>();
+    const Eigen::Vector3d translation = calibration.body_from_camera.translation.cast<double>();
     const Similarity3d& world_from_body = pose.world_from_camera;  // whose scale is of the map's lengths
     const Eigen::Quaterniond turn = world_from_body.rotation.normalized();
     return {world_from_body.scale, turn * rotation.normalized(),
@@ -168,7 +169,7 @@ class Putter {
     std::size_t nearer = 0, all = 0;
     for (std::size_t map = 0; map < news_.size(); ++map)
       for (const auto& [row, pose] : news_[map].poses) {
-        const Eigen::Vector3d there = PlaceOf(atlas_.maps[map].keyframes[row]);
+        const Eigen::Vector3d there = detail::ExactCenter(atlas_.maps[map].keyframes[row].camera_from_world);
         nearer += (pose.translation + options_.origin - there).norm() < (pose.translation - there).norm() ? 1 : 0;
         ++all;
       }
@@ -183,12 +184,6 @@ class Putter {
       for (auto& [row, pose] : news.poses) pose.translation += options_.origin;
       for (auto& [row, position] : news.points) position += options_.origin;
     }
-  }
-
-  static Eigen::Vector3d PlaceOf(const KeyFrame& keyframe) {
-    const Rigid3f& pose = keyframe.camera_from_world;
-    return -(Eigen::Quaternionf(pose.rotation).cast<double>().normalized().conjugate() *
-             pose.translation.cast<double>());
   }
 
   static bool IsSamePoint(const MapPoint& point, const PointPosition& position) {

@@ -15,6 +15,7 @@
 #include "slamdb/formats/import/detail/keypoints.h"
 #include "slamdb/formats/stella/detail/cameras.h"
 #include "slamdb/formats/stella/detail/lens.h"
+#include "slamdb/model/detail/is_pose.h"
 
 namespace slamdb::stella {
 namespace {
@@ -112,6 +113,8 @@ void Outgoing::CollectKeyFrames(const std::vector<const Map*>& maps) {
     for (const KeyFrame& keyframe : map->keyframes) {
       if (keyframe.bad)
         ++losses_.bad_keyframes;
+      else if (!detail::IsPose(keyframe.camera_from_world))
+        ++losses_.without_pose;
       else
         CountRows(keyframes_.emplace_back(OutgoingKeyFrame{.keyframe = &keyframe}));
     }
@@ -136,6 +139,8 @@ void Outgoing::CollectPoints(const std::vector<const Map*>& maps) {
     for (const MapPoint& point : map->points) {
       if (point.bad)
         ++losses_.bad_points;
+      else if (!point.position.allFinite())
+        ++losses_.without_position;
       else
         points_.push_back({.point = &point, .reference = point.reference});
     }
@@ -312,7 +317,9 @@ void Outgoing::Losses::Tell(Notices& notices) const {
     if (count > 0) notices.Lose(Concat(Counted(count, noun), what));
   };
   lose(bad_keyframes, "keyframe", " flagged bad: left out");
+  lose(without_pose, "keyframe", " whose pose is none, or not finite: left out");
   lose(bad_points, "point", " flagged bad: left out");
+  lose(without_position, "point", " whose position is not finite: left out");
   lose(unseen_points, "point", " that no keyframe sees: left out, since stella_vslam could not load them");
   lose(right_keypoints, "keypoint", " of the right camera of a fisheye pair: left out, as stella_vslam has none such");
   lose(rows, "keypoint", " in columns of different lengths: left out");

@@ -64,8 +64,9 @@ class Outgoing {
  private:
   // What the notices tell.
   struct Losses {
-    std::uint64_t bad_keyframes = 0, bad_points = 0, unseen_points = 0, cut_loops = 0, right_keypoints = 0, merges = 0,
-                  without_descriptor = 0, rows = 0, sizes = 0, slots = 0, observations = 0, told = 0;
+    std::uint64_t bad_keyframes = 0, without_pose = 0, without_position = 0, bad_points = 0, unseen_points = 0,
+                  cut_loops = 0, right_keypoints = 0, merges = 0, without_descriptor = 0, rows = 0, sizes = 0,
+                  slots = 0, observations = 0, told = 0;
     void Tell(Notices& notices) const;
   };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/base/detail/claim.h"
+#include "slamdb/base/detail/unfinished.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -23,7 +23,8 @@ namespace slamdb::detail {
 namespace {
 
 constexpr std::string_view kName = ".slamdb-unfinished";
-constexpr std::string_view kFirstLine = "slamdb was replacing these files one after the other; some may be old, some new:";
+constexpr std::string_view kFirstLine =
+    "slamdb was replacing these files one after the other; some may be old, some new:";
 
 // Whether the lock is free. A file system without locks has none that are held.
 bool TryLock(int descriptor, int how) {
@@ -90,14 +91,15 @@ void RefuseUnfinished(const std::string& unfinished, const std::string& path, st
                      unfinished, ", which names them, if they do belong together"));
 }
 
-Claim::Claim(std::string unfinished, std::string path) : unfinished_(std::move(unfinished)), path_(std::move(path)) {
+Unfinished::Unfinished(std::string unfinished, std::string path)
+    : unfinished_(std::move(unfinished)), path_(std::move(path)) {
   while (!Lock()) ::close(std::exchange(descriptor_, -1));
   left_ = NamesIn(unfinished_);
   if (left_.empty()) slot_ = TakeSlot(unfinished_);
 }
 
 // False: whoever had it has removed it meanwhile.
-bool Claim::Lock() {
+bool Unfinished::Lock() {
   descriptor_ = ::open(unfinished_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw SystemError(path_, "cannot make " + unfinished_);
   if (!TryLock(descriptor_, LOCK_EX)) {
@@ -107,13 +109,14 @@ bool Claim::Lock() {
   return IsStillThere();
 }
 
-bool Claim::IsStillThere() const {
-  struct stat opened {}, there {};
+bool Unfinished::IsStillThere() const {
+  struct stat opened {
+  }, there{};
   return ::fstat(descriptor_, &opened) == 0 && ::lstat(unfinished_.c_str(), &there) == 0 &&
          opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
 }
 
-void Claim::Begin(const std::vector<std::string>& names, bool sync) {
+void Unfinished::Begin(const std::vector<std::string>& names, bool sync) {
   std::string text = Concat(kFirstLine, "\n");
   for (const std::string& name : names) text += name + "\n";
   WriteAt(descriptor_, text, path_);
@@ -124,12 +127,12 @@ void Claim::Begin(const std::vector<std::string>& names, bool sync) {
 }
 
 // What a program left that was killed is mended by that too.
-void Claim::Finish() {
+void Unfinished::Finish() {
   begun_ = false;
   left_.clear();
 }
 
-Claim::~Claim() {
+Unfinished::~Unfinished() {
   if (!begun_ && left_.empty() && IsStillThere()) ::unlink(unfinished_.c_str());
   ::close(descriptor_);
   GiveBackSlot(slot_);
