@@ -323,9 +323,8 @@ const Format& detail::FormatToWrite(const Target& target, const WriteOptions& op
 
 const Format& FormatById(std::string_view id) {
   const auto formats = Formats();
-  const std::string lower = Lower(id);
   const auto found =
-      std::find_if(formats.begin(), formats.end(), [&lower](const Format& format) { return format.id == lower; });
+      std::find_if(formats.begin(), formats.end(), [id](const Format& format) { return format.id == id; });
   if (found == formats.end())
     throw Error(ErrorKind::kUsage,
                 Concat("unknown format `", id, "`; known are ", Ids([](const Format&) { return true; })));
