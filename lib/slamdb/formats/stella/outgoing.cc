@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <map>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -111,12 +110,12 @@ Outgoing::Outgoing(const Atlas& atlas, const Target& target, const WriteOptions&
 void Outgoing::CollectKeyFrames(const std::vector<const Map*>& maps) {
   for (const Map* map : maps)
     for (const KeyFrame& keyframe : map->keyframes) {
-      if (keyframe.bad)
-        ++losses_.bad_keyframes;
-      else if (!detail::IsPose(keyframe.camera_from_world))
-        ++losses_.without_pose;
-      else
+      if (!keyframe.bad && detail::IsPose(keyframe.camera_from_world)) {
         CountRows(keyframes_.emplace_back(OutgoingKeyFrame{.keyframe = &keyframe}));
+        continue;
+      }
+      ++(keyframe.bad ? losses_.bad_keyframes : losses_.without_pose);
+      left_out_.emplace(keyframe.id, keyframe.parent);
     }
   keyframe_rows_ = SortById(keyframes_, IdOf, path_);
 }
@@ -212,11 +211,25 @@ void Outgoing::KeepSeenPoints() {
   losses_.unseen_points = std::erase_if(points_, [](const OutgoingPoint& point) { return !point.reference; });
 }
 
+// Of those that are left out the next above, so that the map does not fall apart.
+KeyFrameId Outgoing::ParentOf(const KeyFrame& keyframe) {
+  std::vector<KeyFrameId> passed;
+  KeyFrameId parent = keyframe.parent;
+  while (!IsWritten(parent)) {
+    const auto above = left_out_.find(parent);
+    if (above == left_out_.end()) break;
+    passed.push_back(parent);
+    parent = std::exchange(above->second, KeyFrameId());  // so that a circle ends
+  }
+  for (const KeyFrameId id : passed) left_out_[id] = parent;
+  return parent;
+}
+
 // Parents lead to a root, as stella_vslam follows them without end; children are what parents say.
 void Outgoing::FindTree() {
   std::vector<std::uint32_t> parents(keyframes_.size(), kNoRow), seen_from(keyframes_.size(), kNoRow);
   for (std::size_t row = 0; row < keyframes_.size(); ++row)
-    if (const KeyFrameId parent = keyframes_[row].keyframe->parent; IsWritten(parent))
+    if (const KeyFrameId parent = ParentOf(*keyframes_[row].keyframe); IsWritten(parent))
       parents[row] = keyframe_rows_.Find(parent.value());
   for (std::uint32_t start = 0; start < keyframes_.size(); ++start) {
     std::uint32_t row = start;

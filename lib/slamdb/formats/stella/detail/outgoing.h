@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -79,6 +80,7 @@ class Outgoing {
   };
   SlotCounts PlaceSlots(OutgoingKeyFrame& written) const;
   void KeepSeenPoints();
+  KeyFrameId ParentOf(const KeyFrame& keyframe);
   void FindTree();
   void FindCameras(const Atlas& atlas);
   void FindOrbParams();
@@ -91,6 +93,7 @@ class Outgoing {
   std::vector<OutgoingKeyFrame> keyframes_;
   std::vector<OutgoingPoint> points_;
   IdTable keyframe_rows_, point_rows_;
+  std::map<KeyFrameId, KeyFrameId> left_out_;  // keyframes, and their parents
   std::uint64_t next_keyframe_ = 0, next_point_ = 0;
   Losses losses_;
 };
