@@ -111,7 +111,7 @@ void AddFrom(CLI::App& verb, InputFormat& from) {
   AddLayout(verb, from.layout);
   verb.add_option("--from", from.format, "Format of the input; by default told by its content, then its suffix")
       ->type_name("FORMAT")
-      ->check(CLI::IsMember(FormatIds(true)));
+      ->transform(CLI::IsMember(FormatIds(true), CLI::ignore_case));
 }
 
 void AddOutput(CLI::App& verb, OutputOptions& options) {
@@ -139,7 +139,7 @@ void RequireOutput(const std::string& output) {
 void AddTarget(CLI::App& verb, TargetOptions& options) {
   verb.add_option("--to", options.to, "Format of the output; by default told by its suffix")
       ->type_name("FORMAT")
-      ->check(CLI::IsMember(FormatIds(false)));
+      ->transform(CLI::IsMember(FormatIds(false), CLI::ignore_case));
   verb.add_flag("-O,--overwrite", options.overwrite, "Replace the output if it is there");
   verb.add_flag("--no-sync", options.no_sync, "Do not wait for the disk: faster, but a power cut may lose the output");
   verb.add_option("--to-layout", options.layout,

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <stdio.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,10 +15,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/files_read.h"
 #include "slamdb/base/detail/temporary_file.h"
+#include "slamdb/base/detail/unfinished.h"
 #include "slamdb/base/error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -167,12 +168,13 @@ int ExchangeSome(int from_folder, const char* from, int to_folder, const char* t
 TEST_F(AtomicFolders, AreExchangedAsAWholeWhereTheyHoldNothingElse) {
   Fill(path_);
   fs::permissions(path_, fs::perms::owner_all);
-  const auto before = fs::last_write_time(path_ + "/cameras.bin");
-  detail::FileCalls& calls = detail::CallsOfFiles();
-  const Failing no_rename(
-      calls.rename, +[](const char*, const char*) { return -1; });
+  const auto folder = [this] {
+    struct stat status {};
+    return ::stat(path_.c_str(), &status) == 0 ? status.st_ino : 0;
+  };
+  const ino_t before = folder();
   Fill(path_, true, /*overwrite=*/true);
-  EXPECT_NE(fs::last_write_time(path_ + "/cameras.bin"), before);
+  EXPECT_NE(folder(), before);  // the one in which the files were made
   EXPECT_EQ(fs::status(path_).permissions(), fs::perms::owner_all);
   EXPECT_THAT(folder_.Names(), ElementsAre("model"));
 }
@@ -349,7 +351,8 @@ TEST_F(AtomicFolders, WithFilesThatAreNotToBeReplacedStay) {
     }
     files.Commit();
   };
-  EXPECT_THAT(ProblemOf([&] { write(false); }), HasSubstr("is there already"));
+  EXPECT_THAT(ProblemOf([&] { write(false); }),
+              HasSubstr("/map.yaml: map.points, which goes with it, is there already"));
   EXPECT_EQ(ReadFile(folder_ / "map.points"), "old points");
   EXPECT_THAT(folder_.Names(), ElementsAre("map.points"));
   write(true);

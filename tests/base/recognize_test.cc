@@ -123,6 +123,7 @@ const Known kKnown[] = {
     {"dbow3", "\x81\x3f\x86\xb1\x14\0\0\0"s, "dbow3"},
     {"journal", "{\n  \"report\": \"slamdb-journal-1\",\n", "journal"},
     {"report", "{\n  \"report\": \"slamdb-check-2\",\n \"message\": \"\"}", "report"},
+    {"nerf", R"({"w":640,"frames":[{"file_path":"a.png","transform_matrix":[[1,0,0,0]]}]})", "nerf"},
     {"base64", "FgAAAAAAAABzZXJpYWxpemF0aW9uOjphcmNoaXZl\n", "base64"},
     {"xxd", "00000000: 1600 0000 0000 0000 7365 7269  ........seri\n", "hex-dump"},
     {"hexdump", "00000000  16 00 00 00 00 00 00 00  73 65 72 69  |........|\n", "hex-dump"},

@@ -4,10 +4,11 @@
 #include <filesystem>
 #include <utility>
 
-#include "slamdb/base/detail/claim.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/files_together.h"
 #include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/temporary_file.h"
+#include "slamdb/base/detail/unfinished.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -81,7 +82,9 @@ std::unique_ptr<AtomicFile> AtomicFiles::Make(const std::string& name) {
   std::error_code missing;
   const fs::path place = detail::FolderOf(target_) / name;
   if (!options_.overwrite && fs::exists(fs::symlink_status(place, missing)))
-    throw Error(ErrorKind::kAlreadyExists, place.string(), "", "is there already; WriteOptions::overwrite replaces it");
+    throw Error(ErrorKind::kAlreadyExists, path_, "",
+                detail::Concat(name == fs::path(path_).filename() ? std::string() : name + ", which goes with it, ",
+                               "is there already; WriteOptions::overwrite replaces it"));
   return files_->Make(name);
 }
 

@@ -11,7 +11,6 @@
 #include <set>
 #include <utility>
 
-#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/file_calls.h"
@@ -19,6 +18,7 @@
 #include "slamdb/base/detail/recognize.h"
 #include "slamdb/base/detail/rights.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/unfinished.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {
@@ -57,6 +57,44 @@ void TakeRightsOf(const std::string& old, const std::string& made) {
 
 Error AlreadyThere(const std::string& place) {
   return {ErrorKind::kAlreadyExists, place, "", "is there already; WriteOptions::overwrite replaces it"};
+}
+
+bool TakeBack(const std::string& made, const std::string& place, const std::string& kept) {
+  if (kept == made) return ExchangeFiles(made, place);
+  return Rename(place, made) && (kept.empty() || Rename(kept, place));
+}
+
+// Makes the folders on the way to what is made in them, and removes those again that it made, unless they are kept.
+class NewFolders {
+ public:
+  ~NewFolders() {
+    std::error_code not_empty;
+    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, not_empty);
+  }
+  void Make(const fs::path& folder) {
+    std::error_code missing;
+    if (folder.empty() || fs::is_directory(folder, missing)) return;
+    Make(folder.parent_path());
+    std::error_code error;
+    if (fs::create_directory(folder, error)) made_.push_back(folder);
+    if (error) throw Error(ErrorKind::kPermission, folder.string(), "", "cannot be made: " + error.message());
+  }
+  void Keep() { made_.clear(); }
+
+ private:
+  std::vector<fs::path> made_;
+};
+
+// What a killed program was replacing has to be replaced as a whole.
+void RefuseLeft(const Unfinished& unfinished, const fs::path& folder, const std::string& root,
+                const std::vector<std::string>& names, const std::string& path) {
+  for (const std::string& left : unfinished.left()) {
+    const std::string name = (folder / left).string();
+    if (std::ranges::find(names, name) == names.end() && IsThere((fs::path(root) / name).string()))
+      throw Error(ErrorKind::kAlreadyExists, path, "",
+                  Concat("a program that replaced its files was killed between two of them, and ", name,
+                         ", which is not written now, may be old or new; remove it, or name another output"));
+  }
 }
 
 }  // namespace
@@ -139,7 +177,7 @@ bool FilesTogether::HoldsOnlyThese(const std::string& folder) const {
 // False: it is not to be, or cannot be, and nothing is changed.
 bool FilesTogether::Exchange() {
   if (IsWorkedIn(root_) || !HoldsOnlyThese(root_)) return false;
-  const Claim claim(unfinished_, path_);
+  const Unfinished unfinished(unfinished_, path_);
   for (const std::string& folder : Folders())
     TakeRightsOf((fs::path(root_) / folder).string(), (fs::path(temporary_.path()) / folder).string());
   SyncFolders(temporary_.path());
@@ -165,65 +203,23 @@ void FilesTogether::MakeMove(Move& move) const {
   throw SystemError(move.place, "cannot rename the finished file into place");
 }
 
-namespace {
-
-bool TakeBack(const std::string& made, const std::string& place, const std::string& kept) {
-  if (kept == made) return ExchangeFiles(made, place);
-  return Rename(place, made) && (kept.empty() || Rename(kept, place));
-}
-
-// Makes the folders on the way to what is made in them, and removes those again that it made, unless they are kept.
-class NewFolders {
- public:
-  ~NewFolders() {
-    std::error_code not_empty;
-    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, not_empty);
-  }
-  void Make(const fs::path& folder) {
-    std::error_code missing;
-    if (folder.empty() || fs::is_directory(folder, missing)) return;
-    Make(folder.parent_path());
-    std::error_code error;
-    if (fs::create_directory(folder, error)) made_.push_back(folder);
-    if (error) throw Error(ErrorKind::kPermission, folder.string(), "", "cannot be made: " + error.message());
-  }
-  void Keep() { made_.clear(); }
-
- private:
-  std::vector<fs::path> made_;
-};
-
-// What a killed program was replacing has to be replaced as a whole.
-void RefuseLeft(const Claim& claim, const fs::path& folder, const std::string& root,
-                const std::vector<std::string>& names, const std::string& path) {
-  for (const std::string& left : claim.left()) {
-    const std::string name = (folder / left).string();
-    if (std::ranges::find(names, name) == names.end() && IsThere((fs::path(root) / name).string()))
-      throw Error(ErrorKind::kAlreadyExists, path, "",
-                  Concat("a program that replaced its files was killed between two of them, and ", name,
-                         ", which is not written now, may be old or new; remove it, or name another output"));
-  }
-}
-
-}  // namespace
-
 // Those that programs left which were killed while they replaced files of a folder in the root.
-std::vector<std::unique_ptr<Claim>> FilesTogether::ClaimsBelow() const {
-  std::vector<std::unique_ptr<Claim>> claims;
+std::vector<std::unique_ptr<Unfinished>> FilesTogether::UnfinishedBelow() const {
+  std::vector<std::unique_ptr<Unfinished>> below;
   for (const std::string& folder : Folders()) {
     const std::string unfinished = UnfinishedIn(PlaceOf(folder));
     if (folder.empty() || !IsThere(unfinished)) continue;
-    claims.push_back(std::make_unique<Claim>(unfinished, path_));
-    RefuseLeft(*claims.back(), folder, root_, names_, path_);
+    below.push_back(std::make_unique<Unfinished>(unfinished, path_));
+    RefuseLeft(*below.back(), folder, root_, names_, path_);
   }
-  return claims;
+  return below;
 }
 
 void FilesTogether::MoveEach() {
-  Claim claim(unfinished_, path_);
-  RefuseLeft(claim, "", root_, names_, path_);
-  const std::vector<std::unique_ptr<Claim>> below = ClaimsBelow();
-  claim.Begin(names_, options_.sync);
+  Unfinished unfinished(unfinished_, path_);
+  RefuseLeft(unfinished, "", root_, names_, path_);
+  const std::vector<std::unique_ptr<Unfinished>> below = UnfinishedBelow();
+  unfinished.Begin(names_, options_.sync);
   NewFolders folders;
   std::vector<Move> moved;
   try {
@@ -238,14 +234,14 @@ void FilesTogether::MoveEach() {
     bool all = true;
     for (auto move = moved.rbegin(); move != moved.rend(); ++move)
       all = TakeBack(move->made, move->place, move->kept) && all;
-    if (all) claim.Withdraw();
+    if (all) unfinished.Withdraw();
     throw;
   }
   folders.Keep();
   for (const auto& mended : below) mended->Finish();
   for (const std::string& folder : Folders())
     if (!below.empty()) RemoveDeadTemporaryFiles(PlaceOf(folder));
-  claim.Finish();
+  unfinished.Finish();
 }
 
 // ---- power cuts

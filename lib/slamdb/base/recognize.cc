@@ -177,6 +177,9 @@ bool IsStella(const Probe& probe) {
                           "cameras"sv);
 }
 bool IsArchive(const Probe& probe) { return Has(std::string_view(probe.head).substr(0, 64), "serialization::archive"); }
+bool IsNerf(const Probe& probe) {
+  return Stripped(probe.head).starts_with('{') && Has(probe.head, "\"transform_matrix\"");
+}
 bool IsSarif(const Probe& probe) {
   return Stripped(probe.head).starts_with('{') && Has(std::string_view(probe.head).substr(0, 500), "sarif");
 }
@@ -234,6 +237,8 @@ constexpr Known kKnown[] = {
     {"dvc", 0, "", "a pointer of DVC that stands for the file", "fetch the file itself (dvc pull)", IsDvc},
     {"web-page", 0, "", "a web page", kSavedInstead, IsWebPage},
     {"http", 0, "HTTP/"sv, "the answer of a web server, with its header", kSavedInstead},
+    {"nerf", 0, "", "a scene for NeRFs, which slamdb writes but does not read",
+     "give the map or the COLMAP model that it was made of", IsNerf},
     {"sarif", 0, "", "a SARIF report", "give the file that it tells of", IsSarif},
     {"error-reply", 0, "", "the error message of a server", kSavedInstead, IsErrorReply},
     {"gpx", 0, "", "a GPX track", kConvertTrack, IsGpx},
@@ -307,6 +312,8 @@ std::optional<Recognized> Recognize(const Probe& probe) {
   if (IsUtf16(head)) return Recognized{"utf-16", ErrorKind::kUnsupported, "text in UTF-16", "save it as UTF-8"};
   return std::nullopt;
 }
+
+Recognized RecognizedAs(std::string_view id) { return Make(*std::ranges::find(kKnown, id, &Known::id)); }
 
 std::string SentenceOf(const Recognized& recognized, std::string_view wanted) {
   if (recognized.id == "empty") return "is empty; was the program that saved it stopped before it could?";

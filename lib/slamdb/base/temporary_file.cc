@@ -27,13 +27,13 @@
 #include <tuple>
 #include <utility>
 
-#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/hash.h"
 #include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/unfinished.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {

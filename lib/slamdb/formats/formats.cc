@@ -120,6 +120,11 @@ std::string_view FormatMeant(const std::string& path) {
   return file == "map.bin" || file.ends_with(".osmap") ? "osmap" : "";
 }
 
+// `transforms.json` is in a folder that is to be named.
+bool IsFileOfFolder(std::string_view format, const std::string& path) {
+  return FormatById(format).is_folder && std::filesystem::path(path).has_extension();
+}
+
 const KindredSuffix* FindKindred(const std::string& path) {
   const auto kindred =
       std::ranges::find(kKindred, Lower(std::filesystem::path(path).extension().string()), &KindredSuffix::tried);
@@ -135,6 +140,17 @@ void RefuseMisleadingSuffix(const Format& format, const Target& target) {
                                 .string();
   throw Error(ErrorKind::kUsage, target.path, "",
               Concat("a ", kindred->tried, " is something else than a ", format.title, "; name it ", named));
+}
+
+// `slamdb convert a.osa transforms.json --to nerf` would make a folder that other programs take for a file.
+void RefuseFileName(const Format& format, const Target& target) {
+  std::error_code missing;
+  if (!format.is_folder || !target.is_file() || std::filesystem::is_directory(target.path, missing)) return;
+  const auto is_file = [](const Format& known) { return CanWrite(known) && !known.is_folder; };
+  if (detail::FormatBySuffix(target.path, is_file) == nullptr && FindKindred(target.path) == nullptr) return;
+  throw Error(ErrorKind::kUsage, target.path, "",
+              Concat("has the suffix of a file, and a ", format.title, " is a folder of files; name it ",
+                     std::filesystem::path(target.path).replace_extension().string()));
 }
 
 void RequireReadable(const Format& format, const std::string& path) {
@@ -248,7 +264,8 @@ const Format& FormatOfSuffix(const Target& target) {
   if (const std::string_view meant = FormatMeant(target.path); !meant.empty() && target.name.empty())
     throw Error(
         ErrorKind::kUsage, target.path, "",
-        Concat("its suffix tells no format; perhaps WriteOptions::format ", meant, " is meant; `Formats` lists all"));
+        Concat("its suffix tells no format; perhaps ", IsFileOfFolder(meant, target.path) ? "a folder with " : "",
+               "WriteOptions::format ", meant, " is meant; `Formats` lists all"));
   const KindredSuffix* kindred = FindKindred(target.path);
   throw Error(ErrorKind::kUsage, target.path, "",
               Concat(target.name.empty() ? "" : "`#" + target.name + "` names an atlas of a store of this name, but ",
@@ -300,6 +317,7 @@ const Format& detail::FormatToWrite(const Target& target, const WriteOptions& op
   RequirePath(*format, target.path, target.is_file());
   RequirePlain(*format, target.path, target.name);
   if (options.custom_format == nullptr) RefuseMisleadingSuffix(*format, target);
+  RefuseFileName(*format, target);
   return *format;
 }
 

@@ -27,11 +27,10 @@ ForeignFile DescribeDirectory(const std::string& path) {
   const auto has = [&names](std::string_view name) { return std::binary_search(names.begin(), names.end(), name); };
   if ((has("images.bin") && has("points3D.bin")) || (has("images.txt") && has("points3D.txt")))
     return {ErrorKind::kDamaged, "not an atlas: this folder is a COLMAP model without its file of cameras"};
-  if (has("transforms.json"))
-    return {
-        ErrorKind::kUnsupported,
-        "not an atlas: this folder is a scene for NeRFs, which slamdb writes but does not read; give the map or the "
-        "COLMAP model that it was made of"};
+  if (has("transforms.json")) {
+    const Recognized scene = RecognizedAs("nerf");
+    return {scene.kind, SentenceOf(scene, kWanted)};
+  }
   if (has("metadata.yaml"))
     return {ErrorKind::kUnsupported,
             "not an atlas: this folder is a ROS 2 bag; run a SLAM system on it and give the atlas that it saves"};

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/pose_columns.h"
 #include "slamdb/base/detail/table.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/optimize/pose_graph.h"
 
 namespace slamdb {
@@ -55,7 +54,7 @@ std::vector<PoseConstraint> ParseConstraints(std::string_view csv) {
     transform.rotation =
         Eigen::Quaterniond(number(kRotation + 3), number(kRotation), number(kRotation + 1), number(kRotation + 2));
     if (!table.Raw(kScale).empty()) transform.scale = number(kScale);
-    if (!(std::abs(transform.rotation.norm() - 1) < 0.1)) throw table.LineError("the quaternion is not of length 1");
+    if (!detail::IsNearUnit(transform.rotation)) throw table.LineError("the quaternion is not of length 1");
     transform.rotation.normalize();
   }
   return constraints;

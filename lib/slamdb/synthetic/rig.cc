@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/distortion.h"
 
 namespace slamdb::synthetic {
 namespace {
@@ -67,8 +68,8 @@ double AngleAt(const Camera& camera, double radius) {
   double low = 0, high = kPi / 2;
   const float* k = camera.parameters.data() + 4;
   for (int step = 0; step < 60; ++step) {
-    const double theta = (low + high) / 2, t2 = theta * theta;
-    (theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))) < radius ? low : high) = theta;
+    const double theta = (low + high) / 2;
+    (detail::KannalaBrandtRadius(k, theta) < radius ? low : high) = theta;
   }
   return low;
 }
@@ -81,9 +82,7 @@ std::optional<Eigen::Vector2d> Rig::Project(std::size_t camera, const Eigen::Vec
   Eigen::Vector2d focal(x.x() / x.z(), x.y() / x.z());
   if (cameras[camera].model == CameraModel::kKannalaBrandt8) {
     const double off_axis = std::sqrt(focal[0] * focal[0] + focal[1] * focal[1]);
-    const double theta = ArcTangent(off_axis, 1), t2 = theta * theta;
-    const double radius = theta * (1 + t2 * (p[4] + t2 * (p[5] + t2 * (p[6] + t2 * p[7]))));
-    if (off_axis > 0) focal *= radius / off_axis;
+    if (off_axis > 0) focal *= detail::KannalaBrandtRadius(p.data() + 4, ArcTangent(off_axis, 1)) / off_axis;
   }
   const Eigen::Vector2d pixel(p[0] * focal[0] + p[2], p[1] * focal[1] + p[3]);
   const bool is_inside = pixel[0] >= kImageMargin && pixel[0] < kWidth - kImageMargin && pixel[1] >= kImageMargin &&

@@ -65,6 +65,11 @@ TEST(PutPoses, OfTheBodyLeadToTheCamera) {
   bare.maps[0].keyframes[3].imu_calibration.is_set = false;
   const Atlas before = bare;
   EXPECT_THAT(MessageOf([&] { PutPoses(bare, poses, {.of_body = true}); }), HasSubstr("kf 3 has no IMU calibration"));
+  bare = atlas;
+  bare.maps[0].keyframes[3].imu_calibration.body_from_camera.rotation.coeffs() *= 0.1F;  // no rotation
+  EXPECT_THAT(MessageOf([&] { PutPoses(bare, poses, {.of_body = true}); }), HasSubstr("kf 3 has no IMU calibration"));
+  bare = before;
+  EXPECT_THROW(PutPoses(bare, poses, {.of_body = true}), Error);
   EXPECT_THAT(bare, EqualsAtlas(before));
 }
 

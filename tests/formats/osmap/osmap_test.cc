@@ -408,6 +408,20 @@ TEST_F(Osmap, GivesBackWhatItHolds) {
   }
 }
 
+TEST_F(Osmap, LeavesOutWhatItWouldNotRead) {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 6, .points = 100, .features = 100});
+  Map& map = atlas.maps[0];
+  map.keyframes[2].camera_from_world.rotation.coeffs().setZero();
+  map.keyframes[3].camera_from_world.translation.x() = std::numeric_limits<float>::quiet_NaN();
+  map.points[4].position.x() = std::numeric_limits<float>::infinity();
+  osmap::Write(atlas, folder_.Path("map.yaml"), {}, notices_);
+  for (const char* said : {"keyframes whose pose is none, or not finite (2)", "position is not finite (1)"})
+    EXPECT_THAT(notices_.items(), Contains(Field(&Notice::text, HasSubstr(said))));
+  const Map back = osmap::Read(folder_.Path("map.yaml"), {}, notices_).maps[0];
+  EXPECT_EQ(back.keyframes.size(), map.keyframes.size() - 2);
+  EXPECT_EQ(back.points.size(), map.points.size() - 1);
+}
+
 TEST_F(Osmap, GivesBackRealMaps) {
   SLAMDB_REQUIRE_REAL_ATLAS(path, "session_small_a");
   Atlas atlas = ReadOrbslam3(path, {}, notices_);

@@ -22,6 +22,7 @@ namespace slamdb {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -188,6 +189,17 @@ TEST_F(Scenes, OfSplatsTakeHostileNames) {
   Write(detail::kGaussianFormat, OneMapAtlas());
   ASSERT_THAT(Names(), ElementsAre("sub_.._$(x) ;'.png", "..\n\"\xff.png"));
   for (const std::string& name : Names()) EXPECT_TRUE(fs::exists(out_ + "/images/" + name)) << name;
+}
+
+TEST_F(Scenes, WithoutPicturesAreOfPoses) {
+  Atlas atlas = OneMapAtlas();
+  for (const Format& format : {detail::kGaussianFormat, detail::kNerfFormat}) {
+    fs::remove_all(out_);
+    EXPECT_THAT(Write(format, atlas), HasSubstr("2 poses, "));
+  }
+  fs::remove_all(out_);
+  atlas.maps[0].keyframes[0].camera_from_world.rotation.coeffs().setZero();
+  EXPECT_THAT(Write(detail::kNerfFormat, atlas), AllOf(HasSubstr("1 pose, "), HasSubstr("1 keyframe left out, whose")));
 }
 
 TEST_F(Scenes, LeaveOutImagesWithoutPicture) {

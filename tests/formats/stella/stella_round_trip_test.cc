@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
@@ -14,6 +15,8 @@ namespace slamdb {
 namespace {
 
 using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -174,6 +177,19 @@ TEST_P(StellaRoundTrip, OfAFisheyePairIsItsLeftCamera) {
   for (std::size_t row = 0; row < left.features.keypoints.size(); ++row)
     EXPECT_NEAR(left.features.keypoints[row].x, was.features.keypoints[row].x, 1e-2F);
   EXPECT_EQ(back.cameras[0].parameters, atlas.cameras[0].parameters);
+}
+
+TEST_P(StellaRoundTrip, LeavesOutWhatWouldNotBeRead) {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 6, .points = 100, .features = 200});
+  Map& map = atlas.maps[0];
+  map.keyframes[2].camera_from_world.rotation.coeffs().setZero();
+  map.keyframes[3].camera_from_world.translation.x() = std::numeric_limits<float>::quiet_NaN();
+  map.points[4].position.x() = std::numeric_limits<float>::infinity();
+  Notices notices;
+  const Atlas back = DecodeAtlas(EncodeAtlas(atlas, {.format = GetParam()}, &notices));
+  for (const char* said : {"2 keyframes whose pose is none", "1 point whose position is not finite"})
+    EXPECT_THAT(notices.items(), Contains(Field(&Notice::text, HasSubstr(said))));
+  EXPECT_EQ(back.maps[0].keyframes.size(), map.keyframes.size() - 2);
 }
 
 // By ORB-SLAM3 itself: with distortion, several maps, points that keypoints see which do not know it.

@@ -6,17 +6,17 @@
 #include <vector>
 
 #include "slamdb/base/atomic_file.h"
-#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/temporary_file.h"
+#include "slamdb/base/detail/unfinished.h"
 
 namespace slamdb::detail {
 
-// Files that belong together: made in a temporary folder, then moved to their places one after the other, under a
-// Claim. What fails takes those back that were moved; what is killed leaves the claim, which says so.
+// Files that belong together: made in a temporary folder, then moved to their places one after the other, while they
+// are Unfinished. What fails takes those back that were moved; what is killed leaves the file that says so.
 class FilesTogether {
  public:
-  // The temporary folder is beside `beside`; names of files are relative to `root`; `unfinished` is the claim's file;
-  // empty: the one beside the first file. Errors name `path`.
+  // The temporary folder is beside `beside`; names of files are relative to `root`; `unfinished` is the path of
+  // that file; empty: the one beside the first file. Errors name `path`.
   FilesTogether(const std::string& beside, std::string root, std::string unfinished, std::string path,
                 AtomicFileOptions options);
 
@@ -35,7 +35,7 @@ class FilesTogether {
   std::string PlaceOf(const std::string& name) const;
   bool HoldsOnlyThese(const std::string& folder) const;
   bool Exchange();
-  std::vector<std::unique_ptr<Claim>> ClaimsBelow() const;
+  std::vector<std::unique_ptr<Unfinished>> UnfinishedBelow() const;
   void MoveEach();
   void MakeMove(Move& move) const;
   std::vector<std::string> Folders() const;

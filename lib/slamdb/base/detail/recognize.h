@@ -26,6 +26,9 @@ bool IsSqlite(std::string_view head);
 // nullopt when nothing is known about it. Reads on in files of which the first bytes say too little.
 SLAMDB_EXPORT std::optional<Recognized> Recognize(const Probe& probe);
 
+// What is said of files that Recognize() gives that id: for folders that are told by the name of such a file.
+SLAMDB_EXPORT Recognized RecognizedAs(std::string_view id);
+
 // `not an atlas: this is a Git LFS pointer that stands for the file; fetch the file itself (git lfs pull)`.
 SLAMDB_EXPORT std::string SentenceOf(const Recognized& recognized, std::string_view wanted);
 

@@ -157,11 +157,11 @@ class Putter {
   Similarity3d CameraOf(const KeyFramePose& pose, const KeyFrame& keyframe) const {
     if (!options_.of_body) return pose.world_from_camera;
     const ImuCalibration& calibration = keyframe.imu_calibration;
-    const Eigen::Quaterniond rotation = Eigen::Quaternionf(calibration.body_from_camera.rotation).cast<double>();
-    const Eigen::Vector3d translation = calibration.body_from_camera.translation.cast<double>();
-    if (!calibration.is_set || !(rotation.norm() > 0) || !rotation.coeffs().allFinite() || !translation.allFinite())
+    if (!calibration.is_set || !detail::IsPose(calibration.body_from_camera))
       throw Error(ErrorKind::kNotPossible,
                   Concat(keyframe.id, " has no IMU calibration, which leads from the body to the camera"));
+    const Eigen::Quaterniond rotation = Eigen::Quaternionf(calibration.body_from_camera.rotation).cast<double>();
+    const Eigen::Vector3d translation = calibration.body_from_camera.translation.cast<double>();
     const Similarity3d& world_from_body = pose.world_from_camera;  // whose scale is of the map's lengths
     const Eigen::Quaterniond turn = world_from_body.rotation.normalized();
     return {world_from_body.scale, turn * rotation.normalized(),

@@ -46,8 +46,8 @@ struct PutPosesReport {
 // Warns where a pose is of another lens than the keyframe's: then neither poses nor points fit the keypoints as well as
 // the program says.
 //
-// Throws Error, and then changes nothing: kNotPossible when no pose is of a keyframe of the atlas, or one with an id is
-// of another time than the keyframe; or of the body and of a keyframe without calibration; kUsage when a pose or a
+// Throws Error, and then changes nothing: kNotPossible when no pose is of a keyframe of the atlas, one with an id is of
+// another time than the keyframe, or one is of the body where the keyframe has no calibration; kUsage when a pose or a
 // position is not finite. Cost: linear, but for sorting times; the bytes are the same for any number of threads.
 SLAMDB_EXPORT PutPosesReport PutPoses(Atlas& atlas, const std::vector<KeyFramePose>& poses,
                                       const PutPosesOptions& options = {});

@@ -16,6 +16,7 @@
 #include "slamdb/base/detail/time_units.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/transform.h"
+#include "slamdb/model/detail/is_pose.h"
 
 namespace slamdb {
 namespace {
@@ -112,13 +113,10 @@ std::vector<double> NumbersIn(std::string_view text) {
 
 // ---- what the numbers mean
 
-constexpr double kFarOff = 0.1;  // of a quaternion's length from 1
-
-bool IsNearUnit(const Eigen::Vector4d& quaternion) { return std::abs(quaternion.norm() - 1) <= kFarOff; }
-
 // A line of a trajectory: time, position and orientation are 8 numbers as well.
 void RefuseTimedPose(const std::vector<double>& n) {
-  const bool behind_time = IsNearUnit({n[4], n[5], n[6], n[7]}), plain = IsNearUnit({n[3], n[4], n[5], n[6]});
+  const bool behind_time = detail::IsNearUnit(Eigen::Quaterniond(n[7], n[4], n[5], n[6]));
+  const bool plain = detail::IsNearUnit(Eigen::Quaterniond(n[6], n[3], n[4], n[5]));
   if (!behind_time || (plain && !detail::IsEpoch(n[0]))) return;
   throw Error(
       ErrorKind::kUsage,
@@ -132,7 +130,7 @@ Similarity3d FromQuaternion(const std::vector<double>& n) {
   const Similarity3d transform{
       n.size() == 8 ? n[7] : 1, Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]}};
   RequireTransform(transform);
-  if (!IsNearUnit(transform.rotation.coeffs()))
+  if (!detail::IsNearUnit(transform.rotation))
     throw Error(ErrorKind::kUsage,
                 detail::Concat("the quaternion of the transform, qx qy qz qw = ", n[3], ' ', n[4], ' ', n[5], ' ', n[6],
                                ", is of length ", transform.rotation.norm(), ", but must be of length 1"));

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <functional>
 
-#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/detail/unfinished.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/model.h"
 

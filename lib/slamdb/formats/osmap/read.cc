@@ -5,12 +5,12 @@
 #include <cstring>
 #include <filesystem>
 
-#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/files_read.h"
 #include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/detail/unfinished.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/import/detail/complete.h"

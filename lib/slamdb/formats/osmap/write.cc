@@ -15,6 +15,7 @@
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/osmap/detail/header.h"
 #include "slamdb/formats/osmap/detail/osmap.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb::osmap {
@@ -40,13 +41,16 @@ const Map& ChooseMap(const std::vector<const Map*>& maps, Notices& notices) {
   return largest;
 }
 
+bool IsHeld(const KeyFrame& keyframe) { return !keyframe.bad && detail::IsPose(keyframe.camera_from_world); }
+bool IsHeld(const MapPoint& point) { return !point.bad && point.position.allFinite(); }
+
 class MapWriter {
  public:
   MapWriter(const Map& map, const WriteOptions& options) : options_(options) {
     for (const KeyFrame& keyframe : map.keyframes)
-      if (!keyframe.bad) keyframes_.push_back(&keyframe);
+      if (IsHeld(keyframe)) keyframes_.push_back(&keyframe);
     for (const MapPoint& point : map.points)
-      if (!point.bad) points_.push_back(&point);
+      if (IsHeld(point)) points_.push_back(&point);
     std::ranges::stable_sort(keyframes_, {}, [](const KeyFrame* keyframe) { return keyframe->id; });
     std::ranges::stable_sort(points_, {}, [](const MapPoint* point) { return point->id; });
     ListCameras();
@@ -202,10 +206,11 @@ bool Sees(const KeyFrame& keyframe, std::int32_t row, MapPointId point) {
 
 // What osmap has no place for, beyond whole kinds of content.
 void TellLosses(const Atlas& atlas, const Map& map, Notices& notices) {
-  std::uint64_t bad = 0, depth = 0, of_point_0 = 0, right = 0, graph = 0;
+  std::uint64_t bad = 0, without_pose = 0, without_position = 0, depth = 0, of_point_0 = 0, right = 0, graph = 0;
   for (const KeyFrame& keyframe : map.keyframes) {
     const Features& features = keyframe.features;
     bad += keyframe.bad ? 1 : 0;
+    without_pose += keyframe.bad || IsHeld(keyframe) ? 0 : 1;
     graph += keyframe.merge_edges.size();
     depth += static_cast<std::uint64_t>(std::ranges::count_if(features.depth, [](float value) { return value > 0; }));
     right += features.right_keypoints.size();
@@ -215,6 +220,7 @@ void TellLosses(const Atlas& atlas, const Map& map, Notices& notices) {
   const IdTable rows = KeyFrameTable(map);
   for (const MapPoint& point : map.points) {
     bad += point.bad ? 1 : 0;
+    without_position += point.bad || IsHeld(point) ? 0 : 1;
     for (const Observation& observation : point.observations) {
       const std::uint32_t row = rows.Find(observation.keyframe.value());
       one_sided += row == kNoRow || !Sees(map.keyframes[row], observation.left, point.id) ? 1 : 0;
@@ -226,6 +232,8 @@ void TellLosses(const Atlas& atlas, const Map& map, Notices& notices) {
     if (count > 0) notices.Lose(Concat("osmap cannot hold ", what, " (", detail::Thousands(count), ")"));
   };
   lose(bad, "keyframes and map points flagged bad");
+  lose(without_pose, "keyframes whose pose is none, or not finite");
+  lose(without_position, "map points whose position is not finite");
   lose(depth, "depths of keypoints: it is monocular");
   lose(right, "keypoints of right images");
   lose(graph, "merge edges");

@@ -14,6 +14,7 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/export/detail/raw.h"
+#include "slamdb/formats/export/detail/rows.h"
 
 namespace slamdb::splats {
 namespace {
@@ -217,9 +218,12 @@ void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Noti
     notices.Warn(
         "without pictures: images are named by their timestamps, and points are grey; "
         "KeyFramePictures::files names them");
+  if (outline.not_finite > 0)
+    notices.Warn(Concat(Counted(outline.not_finite, "keyframe"), " left out, whose pose is none, or not finite"));
   if (scenes.size() > 1)
     notices.Note(Concat(scenes.size(), " maps are in folders 0 to ", scenes.size() - 1, ", a scene each"));
-  notices.Tell(Concat(Counted(images, "image"), ", ", Counted(points, "point")));
+  notices.Tell(Concat(detail::CountWritten(images, pictures == 0 ? "pose" : "image", outline.bad_keyframes), ", ",
+                      Counted(points, "point")));
 }
 
 }  // namespace slamdb::splats

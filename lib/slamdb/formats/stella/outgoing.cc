@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <map>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "slamdb/formats/import/detail/keypoints.h"
 #include "slamdb/formats/stella/detail/cameras.h"
 #include "slamdb/formats/stella/detail/lens.h"
+#include "slamdb/model/detail/is_pose.h"
 
 namespace slamdb::stella {
 namespace {
@@ -110,10 +110,12 @@ Outgoing::Outgoing(const Atlas& atlas, const Target& target, const WriteOptions&
 void Outgoing::CollectKeyFrames(const std::vector<const Map*>& maps) {
   for (const Map* map : maps)
     for (const KeyFrame& keyframe : map->keyframes) {
-      if (keyframe.bad)
-        ++losses_.bad_keyframes;
-      else
+      if (!keyframe.bad && detail::IsPose(keyframe.camera_from_world)) {
         CountRows(keyframes_.emplace_back(OutgoingKeyFrame{.keyframe = &keyframe}));
+        continue;
+      }
+      ++(keyframe.bad ? losses_.bad_keyframes : losses_.without_pose);
+      left_out_.emplace(keyframe.id, keyframe.parent);
     }
   keyframe_rows_ = SortById(keyframes_, IdOf, path_);
 }
@@ -136,6 +138,8 @@ void Outgoing::CollectPoints(const std::vector<const Map*>& maps) {
     for (const MapPoint& point : map->points) {
       if (point.bad)
         ++losses_.bad_points;
+      else if (!point.position.allFinite())
+        ++losses_.without_position;
       else
         points_.push_back({.point = &point, .reference = point.reference});
     }
@@ -207,11 +211,25 @@ void Outgoing::KeepSeenPoints() {
   losses_.unseen_points = std::erase_if(points_, [](const OutgoingPoint& point) { return !point.reference; });
 }
 
+// Of those that are left out the next above, so that the map does not fall apart.
+KeyFrameId Outgoing::ParentOf(const KeyFrame& keyframe) {
+  std::vector<KeyFrameId> passed;
+  KeyFrameId parent = keyframe.parent;
+  while (!IsWritten(parent)) {
+    const auto above = left_out_.find(parent);
+    if (above == left_out_.end()) break;
+    passed.push_back(parent);
+    parent = std::exchange(above->second, KeyFrameId());  // so that a circle ends
+  }
+  for (const KeyFrameId id : passed) left_out_[id] = parent;
+  return parent;
+}
+
 // Parents lead to a root, as stella_vslam follows them without end; children are what parents say.
 void Outgoing::FindTree() {
   std::vector<std::uint32_t> parents(keyframes_.size(), kNoRow), seen_from(keyframes_.size(), kNoRow);
   for (std::size_t row = 0; row < keyframes_.size(); ++row)
-    if (const KeyFrameId parent = keyframes_[row].keyframe->parent; IsWritten(parent))
+    if (const KeyFrameId parent = ParentOf(*keyframes_[row].keyframe); IsWritten(parent))
       parents[row] = keyframe_rows_.Find(parent.value());
   for (std::uint32_t start = 0; start < keyframes_.size(); ++start) {
     std::uint32_t row = start;
@@ -312,7 +330,9 @@ void Outgoing::Losses::Tell(Notices& notices) const {
     if (count > 0) notices.Lose(Concat(Counted(count, noun), what));
   };
   lose(bad_keyframes, "keyframe", " flagged bad: left out");
+  lose(without_pose, "keyframe", " whose pose is none, or not finite: left out");
   lose(bad_points, "point", " flagged bad: left out");
+  lose(without_position, "point", " whose position is not finite: left out");
   lose(unseen_points, "point", " that no keyframe sees: left out, since stella_vslam could not load them");
   lose(right_keypoints, "keypoint", " of the right camera of a fisheye pair: left out, as stella_vslam has none such");
   lose(rows, "keypoint", " in columns of different lengths: left out");

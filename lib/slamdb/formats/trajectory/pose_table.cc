@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "slamdb/base/detail/claim.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/files_read.h"
 #include "slamdb/base/detail/lengths.h"
@@ -14,8 +13,10 @@
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/detail/pose_columns.h"
 #include "slamdb/base/detail/times.h"
+#include "slamdb/base/detail/unfinished.h"
 #include "slamdb/formats/trajectory/detail/quaternion_order.h"
 #include "slamdb/formats/trajectory/options.h"
+#include "slamdb/model/detail/is_pose.h"
 
 namespace slamdb::detail {
 namespace {
@@ -104,8 +105,7 @@ class PoseReader {
 
  private:
   void RequireUnit(const Eigen::Quaterniond& q, double norm) const {
-    constexpr double kFarOff = 0.1;
-    if (std::abs(norm - 1) <= kFarOff) return;
+    if (detail::IsNearUnit(q)) return;
     throw table_.LineError(Concat("expected a quaternion of length 1 in columns qx qy qz qw, found ", q.x(), ' ', q.y(),
                                   ' ', q.z(), ' ', q.w(), " of length ", norm, "; are these poses?"));
   }

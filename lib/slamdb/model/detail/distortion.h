@@ -10,8 +10,8 @@
 namespace slamdb::detail {
 
 // Kannala and Brandt, PAMI 2006: how far from the centre a ray at an angle to the axis appears. k1 k2 k3 k4.
-template <class Number>
-Number KannalaBrandtRadius(const Number* k, Number theta) {
+template <class Coefficient, class Number>
+Number KannalaBrandtRadius(const Coefficient* k, Number theta) {
   const Number t2 = theta * theta;
   return theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
 }

@@ -17,6 +17,13 @@ bool IsUnit(const Eigen::QuaternionBase<Derived>& quaternion) {
   return std::abs(static_cast<double>(quaternion.norm()) - 1) <= kTolerance;
 }
 
+// Of length 1 as far as people write it, with a few digits. What is further off is not what its columns say.
+template <class Derived>
+bool IsNearUnit(const Eigen::QuaternionBase<Derived>& quaternion) {
+  constexpr double kFarOff = 0.1;
+  return std::abs(static_cast<double>(quaternion.norm()) - 1) <= kFarOff;
+}
+
 // Whether making the length 1 gives the rotation that was meant. What is off by more than a factor of two is zeros or
 // noise.
 template <class Derived>

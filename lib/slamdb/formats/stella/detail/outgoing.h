@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -64,8 +65,9 @@ class Outgoing {
  private:
   // What the notices tell.
   struct Losses {
-    std::uint64_t bad_keyframes = 0, bad_points = 0, unseen_points = 0, cut_loops = 0, right_keypoints = 0, merges = 0,
-                  without_descriptor = 0, rows = 0, sizes = 0, slots = 0, observations = 0, told = 0;
+    std::uint64_t bad_keyframes = 0, without_pose = 0, without_position = 0, bad_points = 0, unseen_points = 0,
+                  cut_loops = 0, right_keypoints = 0, merges = 0, without_descriptor = 0, rows = 0, sizes = 0,
+                  slots = 0, observations = 0, told = 0;
     void Tell(Notices& notices) const;
   };
 
@@ -78,6 +80,7 @@ class Outgoing {
   };
   SlotCounts PlaceSlots(OutgoingKeyFrame& written) const;
   void KeepSeenPoints();
+  KeyFrameId ParentOf(const KeyFrame& keyframe);
   void FindTree();
   void FindCameras(const Atlas& atlas);
   void FindOrbParams();
@@ -90,6 +93,7 @@ class Outgoing {
   std::vector<OutgoingKeyFrame> keyframes_;
   std::vector<OutgoingPoint> points_;
   IdTable keyframe_rows_, point_rows_;
+  std::map<KeyFrameId, KeyFrameId> left_out_;  // keyframes, and their parents
   std::uint64_t next_keyframe_ = 0, next_point_ = 0;
   Losses losses_;
 };

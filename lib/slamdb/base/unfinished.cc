@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/base/detail/claim.h"
+#include "slamdb/base/detail/unfinished.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -95,14 +95,15 @@ void RefuseUnfinished(const std::string& unfinished, const std::string& path, st
                      unfinished, ", which names them, if they do belong together"));
 }
 
-Claim::Claim(std::string unfinished, std::string path) : unfinished_(std::move(unfinished)), path_(std::move(path)) {
+Unfinished::Unfinished(std::string unfinished, std::string path)
+    : unfinished_(std::move(unfinished)), path_(std::move(path)) {
   while (!Lock()) ::close(std::exchange(descriptor_, -1));
   left_ = NamesIn(unfinished_);
   if (left_.empty()) slot_ = TakeSlot(unfinished_);
 }
 
 // False: whoever had it has removed it meanwhile.
-bool Claim::Lock() {
+bool Unfinished::Lock() {
   descriptor_ = ::open(unfinished_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw SystemError(path_, "cannot make " + unfinished_);
   if (!TryLock(descriptor_, LOCK_EX)) {
@@ -112,14 +113,14 @@ bool Claim::Lock() {
   return IsStillThere();
 }
 
-bool Claim::IsStillThere() const {
+bool Unfinished::IsStillThere() const {
   struct stat opened {
   }, there{};
   return ::fstat(descriptor_, &opened) == 0 && ::lstat(unfinished_.c_str(), &there) == 0 &&
          opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
 }
 
-void Claim::Begin(const std::vector<std::string>& names, bool sync) {
+void Unfinished::Begin(const std::vector<std::string>& names, bool sync) {
   std::string text = Concat(kFirstLine, "\n");
   for (const std::string& name : names) text += name + "\n";
   WriteAt(descriptor_, text, path_);
@@ -130,13 +131,13 @@ void Claim::Begin(const std::vector<std::string>& names, bool sync) {
 }
 
 // Emptied, too, as far as it goes: its removal may fail.
-void Claim::Withdraw() {
+void Unfinished::Withdraw() {
   begun_ = false;
   [[maybe_unused]] const bool is_empty = left_.empty() && ::ftruncate(descriptor_, 0) == 0;
 }
 
 // What a program left that was killed is mended by that too. Emptied first: either may fail.
-void Claim::Finish() {
+void Unfinished::Finish() {
   const bool is_empty = ::ftruncate(descriptor_, 0) == 0;
   if (!is_empty && IsStillThere() && CallsOfFiles().unlink(unfinished_.c_str()) != 0)
     throw SystemError(path_, Concat("is written, but cannot remove ", unfinished_));
@@ -144,7 +145,7 @@ void Claim::Finish() {
   left_.clear();
 }
 
-Claim::~Claim() {
+Unfinished::~Unfinished() {
   if (!begun_ && left_.empty() && IsStillThere()) CallsOfFiles().unlink(unfinished_.c_str());
   ::close(descriptor_);
   GiveBackSlot(slot_);

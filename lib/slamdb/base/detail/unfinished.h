@@ -25,13 +25,13 @@ SLAMDB_EXPORT void RefuseUnfinished(const std::string& unfinished, const std::st
 
 // The right to replace files that belong together: that file, locked. While it is empty nothing was moved; with names
 // in it, each of those may be old or new. It goes with this object, unless files are left in that state.
-class Claim {
+class Unfinished {
  public:
   // Errors name `path`. Throws Error: kLocked when another program holds it; as the system has it otherwise.
-  Claim(std::string unfinished, std::string path);
-  ~Claim();
-  Claim(const Claim&) = delete;
-  Claim& operator=(const Claim&) = delete;
+  Unfinished(std::string unfinished, std::string path);
+  ~Unfinished();
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
 
   // What a killed program was replacing.
   const std::vector<std::string>& left() const { return left_; }
