@@ -20,4 +20,10 @@ const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<cons
 // make sense as such.
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header);
 
+// The same in a layout that is given, whose members are kept.
+//
+// Throws Error: kDamaged where no record is whole in it, kNotPossible for a text archive that is not whole, and as
+// ForkProgram does.
+Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout);
+
 }  // namespace slamdb::orbslam3

@@ -7,10 +7,12 @@
 namespace slamdb::orbslam3 {
 
 // What speaks against an atlas that was read in a layout: whether points lie where keyframes see them, ids refer to
-// each other, times rise. A sample of the points is looked at. What the layout lacks is not held against it.
+// each other, times rise. A sample of the points is looked at. What cannot
+// be asked, as the layout lacks it, weighs less than what is wrong.
 layouts::Meaning MeaningOf(const Atlas& atlas, const ForkProgram& program);
 
-// What is said where times, or poses and positions, of a whole atlas are nearly all such as no map has; empty as a rule.
+// What is said where times, or poses and positions, of a whole atlas are nearly all such as no map has; empty as a
+// rule.
 std::string DoubtOfPoses(const Atlas& atlas);
 
 }  // namespace slamdb::orbslam3
