@@ -135,6 +135,8 @@ TEST_F(Forks, LackingMembersLoseThem) {
   EXPECT_THAT(other_type.err, HasSubstr("cannot hold mTcw of 14 keyframes"));
   const ProcessResult half = convert(R"({"class": "MapPoint", "replace": ["mBackupObservationsId1"]})");
   EXPECT_THAT(half.err, HasSubstr("cannot hold mBackupObservationsId1 of 3,162 map points"));
+  EXPECT_EQ(convert(R"({"class": "MapPoint", "replace": ["mBackupObservationsId2"]})").exit_code, 0)
+      << "no right image sees one";
   // No keypoint has a match in a right image; a pose has the same in another form.
   EXPECT_EQ(convert(R"({"class": "KeyFrame", "replace": ["mvLeftToRightMatch", "mvRightToLeftMatch", "mvKeysRight"]})")
                 .exit_code,

@@ -106,7 +106,26 @@ TEST(Layouts, RecoverReadsInTheLayoutThatIsGiven) {
               HasSubstr("cannot hold mnLabel of 14 keyframes"));
   const ProcessResult other = RunSlamdb({"recover", cut, out, "-O", "--layout", "obvi"});
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.err, HasSubstr("is whole in the layout obvi that is given"));
+  EXPECT_THAT(other.err, HasSubstr("no keyframe is whole in the layout obvi that is given"));
+}
+
+// Points that were moved do not make another layout of it; every verb says that something is wrong.
+TEST(Layouts, ABrokenMapIsOneOfV1InDoubt) {
+  const TemporaryFolder folder;
+  const std::string table = folder / "points.csv", broken = folder / "broken.osa";
+  ASSERT_EQ(RunSlamdb({"convert", kSession, table}).exit_code, 0);
+  std::string text = ReadWholeFile(table);
+  ASSERT_TRUE(text.starts_with("x,y,z,"));
+  WriteWholeFile(table, text.replace(0, 6, "y,z,x,"));
+  ASSERT_EQ(RunSlamdb({"edit", kSession, broken, "--points", table}).exit_code, 0);
+  const std::string doubt = "map points are not where keyframes see them";
+  const ProcessResult inferred = RunSlamdb({"layouts", "infer", broken});
+  EXPECT_THAT(inferred.out, AllOf(HasSubstr("the layout v1.0"), HasSubstr("in doubt\n  " + doubt),
+                                  ::testing::Not(HasSubstr("--choose"))));
+  EXPECT_THAT(inferred.err, AllOf(HasSubstr("is in doubt"), ::testing::Not(HasSubstr("other layouts"))));
+  EXPECT_THAT(RunSlamdb({"info", broken}).err, HasSubstr(doubt));
+  EXPECT_THAT(RunSlamdb({"recover", broken, folder / "out.osa"}).out,
+              HasSubstr("the layout v1.0 is in doubt: " + doubt));
 }
 
 TEST(Layouts, DiffNamesThem) {

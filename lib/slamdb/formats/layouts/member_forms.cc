@@ -272,12 +272,11 @@ std::string FormProblem(const LayoutMember& member, const LayoutType& own) {
   std::erase_if(forms, [](const LayoutMember& other) { return FormOf(other.name).empty(); });
   if (form.empty() || forms.empty()) return {};  // forks call parts of their own like that, too
   std::string others, types;
-  std::string_view last;
   for (const LayoutMember& other : forms) {
     if (other == member) return {};
     if (other.name == member.name) types += (types.empty() ? "" : ", ") + other.type;
-    if (FormOf(other.name) != last) others += detail::Concat(others.empty() ? "" : ", ", FormOf(other.name));
-    last = FormOf(other.name);
+    const auto first = std::ranges::find(forms, other.name, &LayoutMember::name);
+    if (&*first == &other) others += detail::Concat(others.empty() ? "" : ", ", FormOf(other.name));
   }
   if (IsForm(form, ParseLayoutType(member.type), own)) return {};
   if (!types.empty()) return detail::Concat(member.name, " is of type ", member.type, ", expected ", types);

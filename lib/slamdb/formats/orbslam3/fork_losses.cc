@@ -82,24 +82,20 @@ class LackedMembers {
   }
   // `nothing`: an entity that has none of them; `back`: what is read back of this one.
   void Count(const Entity& entity, const Entity& nothing, const Entity& back) {
+    ++entities_;
     for (Lacked& lacked : lacked_) {
+      if (lacked.lost) continue;
       const Column<char> bytes = BytesOf(*lacked.step, entity);
       const auto are_of = [&](const Entity& other) { return std::ranges::equal(bytes, BytesOf(*lacked.step, other)); };
-      lacked.entities += !are_of(nothing) && !are_of(back);
+      lacked.lost = !are_of(nothing) && !are_of(back);
     }
   }
-  // Those that as many entities lose stand together: `mbf, mb of 14 keyframes`.
+  // Those that some entity has; all of them lose these: `mbf, mb of 14 keyframes`.
   void Tell(std::string_view one, std::string_view many, std::string& text) const {
-    std::vector<std::uint64_t> counts;
+    std::vector<std::string> names;
     for (const Lacked& lacked : lacked_)
-      if (lacked.entities > 0 && std::ranges::find(counts, lacked.entities) == counts.end())
-        counts.push_back(lacked.entities);
-    for (const std::uint64_t count : counts) {
-      std::vector<std::string> names;
-      for (const Lacked& lacked : lacked_)
-        if (lacked.entities == count) names.push_back(lacked.name);
-      text += (text.empty() ? "" : "; ") + Of(Listed(names), count, one, many);
-    }
+      if (lacked.lost) names.push_back(lacked.name);
+    if (!names.empty()) text += (text.empty() ? "" : "; ") + Of(Listed(names), entities_, one, many);
   }
 
  private:
@@ -107,7 +103,7 @@ class LackedMembers {
   struct Lacked {
     std::string name;
     const Step* step;
-    std::uint64_t entities = 0;  // that lose it
+    bool lost = false;
   };
 
   template <class OpsOf>
@@ -120,6 +116,7 @@ class LackedMembers {
   }
 
   std::vector<Lacked> lacked_;
+  std::uint64_t entities_ = 0;
 };
 
 // A matrix without rows says nothing, whichever way it is written.
@@ -173,6 +170,9 @@ void TellPoints(const Atlas& atlas, const ForkProgram& program, std::string& tex
         side.conversion->Encode(point, packed);
         side.conversion->Decode(packed.bytes(), back);
       }
+      for (Observation& observation : back.observations)  // what is absent says no more than `not seen`
+        for (const auto side : {&Observation::left, &Observation::right})
+          observation.*side = std::max(observation.*side, -1);
       members.Count(point, nothing, back);
     }
   members.Tell("map point", "map points", text);

@@ -328,11 +328,9 @@ Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeade
         "a text archive that is damaged is recovered as of ORB-SLAM3 v1.0 alone, not in a layout that is given");
   const std::vector<MapRecords> maps = layouts::FindRecords(TextOf(bytes), header.encoding);
   RecordReading reading = ReadIn(layout, source, PlacesOf(maps));
-  const bool found = std::ranges::any_of(reading.atlas.maps,
-                                         [](const Map& map) { return !map.keyframes.empty() || !map.points.empty(); });
-  if (!found)
+  if (std::ranges::all_of(reading.atlas.maps, [](const Map& map) { return map.keyframes.empty(); }))
     throw Error(ErrorKind::kDamaged, path, "",
-                Concat("no keyframe and no map point is whole in the layout ", TitleOf(layout), " that is given"));
+                Concat("no keyframe is whole in the layout ", TitleOf(layout), " that is given"));
   reading.layout = NameFor(layout);
   reading.doubts = reading.meaning.doubts;
   return SalvageOf(std::move(reading), maps, TextOf(bytes), header);

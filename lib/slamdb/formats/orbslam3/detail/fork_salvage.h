@@ -22,7 +22,7 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
 
 // The same in a layout that is given, whose members are kept.
 //
-// Throws Error: kDamaged where no record is whole in it, kNotPossible for a text archive that is not whole, and as
+// Throws Error: kDamaged where no keyframe is whole in it, kNotPossible for a text archive that is not whole, and as
 // ForkProgram does.
 Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout);
 
