@@ -109,6 +109,20 @@ TEST(Layouts, RecoverReadsInTheLayoutThatIsGiven) {
   EXPECT_THAT(other.err, HasSubstr("no keyframe is whole in the layout obvi that is given"));
 }
 
+TEST(Layouts, RecoverDoesWithoutAHeader) {
+  const TemporaryFolder folder;
+  MakeFork(folder);
+  const std::string fork = folder / "fork.osa", damaged = folder / "damaged.osa", out = folder / "out.osa";
+  for (const std::string& file : {kSession, fork}) {
+    std::string bytes = ReadWholeFile(file);
+    bytes[12] = '\xff';
+    WriteWholeFile(damaged, bytes);
+    const ProcessResult result = RunSlamdb({"recover", damaged, out, "-O"});
+    EXPECT_EQ(result.exit_code, 3) << file << result.err;
+    EXPECT_THAT(result.out, HasSubstr("14 of 14 keyframes")) << file;
+  }
+}
+
 // Points that were moved do not make another layout of it; every verb says that something is wrong.
 TEST(Layouts, ABrokenMapIsOneOfV1InDoubt) {
   const TemporaryFolder folder;

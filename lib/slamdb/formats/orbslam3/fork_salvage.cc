@@ -169,18 +169,18 @@ struct RecordReading {
   std::vector<std::string> differences, doubts;
 };
 
-RecordReading ReadIn(const Layout& layout, const Source& source, std::span<const MapPlaces> places) {
+RecordReading ReadIn(const Layout& layout, const Source& source, const ArchiveHeader& header,
+                     std::span<const MapPlaces> places) {
   ForkProgram program(layout);
   detail::FileStream stream(source);
-  Notices notices;
-  const ArchiveHeader header = ReadArchiveHeader(stream, notices);
   RecordReading reading{.atlas = ReadForkRecords(stream, header, program, places)};
   reading.meaning = MeaningOf(reading.atlas, program);
   return reading;
 }
 
 // The first records bring the classes of members, and tell their types.
-RecordReading ReadTyped(const Layout& layout, const Source& source, std::span<const MapPlaces> places) {
+RecordReading ReadTyped(const Layout& layout, const Source& source, const ArchiveHeader& header,
+                        std::span<const MapPlaces> places) {
   constexpr std::size_t kMostTrials = 512;
   MapPlaces first;
   if (!places.front().keyframes.empty()) first.keyframes.push_back(places.front().keyframes.front());
@@ -188,18 +188,18 @@ RecordReading ReadTyped(const Layout& layout, const Source& source, std::span<co
   const layouts::Typings typings(layout);
   for (std::size_t trial = 0; trial < std::min(kMostTrials, typings.count()); ++trial) {
     const Layout typed = typings.At(trial);
-    const Map read = ReadIn(typed, source, std::span(&first, 1)).atlas.maps.front();
+    const Map read = ReadIn(typed, source, header, std::span(&first, 1)).atlas.maps.front();
     if (read.keyframes.size() == first.keyframes.size() && read.points.size() == first.points.size())
-      return ReadIn(typed, source, places);
+      return ReadIn(typed, source, header, places);
   }
-  return ReadIn(layout, source, places);
+  return ReadIn(layout, source, header, places);
 }
 
-void TryOptions(const Source& source, std::span<const MapPlaces> places, std::span<const layouts::ClassOption> options,
-                std::optional<RecordReading>& best) {
+void TryOptions(const Source& source, const ArchiveHeader& header, std::span<const MapPlaces> places,
+                std::span<const layouts::ClassOption> options, std::optional<RecordReading>& best) {
   constexpr double kAlike = 2;
   for (const layouts::ClassOption& option : options) {
-    RecordReading reading = ReadTyped(option.layout, source, places);
+    RecordReading reading = ReadTyped(option.layout, source, header, places);
     reading.differences = option.findings.differences;
     reading.doubts = option.findings.doubts;
     reading.doubts.insert(reading.doubts.end(), reading.meaning.doubts.begin(), reading.meaning.doubts.end());
@@ -212,29 +212,29 @@ void TryOptions(const Source& source, std::span<const MapPlaces> places, std::sp
 
 // In the known layout, or one with members in other forms; in another one where that makes no sense.
 std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, const Source& source,
-                                         std::span<const MapRecords> maps, std::span<const MapPlaces> places,
-                                         const Layout* known) {
+                                         const ArchiveHeader& header, std::span<const MapRecords> maps,
+                                         std::span<const MapPlaces> places, const Layout* known) {
   std::optional<RecordReading> best;
   if (known != nullptr) {
-    best = ReadIn(*known, source, places);
+    best = ReadIn(*known, source, header, places);
     best->layout = known->id;
     constexpr std::size_t kMostBytes = std::size_t{24} << 20U;  // which are decoded some hundred times
     if (archive.file.size() > kMostBytes) return best;
     Layout layout = *known;
     layouts::Meaning meaning = best->meaning;
     std::vector<std::string> differences;
-    const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, places).meaning; };
+    const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, header, places).meaning; };
     layouts::Reform(judge, layout, meaning, differences);
     best->doubts = meaning.doubts;
     if (!differences.empty()) {
-      best = ReadIn(layout, source, places);
+      best = ReadIn(layout, source, header, places);
       best->differences = std::move(differences);
       best->doubts = best->meaning.doubts;
     }
   }
   for (const bool thorough : {false, true})
     if (!best || !best->meaning.doubts.empty())
-      TryOptions(source, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
+      TryOptions(source, header, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
   return best;
 }
 
@@ -290,6 +290,10 @@ Salvage SalvageOf(RecordReading reading, std::span<const MapRecords> maps, std::
 
 }  // namespace
 
+bool HasKeyFrames(const Atlas& atlas) {
+  return std::ranges::any_of(atlas.maps, [](const Map& map) { return !map.keyframes.empty(); });
+}
+
 const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps) {
   const Layout* best = nullptr;
   std::uint64_t farthest = 0;
@@ -311,11 +315,19 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   const Layout* known = KnownLayoutOf(archive, maps);
   const std::vector<MapPlaces> places = PlacesOf(maps);
   const bool own = known == &KnownLayouts().front();
-  if (own && ReadIn(*known, {bytes, path}, places).meaning.doubts.empty()) return std::nullopt;
+  if (own && ReadIn(*known, {bytes, path}, header, places).meaning.doubts.empty()) return std::nullopt;
   if (auto whole = WholeInferred({bytes, path})) return whole;
-  std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, maps, places, known);
+  std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, header, maps, places, known);
   if (!reading || reading->layout == KnownLayouts().front().id) return std::nullopt;
   return SalvageOf(*std::move(reading), maps, file, header);
+}
+
+std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
+  const std::vector<MapRecords> maps = layouts::FindRecords(TextOf(bytes), header.encoding);
+  if (maps.empty()) return std::nullopt;
+  RecordReading reading = ReadIn(KnownLayouts().front(), {bytes, path}, header, PlacesOf(maps));
+  if (!HasKeyFrames(reading.atlas)) return std::nullopt;
+  return SalvageOf(std::move(reading), maps, TextOf(bytes), header);
 }
 
 Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout) {
@@ -327,8 +339,8 @@ Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeade
         ErrorKind::kNotPossible, path, "",
         "a text archive that is damaged is recovered as of ORB-SLAM3 v1.0 alone, not in a layout that is given");
   const std::vector<MapRecords> maps = layouts::FindRecords(TextOf(bytes), header.encoding);
-  RecordReading reading = ReadIn(layout, source, PlacesOf(maps));
-  if (std::ranges::all_of(reading.atlas.maps, [](const Map& map) { return map.keyframes.empty(); }))
+  RecordReading reading = ReadIn(layout, source, header, PlacesOf(maps));
+  if (!HasKeyFrames(reading.atlas))
     throw Error(ErrorKind::kDamaged, path, "",
                 Concat("no keyframe is whole in the layout ", TitleOf(layout), " that is given"));
   reading.layout = NameFor(layout);

@@ -482,7 +482,10 @@ Salvage SalvageBytesOf(Bytes bytes, const std::string& path, const std::string& 
   if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run(why);
   if (layout.empty())
     if (auto fork = orbslam3::SalvageFork(bytes, path, header)) return *std::move(fork);
-  return orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run(why);
+  Salvage salvage = orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run(why);
+  if (layout.empty() && !orbslam3::HasKeyFrames(salvage.atlas))
+    if (auto records = orbslam3::SalvageOwnRecords(bytes, path, header)) return *std::move(records);
+  return salvage;
 }
 
 }  // namespace
