@@ -8,6 +8,7 @@
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/layouts/layout.h"
 
 namespace slamdb::cli {
 namespace {
@@ -84,10 +85,26 @@ std::string MotionText(const MapMotion& motion) {
   return text;
 }
 
+// An atlas may hold all of a layout, which is long.
+std::string LayoutName(const std::string& layout) {
+  if (layout.empty()) return KnownLayouts().front().id;
+  try {
+    const std::string id = LayoutOf(layout).id;
+    return id.empty() ? "a layout of its own" : id;
+  } catch (const Error&) {
+    return "a layout that is none";
+  }
+}
+
+std::string FieldText(const FieldDiff& field) {
+  if (field.field != "layout") return field.before + " -> " + field.after;
+  const std::string before = LayoutName(field.before), after = LayoutName(field.after);
+  return before + " -> " + (before == after ? "another, called the same" : after);
+}
+
 std::string FieldsText(const std::vector<FieldDiff>& fields, std::string_view prefix = {}) {
   std::string text;
-  for (const FieldDiff& field : fields)
-    text += std::string(prefix) + field.field + ": " + field.before + " -> " + field.after + "\n";
+  for (const FieldDiff& field : fields) text += std::string(prefix) + field.field + ": " + FieldText(field) + "\n";
   return text;
 }
 

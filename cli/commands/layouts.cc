@@ -131,9 +131,9 @@ ExitCode RunInfer(const FindLayoutOptions& options, Console& console) {
   const InferredLayout inferred = InferLayout(options.input, {.choice = options.choice});
   const std::string text = InferredText(inferred, options) + Write(inferred.layout, options, output);
   Print(text, inferred, options, console);
-  if (!inferred.sure())
-    console.Warn(
-        "other layouts fit as well: look at values that you know, with `slamdb show`, before you edit the map");
+  constexpr std::string_view kLook = "look at values that you know, with `slamdb show`, before you edit the map";
+  if (!inferred.alternatives.empty()) console.Warn(Concat("other layouts fit as well: ", kLook));
+  if (!inferred.doubts.empty()) console.Warn(Concat("the layout is in doubt: ", kLook));
   return inferred.same_bytes ? ExitCode::kDone : ExitCode::kFailed;
 }
 
@@ -169,7 +169,8 @@ Run BindInfer(CLI::App& verb) {
   const auto options = std::make_shared<FindLayoutOptions>();
   verb.add_option("FILE", options->input, "An .osa file of the fork")->type_name("FILE")->required();
   verb.add_option("--choose", options->choice, "Where several layouts fit, take this one of them; 1 is the likeliest")
-      ->type_name("N");
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000).description({}));
   AddLayoutOutput(verb, *options);
   return [options](Console& console) { return RunInfer(*options, console); };
 }

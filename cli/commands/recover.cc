@@ -133,7 +133,8 @@ are saved, and those of an MRPT file in front of a cut.
 
 In an .osa file the keyframes of a map come first, then its points, and the cameras at the very end: a file cut in its
 middle still has the keyframes in front of the cut, and the points only of maps before. Where the beginning is lost, reading
-starts at the first keyframe that is whole.)",
+starts at the first keyframe that is whole. Files of forks are recovered too: in the layout of --layout, or one that is known,
+with the members of the fork, or else in one that is inferred, as files of ORB-SLAM3 v1.0.)",
     .done = "The file is whole and sound: the output is its copy.",
     .failed =
         "Nothing could be read, the output not be written, or an error is left that has no safe repair, other than "

@@ -11,6 +11,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/layouts/layout.h"
 
 namespace slamdb::cli {
 namespace {
@@ -259,6 +260,8 @@ std::string NotOneOf(const std::string& text) {
     words.emplace_back(word);
     list += Concat(list.empty() ? "" : ", ", word);
   }
+  if (text.starts_with("--to: ") && FindKnownLayout(value) != nullptr)
+    return Concat("--to: '", value, "' is no format but a layout; did you mean '--to-layout ", value, "'?");
   for (const auto& [asked, format] : kFormatsOf)
     if (asked == value && std::ranges::find(words, format) != words.end())
       return Concat(text.substr(0, begin), "unknown format '", value, "'; what it reads is ", format);

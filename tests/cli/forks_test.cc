@@ -112,6 +112,54 @@ TEST_F(Forks, OfTwoLayoutsAreMergedWithALoss) {
   EXPECT_GT(report.at("dropped_members"), 0);
 }
 
+// Members of v1.0 that a layout lacks are a loss where the atlas has them, and only there.
+TEST_F(Forks, LackingMembersLoseThem) {
+  const std::string session = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa", out = folder_ / "out.osa";
+  const auto convert = [&](const std::string& changes, const std::vector<std::string>& more = {}) {
+    const std::string layout = folder_ / "lacking.json";
+    WriteWholeFile(layout, R"({"id": "lacking", "base": "v1.0", "changes": [)" + changes + "]}");
+    std::vector<std::string> words = {"convert", session, out, "-O", "--to-layout", layout};
+    words.insert(words.end(), more.begin(), more.end());
+    return RunSlamdb(words);
+  };
+  const std::string places =
+      R"({"class": "KeyFrame", "replace": ["mTcw"]}, {"class": "MapPoint", "replace": ["mWorldPos"]})";
+  EXPECT_EQ(convert(places, {"--strict"}).exit_code, 1);
+  EXPECT_NE(RunSlamdb({"info", out}).exit_code, 0) << "nothing was written";
+  const ProcessResult result = convert(places);
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err,
+              HasSubstr("the layout lacking cannot hold mTcw of 14 keyframes; mWorldPos of 3,162 map points"));
+  const ProcessResult other_type =
+      convert(R"({"class": "KeyFrame", "replace": ["mTcw"], "add": [["mTcw", "arr<f32,5>"]]})");
+  EXPECT_THAT(other_type.err, HasSubstr("cannot hold mTcw of 14 keyframes"));
+  const ProcessResult half = convert(R"({"class": "MapPoint", "replace": ["mBackupObservationsId1"]})");
+  EXPECT_THAT(half.err, HasSubstr("cannot hold mBackupObservationsId1 of 3,162 map points"));
+  EXPECT_EQ(convert(R"({"class": "MapPoint", "replace": ["mBackupObservationsId2"]})").exit_code, 0)
+      << "no right image sees one";
+  // No keypoint has a match in a right image; a pose has the same in another form.
+  EXPECT_EQ(convert(R"({"class": "KeyFrame", "replace": ["mvLeftToRightMatch", "mvRightToLeftMatch", "mvKeysRight"]})")
+                .exit_code,
+            0);
+  EXPECT_EQ(convert(R"({"class": "KeyFrame", "replace": ["mTcw"], "add": [["mTcw.xyzw", "arr<f64,7>"]]})").exit_code,
+            0);
+}
+
+TEST_F(Forks, MisspeltFormsAreRefused) {
+  const auto refusal = [&](const std::string& member) {
+    WriteWholeFile(folder_ / "bad.json", R"({"base": "v1.0", "changes": [
+      {"class": "KeyFrame", "replace": ["mTcw"], "add": [)" +
+                                             member + "]}]}");
+    const ProcessResult refused = RunSlamdb({"layouts", "show", folder_ / "bad.json"});
+    EXPECT_EQ(refused.exit_code, 1);
+    return refused.err;
+  };
+  EXPECT_THAT(refusal(R"(["mTcw.foo", "arr<f32,7>"])"),
+              HasSubstr("changes[0].add[0]: no form 'foo' of mTcw; forms are xyzw, columns, rows, inverse"));
+  EXPECT_THAT(refusal(R"(["mTcw.xyzw", "arr<f32,16>"])"),
+              HasSubstr("mTcw.xyzw is of type arr<f32,16>, expected arr<f32,7>, arr<f64,7>"));
+}
+
 TEST_F(Forks, LayoutsThatAreNoneAreRefused) {
   const ProcessResult missing = RunSlamdb({"info", kTiny, "--layout", "no-such-layout"});
   EXPECT_NE(missing.exit_code, 0);
@@ -123,6 +171,8 @@ TEST_F(Forks, LayoutsThatAreNoneAreRefused) {
   const ProcessResult idle = RunSlamdb({"convert", kTiny, folder_ / "a.db#a", "--to-layout", "gnss"});
   EXPECT_EQ(idle.exit_code, 2);
   EXPECT_THAT(idle.err, HasSubstr("--to-layout is for archives of ORB-SLAM3 only"));
+  EXPECT_THAT(RunSlamdb({"convert", kTiny, folder_ / "a.osa", "--to", "v1.0"}).err,
+              HasSubstr("did you mean '--to-layout v1.0'?"));
 }
 
 }  // namespace

@@ -47,8 +47,8 @@ TEST(Layouts, InferFindsWhatNobodyDescribed) {
   EXPECT_THAT(RunSlamdb({"info", folder / "fork.osa"}).err, HasSubstr("`slamdb layouts infer`"));
   const ProcessResult result = RunSlamdb({"layouts", "infer", folder / "fork.osa", "-o", folder / "fork.json"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, AllOf(HasSubstr("KeyFrame: arr<u8,8> more"), HasSubstr("14 keyframes and 3,162 points"),
-                                HasSubstr("the same bytes")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("KeyFrame: unknown1, 8 bytes, between mnId and mnFrameId"),
+                                HasSubstr("14 keyframes and 3,162 points"), HasSubstr("the same bytes")));
   EXPECT_EQ(RunSlamdb({"layouts", "infer", folder / "fork.osa", "-o", folder / "fork.json"}).exit_code, 1);
   ASSERT_EQ(
       RunSlamdb({"convert", folder / "fork.osa", folder / "same.osa", "--layout", folder / "fork.json"}).exit_code, 0);
@@ -82,9 +82,71 @@ TEST(Layouts, RecoverMakesAFileThatIsReadOfOneThatWasInferred) {
   MakeFork(folder);
   const ProcessResult result = RunSlamdb({"recover", folder / "fork.osa", folder / "rescued.osa"});
   EXPECT_EQ(result.exit_code, 3) << result.err;
-  EXPECT_THAT(result.out, AllOf(HasSubstr("a layout that was inferred"), HasSubstr("3,162 of 3,162 points")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("a layout that was inferred"), HasSubstr("3,162 of 3,162 points"),
+                                HasSubstr("none, every byte can be read")));
   EXPECT_EQ(RunSlamdb({"info", folder / "rescued.osa"}).exit_code, 0);
   EXPECT_EQ(RunSlamdb({"recover", folder / "rescued.osa", folder / "again.osa"}).exit_code, 0);
+}
+
+// The members of a fork that nobody knows are kept in the layout that is given, of a whole file and of one that is cut.
+TEST(Layouts, RecoverReadsInTheLayoutThatIsGiven) {
+  const TemporaryFolder folder;
+  MakeFork(folder);
+  const std::string fork = folder / "fork.osa", cut = folder / "cut.osa", out = folder / "rescued.osa";
+  const std::string layout = folder / "lab.json";
+  const ProcessResult whole = RunSlamdb({"recover", fork, out, "--layout", layout});
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_TRUE(ReadWholeFile(out) == ReadWholeFile(fork));
+  const std::string bytes = ReadWholeFile(fork);
+  WriteWholeFile(cut, bytes.substr(0, bytes.size() * 97 / 100));
+  const ProcessResult result = RunSlamdb({"recover", cut, out, "-O", "--layout", layout});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("14 of 14 keyframes"));
+  EXPECT_THAT(RunSlamdb({"convert", out, folder / "own.osa", "--layout", layout, "--to-layout", "v1.0"}).err,
+              HasSubstr("cannot hold mnLabel of 14 keyframes"));
+  const ProcessResult other = RunSlamdb({"recover", cut, out, "-O", "--layout", "obvi"});
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.err, HasSubstr("no keyframe is whole in the layout obvi that is given"));
+}
+
+TEST(Layouts, RecoverDoesWithoutAHeader) {
+  const TemporaryFolder folder;
+  MakeFork(folder);
+  const std::string fork = folder / "fork.osa", damaged = folder / "damaged.osa", out = folder / "out.osa";
+  for (const std::string& file : {kSession, fork}) {
+    std::string bytes = ReadWholeFile(file);
+    bytes[12] = '\xff';
+    WriteWholeFile(damaged, bytes);
+    const ProcessResult result = RunSlamdb({"recover", damaged, out, "-O"});
+    EXPECT_EQ(result.exit_code, 3) << file << result.err;
+    EXPECT_THAT(result.out, HasSubstr("14 of 14 keyframes")) << file;
+  }
+}
+
+// Points that were moved do not make another layout of it; every verb says that something is wrong.
+TEST(Layouts, ABrokenMapIsOneOfV1InDoubt) {
+  const TemporaryFolder folder;
+  const std::string table = folder / "points.csv", broken = folder / "broken.osa";
+  ASSERT_EQ(RunSlamdb({"convert", kSession, table}).exit_code, 0);
+  std::string text = ReadWholeFile(table);
+  ASSERT_TRUE(text.starts_with("x,y,z,"));
+  WriteWholeFile(table, text.replace(0, 6, "y,z,x,"));
+  ASSERT_EQ(RunSlamdb({"edit", kSession, broken, "--points", table}).exit_code, 0);
+  const std::string doubt = "map points are not where keyframes see them";
+  const ProcessResult inferred = RunSlamdb({"layouts", "infer", broken});
+  EXPECT_THAT(inferred.out, AllOf(HasSubstr("the layout v1.0"), HasSubstr("in doubt\n  " + doubt),
+                                  ::testing::Not(HasSubstr("--choose"))));
+  EXPECT_THAT(inferred.err, AllOf(HasSubstr("is in doubt"), ::testing::Not(HasSubstr("other layouts"))));
+  EXPECT_THAT(RunSlamdb({"info", broken}).err, HasSubstr(doubt));
+  EXPECT_THAT(RunSlamdb({"recover", broken, folder / "out.osa"}).out,
+              HasSubstr("the layout v1.0 is in doubt: " + doubt));
+}
+
+TEST(Layouts, DiffNamesThem) {
+  const TemporaryFolder folder;
+  MakeFork(folder);
+  const ProcessResult diff = RunSlamdb({"diff", kSession, folder / "fork.osa", "--layout", folder / "lab.json"});
+  EXPECT_THAT(diff.out, HasSubstr("layout: v1.0 -> lab\n"));
 }
 
 // Several flags that are 0 everywhere fit as well: none of them costs a point.
@@ -96,11 +158,13 @@ TEST(Layouts, RecoverDropsNothingForAFlagInDoubt) {
   ASSERT_EQ(RunSlamdb({"convert", kSession, folder / "fork.osa", "--to-layout", folder / "lab.json"}).exit_code, 0);
   const ProcessResult result = RunSlamdb({"recover", folder / "fork.osa", folder / "rescued.osa"});
   EXPECT_EQ(result.exit_code, 3) << result.err;
-  EXPECT_THAT(result.out, AllOf(HasSubstr("other layouts may fit as well"), HasSubstr("3,162 of 3,162 points")));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr(" as well (`slamdb layouts infer` lists them)"), HasSubstr("3,162 of 3,162 points")));
   const ProcessResult second = RunSlamdb({"layouts", "infer", folder / "fork.osa", "--choose", "2"});
   EXPECT_EQ(second.exit_code, 0) << second.err;
   EXPECT_THAT(second.out, HasSubstr("\n  1: MapPoint:"));
   EXPECT_EQ(RunSlamdb({"layouts", "infer", folder / "fork.osa", "--choose", "99"}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"layouts", "infer", folder / "fork.osa", "--choose", "0"}).exit_code, 2);
 }
 
 // One layout is given for all inputs.

@@ -239,7 +239,8 @@ TEST(CarriedMembers, AreNamedWhereTheyAreDropped) {
 TEST(CarriedMembers, AreRefusedWhereNothingMayBeLost) {
   WriteOptions options{.format = "orbslam3", .strict = true};
   options.of<Orbslam3WriteOptions>().layout = "v1.0";
-  EXPECT_THAT(MessageOf([&] { (void)EncodeAtlas(MarkedAtlas(), options); }), HasSubstr("members of a fork's classes"));
+  EXPECT_THAT(MessageOf([&] { (void)EncodeAtlas(MarkedAtlas(), options); }),
+              HasSubstr("cannot hold xKeyFrame, xNames of 8 keyframes"));
   options.of<Orbslam3WriteOptions>().layout.reset();
   EXPECT_NO_THROW((void)EncodeAtlas(MarkedAtlas(), options));
 }

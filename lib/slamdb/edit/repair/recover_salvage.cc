@@ -129,11 +129,12 @@ SalvageReport RecoverSalvage(Salvage& salvage, const RecoverOptions& options) {
   SalvageReport report{.damage = salvage.damage, .accepted = salvage.accepted};
   report.losses = salvage.losses;
   report.undone = salvage.undone;
-  report.untouched = report.whole() && report.losses.empty() && IsSound(salvage.atlas, options);
+  const bool sound = report.whole() && IsSound(salvage.atlas, options);
+  report.untouched = sound && report.losses.empty();
   RecoverOptions recover = options;
   recover.triangulate = options.triangulate && !report.whole() && report.accepted.empty();
   CountLinksAnew(salvage);
-  if (!report.untouched) report.recovery = RecoverAtlas(salvage.atlas, recover);
+  if (!sound) report.recovery = RecoverAtlas(salvage.atlas, recover);
   if (salvage.atlas.maps.empty() && !report.untouched)
     throw Error(ErrorKind::kDamaged, Concat("holds no keyframe and no landmark that could be read whole",
                                             report.whole() ? "" : ": " + report.damage.front()));

@@ -212,7 +212,8 @@ class ClassSearch {
 
   void Apply(const RecordSolution& solution, const std::vector<SearchStep>& steps, Layout& layout,
              Findings& found) const {
-    int unknown = Unknowns(layout);
+    const int before = Unknowns(layout);
+    int unknown = before;
     for (const RecordEdit& edit : solution.edits) {
       if (IsOfMember(edit)) continue;
       const bool removes = edit.kind == RecordEdit::Kind::kRemove || edit.kind == RecordEdit::Kind::kRemoveClass;
@@ -241,7 +242,11 @@ class ClassSearch {
           Concat(steps[step].of_class, ": the values of ", member.name, " are not like it; they are kept as unknown"));
       member.name = Concat(kUnknown, ++unknown);
     }
-    for (const RecordEdit& edit : solution.edits) found.differences.push_back(Text(edit, steps));
+    int inserted = before;
+    for (const RecordEdit& edit : solution.edits) {
+      inserted += edit.kind == RecordEdit::Kind::kInsert;
+      found.differences.push_back(Text(edit, steps, inserted));
+    }
   }
 
   // Of a member that is there.
@@ -256,7 +261,8 @@ class ClassSearch {
     return count;
   }
 
-  std::string Text(const RecordEdit& edit, const std::vector<SearchStep>& steps) const {
+  // `unknown`: the number of the member that an insertion is.
+  std::string Text(const RecordEdit& edit, const std::vector<SearchStep>& steps, int unknown) const {
     const std::string name = edit.step < steps.size() ? steps[edit.step].name : "";
     if (edit.kind == RecordEdit::Kind::kRemove) return Concat(steps[edit.step].of_class, ": no ", name);
     if (edit.kind == RecordEdit::Kind::kForm)
@@ -265,11 +271,8 @@ class ClassSearch {
       return Concat(steps[edit.step].of_class, ": ", steps[edit.step + 1].name, " in front of ", name);
     const std::string owner = OwnerOf(steps, edit.step);
     if (edit.kind == RecordEdit::Kind::kRemoveClass) return Concat(owner, ": no ", steps[edit.step].of_class);
-    const std::string where = edit.step == 0 ? Concat("in front of ", name)
-                              : edit.step == steps.size()
-                                  ? Concat("at the end, behind ", steps.back().name)
-                                  : Concat("between ", steps[edit.step - 1].name, " and ", name);
-    return Concat(owner, ": ", edit.type, " more, ", where);
+    return InsertionText(owner, Concat(kUnknown, unknown), edit.type, edit.step == 0 ? "" : steps[edit.step - 1].name,
+                         name);
   }
 
   const ArchiveBytes& archive_;
@@ -278,6 +281,17 @@ class ClassSearch {
 };
 
 }  // namespace
+
+std::string InsertionText(std::string_view of_class, std::string_view name, const std::string& type,
+                          std::string_view front, std::string_view back) {
+  const LayoutType parsed = ParseLayoutType(type);
+  const bool raw = parsed.kind == LayoutType::Kind::kArray && parsed.elements[0].number == LayoutType::Number::kU8 &&
+                   parsed.elements[0].kind == LayoutType::Kind::kNumber;
+  const std::string where = front.empty()  ? Concat("in front of ", back)
+                            : back.empty() ? Concat("at the end, behind ", front)
+                                           : Concat("between ", front, " and ", back);
+  return Concat(of_class, ": ", name, ", ", raw ? detail::Counted(parsed.count, "byte") : type, ", ", where);
+}
 
 bool IsUnknown(const LayoutMember& member) { return member.name.starts_with(kUnknown); }
 

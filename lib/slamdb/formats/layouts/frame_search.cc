@@ -168,13 +168,14 @@ class FrameSearch {
   void Insert(const Candidate& from, const char* name, std::size_t row, std::size_t type) {
     Candidate next = from;
     LayoutClass& of = *next.layout.Find(name);
-    const std::string behind = row == 0 ? "in front" : Concat("behind ", of.members[row - 1].name);
+    const std::string front = row == 0 ? "" : of.members[row - 1].name;
+    const std::string back = row == of.members.size() ? "" : of.members[row].name;
     std::size_t number = 1;
     for (const LayoutClass& other : next.layout.classes)
       number += static_cast<std::size_t>(std::ranges::count_if(other.members, IsUnknown));
     of.members.insert(of.members.begin() + static_cast<std::ptrdiff_t>(row), {Concat("unknown", number), types_[type]});
     SetType(next.layout, name, row, types_[type]);
-    next.edits.push_back(Concat(name, ": ", types_[type], " more, ", behind));
+    next.edits.push_back(InsertionText(name, Concat("unknown", number), types_[type], front, back));
     next.kind = type;
     Try(std::move(next), from);
   }

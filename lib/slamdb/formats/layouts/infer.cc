@@ -243,7 +243,7 @@ class Inference {
     return Concat("keyframes and map points are understood", Listed(options.front().findings.differences),
                   ", but nothing explains what stands from byte ", search.most(), " on");
   }
-  // ` (KeyFrame: u64 more, behind mnId)`.
+  // ` (KeyFrame: no mnId; MapPoint: no nObs)`.
   static std::string Listed(const std::vector<std::string>& differences) {
     std::string text;
     for (const std::string& difference : differences) text += (text.empty() ? " (" : "; ") + difference;
@@ -282,6 +282,7 @@ class Inference {
 
   InferredLayout Chosen() {
     constexpr double kAlike = 2;  // what does not tell one from another
+    NameKnown();
     const double most = fits_.front().against() + kAlike;
     std::erase_if(
         fits_, [&](const Fit& fit) { return fit.against() > most || (fits_.front().known && &fit != &fits_.front()); });
@@ -301,13 +302,32 @@ class Inference {
     }
     return inferred;
   }
+  // The search comes upon known layouts, too, and upon one by several ways.
+  void NameKnown() {
+    std::vector<Fit> named;
+    for (Fit& fit : fits_) {
+      for (const Layout& known : KnownLayouts())
+        if (!fit.known && SameBytes(known, fit.layout)) {
+          fit.layout = known;
+          fit.known = true;
+          fit.findings.differences.clear();
+        }
+      if (std::ranges::none_of(named, [&](const Fit& other) { return SameBytes(other.layout, fit.layout); }))
+        named.push_back(std::move(fit));
+    }
+    fits_ = std::move(named);
+  }
+
   // The changes of another layout that are not those of the one that is taken.
   static std::string OtherThan(const Fit& taken, const Fit& other) {
+    if (other.known) return "as " + other.layout.id;
     std::string text;
     for (const std::string& difference : other.findings.differences)
       if (std::ranges::find(taken.findings.differences, difference) == taken.findings.differences.end())
         text += (text.empty() ? "" : "; ") + difference;
-    return text.empty() ? "fewer changes" : text;
+    if (!text.empty()) return text;
+    for (const std::string& difference : other.findings.differences) text += (text.empty() ? "" : "; ") + difference;
+    return text.empty() ? "members of other types" : "only " + text;
   }
 
   void ExpectChoiceUpTo(std::size_t most) const {
@@ -317,9 +337,12 @@ class Inference {
                          most == 1 ? "s" : ""));
   }
   [[noreturn]] static void Fail(const std::string& problem) {
-    throw Error(ErrorKind::kNotPossible, "", "",
-                Concat("no layout found: ", problem,
-                       ". `DeriveLayoutOfFolder` derives it from the sources of the program that wrote it"));
+    throw Error(
+        ErrorKind::kNotPossible, "", "",
+        Concat(
+            "no layout found: ", problem,
+            ". `RecoverAtlas` saves what is whole of a file that is cut or damaged, and `DeriveLayoutOfFolder` derives "
+            "the layout from the sources of the program that wrote it"));
   }
 
   const ArchiveBytes& archive_;

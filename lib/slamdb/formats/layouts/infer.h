@@ -18,10 +18,10 @@ struct SLAMDB_EXPORT InferOptions {
 
 struct SLAMDB_EXPORT InferredLayout {
   Layout layout;
-  bool known = false;                     // one of KnownLayouts()
-  std::vector<std::string> differences;   // from the known layout that it is most like: `KeyFrame: 4 bytes behind mnId`
-  std::vector<std::string> alternatives;  // changes of layouts that fit as well
-  std::vector<std::string> doubts;        // members that are unlike those of ORB-SLAM3, or mean what cannot be
+  bool known = false;                       // one of KnownLayouts()
+  std::vector<std::string> differences;     // from v1.0: `KeyFrame: unknown1, 4 bytes, between mnId and mnFrameId`
+  std::vector<std::string> alternatives;    // changes of layouts that fit as well
+  std::vector<std::string> doubts;          // members that are unlike those of ORB-SLAM3, or mean what cannot be
   std::uint64_t keyframes = 0, points = 0;  // that were found
   bool same_bytes = false;                  // InferLayout: the file that was read in it was written again
 

@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "slamdb/formats/layouts/detail/member_forms.h"
+
 namespace slamdb {
 namespace detail {
 namespace {
@@ -67,14 +69,23 @@ class Reader {
       Fail(error.problem());
     }
   }
-  std::vector<LayoutMember> Members() const {
+  // `own`: the class of that name in v1.0; may be null.
+  std::vector<LayoutMember> Members(const LayoutClass* own) const {
     std::vector<LayoutMember> members;
     for (std::size_t i = 0; i < ArraySize(kMostMembers); ++i) {
       const Reader member = At(i);
       if (member.ArraySize(2) != 2) member.Fail("expected a name and a type");
       members.push_back({member.At(0).Name(), member.At(1).Type()});
+      if (own != nullptr) member.ExpectForm(members.back(), *own);
     }
     return members;
+  }
+  // A misspelt form must not be taken for a member that ORB-SLAM3 does not have.
+  void ExpectForm(const LayoutMember& member, const LayoutClass& own) const {
+    const auto found = std::ranges::find(own.members, layouts::NameOf(member.name), &LayoutMember::name);
+    if (found == own.members.end()) return;
+    const std::string problem = layouts::FormProblem(member, ParseLayoutType(found->type));
+    if (!problem.empty()) Fail(problem);
   }
 
  private:
@@ -83,21 +94,26 @@ class Reader {
   std::string place_;
 };
 
-LayoutClass ReadClass(const Reader& json, const std::string& name) {
+// v1.0 itself is read without one in front of it.
+const LayoutClass* OwnClass(std::span<const Layout> bases, const std::string& name) {
+  return bases.empty() ? nullptr : bases.front().Find(name);
+}
+
+LayoutClass ReadClass(const Reader& json, const std::string& name, std::span<const Layout> bases) {
   json.ExpectObject({"fields", "registers", "abstract", "export"});
   LayoutClass of{.name = name};
   if (!json.Has("fields")) json.Fail("it has no 'fields'");
-  of.members = json.At("fields").Members();
+  of.members = json.At("fields").Members(OwnClass(bases, name));
   if (json.Has("registers")) of.registers = json.At("registers").Names();
   if (json.Has("abstract")) of.abstract = json.At("abstract").Bool();
   if (json.Has("export")) of.exported = json.At("export").Name();
   return of;
 }
 
-void ReadClasses(const Reader& json, Layout& layout) {
+void ReadClasses(const Reader& json, Layout& layout, std::span<const Layout> bases) {
   if (!json.value().is_object()) json.Fail("expected an object");
   for (const auto& [name, value] : json.value().items()) {
-    LayoutClass of = ReadClass(json.At(name), name);
+    LayoutClass of = ReadClass(json.At(name), name, bases);
     if (LayoutClass* known = layout.Find(name))
       *known = std::move(of);
     else
@@ -133,7 +149,7 @@ Position FindMember(LayoutClass& of, const std::string& name, const Reader& json
 
 // {"class": C, "after": M, "add": [...]}: "after" "" is in front of all. Or {"class": C, "replace": [M, ...], "add":
 // [...]}.
-void ApplyChange(const Reader& json, Layout& layout) {
+void ApplyChange(const Reader& json, Layout& layout, std::span<const Layout> bases) {
   json.ExpectObject({"class", "after", "replace", "add", "registers"});
   if (!json.Has("class")) json.Fail("it has no 'class'");
   LayoutClass* of = layout.Find(json.At("class").Name());
@@ -149,7 +165,7 @@ void ApplyChange(const Reader& json, Layout& layout) {
     for (const std::string& name : names.Names()) at = of->members.erase(FindMember(*of, name, names));
   }
   if (!json.Has("add")) return;
-  const std::vector<LayoutMember> members = json.At("add").Members();
+  const std::vector<LayoutMember> members = json.At("add").Members(OwnClass(bases, of->name));
   of->members.insert(at, members.begin(), members.end());
   if (of->members.size() > kMostMembers) json.Fail(Concat("more than ", kMostMembers, " members"));
 }
@@ -269,10 +285,10 @@ Layout ParseLayoutOver(std::string_view text, const std::string& path, std::span
     layout.header = header == kHeaderBytes;
   }
   if (json.Has("root")) layout.root = ReadRoot(json.At("root"));
-  if (json.Has("classes")) ReadClasses(json.At("classes"), layout);
+  if (json.Has("classes")) ReadClasses(json.At("classes"), layout, bases);
   if (json.Has("changes"))
     for (std::size_t i = 0; i < json.At("changes").ArraySize(kMostMembers); ++i)
-      ApplyChange(json.At("changes").At(i), layout);
+      ApplyChange(json.At("changes").At(i), layout, bases);
   UseOwnNames(layout);
   Check(layout, path);
   return layout;

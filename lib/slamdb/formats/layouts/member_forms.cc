@@ -10,6 +10,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/layouts/detail/wire_walk.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::layouts {
 namespace {
@@ -133,13 +134,13 @@ class Flattening {
   }
   // Of at most 4 x 4 floats or doubles.
   void TakeMatrix() {
-    constexpr std::int32_t kFloat = 5, kDouble = 6;
     const auto columns = NumberAt<std::int32_t>(bytes_, at_).value_or(0),
                rows = NumberAt<std::int32_t>(bytes_, at_ + 4).value_or(0),
                type = NumberAt<std::int32_t>(bytes_, at_ + 8).value_or(0);
     at_ += 13;
-    if ((type != kFloat && type != kDouble) || columns < 1 || columns > 4 || rows < 1 || rows > 4) return;
-    for (int i = 0; i < columns * rows; ++i) TakeNumber(type == kFloat ? Number::kF32 : Number::kF64);
+    if ((type != detail::kCv32F && type != detail::kCv64F) || columns < 1 || columns > 4 || rows < 1 || rows > 4)
+      return;
+    for (int i = 0; i < columns * rows; ++i) TakeNumber(type == detail::kCv32F ? Number::kF32 : Number::kF64);
   }
 
   const std::string_view bytes_;
@@ -219,6 +220,14 @@ LayoutType OtherWidth(LayoutType type) {
   return type;
 }
 
+// Two members side by side that are one of ORB-SLAM3's.
+const std::array<LayoutMember, 6> kHalves{{{"mTimeStamp.seconds", "u32"},
+                                           {"mTimeStamp.nanoseconds", "u32"},
+                                           {"mBowVec.words", "vec<u32>"},
+                                           {"mBowVec.weights", "vec<f64>"},
+                                           {"mFeatVec.nodes", "vec<u32>"},
+                                           {"mFeatVec.features", "vec<vec<u32>>"}}};
+
 }  // namespace
 
 const LayoutType* OwnTypeOf(std::string_view of_class, std::string_view name) {
@@ -268,6 +277,25 @@ bool IsForm(std::string_view form, const LayoutType& type, const LayoutType& own
   constexpr std::array<std::string_view, 7> kForms = {"xyzw",         "columns",         "rows",        "inverse",
                                                       "inverse.xyzw", "inverse.columns", "inverse.rows"};
   return IsPose(own) && fits && std::ranges::find(kForms, form) != kForms.end();
+}
+
+std::string FormProblem(const LayoutMember& member, const LayoutType& own) {
+  const std::string_view name = NameOf(member.name), form = FormOf(member.name);
+  std::vector<LayoutMember> forms = OtherForms(name, own);
+  for (const LayoutMember& half : kHalves)
+    if (NameOf(half.name) == name) forms.push_back(half);
+  std::erase_if(forms, [](const LayoutMember& other) { return FormOf(other.name).empty(); });
+  if (form.empty() || forms.empty()) return {};  // forks call parts of their own like that, too
+  std::string others, types;
+  for (const LayoutMember& other : forms) {
+    if (other == member) return {};
+    if (other.name == member.name) types += (types.empty() ? "" : ", ") + other.type;
+    const auto first = std::ranges::find(forms, other.name, &LayoutMember::name);
+    if (&*first == &other) others += detail::Concat(others.empty() ? "" : ", ", FormOf(other.name));
+  }
+  if (IsForm(form, ParseLayoutType(member.type), own)) return {};
+  if (!types.empty()) return detail::Concat(member.name, " is of type ", member.type, ", expected ", types);
+  return detail::Concat("no form '", form, "' of ", name, "; forms are ", others);
 }
 
 bool SameWidths(const LayoutType& a, const LayoutType& b) {

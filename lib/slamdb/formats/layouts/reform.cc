@@ -33,11 +33,14 @@ void AddPoses(const Layout& layout, std::vector<Change>& changes) {
         const bool is_pose = std::ranges::find(kPoses, NameOf(member.name)) != kPoses.end();
         if (!is_pose || own == nullptr || !IsForm(form, ParseLayoutType(member.type), *own)) continue;
         member.name = Concat(NameOf(member.name), ".", form);
-        change.text += Concat(change.text.empty() ? "" : ", ", member.name);
+        const bool first = change.text.find(Concat(name, ": ")) == std::string::npos;
+        change.text += Concat(change.text.empty() ? ""
+                              : first             ? "; "
+                                                  : ", ",
+                              first ? Concat(name, ": ") : "", member.name);
       }
     }
     if (change.text.empty()) continue;
-    change.text = Concat("KeyFrame: ", change.text);
     changes.push_back(std::move(change));
   }
 }

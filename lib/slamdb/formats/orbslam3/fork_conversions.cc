@@ -9,13 +9,15 @@
 #include "slamdb/formats/layouts/detail/member_forms.h"
 #include "slamdb/formats/orbslam3/detail/fork_steps.h"
 #include "slamdb/formats/orbslam3/detail/number_archive.h"
+#include "slamdb/model/detail/matrix_types.h"
 
 namespace slamdb::orbslam3 {
 namespace {
 
 using Kind = TypeNode::Kind;
 using layouts::Numbers;
-constexpr std::int32_t kFloat = 5, kDouble = 6;  // OpenCV's CV_32F, CV_64F
+using slamdb::detail::kCv32F;
+using slamdb::detail::kCv64F;
 
 void TakeNumber(ByteReader& in, LayoutType::Number type, Numbers& numbers) {
   layouts::WithNumberType(type, [&](auto zero) { numbers.push_back(static_cast<Number>(in.Get<decltype(zero)>())); });
@@ -54,16 +56,16 @@ PackedMatrix TakeMatrix(Bytes bytes) {
   ByteReader in(bytes);
   PackedMatrix matrix{in.Get<std::int32_t>(), in.Get<std::int32_t>(), in.Get<std::int32_t>()};
   in.Get<std::uint8_t>();
-  const bool known = matrix.type == kFloat || matrix.type == kDouble;
+  const bool known = matrix.type == kCv32F || matrix.type == kCv64F;
   if (!known || matrix.columns < 0 || matrix.rows < 0 || matrix.columns > 4 || matrix.rows > 4) return {};
   const auto count = static_cast<std::size_t>(matrix.columns * matrix.rows);
   for (std::size_t i = 0; i < count; ++i)
-    TakeNumber(in, matrix.type == kFloat ? LayoutType::Number::kF32 : LayoutType::Number::kF64, matrix.values);
+    TakeNumber(in, matrix.type == kCv32F ? LayoutType::Number::kF32 : LayoutType::Number::kF64, matrix.values);
   return matrix;
 }
 
 void PutMatrix(ByteWriter& out, std::int32_t rows, std::int32_t columns, const Numbers& values) {
-  for (const std::int32_t number : {columns, rows, kFloat}) out.Put(number);
+  for (const std::int32_t number : {columns, rows, kCv32F}) out.Put(number);
   out.Put(std::uint8_t{1});
   for (const Number value : values) PutNumber(out, LayoutType::Number::kF32, value);
 }

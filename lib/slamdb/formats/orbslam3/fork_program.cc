@@ -157,14 +157,12 @@ class Compiler {
            std::ranges::all_of(type.elements, [this](const LayoutType& element) { return IsOwn(element); });
   }
 
-  // Which type the model expects of a member; empty for one that it does not know.
-  std::string_view OwnType(std::string_view of_class, std::string_view name) const {
-    if (of_class == "MapPoint" && (name == "mnVisible" || name == "mnFound")) return "i32";
-    if (of_class == "MapPoint" && name == "mnOriginMapId") return "u32";
-    const LayoutClass* own = own_.Find(of_class);
-    if (own == nullptr) return {};
-    const auto found = std::ranges::find(own->members, name, &LayoutMember::name);
-    return found == own->members.end() ? std::string_view() : found->type;
+  // Which type the model expects of a member; null for one that it does not know.
+  static const LayoutType* ModelTypeOf(std::string_view of_class, std::string_view name) {
+    static const LayoutType kCount{.number = LayoutType::Number::kI32}, kOrigin{.number = LayoutType::Number::kU32};
+    if (of_class == "MapPoint" && (name == "mnVisible" || name == "mnFound")) return &kCount;
+    if (of_class == "MapPoint" && name == "mnOriginMapId") return &kOrigin;
+    return layouts::OwnTypeOf(of_class, name);
   }
 
   template <class Entity, class StepsOf = Entity>
@@ -261,7 +259,8 @@ class Compiler {
     if (AddPart<Entity, StepsOf>(member, type, program, foreign)) return 1;
     const bool twice = std::any_of(of.members.begin(), of.members.begin() + static_cast<std::ptrdiff_t>(i),
                                    [&](const LayoutMember& other) { return other.name == member.name; });
-    const bool same_type = OwnType(of.name, member.name) == member.type && IsOwn(type);
+    const LayoutType* expected = ModelTypeOf(of.name, member.name);
+    const bool same_type = expected != nullptr && *expected == type && IsOwn(type);
     const bool observations = std::is_same_v<Entity, MapPoint> && member.name == "mBackupObservationsId1";
     const bool has_second = i + 1 < of.members.size() && of.members[i + 1].name == "mBackupObservationsId2" &&
                             of.members[i + 1].type == member.type;
@@ -284,10 +283,10 @@ class Compiler {
     const std::span<const LayoutMember> members(of.members.data() + i, behind - i);
     for (const LayoutMember& member : members) op.nodes.push_back(NodeOf(ParseLayoutType(member.type)));
     FoundConversion<Entity> found;
-    std::string_view own = OwnType(of.name, layouts::NameOf(of.members[i].name));
+    const LayoutType* own = ModelTypeOf(of.name, layouts::NameOf(op.name));
     for (const char* camera : {"GeometricCamera", "KannalaBrandt8"})
-      if (own.empty() && in_camera_) own = OwnType(camera, of.members[i].name);
-    if (!twice && !own.empty()) found = FindConversion<Entity>(members, op.nodes, ParseLayoutType(own));
+      if (own == nullptr && in_camera_) own = ModelTypeOf(camera, op.name);
+    if (!twice && own != nullptr) found = FindConversion<Entity>(members, op.nodes, *own);
     op.conversion = found.conversion;
     op.nodes.resize(found.conversion ? found.members : 1);
     if (!found.conversion) foreign.push_back(op.name);
@@ -447,6 +446,8 @@ ForkProgram::ForkProgram(Layout given) : layout(std::move(given)) {
       };
       if (here == nullptr || std::ranges::none_of(here->members, is_it)) missing.push_back(of.name + "." + member.name);
     }
+  lacks_stereo = Lacks("KeyFrame.mvuRight");
+  lacks_origins = Lacks("KeyFrame.mnOriginMapId");
 }
 
 bool ForkProgram::Lacks(std::string_view member) const { return std::ranges::find(missing, member) != missing.end(); }

@@ -377,19 +377,10 @@ class ForkReader {
   void Derive(std::vector<std::string>& derived) {
     if (program_.Lacks("Atlas.KeyFrame::nNextId") && RaiseCounters(atlas_) > 0)
       derived.emplace_back("the next ids, from the largest ids");
-    const bool stereo = program_.Lacks("KeyFrame.mvuRight");
-    const bool origins = program_.Lacks("KeyFrame.mnOriginMapId");
-    if (stereo) derived.emplace_back("stereo matches: none");
-    if (origins) derived.emplace_back("the maps that keyframes were made in: the one that they are in");
-    for (Map& map : atlas_.maps) {
-      for (KeyFrame& keyframe : map.keyframes) {
-        if (stereo && options_.features != FeatureColumns::kNone) {
-          keyframe.features.right_x.assign(keyframe.features.keypoints.size(), -1.0F);
-          keyframe.features.depth.assign(keyframe.features.keypoints.size(), -1.0F);
-        }
-        if (origins) keyframe.origin_map = static_cast<std::uint32_t>(map.id.value());
-      }
-    }
+    if (program_.lacks_stereo) derived.emplace_back("stereo matches: none");
+    if (program_.lacks_origins) derived.emplace_back("the maps that keyframes were made in: the one that they are in");
+    for (Map& map : atlas_.maps)
+      for (KeyFrame& keyframe : map.keyframes) DeriveLacking(program_, map, options_.features, keyframe);
   }
 
   void Report() {
@@ -423,6 +414,14 @@ bool IsPlausible(const KeyFrame& keyframe) {
 }
 
 }  // namespace
+
+void DeriveLacking(const ForkProgram& program, const Map& map, FeatureColumns columns, KeyFrame& keyframe) {
+  if (program.lacks_stereo && columns != FeatureColumns::kNone) {
+    keyframe.features.right_x.assign(keyframe.features.keypoints.size(), -1.0F);
+    keyframe.features.depth.assign(keyframe.features.keypoints.size(), -1.0F);
+  }
+  if (program.lacks_origins) keyframe.origin_map = static_cast<std::uint32_t>(map.id.value());
+}
 
 std::uint64_t CountImplausible(const Atlas& atlas) {
   std::uint64_t count = 0;

@@ -8,6 +8,7 @@
 #include "slamdb/formats/layouts/detail/inference.h"
 #include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/detail/fork_losses.h"
 #include "slamdb/formats/orbslam3/detail/meaning.h"
 #include "slamdb/formats/orbslam3/infer_layout.h"
 #include "slamdb/formats/orbslam3/options.h"
@@ -52,9 +53,10 @@ SalvagedMap Counted(const Map& map) {
 }
 
 std::string Joined(const std::vector<std::string>& texts) {
+  constexpr std::size_t kMost = 4;
   std::string joined;
-  for (const std::string& text : texts) joined += (joined.empty() ? "" : "; ") + text;
-  return joined;
+  for (std::size_t i = 0; i < std::min(kMost, texts.size()); ++i) joined += (i == 0 ? "" : "; ") + texts[i];
+  return texts.size() > kMost ? Concat(joined, "; and ", texts.size() - kMost, " more") : joined;
 }
 
 void DropCarried(Atlas& atlas) {
@@ -76,40 +78,76 @@ void DropDoubtfulFlags(Atlas& atlas) {
 
 // An atlas of a layout that no program knows is one of v1.0, which every program reads.
 void UseOwnLayout(const InferredLayout& inferred, Salvage& salvage) {
-  salvage.losses.push_back(Concat("read in a layout that was inferred (", Joined(inferred.differences),
-                                  "), and saved as of ORB-SLAM3 v1.0, without what that does not have"));
-  if (!inferred.sure()) {
-    std::vector<std::string> why = inferred.alternatives;
-    why.insert(why.end(), inferred.doubts.begin(), inferred.doubts.end());
-    salvage.losses.push_back(Concat("other layouts may fit as well (", Joined(why),
-                                    "): flags of what is bad or replaced are not believed, and everything is kept"));
-    DropDoubtfulFlags(salvage.atlas);
-  }
+  const std::string how = inferred.differences.empty() ? "" : Concat(" (", Joined(inferred.differences), ")");
+  salvage.losses.push_back(Concat("read in a layout that was inferred", how,
+                                  ", and saved as of ORB-SLAM3 v1.0, without what that does not have"));
+  constexpr std::string_view kKept = ": flags of what is bad or replaced are not believed, and everything is kept";
+  if (const std::size_t others = inferred.alternatives.size(); others > 0)
+    salvage.losses.push_back(Concat(detail::Counted(others, "other layout"), others == 1 ? " fits" : " fit",
+                                    " as well (`InferLayout` lists them)", kKept));
+  if (!inferred.doubts.empty())
+    salvage.losses.push_back(Concat("the layout is in doubt: ", Joined(inferred.doubts), kKept));
+  if (!inferred.sure()) DropDoubtfulFlags(salvage.atlas);
   DropCarried(salvage.atlas);
   salvage.atlas.layout.clear();
 }
 
-// Of a file that is whole.
-std::optional<Salvage> Whole(Bytes bytes, const std::string& path) {
+// ---- Files that are whole
+
+Salvage AllOf(Atlas atlas) {
+  Salvage salvage{.atlas = std::move(atlas)};
+  for (const Map& map : salvage.atlas.maps) salvage.maps.push_back(Counted(map));
+  salvage.maps_listed = salvage.atlas.maps.size() + salvage.atlas.repeated_maps.size();
+  return salvage;
+}
+
+template <class Read>
+std::optional<Salvage> Whole(const Read& read) {
   try {
-    const InferredLayout inferred = InferLayout({bytes, path});
-    Notices notices;
-    ReadOptions options;
-    options.of<Orbslam3ReadOptions>().layout = ToJson(inferred.layout);
-    Salvage salvage{.atlas = ReadOrbslam3({bytes, path}, options, notices)};
-    for (const Map& map : salvage.atlas.maps) salvage.maps.push_back(Counted(map));
-    salvage.maps_listed = salvage.atlas.maps.size() + salvage.atlas.repeated_maps.size();
-    if (!inferred.known) UseOwnLayout(inferred, salvage);
-    return salvage;
+    return read();
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::kOutOfResources) throw;
     return std::nullopt;
   }
 }
 
+std::optional<Salvage> WholeInferred(const Source& source) {
+  return Whole([&]() -> std::optional<Salvage> {
+    const InferredLayout inferred = InferLayout(source);
+    Notices notices;
+    ReadOptions options;
+    options.of<Orbslam3ReadOptions>().layout = ToJson(inferred.layout);
+    Salvage salvage = AllOf(ReadOrbslam3(source, options, notices));
+    if (!inferred.known)
+      UseOwnLayout(inferred, salvage);
+    else if (!inferred.doubts.empty())
+      salvage.losses.push_back(Concat("the layout ", inferred.layout.id, " is in doubt: ", Joined(inferred.doubts)));
+    return salvage;
+  });
+}
+
+std::optional<Salvage> WholeIn(const Source& source, const ForkProgram& program) {
+  return Whole([&]() -> std::optional<Salvage> {
+    Notices notices;
+    LayoutReading reading = ReadInLayout(source, program, {}, notices);
+    if (!reading.fits) return std::nullopt;
+    return AllOf(std::move(reading.atlas));
+  });
+}
+
+// ---- Records of files that are not
+
+std::string_view TextOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
 std::vector<RecordPlace> PlacesOf(const RecordList& list) {
   std::vector<RecordPlace> places;
   for (std::size_t i = 0; i < list.records.size(); ++i) places.push_back({list.records[i].body, EndOf(list, i)});
+  return places;
+}
+
+std::vector<MapPlaces> PlacesOf(std::span<const MapRecords> maps) {
+  std::vector<MapPlaces> places;
+  for (const MapRecords& map : maps) places.push_back({PlacesOf(map.keyframes), PlacesOf(map.points)});
   return places;
 }
 
@@ -126,23 +164,23 @@ void Tell(const SalvagedList& list, std::size_t map, const char* what, std::vect
 // Records of a damaged file, read in the layout that makes most sense of them.
 struct RecordReading {
   Atlas atlas;
-  std::string known;  // the id of the layout; empty: it was inferred
+  std::string layout;  // as atlases name it; empty: it was inferred
   layouts::Meaning meaning;
   std::vector<std::string> differences, doubts;
 };
 
-RecordReading ReadIn(const Layout& layout, const Source& source, std::span<const MapPlaces> places) {
+RecordReading ReadIn(const Layout& layout, const Source& source, const ArchiveHeader& header,
+                     std::span<const MapPlaces> places) {
   ForkProgram program(layout);
   detail::FileStream stream(source);
-  Notices notices;
-  const ArchiveHeader header = ReadArchiveHeader(stream, notices);
   RecordReading reading{.atlas = ReadForkRecords(stream, header, program, places)};
   reading.meaning = MeaningOf(reading.atlas, program);
   return reading;
 }
 
 // The first records bring the classes of members, and tell their types.
-RecordReading ReadTyped(const Layout& layout, const Source& source, std::span<const MapPlaces> places) {
+RecordReading ReadTyped(const Layout& layout, const Source& source, const ArchiveHeader& header,
+                        std::span<const MapPlaces> places) {
   constexpr std::size_t kMostTrials = 512;
   MapPlaces first;
   if (!places.front().keyframes.empty()) first.keyframes.push_back(places.front().keyframes.front());
@@ -150,18 +188,18 @@ RecordReading ReadTyped(const Layout& layout, const Source& source, std::span<co
   const layouts::Typings typings(layout);
   for (std::size_t trial = 0; trial < std::min(kMostTrials, typings.count()); ++trial) {
     const Layout typed = typings.At(trial);
-    const Map read = ReadIn(typed, source, std::span(&first, 1)).atlas.maps.front();
+    const Map read = ReadIn(typed, source, header, std::span(&first, 1)).atlas.maps.front();
     if (read.keyframes.size() == first.keyframes.size() && read.points.size() == first.points.size())
-      return ReadIn(typed, source, places);
+      return ReadIn(typed, source, header, places);
   }
-  return ReadIn(layout, source, places);
+  return ReadIn(layout, source, header, places);
 }
 
-void TryOptions(const Source& source, std::span<const MapPlaces> places, std::span<const layouts::ClassOption> options,
-                std::optional<RecordReading>& best) {
+void TryOptions(const Source& source, const ArchiveHeader& header, std::span<const MapPlaces> places,
+                std::span<const layouts::ClassOption> options, std::optional<RecordReading>& best) {
   constexpr double kAlike = 2;
   for (const layouts::ClassOption& option : options) {
-    RecordReading reading = ReadTyped(option.layout, source, places);
+    RecordReading reading = ReadTyped(option.layout, source, header, places);
     reading.differences = option.findings.differences;
     reading.doubts = option.findings.doubts;
     reading.doubts.insert(reading.doubts.end(), reading.meaning.doubts.begin(), reading.meaning.doubts.end());
@@ -174,29 +212,29 @@ void TryOptions(const Source& source, std::span<const MapPlaces> places, std::sp
 
 // In the known layout, or one with members in other forms; in another one where that makes no sense.
 std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, const Source& source,
-                                         std::span<const MapRecords> maps, std::span<const MapPlaces> places,
-                                         const Layout* known) {
+                                         const ArchiveHeader& header, std::span<const MapRecords> maps,
+                                         std::span<const MapPlaces> places, const Layout* known) {
   std::optional<RecordReading> best;
   if (known != nullptr) {
-    best = ReadIn(*known, source, places);
-    best->known = known->id;
+    best = ReadIn(*known, source, header, places);
+    best->layout = known->id;
     constexpr std::size_t kMostBytes = std::size_t{24} << 20U;  // which are decoded some hundred times
     if (archive.file.size() > kMostBytes) return best;
     Layout layout = *known;
     layouts::Meaning meaning = best->meaning;
     std::vector<std::string> differences;
-    const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, places).meaning; };
+    const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, header, places).meaning; };
     layouts::Reform(judge, layout, meaning, differences);
     best->doubts = meaning.doubts;
     if (!differences.empty()) {
-      best = ReadIn(layout, source, places);
+      best = ReadIn(layout, source, header, places);
       best->differences = std::move(differences);
       best->doubts = best->meaning.doubts;
     }
   }
   for (const bool thorough : {false, true})
     if (!best || !best->meaning.doubts.empty())
-      TryOptions(source, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
+      TryOptions(source, header, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
   return best;
 }
 
@@ -219,7 +257,42 @@ Vocabulary VocabularyOf(std::string_view file, const ArchiveHeader& header) {
   return vocabulary.checksum.size() == kChecksum ? vocabulary : Vocabulary();
 }
 
+// What was read, and what is lost with the rest.
+Salvage SalvageOf(RecordReading reading, std::span<const MapRecords> maps, std::string_view file,
+                  const ArchiveHeader& header) {
+  Salvage salvage{.atlas = std::move(reading.atlas)};
+  salvage.atlas.encoding = header.encoding;
+  salvage.atlas.vocabulary = VocabularyOf(file, header);
+  for (std::size_t row = 0; row < maps.size(); ++row) {
+    const Map& map = salvage.atlas.maps[row];
+    SalvagedMap& read = salvage.maps.emplace_back(Counted(map));
+    read.keyframes = ListOf(maps[row].keyframes, map.keyframes.size());
+    read.points = ListOf(maps[row].points, map.points.size());
+    read.lost_head = true;
+    Tell(read.keyframes, row, "keyframes", salvage.damage);
+    Tell(read.points, row, "map points", salvage.damage);
+  }
+  salvage.maps_listed = maps.size();
+  salvage.lost_beginning = salvage.atlas.vocabulary.name.empty();
+  if (!reading.layout.empty()) {
+    salvage.atlas.layout = reading.layout;
+  } else {
+    DropCarried(salvage.atlas);
+    salvage.damage.emplace_back("members that ORB-SLAM3 v1.0 does not have are left out: their layout is not whole");
+  }
+  if (!reading.doubts.empty()) {
+    DropDoubtfulFlags(salvage.atlas);
+    salvage.damage.push_back(Concat("the layout is in doubt, and with it what was read: ", Joined(reading.doubts)));
+  }
+  if (salvage.damage.empty()) salvage.damage.emplace_back("what stands around the keyframes and map points is damaged");
+  return salvage;
+}
+
 }  // namespace
+
+bool HasKeyFrames(const Atlas& atlas) {
+  return std::ranges::any_of(atlas.maps, [](const Map& map) { return !map.keyframes.empty(); });
+}
 
 const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps) {
   const Layout* best = nullptr;
@@ -235,43 +308,44 @@ const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<cons
 }
 
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
-  const std::string_view file(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view file = TextOf(bytes);
   const std::vector<MapRecords> maps = layouts::FindRecords(file, header.encoding);
   if (maps.empty()) return std::nullopt;
   const layouts::ArchiveBytes archive{file, header.encoding, header.bytes};
   const Layout* known = KnownLayoutOf(archive, maps);
-  std::vector<MapPlaces> places;
-  for (const MapRecords& map : maps) places.push_back({PlacesOf(map.keyframes), PlacesOf(map.points)});
+  const std::vector<MapPlaces> places = PlacesOf(maps);
   const bool own = known == &KnownLayouts().front();
-  if (own && ReadIn(*known, {bytes, path}, places).meaning.doubts.empty()) return std::nullopt;
-  if (auto whole = Whole(bytes, path)) return whole;
-  std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, maps, places, known);
-  if (!reading || reading->known == KnownLayouts().front().id) return std::nullopt;
-  Salvage salvage{.atlas = std::move(reading->atlas)};
-  salvage.atlas.encoding = header.encoding;
-  salvage.atlas.vocabulary = VocabularyOf(file, header);
-  for (std::size_t row = 0; row < maps.size(); ++row) {
-    const Map& map = salvage.atlas.maps[row];
-    SalvagedMap& read = salvage.maps.emplace_back(Counted(map));
-    read.keyframes = ListOf(maps[row].keyframes, map.keyframes.size());
-    read.points = ListOf(maps[row].points, map.points.size());
-    read.lost_head = true;
-    Tell(read.keyframes, row, "keyframes", salvage.damage);
-    Tell(read.points, row, "map points", salvage.damage);
-  }
-  salvage.maps_listed = maps.size();
-  salvage.lost_beginning = salvage.atlas.vocabulary.name.empty();
-  if (!reading->known.empty()) {
-    salvage.atlas.layout = reading->known;
-  } else {
-    DropCarried(salvage.atlas);
-    salvage.damage.emplace_back("members that ORB-SLAM3 v1.0 does not have are left out: their layout is not whole");
-  }
-  if (!reading->doubts.empty()) DropDoubtfulFlags(salvage.atlas);
-  if (!reading->doubts.empty())
-    salvage.damage.push_back(Concat("the layout is in doubt, and with it what was read: ", Joined(reading->doubts)));
-  if (salvage.damage.empty()) salvage.damage.emplace_back("what stands around the keyframes and map points is damaged");
-  return salvage;
+  if (own && ReadIn(*known, {bytes, path}, header, places).meaning.doubts.empty()) return std::nullopt;
+  if (auto whole = WholeInferred({bytes, path})) return whole;
+  std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, header, maps, places, known);
+  if (!reading || reading->layout == KnownLayouts().front().id) return std::nullopt;
+  return SalvageOf(*std::move(reading), maps, file, header);
+}
+
+std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
+  const std::vector<MapRecords> maps = layouts::FindRecords(TextOf(bytes), header.encoding);
+  if (maps.empty()) return std::nullopt;
+  RecordReading reading = ReadIn(KnownLayouts().front(), {bytes, path}, header, PlacesOf(maps));
+  if (!HasKeyFrames(reading.atlas)) return std::nullopt;
+  return SalvageOf(std::move(reading), maps, TextOf(bytes), header);
+}
+
+Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout) {
+  const Source source(bytes, path);
+  const ForkProgram program(layout);
+  if (auto whole = WholeIn(source, program)) return *std::move(whole);
+  if (header.encoding.text)
+    throw Error(
+        ErrorKind::kNotPossible, path, "",
+        "a text archive that is damaged is recovered as of ORB-SLAM3 v1.0 alone, not in a layout that is given");
+  const std::vector<MapRecords> maps = layouts::FindRecords(TextOf(bytes), header.encoding);
+  RecordReading reading = ReadIn(layout, source, header, PlacesOf(maps));
+  if (!HasKeyFrames(reading.atlas))
+    throw Error(ErrorKind::kDamaged, path, "",
+                Concat("no keyframe is whole in the layout ", TitleOf(layout), " that is given"));
+  reading.layout = NameFor(layout);
+  reading.doubts = reading.meaning.doubts;
+  return SalvageOf(std::move(reading), maps, TextOf(bytes), header);
 }
 
 }  // namespace slamdb::orbslam3

@@ -2,7 +2,7 @@
 #include <array>
 
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
-#include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/detail/fork_losses.h"
 #include "slamdb/formats/orbslam3/detail/salvage.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 1> kSuffixes{".osa"};
 constexpr std::array<std::string_view, 1> kTextSuffixes{".osa.txt"};
 
 Content Holds(const Atlas& atlas, const WriteOptions& options) {
-  return orbslam3::HeldBy(atlas, options.of<Orbslam3WriteOptions>().layout.value_or(atlas.layout), options.strict);
+  return orbslam3::HeldBy(atlas, options.of<Orbslam3WriteOptions>().layout.value_or(atlas.layout));
 }
 
 bool SniffBinary(const Probe& probe) { return orbslam3::SniffArchive(probe.head) == false; }

@@ -12,6 +12,7 @@
 #include "slamdb/formats/orbslam3/detail/fork.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/distortion.h"
+#include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/detail/matrix_types.h"
 #include "slamdb/model/reprojection.h"
 
@@ -115,7 +116,7 @@ class Interview {
     for (const Rigid3f* pose : {&keyframe.camera_from_parent, &keyframe.left_from_right,
                                 &keyframe.imu_calibration.camera_from_body, &keyframe.imu_calibration.body_from_camera})
       AskRest(*pose);
-    pose_.Ask(std::abs(keyframe.camera_from_world.rotation.norm() - 1) < 0.01F &&
+    pose_.Ask(slamdb::detail::IsUnit(keyframe.camera_from_world.rotation) &&
               keyframe.camera_from_world.translation.cwiseAbs().maxCoeff() < 1e7F);
     AskGraph(keyframe, reprojection);
     AskFeatures(keyframe);

@@ -297,7 +297,7 @@ void NameTransfer(const Source& source, const Error& error) {
 
 // A fork's file that has as many bytes as one of v1.0 is read without an error, and as something else.
 void WarnOfMeaning(const Source& source, const Atlas& atlas, const ReadOptions& options, Notices& notices) {
-  if (options.features != FeatureColumns::kAll) return;
+  if (options.features == FeatureColumns::kNone) return;
   const std::string doubt = DoubtOfPoses(atlas);
   if (!doubt.empty())
     notices.Warn(detail::Concat(source.path, ": ", doubt,

@@ -8,11 +8,13 @@
 
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/decoder.h"
+#include "slamdb/formats/orbslam3/detail/fork_files.h"
 #include "slamdb/formats/orbslam3/detail/fork_salvage.h"
 #include "slamdb/formats/orbslam3/detail/lookahead.h"
 #include "slamdb/formats/orbslam3/detail/object_search.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/formats/orbslam3/detail/transfer.h"
+#include "slamdb/formats/orbslam3/options.h"
 
 namespace slamdb::orbslam3 {
 namespace {
@@ -459,7 +461,8 @@ namespace slamdb::detail {
 
 namespace {
 
-Salvage SalvageBytesOf(Bytes bytes, const std::string& path) {
+// `layout`: as Orbslam3ReadOptions names it.
+Salvage SalvageBytesOf(Bytes bytes, const std::string& path, const std::string& layout) {
   detail::FileStream file({bytes, path});
   Notices notices;
   orbslam3::ArchiveHeader header;
@@ -471,20 +474,29 @@ Salvage SalvageBytesOf(Bytes bytes, const std::string& path) {
     header_error = error;
   }
   if (header_error) header = orbslam3::UsualHeader({file.data(), file.size()});
+  if (!orbslam3::IsOwnLayout(layout)) {
+    const Layout given = LayoutOf(layout);
+    if (!orbslam3::NameFor(given).empty()) return orbslam3::SalvageInLayout(bytes, path, header, given);
+  }
   const Error* why = header_error ? &*header_error : nullptr;
   if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run(why);
-  if (auto fork = orbslam3::SalvageFork(bytes, path, header)) return *std::move(fork);
-  return orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run(why);
+  if (layout.empty())
+    if (auto fork = orbslam3::SalvageFork(bytes, path, header)) return *std::move(fork);
+  Salvage salvage = orbslam3::Salvager<orbslam3::BinaryInput>(file, header).Run(why);
+  if (layout.empty() && !orbslam3::HasKeyFrames(salvage.atlas))
+    if (auto records = orbslam3::SalvageOwnRecords(bytes, path, header)) return *std::move(records);
+  return salvage;
 }
 
 }  // namespace
 
-Salvage SalvageOrbslam3(const Source& source, const ReadOptions&) {
+Salvage SalvageOrbslam3(const Source& source, const ReadOptions& options) {
   std::optional<WholeFile> file(source);
   orbslam3::Transfers transfers;
   if (orbslam3::SniffArchive(file->text()) == false) transfers = orbslam3::FindTransfers(file->text());
   if (!transfers.undone.empty()) file.reset();
-  Salvage result = SalvageBytesOf(file ? file->bytes() : std::as_bytes(std::span(transfers.bytes)), source.path);
+  Salvage result = SalvageBytesOf(file ? file->bytes() : std::as_bytes(std::span(transfers.bytes)), source.path,
+                                  options.of<Orbslam3ReadOptions>().layout);
   result.undone = transfers.undone;
   if (!transfers.left.empty() && !result.damage.empty()) result.damage.insert(result.damage.begin(), transfers.left);
   return result;

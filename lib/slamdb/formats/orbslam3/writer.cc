@@ -6,6 +6,7 @@
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 #include "slamdb/formats/orbslam3/detail/archive_plan.h"
 #include "slamdb/formats/orbslam3/detail/fork_files.h"
+#include "slamdb/formats/orbslam3/detail/fork_losses.h"
 #include "slamdb/formats/orbslam3/detail/sanitize.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -65,12 +66,19 @@ std::string LayoutFor(const Atlas& atlas, const WriteOptions& options) {
   return options.of<Orbslam3WriteOptions>().layout.value_or(atlas.layout);
 }
 
+// Known before a byte is written.
+void NameLosses(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
+  for (std::string& loss : orbslam3::LossesInLayout(atlas, LayoutFor(atlas, options))) {
+    if (options.strict)
+      throw Error(ErrorKind::kNotPossible, target.path, "", loss + "; WriteOptions::strict refuses that");
+    notices.Lose(std::move(loss));
+  }
+}
+
 void WriteInAnyLayout(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   const std::string layout = LayoutFor(atlas, options);
-  if (orbslam3::IsOwnLayout(layout)) {
-    orbslam3::NameLossesToOwnLayout(atlas, notices);
-    return WriteArchive(atlas, target, options, notices);
-  }
+  NameLosses(atlas, target, options, notices);
+  if (orbslam3::IsOwnLayout(layout)) return WriteArchive(atlas, target, options, notices);
   AtomicFile file(target, {options.overwrite, options.sync, options.before_commit});
   const ArchiveEncoding encoding = EncodingFor(atlas, options.of<Orbslam3WriteOptions>());
   orbslam3::WriteInLayout(

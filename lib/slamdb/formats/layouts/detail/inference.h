@@ -42,12 +42,9 @@ using MeaningJudge = std::function<Meaning(const Layout&)>;
 // From here on it cannot be read in the layout at all.
 inline constexpr double kUnreadable = 1000;
 
-// The layout of an archive: a known one, when it comes to the last byte and what it reads is like what ORB-SLAM3
-// writes; or else the smallest change of one, members more or less, in other forms or order, in KeyFrame, MapPoint, Map
-// and Atlas. Members that are new are called unknown1, unknown2, ..., with a type that has their bytes. Of several that
-// fit as well, the one counts against which least speaks. Where longs have 4 bytes, of known layouts alone.
+// InferLayout of a binary archive, but for the proof: InferredLayout::same_bytes stays false, and keyframes and points
+// are those whose records were found.
 //
-// Tries are bounded: seconds. Deterministic.
 // Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there.
 InferredLayout Infer(const ArchiveBytes& archive, const InferOptions& options, const MeaningJudge& meaning);
 
@@ -71,6 +68,11 @@ struct ClassOption {
 // class met before; none: `layout` it is.
 std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
                                    std::span<const MemberPlace> records, const Layout& layout, bool thorough = false);
+
+// How a member that was put in is told, between its neighbours; there may be none on one side:
+// `KeyFrame: unknown1, 8 bytes, between mnId and mnFrameId`.
+std::string InsertionText(std::string_view of_class, std::string_view name, const std::string& type,
+                          std::string_view front, std::string_view back);
 
 // Whether a member is one that FindClass put in.
 bool IsUnknown(const LayoutMember& member);

@@ -15,7 +15,8 @@
 //   .inverse      of a pose: world_from_camera
 //   .rows         of a pose: a matrix, row after row; of a matrix: so
 //   .columns      of a pose: a matrix, column after column
-//   .nanoseconds  of a time; .microseconds and .milliseconds likewise
+//   .nanoseconds  of a time, .microseconds and .milliseconds likewise; behind .seconds, what is more than those
+//   .words .weights, .nodes .features  of bags of words: as two lists
 namespace slamdb::layouts {
 
 // Holds every integer of 64 bits and every double. Of lists the count stands in front.
@@ -35,6 +36,9 @@ std::vector<LayoutMember> OtherForms(std::string_view name, const LayoutType& ow
 
 // Whether a value of the type, in that form, says what one of the type `own` says.
 bool IsForm(std::string_view form, const LayoutType& type, const LayoutType& own);
+
+// Why a member's name says a form that there is none of, or in no such type; empty as a rule.
+std::string FormProblem(const LayoutMember& member, const LayoutType& own);
 
 // Whether both types have the same bytes, where longs have 8.
 bool SameWidths(const LayoutType& a, const LayoutType& b);

@@ -30,6 +30,9 @@ struct ForkReading {
 ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
                      const ReadOptions& options);
 
+// Fills what a layout lacks of a keyframe and its keypoints and map tell.
+void DeriveLacking(const ForkProgram& program, const Map& map, FeatureColumns columns, KeyFrame& keyframe);
+
 // Whether a keyframe may have been made then; the bits of something else are below 1e-6 or above 1e11 seconds.
 inline bool IsTime(double seconds) { return seconds == 0 || (seconds >= 1e-6 && seconds < 1e11); }
 // Whether a keyframe of the same map may follow then, as most do.

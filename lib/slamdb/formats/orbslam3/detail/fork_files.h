@@ -12,6 +12,8 @@ namespace slamdb::orbslam3 {
 
 // Whether a layout, as options and atlases name it, is that of ORB-SLAM3 itself.
 bool IsOwnLayout(std::string_view layout);
+// How an atlas names the layout that it was read in: a known one by its id, v1.0 not at all.
+std::string NameFor(const Layout& layout);
 
 // A file in the layout that the options name, and whether all of it is like one.
 struct LayoutReading {
@@ -25,14 +27,8 @@ LayoutReading ReadInLayout(const Source& source, const ForkProgram& program, con
 // orientations. Nothing when none does.
 std::optional<Atlas> ReadInKnownLayout(const Source& source, const ReadOptions& options, Notices& notices);
 
-// Hands the bytes of an atlas in another layout than v1.0 to `write`.
+// Hands the bytes of an atlas in another layout than v1.0 to `write`; LossesInLayout says what is not in them.
 void WriteInLayout(const Atlas& atlas, const ArchiveEncoding& encoding, const std::string& layout,
                    const Target::Sink& write, const std::string& path, Notices& notices);
-
-// Says what of a fork's atlas v1.0 does not hold. Throws Error (kNotPossible) for a camera that it has no class for.
-void NameLossesToOwnLayout(const Atlas& atlas, Notices& notices);
-
-// What a file of the layout can hold. Members of another fork count as held unless `strict`: writing names them.
-Content HeldBy(const Atlas& atlas, const std::string& layout, bool strict);
 
 }  // namespace slamdb::orbslam3

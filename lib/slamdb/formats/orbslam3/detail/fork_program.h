@@ -118,6 +118,7 @@ class ForkProgram {
   // Members of v1.0 that it lacks: `KeyFrame.mvuRight`.
   std::vector<std::string> missing;
   bool Lacks(std::string_view member) const;
+  bool lacks_stereo = false, lacks_origins = false;  // mvuRight and mnOriginMapId of keyframes, which are derived
 
   const CameraClass* FindCamera(WireClass wire_class) const;
   const CameraClass* FindCamera(CameraModel model) const;

@@ -20,4 +20,16 @@ const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<cons
 // make sense as such.
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header);
 
+// Every keyframe and map point that is whole as of v1.0 where its number says it stands, for files of forks whose Map
+// or Atlas alone is another. Nothing when no keyframe is.
+std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, const ArchiveHeader& header);
+
+bool HasKeyFrames(const Atlas& atlas);
+
+// Reads what is whole in a layout that is given, whose members are kept.
+//
+// Throws Error: kDamaged where no keyframe is whole in it, kNotPossible for a text archive that is not whole, and as
+// ForkProgram does.
+Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout);
+
 }  // namespace slamdb::orbslam3

@@ -10,7 +10,8 @@
 namespace slamdb::orbslam3 {
 
 // What speaks against an atlas that was read in a layout: whether points lie where keyframes see them, ids refer to
-// each other, times rise. A sample of the points is looked at. What the layout lacks is not held against it.
+// each other, times rise. A sample of the points is looked at. What cannot
+// be asked, as the layout lacks it, weighs less than what is wrong.
 layouts::Meaning MeaningOf(const Atlas& atlas, const ForkProgram& program);
 
 // Members that no map is without, of those that the layout lacks: `no member is KeyFrame.mTcw: all keyframes are at the
