@@ -179,10 +179,10 @@ class Putter {
       for (auto& [row, position] : news.points) position += added;
     }
     if (!is_as_far)
-      report_.warnings.push_back(Concat("positions stay as the atlas has them: without ",
-                                        detail::OriginText(options_.origin - added),
-                                        ", which the poses have, the median of how far they are from the atlas in "
-                                        "whole units: a shift of all of them by such does not show"));
+      report_.warnings.push_back(
+          Concat("positions stay as the atlas has them: without ", detail::OriginText(options_.origin - added),
+                 ", which the poses have (in whole units, the median of how far they are from the atlas: "
+                 "by how much of it all were moved cannot be told)"));
   }
 
   // From where the atlas has them to where they are put.
