@@ -338,7 +338,9 @@ TEST(Convert, TakesPosesOfAnyInputOntoAnAtlas) {
 TEST(Convert, TakesPosesOfTheBodyOntoAnAtlas) {
   const TemporaryFolder folder;
   const std::string map = folder / "vi.osa", poses = folder / "body.tum";
-  ASSERT_EQ(RunSlamdb({"synthesize", map, "--sensor", "stereo", "--inertial", "--keyframes", "5", "--points", "60"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"synthesize", map, "--sensor", "stereo", "--inertial", "--keyframes", "5", "--points", "60"})
+                .exit_code,
+            0);
   ASSERT_EQ(RunSlamdb({"convert", map, poses, "--body"}).exit_code, 0);
   const ProcessResult put = RunSlamdb({"convert", poses, folder / "put.osa", "--onto", map, "--body"});
   EXPECT_EQ(put.exit_code, 0) << put.err;

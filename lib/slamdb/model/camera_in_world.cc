@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Apart from what they are called by: GCC 12 at -O3 takes a float that is made of a double, and made one again in the same
-// function, for that double, and who compares both sees no rounding.
+// Apart from what they are called by: GCC 12 at -O3 takes a float that is made of a double, and made one again in the
+// same function, for that double, and who compares both sees no rounding.
 #include "slamdb/model/detail/camera_in_world.h"
 
 namespace slamdb::detail {
