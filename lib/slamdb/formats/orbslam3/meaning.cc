@@ -75,7 +75,7 @@ class Interview {
         continue;
       }
       meaning.penalty += kWrong * question->share();
-      if (question->share() > kMost) meaning.doubts.push_back(DoubtOf(*question));
+      if (question->asked >= kEnough && question->share() > kMost) meaning.doubts.push_back(DoubtOf(*question));
     }
     return meaning;
   }
