@@ -195,6 +195,11 @@ RecordReading ReadTyped(const Layout& layout, const Source& source, const Archiv
   return ReadIn(layout, source, header, places);
 }
 
+// What holes leave of a known layout has doubts of its own: another layout is only believed where it has fewer.
+bool HasFewerDoubts(const layouts::Meaning& changed, const layouts::Meaning& known) {
+  return changed.doubts.size() < known.doubts.size();
+}
+
 void TryOptions(const Source& source, const ArchiveHeader& header, std::span<const MapPlaces> places,
                 std::span<const layouts::ClassOption> options, std::optional<RecordReading>& best) {
   constexpr double kAlike = 2;
@@ -203,6 +208,7 @@ void TryOptions(const Source& source, const ArchiveHeader& header, std::span<con
     reading.differences = option.findings.differences;
     reading.doubts = option.findings.doubts;
     reading.doubts.insert(reading.doubts.end(), reading.meaning.doubts.begin(), reading.meaning.doubts.end());
+    if (best && !best->layout.empty() && !HasFewerDoubts(reading.meaning, best->meaning)) continue;
     if (!best || reading.meaning.penalty < best->meaning.penalty - kAlike)
       best = std::move(reading);
     else if (reading.meaning.penalty < best->meaning.penalty + kAlike)
@@ -225,8 +231,8 @@ std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, c
     std::vector<std::string> differences;
     const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, header, places).meaning; };
     layouts::Reform(judge, layout, meaning, differences);
-    best->doubts = meaning.doubts;
-    if (!differences.empty()) {
+    best->doubts = best->meaning.doubts;
+    if (!differences.empty() && HasFewerDoubts(meaning, best->meaning)) {
       best = ReadIn(layout, source, header, places);
       best->differences = std::move(differences);
       best->doubts = best->meaning.doubts;
