@@ -38,8 +38,8 @@ constexpr std::array kNeeded = {Needed{"KeyFrame.mTcw", "all keyframes are at th
 
 // One thing that holds of nearly all keyframes or points of a sound file.
 struct Question {
-  std::string_view doubt;                 // what is said where it does not
-  std::vector<std::string_view> members;  // that it is about
+  std::string_view doubt = {};                 // what is said where it does not
+  std::vector<std::string_view> members = {};  // that it is about
   std::size_t asked = 0, wrong = 0;
 
   void Ask(bool right) {
@@ -123,31 +123,34 @@ class Interview {
     AskBody(keyframe);
   }
 
-  // Depths, columns in the right image and lens of one keyframe say the same.
+  // Depths, columns in the right image and lens of one keyframe say the same, as one answer: a damaged one has many.
   void AskFeatures(const KeyFrame& keyframe) {
     const Features& features = keyframe.features;
     if (features.is_fisheye_stereo()) return sides_.Ask(features.left_count + features.right_count == features.count);
     const std::size_t rows = features.undistorted.size(), step = rows / kMostKeypoints + 1;
+    Question depths, lens;
     for (std::size_t row = 0; row < rows; row += step) {
-      if (row < std::min(features.depth.size(), features.right_x.size())) AskDepth(keyframe, row);
-      if (rows == features.keypoints.size()) AskLens(keyframe, row);
+      if (row < std::min(features.depth.size(), features.right_x.size())) AskDepth(keyframe, row, depths);
+      if (rows == features.keypoints.size()) AskLens(keyframe, row, lens);
     }
+    if (depths.asked > 0) depths_.Ask(depths.share() <= kMost);
+    if (lens.asked > 0) lens_.Ask(lens.share() <= kMost);
   }
-  void AskDepth(const KeyFrame& keyframe, std::size_t row) {
+  static void AskDepth(const KeyFrame& keyframe, std::size_t row, Question& depths) {
     const float depth = keyframe.features.depth[row], right_x = keyframe.features.right_x[row];
     if (depth <= 0 && right_x < 0) return;
     const float expected = keyframe.features.undistorted[row].x - keyframe.intrinsics.baseline_fx / depth;
-    depths_.Ask(depth > 0 && std::abs(right_x - expected) < kFar);
+    depths.Ask(depth > 0 && std::abs(right_x - expected) < kFar);
   }
   // Where the lens moves a keypoint at all.
-  void AskLens(const KeyFrame& keyframe, std::size_t row) {
+  static void AskLens(const KeyFrame& keyframe, std::size_t row, Question& bends) {
     const Keypoint &seen = keyframe.features.keypoints[row], &straight = keyframe.features.undistorted[row];
     const std::array<double, 5> lens = DistortionOf(keyframe.distortion);
     const Intrinsics& of = keyframe.intrinsics;
     if (lens == std::array<double, 5>{} || std::hypot(seen.x - straight.x, seen.y - straight.y) < kFar) return;
     const Eigen::Vector2d place((straight.x - of.cx) / of.fx, (straight.y - of.cy) / of.fy);
     const Eigen::Vector2d bent = slamdb::detail::DistortBrown(lens.data(), place);
-    lens_.Ask(std::hypot(bent.x() * of.fx + of.cx - seen.x, bent.y() * of.fy + of.cy - seen.y) < kFar);
+    bends.Ask(std::hypot(bent.x() * of.fx + of.cx - seen.x, bent.y() * of.fy + of.cy - seen.y) < kFar);
   }
   static std::array<double, 5> DistortionOf(const Matrix& matrix) {
     std::array<double, 5> lens{};
