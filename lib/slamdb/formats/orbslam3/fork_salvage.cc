@@ -238,6 +238,7 @@ std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, c
       best->doubts = best->meaning.doubts;
     }
   }
+  if (known == &KnownLayouts().front()) return best;  // all records end where those of v1.0 do
   for (const bool thorough : {false, true})
     if (!best || !best->meaning.doubts.empty())
       TryOptions(source, header, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
