@@ -323,7 +323,9 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   const std::vector<MapPlaces> places = PlacesOf(maps);
   const bool own = known == &KnownLayouts().front();
   if (own && ReadIn(*known, {bytes, path}, header, places).meaning.doubts.empty()) return std::nullopt;
-  if (auto whole = WholeInferred({bytes, path})) return whole;
+  const bool is_cut = own && !layouts::Judge(archive, *known).whole;
+  if (!is_cut)
+    if (auto whole = WholeInferred({bytes, path})) return whole;
   std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, header, maps, places, known);
   if (!reading || reading->layout == KnownLayouts().front().id) return std::nullopt;
   return SalvageOf(*std::move(reading), maps, file, header);
