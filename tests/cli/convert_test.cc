@@ -203,6 +203,8 @@ TEST(Convert, ReportsAsJsonAndDry) {
   EXPECT_EQ(wet.at("keyframes"), 2);
   EXPECT_EQ(wet.at("points"), 2);
   const json poses = json::parse(RunSlamdb({"convert", kTiny, folder / "a.tum", "--json"}).out);
+  EXPECT_EQ(poses.at("keyframes"), 2);
+  EXPECT_EQ(poses.at("points"), 0);  // a trajectory has none
   EXPECT_EQ(poses.at("format"), "tum");
   const json again = json::parse(RunSlamdb({"convert", folder / "a.tum", folder / "b.tum", "--json", "--dry-run"}).out);
   EXPECT_EQ(BreachOf(again, "convert.schema.json"), "");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +21,11 @@ struct Notice {
   friend bool operator==(const Notice&, const Notice&) = default;
 };
 
+// How much of an atlas an export holds.
+struct WrittenCounts {
+  std::uint64_t keyframes = 0, points = 0;  // keyframes: or poses
+};
+
 // Collects notices in the order they come.
 //
 // Not thread-safe.
@@ -31,12 +38,17 @@ class Notices {
   // All of those, behind the ones that are there.
   void Add(const Notices& others) { items_.insert(items_.end(), others.items_.begin(), others.items_.end()); }
 
-  // What an export holds: `12,345 points, 41 bad ones left out`.
-  void Tell(std::string written) { written_ = std::move(written); }
+  // What an export holds: `12,345 points, 41 bad ones left out`, and how many that is, where that are keyframes or
+  // points.
+  void Tell(std::string written, std::optional<WrittenCounts> counts = std::nullopt) {
+    written_ = std::move(written);
+    counts_ = counts;
+  }
 
   const std::vector<Notice>& items() const { return items_; }
   // Of the last export; empty when there was none.
   const std::string& written() const { return written_; }
+  const std::optional<WrittenCounts>& counts() const { return counts_; }
   bool lossy() const {
     for (const Notice& notice : items_)
       if (notice.kind == Notice::Kind::kLoss) return true;
@@ -46,6 +58,7 @@ class Notices {
  private:
   std::vector<Notice> items_;
   std::string written_;
+  std::optional<WrittenCounts> counts_;
 };
 
 }  // namespace slamdb

@@ -7,6 +7,11 @@
 namespace slamdb {
 
 void ConvertReport::Add(const Notices& notices) {
+  if (const auto& written = notices.counts()) {
+    keyframes = written->keyframes;
+    points = written->points;
+    landmarks = 0;
+  }
   for (const Notice& notice : notices.items())
     if (notice.kind != Notice::Kind::kNote)
       (notice.kind == Notice::Kind::kLoss ? losses : warnings).push_back(notice.text);

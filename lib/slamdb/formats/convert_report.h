@@ -29,7 +29,7 @@ struct ConvertReport {
   std::optional<PutInto> put;                              // none when the output is the input's atlas
   std::vector<std::string> warnings, losses;
 
-  // The warnings and losses among them.
+  // The warnings and losses among them, and of an export how much it holds.
   SLAMDB_EXPORT void Add(const Notices& notices);
 };
 

@@ -24,7 +24,7 @@ Atlas Read(const Source& source, const ReadOptions& options, Notices* notices) {
 // An export claims to hold no atlas: what it lacks is no loss, also where the reader left it out.
 void TakeLossesForWarnings(Notices& notices) {
   Notices told;
-  told.Tell(notices.written());
+  told.Tell(notices.written(), notices.counts());
   for (const Notice& notice : notices.items()) {
     if (notice.kind == Notice::Kind::kNote)
       told.Note(notice.text);

@@ -53,6 +53,7 @@ class Scenes : public ::testing::Test {
     }
     std::string said = notices.written();
     for (const Notice& notice : notices.items()) said += "\n" + notice.text;
+    keyframes_ = notices.counts().value_or(WrittenCounts()).keyframes;
     return said;
   }
   void Add(const std::string& name, double time, const std::string& bytes) {
@@ -78,6 +79,7 @@ class Scenes : public ::testing::Test {
   TemporaryFolder folder_;
   std::string out_ = folder_ / "out";
   std::vector<PictureFile> files_;
+  std::uint64_t keyframes_ = 0;  // that were written
 };
 
 void Distort(Atlas& atlas) {
@@ -206,6 +208,7 @@ TEST_F(Scenes, LeaveOutImagesWithoutPicture) {
   Add("a.png", 0.5, Plain(1, 1, 1));
   EXPECT_THAT(Write(detail::kGaussianFormat, OneMapAtlas()),
               HasSubstr("1 image left out, of which there is no picture"));
+  EXPECT_EQ(keyframes_, 1);
   EXPECT_THAT(Names(), ElementsAre("a.png"));
   const colmap::Model model = Decoded(colmap::Part::kPoints, "sparse/0/points3D.bin");
   EXPECT_THAT(model.tracks, ElementsAre(colmap::TrackElement{2, 0}));

@@ -193,9 +193,10 @@ void WriteDatabase(const Atlas& atlas, const Target& target, const WriteOptions&
   }
   database.Write(file);
   file.Commit();
-  notices.Tell(Concat(detail::Counted(database.images(), "image"), ", ",
-                      detail::Counted(database.keypoints(), "keypoint"), ", matches of ",
-                      detail::Counted(database.pairs(), "pair")));
+  notices.Tell(
+      Concat(detail::Counted(database.images(), "image"), ", ", detail::Counted(database.keypoints(), "keypoint"),
+             ", matches of ", detail::Counted(database.pairs(), "pair")),
+      WrittenCounts{.keyframes = colmap::CountKeyFrames(outline.maps)});
 }
 
 void WriteBinary(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {

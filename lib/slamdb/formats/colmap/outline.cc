@@ -206,6 +206,13 @@ Outline OutlineOf(const Atlas& atlas, const Target& target, const WriteOptions& 
   return outline;
 }
 
+std::size_t CountKeyFrames(std::span<const MapOutline> maps) {
+  std::size_t count = 0;
+  for (const MapOutline& map : maps)
+    count += static_cast<std::size_t>(std::ranges::count(map.views, false, &View::right));
+  return count;
+}
+
 ViewKeypoints KeypointsOf(const View& view) {
   const Features& features = view.keyframe->features;
   if (view.right) return {&features.right_keypoints, static_cast<std::size_t>(features.left_count)};

@@ -82,7 +82,7 @@ void WritePoints(const Atlas& atlas, const Target& target, const WriteOptions& o
     for (std::size_t row = begin; row < end; ++row) AppendPoint(out, points, row);
   });
   file.Commit();
-  notices.Tell(points.Summary());
+  notices.Tell(points.Summary(), WrittenCounts{.points = points.size()});
 }
 
 void AppendKeyFrame(std::string& out, MapId map, const KeyFrame& keyframe) {
@@ -126,7 +126,7 @@ void WriteKeyFrames(const Atlas& atlas, const Target& target, const WriteOptions
     for (std::size_t row = begin; row < end; ++row) AppendKeyFrame(out, rows[row].first, *rows[row].second);
   });
   file.Commit();
-  notices.Tell(CountWritten(rows.size(), "keyframe", all - rows.size()));
+  notices.Tell(CountWritten(rows.size(), "keyframe", all - rows.size()), WrittenCounts{.keyframes = rows.size()});
 }
 
 // The cells of one side: row, place and octave of the keypoint, error.
@@ -166,7 +166,8 @@ void WriteObservations(const Atlas& atlas, const Target& target, const WriteOpti
   file.Commit();
   std::uint64_t observations = 0;
   for (std::size_t row = 0; row < points.size(); ++row) observations += points[row].point->observations.size();
-  notices.Tell(Counted(observations, "observation") + " of " + points.Summary());
+  notices.Tell(Counted(observations, "observation") + " of " + points.Summary(),
+               WrittenCounts{.points = points.size()});
 }
 
 template <const std::string_view& kHeader>

@@ -194,7 +194,7 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
                         " do not tell how sure they are: their information is the number of shared points"));
   std::string told = Concat(Counted(vertices, "keyframe"), ", ", Counted(edges, "edge"));
   if (keyframes > vertices) told += Concat(", ", keyframes - vertices, " bad keyframes left out");
-  notices.Tell(std::move(told));
+  notices.Tell(std::move(told), WrittenCounts{.keyframes = vertices});
 }
 
 }  // namespace

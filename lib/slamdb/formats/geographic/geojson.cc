@@ -174,7 +174,7 @@ void WriteGeojson(const Atlas& atlas, const Target& target, const WriteOptions& 
       [&](std::string& out, std::size_t row, std::size_t number) { AppendPoint(out, chosen[row], places, number); });
   file.Write("\n]}\n");
   file.Commit();
-  notices.Tell(places.Summary());
+  notices.Tell(places.Summary(), places.Counts());
 }
 
 bool SniffGeojson(const Probe& probe) { return probe.head.starts_with(kHead); }

@@ -130,7 +130,7 @@ void WriteKml(const Atlas& atlas, const Target& target, const WriteOptions& opti
   WritePoints(file, places, options);
   file.Write("</Document>\n</kml>\n");
   file.Commit();
-  notices.Tell(places.Summary());
+  notices.Tell(places.Summary(), places.Counts());
 }
 
 // Others are tracks.

@@ -114,7 +114,8 @@ void WriteGltf(const Atlas& atlas, const Target& target, const WriteOptions& opt
   file.Write(document.tail());
   file.Commit();
   colors.Tell(notices);
-  notices.Tell(points.Summary() + "; " + trajectories.Summary());
+  notices.Tell(points.Summary() + "; " + trajectories.Summary(),
+               WrittenCounts{.keyframes = trajectories.Count().poses, .points = points.size()});
 }
 
 // Others are pictures of other things.

@@ -181,8 +181,9 @@ void WriteLas(const Atlas& atlas, const Target& target, const WriteOptions& opti
   if (grid.too_far() > 0)
     notices.Warn("left out, since they are more than 200 km from the origin: " + Counted(grid.too_far(), "point"));
   colors.Tell(notices);
-  notices.Tell(grid.too_far() == 0 ? points.Summary()
-                                   : Counted(grid.points().size(), "point") + " of " + points.Summary());
+  notices.Tell(
+      grid.too_far() == 0 ? points.Summary() : Counted(grid.points().size(), "point") + " of " + points.Summary(),
+      WrittenCounts{.points = grid.points().size()});
 }
 
 bool SniffLas(const Probe& probe) { return probe.head.starts_with("LASF"); }

@@ -130,7 +130,8 @@ void WriteMcap(const Atlas& atlas, const Target& target, const WriteOptions& opt
   writer.Finish();
   file.Commit();
   colors.Tell(notices);
-  notices.Tell(points.Summary() + "; " + trajectories.Summary());
+  notices.Tell(points.Summary() + "; " + trajectories.Summary(),
+               WrittenCounts{.keyframes = trajectories.Count().poses, .points = points.size()});
 }
 
 // Others are recordings. Behind the magic stands the header, with its length, an empty profile, and our name.

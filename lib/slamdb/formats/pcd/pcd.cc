@@ -95,7 +95,7 @@ void WritePcd(const Atlas& atlas, const Target& target, const WriteOptions& opti
   });
   file.Commit();
   colors.Tell(notices);
-  notices.Tell(points.Summary());
+  notices.Tell(points.Summary(), WrittenCounts{.points = points.size()});
 }
 
 // A line of its header behind comments.

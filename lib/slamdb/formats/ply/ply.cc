@@ -150,7 +150,8 @@ void WritePly(const Atlas& atlas, const Target& target, const WriteOptions& opti
   WriteCameras(file, cameras, layout, options);
   file.Commit();
   colors.Tell(notices);
-  notices.Tell(points.Summary() + (cloud.cameras ? "; " + trajectories.Summary() : ""));
+  notices.Tell(points.Summary() + (cloud.cameras ? "; " + trajectories.Summary() : ""),
+               WrittenCounts{.keyframes = cloud.cameras ? trajectories.Count().poses : 0, .points = points.size()});
 }
 
 bool SniffPly(const Probe& probe) { return probe.head.starts_with("ply\n") || probe.head.starts_with("ply\r\n"); }

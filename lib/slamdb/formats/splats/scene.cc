@@ -202,9 +202,10 @@ std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& 
 }
 
 void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Notices& notices) {
-  std::size_t images = 0, pictures = 0, points = 0, left_out = 0;
+  std::size_t images = 0, keyframes = 0, pictures = 0, points = 0, left_out = 0;
   for (const Scene& scene : scenes) {
     images += scene.model.images.size();
+    keyframes += colmap::CountKeyFrames({&scene.outline, 1});
     points += scene.model.points.size();
     left_out += scene.left_out;
     pictures += static_cast<std::size_t>(
@@ -223,7 +224,8 @@ void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Noti
   if (scenes.size() > 1)
     notices.Note(Concat(scenes.size(), " maps are in folders 0 to ", scenes.size() - 1, ", a scene each"));
   notices.Tell(Concat(detail::CountWritten(images, pictures == 0 ? "pose" : "image", outline.bad_keyframes), ", ",
-                      Counted(points, "point")));
+                      Counted(points, "point")),
+               WrittenCounts{.keyframes = keyframes, .points = points});
 }
 
 }  // namespace slamdb::splats

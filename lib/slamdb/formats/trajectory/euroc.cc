@@ -90,7 +90,7 @@ void WriteEuroc(const Atlas& atlas, const Target& target, const WriteOptions& op
     for (const detail::TimedPose& pose : poses) AppendLine(lines.lines, pose, inertial);
   }
   const std::string header = std::string(kPoseHeader) + (inertial ? std::string(kInertialHeader) : "") + "\n";
-  detail::WriteMapLines(maps, header, trajectories.Summary(), target, options, notices);
+  detail::WriteMapLines(maps, header, trajectories.Count(), target, options, notices);
 }
 
 Atlas ReadEuroc(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -140,7 +140,7 @@ std::size_t detail::WriteEurocText(const TrajectoryText& trajectory, const Targe
     throw Error(ErrorKind::kNotPossible, target.path, "",
                 "would hold no poses: no time fits into 64 bits of nanoseconds; nothing was written");
   WarnOfUnreachable(dropped, "pose", notices);
-  WriteMapLines(maps, std::string(kPoseHeader) + "\n", Counted(poses, "pose"), target, options, notices);
+  WriteMapLines(maps, std::string(kPoseHeader) + "\n", {.poses = poses}, target, options, notices);
   return poses;
 }
 

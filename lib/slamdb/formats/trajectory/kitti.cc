@@ -68,19 +68,20 @@ std::string WriteTogether(const std::vector<Lines>& maps, const Target& target, 
   return times;
 }
 
-void WriteLines(const std::vector<Lines>& maps, const std::string& summary, const Target& target,
+void WriteLines(const std::vector<Lines>& maps, const detail::PoseCount& count, const Target& target,
                 const WriteOptions& options, Notices& notices) {
   detail::WarnOfSeveralFrames(maps.size(), LinesOfMaps(maps), notices);
+  const WrittenCounts written{.keyframes = count.poses};
   if (target.is_file() && !IsSpecialFile(target.path)) {
     const std::string times = WriteTogether(maps, target, options);
-    return notices.Tell(summary + "; their times are in " + times);
+    return notices.Tell(count.Summary() + "; their times are in " + times, written);
   }
   notices.Warn(detail::Concat("kitti has no timestamps in its lines, and ",
                               target.sink ? target.path : "standard output", " has no second file for them"));
   AtomicFile file(target, detail::FileOptions(options));
   WriteTo(file, maps, &Lines::poses);
   file.Commit();
-  notices.Tell(summary);
+  notices.Tell(count.Summary(), written);
 }
 
 void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
@@ -96,7 +97,7 @@ void WriteKitti(const Atlas& atlas, const Target& target, const WriteOptions& op
       lines.seconds += '\n';
     }
   }
-  WriteLines(maps, trajectories.Summary(), target, options, notices);
+  WriteLines(maps, trajectories.Count(), target, options, notices);
 }
 
 Atlas ReadKitti(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -124,7 +125,7 @@ std::size_t detail::WriteKittiText(const TrajectoryText& trajectory, const Targe
       lines.seconds.append(pose.seconds).append("\n");
     }
   }
-  WriteLines(maps, Counted(poses, "pose"), target, options, notices);
+  WriteLines(maps, {.poses = poses}, target, options, notices);
   return poses;
 }
 

@@ -45,7 +45,7 @@ void SetText(PoseText& pose, const Eigen::Vector3f& position,
   for (int i = 0; i < 4; ++i) AppendNumber(pose.rotation[static_cast<std::size_t>(i)], rotation.coeffs()[i]);
 }
 
-void WriteMapLines(const std::vector<MapLines>& maps, std::string_view header, const std::string& summary,
+void WriteMapLines(const std::vector<MapLines>& maps, std::string_view header, const PoseCount& count,
                    const Target& target, const WriteOptions& options, Notices& notices) {
   WarnOfSeveralFrames(maps.size(), "lines `# map N` tell them apart", notices);
   AtomicFile file(target, FileOptions(options));
@@ -55,7 +55,7 @@ void WriteMapLines(const std::vector<MapLines>& maps, std::string_view header, c
     file.Write(lines);
   }
   file.Commit();
-  notices.Tell(summary);
+  notices.Tell(count.Summary(), WrittenCounts{.keyframes = count.poses});
 }
 
 }  // namespace slamdb::detail

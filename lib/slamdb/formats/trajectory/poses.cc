@@ -92,10 +92,12 @@ const KeyFrameTrajectory* Trajectories::Find(const Map& map) const {
   return found == maps.end() ? nullptr : &*found;
 }
 
-std::string Trajectories::Summary() const {
-  std::size_t poses = 0;
-  for (const KeyFrameTrajectory& map : maps) poses += map.poses.size();
-  return CountWritten(poses, "pose", bad);
+std::string PoseCount::Summary() const { return CountWritten(poses, "pose", bad); }
+
+PoseCount Trajectories::Count() const {
+  PoseCount count{.bad = bad};
+  for (const KeyFrameTrajectory& map : maps) count.poses += map.poses.size();
+  return count;
 }
 
 Trajectories CollectTrajectories(const Atlas& atlas, const Target& target, const WriteOptions& options,

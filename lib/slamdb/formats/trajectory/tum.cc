@@ -31,7 +31,7 @@ void WriteTum(const Atlas& atlas, const Target& target, const WriteOptions& opti
       AppendLine(lines.lines, text);
     }
   }
-  detail::WriteMapLines(maps, kHeader, trajectories.Summary(), target, options, notices);
+  detail::WriteMapLines(maps, kHeader, trajectories.Count(), target, options, notices);
 }
 
 Atlas ReadTum(const Source& source, const ReadOptions& options, Notices& notices) {
@@ -62,7 +62,7 @@ std::size_t detail::WriteTumText(const TrajectoryText& trajectory, const Target&
     for (const PoseText& pose : map.poses) AppendLine(lines.lines, pose);
     poses += map.poses.size();
   }
-  WriteMapLines(maps, kHeader, Counted(poses, "pose"), target, options, notices);
+  WriteMapLines(maps, kHeader, {.poses = poses}, target, options, notices);
   return poses;
 }
 

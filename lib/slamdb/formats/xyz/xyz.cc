@@ -30,7 +30,7 @@ void WriteXyz(const Atlas& atlas, const Target& target, const WriteOptions& opti
   });
   file.Commit();
   points.WarnOfNotFinite(notices);
-  notices.Tell(points.Summary());
+  notices.Tell(points.Summary(), WrittenCounts{.points = points.size()});
 }
 
 // What a line above the points may name besides x, y and z.

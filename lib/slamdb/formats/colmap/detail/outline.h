@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,9 @@ struct Outline {
 // Throws Error (kNotFound) when the chosen map is not there.
 Outline OutlineOf(const Atlas& atlas, const Target& target, const WriteOptions& options,
                   const KeyFramePictures& pictures);
+
+// Of the views of the maps: a fisheye pair is one.
+std::size_t CountKeyFrames(std::span<const MapOutline> maps);
 
 // The column that the keypoints of a view are in.
 struct ViewKeypoints {

@@ -36,6 +36,7 @@ class Places {
 
   // `14 poses; 3,162 points`, and how many of them where that is not all.
   std::string Summary() const;
+  WrittenCounts Counts() const { return {.keyframes = keyframes_.size(), .points = chosen_points_.size()}; }
 
  private:
   LocalFrame frame_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "slamdb/formats/format.h"
+#include "slamdb/formats/trajectory/detail/poses.h"
 
 // Trajectories as their text has them: with every digit, which an atlas of single precision has no place for.
 namespace slamdb::detail {
@@ -65,7 +66,7 @@ struct MapLines {
   MapId id;
   std::string lines;
 };
-void WriteMapLines(const std::vector<MapLines>& maps, std::string_view header, const std::string& summary,
+void WriteMapLines(const std::vector<MapLines>& maps, std::string_view header, const PoseCount& count,
                    const Target& target, const WriteOptions& options, Notices& notices);
 
 }  // namespace slamdb::detail

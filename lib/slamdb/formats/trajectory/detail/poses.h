@@ -27,13 +27,20 @@ struct KeyFrameTrajectory {
 // Where its cameras, or bodies, are.
 std::vector<Eigen::Vector3f> CentersOf(const KeyFrameTrajectory& trajectory);
 
+struct PoseCount {
+  std::size_t poses = 0, bad = 0;  // bad: keyframes that are left out for that
+
+  std::string Summary() const;  // `221 poses, 3 bad ones left out`, for Notices::Tell
+};
+
 // The trajectories to write, one per chosen map, maps without poses left out.
 struct Trajectories {
   std::vector<KeyFrameTrajectory> maps;
   std::size_t bad = 0;  // keyframes that are left out for that
 
   const KeyFrameTrajectory* Find(const Map& map) const;  // null: it has no poses
-  std::string Summary() const;                           // `221 poses, 3 bad ones left out`, for Notices::Tell
+  PoseCount Count() const;
+  std::string Summary() const { return Count().Summary(); }
 };
 
 // Keyframes whose pose or time is not finite are left out with a warning. Warns when the body frame is asked for and a
