@@ -138,6 +138,14 @@ ArchivePlan::ArchivePlan(const Atlas& atlas, const ArchiveEncoding& encoding) : 
   Add({.kind = Segment::Kind::kTail, .classes = classes, .list_size = Size(cameras), .pointers = cameras}, classes);
 }
 
+int ArchivePlan::ThreadsThatPay(int requested) const {
+  const auto goes_on = [](const Segment& segment) {
+    return !segment.begins_list &&
+           (segment.kind == Segment::Kind::kKeyFrames || segment.kind == Segment::Kind::kPoints);
+  };
+  return std::ranges::any_of(segments_, goes_on) ? requested : 1;
+}
+
 void ArchivePlan::PlanMap(std::size_t row, ClassTable& classes) {
   const Map& map = atlas_.maps[row];
   MapObjects objects;

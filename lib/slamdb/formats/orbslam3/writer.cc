@@ -44,7 +44,8 @@ void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& 
   AtomicFile file(target, {options.overwrite, options.sync, options.before_commit});
   bool non_finite = false;
   detail::ProduceInOrder(
-      plan.size(), options.threads, [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
+      plan.size(), plan.ThreadsThatPay(options.threads),
+      [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
       [&](std::size_t i, const Column<char>& buffer) {
         file.Write(std::as_bytes(std::span(buffer)));
         if (encoding.text && !non_finite) non_finite = HasNonFinite(buffer);
@@ -105,7 +106,7 @@ std::string EncodeOrbslam3(const Atlas& atlas) {
   }
   const orbslam3::ArchivePlan plan(atlas, EncodingFor(atlas, {}));
   detail::ProduceInOrder(
-      plan.size(), 0, [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
+      plan.size(), plan.ThreadsThatPay(0), [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
       [&](std::size_t, const Column<char>& buffer) { encoded.append(buffer.data(), buffer.size()); });
   return encoded;
 }

@@ -33,6 +33,8 @@ class ArchivePlan {
   ArchivePlan(const Atlas& atlas, const ArchiveEncoding& encoding);
 
   std::size_t size() const { return segments_.size(); }
+  // How many threads of those asked for pay: one where no list is longer than a segment.
+  int ThreadsThatPay(int requested) const;
   // Appends segment `i` to the buffer. Thread-safe. Throws Error when an id does not fit the encoding.
   void Encode(std::size_t i, Column<char>& buffer) const;
 
