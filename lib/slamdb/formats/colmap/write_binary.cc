@@ -104,7 +104,7 @@ void WriteList(const List& list, std::size_t grain, AtomicFile& file, const Writ
 }  // namespace
 
 void EncodeBinary(Part part, const Model& model, AtomicFile& file, const WriteOptions& options) {
-  constexpr std::size_t kFew = 1024, kImages = 2, kPoints = 8192;
+  constexpr std::size_t kFew = 1024, kImages = 2, kPoints = 512;  // small blocks stay in the cache
   const auto plain = [](std::string& out, const auto& row) { Append(out, row); };
   switch (part) {
     case Part::kCameras:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -31,7 +32,7 @@ std::uint64_t CountStereo(const Features& features) {
   const Column<float>&right = features.right_x, &depth = features.depth;
   const std::size_t both = std::min(right.size(), depth.size());
   std::uint64_t count = 0;
-  for (std::size_t row = 0; row < both; ++row) count += right[row] >= 0 || depth[row] > 0 ? 1 : 0;
+  for (std::size_t row = 0; row < both; ++row) count += int{right[row] >= 0} | int{depth[row] > 0};
   for (std::size_t row = both; row < right.size(); ++row) count += right[row] >= 0 ? 1 : 0;
   for (std::size_t row = both; row < depth.size(); ++row) count += depth[row] > 0 ? 1 : 0;
   return count;
@@ -174,7 +175,10 @@ class Maker {
   void AddPoints() {
     const IdTable rows = PointTable(*map_.map);
     const Column<MapPoint>& points = map_.map->points;
+    std::size_t observations = 0;
+    for (const MapPoint& point : points) observations += point.observations.size();
     model_.points.reserve(points.size());
+    model_.tracks.reserve(observations);
     for (std::uint32_t row = 0; row < points.size(); ++row) {
       const MapPoint& point = points[row];
       if (point.bad) {
@@ -243,15 +247,24 @@ class Maker {
   }
 
   void CountSlots() {
-    for (std::size_t view = 0; view < map_.views.size(); ++view) {
-      const View& seen = map_.views[view];
-      const std::size_t first = KeypointsOf(seen).first_row;
-      const Column<MapPointId>& slots = seen.keyframe->features.map_points;
-      const Column<Point2>& points = model_.images[view].points;
-      for (std::size_t row = 0; row < points.size() && first + row < slots.size(); ++row)
-        if (slots[first + row] && points[row].point != slots[first + row].value()) ++unheld_.slots;
-    }
+    constexpr std::size_t kGrain = 16;
+    std::atomic<std::uint64_t> slots = 0;
+    detail::ParallelFor(map_.views.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
+      std::uint64_t count = 0;
+      for (std::size_t view = begin; view < end; ++view) count += CountSlots(map_.views[view], model_.images[view]);
+      slots += count;
+    });
+    unheld_.slots += slots;
     unheld_.slots -= std::min(unheld_.slots, unheld_.alone);  // which were told
+  }
+
+  static std::uint64_t CountSlots(const View& view, const Image& image) {
+    const std::size_t first = KeypointsOf(view).first_row;
+    const Column<MapPointId>& slots = view.keyframe->features.map_points;
+    std::uint64_t count = 0;
+    for (std::size_t row = 0; row < image.points.size() && first + row < slots.size(); ++row)
+      count += slots[first + row] && image.points[row].point != slots[first + row].value() ? 1 : 0;
+    return count;
   }
 
   // What is the same keypoint in both images of a fisheye pair is told by the point that both see, and by it alone.

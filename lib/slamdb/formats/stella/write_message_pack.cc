@@ -253,7 +253,7 @@ void WriteRows(AtomicFile& file, std::string_view name, const std::vector<std::u
 }  // namespace
 
 std::uint64_t WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options) {
-  constexpr std::size_t kPointsPerBlock = 4096;
+  constexpr std::size_t kPointsPerBlock = 1024;
   AtomicFile file(target, detail::FileOptions(options));
   const auto keyframes = TextOrder(map.keyframes(), [](const auto& row) { return row.keyframe->id.value(); });
   const auto points = TextOrder(map.points(), [](const auto& row) { return row.point->id.value(); });
