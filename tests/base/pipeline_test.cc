@@ -31,6 +31,14 @@ TEST(ProduceInOrder, HandsBlocksOverInOrderOnTheCallersThread) {
   }
 }
 
+TEST(ProduceInOrder, MakesTextsToo) {
+  std::string taken;
+  detail::ProduceInOrder<std::string>(
+      12, 2, [](std::size_t i, std::string& text) { text += std::to_string(i); },
+      [&](std::size_t, const std::string& text) { taken += text; });
+  EXPECT_EQ(taken, "01234567891011");
+}
+
 TEST(ProduceInOrder, KeepsOnlyAFewBlocks) {
   std::atomic<int> made{0};
   int taken = 0, most_waiting = 0;

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -13,11 +14,10 @@
 namespace slamdb::detail {
 namespace {
 
-using Make = std::function<void(std::size_t, Column<char>&)>;
-
+template <class Buffer>
 class Pipeline {
  public:
-  Pipeline(std::size_t count, std::size_t helpers, const Make& make)
+  Pipeline(std::size_t count, std::size_t helpers, const MakeBlock<Buffer>& make)
       : count_(count), make_(make), slots_(2 * (helpers + 1)) {
     for (std::size_t i = 0; i < helpers; ++i) helpers_.emplace_back([this] { Help(); });
   }
@@ -33,7 +33,7 @@ class Pipeline {
   Pipeline& operator=(const Pipeline&) = delete;
 
   // Block `i`, made by a helper or here and now.
-  const Column<char>& Wait(std::size_t i) {
+  const Buffer& Wait(std::size_t i) {
     Slot& slot = SlotOf(i);
     std::unique_lock lock(mutex_);
     while (!slot.ready) {
@@ -56,7 +56,7 @@ class Pipeline {
 
  private:
   struct Slot {
-    Column<char> buffer;
+    Buffer buffer;
     std::exception_ptr failure;
     bool ready = false;
   };
@@ -89,7 +89,7 @@ class Pipeline {
   }
 
   const std::size_t count_;
-  const Make& make_;
+  const MakeBlock<Buffer>& make_;
   std::vector<Slot> slots_;
   std::mutex mutex_;  // guards what follows, and the slots' `ready` and `failure`
   std::condition_variable changed_;
@@ -101,15 +101,20 @@ class Pipeline {
 
 }  // namespace
 
-void ProduceInOrder(std::size_t count, int threads, const Make& make,
-                    const std::function<void(std::size_t, const Column<char>&)>& take) {
+template <class Buffer>
+void ProduceInOrder(std::size_t count, int threads, const MakeBlock<Buffer>& make, const TakeBlock<Buffer>& take) {
   if (count == 0) return;
   const std::size_t helpers = std::min<std::size_t>(static_cast<std::size_t>(ThreadCount(threads)), count) - 1;
-  Pipeline pipeline(count, helpers, make);
+  Pipeline<Buffer> pipeline(count, helpers, make);
   for (std::size_t i = 0; i < count; ++i) {
     take(i, pipeline.Wait(i));
     pipeline.Taken(i);
   }
 }
+
+template void ProduceInOrder<Column<char>>(std::size_t, int, const MakeBlock<Column<char>>&,
+                                           const TakeBlock<Column<char>>&);
+template void ProduceInOrder<std::string>(std::size_t, int, const MakeBlock<std::string>&,
+                                          const TakeBlock<std::string>&);
 
 }  // namespace slamdb::detail

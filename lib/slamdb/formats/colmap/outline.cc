@@ -37,15 +37,11 @@ slamdb::Camera CameraWithParameters(const Atlas& atlas, CameraId id, const KeyFr
   return camera;
 }
 
-bool ArePlacedAlike(const Column<Keypoint>& one, const Column<Keypoint>& other) {
-  return std::ranges::equal(one, other, [](const Keypoint& a, const Keypoint& b) { return a.x == b.x && a.y == b.y; });
-}
-
-// Maps of programs that keep no distortion have places without it all the same.
+// Maps of programs that keep no distortion have places without it all the same. Where lenses do not distort, both
+// columns say the same.
 bool IsUndistortedAlone(const Features& features, const CameraSettings& settings) {
-  if (settings.camera.model != CameraModel::kPinhole || features.undistorted.empty()) return false;
-  return features.keypoints.empty() ||
-         (settings.distortion.empty() && !ArePlacedAlike(features.keypoints, features.undistorted));
+  return settings.camera.model == CameraModel::kPinhole && !features.undistorted.empty() &&
+         (features.keypoints.empty() || settings.distortion.empty());
 }
 
 Pose Recorded(const Rigid3f& transform) {

@@ -64,11 +64,11 @@ void RequireWhole(const NamedModel& named) {
     fail("images that see points, and no points");
 }
 
-template <class Row, class IdOf>
-std::vector<std::uint64_t> IdsOf(const std::vector<Row>& rows, const IdOf& id_of) {
+template <class Rows, class IdOf>
+std::vector<std::uint64_t> IdsOf(const Rows& rows, const IdOf& id_of) {
   std::vector<std::uint64_t> ids;
   ids.reserve(rows.size());
-  for (const Row& row : rows) ids.push_back(id_of(row.id));
+  for (const auto& row : rows) ids.push_back(id_of(row.id));
   return ids;
 }
 

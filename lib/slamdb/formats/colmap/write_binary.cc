@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstring>
+
 #include "slamdb/formats/colmap/detail/codec.h"
 #include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -12,6 +14,19 @@ using detail::WriteRows;
 template <class Values>
 void AppendAll(std::string& out, const Values& values) {
   for (const auto value : values) AppendRaw(out, value);
+}
+
+// One behind the other, without padding.
+template <class... Values>
+void AppendPacked(std::string& out, const Values&... values) {
+  char bytes[(sizeof(Values) + ...)];
+  char* at = bytes;
+  const auto put = [&at](const auto& value) {
+    std::memcpy(at, &value, sizeof value);
+    at += sizeof value;
+  };
+  (put(values), ...);
+  out.append(bytes, sizeof bytes);
 }
 
 // Elements without padding, as they are in memory.
@@ -48,11 +63,7 @@ void Append(std::string& out, const Image& image) {
 }
 
 void Append(std::string& out, const Point& point, const Model& model) {
-  AppendRaw(out, point.id);
-  AppendAll(out, point.position);
-  AppendAll(out, point.color);
-  AppendRaw(out, point.error);
-  AppendRaw(out, point.track_length);
+  AppendPacked(out, point.id, point.position, point.color, point.error, point.track_length);
   AppendBytes(out, model.tracks.data() + point.track_begin, point.track_length);
 }
 
@@ -93,7 +104,7 @@ void WriteList(const List& list, std::size_t grain, AtomicFile& file, const Writ
 }  // namespace
 
 void EncodeBinary(Part part, const Model& model, AtomicFile& file, const WriteOptions& options) {
-  constexpr std::size_t kFew = 1024, kImages = 16, kPoints = 8192;
+  constexpr std::size_t kFew = 1024, kImages = 2, kPoints = 512;  // small blocks stay in the cache
   const auto plain = [](std::string& out, const auto& row) { Append(out, row); };
   switch (part) {
     case Part::kCameras:

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "slamdb/formats/colmap/detail/database.h"
 #include "slamdb/formats/colmap/detail/lenses.h"
@@ -72,12 +73,6 @@ Described DescriptorsOf(const KeyFrame& keyframe) {
 
 using Match = std::array<std::uint32_t, 2>;
 
-// A keypoint of an image that is, in another image, the same point.
-struct Sighting {
-  std::uint32_t other;  // row of Model::images, behind the image's own
-  Match rows;
-};
-
 // What two images say about each other.
 struct Relation {
   Eigen::Quaterniond second_from_first;
@@ -117,38 +112,45 @@ class Pairs {
       first = std::min(first, image.id);
       last = std::max(last, image.id);
     }
-    begins_.resize(model.images.size() + 1);
+    ends_.resize(model.images.size() + 1);
     IdTable images(first, last, model.images.size());
     for (std::uint32_t row = 0; row < model.images.size(); ++row) images.Insert(model.images[row].id, row);
+    image_of_element_.reserve(model.tracks.size());
     for (const TrackElement& element : model.tracks) image_of_element_.push_back(images.Find(element.image));
   }
 
-  // In the order of the other images, and of the keypoints in this one.
-  const std::vector<Sighting>& SightingsOf(std::uint32_t image) {
-    found_.clear();
-    std::ranges::fill(begins_, 0);
+  // What this image, a row of Model::images, and those behind it see.
+  void Find(std::uint32_t image) {
+    std::ranges::fill(ends_, 0);
+    ForEachMatch(image, [this](std::uint32_t other, const Match&) { ++ends_[other + 1]; });
+    std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
+    matches_.resize(ends_.back());
+    ForEachMatch(image, [this](std::uint32_t other, const Match& match) { matches_[ends_[other]++] = match; });
+  }
+
+  // Keypoints of the image and one behind it that are the same points, in the order of those of the image.
+  std::span<Match> MatchesWith(std::uint32_t other) {
+    const std::size_t begin = other == 0 ? 0 : ends_[other - 1];
+    return std::span(matches_).subspan(begin, ends_[other] - begin);
+  }
+
+ private:
+  template <class Work>
+  void ForEachMatch(std::uint32_t image, const Work& work) const {
     const Column<Point2>& keypoints = model_.images[image].points;
     for (std::uint32_t row = 0; row < keypoints.size(); ++row) {
       if (keypoints[row].point == kNoPoint) continue;
       const Point& point = model_.points[points_.Find(keypoints[row].point)];
       for (std::uint64_t at = point.track_begin; at < point.track_begin + point.track_length; ++at)
-        if (const std::uint32_t other = image_of_element_[at]; other > image) {
-          found_.push_back({other, {row, model_.tracks[at].row}});
-          ++begins_[other + 1];
-        }
+        if (image_of_element_[at] > image) work(image_of_element_[at], Match{row, model_.tracks[at].row});
     }
-    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
-    sightings_.resize(found_.size());
-    for (const Sighting& sighting : found_) sightings_[begins_[sighting.other]++] = sighting;
-    return sightings_;
   }
 
- private:
   const Model& model_;
   IdTable points_;
   std::vector<std::uint32_t> image_of_element_;
-  std::vector<Sighting> found_, sightings_;
-  std::vector<std::size_t> begins_;  // by the other image: its place among the sightings
+  std::vector<Match> matches_;     // in the order of the other images
+  std::vector<std::size_t> ends_;  // by the other image: of its matches
 };
 
 void BindGeometry(Statement& geometry, const Relation& relation, const std::array<double, 4>& rotation) {
@@ -247,15 +249,14 @@ void DatabaseWriter::AddPairs(const MapOutline& map, const Model& model) {
   for (const View& view : map.views)
     cameras.push_back(CameraOf(outline_.cameras[view.camera].settings, outline_.cameras[view.camera].id));
   Pairs pairs(model);
-  std::vector<Match> rows;
   for (std::uint32_t image = 0; image < model.images.size(); ++image) {
-    const std::vector<Sighting>& sightings = pairs.SightingsOf(image);
-    for (auto begin = sightings.begin(); begin != sightings.end();) {
-      const std::uint32_t other = begin->other;
+    pairs.Find(image);
+    for (std::uint32_t other = image + 1; other < model.images.size(); ++other) {
+      const std::span<Match> rows = pairs.MatchesWith(other);
+      if (rows.empty()) continue;
       const bool swapped = model.images[image].id > model.images[other].id;
-      rows.clear();
-      for (; begin != sightings.end() && begin->other == other; ++begin)
-        rows.push_back(swapped ? Match{begin->rows[1], begin->rows[0]} : begin->rows);
+      if (swapped)
+        for (Match& match : rows) std::swap(match[0], match[1]);
       const std::uint32_t first = swapped ? other : image, second = swapped ? image : other;
       const Relation relation = RelationOf(model.images[first], model.images[second], cameras[first], cameras[second]);
       const Eigen::Quaterniond& q = relation.second_from_first;

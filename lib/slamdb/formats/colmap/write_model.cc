@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -28,15 +29,61 @@ std::uint64_t CarriedRows(const KeyFrame& keyframe) {
 
 // Keypoints with a column in the right image of a rectified pair, or a depth.
 std::uint64_t CountStereo(const Features& features) {
+  const Column<float>&right = features.right_x, &depth = features.depth;
+  const std::size_t both = std::min(right.size(), depth.size());
   std::uint64_t count = 0;
-  const std::size_t rows = std::max(features.right_x.size(), features.depth.size());
-  for (std::size_t row = 0; row < rows; ++row)
-    count += (row < features.right_x.size() && features.right_x[row] >= 0) ||
-                     (row < features.depth.size() && features.depth[row] > 0)
-                 ? 1
-                 : 0;
+  for (std::size_t row = 0; row < both; ++row) count += int{right[row] >= 0} | int{depth[row] > 0};
+  for (std::size_t row = both; row < right.size(); ++row) count += right[row] >= 0 ? 1 : 0;
+  for (std::size_t row = both; row < depth.size(); ++row) count += depth[row] > 0 ? 1 : 0;
   return count;
 }
+
+// An image as what sees points.
+class Eye {
+ public:
+  Eye(Image& image, const Camera& camera, const Features& features)
+      : points_(image.points.data()),
+        count_(image.points.size()),
+        left_(features.is_fisheye_stereo() ? static_cast<std::size_t>(features.left_count) : ~std::size_t{0}),
+        image_(image.id),
+        camera_(&camera),
+        rotation_(RotationOf(image.camera_from_world).normalized().toRotationMatrix()),
+        translation_(TranslationOf(image.camera_from_world)) {}
+
+  std::uint32_t image() const { return image_; }
+  // Rows of observations from here on are keypoints of the right image, whose eye follows.
+  std::size_t left() const { return left_; }
+  // Null: there is none.
+  Point2* KeypointAt(std::size_t row) const { return row < count_ ? points_ + row : nullptr; }
+
+  // Of a point that a keypoint is, in pixels; infinite behind the camera.
+  double Error(const Eigen::Vector3d& point, const Point2& keypoint) const {
+    const std::optional<Eigen::Vector2d> seen = SeenBy(*camera_, rotation_ * point + translation_);
+    return seen ? (*seen - Eigen::Vector2d(keypoint.x, keypoint.y)).norm() : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  Point2* points_;
+  std::size_t count_, left_;
+  std::uint32_t image_;
+  const Camera* camera_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d translation_;
+};
+
+// In the image as it is, over the track, as COLMAP has it.
+class MeanError {
+ public:
+  void Add(double error) {
+    if (!std::isfinite(error)) return;
+    sum_ += error;
+    ++count_;
+  }
+  double value() const { return count_ == 0 ? -1 : sum_ / count_; }  // -1: there is none
+
+ private:
+  double sum_ = 0, count_ = 0;
+};
 
 // Makes one model.
 class Maker {
@@ -48,10 +95,10 @@ class Maker {
     AddCameras();
     AddImages();
     AddFrames();
+    AddEyes();
     AddPoints();
     CountSlots();
     CountMatches();
-    AddErrors();
     return std::move(model_);
   }
 
@@ -98,10 +145,10 @@ class Maker {
     image.camera_from_world = PoseOf(view);
     image.name = view.name;
     const Column<Keypoint>& keypoints = *KeypointsOf(view).keypoints;
-    image.points.resize(keypoints.size());
-    for (std::size_t row = 0; row < keypoints.size(); ++row)
-      image.points[row] = {static_cast<double>(keypoints[row].x) + kHalfPixel,
-                           static_cast<double>(keypoints[row].y) + kHalfPixel, kNoPoint};
+    image.points.reserve(keypoints.size());
+    for (const Keypoint& keypoint : keypoints)
+      image.points.push_back(
+          {static_cast<double>(keypoint.x) + kHalfPixel, static_cast<double>(keypoint.y) + kHalfPixel, kNoPoint});
   }
 
   // One for each keyframe.
@@ -116,10 +163,22 @@ class Maker {
     }
   }
 
+  void AddEyes() {
+    eyes_.reserve(model_.images.size());
+    for (std::size_t row = 0; row < model_.images.size(); ++row) {
+      Image& image = model_.images[row];
+      const Camera& camera = *std::ranges::find(model_.cameras, image.camera, &Camera::id);
+      eyes_.emplace_back(image, camera, map_.views[row].keyframe->features);
+    }
+  }
+
   void AddPoints() {
     const IdTable rows = PointTable(*map_.map);
     const Column<MapPoint>& points = map_.map->points;
+    std::size_t observations = 0;
+    for (const MapPoint& point : points) observations += point.observations.size();
     model_.points.reserve(points.size());
+    model_.tracks.reserve(observations);
     for (std::uint32_t row = 0; row < points.size(); ++row) {
       const MapPoint& point = points[row];
       if (point.bad) {
@@ -133,65 +192,79 @@ class Maker {
   }
 
   void AddPoint(const MapPoint& point) {
-    Point written{.id = point.id.value(), .color = kNoColor, .track_begin = model_.tracks.size()};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      written.position[axis] = static_cast<double>(point.position[static_cast<Eigen::Index>(axis)]);
-    for (const Observation& observation : point.observations) {
-      if (observation.left >= 0) See(written.id, SpotOf(observation.keyframe, observation.left));
-      if (observation.right >= 0) See(written.id, SpotOf(observation.keyframe, observation.right));
-    }
-    if (model_.tracks.size() == written.track_begin + 1) ForgetLast();
+    const Eigen::Vector3d position = point.position.cast<double>();
+    Point written{.id = point.id.value(),
+                  .position = {position.x(), position.y(), position.z()},
+                  .color = kNoColor,
+                  .track_begin = model_.tracks.size()};
+    MeanError error;
+    Point2* last = nullptr;
+    for (const Observation& observation : point.observations)
+      for (const std::int32_t row : {observation.left, observation.right}) {
+        if (row < 0) continue;
+        const Sight sight = SightOf(observation.keyframe, row);
+        if (sight.keypoint == nullptr || sight.keypoint->point != kNoPoint) {
+          ++unheld_.observations;
+          continue;
+        }
+        last = sight.keypoint;
+        last->point = written.id;
+        model_.tracks.push_back({sight.eye->image(), static_cast<std::uint32_t>(sight.row)});
+        error.Add(sight.eye->Error(position, *last));
+      }
     written.track_length = model_.tracks.size() - written.track_begin;
+    written.error = error.value();
+    if (written.track_length == 1) Forget(*last, written);
     model_.points.push_back(written);
   }
 
   // COLMAP's bundle adjustment ends the program at points that one image alone sees.
-  void ForgetLast() {
-    model_.images[view_of_element_.back()].points[model_.tracks.back().row].point = kNoPoint;
-    view_of_element_.pop_back();
+  void Forget(Point2& keypoint, Point& point) {
+    keypoint.point = kNoPoint;
     model_.tracks.pop_back();
+    point.track_length = 0;
+    point.error = -1;
     ++unheld_.alone;
   }
 
-  // A keypoint of an image; kNoRow: none.
-  struct Spot {
-    std::uint32_t view = kNoRow;
+  // A keypoint of an image; null: there is none.
+  struct Sight {
+    const Eye* eye = nullptr;
     std::size_t row = 0;
+    Point2* keypoint = nullptr;
   };
 
-  Spot SpotOf(KeyFrameId keyframe, std::int32_t row) const {
+  Sight SightOf(KeyFrameId keyframe, std::int32_t row) const {
     const std::uint32_t at = keyframes_.Find(keyframe.value());
     if (at == kNoRow || map_.view_of_row[at] == kNoRow) return {};
-    Spot spot{map_.view_of_row[at], static_cast<std::size_t>(row)};
-    const Features& features = map_.views[spot.view].keyframe->features;
-    const auto left = static_cast<std::size_t>(std::max(features.left_count, 0));
-    if (features.is_fisheye_stereo() && spot.row >= left) {
-      spot.row -= left;
-      ++spot.view;
+    Sight sight{&eyes_[map_.view_of_row[at]], static_cast<std::size_t>(row)};
+    if (sight.row >= sight.eye->left()) {
+      sight.row -= sight.eye->left();
+      ++sight.eye;
     }
-    return spot.row < model_.images[spot.view].points.size() ? spot : Spot();
-  }
-
-  void See(std::uint64_t point, const Spot& spot) {
-    if (spot.view == kNoRow || model_.images[spot.view].points[spot.row].point != kNoPoint) {
-      ++unheld_.observations;
-      return;
-    }
-    model_.images[spot.view].points[spot.row].point = point;
-    view_of_element_.push_back(spot.view);
-    model_.tracks.push_back({map_.views[spot.view].image, static_cast<std::uint32_t>(spot.row)});
+    sight.keypoint = sight.eye->KeypointAt(sight.row);
+    return sight;
   }
 
   void CountSlots() {
-    for (std::size_t view = 0; view < map_.views.size(); ++view) {
-      const View& seen = map_.views[view];
-      const std::size_t first = KeypointsOf(seen).first_row;
-      const Column<MapPointId>& slots = seen.keyframe->features.map_points;
-      const Column<Point2>& points = model_.images[view].points;
-      for (std::size_t row = 0; row < points.size() && first + row < slots.size(); ++row)
-        if (slots[first + row] && points[row].point != slots[first + row].value()) ++unheld_.slots;
-    }
+    constexpr std::size_t kGrain = 16;
+    std::atomic<std::uint64_t> slots = 0;
+    detail::ParallelFor(map_.views.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
+      std::uint64_t count = 0;
+      for (std::size_t view = begin; view < end; ++view) count += CountSlots(map_.views[view], model_.images[view]);
+      slots += count;
+    });
+    unheld_.slots += slots;
     unheld_.slots -= std::min(unheld_.slots, unheld_.alone);  // which were told
+  }
+
+  static std::uint64_t CountSlots(const View& view, const Image& image) {
+    const std::size_t first = KeypointsOf(view).first_row;
+    const Column<MapPointId>& slots = view.keyframe->features.map_points;
+    std::uint64_t count = 0;
+    for (std::size_t row = 0; row < image.points.size() && first + row < slots.size(); ++row)
+      count += slots[first + row] && image.points[row].point != slots[first + row].value() ? 1 : 0;
+    return count;
   }
 
   // What is the same keypoint in both images of a fisheye pair is told by the point that both see, and by it alone.
@@ -210,61 +283,13 @@ class Maker {
     }
   }
 
-  // As COLMAP has them: in the image as it is, means over the track; -1 where there is none.
-  void AddErrors() {
-    constexpr std::size_t kGrain = 4096;
-    std::vector<Eye> eyes;
-    for (const Image& image : model_.images)
-      eyes.emplace_back(image, *std::ranges::find(model_.cameras, image.camera, &Camera::id));
-    detail::ParallelFor(model_.points.size(), kGrain, options_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row) model_.points[row].error = MeanError(model_.points[row], eyes);
-    });
-  }
-
-  // An image as what projects points into it.
-  class Eye {
-   public:
-    Eye(const Image& image, const Camera& camera)
-        : image_(image),
-          camera_(camera),
-          rotation_(RotationOf(image.camera_from_world).normalized().toRotationMatrix()),
-          translation_(TranslationOf(image.camera_from_world)) {}
-
-    // Infinite behind the camera.
-    double Error(const Eigen::Vector3d& point, const Point2& keypoint) const {
-      const std::optional<Eigen::Vector2d> seen = SeenBy(camera_, rotation_ * point + translation_);
-      return seen ? (*seen - Eigen::Vector2d(keypoint.x, keypoint.y)).norm() : std::numeric_limits<double>::infinity();
-    }
-    const Image& image() const { return image_; }
-
-   private:
-    const Image& image_;
-    const Camera& camera_;
-    Eigen::Matrix3d rotation_;
-    Eigen::Vector3d translation_;
-  };
-
-  double MeanError(const Point& point, const std::vector<Eye>& eyes) const {
-    const Eigen::Map<const Eigen::Vector3d> position(point.position.data());
-    double sum = 0;
-    std::uint64_t count = 0;
-    for (std::uint64_t at = point.track_begin; at < point.track_begin + point.track_length; ++at) {
-      const Eye& eye = eyes[view_of_element_[at]];
-      const double error = eye.Error(position, eye.image().points[model_.tracks[at].row]);
-      if (!std::isfinite(error)) continue;
-      sum += error;
-      ++count;
-    }
-    return count == 0 ? -1 : sum / static_cast<double>(count);
-  }
-
   const Outline& outline_;
   const MapOutline& map_;
   const WriteOptions& options_;
   Unheld& unheld_;
   const IdTable keyframes_;
   Model model_;
-  std::vector<std::uint32_t> view_of_element_;  // of Model::tracks
+  std::vector<Eye> eyes_;  // of Model::images
 };
 
 }  // namespace

@@ -77,7 +77,7 @@ class Colors {
     for (std::size_t channel = 0; channel < 3; ++channel) sums_[sample.point][channel] += sample.color[channel];
     ++counts_[sample.point];
   }
-  void Give(std::vector<colmap::Point>& points) const {
+  void Give(Column<colmap::Point>& points) const {
     for (std::size_t row = 0; row < points.size(); ++row)
       for (std::size_t channel = 0; channel < 3 && counts_[row] > 0; ++channel)
         points[row].color[channel] = static_cast<std::uint8_t>((sums_[row][channel] + counts_[row] / 2) / counts_[row]);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/database.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -223,7 +225,25 @@ Database::Database(const std::string& path, Access access, double lock_timeout, 
 Database Database::InMemory(const std::string& called) {
   Database database(called);
   database.OpenMemory();
+  database.UseHugePages();
+  database.Execute("PRAGMA cache_size=-512");  // pages go where there is memory for them; so they do while it is warm
+  sqlite3_int64 most = std::int64_t{1} << 40;
+  sqlite3_file_control(database.handle(), "main", SQLITE_FCNTL_SIZE_LIMIT, &most);
   return database;
+}
+
+// What is written page by page takes few page faults then. Larger databases grow out of these addresses.
+void Database::UseHugePages() {
+  constexpr std::size_t kAddresses = std::size_t{64} << 20, kHugePage = std::size_t{2} << 20;
+  void* buffer = sqlite3_malloc64(kAddresses);
+  if (buffer == nullptr) return;
+#ifdef MADV_HUGEPAGE
+  const auto begin = (reinterpret_cast<std::uintptr_t>(buffer) + kHugePage - 1) & ~(kHugePage - 1);
+  ::madvise(reinterpret_cast<void*>(begin), kAddresses - kHugePage, MADV_HUGEPAGE);
+#endif
+  constexpr unsigned kFlags = SQLITE_DESERIALIZE_RESIZEABLE | SQLITE_DESERIALIZE_FREEONCLOSE;
+  const int code = sqlite3_deserialize(handle(), "main", static_cast<unsigned char*>(buffer), 0, kAddresses, kFlags);
+  if (code != SQLITE_OK) throw Failure("", code);
 }
 
 Database Database::OfBytes(Bytes bytes, const std::string& called) {
@@ -251,8 +271,6 @@ void Database::OpenMemory() {
   handle_.reset(handle);
   if (code != SQLITE_OK) throw FailureOf(handle, code, path_, "", "cannot open: ");
   LimitWhatFilesCanDo(handle);
-  sqlite3_int64 most = std::int64_t{1} << 40;
-  sqlite3_file_control(handle, "main", SQLITE_FCNTL_SIZE_LIMIT, &most);
 }
 
 Bytes Database::Serialized() {

@@ -225,8 +225,7 @@ void MessagePackReader::Skip() {
   }
 }
 
-// To all that it has allocated, so that a string which is filled again and again soon has room.
-// By no more than half of what is there, or what is asked for: resizing fills with zeros.
+// By half of what is there at least, so that little is copied.
 void MessagePackAppender::Grow(std::size_t bytes) {
   constexpr std::size_t kLeast = 4096;
   out_.resize(at_ + std::max({bytes, at_ / 2, kLeast}));

@@ -257,12 +257,14 @@ void Outgoing::FindTree() {
 }
 
 void Outgoing::FindCameras(const Atlas& atlas) {
-  const AtlasIndex index(atlas);
+  std::map<CameraId, const Camera*> recorded;
+  for (const Camera& camera : atlas.cameras) recorded.emplace(camera.id, &camera);
   std::map<LensCamera, std::size_t> rows;  // without setups
   std::map<std::string, int> names;
   for (OutgoingKeyFrame& written : keyframes_) {
     const KeyFrame& keyframe = *written.keyframe;
-    LensCamera lens = LensOf(keyframe, index.FindCamera(keyframe.camera));
+    const auto found = keyframe.camera ? recorded.find(keyframe.camera) : recorded.end();
+    LensCamera lens = LensOf(keyframe, found == recorded.end() ? nullptr : found->second);
     if (!SetSize(lens, keyframe.bounds)) ++losses_.sizes;
     // Names keep apart what the atlas does.
     lens.name = Concat("camera ", keyframe.camera ? std::to_string(keyframe.camera.value()) : "none");
@@ -273,8 +275,9 @@ void Outgoing::FindCameras(const Atlas& atlas) {
       if (twins > 0) lens.name += Concat(" (", twins + 1, ")");
       cameras_.push_back(std::move(lens));
     }
-    if (HasStereo(keyframe.features) && cameras_[written.camera].focal_x_baseline > 0)
-      cameras_[written.camera].setup = Setup::kStereo;
+    LensCamera& camera = cameras_[written.camera];
+    if (camera.setup == Setup::kMonocular && camera.focal_x_baseline > 0 && HasStereo(keyframe.features))
+      camera.setup = Setup::kStereo;
   }
   SortByName(cameras_, keyframes_, &OutgoingKeyFrame::camera);
   for (OutgoingKeyFrame& written : keyframes_) written.has_stereo = cameras_[written.camera].setup != Setup::kMonocular;

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cstring>
+#include <optional>
+#include <span>
+#include <string>
 
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/stella/detail/database_format.h"
@@ -104,16 +109,35 @@ void InsertKeyFrames(sqlite::Database& database, const Outgoing& map, const Writ
   }
 }
 
+// `rows` times (?,?,?,?,?,?).
+std::string InsertLandmarks(std::size_t rows) {
+  std::string sql = "INSERT INTO landmarks VALUES";
+  for (std::size_t row = 0; row < rows; ++row) sql += row == 0 ? "(?,?,?,?,?,?)" : ",(?,?,?,?,?,?)";
+  return sql;
+}
+
+// Many with each statement, since its start costs SQLite as much as a row.
 void InsertPoints(sqlite::Database& database, const Outgoing& map) {
-  sqlite::Statement insert(database, "INSERT INTO landmarks VALUES(?1,?2,?3,?4,?5,?6)");
-  for (const OutgoingPoint& written : map.points()) {
-    const MapPoint& point = *written.point;
-    const Eigen::Vector3d position = point.position.cast<double>();
-    insert.Bind(1, static_cast<std::int64_t>(point.id.value())).Bind(2, FirstKeyFrameOf(point));
-    insert.BindBlob(3, std::as_bytes(std::span(position.data(), 3)));
-    insert.Bind(4, static_cast<std::int64_t>(written.reference.value()));
-    insert.Bind(5, static_cast<std::int64_t>(CountOf(point.visible_count)));
-    insert.Bind(6, static_cast<std::int64_t>(CountOf(point.found_count))).Run();
+  constexpr std::size_t kTogether = 100;  // 600 numbers; some builds of SQLite take 999
+  const std::span<const OutgoingPoint> points = map.points();
+  std::array<Eigen::Vector3d, kTogether> positions;
+  std::optional<sqlite::Statement> insert;
+  for (std::size_t begin = 0; begin < points.size(); begin += kTogether) {
+    const std::size_t rows = std::min(kTogether, points.size() - begin);
+    if (begin == 0 || rows < kTogether) insert.emplace(database, InsertLandmarks(rows));
+    int column = 0;
+    for (std::size_t row = 0; row < rows; ++row) {
+      const OutgoingPoint& written = points[begin + row];
+      const MapPoint& point = *written.point;
+      positions[row] = point.position.cast<double>();
+      insert->Bind(++column, static_cast<std::int64_t>(point.id.value()));
+      insert->Bind(++column, FirstKeyFrameOf(point));
+      insert->BindBlob(++column, std::as_bytes(std::span(positions[row].data(), 3)));
+      insert->Bind(++column, static_cast<std::int64_t>(written.reference.value()));
+      insert->Bind(++column, static_cast<std::int64_t>(CountOf(point.visible_count)));
+      insert->Bind(++column, static_cast<std::int64_t>(CountOf(point.found_count)));
+    }
+    insert->Run();
   }
 }
 

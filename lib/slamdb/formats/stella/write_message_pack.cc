@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstring>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -157,44 +159,68 @@ void AppendKeyFrame(Appender& out, const Outgoing& map, const OutgoingKeyFrame& 
 }
 
 void AppendPoint(Appender& out, const OutgoingPoint& written) {
+  constexpr std::size_t kMost = 160;
   const MapPoint& point = *written.point;
   out.Text(std::to_string(point.id.value()));
-  out.Map(5);
-  out.Text("1st_keyfrm");
-  out.Integer(FirstKeyFrameOf(point));
-  Append(out, "n_fnd", CountOf(point.found_count));
-  Append(out, "n_vis", CountOf(point.visible_count));
-  AppendReals(out, "pos_w", point.position);
-  Append(out, "ref_keyfrm", written.reference.value());
+  out.Fill(kMost, [&](char* at) {
+    at = Appender::Put(at,
+                       "\x85\xaa"
+                       "1st_keyfrm"sv);
+    at = Appender::Put(at, FirstKeyFrameOf(point));
+    at = Appender::Put(at,
+                       "\xa5"
+                       "n_fnd"sv);
+    at = Appender::Put(at, CountOf(point.found_count));
+    at = Appender::Put(at,
+                       "\xa5"
+                       "n_vis"sv);
+    at = Appender::Put(at, CountOf(point.visible_count));
+    at = Appender::Put(at,
+                       "\xa5"
+                       "pos_w\x93"sv);
+    for (const float value : point.position) at = Appender::Put(at, value);
+    at = Appender::Put(at,
+                       "\xaa"
+                       "ref_keyfrm"sv);
+    return Appender::Put(at, written.reference.value());
+  });
 }
 
-// Rows in the order of their ids as texts: 1, 10, 11, 2. Those of 32 bits have at most ten digits: filled up with zeros
-// they stand in that order, and the shorter first.
+// Rows, which are in the order of their ids, in that of their ids as texts: 1, 10, 11, 2. Filled up with zeros to ten
+// digits, which ids of 32 bits have at most, they stand in that order, and the shorter first. Those of one length do
+// already.
 template <class Rows, class IdOf>
 std::vector<std::uint32_t> TextOrder(const Rows& rows, const IdOf& id_of) {
-  constexpr std::uint64_t kTenDigits = 1'000'000'000;
-  std::vector<std::array<std::uint64_t, 3>> keys;
+  constexpr std::uint64_t kTenDigits = 10'000'000'000;  // all are below
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
   keys.reserve(rows.size());
-  for (const auto& row : rows) {
-    std::uint64_t filled = id_of(row), zeros = 0;
-    for (; filled < kTenDigits && zeros < 10; ++zeros) filled *= 10;
-    keys.push_back({filled, 10 - zeros, keys.size()});
+  std::uint64_t limit = 10;  // ids of this length are below
+  std::ptrdiff_t merged = 0;
+  const auto merge = [&] { std::inplace_merge(keys.begin(), keys.begin() + merged, keys.end()); };
+  for (std::uint32_t row = 0; row < rows.size(); ++row) {
+    const std::uint64_t id = id_of(rows[row]);
+    if (id >= limit) {
+      merge();
+      merged = static_cast<std::ptrdiff_t>(keys.size());
+    }
+    while (id >= limit) limit *= 10;
+    keys.push_back({id * (kTenDigits / limit), row});
   }
-  std::ranges::sort(keys);
+  merge();
   std::vector<std::uint32_t> order;
   order.reserve(keys.size());
-  for (const auto& key : keys) order.push_back(static_cast<std::uint32_t>(key[2]));
+  for (const auto& [key, row] : keys) order.push_back(row);
   return order;
 }
 
 template <class Append>
 void Write(AtomicFile& file, const Append& append) {
-  std::string bytes;
+  Column<char> bytes;
   {
     Appender out(bytes);
     append(out);
   }
-  file.Write(bytes);
+  file.Write(std::as_bytes(std::span(bytes)));
 }
 
 template <class Items, class AppendItem>
@@ -217,16 +243,17 @@ void WriteRows(AtomicFile& file, std::string_view name, const std::vector<std::u
     out.Text(name);
     out.Map(order.size());
   });
-  detail::WriteRows(file, order.size(), grain, options, [&](std::size_t begin, std::size_t end, std::string& bytes) {
-    Appender out(bytes);
-    for (std::size_t i = begin; i < end; ++i) append(out, order[i]);
-  });
+  detail::WriteRows<Column<char>>(file, order.size(), grain, options,
+                                  [&](std::size_t begin, std::size_t end, Column<char>& bytes) {
+                                    Appender out(bytes);
+                                    for (std::size_t i = begin; i < end; ++i) append(out, order[i]);
+                                  });
 }
 
 }  // namespace
 
 std::uint64_t WriteMessagePack(const Outgoing& map, const Target& target, const WriteOptions& options) {
-  constexpr std::size_t kPointsPerBlock = 4096;
+  constexpr std::size_t kPointsPerBlock = 1024;
   AtomicFile file(target, detail::FileOptions(options));
   const auto keyframes = TextOrder(map.keyframes(), [](const auto& row) { return row.keyframe->id.value(); });
   const auto points = TextOrder(map.points(), [](const auto& row) { return row.point->id.value(); });

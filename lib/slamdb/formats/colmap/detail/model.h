@@ -102,7 +102,7 @@ struct Model {
   std::vector<Rig> rigs;      // none in models that COLMAP before 3.12 wrote
   std::vector<Frame> frames;  // the same
   std::vector<Image> images;
-  std::vector<Point> points;
+  Column<Point> points;
   Column<TrackElement> tracks;  // point after point
   friend bool operator==(const Model&, const Model&) = default;
 };

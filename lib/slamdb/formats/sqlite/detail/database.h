@@ -106,6 +106,7 @@ class Database {
   explicit Database(std::string called) : path_(std::move(called)), waiting_(std::make_unique<Waiting>(0)) {}
   void OpenHandle(int flags, const char* vfs = nullptr);
   void OpenMemory();
+  void UseHugePages();
   void OpenToRead();
   void OpenImage(Access access);
   int BeginReading();

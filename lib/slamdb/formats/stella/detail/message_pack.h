@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "slamdb/base/column.h"
 #include "slamdb/base/file.h"
 
 // MessagePack (github.com/msgpack/msgpack, spec.md), as much of it as JSON has: without extension types.
@@ -66,7 +67,7 @@ class MessagePackReader {
 // the destructor calls.
 class MessagePackAppender {
  public:
-  explicit MessagePackAppender(std::string& out) : out_(out), at_(out.size()) {}
+  explicit MessagePackAppender(Column<char>& out) : out_(out), at_(out.size()) {}
   ~MessagePackAppender() { Finish(); }
   MessagePackAppender(const MessagePackAppender&) = delete;
   MessagePackAppender& operator=(const MessagePackAppender&) = delete;
@@ -148,7 +149,7 @@ class MessagePackAppender {
   void Head(std::size_t count, std::uint8_t small, std::uint8_t type16);
   static char* PutNegative(char* at, std::int64_t value);
 
-  std::string& out_;  // up to at_; behind that, room
+  Column<char>& out_;  // up to at_; behind that, room
   std::size_t at_;
 };
 
