@@ -92,6 +92,20 @@ TEST_F(AtomicFolders, AreWrittenIntoAFullOneOnlyWhenTold) {
   EXPECT_THAT(folder_.Names(), ElementsAre("model"));
 }
 
+// Whoever works there stays in it.
+TEST_F(AtomicFolders, AppearInTheFolderThatOneWorksIn) {
+  fs::create_directory(path_);
+  const fs::path before = fs::current_path();
+  fs::current_path(path_);
+  const std::string problem = ProblemOf([&] { Fill("."); });
+  const std::string cameras = ReadFile("cameras.bin");
+  fs::current_path(before);
+  EXPECT_EQ(problem, "");
+  EXPECT_EQ(cameras, "new cameras");
+  EXPECT_EQ(ReadFile(path_ + "/sparse/0/points.bin"), "new points");
+  EXPECT_THAT(folder_.Names(), ElementsAre("model"));
+}
+
 TEST_F(AtomicFolders, AreNoFilesAndNoStreams) {
   folder_.Make("model", "a file");
   EXPECT_THAT(ProblemOf([&] { Fill(path_, true, true); }), HasSubstr("is a file, expected a folder"));

@@ -22,6 +22,13 @@ std::string WithoutSlash(std::string path) {
   return path;
 }
 
+// Where the folder is, or will be. One that is there may go by a name that nothing is beside, as `.`.
+std::string PlaceOf(const std::string& path) {
+  std::error_code missing;
+  const fs::path there = fs::canonical(path, missing);
+  return missing ? detail::FollowLinks(WithoutSlash(path)).string() : there.string();
+}
+
 bool HoldsFiles(const std::string& folder) {
   std::error_code missing;
   return fs::is_directory(folder, missing) && !fs::is_empty(folder, missing);
@@ -45,7 +52,7 @@ AtomicFolder::AtomicFolder(const Target& target, AtomicFileOptions options)
   if ((sink_ = target.sink)) return;
   if (!target.is_file())
     throw Error(ErrorKind::kUsage, path_, "", "takes one file, and this format is a folder of files; name a folder");
-  target_ = detail::FollowLinks(WithoutSlash(path_)).string();
+  target_ = PlaceOf(path_);
   RefuseWhatIsThere(path_, target_, options_.overwrite);
   detail::RemoveDeadTemporaryFiles(target_);
   files_ = std::make_unique<detail::FilesTogether>(target_, target_, detail::UnfinishedIn(target_), path_, options_);

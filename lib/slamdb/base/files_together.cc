@@ -160,6 +160,7 @@ std::unique_ptr<AtomicFile> FilesTogether::Make(const std::string& name, Replace
 }
 
 void FilesTogether::Place() {
+  if (IsThere(root_) && IsWorkedIn(root_)) return Replace(/*whole=*/false);
   SyncFolders(temporary_.path());
   temporary_.Place(root_);
   for (const std::string& name : names_) EnterPlaced(PlaceOf(name));

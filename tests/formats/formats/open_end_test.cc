@@ -5,8 +5,7 @@
 #include <cctype>
 #include <filesystem>
 
-#include "slamdb/edit/frame/georeference.h"
-#include "slamdb/edit/tables/tables.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/synthetic/synthesize.h"
@@ -27,7 +26,7 @@ bool Warns(const Notices& notices, const std::string& path) {
 
 bool ReadingWarns(const std::string& input, const std::string& cut) {
   Notices notices;
-  ReadAtlas(input, {}, &notices);
+  static_cast<void>(ReadAtlas(input, {}, &notices));
   return Warns(notices, cut);
 }
 
@@ -69,20 +68,6 @@ TEST(OpenEnd, IsSaidByEveryReaderOfLines) {
     folder.Make(fs::path(cut).lexically_relative(folder.Path("")).string(), whole.substr(0, whole.size() - 1));
     EXPECT_TRUE(ReadingWarns(output, cut)) << "a last line that is whole but for its end";
   }
-}
-
-TEST(OpenEnd, IsSaidOfTables) {
-  const TemporaryFolder folder;
-  folder.Make("whole.csv", "id,x\n0,1.25\n");
-  folder.Make("cut.csv", "id,x\n0,1.2");
-  Atlas atlas = SomeAtlas();
-  atlas.maps[0].points[0].id = MapPointId(0);
-  EXPECT_FALSE(EditByTables(atlas, {.points = folder.Path("whole.csv")}).points.has_open_end);
-  EXPECT_TRUE(EditByTables(atlas, {.points = folder.Path("cut.csv")}).points.has_open_end);
-  folder.Make("fixes.csv", "time,latitude,longitude,altitude\n1,48.1,11.5,519\n2,48.1,11.5,51");
-  Notices notices;
-  EXPECT_EQ(ReadFixes(folder.Path("fixes.csv"), {}, &notices).size(), 2U);
-  EXPECT_TRUE(Warns(notices, folder.Path("fixes.csv")));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ class FilesTogether {
   std::unique_ptr<AtomicFile> Make(const std::string& name, Replaces replaces = Replaces::kOthers);
   const std::vector<std::string>& names() const { return names_; }
 
-  // Gives the temporary folder the name of the root, where nothing or an empty folder is.
+  // Gives the temporary folder the name of the root, where nothing or an empty folder is that nobody works in.
   void Place();
   // Puts the files among those of the root: by exchanging the folders, where `whole` and the old one holds nothing but
   // files of these names, else one by one.

@@ -46,7 +46,7 @@ const Map& ChooseMap(const std::vector<const Map*>& maps, Notices& notices) {
   return largest;
 }
 
-// A header, perhaps of another suffix, that a file beside it names.
+// Whether a file is a header, of whatever suffix, and one of these is what it would be read with.
 bool NamesAnyOf(const std::string& header, const std::set<fs::path>& files) try {
   if (!IsHeader(Probe::Of(header))) return false;
   const WholeFile file{Source(header)};
@@ -68,12 +68,13 @@ void RefuseOtherHeaders(const std::string& header, const Header& written) {
   for (fs::directory_iterator entry(detail::FolderOf(header), failed), end; !failed && entry != end;
        entry.increment(failed)) {
     const std::string other = entry->path().string();
-    if (!entry->is_regular_file(missing) || detail::LeadsTo(other) == detail::LeadsTo(header)) continue;
-    if (entry->path().filename() != fs::path(header).filename() && NamesAnyOf(other, files))
+    const bool is_it = entry->path().filename() == fs::path(header).filename() ||
+                       (entry->is_symlink(missing) && fs::equivalent(other, header, missing));
+    if (!is_it && entry->is_regular_file(missing) && NamesAnyOf(other, files))
       throw Error(ErrorKind::kAlreadyExists, other, "",
                   Concat("is a header of ", written.points.file,
-                         " and the files that go with it, and would be read "
-                         "with those that are written; remove it, or name another output"));
+                         " and what goes with it, and would be read with what is written; remove it, or name another "
+                         "output"));
   }
 }
 
