@@ -19,6 +19,7 @@
 #include "slamdb/edit/frame/put_poses.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/convert_report.h"
+#include "slamdb/formats/dry_run.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/g2o/options.h"
@@ -98,9 +99,11 @@ bool RepairForOrbslam3(Atlas& atlas, Console& console, Notices& notices) {
 }
 
 ExitCode Finish(ConvertReport report, const Location& output, const ConvertOptions& options, Console& console,
-                const Notices& notices) {
-  const bool is_header = FormatById(report.format).needs_path;  // of several files
-  if (!options.dry_run && !is_header) report.bytes = SizeOf(output.path);
+                const Notices& notices, std::uint64_t would_have) {  // bytes, in a dry run
+  const Format& format = FormatById(report.format);                  // of the output
+  const bool is_one_file = !format.needs_path && !format.is_folder;
+  if (is_one_file && !options.dry_run) report.bytes = SizeOf(output.path);
+  if (is_one_file && options.dry_run && !format.named) report.bytes = would_have;
   report.Add(notices);
   const std::string details = " (" + report.format + ") " + Summary(report);
   if (!options.json && !options.dry_run) return FinishWriting(output, details, console, notices);
@@ -113,14 +116,6 @@ ExitCode Finish(ConvertReport report, const Location& output, const ConvertOptio
     console.Print("would write " + output.ToString() +
                   (notices.written().empty() ? details : ": " + notices.written()) + "\n");
   return notices.lossy() ? ExitCode::kLossy : ExitCode::kDone;
-}
-
-// What writing would say, and how long the output would be where it is one file of its own.
-std::optional<std::uint64_t> TryToWrite(const Atlas& atlas, const Format& format, WriteOptions write,
-                                        Notices& notices) {
-  if (format.named || format.is_folder || format.needs_path) return std::nullopt;
-  write.format = format.id;
-  return EncodeAtlas(atlas, write, &notices).size();
 }
 
 bool IsOfTrajectory(const HeldSource& input, const ConvertOptions& options) {
@@ -140,15 +135,9 @@ ExitCode ConvertPoses(const HeldSource& input, const Location& output, const For
   Notices notices;
   ConvertReport report;
   report.format = format.id;
-  if (options.dry_run) {
-    const Atlas atlas = ReadAtlas(input, read, &notices);
-    RefuseEmptySelection(atlas, options.input, input, read);
-    report.keyframes = ConvertReportOf(atlas, format).keyframes;
-    notices.Tell(Counted(report.keyframes, "pose"));
-  } else {
-    report.keyframes = ConvertTrajectory(input, output, read, write, &notices);
-  }
-  return Finish(std::move(report), output, options, console, notices);
+  report.keyframes = ConvertTrajectory(input, output, read, write, &notices);
+  const std::uint64_t* would_have = write.of<DryRunOptions>().bytes;
+  return Finish(std::move(report), output, options, console, notices, would_have == nullptr ? 0 : *would_have);
 }
 
 // Options that would be without effect.
@@ -246,6 +235,8 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
     RefuseIdleDatabase(FormatOfInput(held, options.from), options.reconstructions);
   read.selection = ParseSelection(options.selection, held, read);
   WriteOptions write = WriteOptionsOf(options, read.selection, console);
+  std::uint64_t would_have = 0;
+  if (options.dry_run) write.of<DryRunOptions>().bytes = &would_have;
   if (IsOfTrajectories(held, format, options)) return ConvertPoses(held, output, format, read, write, options, console);
   bool sound = true;
   std::optional<PutInto> put;
@@ -253,11 +244,8 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   if (where) LayOnEarth(atlas, *where, write, notices);
   ConvertReport report = ConvertReportOf(atlas, format);
   report.put = put;
-  if (options.dry_run)
-    report.bytes = TryToWrite(atlas, format, write, notices);
-  else
-    WriteAtlas(atlas, output, write, &notices);
-  const ExitCode finished = Finish(std::move(report), output, options, console, notices);
+  WriteAtlas(atlas, output, write, &notices);
+  const ExitCode finished = Finish(std::move(report), output, options, console, notices, would_have);
   return sound ? finished : ExitCode::kFailed;
 }
 

@@ -6,6 +6,7 @@
 #include "cli/commands/commands.h"
 #include "cli/help/usage.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/edit/tables/tables.h"
 
 namespace slamdb::cli {
@@ -40,7 +41,8 @@ std::string TextOf(const TableEditReport& report, const TableEditOptions& tables
   return text;
 }
 
-void WarnOfIgnored(const std::string& path, const TableEditChanges& changes, Notices& notices) {
+void WarnOf(const std::string& path, const TableEditChanges& changes, Notices& notices) {
+  if (changes.has_open_end) notices.Warn(detail::OpenEndWarning(path));
   if (changes.ignored.empty()) return;
   std::string names;
   for (const std::string& name : changes.ignored) names += (names.empty() ? "" : ", ") + name;
@@ -59,8 +61,8 @@ ExitCode RunEdit(const EditVerbOptions& options, Console& console) {
                                    .journal = journal.wanted() || options.edit.json,  // which counts its edits
                                    .threads = console.threads()};
   const TableEditReport report = EditByTables(atlas, tables);
-  WarnOfIgnored(options.points, report.points, notices);
-  WarnOfIgnored(options.keyframes, report.keyframes, notices);
+  WarnOf(options.points, report.points, notices);
+  WarnOf(options.keyframes, report.keyframes, notices);
   if (journal.wanted()) journal.Write(ToJson(report.journal));
   WriteResult(atlas, options.edit, "edit " + options.edit.input, console, notices, &journal);
   return FinishEdit(TextOf(report, tables, options.edit.dry_run), ToJson(report, FilesOf(options.edit)), options.edit,

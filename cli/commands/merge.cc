@@ -75,7 +75,7 @@ MapId MapOf(std::string_view text) {
   return id ? MapId(*id) : MapId();
 }
 
-JoinOptions JoinOptionsOf(const MergeVerbOptions& options) {
+JoinOptions JoinOptionsOf(const MergeVerbOptions& options, Notices& notices) {
   JoinOptions join;
   const std::size_t colon = options.maps.find(':');
   if (!options.maps.empty()) {
@@ -84,7 +84,7 @@ JoinOptions JoinOptionsOf(const MergeVerbOptions& options) {
   }
   if (!options.transform.empty()) join.first_from_second = ReadSimilarity(options.transform);
   if (!options.anchors.empty()) {
-    Anchors anchors = ReadAnchors(options.anchors);
+    Anchors anchors = ReadAnchors(options.anchors, &notices);
     join.anchors = std::move(anchors.keyframes);
     join.places = std::move(anchors.places);
   }
@@ -256,9 +256,9 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   merge.same_map = options.same_map.value_or(options.align ? SameMap::kKeepFirst : SameMap::kKeepBoth);
   merge.threads = console.threads();
   merge.progress = console.MakeProgress();
-  if (options.join) merge.join = JoinOptionsOf(options);
-  SideFile id_map(options.id_map, options.edit);
   Notices notices;
+  if (options.join) merge.join = JoinOptionsOf(options, notices);
+  SideFile id_map(options.id_map, options.edit);
   std::vector<Atlas> atlases = ReadInputs(options, console, notices);
   if (HoldLandmarksAlone(atlases)) {
     if (!merge.join) notices.Note("the maps of landmarks stay apart; --join makes one of two");

@@ -29,7 +29,7 @@ ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   Notices notices;
   OptimizeOptions optimize = options.optimize;
   for (const std::uint64_t id : options.maps) optimize.maps.emplace_back(id);
-  if (!options.constraints.empty()) optimize.constraints = ReadConstraints(options.constraints);
+  if (!options.constraints.empty()) optimize.constraints = ReadConstraints(options.constraints, &notices);
   if (!options.constraints.empty() && optimize.constraints.empty())
     throw Error(ErrorKind::kDamaged, options.constraints, "", "has no constraint");
   optimize.method =

@@ -7,6 +7,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::cli {
@@ -34,10 +35,10 @@ std::vector<IdKind> KindsOf(const std::vector<std::string>& names) {
 }
 
 // The ids that --apply or --undo brings.
-IdMap GivenIds(const RenumberVerbOptions& options) {
+IdMap GivenIds(const RenumberVerbOptions& options, Notices& notices) {
   const bool undoes = options.apply.empty();
   try {
-    IdMap ids = ReadIdMap(undoes ? options.undo : options.apply, options.of);
+    IdMap ids = ReadIdMap(undoes ? options.undo : options.apply, options.of, &notices);
     return undoes ? Inverse(ids) : ids;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage && error.kind() != ErrorKind::kNotFound) throw;
@@ -45,7 +46,7 @@ IdMap GivenIds(const RenumberVerbOptions& options) {
   }
 }
 
-IdMap Change(const RenumberVerbOptions& options, Atlas& atlas, Console& console) {
+IdMap Change(const RenumberVerbOptions& options, Atlas& atlas, Console& console, Notices& notices) {
   if (options.apply.empty() && options.undo.empty()) {
     RenumberOptions renumber = options.renumber;
     renumber.threads = console.threads();
@@ -55,7 +56,7 @@ IdMap Change(const RenumberVerbOptions& options, Atlas& atlas, Console& console)
     ids.input = options.edit.input;
     return ids;
   }
-  IdMap ids = GivenIds(options);
+  IdMap ids = GivenIds(options, notices);
   ApplyIdMap(atlas, ids, console.threads());
   return ids;
 }
@@ -77,12 +78,14 @@ ExitCode Finish(const IdMap& ids, const RenumberVerbOptions& options, Console& c
 
 // A table instead of an atlas: only its ids change.
 ExitCode RunOnTable(const RenumberVerbOptions& options, Console& console) {
-  const IdMap ids = GivenIds(options);
+  Notices notices;
+  const IdMap ids = GivenIds(options, notices);
   RequireOutput(options.edit);
   const WholeFile file(options.edit.input);
+  detail::WarnOfOpenEnd(file.text(), options.edit.input, notices);
   const std::string table = ApplyIdMapToCsv(file.text(), ids);
   if (!options.edit.dry_run) WriteOutput({options.edit.output, options.edit.target.overwrite}, table, console);
-  return Finish(ids, options, console, {});
+  return Finish(ids, options, console, notices);
 }
 
 ExitCode RunRenumber(const RenumberVerbOptions& options, Console& console) {
@@ -92,7 +95,7 @@ ExitCode RunRenumber(const RenumberVerbOptions& options, Console& console) {
   SideFile id_map(options.id_map, options.edit);
   Notices notices;
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const IdMap ids = Change(options, atlas, console);
+  const IdMap ids = Change(options, atlas, console, notices);
   if (id_map.wanted()) id_map.Write(IdMapsToText({&ids, 1}, options.id_map));
   WriteResult(atlas, options.edit, "renumber " + options.edit.input, console, notices, &id_map);
   return Finish(ids, options, console, notices);

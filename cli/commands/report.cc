@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 
 #include "cli/batch.h"
@@ -17,6 +18,7 @@
 #include "cli/output_name.h"
 #include "cli/words.h"
 #include "slamdb/base/atomic_file.h"
+#include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
@@ -90,18 +92,18 @@ std::string PageOf(const Location& location, std::set<std::string>& taken) {
   return page;
 }
 
+// The folder in which a folder is.
+std::string ParentOf(const std::string& folder) {
+  const fs::path path(folder);
+  return (path.has_filename() ? path : path.parent_path()).parent_path().string();
+}
+
 // Before the work, so that what would fail at the end fails at once.
 void RefuseToReplace(const std::string& path, bool overwrite) {
   RefuseAtlas(path);
   std::error_code missing;
   if (!overwrite && fs::exists(path, missing) && !IsSpecialFile(path))
     throw Error(ErrorKind::kAlreadyExists, path, "", "is there already; -O/--overwrite replaces it");
-}
-
-void WritePage(const std::string& path, const std::string& page, bool overwrite) {
-  AtomicFile file(path, {.overwrite = overwrite});
-  file.Write(page);
-  file.Commit();
 }
 
 // By the name of each input: of a file its size, of an atlas in a store about what it takes there.
@@ -141,12 +143,13 @@ class Reporting {
     RequireFolderName(output_);
     std::set<std::string> taken;
     for (const AtlasInput& atlas : inputs_.atlases) pages_[atlas.location.ToString()] = PageOf(atlas.location, taken);
-    MakeFolder(output_);
-    for (const auto& [atlas, page] : pages_) RefuseToReplace(PathOf(atlas), options.overwrite);
-    RefuseToReplace(IndexPath(), options.overwrite);
+    if (const std::string parent = ParentOf(output_); !parent.empty()) MakeFolder(parent);
+    for (const auto& [atlas, page] : pages_) RefuseAtlas((fs::path(output_) / page).string());
+    RefuseAtlas(IndexPath());
+    folder_.emplace(output_, AtomicFileOptions{.overwrite = options.overwrite});
   }
 
-  // Pages are written as soon as they are there, and only what the index needs is kept.
+  // Pages are written as soon as they are there, and only what the index needs is kept. They appear together.
   ExitCode Run() {
     const auto outcomes = ForEachInput<AtlasReport>(inputs_.atlases, options_.many.inputs.from, console_,
                                                     [&](const std::string& path, const ReadOptions& read,
@@ -157,17 +160,31 @@ class Reporting {
     for (const auto& outcome : outcomes) reports.push_back(outcome.ok() ? outcome.result : Failed(outcome));
     for (const AtlasReport& report : reports)
       if (!report.checked.failure.empty() || !report.checked.report.ok()) code = ExitCode::kFailed;
-    if (!one_) WritePage(IndexPath(), ReportIndex(reports, Title()), options_.overwrite);
+    if (folder_) {
+      WritePage(kIndex, ReportIndex(reports, Title()));
+      folder_->Commit();
+    }
     Tell(reports);
     return code;
   }
 
  private:
-  std::string PathOf(const std::string& atlas) const {
-    return one_ ? output_ : (fs::path(output_) / pages_.at(atlas)).string();
-  }
+  static constexpr const char* kIndex = "index.html";
 
-  std::string IndexPath() const { return (fs::path(output_) / "index.html").string(); }
+  std::string IndexPath() const { return (fs::path(output_) / kIndex).string(); }
+
+  // In the folder of the pages under that name, or the one page.
+  void WritePage(const std::string& name, const std::string& page) {
+    std::unique_ptr<AtomicFile> file;
+    if (folder_) {
+      const std::lock_guard lock(mutex_);
+      file = folder_->Make(name);
+    } else {
+      file = std::make_unique<AtomicFile>(output_, AtomicFileOptions{.overwrite = options_.overwrite});
+    }
+    file->Write(page);
+    file->Commit();
+  }
 
   AtlasReport Report(const std::string& path, const ReadOptions& read, Notices& notices) {
     ReadOptions whole = read;
@@ -181,7 +198,7 @@ class Reporting {
     report.page = one_ ? std::string() : pages_.at(path);
     const std::string page = ReportPage(atlas, report, {.threads = read.threads, .wording = InCommandWords});
     try {
-      WritePage(PathOf(path), page, options_.overwrite);
+      WritePage(report.page, page);
     } catch (const Error&) {  // not one of the atlas
       const std::lock_guard lock(mutex_);
       unwritten_ = std::current_exception();
@@ -222,6 +239,7 @@ class Reporting {
   std::string output_;
   std::map<std::string, std::uint64_t> sizes_;
   std::map<std::string, std::string> pages_;
+  std::optional<AtomicFolder> folder_;  // of the pages; none of one page alone
   std::mutex mutex_;
   std::exception_ptr unwritten_;  // why a page was not
 };

@@ -68,6 +68,7 @@
 #include "slamdb/formats/colmap/options.h"
 #include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
+#include "slamdb/formats/dry_run.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/format.h"
 #include "slamdb/formats/format_options.h"

@@ -92,6 +92,20 @@ TEST_F(AtomicFolders, AreWrittenIntoAFullOneOnlyWhenTold) {
   EXPECT_THAT(folder_.Names(), ElementsAre("model"));
 }
 
+// Whoever works there stays in it.
+TEST_F(AtomicFolders, AppearInTheFolderThatOneWorksIn) {
+  fs::create_directory(path_);
+  const fs::path before = fs::current_path();
+  fs::current_path(path_);
+  const std::string problem = ProblemOf([&] { Fill("."); });
+  const std::string cameras = ReadFile("cameras.bin");
+  fs::current_path(before);
+  EXPECT_EQ(problem, "");
+  EXPECT_EQ(cameras, "new cameras");
+  EXPECT_EQ(ReadFile(path_ + "/sparse/0/points.bin"), "new points");
+  EXPECT_THAT(folder_.Names(), ElementsAre("model"));
+}
+
 TEST_F(AtomicFolders, AreNoFilesAndNoStreams) {
   folder_.Make("model", "a file");
   EXPECT_THAT(ProblemOf([&] { Fill(path_, true, true); }), HasSubstr("is a file, expected a folder"));
@@ -143,6 +157,72 @@ TEST_F(AtomicFolders, ReplaceNoMapThatLiesInThem) {
     EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), map);
     EXPECT_FALSE(fs::exists(path_ + "/sparse/0/points.bin"));
   }
+}
+
+// What may be the only one there is, as a picture that somebody took.
+TEST_F(AtomicFolders, ReplaceByEqualOnesAloneWhatTheyAreToldSo) {
+  const auto write = [&](const std::string& bytes) {
+    AtomicFolder target(path_, {.overwrite = true, .sync = false});
+    Put(target, "cameras.bin", "cameras of " + bytes);
+    const auto picture = target.Make("images/a.png", Replaces::kEqual);
+    picture->Write(bytes);
+    picture->Commit();
+    target.Commit();
+  };
+  EXPECT_EQ(ProblemOf([&] { write("mine"); }), "");
+  EXPECT_EQ(ProblemOf([&] { write("mine"); }), "");
+  for (const char* other : {"yours", "mind", "min", "mine too", ""})
+    EXPECT_THAT(ProblemOf([&] { write(other); }), HasSubstr("images/a.png: is another file than")) << other;
+  EXPECT_EQ(ReadFile(path_ + "/images/a.png"), "mine");
+  EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), "cameras of mine");
+}
+
+// The same database is the one that a killed run had moved there; whoever has it open keeps it.
+TEST_F(AtomicFolders, LeaveADatabaseOfTheSameBytesWhereItIs) {
+  const std::string database("SQLite format 3\0 and the rest", 30), path = path_ + "/database.db";
+  const auto write = [&](const std::string& bytes) {
+    AtomicFolder target(path_, {.overwrite = true, .sync = false});
+    Put(target, "cameras.bin", "cameras");
+    Put(target, "database.db", bytes);
+    target.Commit();
+  };
+  fs::create_directories(path_);
+  folder_.Make("model/database.db", database);
+  folder_.Make("model/.slamdb-unfinished", "slamdb was replacing\ncameras.bin\ndatabase.db\n");
+  struct stat before {
+  }, after{};
+  ASSERT_EQ(::stat(path.c_str(), &before), 0);
+  EXPECT_EQ(ProblemOf([&] { write(database); }), "");
+  EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), "cameras");
+  ASSERT_EQ(::stat(path.c_str(), &after), 0);
+  EXPECT_EQ(before.st_ino, after.st_ino);
+  EXPECT_FALSE(fs::exists(path_ + "/.slamdb-unfinished"));
+  EXPECT_THAT(ProblemOf([&] { write(database + "more"); }), HasSubstr("which nothing replaces"));
+  folder_.Make("model/database.db-wal", "what was written since");
+  EXPECT_THAT(ProblemOf([&] { write(database); }), HasSubstr("which nothing replaces"));
+  EXPECT_EQ(ReadFile(path), database);
+}
+
+TEST_F(AtomicFolders, GiveASinkTheirBytesAndWriteNothing) {
+  std::string taken;
+  const auto take = [&](Bytes bytes) { taken.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
+  {
+    AtomicFolder target(Target(take, path_));
+    Put(target, "cameras.bin", "cameras");
+    Put(target, "points.bin", " and points");
+    target.Commit();
+  }
+  EXPECT_EQ(taken, "cameras and points");
+  taken.clear();
+  AtomicFiles files(Target(take, folder_ / "map.yaml"));
+  const auto beside = files.Make("map.points"), header = files.MakeTarget();
+  header->Write("header");
+  header->Commit();
+  beside->Write("points of the map");
+  beside->Commit();
+  files.Commit();
+  EXPECT_EQ(taken, "header");
+  EXPECT_THAT(folder_.Names(), IsEmpty());
 }
 
 // A call that fails where `fails` says so.

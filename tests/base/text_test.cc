@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {
@@ -143,6 +144,11 @@ TEST(WithoutMark, KnowsUtf8AndUtf16) {
       EXPECT_NE(std::string(error.what()).find("UTF-16"), std::string::npos);
     }
   }
+}
+
+TEST(OpenEnd, IsOfALastLineThatHoldsSomething) {
+  for (const char* whole : {"", "1 2\n", "1 2\r\n", "1 2\r", "1 2\n  ", "\n"}) EXPECT_FALSE(HasOpenEnd(whole)) << whole;
+  for (const char* open : {"1", "1 2\n3", "1 2\r3 ", "# a comment"}) EXPECT_TRUE(HasOpenEnd(open)) << open;
 }
 
 TEST(Excerpt, IsNotLong) { EXPECT_EQ(Excerpt(std::string(200, 'x')).size(), 82U); }

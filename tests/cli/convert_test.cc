@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "slamdb/formats/formats.h"
+#include "slamdb/synthetic/synthesize.h"
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -213,6 +215,40 @@ TEST(Convert, ReportsAsJsonAndDry) {
   const json store = json::parse(RunSlamdb({"convert", kTiny, folder / "m.db", "--json", "--dry-run"}).out);
   EXPECT_TRUE(store.at("bytes").is_null());
   EXPECT_THAT(RunSlamdb({"convert", kTiny, out, "--dry-run"}).out, ::testing::StartsWith("would write "));
+}
+
+// Folders and formats of several files, too: what is counted, lost and warned of is the same.
+TEST(Convert, SaysTheSameInADryRun) {
+  using nlohmann::json;
+  const TemporaryFolder folder;
+  const std::string map = folder / "a.osa", tum = folder / "a.tum";
+  Atlas atlas =
+      SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo, .maps = 2, .keyframes = 8, .points = 100, .features = 150});
+  atlas.maps[0].keyframes[1].camera_from_world.rotation.coeffs().setZero();
+  atlas.maps[0].points[2].bad = true;
+  WriteAtlas(atlas, map);
+  ASSERT_EQ(RunSlamdb({"convert", map, tum}).exit_code, 0);
+  for (const std::string& input : {map, tum})
+    for (const std::string format :
+         {"colmap", "colmap-text", "colmap-database", "3dgs", "nerf", "osmap", "kitti", "euroc", "g2o", "stella"}) {
+      SCOPED_TRACE(input + " as " + format);
+      const TemporaryFolder outputs;
+      const std::string output = outputs / "out";
+      const auto run = [&](const char* more) {
+        std::vector<std::string> words = {"convert", input, output, "--to", format, "--json"};
+        if (*more != 0) words.push_back(more);
+        return RunSlamdb(words);
+      };
+      const ProcessResult dry = run("--dry-run");
+      EXPECT_THAT(outputs.Names(), ::testing::IsEmpty());
+      const ProcessResult wet = run("");
+      if (wet.exit_code == 1) continue;  // it would hold nothing, of which a dry run warns
+      EXPECT_EQ(dry.exit_code, wet.exit_code) << dry.err << wet.err;
+      EXPECT_EQ(dry.err, wet.err);
+      json of_dry = json::parse(dry.out);
+      of_dry["output"] = output;
+      EXPECT_EQ(of_dry, json::parse(wet.out));
+    }
 }
 
 TEST(Convert, ColoursAndCamerasOfPoints) {

@@ -70,6 +70,20 @@ TEST_F(Edit, TablesChangeAtlasesOfStoresAndAreTakenBack) {
   EXPECT_EQ(ReadWholeFile(output_), bytes_);
 }
 
+// One that was cut in a number is a table, too.
+TEST_F(Edit, TablesWithoutTheirLastLineEndAreWarnedOf) {
+  const std::string points = folder_ / "p.csv", cut = folder_ / "cut.csv", ids = folder_ / "ids.csv";
+  ASSERT_EQ(RunSlamdb({"convert", input_, points}).exit_code, 0);
+  const std::string table = ReadWholeFile(points);
+  WriteWholeFile(cut, table.substr(0, table.size() - 1));
+  const std::string warning =
+      "slamdb: warning: " + cut + ": the last line has no end of line: the file may be cut there";
+  EXPECT_EQ(RunSlamdb({"edit", input_, output_, "--points", points}).err, "");
+  EXPECT_THAT(RunSlamdb({"edit", input_, output_, "-O", "--points", cut}).err, HasSubstr(warning));
+  ASSERT_EQ(RunSlamdb({"renumber", input_, output_, "-O", "--offset", "1", "--id-map", ids}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"renumber", cut, folder_ / "new.csv", "--apply", ids}).err, HasSubstr(warning));
+}
+
 // Each with what is wrong, and nothing written.
 TEST_F(Edit, TablesThatDoNotFitAreRefused) {
   const std::string points = folder_ / "p.csv", cloud = folder_ / "p.ply";

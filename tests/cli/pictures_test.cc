@@ -233,7 +233,11 @@ TEST_F(Pictures, ReportThatIsThereIsRefusedAtOnce) {
   refused("lab.html", "lab.html");
   fs::create_directory(folder_ / "pages");
   WriteWholeFile(folder_ / "pages/index.html", "mine");
-  refused("pages", "pages/index.html");
+  const ProcessResult pages = RunSlamdb({"report", kAtlas, "-o", folder_ / "pages"});
+  EXPECT_EQ(pages.exit_code, 1);
+  EXPECT_EQ(pages.out, "");
+  EXPECT_THAT(pages.err,
+              HasSubstr("is there already and holds files; -O/--overwrite replaces those of the same names"));
   EXPECT_EQ(fs::exists(folder_ / "pages/session_small_a.html"), false);
 }
 

@@ -22,6 +22,13 @@ std::string WithoutSlash(std::string path) {
   return path;
 }
 
+// Where the folder is, or will be. One that is there may go by a name that nothing is beside, as `.`.
+std::string PlaceOf(const std::string& path) {
+  std::error_code missing;
+  const fs::path there = fs::canonical(path, missing);
+  return missing ? detail::FollowLinks(WithoutSlash(path)).string() : there.string();
+}
+
 bool HoldsFiles(const std::string& folder) {
   std::error_code missing;
   return fs::is_directory(folder, missing) && !fs::is_empty(folder, missing);
@@ -42,9 +49,10 @@ void RefuseWhatIsThere(const std::string& path, const std::string& target, bool 
 AtomicFolder::AtomicFolder(const Target& target, AtomicFileOptions options)
     : path_(target.path), options_(std::move(options)) {
   if (path_.empty()) throw Error(ErrorKind::kUsage, "the name of the folder to write is empty");
+  if ((sink_ = target.sink)) return;
   if (!target.is_file())
     throw Error(ErrorKind::kUsage, path_, "", "takes one file, and this format is a folder of files; name a folder");
-  target_ = detail::FollowLinks(WithoutSlash(path_)).string();
+  target_ = PlaceOf(path_);
   RefuseWhatIsThere(path_, target_, options_.overwrite);
   detail::RemoveDeadTemporaryFiles(target_);
   files_ = std::make_unique<detail::FilesTogether>(target_, target_, detail::UnfinishedIn(target_), path_, options_);
@@ -52,9 +60,13 @@ AtomicFolder::AtomicFolder(const Target& target, AtomicFileOptions options)
 
 AtomicFolder::~AtomicFolder() = default;
 
-std::unique_ptr<AtomicFile> AtomicFolder::Make(const std::string& name) { return files_->Make(name); }
+std::unique_ptr<AtomicFile> AtomicFolder::Make(const std::string& name, Replaces replaces) {
+  if (files_ == nullptr) return std::make_unique<AtomicFile>(Target(sink_, name));
+  return files_->Make(name, replaces);
+}
 
 void AtomicFolder::Commit() {
+  if (files_ == nullptr) return;
   if (options_.before_commit) options_.before_commit();
   RefuseWhatIsThere(path_, target_, options_.overwrite);
   if (HoldsFiles(target_))
@@ -72,6 +84,7 @@ AtomicFiles::AtomicFiles(const Target& target, AtomicFileOptions options)
   if (!fs::path(path_).has_filename() || fs::is_directory(path_, missing))
     throw Error(ErrorKind::kUsage, path_, "", "is a directory, expected a file to write");
   target_ = detail::LeadsTo(path_);
+  if ((sink_ = target.sink)) return;
   detail::RemoveDeadTemporaryFiles(target_);
   files_ = std::make_unique<detail::FilesTogether>(target_, detail::FolderOf(target_).string(), "", path_, options_);
 }
@@ -79,6 +92,11 @@ AtomicFiles::AtomicFiles(const Target& target, AtomicFileOptions options)
 AtomicFiles::~AtomicFiles() = default;
 
 std::unique_ptr<AtomicFile> AtomicFiles::Make(const std::string& name) {
+  if (files_ == nullptr) {
+    const bool is_target = name == fs::path(target_).filename();
+    return std::make_unique<AtomicFile>(Target(
+        is_target ? sink_ : [](Bytes) {}, name));
+  }
   std::error_code missing;
   const fs::path place = detail::FolderOf(target_) / name;
   if (!options_.overwrite && fs::exists(fs::symlink_status(place, missing)))
@@ -91,6 +109,7 @@ std::unique_ptr<AtomicFile> AtomicFiles::Make(const std::string& name) {
 std::unique_ptr<AtomicFile> AtomicFiles::MakeTarget() { return Make(fs::path(target_).filename().string()); }
 
 void AtomicFiles::Commit() {
+  if (files_ == nullptr) return;
   if (options_.before_commit) options_.before_commit();
   files_->Replace(/*whole=*/false);
   detail::RemoveDeadTemporaryFiles(target_);  // those that a claim kept

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <utility>
 
@@ -53,6 +54,29 @@ void TakeRightsOf(const std::string& old, const std::string& made) {
   if (::stat(old.c_str(), &status) != 0) return;
   const Descriptor file(::open(made.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   if (file.value >= 0) TakeRights(status, file.value);  // as far as it goes
+}
+
+bool HaveSameBytes(const std::string& one, const std::string& other) {
+  std::error_code failed;
+  if (fs::file_size(one, failed) != fs::file_size(other, failed) || failed) return false;
+  std::ifstream first(one, std::ios::binary), second(other, std::ios::binary);
+  std::vector<char> left(std::size_t{1} << 16), right(left.size());
+  while (first && second) {
+    first.read(left.data(), static_cast<std::streamsize>(left.size()));
+    second.read(right.data(), static_cast<std::streamsize>(right.size()));
+    if (first.gcount() != second.gcount() || !std::equal(left.begin(), left.begin() + first.gcount(), right.begin()))
+      return false;
+  }
+  return first.eof() && second.eof();
+}
+
+// Whether nothing beside a database says more than it does.
+bool HasNoLog(const std::string& database) {
+  const auto is_none = [](const std::string& log) {
+    std::error_code missing;
+    return fs::file_size(log, missing) == 0 || missing;
+  };
+  return is_none(database + "-wal") && is_none(database + "-journal");
 }
 
 Error AlreadyThere(const std::string& place) {
@@ -117,44 +141,66 @@ std::string FilesTogether::PlaceOf(const std::string& name) const {
   return FollowLinks(fs::path(root_) / name).string();
 }
 
-std::unique_ptr<AtomicFile> FilesTogether::Make(const std::string& name) {
-  const fs::path made = fs::path(temporary_.path()) / name;
+std::string FilesTogether::MadeOf(const std::string& name) const {
+  return (fs::path(temporary_.path()) / name).string();
+}
+
+bool FilesTogether::IsThereAlready(const std::string& name) const { return HaveSameBytes(PlaceOf(name), MadeOf(name)); }
+
+std::unique_ptr<AtomicFile> FilesTogether::Make(const std::string& name, Replaces replaces) {
+  const fs::path made = MadeOf(name);
   std::error_code error;
   fs::create_directories(made.parent_path(), error);
   if (error) throw Error(ErrorKind::kPermission, path_, "", "cannot make a folder in it: " + error.message());
   EnterOutput(PlaceOf(name));
   names_.push_back(name);
+  if (replaces == Replaces::kEqual) equal_.insert(name);
   if (unfinished_.empty()) unfinished_ = UnfinishedBeside(PlaceOf(name));
   return std::make_unique<AtomicFile>(made.string(), AtomicFileOptions{.sync = options_.sync});
 }
 
 void FilesTogether::Place() {
+  if (IsThere(root_) && IsWorkedIn(root_)) return Replace(/*whole=*/false);
   SyncFolders(temporary_.path());
   temporary_.Place(root_);
   for (const std::string& name : names_) EnterPlaced(PlaceOf(name));
 }
 
 void FilesTogether::Replace(bool whole) {
+  KeepDatabases();
   RefusePlaces();
   TakeRightsOfOld();
   if (!whole || !Exchange()) MoveEach();
   for (const std::string& name : names_) EnterPlaced(PlaceOf(name));
 }
 
+// Nothing replaces a database, and one that is as it was made needs not to be: a killed run may have moved it there.
+// Whoever has it open goes on with it.
+void FilesTogether::KeepDatabases() {
+  if (!options_.overwrite) return;
+  for (const std::string& name : names_)
+    if (const std::string place = PlaceOf(name); IsDatabase(place) && HasNoLog(place) && IsThereAlready(name))
+      staying_.insert(name);
+}
+
 void FilesTogether::RefusePlaces() const {
   for (const std::string& name : names_) {
     const std::string place = PlaceOf(name);
     RefuseInput(place);
-    RefuseReplacingMap(place);
+    if (!staying_.contains(name)) RefuseReplacingMap(place);
     if (!options_.overwrite && IsThere(place)) throw AlreadyThere(place);
     std::error_code missing;
     if (fs::exists(place, missing) && !fs::is_regular_file(place, missing))
       throw Error(ErrorKind::kUsage, place, "", "is no file, where one is to be written; name another output");
+    if (equal_.contains(name) && IsThere(place) && !IsThereAlready(name))
+      throw Error(ErrorKind::kAlreadyExists, place, "",
+                  "is another file than the one that is written, and may be the only one of its kind; nothing replaces "
+                  "it: remove it, or name another output");
   }
 }
 
 void FilesTogether::TakeRightsOfOld() const {
-  for (const std::string& name : names_) TakeRightsOf(PlaceOf(name), (fs::path(temporary_.path()) / name).string());
+  for (const std::string& name : names_) TakeRightsOf(PlaceOf(name), MadeOf(name));
 }
 
 // ---- the whole folder at once
@@ -176,7 +222,7 @@ bool FilesTogether::HoldsOnlyThese(const std::string& folder) const {
 
 // False: it is not to be, or cannot be, and nothing is changed.
 bool FilesTogether::Exchange() {
-  if (IsWorkedIn(root_) || !HoldsOnlyThese(root_)) return false;
+  if (!staying_.empty() || IsWorkedIn(root_) || !HoldsOnlyThese(root_)) return false;
   const Unfinished unfinished(unfinished_, path_);
   for (const std::string& folder : Folders())
     TakeRightsOf((fs::path(root_) / folder).string(), (fs::path(temporary_.path()) / folder).string());
@@ -224,7 +270,8 @@ void FilesTogether::MoveEach() {
   std::vector<Move> moved;
   try {
     for (const std::string& name : names_) {
-      Move move{.made = (fs::path(temporary_.path()) / name).string(), .place = PlaceOf(name), .kept = ""};
+      if (staying_.contains(name)) continue;
+      Move move{.made = MadeOf(name), .place = PlaceOf(name), .kept = ""};
       folders.Make(fs::path(move.place).parent_path());
       MakeMove(move);
       moved.push_back(std::move(move));

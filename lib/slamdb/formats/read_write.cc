@@ -5,6 +5,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/losses.h"
+#include "slamdb/formats/dry_run.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb {
@@ -45,8 +46,10 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
     TakeLossesForWarnings(heard);
   else
     for (const std::string& loss : losses) heard.Lose(loss);
+  const Target to = detail::TargetOf(target, options);
+  if (to.sink && !target.sink && (format.named || options.custom_format != nullptr)) return;
   detail::InMemory(target.path, "the machine has too little memory left to write it",
-                   [&] { format.write(atlas, target, options, heard); });
+                   [&] { format.write(atlas, to, options, heard); });
 }
 
 // A stream that tells of failures by its state while it is used here, and afterwards as its owner has it. Its own

@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
+#include "slamdb/formats/dry_run.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/trajectory/detail/pose_text.h"
 #include "slamdb/formats/trajectory/detail/poses.h"
@@ -125,7 +126,7 @@ std::size_t ConvertTrajectory(const HeldSource& held, const Location& output, co
   const TextFormat& format = Require(detail::FormatToWrite(target, write), output.path);
   detail::TrajectoryText maps = Read(held, read, heard);
   SelectSome(maps, read.selection, held.source().path);
-  return format.write(maps, target, write, heard);
+  return format.write(maps, detail::TargetOf(target, write), write, heard);
 }
 
 }  // namespace slamdb

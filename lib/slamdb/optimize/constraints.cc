@@ -60,8 +60,9 @@ std::vector<PoseConstraint> ParseConstraints(std::string_view csv) {
   return constraints;
 }
 
-std::vector<PoseConstraint> ReadConstraints(const std::string& path) {
-  return detail::ParseFile(path, "a table of constraints", ParseConstraints);
+std::vector<PoseConstraint> ReadConstraints(const std::string& path, Notices* notices) {
+  Notices unheard;
+  return detail::ParseLines(path, "a table of constraints", notices == nullptr ? unheard : *notices, ParseConstraints);
 }
 
 }  // namespace slamdb

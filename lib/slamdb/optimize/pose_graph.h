@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/notices.h"
 #include "slamdb/base/progress.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
@@ -39,7 +40,8 @@ struct PoseGraphOptions {
 //
 // Throws Error (kDamaged) with line and column; of a file also as reading it does, with its path.
 [[nodiscard]] SLAMDB_EXPORT std::vector<PoseConstraint> ParseConstraints(std::string_view csv);
-[[nodiscard]] SLAMDB_EXPORT std::vector<PoseConstraint> ReadConstraints(const std::string& path);
+[[nodiscard]] SLAMDB_EXPORT std::vector<PoseConstraint> ReadConstraints(const std::string& path,
+                                                                        Notices* notices = nullptr);
 
 // How a keyframe may move.
 enum class PoseFreedom {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "tests/formats/formats/in_memory.h"
 #include "tests/formats/formats/small_atlas.h"
@@ -43,6 +44,15 @@ TEST(Csv, LeavesBadKeyFramesOut) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
   EXPECT_TRUE(notices.items().empty());
   EXPECT_TRUE(notices.written().ends_with(", 1 bad one left out")) << notices.written();
+}
+
+TEST(Csv, NamesKeyFramesWithoutPose) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].keyframes[0].camera_from_world.rotation.coeffs().setZero();
+  Notices notices;
+  Write(detail::kCsvKeyFramesFormat, atlas, notices);
+  ASSERT_EQ(notices.items().size(), 1U);
+  EXPECT_NE(notices.items()[0].text.find("though their pose is none, or not finite: 1 keyframe"), std::string::npos);
 }
 
 TEST(Csv, WritesObservations) {

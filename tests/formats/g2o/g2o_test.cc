@@ -169,7 +169,7 @@ TEST(G2o, EdgesAreThoseOfTheEssentialGraph) {
   map.keyframes[3].merge_edges = {KeyFrameId(6)};
   map.keyframes[4].bad = false;
   std::vector<std::tuple<std::uint64_t, std::uint64_t, int>> edges;
-  for (const g2o::Edge& edge : g2o::EssentialEdges(map))
+  for (const g2o::Edge& edge : g2o::EssentialGraphOf(map).edges)
     edges.emplace_back(map.keyframes[edge.first].id.value(), map.keyframes[edge.second].id.value(), edge.weight);
   EXPECT_THAT(edges,
               ElementsAre(std::tuple(6, 7, 0), std::tuple(6, 8, 0), std::tuple(7, 9, 100), std::tuple(9, 10, 120)));
@@ -259,6 +259,25 @@ TEST(G2o, BadKeyFramesAreNoVertices) {
   Atlas atlas = OneMapAtlas();
   atlas.maps[0].keyframes[0].bad = true;
   EXPECT_THAT(Encoded(G2o(), atlas), Not(HasSubstr("VERTEX_SE3:QUAT 3")));
+}
+
+// Each for its own reason.
+TEST(G2o, NamesKeyFramesThatAreNoVertices) {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 12, .points = 300, .features = 150});
+  Column<KeyFrame>& keyframes = atlas.maps[0].keyframes;
+  keyframes[2].bad = true;
+  keyframes[3].camera_from_world.rotation.coeffs().setZero();
+  keyframes[4].camera_from_world.translation.x() = std::nanf("");
+  keyframes[5].id = KeyFrameId();
+  keyframes[7].id = keyframes[6].id;
+  Notices notices;
+  Encoded(G2o(), atlas, {}, notices);
+  EXPECT_THAT(notices.written(), ::testing::StartsWith("7 keyframes, 1 bad one left out, "));
+  EXPECT_EQ(notices.counts()->keyframes, 7U);
+  for (const char* said :
+       {"left out because the pose is none, or not finite: 2 keyframes", "left out because they have no id: 1 keyframe",
+        "left out because another keyframe has their id: 1 keyframe", "to keyframes that are not written with these: "})
+    EXPECT_THAT(notices.items(), Contains(Field(&Notice::text, HasSubstr(said))));
 }
 
 // ---- onto an atlas

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -110,6 +111,16 @@ TEST(Kml, HasATrackWithTimes) {
                               "<styleUrl>#map-0</styleUrl>"));
   EXPECT_THAT(text, HasSubstr("<coordinates>10.000000000,0.000000000,102.0000</coordinates></Point>\n"));
   EXPECT_THAT(text, HasSubstr("<Style id=\"map-0\"><IconStyle><color>ffda903f</color>")) << "#3f90da as aabbggrr";
+}
+
+// Also where none is left.
+TEST(Kml, NamesPointsThatAreNowhere) {
+  Atlas atlas = OneMapAtlas();
+  for (MapPoint& point : atlas.maps[0].points) point.position.x() = std::nanf("");
+  Notices notices;
+  Encoded(detail::kKmlFormat, atlas, At(48, 11), notices);
+  ASSERT_EQ(notices.items().size(), 1U);
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("the position is not finite: 2 points"));
 }
 
 TEST(Kml, WithoutTimesAPathIsALine) {

@@ -101,8 +101,14 @@ TEST(Las, TellsMapsAndObservations) {
   EXPECT_EQ(NumberAt<std::uint16_t>(las, kPoints + 2 * kRecord + 18), 65535);
   EXPECT_EQ(NumberAt<std::uint8_t>(las, kPoints + 14), 9) << "the only return";
   atlas.maps[1].id = MapId(65536);
-  las = Written(atlas);
+  atlas.maps[1].points[0].observations.resize(256);
+  Notices notices;
+  las = Encoded(detail::kLasFormat, atlas, At(kOrigin), notices);
   EXPECT_EQ(NumberAt<std::uint16_t>(las, kPoints + 2 * kRecord + 18), 0) << "no map of 16 bits";
+  EXPECT_EQ(NumberAt<std::uint8_t>(las, kPoints + 2 * kRecord + 17), 255);
+  ASSERT_EQ(notices.items().size(), 3U);  // the first: of several maps
+  EXPECT_THAT(notices.items()[1].text, HasSubstr("ids beyond 65,535, for which it has no place: 1 point"));
+  EXPECT_THAT(notices.items()[2].text, HasSubstr("observations above 255 are written as that: 1 point"));
 }
 
 TEST(Las, NamesPointsThatItCannotHold) {

@@ -195,6 +195,18 @@ TEST(Mcap, PointsThatAreNowhereAreLeftOut) {
 }
 
 // As protoc encodes them: field 1, varint 300; field 2, text; field 3, a message with field 1, varint 1.
+TEST(Mcap, NamesEdgesThatLeadOut) {
+  Atlas atlas = OneMapAtlas();
+  Notices none, some;
+  Encoded(detail::kMcapFormat, atlas, {}, none);
+  EXPECT_TRUE(none.items().empty());
+  atlas.maps[0].keyframes[0].bad = true;  // of 1: its child and its connection
+  atlas.maps[0].keyframes[1].merge_edges = {KeyFrameId(7)};
+  Encoded(detail::kMcapFormat, atlas, {}, some);
+  ASSERT_EQ(some.items().size(), 1U);
+  EXPECT_THAT(some.items()[0].text, HasSubstr("to keyframes that are not written with these: 2 edges"));
+}
+
 TEST(Protobuf, AppendsFields) {
   std::string bytes;
   detail::ProtoAppender proto(bytes);

@@ -442,6 +442,34 @@ TEST_F(Osmap, ReplacesSidesOnlyWhenTold) {
   EXPECT_NE(ReadFile(folder_.Path("map.features")), "mine");
 }
 
+// An older header would be read with the new files, whatever it is called.
+TEST_F(Osmap, IsNotWrittenUnderAHeaderOfOthers) {
+  const Atlas atlas = SynthesizeAtlas({.keyframes = 4, .points = 50, .features = 100});
+  osmap::Write(atlas, folder_.Path("map.yaml"), {}, notices_);
+  const std::string header = ReadFile(folder_.Path("map.yaml")), points = ReadFile(folder_.Path("map.mappoints"));
+  folder_.Make("settings.yml", "%YAML:1.0\nCamera.fx: 1\n");
+  folder_.Make("cut.yml", header.substr(0, header.find("mappoints\"")));
+  const Atlas other = SynthesizeAtlas({.keyframes = 5, .points = 60, .features = 100});
+  const auto problem = [&](const char* output) {
+    try {
+      osmap::Write(other, folder_.Path(output), {.overwrite = true}, notices_);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("written");
+  };
+  for (const char* older : {"map.yml", "copy.yaml", "map"}) {
+    folder_.Make(older, header);
+    EXPECT_THAT(problem("map.yaml"), HasSubstr(std::string(older) + ": is a header of map.mappoints")) << older;
+    EXPECT_EQ(ReadFile(folder_.Path("map.mappoints")), points);
+    EXPECT_EQ(problem("other.yaml"), "written");
+    std::filesystem::remove(folder_.Path(older));
+  }
+  std::filesystem::create_symlink("map.yaml", folder_.Path("link.yaml"));
+  EXPECT_EQ(problem("map.yaml"), "written") << "a link to the header is the same one";
+  EXPECT_NE(ReadFile(folder_.Path("map.mappoints")), points);
+}
+
 TEST_F(Osmap, RefusesIdsThatItCannotHold) {
   Atlas atlas = SynthesizeAtlas({.keyframes = 4, .points = 50, .features = 100});
   atlas.maps[0].points[0].id = MapPointId(std::uint64_t{1} << 33U);

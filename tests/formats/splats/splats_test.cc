@@ -158,6 +158,39 @@ TEST_F(Scenes, OfSplatsHaveTheirPicturesAsTheyAreAndTheirColours) {
   EXPECT_EQ(cameras.cameras[0].width, std::uint64_t{kWidth});
 }
 
+// Pictures in the folder may be anybody's, also the only ones there are.
+TEST_F(Scenes, OfSplatsReplaceNoOtherPictures) {
+  const auto write = [&] {
+    Notices notices;
+    const KeyFramePictures pictures{.files = files_, .folder = folder_.Path("")};
+    const auto options = WriteOptions{.overwrite = true, .sync = false}.With(ColmapWriteOptions{.pictures = pictures});
+    try {
+      detail::kGaussianFormat.write(OneMapAtlas(), out_, options, notices);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("written");
+  };
+  Add("a.png", 0.5, Plain(10, 20, 30));
+  EXPECT_EQ(write(), "written");
+  EXPECT_EQ(write(), "written");
+  const std::string mine = Plain(1, 2, 3), model = ReadFile(out_ + "/sparse/0/points3D.bin");
+  folder_.Make("out/images/a.png", mine);
+  EXPECT_THAT(write(), HasSubstr("out/images/a.png: is another file than the one that is written"));
+  EXPECT_EQ(ReadFile(out_ + "/images/a.png"), mine);
+  EXPECT_EQ(ReadFile(out_ + "/sparse/0/points3D.bin"), model);
+}
+
+TEST_F(Scenes, NameWhatTheyLeaveOut) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].points[2].position.x() = std::nanf("");
+  for (const Format* format : {&detail::kGaussianFormat, &detail::kNerfFormat}) {
+    fs::remove_all(out_);
+    EXPECT_THAT(Write(*format, atlas),
+                AllOf(HasSubstr("2 poses, 1 point, 1 bad one left out"), HasSubstr("1 point left out, not finite")));
+  }
+}
+
 // What the lens bent is made anew, and what is neither PNG nor JPEG becomes PNG.
 TEST_F(Scenes, OfSplatsAreUndistorted) {
   Atlas atlas = OneMapAtlas();

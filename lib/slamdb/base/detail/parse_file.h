@@ -5,9 +5,11 @@
 #include <string>
 #include <string_view>
 
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/detail/recognize.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
+#include "slamdb/base/notices.h"
 
 namespace slamdb::detail {
 
@@ -26,6 +28,15 @@ auto ParseFile(const Source& source, std::string_view wanted, const Parse& parse
     const ErrorKind kind = error.kind() == ErrorKind::kUsage ? ErrorKind::kDamaged : error.kind();
     throw Error(kind, source.path, error.place(), error.problem());
   }
+}
+
+// The same as ParseFile, of a text whose lines are records.
+template <class Parse>
+auto ParseLines(const Source& source, std::string_view wanted, Notices& notices, const Parse& parse) {
+  return ParseFile(source, wanted, [&](std::string_view text) {
+    WarnOfOpenEnd(text, source.path, notices);
+    return parse(text);
+  });
 }
 
 }  // namespace slamdb::detail

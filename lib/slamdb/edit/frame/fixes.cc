@@ -419,8 +419,10 @@ std::vector<GpsFix> ParseFixes(std::string_view text, const FixReadOptions& opti
 }
 
 std::vector<GpsFix> ReadFixes(const std::string& path, const FixReadOptions& options, Notices* notices) {
-  return detail::ParseFile(path, "a table of GPS fixes", [&](std::string_view text) {
-    auto fixes = ParseFixes(text, options, notices);
+  Notices unheard;
+  Notices& heard = notices == nullptr ? unheard : *notices;
+  return detail::ParseLines(path, "a table of GPS fixes", heard, [&](std::string_view text) {
+    auto fixes = ParseFixes(text, options, &heard);
     if (fixes.empty()) throw Error(ErrorKind::kDamaged, "holds no fix");
     return fixes;
   });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "slamdb/base/atomic_file.h"
+#include "slamdb/base/notices.h"
 #include "slamdb/edit/ids/id_kind.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
@@ -101,14 +102,15 @@ SLAMDB_EXPORT void WriteIdMaps(std::span<const IdMap> maps, const std::string& p
 // Reads a file of either kind, by its name.
 //
 // Throws Error with the path: kNotFound, kPermission, kDamaged.
-[[nodiscard]] SLAMDB_EXPORT std::vector<IdMap> ReadIdMaps(const std::string& path);
+[[nodiscard]] SLAMDB_EXPORT std::vector<IdMap> ReadIdMaps(const std::string& path, Notices* notices = nullptr);
 
 // The id map of one input in such a file.
 //
 // Throws Error as ReadIdMaps does, and with the inputs that there are:
 //   kNotFound  no input of the file is `input`
 //   kUsage     `input` is empty and the file has several
-[[nodiscard]] SLAMDB_EXPORT IdMap ReadIdMap(const std::string& path, const std::string& input = {});
+[[nodiscard]] SLAMDB_EXPORT IdMap ReadIdMap(const std::string& path, const std::string& input = {},
+                                            Notices* notices = nullptr);
 
 // A table in any dialect of schema/tables.md whose first line names the columns, with the ids in it replaced and all
 // else as it was. Empty cells stay.

@@ -90,12 +90,14 @@ void WriteIdMaps(std::span<const IdMap> maps, const std::string& path, const Ato
   file.Commit();
 }
 
-std::vector<IdMap> ReadIdMaps(const std::string& path) {
-  return detail::ParseFile(path, "a table of ids", IsJson(path) ? ParseIdMapsJson : ParseIdMapsCsv, {"report"});
+std::vector<IdMap> ReadIdMaps(const std::string& path, Notices* notices) {
+  if (IsJson(path)) return detail::ParseFile(path, "a table of ids", ParseIdMapsJson, {"report"});
+  Notices unheard;
+  return detail::ParseLines(path, "a table of ids", notices == nullptr ? unheard : *notices, ParseIdMapsCsv);
 }
 
-IdMap ReadIdMap(const std::string& path, const std::string& input) {
-  std::vector<IdMap> maps = ReadIdMaps(path);
+IdMap ReadIdMap(const std::string& path, const std::string& input, Notices* notices) {
+  std::vector<IdMap> maps = ReadIdMaps(path, notices);
   const auto named = std::ranges::find(maps, input, &IdMap::input);
   if (named != maps.end()) return std::move(*named);
   if (input.empty() && maps.size() == 1) return std::move(maps.front());

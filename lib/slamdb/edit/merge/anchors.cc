@@ -72,10 +72,12 @@ Anchors ParseAnchorsCsv(std::string_view csv) {
   return anchors;
 }
 
-Anchors ReadAnchors(const std::string& text_or_path) {
+Anchors ReadAnchors(const std::string& text_or_path, Notices* notices) {
+  Notices unheard;
   std::error_code missing;
   if (!std::filesystem::exists(text_or_path, missing)) return ParseAnchors(text_or_path);
-  return detail::ParseFile(text_or_path, "a table of anchors", ParseAnchorsCsv);
+  return detail::ParseLines(text_or_path, "a table of anchors", notices == nullptr ? unheard : *notices,
+                            ParseAnchorsCsv);
 }
 
 }  // namespace slamdb

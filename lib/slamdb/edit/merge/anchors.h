@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/notices.h"
 #include "slamdb/edit/merge/join.h"
 #include "slamdb/export.h"
 
@@ -32,6 +33,6 @@ struct Anchors {
 // The pairs themselves, or a file that holds the table.
 //
 // Throws Error as the two above, of a file with its path.
-[[nodiscard]] SLAMDB_EXPORT Anchors ReadAnchors(const std::string& text_or_path);
+[[nodiscard]] SLAMDB_EXPORT Anchors ReadAnchors(const std::string& text_or_path, Notices* notices = nullptr);
 
 }  // namespace slamdb

@@ -158,11 +158,15 @@ class Editor {
 void ApplyTables(Atlas& atlas, const TableEditOptions& options, TableEditReport& report) {
   Editor editor(atlas);
   if (options.points)
-    detail::ParseFile(*options.points, "a table of points",
-                      [&](std::string_view text) { editor.ReadPoints(text, report.points); });
+    detail::ParseFile(*options.points, "a table of points", [&](std::string_view text) {
+      report.points.has_open_end = detail::HasOpenEnd(text);
+      editor.ReadPoints(text, report.points);
+    });
   if (options.keyframes)
-    detail::ParseFile(*options.keyframes, "a table of keyframes",
-                      [&](std::string_view text) { editor.ReadKeyFrames(text, report.keyframes); });
+    detail::ParseFile(*options.keyframes, "a table of keyframes", [&](std::string_view text) {
+      report.keyframes.has_open_end = detail::HasOpenEnd(text);
+      editor.ReadKeyFrames(text, report.keyframes);
+    });
   report.refreshed = editor.Refresh();
   report.removed.before = report.removed.after = CountEntities(atlas);
   Subset subset = Subset::Everything(atlas);

@@ -34,6 +34,7 @@ struct TableEditChanges {
   std::uint64_t changed = 0;         // another value in any other column; those that moved may be among them
   std::uint64_t deleted = 0;         // whose column `bad` became 1, or that have no row
   std::vector<std::string> ignored;  // columns of another name
+  bool has_open_end = false;         // the last line has no end: the table may be cut there
   friend bool operator==(const TableEditChanges&, const TableEditChanges&) = default;
 };
 

@@ -8,6 +8,7 @@
 #include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/files_read.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/codec.h"
@@ -72,7 +73,7 @@ bool SniffText(const Probe& probe) { return IsBinary(probe.path) == false; }
 
 // ---- reading and writing
 
-colmap::Model ReadModel(const std::string& folder) {
+colmap::Model ReadModel(const std::string& folder, Notices& notices) {
   const bool binary = HasModel(folder, kBinary);
   const std::string_view suffix = binary ? kBinary : kText;
   colmap::Model model;
@@ -81,6 +82,7 @@ colmap::Model ReadModel(const std::string& folder) {
     std::error_code missing;
     if (part >= kNeeded && !fs::exists(path, missing)) continue;
     const WholeFile file{Source(path)};
+    if (!binary) detail::WarnOfOpenEnd(file.text(), path, notices);
     (binary ? colmap::DecodeBinary : colmap::DecodeText)(static_cast<Part>(part), file, model);
   }
   return model;
@@ -119,7 +121,7 @@ Atlas ReadColmap(const Source& source, const ReadOptions& options, Notices& noti
   for (const Place& place : places) NoteModel(place.folder, files);
   for (const Place& place : places) {
     colmap::RefuseUnfinished(place.folder);
-    models.push_back({.path = place.folder, .map = place.number, .model = ReadModel(place.folder)});
+    models.push_back({.path = place.folder, .map = place.number, .model = ReadModel(place.folder, notices)});
   }
   if (models.empty())
     throw Error(ErrorKind::kDamaged, source.path, "",
@@ -193,10 +195,11 @@ void WriteDatabase(const Atlas& atlas, const Target& target, const WriteOptions&
   }
   database.Write(file);
   file.Commit();
-  notices.Tell(
-      Concat(detail::Counted(database.images(), "image"), ", ", detail::Counted(database.keypoints(), "keypoint"),
-             ", matches of ", detail::Counted(database.pairs(), "pair")),
-      WrittenCounts{.keyframes = colmap::CountKeyFrames(outline.maps)});
+  colmap::WarnOfLeftOut(outline, unheld, notices);
+  notices.Tell(Concat(detail::CountWritten(database.images(), "image", outline.bad_keyframes), ", ",
+                      detail::Counted(database.keypoints(), "keypoint"), ", matches of ",
+                      detail::Counted(database.pairs(), "pair")),
+               WrittenCounts{.keyframes = colmap::CountKeyFrames(outline.maps)});
 }
 
 void WriteBinary(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {

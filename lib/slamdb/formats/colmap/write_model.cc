@@ -309,6 +309,14 @@ IdTable PointRowsOf(const Model& model) {
   return rows;
 }
 
+void WarnOfLeftOut(const Outline& outline, const Unheld& unheld, Notices& notices) {
+  if (outline.not_finite > 0)
+    notices.Warn(Concat(Counted(outline.not_finite, "keyframe"), " left out, whose pose is none, or not finite"));
+  if (unheld.strange_points > 0)
+    notices.Warn(
+        Concat(Counted(unheld.strange_points, "point"), " left out, not finite, or with the id of another one"));
+}
+
 void Tell(const Outline& outline, const Unheld& unheld, std::string_view format, bool with_database, Notices& notices) {
   const auto lose = [&](std::uint64_t count, std::string_view noun, std::string_view why) {
     if (count > 0) notices.Lose(Concat("left out: ", Counted(count, noun), " ", why));

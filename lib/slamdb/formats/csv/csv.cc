@@ -13,6 +13,7 @@
 #include "slamdb/formats/export/detail/pose.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/model/derive.h"
+#include "slamdb/model/detail/is_pose.h"
 
 namespace slamdb::detail {
 namespace {
@@ -116,16 +117,22 @@ void WriteKeyFrames(const Atlas& atlas, const Target& target, const WriteOptions
   WarnOfSeveralFrames(maps, "the column `map` tells them apart", notices);
   file.Write(kKeyFramesHeader);
   std::vector<std::pair<MapId, const KeyFrame*>> rows;
-  std::size_t all = 0;
+  std::size_t all = 0, without_pose = 0;
   for (const Map* map : maps) {
     all += map->keyframes.size();
-    for (const KeyFrame& keyframe : map->keyframes)
-      if (!keyframe.bad) rows.emplace_back(map->id, &keyframe);
+    for (const KeyFrame& keyframe : map->keyframes) {
+      if (keyframe.bad) continue;
+      rows.emplace_back(map->id, &keyframe);
+      without_pose += IsPose(keyframe.camera_from_world) ? 0 : 1;
+    }
   }
   WriteRows(file, rows.size(), 256, options, [&rows](std::size_t begin, std::size_t end, std::string& out) {
     for (std::size_t row = begin; row < end; ++row) AppendKeyFrame(out, rows[row].first, *rows[row].second);
   });
   file.Commit();
+  if (without_pose > 0)
+    notices.Warn("in the table all the same, though their pose is none, or not finite: " +
+                 Counted(without_pose, "keyframe"));
   notices.Tell(CountWritten(rows.size(), "keyframe", all - rows.size()), WrittenCounts{.keyframes = rows.size()});
 }
 

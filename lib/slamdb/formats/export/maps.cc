@@ -36,4 +36,9 @@ void WarnOfSeveralFrames(std::size_t maps, const std::string& how_told_apart, No
              how_told_apart, ", and ExportOptions::map writes one alone"));
 }
 
+void WarnOfEdgesOutside(std::size_t edges, Notices& notices) {
+  if (edges > 0)
+    notices.Warn("left out, since they lead to keyframes that are not written with these: " + Counted(edges, "edge"));
+}
+
 }  // namespace slamdb::detail

@@ -2,6 +2,8 @@
 #include "slamdb/formats/g2o/detail/edges.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
@@ -12,13 +14,19 @@ bool IsVertex(const KeyFrame& keyframe) {
   return !keyframe.bad && keyframe.id && detail::IsPose(keyframe.camera_from_world);
 }
 
-std::vector<Edge> EssentialEdges(const Map& map) {
+EssentialGraph EssentialGraphOf(const Map& map) {
   constexpr std::int32_t kLeastWeight = 100;
   const IdTable rows = KeyFrameTable(map);
   std::vector<Edge> edges;
+  std::set<std::pair<std::uint32_t, KeyFrameId>> outside;
   const auto add = [&](std::uint32_t row, KeyFrameId other, std::int32_t weight) {
+    if (!other) return;
     const std::uint32_t end = rows.Find(other.value());
-    if (end == kNoRow || end == row || !IsVertex(map.keyframes[end])) return;
+    if (end == row) return;
+    if (end == kNoRow || !IsVertex(map.keyframes[end])) {
+      outside.emplace(row, other);
+      return;
+    }
     const bool in_order = map.keyframes[row].id < map.keyframes[end].id;
     edges.push_back(in_order ? Edge{row, end, weight} : Edge{end, row, weight});
   };
@@ -39,7 +47,7 @@ std::vector<Edge> EssentialEdges(const Map& map) {
       edges, [&](const Edge& a, const Edge& b) { return ids(a) != ids(b) ? ids(a) < ids(b) : a.weight > b.weight; });
   edges.erase(std::unique(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return ids(a) == ids(b); }),
               edges.end());
-  return edges;
+  return {std::move(edges), outside.size()};
 }
 
 }  // namespace slamdb::g2o

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/detail/union_find.h"
 #include "slamdb/formats/detail/select.h"
@@ -146,6 +147,7 @@ class Parser {
 
 PoseGraph Parse(const Source& source, Notices& notices) {
   const WholeFile file(source);
+  detail::WarnOfOpenEnd(file.text(), file.path(), notices);
   PoseGraph graph = Parser(file).Parse();
   for (const auto& [tag, count] : graph.left_out)
     notices.Warn(Concat("left out: ", detail::Thousands(count), " lines ", tag, ", which are no poses"));

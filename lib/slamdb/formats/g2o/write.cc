@@ -45,7 +45,7 @@ Similarity3d WorldFromCamera(const KeyFrame& keyframe) {
 class MapText {
  public:
   MapText(const Atlas& atlas, const Map& map, const WriteOptions& options)
-      : map_(map), similarities_(options.of<G2oWriteOptions>().similarities), edges_(g2o::EssentialEdges(map)) {
+      : map_(map), similarities_(options.of<G2oWriteOptions>().similarities), graph_(g2o::EssentialGraphOf(map)) {
     for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) {
       const KeyFrame& keyframe = map.keyframes[row];
       if (g2o::IsVertex(keyframe)) rows_.push_back(row);
@@ -59,7 +59,8 @@ class MapText {
   }
 
   const std::vector<std::uint32_t>& rows() const { return rows_; }
-  std::size_t edges() const { return edges_.size(); }
+  std::size_t edges() const { return graph_.edges.size(); }
+  std::size_t outside() const { return graph_.outside; }
   std::size_t guessed() const { return guessed_; }
 
   void Write(AtomicFile& file, const WriteOptions& options, std::uint64_t id_shift) {
@@ -73,9 +74,9 @@ class MapText {
     }
     if (!rows_.empty()) text += Concat("FIX ", Id(Root()), "\n");
     file.Write(text);
-    std::vector<std::uint8_t> guessed(edges_.size(), 0);
-    detail::WriteRows(file, edges_.size(), kGrain, options, [&](std::size_t begin, std::size_t end, std::string& out) {
-      for (std::size_t i = begin; i < end; ++i) AppendEdge(out, edges_[i], guessed[i]);
+    std::vector<std::uint8_t> guessed(edges(), 0);
+    detail::WriteRows(file, edges(), kGrain, options, [&](std::size_t begin, std::size_t end, std::string& out) {
+      for (std::size_t i = begin; i < end; ++i) AppendEdge(out, graph_.edges[i], guessed[i]);
     });
     guessed_ = static_cast<std::size_t>(std::ranges::count(guessed, 1));
   }
@@ -134,12 +135,42 @@ class MapText {
 
   const Map& map_;
   const bool similarities_;
-  std::vector<g2o::Edge> edges_;
+  g2o::EssentialGraph graph_;
   std::vector<std::uint32_t> rows_;  // of vertices, by id
   std::vector<Similarity3d> poses_;  // world from camera, by row
   std::optional<g2o::SharedViews> views_;
   std::uint64_t shift_ = 0;
   std::size_t guessed_ = 0;
+};
+
+// Keyframes that are no vertices, and edges to such.
+struct LeftOut {
+  std::size_t bad = 0, without_pose = 0, without_id = 0, repeated = 0, edges = 0;
+
+  void Add(const Map& map, std::size_t vertices, std::size_t edges_outside) {
+    edges += edges_outside;
+    std::size_t kept = 0;
+    for (const KeyFrame& keyframe : map.keyframes) {
+      if (keyframe.bad)
+        ++bad;
+      else if (!keyframe.id)
+        ++without_id;
+      else if (!g2o::IsVertex(keyframe))
+        ++without_pose;
+      else
+        ++kept;
+    }
+    repeated += kept - vertices;
+  }
+  void Tell(Notices& notices) const {
+    const auto warn = [&](std::size_t count, std::string_view why) {
+      if (count > 0) notices.Warn(Concat("left out because ", why, ": ", Counted(count, "keyframe")));
+    };
+    warn(without_pose, "the pose is none, or not finite");
+    warn(without_id, "they have no id");
+    warn(repeated, "another keyframe has their id");
+    detail::WarnOfEdgesOutside(edges, notices);
+  }
 };
 
 // Gives each map ids that no map before it has.
@@ -174,7 +205,8 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   const std::vector<const Map*> maps = detail::ChooseMaps(atlas, options, target);
   AtomicFile file(target, detail::FileOptions(options));
   Ids ids;
-  std::size_t vertices = 0, edges = 0, guessed = 0, keyframes = 0;
+  LeftOut left_out;
+  std::size_t vertices = 0, edges = 0, guessed = 0;
   for (const Map* map : maps) {
     MapText text(atlas, *map, options);
     const std::uint64_t shift = ids.Take(*map, text.rows());
@@ -182,7 +214,7 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
       notices.Warn(
           Concat("ids of keyframes of ", map->id, " are those of another map: written with ", shift, " added to them"));
     text.Write(file, options, shift);
-    keyframes += map->keyframes.size();
+    left_out.Add(*map, text.rows().size(), text.outside());
     vertices += text.rows().size();
     edges += text.edges();
     guessed += text.guessed();
@@ -192,9 +224,9 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   if (guessed > 0)
     notices.Note(Concat("the points of ", guessed, " of ", Counted(edges, "edge"),
                         " do not tell how sure they are: their information is the number of shared points"));
-  std::string told = Concat(Counted(vertices, "keyframe"), ", ", Counted(edges, "edge"));
-  if (keyframes > vertices) told += Concat(", ", keyframes - vertices, " bad keyframes left out");
-  notices.Tell(std::move(told), WrittenCounts{.keyframes = vertices});
+  left_out.Tell(notices);
+  notices.Tell(Concat(detail::CountWritten(vertices, "keyframe", left_out.bad), ", ", Counted(edges, "edge")),
+               WrittenCounts{.keyframes = vertices});
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ Places::Places(const Atlas& atlas, const Target& target, const WriteOptions& opt
   const std::size_t count = std::min(points_.size(), options.of<GeographicOptions>().most_points);
   chosen_points_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) chosen_points_.push_back(i * points_.size() / count);
-  if (count > 0) points_.WarnOfNotFinite(notices);
+  if (options.of<GeographicOptions>().most_points > 0) points_.WarnOfNotFinite(notices);
 }
 
 std::string Places::Summary() const {

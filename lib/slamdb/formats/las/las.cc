@@ -144,6 +144,8 @@ std::string Header(const Grid& grid) {
   return out + record;
 }
 
+constexpr std::size_t kMostObservations = 255;  // in the user's byte
+
 // Of 16 bits; 0, which is none, for maps of ids above.
 std::uint16_t SourceOf(MapId map) {
   const std::uint64_t id = map.value();
@@ -157,9 +159,25 @@ void AppendPoint(std::string& out, const PointRows& points, const PointColors& c
   AppendRaw(out, kOnlyReturn);
   AppendRaw(out, std::uint8_t{0});  // never classified
   AppendRaw(out, std::uint8_t{0});  // scan angle
-  AppendRaw(out, static_cast<std::uint8_t>(std::min<std::size_t>(row.point->observations.size(), 255)));
+  AppendRaw(out, static_cast<std::uint8_t>(std::min(row.point->observations.size(), kMostObservations)));
   AppendRaw(out, SourceOf(points.map_id(row)));
   for (const std::uint8_t part : colors[las.row]) AppendRaw(out, static_cast<std::uint16_t>(257 * part));
+}
+
+void WarnOfNarrowFields(const PointRows& points, const Grid& grid, Notices& notices) {
+  std::size_t unnamed = 0, seen_more = 0;
+  for (const LasPoint& las : grid.points()) {
+    const PointRows::Row& row = points[las.row];
+    const MapId map = points.map_id(row);
+    unnamed += SourceOf(map) != map.value() ? 1 : 0;
+    seen_more += row.point->observations.size() > kMostObservations ? 1 : 0;
+  }
+  if (unnamed > 0)
+    notices.Warn("the point source is 0 for maps of ids beyond 65,535, for which it has no place: " +
+                 Counted(unnamed, "point"));
+  if (seen_more > 0)
+    notices.Warn(Concat("numbers of observations above ", kMostObservations,
+                        " are written as that: ", Counted(seen_more, "point")));
 }
 
 void WriteLas(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
@@ -178,6 +196,7 @@ void WriteLas(const Atlas& atlas, const Target& target, const WriteOptions& opti
             });
   file.Commit();
   points.WarnOfNotFinite(notices);
+  WarnOfNarrowFields(points, grid, notices);
   if (grid.too_far() > 0)
     notices.Warn("left out, since they are more than 200 km from the origin: " + Counted(grid.too_far(), "point"));
   colors.Tell(notices);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "slamdb/formats/export/detail/frusta.h"
@@ -53,7 +54,27 @@ std::vector<std::uint32_t> EdgesOf(const KeyFrameTrajectory& trajectory, const I
   return ends;
 }
 
+// Calls `edge(other)` for every edge that a keyframe records.
+template <class Edge>
+void ForEachEdge(const KeyFrame& keyframe, Edge edge) {
+  for (const Connection& connection : keyframe.connections) edge(connection.keyframe);
+  edge(keyframe.parent);
+  for (const auto* list : {&keyframe.children, &keyframe.loop_edges, &keyframe.merge_edges})
+    for (const KeyFrameId other : *list) edge(other);
+}
+
 }  // namespace
+
+std::size_t CountEdgesOutside(const KeyFrameTrajectory& trajectory) {
+  if (trajectory.poses.empty()) return 0;
+  const IdTable rows = RowsOf(trajectory);
+  std::set<std::pair<KeyFrameId, KeyFrameId>> outside;
+  for (const TimedPose& pose : trajectory.poses)
+    ForEachEdge(*pose.keyframe, [&](KeyFrameId other) {
+      if (other && rows.Find(other.value()) == kNoRow) outside.emplace(pose.keyframe->id, other);
+    });
+  return outside.size();
+}
 
 std::vector<GraphLines> GraphOf(const KeyFrameTrajectory& trajectory) {
   if (trajectory.poses.empty()) return {};

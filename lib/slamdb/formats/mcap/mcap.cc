@@ -12,6 +12,7 @@
 #include "slamdb/formats/export/detail/points.h"
 #include "slamdb/formats/export/detail/raw.h"
 #include "slamdb/formats/export/detail/rows.h"
+#include "slamdb/formats/mcap/detail/graph.h"
 #include "slamdb/formats/mcap/detail/messages.h"
 #include "slamdb/formats/mcap/detail/timeline.h"
 #include "slamdb/formats/mcap/detail/writer.h"
@@ -106,6 +107,12 @@ void WarnOfTimes(const Trajectories& trajectories, Notices& notices) {
         Counted(outside, "keyframe"));
 }
 
+void WarnOfEdges(const Trajectories& trajectories, Notices& notices) {
+  std::size_t outside = 0;
+  for (const KeyFrameTrajectory& trajectory : trajectories.maps) outside += CountEdgesOutside(trajectory);
+  WarnOfEdgesOutside(outside, notices);
+}
+
 void WriteMcap(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, FileOptions(options));
   const PointRows points(atlas, target, options, Positions::kFinite);
@@ -113,6 +120,7 @@ void WriteMcap(const Atlas& atlas, const Target& target, const WriteOptions& opt
   const Trajectories trajectories = CollectTrajectories(atlas, target, options, notices, Rounded::kIsTaken);
   WarnOfSeveralFrames(points.maps(), "frames and topics tell them apart", notices);
   WarnOfTimes(trajectories, notices);
+  WarnOfEdges(trajectories, notices);
   points.WarnOfNotFinite(notices);
   const AtlasIndex index(atlas);
   McapWriter writer(file);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
+#include "slamdb/formats/osmap/detail/header.h"
 #include "slamdb/formats/osmap/detail/osmap.h"
 
 namespace slamdb {
@@ -10,10 +11,6 @@ constexpr std::array<std::string_view, 1> kSuffixes{".yaml"};
 constexpr Content kHeld = Content::kPoses | Content::kPoints | Content::kObservations | Content::kKeypoints |
                           Content::kDescriptors | Content::kGraph | Content::kCameras | Content::kIdentity |
                           Content::kTracking;
-
-bool Sniff(const Probe& probe) {
-  return probe.head.starts_with("%YAML") && probe.head.find("mappointsFile") != std::string::npos;
-}
 
 }  // namespace
 
@@ -25,7 +22,7 @@ const Format detail::kOsmapFormat{.id = "osmap",
                                   .chooses_maps = true,
                                   .reads = kHeld,
                                   .writes = kHeld,
-                                  .sniff = Sniff,
+                                  .sniff = osmap::IsHeader,
                                   .read = osmap::Read,
                                   .write = osmap::Write};
 

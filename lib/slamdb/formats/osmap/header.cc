@@ -2,9 +2,11 @@
 #include "slamdb/formats/osmap/detail/header.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <span>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/import/detail/possible.h"
@@ -137,6 +139,20 @@ std::string Quoted(std::string_view text) {
 std::string WhyNoCamera(const CameraMatrix& camera) {
   const std::array<double, 4> numbers = {camera[0], camera[1], camera[2], camera[3]};
   return detail::WhyNoCameraOrNone(numbers[0], numbers[1], std::span(numbers).subspan(2));
+}
+
+bool IsHeader(const Probe& probe) {
+  return probe.head.starts_with("%YAML") && probe.head.find("mappointsFile") != std::string::npos;
+}
+
+std::string PathOf(const std::string& header, const Side& side) {
+  const std::filesystem::path name = std::filesystem::path(side.file).filename();
+  const auto beside = [&name](const std::string& path) {
+    return (std::filesystem::path(path).parent_path() / name).string();
+  };
+  std::error_code missing;
+  const std::string path = beside(detail::LeadsTo(header));
+  return std::filesystem::exists(path, missing) ? path : beside(header);
 }
 
 Header ParseHeader(std::string_view text, const std::string& path) { return Parser(text, path).Parse(); }

@@ -3,11 +3,10 @@
 #include <array>
 #include <atomic>
 #include <cstring>
-#include <filesystem>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/files_read.h"
-#include "slamdb/base/detail/links.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/detail/unfinished.h"
@@ -33,18 +32,6 @@ using detail::ProtoFile;
 using detail::ProtoReader;
 
 constexpr std::int32_t kMostOctaves = 64;
-
-// A file beside the header, or beside the link that leads to it; the folder that its name begins with is that of
-// whoever saved it.
-std::string PathOf(const std::string& header, const Side& side) {
-  const std::filesystem::path name = std::filesystem::path(side.file).filename();
-  const auto beside = [&name](const std::string& path) {
-    return (std::filesystem::path(path).parent_path() / name).string();
-  };
-  std::error_code missing;
-  const std::string path = beside(detail::LeadsTo(header));
-  return std::filesystem::exists(path, missing) ? path : beside(header);
-}
 
 class SideFile {
  public:
@@ -189,7 +176,9 @@ class MapReader {
   MapReader(const Source& source, const ReadOptions& options, Notices& notices)
       : path_(source.path), options_(options), notices_(notices) {
     files_.Note(path_);
-    header_ = ParseHeader(WholeFile(source).text(), path_);
+    const WholeFile header(source);
+    detail::WarnOfOpenEnd(header.text(), path_, notices);
+    header_ = ParseHeader(header.text(), path_);
     for (const Side* side : {&header_.points, &header_.keyframes, &header_.features})
       if (!side->file.empty()) files_.Note(sides_.emplace_back(PathOf(path_, *side)));
     RefuseUnfinished();

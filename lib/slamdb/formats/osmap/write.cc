@@ -6,9 +6,12 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/links.h"
+#include "slamdb/formats/dry_run.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/export/detail/rows.h"
@@ -20,6 +23,8 @@
 
 namespace slamdb::osmap {
 namespace {
+
+namespace fs = std::filesystem;
 
 using detail::Concat;
 using detail::Counted;
@@ -41,6 +46,38 @@ const Map& ChooseMap(const std::vector<const Map*>& maps, Notices& notices) {
   return largest;
 }
 
+// Whether a file is a header, of whatever suffix, and one of these is what it would be read with.
+bool NamesAnyOf(const std::string& header, const std::set<fs::path>& files) try {
+  if (!IsHeader(Probe::Of(header))) return false;
+  const WholeFile file{Source(header)};
+  const Header names = ParseHeader(file.text(), header);
+  return std::ranges::any_of(std::array{names.points, names.keyframes, names.features}, [&](const Side& side) {
+    std::error_code failed;
+    return !side.file.empty() && files.contains(fs::weakly_canonical(PathOf(header, side), failed));
+  });
+} catch (const Error&) {
+  return false;  // nobody can read it
+}
+
+// Another header of the files that are written would be read with the new ones.
+void RefuseOtherHeaders(const std::string& header, const Header& written) {
+  std::error_code failed, missing;
+  std::set<fs::path> files;
+  for (const Side* side : {&written.points, &written.keyframes, &written.features})
+    files.insert(fs::weakly_canonical(detail::FolderOf(header) / side->file, failed));
+  for (fs::directory_iterator entry(detail::FolderOf(header), failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const std::string other = entry->path().string();
+    const bool is_it = entry->path().filename() == fs::path(header).filename() ||
+                       (entry->is_symlink(missing) && fs::equivalent(other, header, missing));
+    if (!is_it && entry->is_regular_file(missing) && NamesAnyOf(other, files))
+      throw Error(ErrorKind::kAlreadyExists, other, "",
+                  Concat("is a header of ", written.points.file,
+                         " and what goes with it, and would be read with what is written; remove it, or name another "
+                         "output"));
+  }
+}
+
 bool IsHeld(const KeyFrame& keyframe) { return !keyframe.bad && detail::IsPose(keyframe.camera_from_world); }
 bool IsHeld(const MapPoint& point) { return !point.bad && point.position.allFinite(); }
 
@@ -60,7 +97,7 @@ class MapWriter {
 
   void Write(const Target& target) {
     AtomicFiles files(target, detail::FileOptions(options_));
-    const std::filesystem::path base = std::filesystem::path(files.target()).stem();
+    const fs::path base = fs::path(files.target()).stem();
     const auto write = [&](Side& side, std::size_t count, const char* suffix, auto&& append) {
       side = {.file = base.string() + suffix, .count = count};
       const std::unique_ptr<AtomicFile> file = files.Make(side.file);
@@ -73,6 +110,7 @@ class MapWriter {
     const std::unique_ptr<AtomicFile> header = files.MakeTarget();
     header->Write(HeaderText(header_));
     header->Commit();
+    RefuseOtherHeaders(files.target(), header_);
     files.Commit();
   }
 
@@ -249,7 +287,7 @@ void TellLosses(const Atlas& atlas, const Map& map, Notices& notices) {
 }  // namespace
 
 void Write(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  if (!target.is_file() || IsSpecialFile(target.path))
+  if (!detail::HasFile(target, options) || IsSpecialFile(target.path))
     throw Error(ErrorKind::kUsage, target.path, "", "an osmap map is four files: give the path of its .yaml file");
   const Map& map = ChooseMap(detail::ChooseMaps(atlas, options, target), notices);
   TellLosses(atlas, map, notices);

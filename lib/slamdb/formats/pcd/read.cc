@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/pcd/detail/lzf.h"
 #include "slamdb/formats/points/detail/point_set.h"
@@ -242,6 +243,7 @@ Atlas ReadPcd(const Source& source, const ReadOptions& options, Notices& notices
   const WholeFile file(source);
   std::string_view text = file.text();
   const Header header = HeaderReader(file.path()).Read(text);
+  if (header.data == Data::kAscii) WarnOfOpenEnd(file.text(), file.path(), notices);
   Atlas atlas = ReadPoints(file.path(), header, text).Finish(options.selection, notices);
   if (!header.viewpoint.empty())
     notices.Lose(Concat("the viewpoint ", Excerpt(header.viewpoint),

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/points/detail/point_set.h"
 
@@ -229,6 +230,7 @@ Atlas ReadPly(const Source& source, const ReadOptions& options, Notices& notices
     throw Error(ErrorKind::kUnsupported, file.path(), "",
                 "is a PLY without an element `vertex`, and so without points");
   Body body(file.path(), text, header.encoding);
+  if (body.is_text()) WarnOfOpenEnd(file.text(), file.path(), notices);
   for (auto element = header.elements.begin(); element != vertices; ++element) SkipElement(file.path(), *element, body);
   Atlas atlas = ReadVertices(file.path(), *vertices, body).Finish(options.selection, notices);
   for (const Element& element : header.elements)

@@ -79,8 +79,9 @@ void Straighten(const colmap::Outline& outline, Scene& scene) {
   }
 }
 
-void WriteText(AtomicFolder& folder, const std::string& name, std::string_view bytes) {
-  const std::unique_ptr<AtomicFile> file = folder.Make(name);
+void WriteBytes(AtomicFolder& folder, const std::string& name, std::string_view bytes,
+                Replaces replaces = Replaces::kOthers) {
+  const std::unique_ptr<AtomicFile> file = folder.Make(name, replaces);
   file->Write(bytes);
   file->Commit();
 }
@@ -97,7 +98,8 @@ void WriteScene(const colmap::Outline& outline, Scene& scene, AtomicFolder& fold
     return Developed{view.name, EncodePicture(Undistorted(picture, settings), format)};
   };
   splats::ShowPictures(outline, scene, options, develop, [&](const Developed& developed) {
-    WriteText(folder, Concat(scene.folder, "images/", developed.name), developed.bytes);
+    // Which of the pictures there slamdb has written, and which are the only ones, nothing tells.
+    WriteBytes(folder, Concat(scene.folder, "images/", developed.name), developed.bytes, Replaces::kEqual);
   });
   for (const Part part : kParts) {
     const std::string_view name = colmap::kPartNames[static_cast<std::size_t>(part)];
@@ -105,21 +107,22 @@ void WriteScene(const colmap::Outline& outline, Scene& scene, AtomicFolder& fold
     colmap::EncodeBinary(part, scene.model, *file, options);
     file->Commit();
   }
-  WriteText(folder, Concat(scene.folder, kModel, "points3D.ply"),
-            splats::PlyOf(scene.model, Eigen::Matrix3d::Identity()));
+  WriteBytes(folder, Concat(scene.folder, kModel, "points3D.ply"),
+             splats::PlyOf(scene.model, Eigen::Matrix3d::Identity()));
 }
 
 void WriteGaussian(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFolder folder(target, detail::FileOptions(options));
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
-  std::vector<Scene> scenes = splats::ScenesOf(outline, options);
+  colmap::Unheld unheld;
+  std::vector<Scene> scenes = splats::ScenesOf(outline, options, unheld);
   std::vector<std::string> models;
   for (const Scene& scene : scenes) models.push_back(Concat(scene.folder, kModel));
   colmap::RefuseOtherModels(target.path, models, colmap::kBinary, kParts.size());
   for (Scene& scene : scenes) WriteScene(outline, scene, folder, options);
   colmap::RefuseOtherModels(target.path, models, colmap::kBinary, kParts.size());  // that came in the meantime
   folder.Commit();
-  splats::Tell(scenes, outline, notices);
+  splats::Tell(scenes, outline, unheld, notices);
 }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".3dgs"};

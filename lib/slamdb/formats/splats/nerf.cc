@@ -120,7 +120,8 @@ void RefuseOtherScenes(const std::string& folder, const std::vector<Scene>& scen
 void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFolder folder(target, detail::FileOptions(options));
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, options.of<ColmapWriteOptions>().pictures);
-  std::vector<Scene> scenes = splats::ScenesOf(outline, options);
+  colmap::Unheld unheld;
+  std::vector<Scene> scenes = splats::ScenesOf(outline, options, unheld);
   RefuseOtherScenes(target.path, scenes);
   for (Scene& scene : scenes) {
     const auto leave = [](const View&, const std::string&, const ColorPicture&) { return Developed{}; };
@@ -136,7 +137,7 @@ void WriteNerf(const Atlas& atlas, const Target& target, const WriteOptions& opt
   }
   RefuseOtherScenes(target.path, scenes);  // that came in the meantime
   folder.Commit();
-  splats::Tell(scenes, outline, notices);
+  splats::Tell(scenes, outline, unheld, notices);
 }
 
 constexpr std::array<std::string_view, 1> kSuffixes = {".nerf"};

@@ -188,12 +188,11 @@ std::string PlyOf(const colmap::Model& model, const Eigen::Matrix3d& turn) {
   return ply;
 }
 
-std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& options) {
-  colmap::Unheld ignored;  // exports say what they hold
+std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& options, colmap::Unheld& unheld) {
   std::vector<Scene> scenes;
   for (std::size_t row = 0; row < outline.maps.size(); ++row)
     scenes.push_back({.outline = outline.maps[row],
-                      .model = colmap::ModelOf(outline, outline.maps[row], options, ignored),
+                      .model = colmap::ModelOf(outline, outline.maps[row], options, unheld),
                       .folder = outline.maps.size() == 1 ? "" : Concat(row, "/")});
   if (!options.of<ColmapWriteOptions>().pictures.files.empty())
     for (Scene& scene : scenes) LeaveOutUnpictured(scene);
@@ -201,7 +200,8 @@ std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& 
   return scenes;
 }
 
-void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Notices& notices) {
+void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, const colmap::Unheld& unheld,
+          Notices& notices) {
   std::size_t images = 0, keyframes = 0, pictures = 0, points = 0, left_out = 0;
   for (const Scene& scene : scenes) {
     images += scene.model.images.size();
@@ -219,12 +219,11 @@ void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Noti
     notices.Warn(
         "without pictures: images are named by their timestamps, and points are grey; "
         "KeyFramePictures::files names them");
-  if (outline.not_finite > 0)
-    notices.Warn(Concat(Counted(outline.not_finite, "keyframe"), " left out, whose pose is none, or not finite"));
+  colmap::WarnOfLeftOut(outline, unheld, notices);
   if (scenes.size() > 1)
     notices.Note(Concat(scenes.size(), " maps are in folders 0 to ", scenes.size() - 1, ", a scene each"));
   notices.Tell(Concat(detail::CountWritten(images, pictures == 0 ? "pose" : "image", outline.bad_keyframes), ", ",
-                      Counted(points, "point")),
+                      detail::CountWritten(points, "point", unheld.bad_points)),
                WrittenCounts{.keyframes = keyframes, .points = points});
 }
 

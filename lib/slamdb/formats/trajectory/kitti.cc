@@ -6,6 +6,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/table.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/dry_run.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/pose_text.h"
@@ -72,7 +73,7 @@ void WriteLines(const std::vector<Lines>& maps, const detail::PoseCount& count, 
                 const WriteOptions& options, Notices& notices) {
   detail::WarnOfSeveralFrames(maps.size(), LinesOfMaps(maps), notices);
   const WrittenCounts written{.keyframes = count.poses};
-  if (target.is_file() && !IsSpecialFile(target.path)) {
+  if (detail::HasFile(target, options) && !IsSpecialFile(target.path)) {
     const std::string times = WriteTogether(maps, target, options);
     return notices.Tell(count.Summary() + "; their times are in " + times, written);
   }

@@ -211,7 +211,7 @@ std::string TimesBeside(const std::string& path) {
 }
 
 std::vector<std::string> ReadTimes(const std::string& path, const ReadOptions& options, Notices& notices) {
-  return ParseFile(path, "a table of times", [&](std::string_view text) {
+  return ParseLines(path, "a table of times", notices, [&](std::string_view text) {
     constexpr std::size_t kDate = 1, kTimeOfDay = 2;
     Table table(text, {.columns = {TimeColumn(), {{"date"}, 1}, TimeColumn(1)},
                        .expected = "one time a line, or date and time of day"});
@@ -256,7 +256,7 @@ TrajectoryText ReadMatrices(const Source& source, const ReadOptions& options, No
   FilesRead files;
   if (source.is_file()) files.Note(source.path);
   if (!times.empty()) files.Note(times);
-  ParseFile(source, "a trajectory", [&](std::string_view text) {
+  ParseLines(source, "a trajectory", notices, [&](std::string_view text) {
     Table table(text, MatrixTable());
     while (table.Next()) maps[0].poses.push_back(PoseOfMatrix(table));
     return 0;
@@ -269,7 +269,7 @@ TrajectoryText ReadMatrices(const Source& source, const ReadOptions& options, No
 TrajectoryText ReadRows(const Source& source, PoseLayout layout, const ReadOptions& options, Notices& notices) {
   if (!options.of<TrajectoryReadOptions>().times.empty())
     throw Error(ErrorKind::kUsage, source.path, "", "has times of its own; a file of times belongs to KITTI's poses");
-  return ParseFile(source, "a trajectory", [&](std::string_view text) {
+  return ParseLines(source, "a trajectory", notices, [&](std::string_view text) {
     const bool told = !options.format.empty() || options.custom_format != nullptr;
     const PoseLayout order = told ? layout : LayoutOfRows(text, layout, source.path, notices);
     return ParsePoses(text, layout, order, options, notices);

@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/detail/select.h"
 #include "slamdb/formats/import/detail/complete.h"
@@ -77,6 +78,7 @@ class GraphReader {
     Map& map = atlas_.maps.emplace_back();
     map.id = MapId(0);
     const WholeFile file((folder_ / kGraphFile).string());
+    detail::WarnOfOpenEnd(file.text(), file.path(), notices_);
     ForEachLine(file, [&](std::string_view line, std::size_t number) {
       AddKeyFrame(NumbersOf<kColumns>(line, file.path(), number), file.path(), number);
     });
@@ -129,6 +131,7 @@ class GraphReader {
     }
     Features& features = keyframe.features;
     const WholeFile file(keypoints.string());
+    open_ends_ += detail::HasOpenEnd(file.text()) ? 1 : 0;
     ForEachLine(file, [&](std::string_view line, std::size_t number) {
       const auto numbers = NumbersOf<2>(line, file.path(), number);
       features.keypoints.push_back(detail::KeypointAt(static_cast<float>(numbers[0]), static_cast<float>(numbers[1])));
@@ -182,6 +185,7 @@ class GraphReader {
     };
     warn(dangling_, "loop", " left out, to a keyframe that is not there");
     warn(without_keypoints_, "keyframe", " without the file of its keypoints");
+    warn(open_ends_, "keyframe", " whose file of keypoints ends without an end of line, and may be cut there");
     warn(odd_counts_, "keyframe", " with another number of keypoints or descriptors than the graph says");
   }
 
@@ -191,7 +195,7 @@ class GraphReader {
   Atlas atlas_;
   std::unordered_set<std::int64_t> indices_;                   // of keyframes
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends_;  // of loops, rows
-  std::uint64_t dangling_ = 0, without_keypoints_ = 0, odd_counts_ = 0;
+  std::uint64_t dangling_ = 0, without_keypoints_ = 0, odd_counts_ = 0, open_ends_ = 0;
 };
 
 // Any program may call a file so; in this one a line is 26 numbers.

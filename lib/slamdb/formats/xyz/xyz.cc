@@ -97,7 +97,7 @@ std::string_view WithoutSlashes(std::string_view text) { return text.substr(text
 
 Atlas ReadXyz(const Source& source, const ReadOptions& options, Notices& notices) {
   Atlas atlas;
-  ParseFile(source, "points", [&](std::string_view text) {
+  ParseLines(source, "points", notices, [&](std::string_view text) {
     atlas = ReadTable(WithoutSlashes(WithoutMark(text)), source.path, options, notices);
   });
   return atlas;

@@ -17,4 +17,7 @@ std::vector<const Map*> ChooseMaps(const Atlas& atlas, const WriteOptions& optio
 void WarnOfSeveralFrames(const std::vector<const Map*>& maps, const std::string& how_told_apart, Notices& notices);
 void WarnOfSeveralFrames(std::size_t maps, const std::string& how_told_apart, Notices& notices);
 
+// Warns of edges of keyframes that are written to keyframes that are not.
+void WarnOfEdgesOutside(std::size_t edges, Notices& notices);
+
 }  // namespace slamdb::detail

@@ -19,8 +19,13 @@ struct Edge {
 // A good keyframe whose pose is finite.
 bool IsVertex(const KeyFrame& keyframe);
 
-// Spanning tree, loops, merges, and covisibility from 100 points on, as ORB-SLAM3 optimises it: each pair once, by ids.
-std::vector<Edge> EssentialEdges(const Map& map);
+struct EssentialGraph {
+  std::vector<Edge> edges;  // each pair once, by ids
+  std::size_t outside = 0;  // pairs of which one is no vertex, or is not in the map
+};
+
+// Spanning tree, loops, merges, and covisibility from 100 points on, as ORB-SLAM3 optimises it.
+EssentialGraph EssentialGraphOf(const Map& map);
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 

@@ -24,4 +24,7 @@ struct GraphLines {
 // merges; each edge once, whichever sides record it. Kinds without lines are left out.
 std::vector<GraphLines> GraphOf(const KeyFrameTrajectory& trajectory);
 
+// Pairs of keyframes that have an edge, of which one has no pose among these.
+std::size_t CountEdgesOutside(const KeyFrameTrajectory& trajectory);
+
 }  // namespace slamdb::detail

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/base/file.h"
+
 namespace slamdb::osmap {
 
 // The bits of Options that a reader has to know.
@@ -31,6 +33,12 @@ struct Header {
   std::uint32_t options = 0;
   std::vector<CameraMatrix> cameras;
 };
+
+bool IsHeader(const Probe& probe);
+
+// A file beside the header, or beside the link that leads to it; the folder that its name begins with is that of
+// whoever saved it.
+std::string PathOf(const std::string& header, const Side& side);
 
 // Reads YAML as OpenCV writes it. Throws Error (kDamaged) with the line.
 Header ParseHeader(std::string_view text, const std::string& path);

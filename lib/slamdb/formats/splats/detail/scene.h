@@ -39,9 +39,10 @@ std::string PlyOf(const colmap::Model& model, const Eigen::Matrix3d& turn);
 
 // The scenes of an atlas: the one map in the folder itself, several in folders `0`, `1`, ... Where pictures were named,
 // images without one are left out.
-std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& options);
+std::vector<Scene> ScenesOf(const colmap::Outline& outline, const WriteOptions& options, colmap::Unheld& unheld);
 
-// Says how many keyframes and points were written, and warns where there are no pictures.
-void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, Notices& notices);
+// Says how many keyframes and points were written, and warns of those left out and where there are no pictures.
+void Tell(const std::vector<Scene>& scenes, const colmap::Outline& outline, const colmap::Unheld& unheld,
+          Notices& notices);
 
 }  // namespace slamdb::splats
