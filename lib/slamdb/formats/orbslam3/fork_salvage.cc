@@ -164,16 +164,18 @@ void Tell(const SalvagedList& list, std::size_t map, const char* what, std::vect
 // Records of a damaged file, read in the layout that makes most sense of them.
 struct RecordReading {
   Atlas atlas;
+  std::vector<MapPlaces> readable;
   std::string layout;  // as atlases name it; empty: it was inferred
   layouts::Meaning meaning;
   std::vector<std::string> differences, doubts;
 };
 
 RecordReading ReadIn(const Layout& layout, const Source& source, const ArchiveHeader& header,
-                     std::span<const MapPlaces> places) {
-  ForkProgram program(layout);
+                     std::span<const MapPlaces> places, RecordUse use = RecordUse::kAtlas) {
+  const ForkProgram program(layout);
   detail::FileStream stream(source);
-  RecordReading reading{.atlas = ReadForkRecords(stream, header, program, places)};
+  ForkRecords records = ReadForkRecords(stream, header, program, places, use);
+  RecordReading reading{.atlas = std::move(records.atlas), .readable = std::move(records.readable)};
   reading.meaning = MeaningOf(reading.atlas, program);
   return reading;
 }
@@ -216,27 +218,33 @@ void TryOptions(const Source& source, const ArchiveHeader& header, std::span<con
   }
 }
 
-// In the known layout, or one with members in other forms; in another one where that makes no sense.
+// Members of the known layout in other forms or order, where that makes more sense of the records that are read in it.
+void ReformRecords(const Layout& known, const Source& source, const ArchiveHeader& header,
+                   std::span<const MapPlaces> places, RecordReading& reading) {
+  Layout layout = known;
+  layouts::Meaning meaning = reading.meaning;
+  std::vector<std::string> differences;
+  const auto judge = [&](const Layout& changed) {
+    return ReadIn(changed, source, header, reading.readable, RecordUse::kMeaning).meaning;
+  };
+  layouts::Reform(judge, layout, meaning, differences);
+  if (!differences.empty() && HasFewerDoubts(meaning, reading.meaning)) {
+    reading = ReadIn(layout, source, header, places);
+    reading.differences = std::move(differences);
+  }
+}
+
+// `best`: in the known layout, if there is one; or else in one with members in other forms, or in another one, where
+// that makes no sense.
 std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, const Source& source,
                                          const ArchiveHeader& header, std::span<const MapRecords> maps,
-                                         std::span<const MapPlaces> places, const Layout* known) {
-  std::optional<RecordReading> best;
-  if (known != nullptr) {
-    best = ReadIn(*known, source, header, places);
-    best->layout = known->id;
+                                         std::span<const MapPlaces> places, const Layout* known,
+                                         std::optional<RecordReading> best) {
+  if (best) {
     constexpr std::size_t kMostBytes = std::size_t{24} << 20U;  // which are decoded some hundred times
     if (archive.file.size() > kMostBytes) return best;
-    Layout layout = *known;
-    layouts::Meaning meaning = best->meaning;
-    std::vector<std::string> differences;
-    const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, header, places).meaning; };
-    layouts::Reform(judge, layout, meaning, differences);
+    ReformRecords(*known, source, header, places, *best);
     best->doubts = best->meaning.doubts;
-    if (!differences.empty() && HasFewerDoubts(meaning, best->meaning)) {
-      best = ReadIn(layout, source, header, places);
-      best->differences = std::move(differences);
-      best->doubts = best->meaning.doubts;
-    }
   }
   if (known == &KnownLayouts().front()) return best;  // all records end where those of v1.0 do
   for (const bool thorough : {false, true})
@@ -316,17 +324,27 @@ const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<cons
 
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
   const std::string_view file = TextOf(bytes);
+  const Source source(bytes, path);
   const std::vector<MapRecords> maps = layouts::FindRecords(file, header.encoding);
   if (maps.empty()) return std::nullopt;
   const layouts::ArchiveBytes archive{file, header.encoding, header.bytes};
   const Layout* known = KnownLayoutOf(archive, maps);
   const std::vector<MapPlaces> places = PlacesOf(maps);
+  std::optional<RecordReading> in_known;
+  const auto read_in_known = [&] {
+    if (known == nullptr || in_known) return;
+    in_known = ReadIn(*known, source, header, places);
+    in_known->layout = known->id;
+  };
   const bool own = known == &KnownLayouts().front();
-  if (own && ReadIn(*known, {bytes, path}, header, places).meaning.doubts.empty()) return std::nullopt;
+  if (own) read_in_known();
+  if (own && in_known->meaning.doubts.empty()) return std::nullopt;
   const bool is_cut = own && !layouts::Judge(archive, *known).whole;
   if (!is_cut)
-    if (auto whole = WholeInferred({bytes, path})) return whole;
-  std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, header, maps, places, known);
+    if (auto whole = WholeInferred(source)) return whole;
+  read_in_known();
+  std::optional<RecordReading> reading =
+      ReadRecords(archive, source, header, maps, places, known, std::move(in_known));
   if (!reading || reading->layout == KnownLayouts().front().id) return std::nullopt;
   return SalvageOf(*std::move(reading), maps, file, header);
 }

@@ -51,10 +51,19 @@ struct RecordPlace {
 struct MapPlaces {
   std::vector<RecordPlace> keyframes, points;
 };
+// What records are read for.
+enum class RecordUse {
+  kAtlas,
+  kMeaning,  // without grids and bags of words, which MeaningOf asks nothing about
+};
+struct ForkRecords {
+  Atlas atlas;
+  std::vector<MapPlaces> readable;  // those that were read, and those whose end is unknown
+};
 // Reads records of a damaged binary archive, each by itself; those that do not end where they must are left out. Maps
 // are numbered.
-Atlas ReadForkRecords(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program,
-                      std::span<const MapPlaces> maps);
+ForkRecords ReadForkRecords(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
+                            std::span<const MapPlaces> maps, RecordUse use);
 
 // Whether more than one keyframe in two is such.
 bool LooksLikeAnotherLayout(const Atlas& atlas, std::uint64_t implausible);
