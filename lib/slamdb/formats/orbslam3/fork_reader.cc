@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "slamdb/formats/orbslam3/detail/fork.h"
@@ -9,7 +8,6 @@
 #include "slamdb/formats/orbslam3/detail/looks_whole.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/model/counters.h"
-#include "slamdb/model/detail/is_pose.h"
 
 // How an atlas of a fork is read: one pass from front to back. Members that the model knows go through the same steps
 // as those of v1.0; the others are packed.
@@ -416,10 +414,6 @@ class ForkReader {
   std::optional<ClassTable> behind_first_;  // behind the first record
 };
 
-bool IsPlausible(const KeyFrame& keyframe) {
-  return IsTime(keyframe.timestamp) && slamdb::detail::IsUnit(keyframe.camera_from_world.rotation);
-}
-
 }  // namespace
 
 void DeriveLacking(const ForkProgram& program, const Map& map, FeatureColumns columns, KeyFrame& keyframe) {
@@ -428,26 +422,6 @@ void DeriveLacking(const ForkProgram& program, const Map& map, FeatureColumns co
     keyframe.features.depth.assign(keyframe.features.keypoints.size(), -1.0F);
   }
   if (program.lacks_origins) keyframe.origin_map = static_cast<std::uint32_t>(map.id.value());
-}
-
-std::uint64_t CountImplausible(const Atlas& atlas) {
-  std::uint64_t count = 0;
-  for (const Map& map : atlas.maps) {
-    std::vector<const KeyFrame*> by_id;
-    for (const KeyFrame& keyframe : map.keyframes) by_id.push_back(&keyframe);
-    std::ranges::sort(by_id, {}, [](const KeyFrame* keyframe) { return keyframe->id; });
-    for (std::size_t i = 0; i < by_id.size(); ++i) {
-      const bool follows = i == 0 || Follows(by_id[i]->timestamp, by_id[i - 1]->timestamp);
-      count += !IsPlausible(*by_id[i]) || !follows;
-    }
-  }
-  return count;
-}
-
-bool LooksLikeAnotherLayout(const Atlas& atlas, std::uint64_t implausible) {
-  std::uint64_t keyframes = 0;
-  for (const Map& map : atlas.maps) keyframes += map.keyframes.size();
-  return 2 * implausible > keyframes;
 }
 
 ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,

@@ -52,13 +52,6 @@ SalvagedMap Counted(const Map& map) {
   return counted;
 }
 
-std::string Joined(const std::vector<std::string>& texts) {
-  constexpr std::size_t kMost = 4;
-  std::string joined;
-  for (std::size_t i = 0; i < std::min(kMost, texts.size()); ++i) joined += (i == 0 ? "" : "; ") + texts[i];
-  return texts.size() > kMost ? Concat(joined, "; and ", texts.size() - kMost, " more") : joined;
-}
-
 void DropCarried(Atlas& atlas) {
   detail::ForEachCarried(atlas, [](Boxed<Carried>& carried) {
     if (carried) carried.Make().members.clear();
@@ -78,7 +71,7 @@ void DropDoubtfulFlags(Atlas& atlas) {
 
 // An atlas of a layout that no program knows is one of v1.0, which every program reads.
 void UseOwnLayout(const InferredLayout& inferred, Salvage& salvage) {
-  const std::string how = inferred.differences.empty() ? "" : Concat(" (", Joined(inferred.differences), ")");
+  const std::string how = inferred.differences.empty() ? "" : Concat(" (", ListedSentences(inferred.differences), ")");
   salvage.losses.push_back(Concat("read in a layout that was inferred", how,
                                   ", and saved as of ORB-SLAM3 v1.0, without what that does not have"));
   constexpr std::string_view kKept = ": flags of what is bad or replaced are not believed, and everything is kept";
@@ -86,7 +79,7 @@ void UseOwnLayout(const InferredLayout& inferred, Salvage& salvage) {
     salvage.losses.push_back(Concat(detail::Counted(others, "other layout"), others == 1 ? " fits" : " fit",
                                     " as well (`InferLayout` lists them)", kKept));
   if (!inferred.doubts.empty())
-    salvage.losses.push_back(Concat("the layout is in doubt: ", Joined(inferred.doubts), kKept));
+    salvage.losses.push_back(Concat("the layout is in doubt: ", ListedSentences(inferred.doubts), kKept));
   if (!inferred.sure()) DropDoubtfulFlags(salvage.atlas);
   DropCarried(salvage.atlas);
   salvage.atlas.layout.clear();
@@ -121,7 +114,8 @@ std::optional<Salvage> WholeInferred(const Source& source) {
     if (!inferred.known)
       UseOwnLayout(inferred, salvage);
     else if (!inferred.doubts.empty())
-      salvage.losses.push_back(Concat("the layout ", inferred.layout.id, " is in doubt: ", Joined(inferred.doubts)));
+      salvage.losses.push_back(
+          Concat("the layout ", inferred.layout.id, " is in doubt: ", ListedSentences(inferred.doubts)));
     return salvage;
   });
 }
@@ -214,7 +208,7 @@ void TryOptions(const Source& source, const ArchiveHeader& header, std::span<con
     if (!best || reading.meaning.penalty < best->meaning.penalty - kAlike)
       best = std::move(reading);
     else if (reading.meaning.penalty < best->meaning.penalty + kAlike)
-      best->doubts.push_back(Concat("it could as well be: ", Joined(reading.differences)));
+      best->doubts.push_back(Concat("it could as well be: ", ListedSentences(reading.differences)));
   }
 }
 
@@ -297,7 +291,8 @@ Salvage SalvageOf(RecordReading reading, std::span<const MapRecords> maps, std::
   }
   if (!reading.doubts.empty()) {
     DropDoubtfulFlags(salvage.atlas);
-    salvage.damage.push_back(Concat("the layout is in doubt, and with it what was read: ", Joined(reading.doubts)));
+    salvage.damage.push_back(
+        Concat("the layout is in doubt, and with it what was read: ", ListedSentences(reading.doubts)));
   }
   if (salvage.damage.empty()) salvage.damage.emplace_back("what stands around the keyframes and map points is damaged");
   return salvage;
@@ -343,8 +338,7 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   if (!is_cut)
     if (auto whole = WholeInferred(source)) return whole;
   read_in_known();
-  std::optional<RecordReading> reading =
-      ReadRecords(archive, source, header, maps, places, known, std::move(in_known));
+  std::optional<RecordReading> reading = ReadRecords(archive, source, header, maps, places, known, std::move(in_known));
   if (!reading || reading->layout == KnownLayouts().front().id) return std::nullopt;
   return SalvageOf(*std::move(reading), maps, file, header);
 }
@@ -357,10 +351,14 @@ std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, c
   return SalvageOf(std::move(reading), maps, TextOf(bytes), header);
 }
 
-Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout) {
+std::optional<Salvage> SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header,
+                                       const std::string& given) {
+  if (IsOwnLayout(given)) return std::nullopt;
+  const Layout layout = LayoutOf(given);
+  if (NameFor(layout).empty()) return std::nullopt;
   const Source source(bytes, path);
   const ForkProgram program(layout);
-  if (auto whole = WholeIn(source, program)) return *std::move(whole);
+  if (auto whole = WholeIn(source, program)) return whole;
   if (header.encoding.text)
     throw Error(
         ErrorKind::kNotPossible, path, "",

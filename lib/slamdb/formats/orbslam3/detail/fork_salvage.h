@@ -26,10 +26,12 @@ std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, c
 
 bool HasKeyFrames(const Atlas& atlas);
 
-// Reads what is whole in a layout that is given, whose members are kept.
+// Reads what is whole in the layout that is given, as options name it, whose members are kept. Nothing where that is
+// v1.0's.
 //
 // Throws Error: kDamaged where no keyframe is whole in it, kNotPossible for a text archive that is not whole, and as
 // ForkProgram does.
-Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout);
+std::optional<Salvage> SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header,
+                                       const std::string& given);
 
 }  // namespace slamdb::orbslam3
