@@ -69,6 +69,11 @@ struct ClassOption {
 std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
                                    std::span<const MemberPlace> records, const Layout& layout, bool thorough = false);
 
+// The option with unknown bytes that are much like the pose of a keyframe or the position of a point, as one that was
+// predicted, in place of that member, and the member in theirs: the meaning tells which is right. `records` as above.
+std::vector<ClassOption> LookAlikesOf(const ArchiveBytes& archive, const ClassOption& option,
+                                      std::string_view class_name, std::span<const MemberPlace> records);
+
 // How a member that was put in is told, between its neighbours; there may be none on one side:
 // `KeyFrame: unknown1, 8 bytes, between mnId and mnFrameId`.
 std::string InsertionText(std::string_view of_class, std::string_view name, const std::string& type,
