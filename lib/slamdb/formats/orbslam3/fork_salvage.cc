@@ -104,9 +104,9 @@ std::optional<Salvage> Whole(const Read& read) {
   }
 }
 
-std::optional<Salvage> WholeInferred(const Source& source) {
+std::optional<Salvage> WholeInferred(const Source& source, layouts::RecordLayouts& records) {
   return Whole([&]() -> std::optional<Salvage> {
-    const InferredLayout inferred = InferLayout(source);
+    const InferredLayout inferred = InferLayoutOf(source, records, {});
     Notices notices;
     ReadOptions options;
     options.of<Orbslam3ReadOptions>().layout = ToJson(inferred.layout);
@@ -230,20 +230,19 @@ void ReformRecords(const Layout& known, const Source& source, const ArchiveHeade
 
 // `best`: in the known layout, if there is one; or else in one with members in other forms, or in another one, where
 // that makes no sense.
-std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, const Source& source,
-                                         const ArchiveHeader& header, std::span<const MapRecords> maps,
-                                         std::span<const MapPlaces> places, const Layout* known,
-                                         std::optional<RecordReading> best) {
+std::optional<RecordReading> ReadRecords(layouts::RecordLayouts& records, const Source& source,
+                                         const ArchiveHeader& header, std::span<const MapPlaces> places,
+                                         const Layout* known, std::optional<RecordReading> best) {
   if (best) {
     constexpr std::size_t kMostBytes = std::size_t{24} << 20U;  // which are decoded some hundred times
-    if (archive.file.size() > kMostBytes) return best;
+    if (records.archive().file.size() > kMostBytes) return best;
     ReformRecords(*known, source, header, places, *best);
     best->doubts = best->meaning.doubts;
   }
   if (known == &KnownLayouts().front()) return best;  // all records end where those of v1.0 do
   for (const bool thorough : {false, true})
     if (!best || !best->meaning.doubts.empty())
-      TryOptions(source, header, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
+      TryOptions(source, header, places, records.Find(thorough).options, best);
   return best;
 }
 
@@ -318,12 +317,11 @@ const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<cons
 }
 
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
-  const std::string_view file = TextOf(bytes);
   const Source source(bytes, path);
-  const std::vector<MapRecords> maps = layouts::FindRecords(file, header.encoding);
+  layouts::RecordLayouts records({TextOf(bytes), header.encoding, header.bytes});
+  const std::span<const MapRecords> maps = records.maps();
   if (maps.empty()) return std::nullopt;
-  const layouts::ArchiveBytes archive{file, header.encoding, header.bytes};
-  const Layout* known = KnownLayoutOf(archive, maps);
+  const Layout* known = KnownLayoutOf(records.archive(), maps);
   const std::vector<MapPlaces> places = PlacesOf(maps);
   std::optional<RecordReading> in_known;
   const auto read_in_known = [&] {
@@ -334,13 +332,13 @@ std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const A
   const bool own = known == &KnownLayouts().front();
   if (own) read_in_known();
   if (own && in_known->meaning.doubts.empty()) return std::nullopt;
-  const bool is_cut = own && !layouts::Judge(archive, *known).whole;
+  const bool is_cut = own && !layouts::Judge(records.archive(), *known).whole;
   if (!is_cut)
-    if (auto whole = WholeInferred(source)) return whole;
+    if (auto whole = WholeInferred(source, records)) return whole;
   read_in_known();
-  std::optional<RecordReading> reading = ReadRecords(archive, source, header, maps, places, known, std::move(in_known));
+  std::optional<RecordReading> reading = ReadRecords(records, source, header, places, known, std::move(in_known));
   if (!reading || reading->layout == KnownLayouts().front().id) return std::nullopt;
-  return SalvageOf(*std::move(reading), maps, file, header);
+  return SalvageOf(*std::move(reading), maps, TextOf(bytes), header);
 }
 
 std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, const ArchiveHeader& header) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -41,12 +43,6 @@ struct Meaning {
 using MeaningJudge = std::function<Meaning(const Layout&)>;
 // From here on it cannot be read in the layout at all.
 inline constexpr double kUnreadable = 1000;
-
-// InferLayout of a binary archive, but for the proof: InferredLayout::same_bytes stays false, and keyframes and points
-// are those whose records were found.
-//
-// Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there.
-InferredLayout Infer(const ArchiveBytes& archive, const InferOptions& options, const MeaningJudge& meaning);
 
 // Puts members into other forms of as many bytes, or into another order, as long as that takes away much of what speaks
 // against the meaning. Says what it changed.
@@ -109,8 +105,32 @@ class Typings {
 std::vector<ClassOption> FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends,
                                    const Layout& layout, const MeaningJudge& judge);
 
-// The layouts that keyframes and map points may have in a damaged archive, likeliest first; unknown members are bytes
-// as they stand where every class has been met. Empty when no change of v1.0 explains them.
-std::vector<ClassOption> LayoutsOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps, bool thorough);
+// The keyframes and map points of an archive, and the layouts that they may have, which are looked for once.
+class RecordLayouts {
+ public:
+  explicit RecordLayouts(const ArchiveBytes& archive)
+      : archive_(archive), maps_(FindRecords(archive.file, archive.encoding)) {}
+
+  const ArchiveBytes& archive() const { return archive_; }
+  std::span<const MapRecords> maps() const { return maps_; }
+
+  // Likeliest first; unknown members are bytes as they stand where every class has been met.
+  struct Found {
+    std::vector<ClassOption> options;
+    std::string problem;  // where no change of v1.0 explains them
+  };
+  const Found& Find(bool thorough);
+
+ private:
+  const ArchiveBytes archive_;
+  const std::vector<MapRecords> maps_;
+  std::array<std::optional<Found>, 2> found_;  // by `thorough`
+};
+
+// InferLayout of a binary archive, but for the proof: InferredLayout::same_bytes stays false, and keyframes and points
+// are those whose records were found.
+//
+// Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there.
+InferredLayout Infer(RecordLayouts& records, const InferOptions& options, const MeaningJudge& meaning);
 
 }  // namespace slamdb::layouts

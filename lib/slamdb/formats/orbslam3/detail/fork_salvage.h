@@ -15,6 +15,9 @@ namespace slamdb::orbslam3 {
 // that comes farthest from the beginning on, as they may differ in their classes alone. Null when there is none.
 const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const layouts::MapRecords> maps);
 
+// InferLayout, where its records were looked for.
+InferredLayout InferLayoutOf(const Source& source, layouts::RecordLayouts& records, const InferOptions& options);
+
 // Reads what is whole in a binary archive of a fork: all of it in a layout that reads it to the end, or else every
 // keyframe and map point that is whole where its number says it stands. Nothing when the records are those of v1.0, and
 // make sense as such.
