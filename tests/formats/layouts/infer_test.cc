@@ -264,6 +264,23 @@ TEST_P(ForkOfOtherForm, IsRecoveredRight) {
 INSTANTIATE_TEST_SUITE_P(InferLayout, ForkOfOtherForm, ::testing::ValuesIn(kForks),
                          [](const auto& fork) { return std::string(fork.param.name); });
 
+// Damage amid the points of a fork costs those that it hits, and none behind it.
+TEST(InferLayout, PointsBehindAGapAreRecovered) {
+  std::mt19937_64 random(2);
+  std::string bytes = Forge(RealSession(), Changed("+MapPoint.nObs x1:f64"), random);
+  constexpr std::size_t kHole = 16'000;  // some thirty points
+  const std::size_t begin = bytes.size() * 95 / 100;
+  for (std::size_t i = 0; i < kHole; ++i) bytes[begin + i] = static_cast<char>(random());
+  const Salvage salvage = detail::SalvageOrbslam3(In(bytes), {});
+  ASSERT_EQ(salvage.atlas.maps.size(), 1U);
+  const Column<MapPoint>&read = salvage.atlas.maps[0].points, &written = RealSession().maps[0].points;
+  EXPECT_GT(read.size() + 150, written.size());
+  EXPECT_LT(read.size() + 20, written.size());
+  EXPECT_EQ(read.back().id, written.back().id);
+  for (const MapPoint& point : read)
+    EXPECT_TRUE(std::ranges::any_of(written, [&](const MapPoint& of) { return of.position == point.position; }));
+}
+
 // Of members in a form that no layout can say: that it is not like it is said.
 TEST(InferLayout, SaysWhatItDoesNotBelieve) {
   Atlas broken = RealSession();

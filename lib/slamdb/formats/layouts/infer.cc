@@ -145,19 +145,23 @@ class TypeSearch {
     return std::nullopt;
   }
   void Keep(std::uint64_t reached, Farthest farthest) {
-    if (reached < most_ || IsInFirstRecord(reached)) return;
-    if (reached > most_) farthest_.clear();
-    most_ = reached;
+    most_ = std::max(most_, reached);
+    if (reached < farthest_reached_ || IsInRecord(reached)) return;
+    if (reached > farthest_reached_) farthest_.clear();
+    farthest_reached_ = reached;
     if (farthest_.size() < kMostFarthest) farthest_.push_back(std::move(farthest));
   }
 
-  // Whether a walk ended in the first keyframe or map point, where no change of Map and Atlas helps.
-  bool IsInFirstRecord(std::uint64_t at) const {
-    const auto is_in = [&](const RecordList& list) {
-      return !list.records.empty() && at >= list.records.front().body &&
-             (list.records.size() < 2 || at < list.records[1].begin);
+  // Whether a walk ended in a keyframe or map point, where no change of Map and Atlas helps: it is damaged, or others
+  // before it were of other types.
+  bool IsInRecord(std::uint64_t at) const {
+    const auto is_in = [&](const std::vector<Record>& records) {
+      const auto behind = std::ranges::upper_bound(records, at, {}, &Record::body);
+      if (behind == records.begin()) return false;
+      return behind == records.end() ? records.size() == 1 : at < behind->begin;
     };
-    return is_in(maps_.front().keyframes) || is_in(maps_.front().points);
+    return std::ranges::any_of(
+        maps_, [&](const MapRecords& map) { return is_in(map.keyframes.records) || is_in(map.points.records); });
   }
 
   // The keyframes and map points of one layout in the frame of another.
@@ -186,7 +190,7 @@ class TypeSearch {
   const std::span<const MapRecords> maps_;
   const MeaningJudge& judge_;
   std::vector<Farthest> farthest_;
-  std::uint64_t most_ = 0;
+  std::uint64_t most_ = 0, farthest_reached_ = 0;
   std::size_t trials_ = 0;
 };
 
