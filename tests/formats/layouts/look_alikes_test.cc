@@ -26,6 +26,7 @@ class Noise {
     return {part(random_), part(random_), part(random_)};
   }
   Rigid3f Pose(const Rigid3f& of, float part) {
+    if (part == 0) return of;
     const Eigen::Vector3f axis = Vector(kRadians * part);
     const Eigen::Quaternionf turn(Eigen::AngleAxisf(axis.norm(), axis.normalized()));
     return {(turn * of.rotation).normalized(), of.translation + Vector(kMetres * part)};
@@ -99,6 +100,8 @@ INSTANTIATE_TEST_SUITE_P(InferLayout, PredictedPose,
 class NearlyThePose : public ::testing::TestWithParam<const char*> {};
 TEST_P(NearlyThePose, IsSaid) { ExpectReadRightOrSaid(WithPoses(GetParam(), 0.01F)); }
 INSTANTIATE_TEST_SUITE_P(InferLayout, NearlyThePose, Values(kInFront, kBehind, kFarInFront, kInItsPlace));
+
+TEST(InferLayout, ACopyOfThePoseIsNoDoubt) { ExpectReadRight(WithPoses(kInFront, 0)); }
 
 TEST(InferLayout, FindsThePoseBehindTwoOthers) {
   ExpectReadRight(WithPoses("+KeyFrame.mK_ x2:arr<f32,7>\n+KeyFrame.mK_ x1:arr<f32,7>", 0.5F, 2));

@@ -65,9 +65,14 @@ class LookAlikes {
     }
   }
 
-  // Whether bytes can be the member in nearly all records, and its places are nearer to them than to each other.
+  // Whether bytes can be the member in nearly all records, and its places are nearer to them than to each other. A copy
+  // that is the same everywhere is as good as the member.
   bool IsLike(std::size_t row, std::uint64_t offset) const {
     constexpr int kMostUnlike = 10;
+    const auto is_same = [&](const std::vector<std::uint64_t>& starts) {
+      return archive_.file.substr(starts[row_], bytes_) == archive_.file.substr(starts[row] + offset, bytes_);
+    };
+    if (std::ranges::all_of(starts_, is_same)) return false;
     std::vector<MemberPlace> places;
     std::vector<double> apart, moved;
     for (const std::vector<std::uint64_t>& starts : starts_) {
