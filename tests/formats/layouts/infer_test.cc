@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <sstream>
 
 #include "slamdb/formats/orbslam3/detail/salvage.h"
 #include "slamdb/formats/orbslam3/infer_layout.h"
@@ -20,23 +19,6 @@ namespace slamdb::testing {
 namespace {
 
 using ::testing::HasSubstr;
-
-Source In(const std::string& bytes) { return {std::as_bytes(std::span(bytes)), "forged"}; }
-
-Atlas ReadAs(const std::string& bytes, const std::string& layout) {
-  Notices notices;
-  ReadOptions options;
-  options.of<Orbslam3ReadOptions>().layout = layout;
-  return ReadOrbslam3(In(bytes), options, notices);
-}
-
-const Atlas& RealSession() {
-  static const Atlas atlas = [] {
-    Notices notices;
-    return ReadOrbslam3(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa", {}, notices);
-  }();
-  return atlas;
-}
 
 std::string WrittenIn(const Atlas& atlas, const std::string& layout) {
   Notices notices;
@@ -166,28 +148,6 @@ TEST(InferLayout, FindsAMissingCounter) {
 
 // ---- What is written in another form, in another order or not at all
 
-// Changes of v1.0, each a line: `+Class.member name:type` puts one in behind it, `-Class.member` takes it out,
-// `~Class.member name:type` writes it so, `^Class.member` puts it in front of its neighbour.
-Layout Changed(std::string_view changes) {
-  Layout layout = KnownLayouts().front();
-  layout.id = layout.title = layout.who = "";
-  std::istringstream lines{std::string(changes)};
-  for (std::string line; std::getline(lines, line, '\n');) {
-    const std::size_t dot = line.find('.'), space = std::min(line.find(' '), line.size());
-    std::vector<LayoutMember>& members = layout.Find(line.substr(1, dot - 1))->members;
-    const auto at = std::ranges::find(members, line.substr(dot + 1, space - dot - 1), &LayoutMember::name);
-    const std::size_t colon = std::min(line.find(':', space), line.size());
-    const std::string rest = space < line.size() ? line.substr(space + 1) : "";
-    const LayoutMember member{rest.substr(0, colon - std::min(colon, space + 1)),
-                              colon < line.size() ? line.substr(colon + 1) : ""};
-    if (line[0] == '+') members.insert(at + 1, member);
-    if (line[0] == '-') members.erase(at);
-    if (line[0] == '~') *at = member;
-    if (line[0] == '^') std::iter_swap(at - 1, at);
-  }
-  return layout;
-}
-
 // Whether both say the same of where keyframes and map points are.
 void ExpectSamePlaces(const Atlas& found, const Atlas& truth) {
   ASSERT_EQ(found.maps.size(), truth.maps.size());
@@ -303,6 +263,23 @@ TEST_P(ForkOfOtherForm, IsRecoveredRight) {
 }
 INSTANTIATE_TEST_SUITE_P(InferLayout, ForkOfOtherForm, ::testing::ValuesIn(kForks),
                          [](const auto& fork) { return std::string(fork.param.name); });
+
+// Damage amid the points of a fork costs those that it hits, and none behind it.
+TEST(InferLayout, PointsBehindAGapAreRecovered) {
+  std::mt19937_64 random(2);
+  std::string bytes = Forge(RealSession(), Changed("+MapPoint.nObs x1:f64"), random);
+  constexpr std::size_t kHole = 16'000;  // some thirty points
+  const std::size_t begin = bytes.size() * 95 / 100;
+  for (std::size_t i = 0; i < kHole; ++i) bytes[begin + i] = static_cast<char>(random());
+  const Salvage salvage = detail::SalvageOrbslam3(In(bytes), {});
+  ASSERT_EQ(salvage.atlas.maps.size(), 1U);
+  const Column<MapPoint>&read = salvage.atlas.maps[0].points, &written = RealSession().maps[0].points;
+  EXPECT_GT(read.size() + 150, written.size());
+  EXPECT_LT(read.size() + 20, written.size());
+  EXPECT_EQ(read.back().id, written.back().id);
+  for (const MapPoint& point : read)
+    EXPECT_TRUE(std::ranges::any_of(written, [&](const MapPoint& of) { return of.position == point.position; }));
+}
 
 // Of members in a form that no layout can say: that it is not like it is said.
 TEST(InferLayout, SaysWhatItDoesNotBelieve) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/orbslam3/detail/fork_program.h"
@@ -235,6 +236,26 @@ class Values {
 
 }  // namespace
 
+Layout Changed(std::string_view changes) {
+  Layout layout = KnownLayouts().front();
+  layout.id = layout.title = layout.who = "";
+  std::istringstream lines{std::string(changes)};
+  for (std::string line; std::getline(lines, line, '\n');) {
+    const std::size_t dot = line.find('.'), space = std::min(line.find(' '), line.size());
+    std::vector<LayoutMember>& members = layout.Find(line.substr(1, dot - 1))->members;
+    const auto at = std::ranges::find(members, line.substr(dot + 1, space - dot - 1), &LayoutMember::name);
+    const std::size_t colon = std::min(line.find(':', space), line.size());
+    const std::string rest = space < line.size() ? line.substr(space + 1) : "";
+    const LayoutMember member{rest.substr(0, colon - std::min(colon, space + 1)),
+                              colon < line.size() ? line.substr(colon + 1) : ""};
+    if (line[0] == '+') members.insert(at + 1, member);
+    if (line[0] == '-') members.erase(at);
+    if (line[0] == '~') *at = member;
+    if (line[0] == '^') std::iter_swap(at - 1, at);
+  }
+  return layout;
+}
+
 Invention InventLayout(Random& random, const InventionOptions& options) {
   constexpr std::array<const char*, 14> kClasses = {"MapPoint", "MapPoint", "MapPoint",        "MapPoint", "KeyFrame",
                                                     "KeyFrame", "KeyFrame", "KeyFrame",        "Map",      "Map",
@@ -328,6 +349,23 @@ std::string Forge(const Atlas& atlas, const Layout& layout, Random& random) {
   Atlas forged = ReadOrbslam3({std::as_bytes(std::span(bytes)), "forged"}, options, notices);
   Renewer(LayoutOf(json), random).Renew(forged);
   return EncodeOrbslam3(forged);
+}
+
+const Atlas& RealSession() {
+  static const Atlas atlas = [] {
+    Notices notices;
+    return ReadOrbslam3(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa", {}, notices);
+  }();
+  return atlas;
+}
+
+Source In(const std::string& bytes) { return {std::as_bytes(std::span(bytes)), "forged"}; }
+
+Atlas ReadAs(const std::string& bytes, const std::string& layout) {
+  Notices notices;
+  ReadOptions options;
+  options.of<Orbslam3ReadOptions>().layout = layout;
+  return ReadOrbslam3(In(bytes), options, notices);
 }
 
 std::string OwnBytes(Atlas atlas) {

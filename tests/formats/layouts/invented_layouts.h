@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "slamdb/base/file.h"
 #include "slamdb/formats/layouts/layout.h"
 #include "slamdb/model/atlas.h"
 
@@ -23,10 +25,20 @@ struct InventionOptions {
   std::vector<std::string> classes;
 };
 
+// Changes of v1.0, each a line: `+Class.member name:type` puts one in behind it, `-Class.member` takes it out,
+// `~Class.member name:type` writes it so, `^Class.member` puts it in front of its neighbour.
+Layout Changed(std::string_view changes);
+
 Invention InventLayout(std::mt19937_64& random, const InventionOptions& options);
 
 // The bytes of the atlas in the layout: values for all that is new.
 std::string Forge(const Atlas& atlas, const Layout& layout, std::mt19937_64& random);
+
+// fixtures/session_small_a, of ORB-SLAM3 v1.0.
+const Atlas& RealSession();
+
+Source In(const std::string& bytes);
+Atlas ReadAs(const std::string& bytes, const std::string& layout);
 
 // What two readings of one file have in common when both are right: all that v1.0 holds.
 std::string OwnBytes(Atlas atlas);

@@ -302,7 +302,11 @@ std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view
   std::vector<ClassOption> options;
   if (std::optional<ClassOption> known = search.Known(layout)) options.push_back(std::move(*known));
   if (!options.empty() && !thorough) return options;
-  for (ClassOption& changed : search.Changed(layout, thorough)) options.push_back(std::move(changed));
+  for (ClassOption& changed : search.Changed(layout, thorough)) {
+    std::vector<ClassOption> alike = LookAlikesOf(archive, changed, class_name, records);
+    options.push_back(std::move(changed));
+    std::ranges::move(alike, std::back_inserter(options));
+  }
   return options;
 }
 

@@ -58,26 +58,26 @@ std::vector<std::pair<std::size_t, std::size_t>> Pairs(std::size_t firsts, std::
 }
 
 // What keyframes and map points may be, both in one layout.
-std::vector<ClassOption> OptionsOfRecords(const ArchiveBytes& archive, std::span<const MemberPlace> keyframes,
-                                          std::span<const MemberPlace> points, bool thorough) {
+RecordLayouts::Found OptionsOf(const ArchiveBytes& archive, std::span<const MapRecords> maps, bool thorough) {
   constexpr std::size_t kMost = 24;
+  const auto none_explains = [](std::size_t count, const char* what) {
+    return RecordLayouts::Found{
+        {}, Concat("no change of a known layout explains the ", count, " ", what, " that were found")};
+  };
+  const auto keyframes = WholeRecords(maps, &MapRecords::keyframes), points = WholeRecords(maps, &MapRecords::points);
   const Layout& own = KnownLayouts().front();
   const std::vector<ClassOption> of_keyframes = FindClass(archive, "KeyFrame", keyframes, own, thorough);
-  if (of_keyframes.empty())
-    throw Error(ErrorKind::kNotPossible,
-                Concat("no change of a known layout explains the ", keyframes.size(), " keyframes that were found"));
+  if (of_keyframes.empty()) return none_explains(keyframes.size(), "keyframes");
   const std::vector<ClassOption> of_points =
       FindClass(archive, "MapPoint", points, of_keyframes.front().layout, thorough);
-  if (of_points.empty())
-    throw Error(ErrorKind::kNotPossible,
-                Concat("no change of a known layout explains the ", points.size(), " map points that were found"));
-  std::vector<ClassOption> options;
+  if (of_points.empty()) return none_explains(points.size(), "map points");
+  RecordLayouts::Found found;
   for (const auto& [keyframe, point] : Pairs(of_keyframes.size(), of_points.size(), kMost)) {
-    ClassOption& option = options.emplace_back(of_keyframes[keyframe]);
+    ClassOption& option = found.options.emplace_back(of_keyframes[keyframe]);
     *option.layout.Find("MapPoint") = *of_points[point].layout.Find("MapPoint");
     Take(of_points[point].findings, option.findings);
   }
-  return options;
+  return found;
 }
 
 // Finds types of unknown members, and the rest of a layout, with which it comes to the end.
@@ -145,19 +145,23 @@ class TypeSearch {
     return std::nullopt;
   }
   void Keep(std::uint64_t reached, Farthest farthest) {
-    if (reached < most_ || IsInFirstRecord(reached)) return;
-    if (reached > most_) farthest_.clear();
-    most_ = reached;
+    most_ = std::max(most_, reached);
+    if (reached < farthest_reached_ || IsInRecord(reached)) return;
+    if (reached > farthest_reached_) farthest_.clear();
+    farthest_reached_ = reached;
     if (farthest_.size() < kMostFarthest) farthest_.push_back(std::move(farthest));
   }
 
-  // Whether a walk ended in the first keyframe or map point, where no change of Map and Atlas helps.
-  bool IsInFirstRecord(std::uint64_t at) const {
-    const auto is_in = [&](const RecordList& list) {
-      return !list.records.empty() && at >= list.records.front().body &&
-             (list.records.size() < 2 || at < list.records[1].begin);
+  // Whether a walk ended in a keyframe or map point, where no change of Map and Atlas helps: it is damaged, or others
+  // before it were of other types.
+  bool IsInRecord(std::uint64_t at) const {
+    const auto is_in = [&](const std::vector<Record>& records) {
+      const auto behind = std::ranges::upper_bound(records, at, {}, &Record::body);
+      if (behind == records.begin()) return false;
+      return behind == records.end() ? records.size() == 1 : at < behind->begin;
     };
-    return is_in(maps_.front().keyframes) || is_in(maps_.front().points);
+    return std::ranges::any_of(
+        maps_, [&](const MapRecords& map) { return is_in(map.keyframes.records) || is_in(map.points.records); });
   }
 
   // The keyframes and map points of one layout in the frame of another.
@@ -186,14 +190,14 @@ class TypeSearch {
   const std::span<const MapRecords> maps_;
   const MeaningJudge& judge_;
   std::vector<Farthest> farthest_;
-  std::uint64_t most_ = 0;
+  std::uint64_t most_ = 0, farthest_reached_ = 0;
   std::size_t trials_ = 0;
 };
 
 class Inference {
  public:
-  Inference(const ArchiveBytes& archive, std::size_t choice, const MeaningJudge& judge)
-      : archive_(archive), choice_(choice), judge_(judge), maps_(FindRecords(archive.file, archive.encoding)) {}
+  Inference(RecordLayouts& records, std::size_t choice, const MeaningJudge& judge)
+      : records_(records), archive_(records.archive()), maps_(records.maps()), choice_(choice), judge_(judge) {}
 
   InferredLayout Run() {
     AddKnown(kMostPenalty);
@@ -227,15 +231,9 @@ class Inference {
     if (archive_.encoding.long_bytes != 8 || archive_.encoding.size_bytes != 8)
       return "it is of none of the known layouts, and others are only found in archives with longs of 8 bytes";
     if (maps_.empty()) return "it is of none of the known layouts, and no keyframe was found by the size of its grid";
-    const auto keyframes = WholeRecords(maps_, &MapRecords::keyframes),
-               points = WholeRecords(maps_, &MapRecords::points);
+    const auto& [options, problem] = records_.Find(thorough);
+    if (!problem.empty()) return problem;
     TypeSearch search(archive_, maps_, judge_);
-    std::vector<ClassOption> options;
-    try {
-      options = OptionsOfRecords(archive_, keyframes, points, thorough);
-    } catch (const Error& error) {
-      return error.problem();
-    }
     const std::size_t before = fits_.size();
     for (Fit& fit : search.Run(options)) fits_.push_back(std::move(fit));
     Rank();
@@ -345,28 +343,24 @@ class Inference {
             "the layout from the sources of the program that wrote it"));
   }
 
+  RecordLayouts& records_;
   const ArchiveBytes& archive_;
+  const std::span<const MapRecords> maps_;
   const std::size_t choice_;  // from 1
   const MeaningJudge& judge_;
-  const std::vector<MapRecords> maps_;
   std::vector<Fit> fits_;
 };
 
 }  // namespace
 
-InferredLayout Infer(const ArchiveBytes& archive, const InferOptions& options, const MeaningJudge& meaning) {
-  return Inference(archive, options.choice, meaning).Run();
+const RecordLayouts::Found& RecordLayouts::Find(bool thorough) {
+  std::optional<Found>& found = found_[thorough ? 1 : 0];
+  if (!found) found = OptionsOf(archive_, maps_, thorough);
+  return *found;
 }
 
-std::vector<ClassOption> LayoutsOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps,
-                                          bool thorough) {
-  try {
-    return OptionsOfRecords(archive, WholeRecords(maps, &MapRecords::keyframes),
-                            WholeRecords(maps, &MapRecords::points), thorough);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kNotPossible) throw;
-    return {};
-  }
+InferredLayout Infer(RecordLayouts& records, const InferOptions& options, const MeaningJudge& meaning) {
+  return Inference(records, options.choice, meaning).Run();
 }
 
 }  // namespace slamdb::layouts

@@ -15,8 +15,9 @@ constexpr std::uint64_t kFarthestGrid = 4096;   // behind the beginning of its k
 constexpr std::uint64_t kLeastPointBytes = 32;  // less than any map point and its pointer
 constexpr std::int16_t kMostClasses = 1024;
 constexpr std::string_view kFirstOfClass("\1\0\0\0\0", 5);  // tracked, version 0
-constexpr std::uint32_t kMostBetween = 16;                  // objects that a keyframe may bring, or that are lost
-constexpr std::uint32_t kMostLost = 256;
+constexpr std::uint32_t kMostBetween = 16;                  // objects that a keyframe may bring
+constexpr std::uint64_t kFarthestPoint = 1U << 20U;         // behind the one in front
+constexpr std::uint32_t kMostGaps = 4096;                   // each is looked behind so far
 
 template <class Number>
 std::string BytesOf(Number number) {
@@ -130,17 +131,36 @@ class Finder {
     map.points.class_id = point_class_;
     map.points.records.push_back(*record);
     Announce(map.points);
-    for (std::uint64_t i = 1; i < map.points.announced; ++i) {
+    const std::uint64_t behind = std::uint64_t{record->object} + map.points.announced;
+    while (map.points.records.back().object + 1 < behind) {
       const Record& last = map.points.records.back();
-      auto next = NextPoint(file, last.body + kLeastPointBytes, last.object + 1);
-      for (std::uint32_t lost = 1; !next && lost < kMostBetween && i + lost < map.points.announced; ++lost) {
-        if (++lost_ > kMostLost) break;  // each is looked for in the whole file
-        next = NextPoint(file, last.body + kLeastPointBytes, last.object + 1 + lost);
-      }
+      auto next = NextPoint(Near(file, last), last.body + kLeastPointBytes, last.object + 1);
+      if (!next) next = BehindGap(file, last, behind);
       if (!next) break;
-      i += next->object - last.object - 1;
       map.points.records.push_back(*next);
     }
+  }
+  // Behind damage numbers count on: the first later point of the list that is the last one, or has others behind it.
+  std::optional<Record> BehindGap(std::string_view file, const Record& last, std::uint64_t behind) {
+    const std::string id = BytesOf(point_class_);
+    for (std::size_t at = file.find(id, last.body); at != std::string_view::npos; at = file.find(id, at + 1)) {
+      const std::uint32_t object = NumberAt<std::uint32_t>(file, at + 2).value_or(0);
+      if (object <= last.object || object >= behind) continue;
+      if ((object - last.object) * kLeastPointBytes > at - last.begin) continue;
+      if (++gaps_ > kMostGaps) break;
+      const Record found{at, at + 6, object};
+      if (object + 1 == behind || GoesOn(file, found)) return found;
+    }
+    return std::nullopt;
+  }
+  // Whether one of the next points stands behind: a single one may be damaged, too.
+  bool GoesOn(std::string_view file, const Record& record) const {
+    for (std::uint32_t next = 1; next <= 3; ++next)
+      if (NextPoint(Near(file, record), record.body + kLeastPointBytes, record.object + next)) return true;
+    return false;
+  }
+  static std::string_view Near(std::string_view file, const Record& record) {
+    return file.substr(0, std::min<std::uint64_t>(file.size(), record.body + kFarthestPoint));
   }
   std::optional<Record> FirstPoint(std::string_view file, std::uint64_t at, std::uint32_t object) {
     // Cameras in the last keyframe may come first.
@@ -171,7 +191,7 @@ class Finder {
   std::vector<MapRecords> maps_;
   std::int16_t class_id_ = 0, point_class_ = 0;
   std::uint32_t last_object_ = 0;
-  std::uint32_t lost_ = 0;      // points that were looked for in vain
+  std::uint32_t gaps_ = 0;      // that were looked behind
   std::uint64_t distance_ = 0;  // from the last keyframe's pointer to its grid
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 
@@ -87,6 +88,15 @@ ArchiveHeader ReadArchiveHeader(detail::FileStream& file, Notices& notices) {
                 "not a Boost archive: expected the signature 'serialization::archive'");
   const ArchiveHeader header = *kind ? ReadText(file, text) : ReadBinary(file, text);
   CheckVersion(file, header.encoding.boost_version, notices);
+  return header;
+}
+
+ArchiveHeader UsualArchiveHeader(std::string_view file) {
+  ArchiveHeader header;
+  const std::string_view middle = file.substr(file.size() / 2, 4096);
+  header.encoding.text =
+      std::all_of(middle.begin(), middle.end(), [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
+  header.bytes = WriteArchiveHeader(header.encoding).size();
   return header;
 }
 

@@ -11,6 +11,7 @@
 #include "slamdb/formats/orbslam3/detail/fork_losses.h"
 #include "slamdb/formats/orbslam3/detail/meaning.h"
 #include "slamdb/formats/orbslam3/detail/part_sizes.h"
+#include "slamdb/formats/orbslam3/detail/plausible.h"
 
 namespace slamdb::orbslam3 {
 namespace {

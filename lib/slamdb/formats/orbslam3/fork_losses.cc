@@ -213,12 +213,12 @@ bool IsOfSameLayout(const Atlas& atlas, const std::string& layout) {
 
 std::string TitleOf(const Layout& layout) { return layout.id.empty() ? "of a file" : layout.id; }
 
-std::string Listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kMostNamed = 8;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i) text += (i == 0 ? "" : ", ") + names[i];
-  if (names.size() > kMostNamed) text += Concat(" and ", names.size() - kMostNamed, " more");
-  return text;
+std::string Listed(std::span<const std::string> texts, std::string_view between, std::size_t most) {
+  std::string listed;
+  for (std::size_t i = 0; i < std::min(texts.size(), most); ++i)
+    listed += Concat(i == 0 ? std::string_view() : between, texts[i]);
+  if (texts.size() <= most) return listed;
+  return Concat(listed, between == "; " ? "; and " : " and ", texts.size() - most, " more");
 }
 
 std::string ForeignMembers(const ForkProgram& program, std::uint64_t keyframes, std::uint64_t points,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "slamdb/formats/orbslam3/detail/fork.h"
@@ -9,7 +8,6 @@
 #include "slamdb/formats/orbslam3/detail/looks_whole.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/model/counters.h"
-#include "slamdb/model/detail/is_pose.h"
 
 // How an atlas of a fork is read: one pass from front to back. Members that the model knows go through the same steps
 // as those of v1.0; the others are packed.
@@ -54,52 +52,57 @@ class ForkReader {
   }
 
   // Of a damaged archive: records one by one.
-  Atlas ReadRecords(std::span<const MapPlaces> places) {
-    MeetAllClasses();
+  ForkRecords ReadRecords(std::span<const MapPlaces> places, RecordUse use) {
+    all_met_.MeetAllBut(WireClass::kCount);
+    use_ = use;
+    ForkRecords records;
     for (const MapPlaces& of : places) {
       map_ = static_cast<std::uint32_t>(atlas_.maps.size());
       Map& map = atlas_.maps.emplace_back();
       map.id = MapId(map_);
-      for (const RecordPlace& place : of.keyframes)
-        ReadRecord(program_.keyframe, place, WireClass::kKeyFrame, map.keyframes);
-      for (const RecordPlace& place : of.points) ReadRecord(program_.point, place, WireClass::kMapPoint, map.points);
+      MapPlaces& readable = records.readable.emplace_back();
+      ReadList(program_.keyframe, of.keyframes, WireClass::kKeyFrame, map.keyframes, readable.keyframes);
+      ReadList(program_.point, of.points, WireClass::kMapPoint, map.points, readable.points);
     }
-    return std::move(atlas_);
+    records.atlas = std::move(atlas_);
+    return records;
   }
 
  private:
   // ---- Records by themselves
 
-  // What the class table is behind the first records: which numbers classes have does not matter.
-  void MeetAllClasses() {
-    for (std::size_t slot = 0; slot < kMostWireClasses; ++slot)
-      if (static_cast<WireClass>(slot) != WireClass::kCount) all_met_.FirstUse(static_cast<WireClass>(slot));
+  template <class Entity>
+  void ReadList(const Program<Entity>& program, std::span<const RecordPlace> places, WireClass wire_class,
+                Column<Entity>& list, std::vector<RecordPlace>& readable) {
+    for (const RecordPlace& place : places)
+      if (ReadRecord(program, place, wire_class, list) || place.end == 0) readable.push_back(place);
   }
 
   // A record that brings classes is read with what the table was in front of the first of all, or without one class.
   template <class Entity>
-  void ReadRecord(const Program<Entity>& program, const RecordPlace& place, WireClass wire_class,
+  bool ReadRecord(const Program<Entity>& program, const RecordPlace& place, WireClass wire_class,
                   Column<Entity>& list) {
     if (TryRecord(program, place, all_met_, list)) {
       if (!behind_first_) behind_first_ = all_met_;
-      return;
+      return true;
     }
-    ClassTable first = behind_first_.value_or(ClassTable(main_.input.encoding()));
-    first.FirstUse(wire_class);
-    if (TryRecord(program, place, first, list)) {
-      behind_first_ = main_.classes;
-      return;
+    const ClassTable asked = main_.classes;  // without a class that was not asked for nothing is different
+    if (behind_first_ != all_met_) {
+      ClassTable first = behind_first_.value_or(ClassTable(main_.input.encoding()));
+      first.FirstUse(wire_class);
+      if (TryRecord(program, place, first, list)) {
+        behind_first_ = main_.classes;
+        return true;
+      }
     }
-    for (std::size_t slot = 0; slot < kMostWireClasses; ++slot)
-      if (TryRecord(program, place, AllBut(static_cast<WireClass>(slot)), list)) return;
-  }
-  ClassTable AllBut(WireClass left_out) const {
-    ClassTable table(main_.input.encoding());
     for (std::size_t slot = 0; slot < kMostWireClasses; ++slot) {
-      const auto wire_class = static_cast<WireClass>(slot);
-      if (wire_class != WireClass::kCount && wire_class != left_out) table.FirstUse(wire_class);
+      const auto left_out = static_cast<WireClass>(slot);
+      if (left_out == WireClass::kCount || !asked.Used(left_out)) continue;
+      ClassTable all_but(main_.input.encoding());
+      all_but.MeetAllBut(left_out);
+      if (TryRecord(program, place, all_but, list)) return true;
     }
-    return table;
+    return false;
   }
 
   template <class Entity>
@@ -107,6 +110,7 @@ class ForkReader {
                  Column<Entity>& list) {
     main_.classes = classes;
     main_.input.Seek(place.begin);
+    main_.KeepIndexes(use_ == RecordUse::kAtlas || place.end == 0);  // by which the last one looks whole
     try {
       Members members(*this);
       Entity entity;
@@ -405,13 +409,10 @@ class ForkReader {
   std::map<std::string, std::string> exported_;
   std::uint64_t others_ = 0;  // objects that are no entities
   std::uint64_t implausible_ = 0;
+  RecordUse use_ = RecordUse::kAtlas;
   ClassTable all_met_{main_.input.encoding()};
   std::optional<ClassTable> behind_first_;  // behind the first record
 };
-
-bool IsPlausible(const KeyFrame& keyframe) {
-  return IsTime(keyframe.timestamp) && slamdb::detail::IsUnit(keyframe.camera_from_world.rotation);
-}
 
 }  // namespace
 
@@ -423,35 +424,15 @@ void DeriveLacking(const ForkProgram& program, const Map& map, FeatureColumns co
   if (program.lacks_origins) keyframe.origin_map = static_cast<std::uint32_t>(map.id.value());
 }
 
-std::uint64_t CountImplausible(const Atlas& atlas) {
-  std::uint64_t count = 0;
-  for (const Map& map : atlas.maps) {
-    std::vector<const KeyFrame*> by_id;
-    for (const KeyFrame& keyframe : map.keyframes) by_id.push_back(&keyframe);
-    std::ranges::sort(by_id, {}, [](const KeyFrame* keyframe) { return keyframe->id; });
-    for (std::size_t i = 0; i < by_id.size(); ++i) {
-      const bool follows = i == 0 || Follows(by_id[i]->timestamp, by_id[i - 1]->timestamp);
-      count += !IsPlausible(*by_id[i]) || !follows;
-    }
-  }
-  return count;
-}
-
-bool LooksLikeAnotherLayout(const Atlas& atlas, std::uint64_t implausible) {
-  std::uint64_t keyframes = 0;
-  for (const Map& map : atlas.maps) keyframes += map.keyframes.size();
-  return 2 * implausible > keyframes;
-}
-
 ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
                      const ReadOptions& options) {
   if (header.encoding.text) return ForkReader<TextInput>(file, header, program, options).Read();
   return ForkReader<BinaryInput>(file, header, program, options).Read();
 }
 
-Atlas ReadForkRecords(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program,
-                      std::span<const MapPlaces> maps) {
-  return ForkReader<BinaryInput>(file, header, program, {}).ReadRecords(maps);
+ForkRecords ReadForkRecords(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
+                            std::span<const MapPlaces> maps, RecordUse use) {
+  return ForkReader<BinaryInput>(file, header, program, {}).ReadRecords(maps, use);
 }
 
 }  // namespace slamdb::orbslam3

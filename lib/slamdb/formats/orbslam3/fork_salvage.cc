@@ -52,13 +52,6 @@ SalvagedMap Counted(const Map& map) {
   return counted;
 }
 
-std::string Joined(const std::vector<std::string>& texts) {
-  constexpr std::size_t kMost = 4;
-  std::string joined;
-  for (std::size_t i = 0; i < std::min(kMost, texts.size()); ++i) joined += (i == 0 ? "" : "; ") + texts[i];
-  return texts.size() > kMost ? Concat(joined, "; and ", texts.size() - kMost, " more") : joined;
-}
-
 void DropCarried(Atlas& atlas) {
   detail::ForEachCarried(atlas, [](Boxed<Carried>& carried) {
     if (carried) carried.Make().members.clear();
@@ -78,7 +71,7 @@ void DropDoubtfulFlags(Atlas& atlas) {
 
 // An atlas of a layout that no program knows is one of v1.0, which every program reads.
 void UseOwnLayout(const InferredLayout& inferred, Salvage& salvage) {
-  const std::string how = inferred.differences.empty() ? "" : Concat(" (", Joined(inferred.differences), ")");
+  const std::string how = inferred.differences.empty() ? "" : Concat(" (", ListedSentences(inferred.differences), ")");
   salvage.losses.push_back(Concat("read in a layout that was inferred", how,
                                   ", and saved as of ORB-SLAM3 v1.0, without what that does not have"));
   constexpr std::string_view kKept = ": flags of what is bad or replaced are not believed, and everything is kept";
@@ -86,7 +79,7 @@ void UseOwnLayout(const InferredLayout& inferred, Salvage& salvage) {
     salvage.losses.push_back(Concat(detail::Counted(others, "other layout"), others == 1 ? " fits" : " fit",
                                     " as well (`InferLayout` lists them)", kKept));
   if (!inferred.doubts.empty())
-    salvage.losses.push_back(Concat("the layout is in doubt: ", Joined(inferred.doubts), kKept));
+    salvage.losses.push_back(Concat("the layout is in doubt: ", ListedSentences(inferred.doubts), kKept));
   if (!inferred.sure()) DropDoubtfulFlags(salvage.atlas);
   DropCarried(salvage.atlas);
   salvage.atlas.layout.clear();
@@ -111,9 +104,9 @@ std::optional<Salvage> Whole(const Read& read) {
   }
 }
 
-std::optional<Salvage> WholeInferred(const Source& source) {
+std::optional<Salvage> WholeInferred(const Source& source, layouts::RecordLayouts& records) {
   return Whole([&]() -> std::optional<Salvage> {
-    const InferredLayout inferred = InferLayout(source);
+    const InferredLayout inferred = InferLayoutOf(source, records, {});
     Notices notices;
     ReadOptions options;
     options.of<Orbslam3ReadOptions>().layout = ToJson(inferred.layout);
@@ -121,7 +114,8 @@ std::optional<Salvage> WholeInferred(const Source& source) {
     if (!inferred.known)
       UseOwnLayout(inferred, salvage);
     else if (!inferred.doubts.empty())
-      salvage.losses.push_back(Concat("the layout ", inferred.layout.id, " is in doubt: ", Joined(inferred.doubts)));
+      salvage.losses.push_back(
+          Concat("the layout ", inferred.layout.id, " is in doubt: ", ListedSentences(inferred.doubts)));
     return salvage;
   });
 }
@@ -164,16 +158,18 @@ void Tell(const SalvagedList& list, std::size_t map, const char* what, std::vect
 // Records of a damaged file, read in the layout that makes most sense of them.
 struct RecordReading {
   Atlas atlas;
+  std::vector<MapPlaces> readable;
   std::string layout;  // as atlases name it; empty: it was inferred
   layouts::Meaning meaning;
   std::vector<std::string> differences, doubts;
 };
 
 RecordReading ReadIn(const Layout& layout, const Source& source, const ArchiveHeader& header,
-                     std::span<const MapPlaces> places) {
-  ForkProgram program(layout);
+                     std::span<const MapPlaces> places, RecordUse use = RecordUse::kAtlas) {
+  const ForkProgram program(layout);
   detail::FileStream stream(source);
-  RecordReading reading{.atlas = ReadForkRecords(stream, header, program, places)};
+  ForkRecords records = ReadForkRecords(stream, header, program, places, use);
+  RecordReading reading{.atlas = std::move(records.atlas), .readable = std::move(records.readable)};
   reading.meaning = MeaningOf(reading.atlas, program);
   return reading;
 }
@@ -212,36 +208,41 @@ void TryOptions(const Source& source, const ArchiveHeader& header, std::span<con
     if (!best || reading.meaning.penalty < best->meaning.penalty - kAlike)
       best = std::move(reading);
     else if (reading.meaning.penalty < best->meaning.penalty + kAlike)
-      best->doubts.push_back(Concat("it could as well be: ", Joined(reading.differences)));
+      best->doubts.push_back(Concat("it could as well be: ", ListedSentences(reading.differences)));
   }
 }
 
-// In the known layout, or one with members in other forms; in another one where that makes no sense.
-std::optional<RecordReading> ReadRecords(const layouts::ArchiveBytes& archive, const Source& source,
-                                         const ArchiveHeader& header, std::span<const MapRecords> maps,
-                                         std::span<const MapPlaces> places, const Layout* known) {
-  std::optional<RecordReading> best;
-  if (known != nullptr) {
-    best = ReadIn(*known, source, header, places);
-    best->layout = known->id;
+// Members of the known layout in other forms or order, where that makes more sense of the records that are read in it.
+void ReformRecords(const Layout& known, const Source& source, const ArchiveHeader& header,
+                   std::span<const MapPlaces> places, RecordReading& reading) {
+  Layout layout = known;
+  layouts::Meaning meaning = reading.meaning;
+  std::vector<std::string> differences;
+  const auto judge = [&](const Layout& changed) {
+    return ReadIn(changed, source, header, reading.readable, RecordUse::kMeaning).meaning;
+  };
+  layouts::Reform(judge, layout, meaning, differences);
+  if (!differences.empty() && HasFewerDoubts(meaning, reading.meaning)) {
+    reading = ReadIn(layout, source, header, places);
+    reading.differences = std::move(differences);
+  }
+}
+
+// `best`: in the known layout, if there is one; or else in one with members in other forms, or in another one, where
+// that makes no sense.
+std::optional<RecordReading> ReadRecords(layouts::RecordLayouts& records, const Source& source,
+                                         const ArchiveHeader& header, std::span<const MapPlaces> places,
+                                         const Layout* known, std::optional<RecordReading> best) {
+  if (best) {
     constexpr std::size_t kMostBytes = std::size_t{24} << 20U;  // which are decoded some hundred times
-    if (archive.file.size() > kMostBytes) return best;
-    Layout layout = *known;
-    layouts::Meaning meaning = best->meaning;
-    std::vector<std::string> differences;
-    const auto judge = [&](const Layout& changed) { return ReadIn(changed, source, header, places).meaning; };
-    layouts::Reform(judge, layout, meaning, differences);
+    if (records.archive().file.size() > kMostBytes) return best;
+    ReformRecords(*known, source, header, places, *best);
     best->doubts = best->meaning.doubts;
-    if (!differences.empty() && HasFewerDoubts(meaning, best->meaning)) {
-      best = ReadIn(layout, source, header, places);
-      best->differences = std::move(differences);
-      best->doubts = best->meaning.doubts;
-    }
   }
   if (known == &KnownLayouts().front()) return best;  // all records end where those of v1.0 do
   for (const bool thorough : {false, true})
     if (!best || !best->meaning.doubts.empty())
-      TryOptions(source, header, places, layouts::LayoutsOfRecords(archive, maps, thorough), best);
+      TryOptions(source, header, places, records.Find(thorough).options, best);
   return best;
 }
 
@@ -289,7 +290,8 @@ Salvage SalvageOf(RecordReading reading, std::span<const MapRecords> maps, std::
   }
   if (!reading.doubts.empty()) {
     DropDoubtfulFlags(salvage.atlas);
-    salvage.damage.push_back(Concat("the layout is in doubt, and with it what was read: ", Joined(reading.doubts)));
+    salvage.damage.push_back(
+        Concat("the layout is in doubt, and with it what was read: ", ListedSentences(reading.doubts)));
   }
   if (salvage.damage.empty()) salvage.damage.emplace_back("what stands around the keyframes and map points is damaged");
   return salvage;
@@ -315,20 +317,28 @@ const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<cons
 }
 
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
-  const std::string_view file = TextOf(bytes);
-  const std::vector<MapRecords> maps = layouts::FindRecords(file, header.encoding);
+  const Source source(bytes, path);
+  layouts::RecordLayouts records({TextOf(bytes), header.encoding, header.bytes});
+  const std::span<const MapRecords> maps = records.maps();
   if (maps.empty()) return std::nullopt;
-  const layouts::ArchiveBytes archive{file, header.encoding, header.bytes};
-  const Layout* known = KnownLayoutOf(archive, maps);
+  const Layout* known = KnownLayoutOf(records.archive(), maps);
   const std::vector<MapPlaces> places = PlacesOf(maps);
+  std::optional<RecordReading> in_known;
+  const auto read_in_known = [&] {
+    if (known == nullptr || in_known) return;
+    in_known = ReadIn(*known, source, header, places);
+    in_known->layout = known->id;
+  };
   const bool own = known == &KnownLayouts().front();
-  if (own && ReadIn(*known, {bytes, path}, header, places).meaning.doubts.empty()) return std::nullopt;
-  const bool is_cut = own && !layouts::Judge(archive, *known).whole;
+  if (own) read_in_known();
+  if (own && in_known->meaning.doubts.empty()) return std::nullopt;
+  const bool is_cut = own && !layouts::Judge(records.archive(), *known).whole;
   if (!is_cut)
-    if (auto whole = WholeInferred({bytes, path})) return whole;
-  std::optional<RecordReading> reading = ReadRecords(archive, {bytes, path}, header, maps, places, known);
+    if (auto whole = WholeInferred(source, records)) return whole;
+  read_in_known();
+  std::optional<RecordReading> reading = ReadRecords(records, source, header, places, known, std::move(in_known));
   if (!reading || reading->layout == KnownLayouts().front().id) return std::nullopt;
-  return SalvageOf(*std::move(reading), maps, file, header);
+  return SalvageOf(*std::move(reading), maps, TextOf(bytes), header);
 }
 
 std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, const ArchiveHeader& header) {
@@ -339,10 +349,14 @@ std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, c
   return SalvageOf(std::move(reading), maps, TextOf(bytes), header);
 }
 
-Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout) {
+std::optional<Salvage> SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header,
+                                       const std::string& given) {
+  if (IsOwnLayout(given)) return std::nullopt;
+  const Layout layout = LayoutOf(given);
+  if (NameFor(layout).empty()) return std::nullopt;
   const Source source(bytes, path);
   const ForkProgram program(layout);
-  if (auto whole = WholeIn(source, program)) return *std::move(whole);
+  if (auto whole = WholeIn(source, program)) return whole;
   if (header.encoding.text)
     throw Error(
         ErrorKind::kNotPossible, path, "",

@@ -89,14 +89,12 @@ layouts::MeaningJudge JudgeOf(const WholeFile& file) {
 }
 
 // What stands between the records of a known layout is damaged, or cut off.
-InferredLayout InferBinary(const WholeFile& file, const orbslam3::ArchiveHeader& header, const InferOptions& options) {
+InferredLayout InferBinary(const WholeFile& file, layouts::RecordLayouts& records, const InferOptions& options) {
   try {
-    return layouts::Infer({file.text(), header.encoding, header.bytes}, options, JudgeOf(file));
+    return layouts::Infer(records, options, JudgeOf(file));
   } catch (const Error& error) {
-    const auto maps = layouts::FindRecords(file.text(), header.encoding);
-    const bool none_found = error.kind() == ErrorKind::kNotPossible && !maps.empty();
-    const Layout* known =
-        none_found ? orbslam3::KnownLayoutOf({file.text(), header.encoding, header.bytes}, maps) : nullptr;
+    const bool none_found = error.kind() == ErrorKind::kNotPossible && !records.maps().empty();
+    const Layout* known = none_found ? orbslam3::KnownLayoutOf(records.archive(), records.maps()) : nullptr;
     if (known == nullptr) throw Error(error.kind(), file.path(), "", error.problem());
     throw Error(
         ErrorKind::kNotPossible, file.path(), "",
@@ -109,16 +107,24 @@ InferredLayout InferBinary(const WholeFile& file, const orbslam3::ArchiveHeader&
 
 }  // namespace
 
-InferredLayout InferLayout(const Source& source, const InferOptions& options) {
+InferredLayout orbslam3::InferLayoutOf(const Source& source, layouts::RecordLayouts& records,
+                                       const InferOptions& options) {
   const WholeFile file(source);
-  detail::FileStream stream(Source(file.bytes(), file.path()));
-  Notices notices;
-  const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(stream, notices);
-  const ArchiveEncoding& encoding = header.encoding;
+  const ArchiveEncoding& encoding = records.archive().encoding;
   const bool is_usual = !encoding.text && encoding.long_bytes == 8 && encoding.size_bytes == 8;
-  InferredLayout inferred = is_usual ? InferBinary(file, header, options) : InferKnown(file);
+  InferredLayout inferred = is_usual ? InferBinary(file, records, options) : InferKnown(file);
   Prove(file, inferred);
   return inferred;
+}
+
+InferredLayout InferLayout(const Source& source, const InferOptions& options) {
+  const WholeFile file(source);
+  const Source held(file.bytes(), file.path());
+  detail::FileStream stream(held);
+  Notices notices;
+  const orbslam3::ArchiveHeader header = orbslam3::ReadArchiveHeader(stream, notices);
+  layouts::RecordLayouts records({file.text(), header.encoding, header.bytes});
+  return orbslam3::InferLayoutOf(held, records, options);
 }
 
 }  // namespace slamdb

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/formats/orbslam3/detail/fork.h"
+#include "slamdb/formats/orbslam3/detail/plausible.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/distortion.h"
 #include "slamdb/model/detail/is_pose.h"
@@ -24,6 +24,7 @@ using detail::Concat;
 constexpr double kWrong =
     60;  // a question to which all answers are wrong weighs as much as a member that is not like it
 constexpr double kUnasked = 15;
+constexpr double kPixel = 6;   // that points are farther on average from where keyframes see them
 constexpr double kMost = 0.5;  // of the answers: more that are wrong make a doubt
 
 // What no map is without, and what it is read as where a layout has no such member.
@@ -51,23 +52,29 @@ struct Question {
 
 class Interview {
  public:
-  explicit Interview(const Atlas& atlas) : atlas_(atlas) {}
+  explicit Interview(const Atlas& atlas) : atlas_(atlas) {
+    for (const Map& map : atlas.maps) reprojections_.emplace_back(atlas, map);
+  }
 
-  void Run() {
-    std::size_t points = 0;
-    for (const Map& map : atlas_.maps) points += map.points.size();
-    const std::size_t step = points / kMostPoints + 1;
-    for (const Map& map : atlas_.maps) {
-      const Reprojection reprojection(atlas_, map);
-      AskKeyFrames(map, reprojection);
-      for (std::size_t row = 0; row < map.points.size(); row += step) AskPoint(map.points[row], reprojection);
+  // Whether times rise, and points are where keyframes see them.
+  void AskPoses() {
+    for (const Map& map : atlas_.maps) AskTimes(map);
+    ForEachSampled([this](const MapPoint& point, const Reprojection& of) { AskProjections(point, of); });
+  }
+  // And everything else.
+  void AskRest() {
+    for (std::size_t map = 0; map < atlas_.maps.size(); ++map) {
+      const Column<KeyFrame>& keyframes = atlas_.maps[map].keyframes;
+      const std::size_t step = keyframes.size() / kMostKeyFrames + 1;
+      for (std::size_t row = 0; row < keyframes.size(); row += step) AskKeyFrame(keyframes[row], reprojections_[map]);
     }
+    ForEachSampled([this](const MapPoint& point, const Reprojection& of) { AskPoint(point, of); });
   }
 
   layouts::Meaning Answer(const ForkProgram& program) const {
     layouts::Meaning meaning;
     for (const Question* question :
-         {&pose_,     &rest_,  &camera_, &times_, &ticks_,  &graph_, &order_,   &sides_,     &depths_, &lens_, &body_,
+         {&pose_,     &unset_, &camera_, &times_, &ticks_,  &graph_, &order_,   &sides_,     &depths_, &lens_, &body_,
           &projects_, &sharp_, &faces_,  &near_,  &counts_, &looks_, &matches_, &reference_, &first_,  &born_}) {
       if (question->asked == 0 ||
           std::ranges::any_of(question->members, [&](std::string_view name) { return program.Lacks(name); })) {
@@ -77,6 +84,8 @@ class Interview {
       meaning.penalty += kWrong * question->share();
       if (question->asked >= kEnough && question->share() > kMost) meaning.doubts.push_back(DoubtOf(*question));
     }
+    // Of poses that are nearly alike, as that of a keyframe and the one that was predicted, the right one has least.
+    if (projects_.asked > 0) meaning.penalty += kPixel * pixels_ / static_cast<double>(projects_.asked);
     return meaning;
   }
   std::string AnswerOfPoses() const {
@@ -91,31 +100,33 @@ class Interview {
     return Concat(question.doubt, " (", question.wrong, " of ", question.asked, ")");
   }
 
-  void AskKeyFrames(const Map& map, const Reprojection& reprojection) {
-    std::vector<const KeyFrame*> by_id;
-    const std::size_t step = map.keyframes.size() / kMostKeyFrames + 1;
-    for (std::size_t row = 0; row < map.keyframes.size(); ++row) {
-      const KeyFrame& keyframe = map.keyframes[row];
-      by_id.push_back(&keyframe);
-      if (row % step == 0) AskKeyFrame(keyframe, reprojection);
+  template <class Ask>
+  void ForEachSampled(const Ask& ask) const {
+    std::size_t points = 0;
+    for (const Map& map : atlas_.maps) points += map.points.size();
+    const std::size_t step = points / kMostPoints + 1;
+    for (std::size_t map = 0; map < atlas_.maps.size(); ++map) {
+      const Column<MapPoint>& of_map = atlas_.maps[map].points;
+      for (std::size_t row = 0; row < of_map.size(); row += step) ask(of_map[row], reprojections_[map]);
     }
-    std::ranges::sort(by_id, {}, [](const KeyFrame* keyframe) { return keyframe->id; });
-    for (std::size_t i = 1; i < by_id.size(); ++i) AskTimes(by_id[i - 1]->timestamp, by_id[i]->timestamp);
   }
 
-  // Of a keyframe and the next one.
-  void AskTimes(double last, double time) {
+  void AskTimes(const Map& map) {
     constexpr double kShortest = 5e-4, kSame = 1e-6;  // seconds
-    times_.Ask(IsTime(time) && Follows(time, last) && time - last > kShortest);
-    const double part = time - std::floor(time);
-    if (part > 0 && time > last) ticks_.Ask(std::abs(part - (last - std::floor(last))) > kSame);
+    const std::vector<const KeyFrame*> by_id = ById(map);
+    for (std::size_t i = 1; i < by_id.size(); ++i) {
+      const double last = by_id[i - 1]->timestamp, time = by_id[i]->timestamp;
+      times_.Ask(IsTimeBehind(last, time) && time - last > kShortest);
+      const double part = time - std::floor(time);
+      if (part > 0 && time > last) ticks_.Ask(std::abs(part - (last - std::floor(last))) > kSame);
+    }
   }
 
   void AskKeyFrame(const KeyFrame& keyframe, const Reprojection& reprojection) {
     AskCamera(keyframe);
     for (const Rigid3f* pose : {&keyframe.camera_from_parent, &keyframe.left_from_right,
                                 &keyframe.imu_calibration.camera_from_body, &keyframe.imu_calibration.body_from_camera})
-      AskRest(*pose);
+      AskUnset(*pose);
     pose_.Ask(slamdb::detail::IsUnit(keyframe.camera_from_world.rotation) &&
               keyframe.camera_from_world.translation.cwiseAbs().maxCoeff() < 1e7F);
     AskGraph(keyframe, reprojection);
@@ -197,7 +208,7 @@ class Interview {
   }
 
   void AskPoint(const MapPoint& point, const Reprojection& reprojection) {
-    std::size_t sides = 0, left = kMostObservations;
+    std::size_t sides = 0;
     std::vector<Eigen::Vector3f> centers;
     bool same_look = false, looked = false, is_reference = false;
     for (const Observation& observation : point.observations) {
@@ -215,10 +226,6 @@ class Interview {
       same_look = same_look || (row < looks.size() && looks[row] == point.descriptor);
       const Column<MapPointId>& matches = keyframe->features.map_points;
       matches_.Ask(row < matches.size() && matches[row] == point.id);
-      if (left > 0 && ObservedKeypoint(*keyframe, observation.left) != nullptr) {
-        --left;
-        AskProjection(point, *keyframe, observation, reprojection);
-      }
     }
     if (point.observations.empty()) return;
     counts_.Ask(point.observation_count >= static_cast<std::int32_t>(sides) &&
@@ -228,6 +235,15 @@ class Interview {
     AskPlace(point, centers, reprojection);
   }
 
+  void AskProjections(const MapPoint& point, const Reprojection& reprojection) {
+    std::size_t left = kMostObservations;
+    for (const Observation& observation : point.observations) {
+      const KeyFrame* keyframe = left > 0 ? reprojection.Find(observation.keyframe) : nullptr;
+      if (keyframe == nullptr || ObservedKeypoint(*keyframe, observation.left) == nullptr) continue;
+      --left;
+      AskProjection(point, *keyframe, observation, reprojection);
+    }
+  }
   // Where the cameras are lost, by what the keyframe repeats of them: in the middle, where a fisheye distorts little.
   void AskProjection(const MapPoint& point, const KeyFrame& keyframe, const Observation& observation,
                      const Reprojection& reprojection) {
@@ -245,6 +261,7 @@ class Interview {
   void AskError(float pixels) {
     projects_.Ask(pixels < kFarthest);
     sharp_.Ask(pixels < kFar);
+    pixels_ += pixels < kFarthest ? pixels : kFarthest;  // which may be none
   }
 
   void AskPlace(const MapPoint& point, std::span<const Eigen::Vector3f> centers, const Reprojection& reprojection) {
@@ -274,7 +291,9 @@ class Interview {
     camera_.Ask(std::equal(own.begin(), own.end(), camera->parameters.begin()));
   }
   // One that was never set is the identity, not half a turn about an axis.
-  void AskRest(const Rigid3f& pose) { rest_.Ask(std::abs(pose.rotation.x()) != 1 && std::abs(pose.rotation.z()) != 1); }
+  void AskUnset(const Rigid3f& pose) {
+    unset_.Ask(std::abs(pose.rotation.x()) != 1 && std::abs(pose.rotation.z()) != 1);
+  }
 
   static constexpr std::size_t kEnough = 5, kMostKeyFrames = 200, kMostKeypoints = 20, kMostPoints = 600,
                                kMostObservations = 6;
@@ -282,8 +301,10 @@ class Interview {
   static constexpr float kFar = 5, kFarthest = 20;  // pixels
 
   const Atlas& atlas_;
+  std::vector<Reprojection> reprojections_;  // of its maps
+  double pixels_ = 0;                        // of all that projects_ was asked
   Question pose_{"orientations of keyframes are no rotations", {"KeyFrame.mTcw"}};
-  Question rest_{"poses that were never set are half a turn", {}};
+  Question unset_{"poses that were never set are half a turn", {}};
   Question camera_{"keyframes and cameras have other intrinsics", {"KeyFrame.fx", "KeyFrame.cx"}};
   Question times_{"times of keyframes do not rise, or are hours or no time apart",
                   {"KeyFrame.mTimeStamp", "KeyFrame.mnId"}};
@@ -316,7 +337,8 @@ class Interview {
 
 layouts::Meaning MeaningOf(const Atlas& atlas, const ForkProgram& program) {
   Interview interview(atlas);
-  interview.Run();
+  interview.AskPoses();
+  interview.AskRest();
   layouts::Meaning meaning = interview.Answer(program);
   for (std::string& doubt : DoubtsOfMissing(program)) meaning.doubts.push_back(std::move(doubt));
   return meaning;
@@ -331,7 +353,7 @@ std::vector<std::string> DoubtsOfMissing(const ForkProgram& program) {
 
 std::string DoubtOfPoses(const Atlas& atlas) {
   Interview interview(atlas);
-  interview.Run();
+  interview.AskPoses();
   return interview.AnswerOfPoses();
 }
 

@@ -12,6 +12,7 @@
 #include "slamdb/formats/orbslam3/detail/fork_files.h"
 #include "slamdb/formats/orbslam3/detail/meaning.h"
 #include "slamdb/formats/orbslam3/detail/part_sizes.h"
+#include "slamdb/formats/orbslam3/detail/plausible.h"
 #include "slamdb/formats/orbslam3/detail/pointers.h"
 #include "slamdb/formats/orbslam3/detail/skipper.h"
 #include "slamdb/formats/orbslam3/detail/transfer.h"

@@ -23,16 +23,6 @@ constexpr std::size_t kLeastObjectBytes = 64;  // takes less than any object
 constexpr std::size_t kTruncationBytes = 64;   // failing so close to the end is because of the end
 constexpr std::size_t kMostBehindNoMaps = 4096;
 
-// What an archive is like whose header is damaged: as ORB-SLAM3 writes it on 64-bit Linux, text when its middle is.
-ArchiveHeader UsualHeader(std::string_view file) {
-  ArchiveHeader header;
-  const std::string_view middle = file.substr(file.size() / 2, 4096);
-  header.encoding.text =
-      std::all_of(middle.begin(), middle.end(), [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
-  header.bytes = WriteArchiveHeader(header.encoding).size();
-  return header;
-}
-
 // Reads on where an object stands; behind damage, at the next object that is whole.
 template <class Input>
 class Salvager {
@@ -473,11 +463,8 @@ Salvage SalvageBytesOf(Bytes bytes, const std::string& path, const std::string& 
     if (file.size() == 0) throw;
     header_error = error;
   }
-  if (header_error) header = orbslam3::UsualHeader({file.data(), file.size()});
-  if (!orbslam3::IsOwnLayout(layout)) {
-    const Layout given = LayoutOf(layout);
-    if (!orbslam3::NameFor(given).empty()) return orbslam3::SalvageInLayout(bytes, path, header, given);
-  }
+  if (header_error) header = orbslam3::UsualArchiveHeader({file.data(), file.size()});
+  if (auto given = orbslam3::SalvageInLayout(bytes, path, header, layout)) return *std::move(given);
   const Error* why = header_error ? &*header_error : nullptr;
   if (header.encoding.text) return orbslam3::Salvager<orbslam3::TextInput>(file, header).Run(why);
   if (layout.empty())

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -42,12 +44,6 @@ using MeaningJudge = std::function<Meaning(const Layout&)>;
 // From here on it cannot be read in the layout at all.
 inline constexpr double kUnreadable = 1000;
 
-// InferLayout of a binary archive, but for the proof: InferredLayout::same_bytes stays false, and keyframes and points
-// are those whose records were found.
-//
-// Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there.
-InferredLayout Infer(const ArchiveBytes& archive, const InferOptions& options, const MeaningJudge& meaning);
-
 // Puts members into other forms of as many bytes, or into another order, as long as that takes away much of what speaks
 // against the meaning. Says what it changed.
 void Reform(const MeaningJudge& judge, Layout& layout, Meaning& meaning, std::vector<std::string>& differences);
@@ -68,6 +64,11 @@ struct ClassOption {
 // class met before; none: `layout` it is.
 std::vector<ClassOption> FindClass(const ArchiveBytes& archive, std::string_view class_name,
                                    std::span<const MemberPlace> records, const Layout& layout, bool thorough = false);
+
+// The option with unknown bytes that are much like the pose of a keyframe or the position of a point, as one that was
+// predicted, in place of that member, and the member in theirs: the meaning tells which is right. `records` as above.
+std::vector<ClassOption> LookAlikesOf(const ArchiveBytes& archive, const ClassOption& option,
+                                      std::string_view class_name, std::span<const MemberPlace> records);
 
 // How a member that was put in is told, between its neighbours; there may be none on one side:
 // `KeyFrame: unknown1, 8 bytes, between mnId and mnFrameId`.
@@ -104,8 +105,32 @@ class Typings {
 std::vector<ClassOption> FindFrame(const ArchiveBytes& archive, std::span<const std::uint64_t> known_ends,
                                    const Layout& layout, const MeaningJudge& judge);
 
-// The layouts that keyframes and map points may have in a damaged archive, likeliest first; unknown members are bytes
-// as they stand where every class has been met. Empty when no change of v1.0 explains them.
-std::vector<ClassOption> LayoutsOfRecords(const ArchiveBytes& archive, std::span<const MapRecords> maps, bool thorough);
+// The keyframes and map points of an archive, and the layouts that they may have, which are looked for once.
+class RecordLayouts {
+ public:
+  explicit RecordLayouts(const ArchiveBytes& archive)
+      : archive_(archive), maps_(FindRecords(archive.file, archive.encoding)) {}
+
+  const ArchiveBytes& archive() const { return archive_; }
+  std::span<const MapRecords> maps() const { return maps_; }
+
+  // Likeliest first; unknown members are bytes as they stand where every class has been met.
+  struct Found {
+    std::vector<ClassOption> options;
+    std::string problem;  // where no change of v1.0 explains them
+  };
+  const Found& Find(bool thorough);
+
+ private:
+  const ArchiveBytes archive_;
+  const std::vector<MapRecords> maps_;
+  std::array<std::optional<Found>, 2> found_;  // by `thorough`
+};
+
+// InferLayout of a binary archive, but for the proof: InferredLayout::same_bytes stays false, and keyframes and points
+// are those whose records were found.
+//
+// Throws Error: kNotPossible when no layout was found, saying how far it came; kUsage for a choice that is not there.
+InferredLayout Infer(RecordLayouts& records, const InferOptions& options, const MeaningJudge& meaning);
 
 }  // namespace slamdb::layouts

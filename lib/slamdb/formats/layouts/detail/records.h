@@ -37,8 +37,8 @@ struct MapRecords {
 };
 
 // The lists of keyframes and of their map points, in the order of the file. Keyframes are known by the size of the grid
-// that each has near its beginning, map points by their numbers; those that are
-// damaged are passed over, some hundreds of them. Empty where there are none, or no archive.
+// that each has near its beginning, map points by their numbers; those that are damaged are passed over. Empty where
+// there are none, or no archive.
 // Time grows with the file alone.
 std::vector<MapRecords> FindRecords(std::string_view file, const ArchiveEncoding& encoding);
 

@@ -24,6 +24,9 @@ struct ArchiveHeader {
 // archive, for versions that write other bytes, big-endian and exotic writers.
 ArchiveHeader ReadArchiveHeader(detail::FileStream& file, Notices& notices);
 
+// What an archive is like whose header is damaged: as ORB-SLAM3 writes it on 64-bit Linux, text when its middle is.
+ArchiveHeader UsualArchiveHeader(std::string_view file);
+
 // The header as Boost writes it.
 std::string WriteArchiveHeader(const ArchiveEncoding& encoding);
 

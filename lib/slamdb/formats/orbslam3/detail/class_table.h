@@ -65,10 +65,22 @@ class ClassTable {
   bool FirstUse(WireClass wire_class) {
     Register(wire_class);
     const std::uint64_t bit = std::uint64_t{1} << Slot(wire_class);
-    const bool first = (used_ & bit) == 0;
+    const bool first = ((used_ | met_) & bit) == 0;
     used_ |= bit;
     return first;
   }
+  // Of the part of an archive that has all classes in front of it, but the one that is left out (kCount: none): their
+  // infos are not looked for. Which numbers they have does not matter.
+  void MeetAllBut(WireClass left_out) {
+    for (std::size_t slot = 0; slot < kMostWireClasses; ++slot) {
+      const auto wire_class = static_cast<WireClass>(slot);
+      if (wire_class == WireClass::kCount || wire_class == left_out) continue;
+      Register(wire_class);
+      met_ |= std::uint64_t{1} << Slot(wire_class);
+    }
+  }
+  // Whether FirstUse asked for it.
+  bool Used(WireClass wire_class) const { return (used_ >> Slot(wire_class) & 1U) != 0; }
 
   bool Has(WireClass wire_class) const { return ids_[Slot(wire_class)] >= 0; }
   // The id that the next class gets.
@@ -98,7 +110,7 @@ class ClassTable {
   }
 
   std::array<std::int16_t, kMostWireClasses> ids_{};
-  std::uint64_t used_ = 0;
+  std::uint64_t used_ = 0, met_ = 0;
   std::int16_t next_ = 0;
   WireClass sizes_alias_ = WireClass::kSizes;
 };

@@ -19,7 +19,11 @@ class Decoder : public ReadingArchive<Input> {
   Decoder(const Input& at, const ClassTable& table, FeatureColumns features)
       : ReadingArchive<Input>(at, table),
         keypoints_(features != FeatureColumns::kNone),
-        appearance_(features == FeatureColumns::kAll) {}
+        descriptors_(features == FeatureColumns::kAll),
+        indexes_(features == FeatureColumns::kAll) {}
+
+  // Grids and bags of words, by which keypoints are found, stay empty where they are not kept.
+  void KeepIndexes(bool keep) { indexes_ = keep; }
 
   const PartBytes& part_bytes() const { return part_bytes_; }
 
@@ -85,7 +89,7 @@ class Decoder : public ReadingArchive<Input> {
     Matrix other;
     const std::uint64_t rows = this->DescriptorRows(&form, other);
     if (other.columns != 0) return OtherDescriptors(other, carried);
-    if (!appearance_) return this->input.template SkipArray<std::uint8_t>(rows * sizeof(Descriptor));
+    if (!descriptors_) return this->input.template SkipArray<std::uint8_t>(rows * sizeof(Descriptor));
     descriptors.resize(rows);
     this->input.TakeArray(reinterpret_cast<std::uint8_t*>(descriptors.data()), rows * sizeof(Descriptor));
   }
@@ -131,7 +135,7 @@ class Decoder : public ReadingArchive<Input> {
   void Bow(const char* name, BagOfWords& bow) {
     Field(name);
     const std::uint64_t count = this->BowCount();
-    if (!appearance_) return this->SkipBowEntries(count);
+    if (!indexes_) return this->SkipBowEntries(count);
     bow.words.resize(count);
     bow.weights.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -145,7 +149,7 @@ class Decoder : public ReadingArchive<Input> {
     const std::uint64_t count = this->ClassCount(WireClass::kFeatureMap, 8, 2);
     if (count == 0) return;
     this->ClassInfo(WireClass::kFeaturePair);
-    if (appearance_) {
+    if (indexes_) {
       vector.nodes.reserve(count);
       vector.sizes.reserve(count);
       vector.features.reserve(keypoint_count_);
@@ -153,7 +157,7 @@ class Decoder : public ReadingArchive<Input> {
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto node = this->input.template Take<std::uint32_t>();
       const std::uint64_t size = this->VectorCount(WireClass::kUnsigneds, sizeof(std::uint32_t));
-      if (!appearance_) {
+      if (!indexes_) {
         this->input.template SkipArray<std::uint32_t>(size);
         continue;
       }
@@ -187,7 +191,7 @@ class Decoder : public ReadingArchive<Input> {
   void Field(const char* name) { this->input.place.field = name; }
   [[gnu::cold, gnu::noinline]] void OtherDescriptors(Matrix& matrix, Boxed<Carried>& carried) {
     const std::uint64_t bytes = this->DataBytes(matrix);
-    if (!appearance_) return this->input.template SkipArray<std::uint8_t>(bytes);
+    if (!descriptors_) return this->input.template SkipArray<std::uint8_t>(bytes);
     matrix.data.resize(bytes);
     this->input.TakeArray(reinterpret_cast<std::uint8_t*>(matrix.data.data()), bytes);
     carried.Make().descriptors = std::move(matrix);
@@ -228,7 +232,7 @@ class Decoder : public ReadingArchive<Input> {
   }
   void SkipKeypoints(std::size_t count) { this->input.template SkipArray<float>(count * 7); }
 
-  bool keypoints_, appearance_;
+  bool keypoints_, descriptors_, indexes_;
   std::size_t keypoint_count_ = 0;  // of the column read last: how much the grid behind it will hold
   Part part_ = Part::kOther;
   std::size_t part_begin_ = 0;
@@ -242,7 +246,7 @@ void Decoder<Input>::Grid(const char* name, FeatureGrid& grid) {
   const std::uint64_t columns = this->ClassCount(WireClass::kGrid, 8, 2);
   for (std::uint64_t column = 0; column < columns; ++column) {
     const std::uint64_t cells = this->ClassCount(WireClass::kGridColumn, size_bytes, 2);
-    if (appearance_) {
+    if (indexes_) {
       if (column == 0) {
         grid.column_sizes.reserve(columns);
         grid.cell_sizes.reserve(std::min<std::uint64_t>(columns * cells, this->input.remaining() / 4));
@@ -252,7 +256,7 @@ void Decoder<Input>::Grid(const char* name, FeatureGrid& grid) {
     }
     for (std::uint64_t cell = 0; cell < cells; ++cell) {
       const std::uint64_t count = this->VectorCount(WireClass::kSizes, size_bytes);
-      if (!appearance_) {
+      if (!indexes_) {
         this->input.SkipSizes(count);
         continue;
       }

@@ -33,16 +33,6 @@ ForkReading ReadFork(detail::FileStream& file, const ArchiveHeader& header, cons
 // Fills what a layout lacks of a keyframe and its keypoints and map tell.
 void DeriveLacking(const ForkProgram& program, const Map& map, FeatureColumns columns, KeyFrame& keyframe);
 
-// Whether a keyframe may have been made then; the bits of something else are below 1e-6 or above 1e11 seconds.
-inline bool IsTime(double seconds) { return seconds == 0 || (seconds >= 1e-6 && seconds < 1e11); }
-// Whether a keyframe of the same map may follow then, as most do.
-inline bool Follows(double seconds, double last) {
-  constexpr double kLongestGap = 3600;
-  return seconds >= last && seconds - last < kLongestGap;
-}
-// How many keyframes have no sensible time or orientation, or a time in front of the last one's, as those of a file of
-// another layout have.
-std::uint64_t CountImplausible(const Atlas& atlas);
 // Where the members of a keyframe or map point stand.
 struct RecordPlace {
   std::size_t begin = 0;
@@ -51,13 +41,19 @@ struct RecordPlace {
 struct MapPlaces {
   std::vector<RecordPlace> keyframes, points;
 };
+// What records are read for.
+enum class RecordUse {
+  kAtlas,
+  kMeaning,  // without grids and bags of words, which MeaningOf asks nothing about
+};
+struct ForkRecords {
+  Atlas atlas;
+  std::vector<MapPlaces> readable;  // those that were read, and those whose end is unknown
+};
 // Reads records of a damaged binary archive, each by itself; those that do not end where they must are left out. Maps
 // are numbered.
-Atlas ReadForkRecords(detail::FileStream& file, const ArchiveHeader& header, ForkProgram& program,
-                      std::span<const MapPlaces> maps);
-
-// Whether more than one keyframe in two is such.
-bool LooksLikeAnotherLayout(const Atlas& atlas, std::uint64_t implausible);
+ForkRecords ReadForkRecords(detail::FileStream& file, const ArchiveHeader& header, const ForkProgram& program,
+                            std::span<const MapPlaces> maps, RecordUse use);
 
 // What of an atlas is no part of a layout.
 struct ForkWriting {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slamdb/formats/format.h"
@@ -15,8 +17,10 @@ bool IsOfSameLayout(const Atlas& atlas, const std::string& layout);
 
 // What people call a layout.
 std::string TitleOf(const Layout& layout);
-// The first eight, and how many more: `mnExtra, mpCamera3`.
-std::string Listed(const std::vector<std::string>& names);
+// The first ones, and how many more: `mnExtra, mpCamera3`.
+std::string Listed(std::span<const std::string> texts, std::string_view between = ", ", std::size_t most = 8);
+// The same of sentences.
+inline std::string ListedSentences(std::span<const std::string> texts) { return Listed(texts, "; ", 4); }
 // Members that the model does not know, of so many entities: `mnExtra of 14 keyframes; mpCamera3 of 200 map points`.
 // Empty where nothing has any.
 std::string ForeignMembers(const ForkProgram& program, std::uint64_t keyframes, std::uint64_t points,

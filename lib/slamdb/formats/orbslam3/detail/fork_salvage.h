@@ -15,6 +15,9 @@ namespace slamdb::orbslam3 {
 // that comes farthest from the beginning on, as they may differ in their classes alone. Null when there is none.
 const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const layouts::MapRecords> maps);
 
+// InferLayout, where its records were looked for.
+InferredLayout InferLayoutOf(const Source& source, layouts::RecordLayouts& records, const InferOptions& options);
+
 // Reads what is whole in a binary archive of a fork: all of it in a layout that reads it to the end, or else every
 // keyframe and map point that is whole where its number says it stands. Nothing when the records are those of v1.0, and
 // make sense as such.
@@ -26,10 +29,12 @@ std::optional<Salvage> SalvageOwnRecords(Bytes bytes, const std::string& path, c
 
 bool HasKeyFrames(const Atlas& atlas);
 
-// Reads what is whole in a layout that is given, whose members are kept.
+// Reads what is whole in the layout that is given, as options name it, whose members are kept. Nothing where that is
+// v1.0's.
 //
 // Throws Error: kDamaged where no keyframe is whole in it, kNotPossible for a text archive that is not whole, and as
 // ForkProgram does.
-Salvage SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header, const Layout& layout);
+std::optional<Salvage> SalvageInLayout(Bytes bytes, const std::string& path, const ArchiveHeader& header,
+                                       const std::string& given);
 
 }  // namespace slamdb::orbslam3
