@@ -14,6 +14,7 @@
 #include "cli/selected.h"
 #include "cli/times.h"
 #include "cli/viewers.h"
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/put_poses.h"
@@ -103,7 +104,8 @@ ExitCode Finish(ConvertReport report, const Location& output, const ConvertOptio
   const Format& format = FormatById(report.format);                  // of the output
   const bool is_one_file = !format.needs_path && !format.is_folder;
   if (is_one_file && !options.dry_run) report.bytes = SizeOf(output.path);
-  if (is_one_file && options.dry_run && !format.named) report.bytes = would_have;
+  if (is_one_file && options.dry_run && !format.named && !IsStandardOutput(output.path) && !IsSpecialFile(output.path))
+    report.bytes = would_have;
   report.Add(notices);
   const std::string details = " (" + report.format + ") " + Summary(report);
   if (!options.json && !options.dry_run) return FinishWriting(output, details, console, notices);
@@ -207,7 +209,7 @@ Atlas Prepare(const HeldSource& held, const ReadOptions& read, const Location& o
   LoseUseToOrbslam3(atlas, inputs, format, options.target, notices);
   sound = !options.sanitize || RepairForOrbslam3(atlas, console, notices);
   RefuseEmptySelection(atlas, options.input, held, read);
-  RefuseEmptyResult(atlas, inputs, output.ToString(), format, options.dry_run, notices);
+  RefuseEmptyResult(atlas, inputs, output.ToString(), format, /*dry_run=*/false, notices);
   if (options.strict) RefuseLosses(notices);
   if (CutsThroughMaps(read.selection) && HasAny(format.writes, Content::kObservations))
     notices.Warn("only the selected part is written: what refers to the rest leads nowhere");

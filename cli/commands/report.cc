@@ -257,7 +257,8 @@ Run AddReport(CLI::App& verb) {
                        "default the name of the atlas with .html, or report/"),
        Writes::kPattern)
       ->type_name("FILE");
-  verb.add_flag("-O,--overwrite", options->overwrite, "Replace pages that are there");
+  verb.add_flag("-O,--overwrite", options->overwrite,
+                "Replace pages that are there, and write into a folder that holds other files");
   AddJson(verb, options->json);
   AddRules(verb, options->check);
   AddGates(verb, options->limits);

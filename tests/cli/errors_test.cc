@@ -2,6 +2,7 @@
 //
 // What every verb does with command lines and inputs that are wrong.
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "tests/support/cli.h"
 
@@ -260,6 +261,31 @@ TEST(Usage, OfAnOutputWithoutItsOption) {
   };
   for (const auto& [words, next] : cases) ExpectUsageError(words, "\nTry: " + next + "\n");
   EXPECT_EQ(RunSlamdb({"view", kTiny, "none.osa"}).exit_code, 1) << "that is an input";
+}
+
+// As where a container limits processes: the second thread cannot start.
+TEST(Threads, WorkGoesOnWithThoseThatStart) {
+  const auto limited = [](const std::vector<std::string>& words) {
+    std::vector<std::string> command = {"timeout", "60", "prlimit", "--nproc=2"};
+    if (::getuid() == 0)  // whom no such limit holds
+      command = {
+          "timeout", "60",       "setpriv", "--reuid=65533", "--regid=65533", "--clear-groups", "--bounding-set=-all",
+          "prlimit", "--nproc=2"};
+    command.insert(command.end(), words.begin(), words.end());
+    return RunProgram(command);
+  };
+  const std::string small = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+  if (limited({SLAMDB_COMMAND, "info", small}).exit_code != 0) GTEST_SKIP() << "no other account can run the command";
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"check", small, "--json"},
+                                             {"convert", small, "-", "--to", "csv"},
+                                             {"convert", small, "-", "--to", "g2o"}}) {
+    std::vector<std::string> many = {SLAMDB_COMMAND, "--threads", "5"};
+    many.insert(many.end(), words.begin(), words.end());
+    const ProcessResult few = limited(many);
+    EXPECT_EQ(few.exit_code, 0) << few.err;
+    EXPECT_TRUE(few.out == RunSlamdb(words).out);
+  }
 }
 
 TEST(Usage, OptionsMayStandBeforeTheVerb) {

@@ -26,6 +26,7 @@ fuzz() {
     -max_len=$length -artifact_prefix="$work/finds/" -print_final_stats=1 -verbosity=0 "${folders[@]}" 2>"$log" ||
     { printf -- '-- %s\n' "$fuzzer"; tail -n 60 "$log"; exit 255; }  # with which xargs begins no other
   sed -n "s/^stat::number_of_executed_units: */-- $fuzzer: inputs /p" "$log"
+  rm "$log"
 }
 export -f fuzz
 printf '%s\n' "$@" | xargs -P "$(nproc)" -I{} bash -euo pipefail -c 'fuzz {}'

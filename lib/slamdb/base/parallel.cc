@@ -5,14 +5,25 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
-#include <thread>
-#include <vector>
+#include <new>
+#include <system_error>
 
 namespace slamdb::detail {
 
 int ThreadCount(int requested) {
   if (requested > 0) return requested;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+std::vector<std::jthread> StartHelpers(std::size_t count, const std::function<void()>& help) {
+  std::vector<std::jthread> helpers;
+  try {
+    helpers.reserve(count);
+    while (helpers.size() < count) helpers.emplace_back(help);
+  } catch (const std::system_error&) {  // limits of processes, of a container, of address space
+  } catch (const std::bad_alloc&) {
+  }
+  return helpers;
 }
 
 void ParallelFor(std::size_t count, std::size_t grain, int threads,
@@ -39,8 +50,7 @@ void ParallelFor(std::size_t count, std::size_t grain, int threads,
     }
   };
   {
-    std::vector<std::jthread> team;
-    for (std::size_t i = 1; i < helpers; ++i) team.emplace_back(run);
+    const std::vector<std::jthread> team = StartHelpers(helpers - 1, run);
     run();
   }
   if (failure) std::rethrow_exception(failure);

@@ -6,7 +6,6 @@
 #include <exception>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "slamdb/base/detail/parallel.h"
@@ -18,9 +17,7 @@ template <class Buffer>
 class Pipeline {
  public:
   Pipeline(std::size_t count, std::size_t helpers, const MakeBlock<Buffer>& make)
-      : count_(count), make_(make), slots_(2 * (helpers + 1)) {
-    for (std::size_t i = 0; i < helpers; ++i) helpers_.emplace_back([this] { Help(); });
-  }
+      : count_(count), make_(make), slots_(2 * (helpers + 1)), helpers_(StartHelpers(helpers, [this] { Help(); })) {}
   ~Pipeline() {
     {
       const std::lock_guard lock(mutex_);

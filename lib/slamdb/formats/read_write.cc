@@ -4,8 +4,8 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
+#include "slamdb/formats/detail/dry_run.h"
 #include "slamdb/formats/detail/losses.h"
-#include "slamdb/formats/dry_run.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb {

@@ -8,7 +8,7 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
-#include "slamdb/formats/dry_run.h"
+#include "slamdb/formats/detail/dry_run.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/trajectory/detail/pose_text.h"
 #include "slamdb/formats/trajectory/detail/poses.h"

@@ -248,6 +248,20 @@ TEST(ColmapRoundTrip, NamesWhatIsLeftOut) {
             "colmap cannot hold scales, angles and scores of keypoints (2)\n");
 }
 
+TEST(ColmapRoundTrip, CountsLossesOfEachMap) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].points[2].position.x() = std::numeric_limits<float>::quiet_NaN();
+  atlas.maps[0].points[0].observations[0].left = 99;
+  atlas.maps.resize(3, atlas.maps[0]);
+  for (std::uint64_t id = 0; id < 3; ++id) atlas.maps[id].id = MapId(id);
+  const TemporaryFolder folder;
+  Notices notices;
+  detail::kColmapFormat.write(atlas, folder.Path("model"), {.sync = false}, notices);
+  std::string said;
+  for (const Notice& notice : notices.items()) said += notice.text + "\n";
+  EXPECT_THAT(said, HasSubstr("see no point now, since the point does not name them: 3 keypoints\n"));
+}
+
 // A match of a fisheye pair comes back where both keypoints see one point; depths never do.
 TEST(ColmapRoundTrip, NamesWhatFisheyePairsLose) {
   Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kFisheyeStereo, .keyframes = 4, .points = 100, .features = 400});

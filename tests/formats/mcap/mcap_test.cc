@@ -194,7 +194,6 @@ TEST(Mcap, PointsThatAreNowhereAreLeftOut) {
   EXPECT_THAT(Written(atlas), Not(HasSubstr("/map_0/points")));
 }
 
-// As protoc encodes them: field 1, varint 300; field 2, text; field 3, a message with field 1, varint 1.
 TEST(Mcap, NamesEdgesThatLeadOut) {
   Atlas atlas = OneMapAtlas();
   Notices none, some;
@@ -207,6 +206,7 @@ TEST(Mcap, NamesEdgesThatLeadOut) {
   EXPECT_THAT(some.items()[0].text, HasSubstr("to keyframes that are not written with these: 2 edges"));
 }
 
+// As protoc encodes them: field 1, varint 300; field 2, text; field 3, a message with field 1, varint 1.
 TEST(Protobuf, AppendsFields) {
   std::string bytes;
   detail::ProtoAppender proto(bytes);

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <functional>
+#include <thread>
+#include <vector>
 
 #include "slamdb/export.h"
 
@@ -10,6 +12,10 @@ namespace slamdb::detail {
 
 // How many threads to use for a request: 0 means every core.
 SLAMDB_EXPORT int ThreadCount(int requested);
+
+// At most `count` threads that run `help`, and as many fewer, down to none, as the system does not let start: callers
+// do the work that nobody helps with.
+SLAMDB_EXPORT std::vector<std::jthread> StartHelpers(std::size_t count, const std::function<void()>& help);
 
 // Calls work(begin, end) for blocks of at most `grain` that together cover [0, count), on `threads` threads (0: every
 // core) of which the caller is one. Blocks start in ascending order. Returns when all are done; the first exception is

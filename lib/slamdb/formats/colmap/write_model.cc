@@ -89,7 +89,12 @@ class MeanError {
 class Maker {
  public:
   Maker(const Outline& outline, const MapOutline& map, const WriteOptions& options, Unheld& unheld)
-      : outline_(outline), map_(map), options_(options), unheld_(unheld), keyframes_(KeyFrameTable(*map.map)) {}
+      : outline_(outline),
+        map_(map),
+        options_(options),
+        unheld_(unheld),
+        alone_before_(unheld.alone),
+        keyframes_(KeyFrameTable(*map.map)) {}
 
   Model Make() {
     AddCameras();
@@ -254,8 +259,7 @@ class Maker {
       for (std::size_t view = begin; view < end; ++view) count += CountSlots(map_.views[view], model_.images[view]);
       slots += count;
     });
-    unheld_.slots += slots;
-    unheld_.slots -= std::min(unheld_.slots, unheld_.alone);  // which were told
+    unheld_.slots += slots - std::min<std::uint64_t>(slots, unheld_.alone - alone_before_);  // which are told
   }
 
   static std::uint64_t CountSlots(const View& view, const Image& image) {
@@ -286,7 +290,8 @@ class Maker {
   const Outline& outline_;
   const MapOutline& map_;
   const WriteOptions& options_;
-  Unheld& unheld_;
+  Unheld& unheld_;  // of all models
+  const std::uint64_t alone_before_;
   const IdTable keyframes_;
   Model model_;
   std::vector<Eye> eyes_;  // of Model::images

@@ -75,11 +75,12 @@ class LookAlikes {
     if (std::ranges::all_of(starts_, is_same)) return false;
     std::vector<MemberPlace> places;
     std::vector<double> apart, moved;
-    for (const std::vector<std::uint64_t>& starts : starts_) {
+    for (std::size_t i = 0; i < starts_.size(); ++i) {
+      const std::vector<std::uint64_t>& starts = starts_[i];
       const std::uint64_t at = starts[row] + offset;
       places.push_back({at, at + bytes_});
       apart.push_back(Distance(PlaceAt(starts[row_]), PlaceAt(at)));
-      if (&starts != &starts_.front()) moved.push_back(Distance(PlaceAt(starts[row_]), PlaceAt((&starts)[-1][row_])));
+      if (i > 0) moved.push_back(Distance(PlaceAt(starts[row_]), PlaceAt(starts_[i - 1][row_])));
     }
     std::vector<RecordFacts> facts(places.size());
     const CheckedMember check(of_.name, of_.members[row_]);

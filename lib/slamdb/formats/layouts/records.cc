@@ -17,7 +17,7 @@ constexpr std::int16_t kMostClasses = 1024;
 constexpr std::string_view kFirstOfClass("\1\0\0\0\0", 5);  // tracked, version 0
 constexpr std::uint32_t kMostBetween = 16;                  // objects that a keyframe may bring
 constexpr std::uint64_t kFarthestPoint = 1U << 20U;         // behind the one in front
-constexpr std::uint32_t kMostGaps = 4096;                   // each is looked behind so far
+constexpr std::uint64_t kMostLooks = 8;                     // behind gaps, in all so many times the file's length
 
 template <class Number>
 std::string BytesOf(Number number) {
@@ -141,22 +141,26 @@ class Finder {
     }
   }
   // Behind damage numbers count on: the first later point of the list that is the last one, or has others behind it.
+  // None, too, where a file that means to take long has been looked through often enough.
   std::optional<Record> BehindGap(std::string_view file, const Record& last, std::uint64_t behind) {
     const std::string id = BytesOf(point_class_);
     for (std::size_t at = file.find(id, last.body); at != std::string_view::npos; at = file.find(id, at + 1)) {
       const std::uint32_t object = NumberAt<std::uint32_t>(file, at + 2).value_or(0);
       if (object <= last.object || object >= behind) continue;
       if ((object - last.object) * kLeastPointBytes > at - last.begin) continue;
-      if (++gaps_ > kMostGaps) break;
+      if (looked_at_ > kMostLooks * file_.size()) break;
       const Record found{at, at + 6, object};
       if (object + 1 == behind || GoesOn(file, found)) return found;
     }
     return std::nullopt;
   }
   // Whether one of the next points stands behind: a single one may be damaged, too.
-  bool GoesOn(std::string_view file, const Record& record) const {
-    for (std::uint32_t next = 1; next <= 3; ++next)
-      if (NextPoint(Near(file, record), record.body + kLeastPointBytes, record.object + next)) return true;
+  bool GoesOn(std::string_view file, const Record& record) {
+    for (std::uint32_t next = 1; next <= 3; ++next) {
+      const auto found = NextPoint(Near(file, record), record.body + kLeastPointBytes, record.object + next);
+      looked_at_ += (found ? found->begin : Near(file, record).size()) - record.begin;
+      if (found) return true;
+    }
     return false;
   }
   static std::string_view Near(std::string_view file, const Record& record) {
@@ -191,8 +195,8 @@ class Finder {
   std::vector<MapRecords> maps_;
   std::int16_t class_id_ = 0, point_class_ = 0;
   std::uint32_t last_object_ = 0;
-  std::uint32_t gaps_ = 0;      // that were looked behind
-  std::uint64_t distance_ = 0;  // from the last keyframe's pointer to its grid
+  std::uint64_t looked_at_ = 0;  // bytes behind gaps
+  std::uint64_t distance_ = 0;   // from the last keyframe's pointer to its grid
 };
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/links.h"
-#include "slamdb/formats/dry_run.h"
+#include "slamdb/formats/detail/dry_run.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/protobuf.h"
 #include "slamdb/formats/export/detail/rows.h"

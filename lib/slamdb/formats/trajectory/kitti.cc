@@ -6,7 +6,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/table.h"
 #include "slamdb/base/detail/text.h"
-#include "slamdb/formats/dry_run.h"
+#include "slamdb/formats/detail/dry_run.h"
 #include "slamdb/formats/export/detail/maps.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/trajectory/detail/pose_text.h"

@@ -8,8 +8,10 @@
 #include <functional>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
+#include <vector>
+
+#include "slamdb/base/detail/parallel.h"
 
 namespace slamdb::detail {
 
@@ -20,14 +22,13 @@ class ReadAhead {
  public:
   // make(i) for i from 0 to below count.
   ReadAhead(std::size_t count, std::function<Item(std::size_t)> make)
-      : count_(count), make_(std::move(make)), thread_([this] { Run(); }) {}
+      : count_(count), make_(std::move(make)), helper_(StartHelpers(1, [this] { Run(); })) {}
   ~ReadAhead() {
     {
       const std::lock_guard lock(mutex_);
       stop_ = true;
     }
     changed_.notify_all();
-    thread_.join();
   }
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
@@ -35,6 +36,7 @@ class ReadAhead {
   // The next one; `count` may be taken. Rethrows what making it threw. While it waits it calls idle() now and then,
   // which may throw.
   Item Take(const std::function<void()>& idle) {
+    if (helper_.empty()) return make_(taken_++);
     std::unique_lock lock(mutex_);
     while (!ready_ && !failure_) {
       constexpr std::chrono::milliseconds kPause(50);
@@ -82,7 +84,8 @@ class ReadAhead {
   std::optional<Item> ready_;
   std::exception_ptr failure_;
   bool stop_ = false;
-  std::thread thread_;  // last: it uses the rest
+  std::size_t taken_ = 0;             // where nobody helps
+  std::vector<std::jthread> helper_;  // last: it uses the rest
 };
 
 }  // namespace slamdb::detail

@@ -32,9 +32,9 @@ Model ModelOf(const Outline& outline, const MapOutline& map, const WriteOptions&
 // Which row of Model::points an id is.
 IdTable PointRowsOf(const Model& model);
 
-// Says what was left out.
 // Warns of keyframes and points that an export leaves out for their numbers.
 void WarnOfLeftOut(const Outline& outline, const Unheld& unheld, Notices& notices);
+// Says what else was left out.
 void Tell(const Outline& outline, const Unheld& unheld, std::string_view format, bool with_database, Notices& notices);
 
 class FeatureDatabase;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <exception>
 #include <mutex>
-#include <thread>
 #include <vector>
 
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/orbslam3/detail/decoder.h"
 
 namespace slamdb::orbslam3 {
@@ -30,9 +31,10 @@ template <class Input>
 class DecodeTeam {
  public:
   // `input` is any cursor of the file.
-  DecodeTeam(const Input& input, FeatureColumns features, int threads) : input_(input), features_(features) {
-    for (int i = 1; i < threads; ++i) helpers_.emplace_back([this] { Help(); });
-  }
+  DecodeTeam(const Input& input, FeatureColumns features, int threads)
+      : input_(input),
+        features_(features),
+        helpers_(detail::StartHelpers(static_cast<std::size_t>(std::max(threads, 1)) - 1, [this] { Help(); })) {}
   ~DecodeTeam() { Stop(); }
   DecodeTeam(const DecodeTeam&) = delete;
   DecodeTeam& operator=(const DecodeTeam&) = delete;
