@@ -3,6 +3,8 @@
 
 from typing import Dict, Type
 
+from .words import in_python_words
+
 
 class Error(Exception):
     """What slamdb raises. `path`: of the file; `place`: where in it; `problem`: what is wrong, and what to do."""
@@ -84,7 +86,7 @@ _KINDS: Dict[str, Type[Error]] = {
 
 
 def make_error(kind: str, path: str, place: str, problem: str) -> Error:
-    return _KINDS[kind](problem, path, place)
+    return _KINDS[kind](in_python_words(problem), path, place)
 
 
 class SlamdbWarning(UserWarning):

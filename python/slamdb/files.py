@@ -9,6 +9,7 @@ from . import _slamdb
 from ._slamdb import Atlas
 from .errors import LossWarning, SlamdbWarning
 from .report import Report
+from .words import in_python_words
 
 Path = Union[str, "os.PathLike[str]"]
 Progress = Optional[Callable[[str, float], object]]  # progress(stage, fraction)
@@ -17,11 +18,10 @@ Box = Optional[Tuple[Sequence[float], Sequence[float]]]
 
 
 def _told(notices: List[Tuple[str, str]], depth: int = 3) -> None:
+    kinds = {"loss": LossWarning, "warning": SlamdbWarning}
     for kind, text in notices:
-        if kind == "loss":
-            warnings.warn(text, LossWarning, stacklevel=depth)
-        elif kind == "warning":
-            warnings.warn(text, SlamdbWarning, stacklevel=depth)
+        if kind in kinds:
+            warnings.warn(in_python_words(text), kinds[kind], stacklevel=depth)
 
 
 def _part(map: Optional[int], keyframes: Optional[Tuple[int, int]], time: Range, box: Box) -> _slamdb.Part:

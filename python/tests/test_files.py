@@ -40,14 +40,14 @@ def test_errors_by_kind(session, atlas, tmp_path):
     assert not_found.value.path.endswith("nothing.osa") and not_found.value.kind == "not found"
 
     slamdb.write(atlas, tmp_path / "there.osa")
-    with pytest.raises(slamdb.AlreadyExistsError):
+    with pytest.raises(slamdb.AlreadyExistsError, match="overwrite=True replaces it"):
         slamdb.write(atlas, tmp_path / "there.osa")
     slamdb.write(atlas, tmp_path / "there.osa", overwrite=True)
 
     (tmp_path / "cut.osa").write_bytes(session.read_bytes()[:100_000])
     with pytest.raises(slamdb.DamagedError) as damaged:
         slamdb.read(tmp_path / "cut.osa")
-    assert "byte" in damaged.value.place and "truncated" in damaged.value.problem
+    assert "byte" in damaged.value.place and "slamdb.recover saves" in damaged.value.problem
 
     with pytest.raises(slamdb.UsageError) as usage:
         slamdb.read(session, format="nonsense")
