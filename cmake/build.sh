@@ -6,8 +6,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 settings=()
 groups=(command pictures optimization)
 if [ "${1:-}" = --tests ]; then
-  settings=(-DSLAMDB_BUILD_TESTS=ON -DSLAMDB_BUILD_EXAMPLES=ON)
-  groups+=(libraries tests)
+  settings=(-DSLAMDB_BUILD_TESTS=ON -DSLAMDB_BUILD_EXAMPLES=ON -DSLAMDB_BUILD_PYTHON=ON)
+  groups+=(libraries python tests)
   shift
 fi
 preset=${1:-release}
@@ -18,7 +18,7 @@ case "$preset $*" in
   "release slamdb_cli" | "release slamdb_manual") unasked='live map' ;;
   "static "*) groups+=(static) ;;
   "release "*) groups+=(libraries packaging) ;;
-  *) groups+=(libraries tests) ;;
+  *) groups+=(libraries python tests) ;;
 esac
 cmake/packages.sh "${groups[@]}"
 

@@ -12,20 +12,22 @@ declare -A packages=(
   [optimization]="libceres-dev"
   # The live map, and archives of Boost.
   [libraries]="libopencv-core-dev libboost-serialization-dev"
+  # The module for Python, and its tests.
+  [python]="python3-dev pybind11-dev python3-numpy python3-pytest"
   # What cpack makes packages with.
   [packaging]="file dpkg-dev"
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler python3-msgpack mandoc file dpkg-dev"
   # What tells which libraries a static Cairo is made of.
   [static]="pkg-config"
   # What .ci/run adds: another compiler and what looks at sources, a browser, clean systems to install into.
-  [checkers]="clang clang-format clang-tidy libclang-rt-dev shellcheck xz-utils"
+  [checkers]="clang clang-format clang-tidy libclang-rt-dev mypy shellcheck xz-utils"
   [browser]="chromium"
   [node]="nodejs npm"
   [systems]="debootstrap lintian"
   # Other programs that read what slamdb writes; tests/formats/*/run.sh skip what is not there.
   [readers]="colmap pcl-tools python3-numpy"
 )
-optional=" ${packages[pictures]} ${packages[optimization]} ${packages[libraries]} "  # a distribution that lacks one builds without it
+optional=" ${packages[pictures]} ${packages[optimization]} ${packages[libraries]} ${packages[python]} "  # a distribution that lacks one builds without it
 
 only_tell=no
 [ "${1:-}" != --missing ] || { only_tell=yes; shift; }

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which keyframe sees which point."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Observations(NamedTuple):
+    """Compressed by rows: point r is seen in the entries from offsets[r] to offsets[r + 1] of the others."""
+
+    offsets: NDArray[np.uint64]  # (N + 1,)
+    keyframes: NDArray[np.uint64]  # ids
+    left: NDArray[np.int32]  # rows of the keyframe's keypoints; -1: not seen in the left image
+    right: NDArray[np.int32]  # the same in the right one

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <memory>
+#include <vector>
+
+#include "slamdb/model/atlas.h"
+
+// Columns of an atlas as numpy arrays over the same memory.
+namespace slamdb::python {
+
+// What keeps the memory of an array alive.
+using Kept = std::shared_ptr<Atlas>;
+
+// Where the elements of an array lie: `shape` and `strides` (bytes) as numpy has them.
+struct ArrayPlace {
+  const void* data = nullptr;
+  std::vector<pybind11::ssize_t> shape, strides;
+};
+
+// An array over that memory, without a copy. Writing to it changes the atlas unless it is read-only.
+pybind11::array ViewOf(const Kept& kept, const pybind11::dtype& type, ArrayPlace place);
+
+// Nothing may be written to it: it is computed.
+pybind11::array ReadOnly(pybind11::array array);
+
+// A column of numbers, ids, keypoints or descriptors that stand one behind the other.
+template <class Number, class Element>
+pybind11::array ColumnView(const Kept& kept, const Column<Element>& column) {
+  static_assert(sizeof(Element) % sizeof(Number) == 0);
+  constexpr pybind11::ssize_t kEach = sizeof(Element) / sizeof(Number);
+  ArrayPlace place{column.data(), {static_cast<pybind11::ssize_t>(column.size())}, {sizeof(Element)}};
+  if (kEach > 1) {
+    place.shape.push_back(kEach);
+    place.strides.push_back(sizeof(Number));
+  }
+  return ViewOf(kept, pybind11::dtype::of<Number>(), std::move(place));
+}
+
+// One member of all entities, of `width` numbers each; 1: an array of one dimension.
+template <class Number, class Entity, class Member>
+pybind11::array MemberView(const Kept& kept, const Column<Entity>& entities, const Member& first_member,
+                           pybind11::ssize_t width = 1) {
+  ArrayPlace place{&first_member, {static_cast<pybind11::ssize_t>(entities.size())}, {sizeof(Entity)}};
+  if (width > 1) {
+    place.shape.push_back(width);
+    place.strides.push_back(sizeof(Number));
+  }
+  return ViewOf(kept, pybind11::dtype::of<Number>(), std::move(place));
+}
+
+// The same, where `member_of(entity)` is the member: of no entity there is no first.
+template <class Number, class Entity, class MemberOf>
+pybind11::array MembersOf(const Kept& kept, const Column<Entity>& entities, MemberOf member_of,
+                          pybind11::ssize_t width = 1) {
+  static const Entity none{};
+  return MemberView<Number>(kept, entities, member_of(entities.empty() ? none : entities.front()), width);
+}
+
+// An array of values that are computed, one for each entity.
+template <class Value, class Entity, class Compute>
+pybind11::array Computed(const Column<Entity>& entities, Compute compute) {
+  pybind11::array_t<Value> values(static_cast<pybind11::ssize_t>(entities.size()));
+  Value* at = values.mutable_data();
+  for (const Entity& entity : entities) *at++ = compute(entity);
+  return ReadOnly(std::move(values));
+}
+
+// Three numbers of one entity.
+inline pybind11::array PositionView(const Kept& kept, Eigen::Vector3f& position) {
+  return ViewOf(kept, pybind11::dtype::of<float>(), {position.data(), {3}, {sizeof(float)}});
+}
+
+// Copies a vector into an array of its own.
+template <class Value>
+pybind11::array ArrayOf(const std::vector<Value>& values) {
+  return ReadOnly(pybind11::array_t<Value>(static_cast<pybind11::ssize_t>(values.size()), values.data()));
+}
+
+}  // namespace slamdb::python

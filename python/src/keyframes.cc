@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include "python/src/map_in_atlas.h"
+#include "python/src/module.h"
+
+namespace slamdb::python {
+
+namespace py = pybind11;
+
+namespace {
+
+struct FeaturesOfKeyFrame {
+  Row<KeyFrame> of;
+};
+
+// A member of all keyframes as an array over it.
+template <class Number, class MemberOf>
+auto Members(MemberOf member_of, py::ssize_t width = 1) {
+  return [member_of, width](const KeyFramesInMap& keyframes) {
+    return MembersOf<Number>(keyframes.of.kept(), keyframes.list(), member_of, width);
+  };
+}
+
+// world_from_camera: 4 x 4 matrices by rows.
+py::array Poses(const KeyFramesInMap& keyframes) {
+  const Column<KeyFrame>& list = keyframes.list();
+  py::array_t<double> poses({static_cast<py::ssize_t>(list.size()), py::ssize_t{4}, py::ssize_t{4}});
+  double* at = poses.mutable_data();
+  for (const KeyFrame& keyframe : list) {
+    const Rigid3f world_from_camera = keyframe.camera_from_world.Normalized().Inverse();
+    Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
+    matrix.topLeftCorner<3, 3>() = world_from_camera.rotation.toRotationMatrix().cast<double>();
+    matrix.topRightCorner<3, 1>() = world_from_camera.translation.cast<double>();
+    at = std::copy_n(matrix.data(), 16, at);
+  }
+  return ReadOnly(std::move(poses));
+}
+
+py::array Centers(const KeyFramesInMap& keyframes) {
+  const Column<KeyFrame>& list = keyframes.list();
+  py::array_t<float> centers({static_cast<py::ssize_t>(list.size()), py::ssize_t{3}});
+  float* at = centers.mutable_data();
+  for (const KeyFrame& keyframe : list)
+    at = std::copy_n(keyframe.camera_from_world.Normalized().Center().data(), 3, at);
+  return ReadOnly(std::move(centers));
+}
+
+void DefineColumns(py::class_<KeyFramesInMap>& keyframes) {
+  keyframes
+      .def_property_readonly("ids", Members<std::uint64_t>([](const KeyFrame& k) -> auto& { return k.id; }),
+                             "(N,) uint64: KeyFrame::mnId")
+      .def_property_readonly("timestamps", Members<double>([](const KeyFrame& k) -> auto& { return k.timestamp; }),
+                             "(N,) float64, writable: seconds")
+      .def_property_readonly("camera_from_world",
+                             Members<float>(
+                                 [](const KeyFrame& k) -> auto& { return k.camera_from_world; }, 7),
+                             "(N, 7) float32, writable: Tcw of the left camera, qx qy qz qw tx ty tz, as recorded")
+      .def_property_readonly("poses", &Poses, "(N, 4, 4) float64, computed: world from (left) camera, Twc")
+      .def_property_readonly("centers", &Centers, "(N, 3) float32, computed: camera centres in the world")
+      .def_property_readonly("parents", Members<std::uint64_t>([](const KeyFrame& k) -> auto& { return k.parent; }),
+                             "(N,) uint64: ids of parents in the spanning tree; NONE for its root")
+      .def_property_readonly("velocities",
+                             Members<float>(
+                                 [](const KeyFrame& k) -> auto& { return k.velocity; }, 3),
+                             "(N, 3) float32, writable: m/s, world; of maps with an IMU")
+      .def_property_readonly(
+          "bad",
+          [](const KeyFramesInMap& k) {
+            return Computed<bool>(k.list(), [](const KeyFrame& keyframe) { return static_cast<bool>(keyframe.bad); });
+          },
+          "(N,) bool, computed: culled");
+}
+
+// A column of a keyframe's features as an array over it.
+template <class Number, auto Member>
+py::array FeatureColumn(const FeaturesOfKeyFrame& features) {
+  return ColumnView<Number>(features.of.kept, features.of.entity->features.*Member);
+}
+
+void DefineFeatures(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(Keypoint, angle, response, size, x, y, class_id, octave);
+  py::class_<FeaturesOfKeyFrame>(module, "Features", "The features of a keyframe as columns: row r is keypoint r.")
+      .def_property_readonly(
+          "keypoints", &FeatureColumn<Keypoint, &Features::keypoints>,
+          "(N,) structured (angle, response, size, x, y, class_id, octave), writable: as detected, pixels")
+      .def_property_readonly("undistorted", &FeatureColumn<Keypoint, &Features::undistorted>,
+                             "(N,) structured, writable: lens distortion removed")
+      .def_property_readonly("right_keypoints", &FeatureColumn<Keypoint, &Features::right_keypoints>,
+                             "structured, writable: of the right camera of a fisheye pair")
+      .def_property_readonly("descriptors", &FeatureColumn<std::uint8_t, &Features::descriptors>,
+                             "(N, 32) uint8, writable: ORB descriptors")
+      .def_property_readonly("map_points", &FeatureColumn<std::uint64_t, &Features::map_points>,
+                             "(N,) uint64, writable: ids of the points that keypoints see; NONE where they see none")
+      .def_property_readonly("right_x", &FeatureColumn<float, &Features::right_x>,
+                             "(N,) float32, writable: column in the right image, negative: none")
+      .def_property_readonly("depth", &FeatureColumn<float, &Features::depth>,
+                             "(N,) float32, writable: metres, negative: none")
+      .def("__len__", [](const FeaturesOfKeyFrame& f) { return f.of.entity->features.map_points.size(); });
+}
+
+template <class Value, class Read>
+py::dict DictOf(const Column<Value>& column, Read read) {
+  py::dict dict;
+  for (const Value& value : column) read(dict, value);
+  return dict;
+}
+
+void DefineKeyFrame(py::module_& module) {
+  using KeyFrameRow = Row<KeyFrame>;
+  py::class_<KeyFrameRow>(module, "KeyFrame", "One keyframe: a posed image.")
+      .def_property_readonly("id", [](const KeyFrameRow& k) { return k.entity->id.value(); })
+      .def_property_readonly("frame_id", [](const KeyFrameRow& k) { return k.entity->frame_id; })
+      .def_property_readonly(
+          "timestamp", [](const KeyFrameRow& k) { return k.entity->timestamp; }, "seconds")
+      .def_property_readonly("bad", [](const KeyFrameRow& k) { return static_cast<bool>(k.entity->bad); })
+      .def_property_readonly(
+          "camera", [](const KeyFrameRow& k) { return IdOrNone(k.entity->camera); }, "id, or None")
+      .def_property_readonly(
+          "parent", [](const KeyFrameRow& k) { return IdOrNone(k.entity->parent); },
+          "id of the parent in the spanning tree, or None")
+      .def_property_readonly("features", [](const KeyFrameRow& k) { return FeaturesOfKeyFrame{k}; })
+      .def_property_readonly(
+          "connections",
+          [](const KeyFrameRow& k) {
+            return DictOf(k.entity->connections, [](py::dict& dict, const Connection& connection) {
+              dict[py::int_(connection.keyframe.value())] = connection.weight;
+            });
+          },
+          "{keyframe id: points in common}: the covisibility graph")
+      .def("__repr__",
+           [](const KeyFrameRow& k) { return "<slamdb.KeyFrame " + std::to_string(k.entity->id.value()) + ">"; });
+}
+
+}  // namespace
+
+void DefineKeyFrames(py::module_& module) {
+  py::class_<KeyFramesInMap> keyframes(
+      module, "KeyFrames", "The keyframes of a map: columns as numpy arrays over its memory, rows as KeyFrame.");
+  DefineColumns(keyframes);
+  keyframes.def("__len__", [](const KeyFramesInMap& k) { return k.list().size(); })
+      .def("__getitem__", [](const KeyFramesInMap& k, py::ssize_t index) {
+        Column<KeyFrame>& list = k.list();
+        return Row<KeyFrame>{k.of.kept(), &list[RowAt(index, list.size())]};
+      });
+  DefineFeatures(module);
+  DefineKeyFrame(module);
+}
+
+}  // namespace slamdb::python

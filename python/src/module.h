@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+// What module.cc puts together: each defines what its file is about.
+namespace slamdb::python {
+
+void DefineAtlas(pybind11::module_& module);
+void DefineKeyFrames(pybind11::module_& module);
+void DefinePoints(pybind11::module_& module);
+void DefineFiles(pybind11::module_& module);
+void DefineVerbs(pybind11::module_& module);
+
+}  // namespace slamdb::python
