@@ -216,7 +216,9 @@ TEST_F(Reconstructions, SayThatTheDatabaseBesideThemIsOfAnother) {
   EXPECT_THAT(warnings(kSession, "model"), Not(HasSubstr("database of the model")));
   EXPECT_THAT(warnings(kOther, "model"),
               AllOf(names("model/database.db"), HasSubstr("--with-database into a new folder")));
-  EXPECT_THAT(warnings(kOther, "model/sparse/0", "colmap-text"), names("model/database.db"));
+  fs::create_directories(In("workspace/sparse"));
+  fs::copy_file(In("model/database.db"), In("workspace/database.db"));
+  EXPECT_THAT(warnings(kOther, "workspace/sparse/0", "colmap-text"), names("workspace/database.db"));
   EXPECT_EQ(ReadWholeFile(In("model/database.db")), database);
   Json({"convert", kSession, In("plain"), "--to", "colmap"});
   WriteWholeFile(In("plain/database.db"), "no database at all");

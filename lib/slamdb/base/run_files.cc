@@ -140,7 +140,7 @@ std::string LogOfDatabase(const std::string& database) {
 }
 
 void RefuseLogOfAnother(const std::string& place) {
-  const std::string database = FollowLinks(place).string();
+  const std::string database = LeadsTo(place);
   const std::string log = LogOfDatabase(database);
   struct stat status {};
   if (log.empty() || (::stat(database.c_str(), &status) == 0 && IsDatabase(database))) return;

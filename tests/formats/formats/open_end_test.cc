@@ -8,14 +8,12 @@
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/synthetic/synthesize.h"
-#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 
 constexpr const char* kWarning = "the last line has no end of line: the file may be cut there";
 
@@ -44,7 +42,6 @@ std::string CutInANumber(std::string text) {
 
 struct Case {
   std::string format, output, cut;  // `cut`: the file in it, or beside it, that is cut; empty: it itself
-  std::string refusal;              // of what is cut in a number; empty: it is read, with the warning
 };
 
 TEST(OpenEnd, IsSaidByEveryReaderOfLines) {
@@ -62,10 +59,7 @@ TEST(OpenEnd, IsSaidByEveryReaderOfLines) {
     ASSERT_LT(shorter.size(), whole.size());
     fs::remove(cut);
     folder.Make(fs::path(cut).lexically_relative(folder.Path("")).string(), shorter);
-    if (each.refusal.empty())
-      EXPECT_TRUE(ReadingWarns(output, cut));
-    else
-      EXPECT_THAT(std::string(ErrorOf([&] { ReadingWarns(output, cut); }).what()), HasSubstr(each.refusal));
+    EXPECT_TRUE(ReadingWarns(output, cut)) << "a shorter number";
     fs::remove(cut);
     folder.Make(fs::path(cut).lexically_relative(folder.Path("")).string(), whole.substr(0, whole.size() - 1));
     EXPECT_TRUE(ReadingWarns(output, cut)) << "a last line that is whole but for its end";
