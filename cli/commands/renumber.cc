@@ -57,6 +57,11 @@ IdMap Change(const RenumberVerbOptions& options, Atlas& atlas, Console& console,
     return ids;
   }
   IdMap ids = GivenIds(options, notices);
+  if (!ids.counters_before)
+    notices.Warn(
+        (options.apply.empty() ? options.undo : options.apply) +
+        ": has no counters (next_map, next_keyframe, ...), with which id maps of `renumber` end: it may be cut "
+        "there; those of the atlas rise above the new ids, and stay otherwise");
   ApplyIdMap(atlas, ids, console.threads());
   return ids;
 }

@@ -18,6 +18,7 @@
 #include "slamdb/base/detail/file_calls.h"
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/kind_of.h"
 #include "tests/support/needs_proc.h"
 #include "tests/support/temporary_folder.h"
@@ -116,6 +117,33 @@ TEST_F(AtomicFiles, NeverReplaceADatabaseThatWasMadeMeanwhile) {
   AtomicFile file(Path("a"), {.overwrite = true});
   folder_.Make("a", std::string("SQLite format 3\0and more", 24));
   EXPECT_EQ(KindOf([&] { file.Commit(); }), ErrorKind::kAlreadyExists);
+}
+
+// SQLite would play it into the new one, also where it came while that was written.
+TEST_F(AtomicFiles, AreNoDatabaseWhereTheLogOfAnotherLies) {
+  const std::string database("SQLite format 3\0and more", 24);
+  for (const char* log : {"m.db-wal", "m.db-journal"}) {
+    SCOPED_TRACE(log);
+    const AtomicFileOptions options{.overwrite = std::string(log) == "m.db-wal"};
+    folder_.Make(log, "changes of the old one");
+    fs::create_symlink("m.db", Path("link"));
+    EXPECT_EQ(KindOf([&] { WriteInto(Path("m.db"), database, options); }), ErrorKind::kAlreadyExists);
+    EXPECT_EQ(KindOf([&] { WriteInto(Path("link"), database, options); }), ErrorKind::kAlreadyExists);
+    EXPECT_EQ(std::string(ErrorOf([&] { WriteInto(Path("m.db"), database, options); }).what()),
+              Path(log) + ": is the log of a database that is gone, which SQLite would play into " + Path("m.db") +
+                  " when that is opened; remove it, or name another output");
+    fs::remove(Path(log));
+    AtomicFile file(Path("m.db"), options);
+    file.Write(database);
+    folder_.Make(log, "changes of the old one");
+    EXPECT_EQ(KindOf([&] { file.Commit(); }), ErrorKind::kAlreadyExists);
+    EXPECT_FALSE(fs::exists(Path("m.db")));
+    fs::resize_file(Path(log), 0);
+    WriteInto(Path("m.db"), database, options);
+    for (const char* made : {"m.db", "link", log}) fs::remove(Path(made));
+  }
+  folder_.Make("notes-journal", "of something else");
+  WriteInto(Path("notes"), "no database");
 }
 
 TEST_F(AtomicFiles, NeedAName) {

@@ -203,6 +203,27 @@ TEST_F(AtomicFolders, LeaveADatabaseOfTheSameBytesWhereItIs) {
   EXPECT_EQ(ReadFile(path), database);
 }
 
+// Of one that was removed: SQLite would play it into the new one.
+TEST_F(AtomicFolders, HaveNoDatabaseWhereTheLogOfAnotherLies) {
+  const auto write = [&] {
+    AtomicFolder target(path_, {.overwrite = true, .sync = false});
+    Put(target, "cameras.bin", "new cameras");
+    Put(target, "database.db", std::string("SQLite format 3\0 and the rest", 30));
+    target.Commit();
+  };
+  for (const char* log : {"model/database.db-wal", "model/database.db-journal"}) {
+    fs::remove_all(path_);
+    fs::create_directories(path_);
+    folder_.Make("model/cameras.bin", "old cameras");
+    folder_.Make(log, "changes of the old one");
+    EXPECT_THAT(ProblemOf(write), HasSubstr("is the log of a database that is gone")) << log;
+    EXPECT_EQ(ReadFile(path_ + "/cameras.bin"), "old cameras");
+    EXPECT_FALSE(fs::exists(path_ + "/database.db"));
+    fs::resize_file(folder_ / log, 0);
+    EXPECT_EQ(ProblemOf(write), "");
+  }
+}
+
 TEST_F(AtomicFolders, GiveASinkTheirBytesAndWriteNothing) {
   std::string taken;
   const auto take = [&](Bytes bytes) { taken.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };

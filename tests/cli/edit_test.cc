@@ -84,6 +84,21 @@ TEST_F(Edit, TablesWithoutTheirLastLineEndAreWarnedOf) {
   EXPECT_THAT(RunSlamdb({"renumber", cut, folder_ / "new.csv", "--apply", ids}).err, HasSubstr(warning));
 }
 
+// An id map ends with the counters.
+TEST_F(Edit, IdMapsThatAreCutAtALineAreSaid) {
+  const std::string ids = folder_ / "ids.csv", back = folder_ / "back.osa";
+  ASSERT_EQ(RunSlamdb({"renumber", input_, output_, "--start", "5", "--id-map", ids}).exit_code, 0);
+  const std::vector<std::string> undo = {"renumber", output_, back, "-O", "--undo", ids};
+  EXPECT_EQ(RunSlamdb(undo).err, "");
+  const std::string table = ReadWholeFile(ids);
+  WriteWholeFile(ids, table.substr(0, table.find("next_camera")));
+  WriteWholeFile(ids, ReadWholeFile(ids).substr(0, ReadWholeFile(ids).rfind('\n') + 1));
+  ExpectRefused(undo, "and none next_camera; the counters stand together at its end: it may be cut there");
+  WriteWholeFile(ids, table.substr(0, table.find("next_map")));
+  WriteWholeFile(ids, ReadWholeFile(ids).substr(0, ReadWholeFile(ids).rfind('\n') + 1));
+  EXPECT_THAT(RunSlamdb(undo).err, HasSubstr("slamdb: warning: " + ids + ": has no counters"));
+}
+
 // Each with what is wrong, and nothing written.
 TEST_F(Edit, TablesThatDoNotFitAreRefused) {
   const std::string points = folder_ / "p.csv", cloud = folder_ / "p.ply";

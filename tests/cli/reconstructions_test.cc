@@ -178,6 +178,53 @@ TEST_F(Reconstructions, AndPartsOfMapsAreNoUseToOrbslam3) {
   }
 }
 
+// SQLite would play it into the new one when that is opened.
+TEST_F(Reconstructions, AreNoDatabasesWhereTheLogOfAnotherLies) {
+  Json({"convert", kSession, In("model"), "--to", "colmap", "--with-database"});
+  fs::remove(In("model/database.db"));
+  const std::string cameras = ReadWholeFile(In("model/cameras.bin"));
+  struct Case {
+    std::string database;
+    std::vector<std::string> command;
+  };
+  for (const char* suffix : {"-wal", "-journal"})
+    for (const Case& each :
+         {Case{In("model/database.db"), {"convert", kOther, In("model"), "--to", "colmap", "--with-database", "-O"}},
+          Case{In("cd.db"), {"convert", kOther, In("cd.db"), "--to", "colmap-database"}},
+          Case{In("stella.db"), {"convert", kOther, In("stella.db"), "--to", "stella-sqlite"}}}) {
+      const std::string log = each.database + suffix;
+      WriteWholeFile(log, "what was changed in a database that is gone");
+      const ProcessResult result = RunSlamdb(each.command);
+      EXPECT_EQ(result.exit_code, 1) << log;
+      EXPECT_THAT(result.err, HasSubstr(log + ": is the log of a database that is gone"));
+      EXPECT_FALSE(fs::exists(each.database));
+      fs::remove(log);
+    }
+  EXPECT_EQ(ReadWholeFile(In("model/cameras.bin")), cameras);
+}
+
+// What stays may be the user's, whose images need not be those of the model.
+TEST_F(Reconstructions, SayThatTheDatabaseBesideThemIsOfAnother) {
+  const auto warnings = [&](const std::string& atlas, const std::string& model, const char* format = "colmap") {
+    return RunSlamdb({"convert", atlas, In(model), "--to", format, "-O"}).err;
+  };
+  const auto names = [&](const std::string& database) {
+    return HasSubstr("slamdb: warning: " + In(database) + ": is not the database of the model that is written");
+  };
+  Json({"convert", kSession, In("model"), "--to", "colmap", "--with-database"});
+  const std::string database = ReadWholeFile(In("model/database.db"));
+  EXPECT_THAT(warnings(kSession, "model"), Not(HasSubstr("database of the model")));
+  EXPECT_THAT(warnings(kOther, "model"),
+              AllOf(names("model/database.db"), HasSubstr("--with-database into a new folder")));
+  fs::create_directories(In("workspace/sparse"));
+  fs::copy_file(In("model/database.db"), In("workspace/database.db"));
+  EXPECT_THAT(warnings(kOther, "workspace/sparse/0", "colmap-text"), names("workspace/database.db"));
+  EXPECT_EQ(ReadWholeFile(In("model/database.db")), database);
+  Json({"convert", kSession, In("plain"), "--to", "colmap"});
+  WriteWholeFile(In("plain/database.db"), "no database at all");
+  EXPECT_THAT(warnings(kSession, "plain"), names("plain/database.db"));
+}
+
 TEST_F(Reconstructions, AreReadBesideAnotherDatabase) {
   Json({"convert", kSession, In("there"), "--to", "colmap"});
   WriteWholeFile(In("database.db"), "no database at all");

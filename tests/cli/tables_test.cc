@@ -19,6 +19,7 @@ namespace {
 using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Tables : public ::testing::Test {
  protected:
@@ -328,6 +329,42 @@ TEST_F(Tables, AnchorsAsPeopleWriteThem) {
                                             "--anchors", In("anchors.csv"), "--json"});
     ASSERT_EQ(result.exit_code, 0) << text << result.err;
     EXPECT_THAT(result.out, HasSubstr("\"rmse\""));
+  }
+}
+
+// A shorter number is a number, too: the tables are read, and what they do is wrong.
+TEST_F(Tables, CutInTheirLastNumberAreSaid) {
+  const std::string table = In("open.csv"), ids = In("open-ids.csv");
+  RunSlamdb({"synthesize", In("b.osa"), "--sensor", "rgbd", "--keyframes", "12", "--points", "60", "--features", "80"});
+  RunSlamdb({"transform", In("b.osa"), In("moved.osa"), "--by", "1,0,0,0,0,0,1"});
+  RunSlamdb({"renumber", In("a.osa"), In("o.osa"), "-O", "--start", "50", "--id-map", ids});
+  int quarter = 0;
+  const std::string fixes =
+      "timestamp,latitude,longitude,altitude\n" + Rows([&](const TrajectoryPose& pose) {
+        const double east = 1e-5 * ++quarter, north = 1e-5 * quarter * quarter;
+        return Digits(pose.timestamp, 2) + "," + Digits(47 + north, 8) + "," + Digits(8 + east, 8) + ",400.25";
+      });
+  const std::string anchors = "first,second\n0,0\n3,3\n6,6\n9,9\n11,11\n";
+  const std::string constraints = "first,second,qx,qy,qz,qw,tx,ty,tz\n0,3,0,0,0,1,0.1,0.1,0.25\n";
+  const std::string out = In("o.osa");
+  struct Case {
+    std::string text;
+    std::vector<std::string> command;
+  };
+  for (const Case& each :
+       {Case{fixes, {"transform", In("a.osa"), out, "-O", "--georeference", table}},
+        Case{anchors, {"merge", In("b.osa"), In("moved.osa"), "-o", out, "-O", "--join", "--anchors", table}},
+        Case{constraints, {"optimize", In("a.osa"), out, "-O", "--constraints", table}},
+        Case{ReadWholeFile(ids), {"renumber", In("a.osa"), out, "-O", "--apply", table}}}) {
+    SCOPED_TRACE(each.command[0]);
+    const std::string warning =
+        "slamdb: warning: " + table + ": the last line has no end of line: the file may be cut there";
+    WriteWholeFile(table, each.text);
+    const ProcessResult whole = RunSlamdb(each.command);
+    EXPECT_EQ(whole.exit_code, 0) << whole.err;
+    EXPECT_THAT(whole.err, Not(HasSubstr(warning)));
+    WriteWholeFile(table, each.text.substr(0, each.text.size() - 2));
+    EXPECT_THAT(RunSlamdb(each.command).err, HasSubstr(warning));
   }
 }
 

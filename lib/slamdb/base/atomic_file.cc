@@ -143,6 +143,7 @@ void AtomicFile::CommitSpecial() {
 // What is there is looked at once more: hours may have passed.
 void AtomicFile::Place() {
   detail::RefuseInput(path_);
+  if (detail::IsDatabase(temporary_->path())) detail::RefuseLogOfAnother(target_);
   if (!options_.overwrite) {
     temporary_->Claim(target_);
   } else {

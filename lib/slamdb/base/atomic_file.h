@@ -33,7 +33,7 @@ struct AtomicFileOptions {
 // Symbolic links are followed, also one that leads to nothing yet. The mode of a file that is replaced stays, and its
 // owner and group where the system permits; where the group cannot stay, it is given no more than others have.
 // Without `overwrite` the name is claimed at Commit(): of two who make the same new file one fails.
-// An SQLite database is never replaced, with `overwrite` either: a store holds many atlases, in its log too.
+// An SQLite database is never replaced, with `overwrite` either, nor is one written where the log of another one lies.
 //
 // What is no regular file (a device, a pipe, `/dev/stdout`, `/dev/fd/3`) is opened and written into, needs no
 // `overwrite`, and is never replaced. That, standard output and sinks get the bytes as they come, with nothing atomic

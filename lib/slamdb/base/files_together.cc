@@ -70,15 +70,6 @@ bool HaveSameBytes(const std::string& one, const std::string& other) {
   return first.eof() && second.eof();
 }
 
-// Whether nothing beside a database says more than it does.
-bool HasNoLog(const std::string& database) {
-  const auto is_none = [](const std::string& log) {
-    std::error_code missing;
-    return fs::file_size(log, missing) == 0 || missing;
-  };
-  return is_none(database + "-wal") && is_none(database + "-journal");
-}
-
 Error AlreadyThere(const std::string& place) {
   return {ErrorKind::kAlreadyExists, place, "", "is there already; WriteOptions::overwrite replaces it"};
 }
@@ -179,7 +170,8 @@ void FilesTogether::Replace(bool whole) {
 void FilesTogether::KeepDatabases() {
   if (!options_.overwrite) return;
   for (const std::string& name : names_)
-    if (const std::string place = PlaceOf(name); IsDatabase(place) && HasNoLog(place) && IsThereAlready(name))
+    if (const std::string place = PlaceOf(name);
+        IsDatabase(place) && LogOfDatabase(place).empty() && IsThereAlready(name))
       staying_.insert(name);
 }
 
@@ -188,6 +180,7 @@ void FilesTogether::RefusePlaces() const {
     const std::string place = PlaceOf(name);
     RefuseInput(place);
     if (!staying_.contains(name)) RefuseReplacingMap(place);
+    if (IsDatabase(MadeOf(name))) RefuseLogOfAnother(place);
     if (!options_.overwrite && IsThere(place)) throw AlreadyThere(place);
     std::error_code missing;
     if (fs::exists(place, missing) && !fs::is_regular_file(place, missing))

@@ -44,6 +44,7 @@ Run& TheRun() {
 }
 
 constexpr std::array<std::string_view, 3> kBesideStores = {"-wal", "-shm", "-journal"};
+constexpr std::array<std::string_view, 2> kLogs = {"-wal", "-journal"};
 
 // The database that a file of this name belongs to; empty: to none.
 std::string DatabaseOf(const std::string& path) {
@@ -127,6 +128,25 @@ bool IsDatabase(const std::string& path) {
   if (got > 0 && IsSqlite({head.data(), static_cast<std::size_t>(got)})) return true;
   struct stat log {};
   return ::stat((path + "-wal").c_str(), &log) == 0 && log.st_size > 0;
+}
+
+std::string LogOfDatabase(const std::string& database) {
+  for (const std::string_view suffix : kLogs) {
+    const std::string log = Concat(database, suffix);
+    struct stat status {};
+    if (::stat(log.c_str(), &status) == 0 && status.st_size > 0) return log;
+  }
+  return {};
+}
+
+void RefuseLogOfAnother(const std::string& place) {
+  const std::string database = LeadsTo(place);
+  const std::string log = LogOfDatabase(database);
+  struct stat status {};
+  if (log.empty() || (::stat(database.c_str(), &status) == 0 && IsDatabase(database))) return;
+  throw Error(ErrorKind::kAlreadyExists, log, "",
+              Concat("is the log of a database that is gone, which SQLite would play into ", place,
+                     " when that is opened; remove it, or name another output"));
 }
 
 void KeepInputs() {

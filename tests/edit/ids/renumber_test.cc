@@ -247,6 +247,23 @@ TEST(IdMapCsv, NamesTheLineThatIsWrong) {
   EXPECT_THAT(error("kind,old,new\n"), HasSubstr("empty"));
 }
 
+// Cut between two lines it is a table, too, of fewer counters.
+TEST(IdMapCsv, WithSomeCountersAndNotAllIsRefused) {
+  IdMap ids;
+  ids[IdKind::kKeyFrame] = {{0, 10}};
+  ids.counters_before = ids.counters_after = Counters{.map = 1, .frame = 2, .keyframe = 3};
+  std::string table = IdMapsToCsv({&ids, 1});
+  const auto fields = CounterFields();
+  for (std::size_t left = fields.size() - 1; left > 0; --left) {
+    table.erase(table.rfind('\n', table.size() - 2) + 1);
+    EXPECT_THAT(ErrorOf([&] { return ParseIdMapsCsv(table); }),
+                HasSubstr("and none " + std::string(fields[left].name) + ";"))
+        << table;
+  }
+  table.erase(table.rfind('\n', table.size() - 2) + 1);
+  EXPECT_FALSE(ParseIdMapsCsv(table).at(0).counters_before) << "as a person writes it";
+}
+
 TEST(IdMapCsv, ChangesTheIdsOfATable) {
   IdMap ids;
   ids[IdKind::kKeyFrame] = {{1, 10}, {2, 20}};

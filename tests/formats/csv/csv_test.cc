@@ -68,5 +68,20 @@ TEST(Csv, WritesObservations) {
             "0,12,1,77,,,,,,,,,\n");
 }
 
+// What has a row: in every map for itself, whose keyframes may have the ids of another's.
+TEST(Csv, CountsWhatIsObserved) {
+  Atlas atlas = OneMapAtlas();
+  atlas.maps[0].points[2].observations.clear();
+  atlas.maps.push_back(atlas.maps[0]);
+  atlas.maps[1].id = MapId(5);
+  Notices notices;
+  const std::string text = Write(detail::kCsvObservationsFormat, atlas, notices);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 4);
+  EXPECT_TRUE(notices.written().starts_with("4 observations by 4 keyframes of 2 points, ")) << notices.written();
+  ASSERT_TRUE(notices.counts());
+  EXPECT_EQ(notices.counts()->keyframes, 4U);
+  EXPECT_EQ(notices.counts()->points, 2U);
+}
+
 }  // namespace
 }  // namespace slamdb

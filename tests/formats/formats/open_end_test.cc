@@ -5,7 +5,6 @@
 #include <cctype>
 #include <filesystem>
 
-#include "slamdb/base/error.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/synthetic/synthesize.h"
@@ -60,10 +59,7 @@ TEST(OpenEnd, IsSaidByEveryReaderOfLines) {
     ASSERT_LT(shorter.size(), whole.size());
     fs::remove(cut);
     folder.Make(fs::path(cut).lexically_relative(folder.Path("")).string(), shorter);
-    try {
-      EXPECT_TRUE(ReadingWarns(output, cut));
-    } catch (const Error&) {  // which says it, too
-    }
+    EXPECT_TRUE(ReadingWarns(output, cut)) << "a shorter number";
     fs::remove(cut);
     folder.Make(fs::path(cut).lexically_relative(folder.Path("")).string(), whole.substr(0, whole.size() - 1));
     EXPECT_TRUE(ReadingWarns(output, cut)) << "a last line that is whole but for its end";

@@ -17,6 +17,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::Field;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // index, time, position and optimised position, rotation and optimised rotation, loop, what was measured of it,
 // number of keypoints.
@@ -72,6 +73,17 @@ TEST_F(Vins, SaysWhatIsMissing) {
   EXPECT_THAT(notices_.items(),
               Contains(Field(&Notice::text, HasSubstr("1 keyframe without the file of its keypoints"))));
   EXPECT_THAT(notices_.items(), Contains(Field(&Notice::text, HasSubstr("1 loop left out"))));
+}
+
+// In its last number, of two digits, it is a graph, too.
+TEST_F(Vins, SaysThatItMayBeCut) {
+  const std::string graph = kGraph.substr(0, kGraph.size() - 2) + "12\n";
+  const auto warning = Contains(Field(
+      &Notice::text, folder_.Path("pose_graph.txt") + ": the last line has no end of line: the file may be cut there"));
+  Read(graph);
+  EXPECT_THAT(notices_.items(), Not(warning));
+  Read(graph.substr(0, graph.size() - 2));
+  EXPECT_THAT(notices_.items(), warning);
 }
 
 TEST_F(Vins, IsToldByItsGraph) {

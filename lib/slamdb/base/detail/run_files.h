@@ -24,6 +24,13 @@ using AtlasName = std::optional<std::string>;
 // Whether the file is an SQLite database, also one in its first save, which lies in its log alone.
 bool IsDatabase(const std::string& path);
 
+// The log beside a database of this name that SQLite would play into it when it is opened: one that is not empty, of
+// this database or of one that was removed. Empty: there is none.
+std::string LogOfDatabase(const std::string& database);
+
+// For a new database: throws Error (kAlreadyExists) when the log of one that is gone lies where it is to be.
+SLAMDB_EXPORT void RefuseLogOfAnother(const std::string& place);
+
 // From now on.
 SLAMDB_EXPORT void KeepInputs();
 

@@ -81,7 +81,7 @@ SLAMDB_EXPORT void ApplyIdMap(Atlas& atlas, const IdMap& ids, int threads = 0);
 // Reads such a table back, in any dialect of schema/tables.md: one map for each input, in order of appearance.
 // The column `input` may be missing.
 //
-// Throws Error (kDamaged) with line and column.
+// Throws Error (kDamaged) with line and column, and where an input has some counters and not all.
 [[nodiscard]] SLAMDB_EXPORT std::vector<IdMap> ParseIdMapsCsv(std::string_view csv);
 
 // The same as JSON, on one line. Equal maps give equal text.

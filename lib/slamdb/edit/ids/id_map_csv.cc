@@ -34,7 +34,14 @@ IdPair PairOf(const detail::Table& table) {
           table.Raw(kAfter).empty() ? kNoId : table.Get<std::uint64_t>(kAfter, kAnId)};
 }
 
-void AddRow(IdMap& ids, const detail::Table& table) {
+// An input's ids, and the names of the counters that its rows gave.
+struct RowsOfInput {
+  IdMap ids;
+  std::vector<std::string_view> counters;
+};
+
+void AddRow(RowsOfInput& rows, const detail::Table& table) {
+  IdMap& ids = rows.ids;
   const IdPair pair = PairOf(table);
   const std::string name = table.Text(kKind);
   if (const auto kind = IdKindByName(name)) {
@@ -48,6 +55,17 @@ void AddRow(IdMap& ids, const detail::Table& table) {
   if (!ids.counters_before) ids.counters_before = ids.counters_after = Counters();
   (*ids.counters_before).*counter->field = pair.before;
   (*ids.counters_after).*counter->field = pair.after;
+  rows.counters.push_back(counter->name);
+}
+
+// A table that was cut between two lines: the counters stand last. One without any may be of a person.
+void RequireAllCounters(const RowsOfInput& rows) {
+  if (rows.counters.empty()) return;
+  for (const CounterField& counter : CounterFields())
+    if (std::ranges::find(rows.counters, counter.name) == rows.counters.end())
+      throw Error(ErrorKind::kDamaged,
+                  detail::Concat("the id map has a row ", rows.counters.back(), ", and none ", counter.name,
+                                 "; the counters stand together at its end: it may be cut there"));
 }
 
 // Which kind of id each column of a table holds, by the names of columns that our own tables have.
@@ -100,19 +118,24 @@ std::string IdMapsToCsv(std::span<const IdMap> maps) {
 
 std::vector<IdMap> ParseIdMapsCsv(std::string_view csv) {
   detail::Table table(csv, IdTable());
-  std::vector<IdMap> maps;
+  std::vector<RowsOfInput> inputs;
+  const auto input_of = [](const RowsOfInput& rows) -> const std::string& { return rows.ids.input; };
   while (table.Next()) {
     const std::string input = table.Text(kInput);
-    if (maps.empty() || maps.back().input != input) {
-      if (std::ranges::find(maps, input, &IdMap::input) != maps.end())
+    if (inputs.empty() || input_of(inputs.back()) != input) {
+      if (std::ranges::find(inputs, input, input_of) != inputs.end())
         throw table.LineError(detail::Concat("rows of input '", input, "' do not stand together"));
-      maps.push_back({.input = input});
+      inputs.push_back({.ids = {.input = input}});
     }
-    AddRow(maps.back(), table);
+    AddRow(inputs.back(), table);
   }
-  if (maps.empty()) throw Error(ErrorKind::kDamaged, "the id map is empty");
-  for (IdMap& ids : maps)
-    for (std::vector<IdPair>& pairs : ids.kinds) std::ranges::stable_sort(pairs, {}, &IdPair::before);
+  if (inputs.empty()) throw Error(ErrorKind::kDamaged, "the id map is empty");
+  std::vector<IdMap> maps;
+  for (RowsOfInput& rows : inputs) {
+    RequireAllCounters(rows);
+    for (std::vector<IdPair>& pairs : rows.ids.kinds) std::ranges::stable_sort(pairs, {}, &IdPair::before);
+    maps.push_back(std::move(rows.ids));
+  }
   return maps;
 }
 

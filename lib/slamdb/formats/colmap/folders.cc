@@ -85,6 +85,13 @@ std::vector<std::string> WorkspacesOf(const std::string& folder) {
   return workspaces;
 }
 
+std::optional<std::string> FindDatabase(const std::string& folder) {
+  std::error_code missing;
+  for (const fs::path workspace : WorkspacesOf(folder))
+    if (fs::is_regular_file(workspace / kDatabase, missing)) return (workspace / kDatabase).string();
+  return std::nullopt;
+}
+
 void RefuseUnfinished(const std::string& folder) {
   detail::RefuseUnfinished(detail::UnfinishedIn(folder), folder);
   RefuseUnfinishedAbove(folder);

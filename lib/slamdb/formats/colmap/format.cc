@@ -9,12 +9,14 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/files_read.h"
 #include "slamdb/base/detail/open_end.h"
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/codec.h"
 #include "slamdb/formats/colmap/detail/colmap.h"
 #include "slamdb/formats/colmap/detail/database.h"
 #include "slamdb/formats/colmap/detail/folders.h"
+#include "slamdb/formats/colmap/detail/kept_database.h"
 #include "slamdb/formats/colmap/detail/models.h"
 #include "slamdb/formats/export/detail/rows.h"
 
@@ -25,13 +27,12 @@ namespace fs = std::filesystem;
 using colmap::FileOf;
 using colmap::HasModel;
 using colmap::kBinary;
+using colmap::kDatabase;
 using colmap::kNeeded;
 using colmap::kPartNames;
 using colmap::kText;
 using colmap::Part;
 using detail::Concat;
-
-constexpr std::string_view kDatabase = "database.db";
 
 // ---- where models are in a folder
 
@@ -93,18 +94,11 @@ void NoteModel(const std::string& folder, detail::FilesRead& files) {
     for (const std::string_view part : kPartNames) files.Note(FileOf(folder, part, suffix));
 }
 
-std::optional<std::string> FindDatabase(const std::string& folder) {
-  std::error_code missing;
-  for (const fs::path workspace : colmap::WorkspacesOf(folder))
-    if (fs::is_regular_file(workspace / kDatabase, missing)) return (workspace / kDatabase).string();
-  return std::nullopt;
-}
-
 // One that was named has to be one; another file of that name near a model is no reason not to read the model.
 std::unique_ptr<colmap::FeatureDatabase> OpenDatabase(const std::string& given, const std::string& folder,
                                                       Notices& notices) {
   if (!given.empty()) return std::make_unique<colmap::FeatureDatabase>(given);
-  const std::optional<std::string> found = FindDatabase(folder);
+  const std::optional<std::string> found = colmap::FindDatabase(folder);
   if (!found) return nullptr;
   try {
     return std::make_unique<colmap::FeatureDatabase>(*found);
@@ -162,12 +156,19 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
   colmap::RefuseOtherModels(target.path, folders, suffix, kPartNames.size());
   colmap::RefuseOtherCloud(target.path, folders);
   std::optional<colmap::DatabaseWriter> database;
-  if (wanted.with_database) database.emplace(outline, wanted.schema, target.path);
+  std::optional<colmap::KeptDatabase> kept;
+  if (wanted.with_database) {
+    if (target.is_file()) detail::RefuseLogOfAnother(FileOf(target.path, kDatabase, ""));
+    database.emplace(outline, wanted.schema, target.path);
+  } else if (target.is_file()) {
+    kept.emplace((fs::path(target.path) / folders.front()).string());
+  }
   colmap::Unheld unheld;
   for (std::size_t row = 0; row < outline.maps.size(); ++row) {
     const colmap::Model model = colmap::ModelOf(outline, outline.maps[row], options, unheld);
     WriteFiles(model, folders[row], suffix, encode, folder, options);
     if (database) database->AddPairs(outline.maps[row], model);
+    if (kept) kept->Compare(model);
   }
   if (outline.maps.empty()) WriteFiles({}, "", suffix, encode, folder, options);
   if (database) {
@@ -178,11 +179,13 @@ void WriteModels(const Atlas& atlas, const Target& target, const WriteOptions& o
   colmap::RefuseOtherModels(target.path, folders, suffix, kPartNames.size());  // that came in the meantime
   colmap::RefuseOtherCloud(target.path, folders);
   folder.Commit();
+  if (kept) kept->Warn(notices);
   colmap::Tell(outline, unheld, id, wanted.with_database, notices);
 }
 
 void WriteDatabase(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, detail::FileOptions(options));
+  if (target.is_file()) detail::RefuseLogOfAnother(target.path);
   const ColmapWriteOptions& wanted = options.of<ColmapWriteOptions>();
   const colmap::Outline outline = colmap::OutlineOf(atlas, target, options, wanted.pictures);
   colmap::DatabaseWriter database(outline, wanted.schema, target.path);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -163,6 +164,26 @@ void AppendObservations(std::string& out, const PointRows& points, const PointRo
   }
 }
 
+// Rows, and the keyframes and points that have any.
+struct ObservationCounts {
+  std::uint64_t rows = 0, keyframes = 0, points = 0;
+};
+
+ObservationCounts CountObservations(const PointRows& points) {
+  ObservationCounts counts;
+  for (std::size_t map = 0; map < points.maps().size(); ++map) {
+    std::unordered_set<std::uint64_t> keyframes;
+    for (std::size_t row = points.begins()[map]; row < points.begins()[map + 1]; ++row) {
+      const auto& observations = points[row].point->observations;
+      counts.rows += observations.size();
+      counts.points += observations.empty() ? 0 : 1;
+      for (const Observation& observation : observations) keyframes.insert(observation.keyframe.value());
+    }
+    counts.keyframes += keyframes.size();
+  }
+  return counts;
+}
+
 void WriteObservations(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   AtomicFile file(target, FileOptions(options));
   const PointRows points(atlas, target, options);
@@ -171,10 +192,10 @@ void WriteObservations(const Atlas& atlas, const Target& target, const WriteOpti
     for (std::size_t row = begin; row < end; ++row) AppendObservations(out, points, points[row]);
   });
   file.Commit();
-  std::uint64_t observations = 0;
-  for (std::size_t row = 0; row < points.size(); ++row) observations += points[row].point->observations.size();
-  notices.Tell(Counted(observations, "observation") + " of " + points.Summary(),
-               WrittenCounts{.points = points.size()});
+  const ObservationCounts counts = CountObservations(points);
+  notices.Tell(Concat(Counted(counts.rows, "observation"), " by ", Counted(counts.keyframes, "keyframe"), " of ",
+                      CountWritten(counts.points, "point", points.bad())),
+               WrittenCounts{.keyframes = counts.keyframes, .points = counts.points});
 }
 
 template <const std::string_view& kHeader>

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/formats/export/detail/rows.h"
 #include "slamdb/formats/stella/detail/database_format.h"
 #include "slamdb/formats/stella/detail/pose_matrix.h"
@@ -145,6 +146,7 @@ void InsertPoints(sqlite::Database& database, const Outgoing& map) {
 
 void WriteDatabase(const Outgoing& map, const Target& target, const WriteOptions& options) {
   AtomicFile file(target, detail::FileOptions(options));
+  if (target.is_file()) detail::RefuseLogOfAnother(target.path);
   sqlite::Database database = sqlite::Database::InMemory(target.path);
   sqlite::Transaction transaction(database, sqlite::Transaction::Kind::kBegin);
   database.Execute(kTables);

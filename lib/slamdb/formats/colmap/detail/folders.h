@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,7 @@
 namespace slamdb::colmap {
 
 inline constexpr std::string_view kBinary = ".bin", kText = ".txt";
+inline constexpr std::string_view kDatabase = "database.db";
 inline constexpr std::size_t kNeeded = 3;  // of kPartNames; older versions write no more
 
 std::string FileOf(const std::string& folder, std::string_view part, std::string_view suffix);
@@ -17,6 +19,9 @@ inline bool HasModel(const std::string& folder) { return HasModel(folder, kBinar
 
 // The folder and those above it that may be the workspace of its model, as COLMAP's tutorials lay it: above `sparse/0`.
 std::vector<std::string> WorkspacesOf(const std::string& folder);
+
+// The database of the workspace, from which the model in the folder gets its features.
+std::optional<std::string> FindDatabase(const std::string& folder);
 
 // Throws Error when a program was killed, or is at work, that replaces the files of the model
 // (detail::RefuseUnfinished).

@@ -39,6 +39,8 @@ class PointRows {
   // The first row of each map, and size(): rows [begins()[m], begins()[m + 1]) are those of maps()[m].
   const std::vector<std::size_t>& begins() const { return begins_; }
 
+  // Points that are left out, since they are flagged bad.
+  std::size_t bad() const { return bad_; }
   // `3,162 points, 41 bad ones left out`, for Notices::Tell.
   std::string Summary() const;
   // Warns of those that are left out for their positions.
