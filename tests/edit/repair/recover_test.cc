@@ -8,10 +8,12 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <span>
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/salvage.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/salvage.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/support/boost_reference/boost_reference.h"
 #include "tests/support/corrupt.h"
@@ -326,6 +328,24 @@ TEST_F(Recover, RealFileCutAtManyPlaces) {
     if (i % 10 == 0) ExpectBoostReads(*recovered);
   }
 }
+
+// Of few keyframes most bring classes, and of the last one nothing says where it ends.
+class CutOfFewKeyFrames : public ::testing::TestWithParam<std::tuple<std::size_t, std::size_t>> {};
+TEST_P(CutOfFewKeyFrames, GivesAllThatAreWhole) {
+  const auto [keyframes, cut] = GetParam();
+  const Atlas whole =
+      SynthesizeAtlas({.sensor = Sensor::kMonocular, .inertial = true, .keyframes = keyframes, .points = 200});
+  const std::string bytes = EncodeOrbslam3(whole);
+  const Salvage salvage = SalvageBytes(std::as_bytes(std::span(bytes)).first(bytes.size() - cut));
+  ASSERT_EQ(salvage.atlas.maps.size(), 1u);
+  const Column<KeyFrame>& read = salvage.atlas.maps[0].keyframes;
+  ASSERT_EQ(read.size(), keyframes);
+  for (std::size_t i = 0; i < keyframes; ++i) EXPECT_EQ(read[i].id, whole.maps[0].keyframes[i].id);
+  EXPECT_TRUE(salvage.atlas.layout.empty());
+}
+INSTANTIATE_TEST_SUITE_P(Recover, CutOfFewKeyFrames,
+                         ::testing::Combine(::testing::Range<std::size_t>(2, 6),
+                                            ::testing::Values<std::size_t>(10, 3000)));
 
 }  // namespace
 }  // namespace slamdb

@@ -264,6 +264,30 @@ TEST_P(ForkOfOtherForm, IsRecoveredRight) {
 INSTANTIATE_TEST_SUITE_P(InferLayout, ForkOfOtherForm, ::testing::ValuesIn(kForks),
                          [](const auto& fork) { return std::string(fork.param.name); });
 
+// Of two eyes: right ones tell whether the pose between both is written as that of the keyframe is.
+class InverseOfTwoEyes : public ::testing::TestWithParam<Fork> {};
+TEST_P(InverseOfTwoEyes, IsReadRight) {
+  SLAMDB_REQUIRE_REAL_ATLAS(path, "fisheye_stereo");
+  Notices notices;
+  const Atlas truth = ReadOrbslam3(path, {}, notices);
+  std::mt19937_64 random(2);
+  const std::string bytes = Forge(truth, Changed(GetParam().changes), random);
+  const InferredLayout inferred = InferLayout(In(bytes));
+  EXPECT_TRUE(inferred.sure());
+  const Atlas read = ReadAs(bytes, ToJson(inferred.layout));
+  ExpectSamePlaces(read, truth);
+  for (std::size_t i = 0; i < truth.maps[0].keyframes.size(); ++i)
+    EXPECT_TRUE(read.maps[0].keyframes[i].left_from_right.translation.isApprox(
+        truth.maps[0].keyframes[i].left_from_right.translation, 1e-4F));
+}
+INSTANTIATE_TEST_SUITE_P(InferLayout, InverseOfTwoEyes,
+                         ::testing::Values(Fork{"One", "~KeyFrame.mTcw mTcw.inverse:arr<f32,7>"},
+                                           Fork{"All",
+                                                "~KeyFrame.mTcp mTcp.inverse:arr<f32,7>\n"
+                                                "~KeyFrame.mTcw mTcw.inverse:arr<f32,7>\n"
+                                                "~KeyFrame.mTlr mTlr.inverse:arr<f32,7>"}),
+                         [](const auto& of) { return std::string(of.param.name); });
+
 // Damage amid the points of a fork costs those that it hits, and none behind it.
 TEST(InferLayout, PointsBehindAGapAreRecovered) {
   std::mt19937_64 random(2);

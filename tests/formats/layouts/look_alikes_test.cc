@@ -10,6 +10,7 @@
 #include "slamdb/formats/orbslam3/infer_layout.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "tests/formats/layouts/invented_layouts.h"
+#include "tests/formats/orbslam3/real_atlases.h"
 
 namespace slamdb::testing {
 namespace {
@@ -36,8 +37,8 @@ class Noise {
   std::mt19937_64 random_{7};
 };
 
-template <std::size_t kCount>
-void Carry(const std::array<float, kCount>& numbers, Boxed<Carried>& carried) {
+template <class Number, std::size_t kCount>
+void Carry(const std::array<Number, kCount>& numbers, Boxed<Carried>& carried) {
   const Bytes bytes = std::as_bytes(std::span(numbers));
   Column<std::byte>& members = carried.Make().members;
   members.insert(members.end(), bytes.begin(), bytes.end());
@@ -109,6 +110,53 @@ TEST(InferLayout, FindsThePoseBehindTwoOthers) {
 TEST(InferLayout, FindsThePoseBetweenTwoOthers) {
   ExpectReadRight(WithPoses("+KeyFrame.mK_ x1:arr<f32,7>\n+KeyFrame.mTcw x2:arr<f32,7>", 0.5F, 2));
 }
+
+// The pose as world_from_camera, as it is or off by a centimetre, in front of the pose or behind it.
+class WorldFromCamera : public ::testing::TestWithParam<std::tuple<const char*, const char*, float>> {};
+TEST_P(WorldFromCamera, IsNotTakenForThePose) {
+  const auto& [session, changes, part] = GetParam();
+  SLAMDB_REQUIRE_REAL_ATLAS(path, session);
+  Notices notices;
+  const Atlas truth = ReadOrbslam3(path, {}, notices);
+  Atlas atlas = truth;
+  atlas.layout = ToJson(Changed(changes));
+  Noise noise;
+  for (Map& map : atlas.maps)
+    for (KeyFrame& keyframe : map.keyframes)
+      CarryPose(noise.Pose(keyframe.camera_from_world.Normalized().Inverse(), part), keyframe);
+  const std::string bytes = EncodeOrbslam3(atlas);
+  const InferredLayout inferred = InferLayout(In(bytes));
+  EXPECT_TRUE(inferred.same_bytes);
+  EXPECT_TRUE(inferred.sure()) << ::testing::PrintToString(inferred.alternatives);
+  EXPECT_EQ(OwnBytes(ReadAs(bytes, ToJson(inferred.layout))), OwnBytes(truth))
+      << ::testing::PrintToString(inferred.differences);
+}
+INSTANTIATE_TEST_SUITE_P(InferLayout, WorldFromCamera,
+                         Combine(Values("session_small_a", "fisheye_stereo"), Values(kInFront, kBehind),
+                                 Values(0.0F, 1.0F)));
+
+// A second time that is off by so many seconds and up to so many more: when a keyframe was received.
+struct SecondTime {
+  const char* changes;
+  double least, more;
+};
+void PrintTo(const SecondTime& of, std::ostream* out) { *out << of.changes << " by " << of.least << " to " << of.more; }
+class TimeOfReceipt : public ::testing::TestWithParam<SecondTime> {};
+TEST_P(TimeOfReceipt, IsNotTakenForTheTimeWithoutADoubt) {
+  Atlas atlas = RealSession();
+  atlas.layout = ToJson(Changed(GetParam().changes));
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> more(0, GetParam().more);
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes)
+    Carry(std::array{keyframe.timestamp + GetParam().least + more(random)}, keyframe.carried);
+  ExpectReadRightOrSaid(EncodeOrbslam3(atlas));
+}
+constexpr const char* kTimeInFront = "+KeyFrame.mnFrameId x1:f64";
+constexpr const char* kTimeBehind = "+KeyFrame.mTimeStamp x1:f64";
+INSTANTIATE_TEST_SUITE_P(InferLayout, TimeOfReceipt,
+                         Values(SecondTime{kTimeInFront, 0.02, 0.004}, SecondTime{kTimeBehind, 0.02, 0.004},
+                                SecondTime{kTimeInFront, 0, 0.1}, SecondTime{kTimeBehind, 0, 0.1},
+                                SecondTime{kTimeInFront, 1, 0}, SecondTime{kTimeBehind, 1, 0}));
 
 class StalePosition : public ::testing::TestWithParam<std::tuple<const char*, float>> {};
 TEST_P(StalePosition, IsNotTakenForThePosition) {

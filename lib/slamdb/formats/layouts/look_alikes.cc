@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/layouts/detail/inference.h"
@@ -20,7 +21,39 @@ constexpr std::uint64_t kMostBytes = 512;  // of unknown ones that are looked th
 // Poses and positions, whose last three numbers are a place.
 bool IsPlace(const LayoutMember& member) { return NameOf(member.name) == "mTcw" || NameOf(member.name) == "mWorldPos"; }
 
-// Looks for the bytes of unknown members that are like another one of one class.
+// A pose or position as v1.0 has it.
+struct Placed {
+  std::array<float, 4> turn{};  // of a pose
+  std::array<float, 3> place{};
+};
+
+// Of damaged records it may be none.
+double Distance(const Placed& a, const Placed& b) {
+  const double distance = std::hypot(a.place[0] - b.place[0], a.place[1] - b.place[1], a.place[2] - b.place[2]);
+  return std::isfinite(distance) ? distance : std::numeric_limits<double>::max();
+}
+// From 0 to 1, of unit quaternions, of which two are one rotation.
+double Alignment(const Placed& a, const Placed& b) {
+  return std::abs(std::inner_product(a.turn.begin(), a.turn.end(), b.turn.begin(), 0.0));
+}
+// But for what is lost where one is written in another form.
+bool IsSame(const Placed& a, const Placed& b) {
+  constexpr double kLost = 1e-5;
+  const float sign = std::inner_product(a.turn.begin(), a.turn.end(), b.turn.begin(), 0.0F) < 0 ? -1.0F : 1.0F;
+  for (std::size_t i = 0; i < a.turn.size(); ++i)
+    if (!(std::abs(a.turn[i] - sign * b.turn[i]) < kLost)) return false;
+  return Distance(a, b) < kLost * (1 + std::hypot(a.place[0], a.place[1], a.place[2]));
+}
+
+double Median(std::vector<double>& of) {
+  if (of.empty()) return 0;
+  const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
+  std::ranges::nth_element(of, middle);
+  return *middle;
+}
+
+// Looks for the bytes of unknown members that are like another one of one class, in any of its forms: what is called
+// that member may be its look-alike in another one, as world_from_camera.
 class LookAlikes {
  public:
   LookAlikes(const ArchiveBytes& archive, const ClassOption& option, std::string_view class_name,
@@ -31,24 +64,42 @@ class LookAlikes {
         row_(static_cast<std::size_t>(std::ranges::find_if(of_.members, IsPlace) - of_.members.begin())) {
     if (row_ < of_.members.size()) own_ = OwnTypeOf(class_name, NameOf(of_.members[row_].name));
     if (own_ == nullptr) return;
-    type_ = ParseLayoutType(of_.members[row_].type);
-    bytes_ = FixedBytes(type_);
+    for (const LayoutMember& form : AllForms(NameOf(of_.members[row_].name), *own_))
+      if (FixedBytes(ParseLayoutType(form.type)) > 0) forms_.emplace_back(class_name, form);
+    bytes_ = FixedBytes(ParseLayoutType(of_.members[row_].type));
     if (bytes_ > 0) Walk(records);
   }
 
   std::vector<ClassOption> Options() const {
     std::vector<ClassOption> options;
-    for (std::size_t row = 0; row < of_.members.size() && starts_.size() > 1; ++row) {
+    if (starts_.size() < 2) return options;
+    const std::vector<KnownReading> known = Known();
+    for (std::size_t row = 0; row < of_.members.size(); ++row) {
       const LayoutType type = ParseLayoutType(of_.members[row].type);
       if (!IsUnknown(of_.members[row]) || type.kind != LayoutType::Kind::kArray) continue;
       const std::uint64_t size = FixedBytes(type);
-      for (std::uint64_t at = 0; at + bytes_ <= std::min(size, kMostBytes); ++at)
-        if (IsLike(row, at)) options.push_back(With(row, at, size));
+      for (std::uint64_t at = 0; at < std::min(size, kMostBytes); ++at)
+        for (const Form& form : forms_)
+          if (at + form.bytes <= size && IsLike(row, at, form, known)) options.push_back(With(row, at, size, form));
     }
     return options;
   }
 
  private:
+  struct Form {
+    Form(std::string_view class_name, const LayoutMember& of)
+        : member(of), type(ParseLayoutType(of.type)), bytes(FixedBytes(type)), check(class_name, of) {}
+    LayoutMember member;
+    LayoutType type;
+    std::uint64_t bytes;
+    CheckedMember check;
+  };
+  using Reading = std::vector<Placed>;  // by record
+  struct KnownReading {
+    std::string_view form;
+    Reading reading;
+  };
+
   // Where the members of records stand.
   void Walk(std::span<const MemberPlace> records) {
     const Wire wire(option_.layout, archive_.encoding);
@@ -65,48 +116,63 @@ class LookAlikes {
     }
   }
 
-  // Whether bytes can be the member in nearly all records, and its places are nearer to them than to each other. A copy
-  // that is the same everywhere is as good as the member.
-  bool IsLike(std::size_t row, std::uint64_t offset) const {
+  // What the member is in each form of as many bytes; first in the one that it is called.
+  std::vector<KnownReading> Known() const {
+    std::vector<KnownReading> known;
+    for (const Form& form : forms_) {
+      if (form.bytes != bytes_ || !CanBe(row_, 0, form, starts_.size())) continue;
+      const bool is_called = form.member == of_.members[row_];
+      known.insert(is_called ? known.begin() : known.end(), {FormOf(form.member.name), ReadingOf(row_, 0, form)});
+    }
+    return known;
+  }
+  // Whether the first records have nothing against it.
+  bool CanBe(std::size_t row, std::uint64_t offset, const Form& form, std::size_t records) const {
     constexpr int kMostUnlike = 10;
-    const auto is_same = [&](const std::vector<std::uint64_t>& starts) {
-      return archive_.file.substr(starts[row_], bytes_) == archive_.file.substr(starts[row] + offset, bytes_);
-    };
-    if (std::ranges::all_of(starts_, is_same)) return false;
     std::vector<MemberPlace> places;
-    std::vector<double> apart, moved;
-    for (std::size_t i = 0; i < starts_.size(); ++i) {
-      const std::vector<std::uint64_t>& starts = starts_[i];
-      const std::uint64_t at = starts[row] + offset;
-      places.push_back({at, at + bytes_});
-      apart.push_back(Distance(PlaceAt(starts[row_]), PlaceAt(at)));
-      if (i > 0) moved.push_back(Distance(PlaceAt(starts[row_]), PlaceAt(starts_[i - 1][row_])));
+    for (std::size_t i = 0; i < records; ++i) {
+      const std::uint64_t at = starts_[i][row] + offset;
+      places.push_back({at, at + form.bytes});
     }
     std::vector<RecordFacts> facts(places.size());
-    const CheckedMember check(of_.name, of_.members[row_]);
-    return check.Penalty(archive_.file, places, facts) <= kMostUnlike && Median(apart) < Median(moved) / 2;
+    return form.check.Penalty(archive_.file, places, facts) <= kMostUnlike;
   }
-  // The last three numbers.
-  std::array<double, 3> PlaceAt(std::uint64_t at) const {
-    const std::string own = AsOwn(FormOf(of_.members[row_].name), type_, *own_, archive_.file, at);
-    std::array<float, 3> place{};
-    if (own.size() >= sizeof(place)) std::memcpy(place.data(), own.data() + own.size() - sizeof(place), sizeof(place));
-    return {place[0], place[1], place[2]};
+  // Whether bytes can be the member in nearly all records, and its places are nearer to them than to each other. A copy
+  // that is the same everywhere is as good as the member.
+  bool IsLike(std::size_t row, std::uint64_t offset, const Form& form, const std::vector<KnownReading>& known) const {
+    if (known.empty() || !CanBe(row, offset, form, 1) || !CanBe(row, offset, form, starts_.size())) return false;
+    const Reading reading = ReadingOf(row, offset, form);
+    if (std::ranges::equal(reading, known.front().reading, IsSame)) return false;
+    return std::ranges::any_of(known, [&](const KnownReading& of) {
+      const bool both_wrong = &of != &known.front() && of.form == FormOf(form.member.name);
+      return !both_wrong && IsNear(reading, of.reading);
+    });
   }
-  // Of damaged records it may be none.
-  static double Distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-    const double distance = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-    return std::isfinite(distance) ? distance : std::numeric_limits<double>::max();
+  static bool IsNear(const Reading& reading, const Reading& known) {
+    constexpr double kTurned = 0.1;  // by a form that is not theirs
+    std::vector<double> apart, moved, turned;
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      apart.push_back(Distance(known[i], reading[i]));
+      turned.push_back(1 - Alignment(known[i], reading[i]));
+      if (i > 0) moved.push_back(Distance(known[i], known[i - 1]));
+    }
+    const bool is_pose = known.front().turn != std::array<float, 4>{};
+    return Median(apart) < Median(moved) / 2 && (!is_pose || Median(turned) < kTurned);
   }
-  static double Median(std::vector<double>& of) {
-    if (of.empty()) return 0;
-    const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
-    std::ranges::nth_element(of, middle);
-    return *middle;
+  Reading ReadingOf(std::size_t row, std::uint64_t offset, const Form& form) const {
+    Reading reading;
+    for (const std::vector<std::uint64_t>& starts : starts_) {
+      const std::string own = AsOwn(FormOf(form.member.name), form.type, *own_, archive_.file, starts[row] + offset);
+      Placed& placed = reading.emplace_back();
+      if (own.size() >= sizeof(placed.place))
+        std::memcpy(placed.place.data(), own.data() + own.size() - sizeof(placed.place), sizeof(placed.place));
+      if (own.size() >= sizeof(placed)) std::memcpy(placed.turn.data(), own.data(), sizeof(placed.turn));
+    }
+    return reading;
   }
 
   // The member in the middle of the unknown bytes, and unknown bytes in its place.
-  ClassOption With(std::size_t row, std::uint64_t offset, std::uint64_t size) const {
+  ClassOption With(std::size_t row, std::uint64_t offset, std::uint64_t size, const Form& form) const {
     ClassOption with = option_;
     std::vector<LayoutMember>& members = with.layout.Find(of_.name)->members;
     const LayoutMember unknown = members[row], known = members[row_];
@@ -114,11 +180,13 @@ class LookAlikes {
     members[row_] = {unknown.name, bytes(bytes_)};
     std::vector<LayoutMember> parts;
     if (offset > 0) parts.push_back({Concat(unknown.name, "_front"), bytes(offset)});
-    parts.push_back(known);
-    if (offset + bytes_ < size) parts.push_back({Concat(unknown.name, "_back"), bytes(size - offset - bytes_)});
+    parts.push_back(form.member);
+    const std::uint64_t back = size - offset - form.bytes;
+    if (back > 0) parts.push_back({Concat(unknown.name, "_back"), bytes(back)});
     const auto at = members.erase(members.begin() + static_cast<std::ptrdiff_t>(row));
     members.insert(at, parts.begin(), parts.end());
-    Tell(unknown.name, known.name, members, with.findings.differences);
+    Tell(unknown.name, form.member.name, members, with.findings.differences);
+    TellForm(known, form.member, with.findings.differences);
     return with;
   }
 
@@ -144,12 +212,22 @@ class LookAlikes {
       differences.push_back(Concat(of_.name, ": ", known, " behind ", in_front_of_known));
   }
 
+  // As v1.0 has it is not worth telling.
+  void TellForm(const LayoutMember& known, const LayoutMember& form, std::vector<std::string>& differences) const {
+    const auto text = [&](const LayoutMember& member) {
+      return Concat(of_.name, ": ", member.type, " ", member.name, " for ", NameOf(member.name));
+    };
+    if (known == form) return;
+    std::erase(differences, text(known));
+    if (form.name != NameOf(form.name) || form.type != ToString(*own_)) differences.push_back(text(form));
+  }
+
   const ArchiveBytes& archive_;
   const ClassOption& option_;
   const LayoutClass& of_;
   const std::size_t row_;  // of the member that is known
   const LayoutType* own_ = nullptr;
-  LayoutType type_;
+  std::vector<Form> forms_;  // that it may have
   std::uint64_t bytes_ = 0;
   std::vector<std::vector<std::uint64_t>> starts_;  // by record, of its members
 };

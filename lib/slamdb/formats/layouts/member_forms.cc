@@ -264,6 +264,12 @@ std::vector<LayoutMember> OtherForms(std::string_view name, const LayoutType& ow
   return forms;
 }
 
+std::vector<LayoutMember> AllForms(std::string_view name, const LayoutType& own) {
+  std::vector<LayoutMember> forms = OtherForms(name, own);
+  forms.push_back({std::string(name), ToString(own)});
+  return forms;
+}
+
 bool IsForm(std::string_view form, const LayoutType& type, const LayoutType& own) {
   if (form.empty() && type.kind != Kind::kMatrix) return SameShape(type, own);
   if (FindTime(form) != nullptr)

@@ -49,10 +49,8 @@ void AddForms(const Layout& layout, const LayoutClass& of, std::size_t row, std:
   const LayoutMember& member = of.members[row];
   const LayoutType* own = OwnTypeOf(of.name, NameOf(member.name));
   if (own == nullptr) return;
-  std::vector<LayoutMember> forms = OtherForms(NameOf(member.name), *own);
-  forms.push_back({std::string(NameOf(member.name)), ToString(*own)});
   const std::uint64_t bytes = FixedBytes(ParseLayoutType(member.type));
-  for (const LayoutMember& form : forms) {
+  for (const LayoutMember& form : AllForms(NameOf(member.name), *own)) {
     if (form == member || bytes == 0 || FixedBytes(ParseLayoutType(form.type)) != bytes) continue;
     Change change{layout, Concat(of.name, ": ", form.type, " ", form.name, " for ", member.name)};
     change.layout.Find(of.name)->members[row] = form;

@@ -22,28 +22,68 @@ using detail::Concat;
 using layouts::MapRecords;
 using layouts::RecordList;
 
-// Whether one in eight of the keyframes, and of the points, that are seen whole is read by the layout from end to end:
-// of another layout none is, and of a damaged file many may not be.
-bool FitsRecords(const layouts::ArchiveBytes& archive, const Layout& layout, std::span<const MapRecords> maps) {
-  const layouts::Wire wire(layout, archive.encoding);
-  const layouts::WarmWalk walk(wire, archive.file, archive.encoding);
-  const auto fits = [&](const char* name, RecordList MapRecords::*list_of) {
+std::vector<RecordPlace> PlacesOf(const RecordList& list) {
+  std::vector<RecordPlace> places;
+  for (std::size_t i = 0; i < list.records.size(); ++i) places.push_back({list.records[i].body, EndOf(list, i)});
+  return places;
+}
+
+// Those that are seen whole.
+std::vector<RecordPlace> WholePlaces(std::span<const MapRecords> maps, RecordList MapRecords::*list_of) {
+  std::vector<RecordPlace> whole;
+  for (const MapRecords& map : maps)
+    for (const RecordPlace& place : PlacesOf(map.*list_of))
+      if (place.end > 0) whole.push_back(place);
+  return whole;
+}
+
+// Which layouts read one in eight of the keyframes, and of the points, that are seen whole from end to end: of another
+// layout none is, and of a damaged file many may not be.
+class FittingLayouts {
+ public:
+  FittingLayouts(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps)
+      : archive_(archive),
+        keyframes_(WholePlaces(maps, &MapRecords::keyframes)),
+        points_(WholePlaces(maps, &MapRecords::points)) {}
+
+  // Where every class has been met, which is fast.
+  bool FitsWarm(const Layout& layout) const {
+    return AreWarm(keyframes_, layout, "KeyFrame") && AreWarm(points_, layout, "MapPoint");
+  }
+  // Of few records most may bring classes, which only reading them tells.
+  bool FitsRead(const Layout& layout) const {
+    if (keyframes_.size() > kFew && points_.size() > kFew) return false;
+    const Source source(std::as_bytes(std::span(archive_.file)), "");
+    detail::FileStream stream(source);
+    const MapPlaces few{First(keyframes_), First(points_)};
+    const ArchiveHeader header{archive_.encoding, archive_.begin};
+    const Map read =
+        ReadForkRecords(stream, header, ForkProgram(layout), std::span(&few, 1), RecordUse::kMeaning).atlas.maps[0];
+    return IsEnough(read.keyframes.size(), few.keyframes.size()) && IsEnough(read.points.size(), few.points.size());
+  }
+
+ private:
+  static constexpr std::size_t kFew = 32;
+
+  static bool IsEnough(std::size_t fitting, std::size_t of) { return 8 * fitting >= of; }
+  static std::vector<RecordPlace> First(std::vector<RecordPlace> places) {
+    places.resize(std::min(places.size(), kFew));
+    return places;
+  }
+  bool AreWarm(const std::vector<RecordPlace>& places, const Layout& layout, const char* name) const {
+    const layouts::Wire wire(layout, archive_.encoding);
+    const layouts::WarmWalk walk(wire, archive_.file, archive_.encoding);
     const std::int64_t row = wire.RowOf(name);
     if (row < 0) return false;
-    std::size_t known = 0, fitting = 0;
-    for (const MapRecords& map : maps) {
-      const RecordList& list = map.*list_of;
-      for (std::size_t i = 0; i < list.records.size(); ++i) {
-        const std::uint64_t end = EndOf(list, i);
-        known += end > 0;
-        fitting +=
-            end > 0 && walk.BehindMembers(wire.classes[static_cast<std::size_t>(row)], list.records[i].body, 0) == end;
-      }
-    }
-    return 8 * fitting >= known;
-  };
-  return fits("KeyFrame", &MapRecords::keyframes) && fits("MapPoint", &MapRecords::points);
-}
+    const auto fits = [&](const RecordPlace& place) {
+      return walk.BehindMembers(wire.classes[static_cast<std::size_t>(row)], place.begin, 0) == place.end;
+    };
+    return IsEnough(static_cast<std::size_t>(std::ranges::count_if(places, fits)), places.size());
+  }
+
+  const layouts::ArchiveBytes& archive_;
+  const std::vector<RecordPlace> keyframes_, points_;
+};
 
 SalvagedMap Counted(const Map& map) {
   SalvagedMap counted{.id = map.id};
@@ -132,12 +172,6 @@ std::optional<Salvage> WholeIn(const Source& source, const ForkProgram& program)
 // ---- Records of files that are not
 
 std::string_view TextOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
-std::vector<RecordPlace> PlacesOf(const RecordList& list) {
-  std::vector<RecordPlace> places;
-  for (std::size_t i = 0; i < list.records.size(); ++i) places.push_back({list.records[i].body, EndOf(list, i)});
-  return places;
-}
 
 std::vector<MapPlaces> PlacesOf(std::span<const MapRecords> maps) {
   std::vector<MapPlaces> places;
@@ -304,16 +338,20 @@ bool HasKeyFrames(const Atlas& atlas) {
 }
 
 const Layout* KnownLayoutOf(const layouts::ArchiveBytes& archive, std::span<const MapRecords> maps) {
-  const Layout* best = nullptr;
-  std::uint64_t farthest = 0;
-  for (const Layout& layout : KnownLayouts()) {
-    if (!FitsRecords(archive, layout, maps)) continue;
-    const std::uint64_t reached = layouts::Judge(archive, layout).reached;
-    if (best != nullptr && reached <= farthest) continue;
-    best = &layout;
-    farthest = reached;
+  const FittingLayouts fitting(archive, maps);
+  for (const auto fits : {&FittingLayouts::FitsWarm, &FittingLayouts::FitsRead}) {
+    const Layout* best = nullptr;
+    std::uint64_t farthest = 0;
+    for (const Layout& layout : KnownLayouts()) {
+      if (!(fitting.*fits)(layout)) continue;
+      const std::uint64_t reached = layouts::Judge(archive, layout).reached;
+      if (best != nullptr && reached <= farthest) continue;
+      best = &layout;
+      farthest = reached;
+    }
+    if (best != nullptr) return best;
   }
-  return best;
+  return nullptr;
 }
 
 std::optional<Salvage> SalvageFork(Bytes bytes, const std::string& path, const ArchiveHeader& header) {

@@ -41,6 +41,7 @@ constexpr std::array kNeeded = {Needed{"KeyFrame.mTcw", "all keyframes are at th
 struct Question {
   std::string_view doubt = {};                 // what is said where it does not
   std::vector<std::string_view> members = {};  // that it is about
+  bool some_are = false;                       // of sound files, too: only where most answers are wrong that weighs
   std::size_t asked = 0, wrong = 0;
 
   void Ask(bool right) {
@@ -73,16 +74,17 @@ class Interview {
 
   layouts::Meaning Answer(const ForkProgram& program) const {
     layouts::Meaning meaning;
-    for (const Question* question :
-         {&pose_,     &unset_, &camera_, &times_, &ticks_,  &graph_, &order_,   &sides_,     &depths_, &lens_, &body_,
-          &projects_, &sharp_, &faces_,  &near_,  &counts_, &looks_, &matches_, &reference_, &first_,  &born_}) {
+    for (const Question* question : {&pose_,   &unset_, &camera_,  &times_,     &ticks_, &graph_, &order_, &sides_,
+                                     &depths_, &lens_,  &body_,    &projects_,  &right_, &sharp_, &faces_, &near_,
+                                     &counts_, &looks_, &matches_, &reference_, &first_, &born_}) {
       if (question->asked == 0 ||
           std::ranges::any_of(question->members, [&](std::string_view name) { return program.Lacks(name); })) {
         meaning.penalty += kUnasked;  // less than a wrong answer, but it must not pay to leave out what is asked about
         continue;
       }
-      meaning.penalty += kWrong * question->share();
-      if (question->asked >= kEnough && question->share() > kMost) meaning.doubts.push_back(DoubtOf(*question));
+      const bool are_most = question->share() > kMost;
+      if (are_most || !question->some_are) meaning.penalty += kWrong * question->share();
+      if (question->asked >= kEnough && are_most) meaning.doubts.push_back(DoubtOf(*question));
     }
     // Of poses that are nearly alike, as that of a keyframe and the one that was predicted, the right one has least.
     if (projects_.asked > 0) meaning.penalty += kPixel * pixels_ / static_cast<double>(projects_.asked);
@@ -239,7 +241,10 @@ class Interview {
     std::size_t left = kMostObservations;
     for (const Observation& observation : point.observations) {
       const KeyFrame* keyframe = left > 0 ? reprojection.Find(observation.keyframe) : nullptr;
-      if (keyframe == nullptr || ObservedKeypoint(*keyframe, observation.left) == nullptr) continue;
+      if (keyframe == nullptr) continue;
+      if (!atlas_.cameras.empty() && ObservedKeypoint(*keyframe, observation.right) != nullptr)
+        right_.Ask(reprojection.Of(point, observation).right < kFarthest);
+      if (ObservedKeypoint(*keyframe, observation.left) == nullptr) continue;
       --left;
       AskProjection(point, *keyframe, observation, reprojection);
     }
@@ -308,7 +313,7 @@ class Interview {
   Question camera_{"keyframes and cameras have other intrinsics", {"KeyFrame.fx", "KeyFrame.cx"}};
   Question times_{"times of keyframes do not rise, or are hours or no time apart",
                   {"KeyFrame.mTimeStamp", "KeyFrame.mnId"}};
-  Question ticks_{"times of keyframes are whole seconds apart", {"KeyFrame.mTimeStamp"}};
+  Question ticks_{"times of keyframes are whole seconds apart", {"KeyFrame.mTimeStamp"}, true};
   Question graph_{"keyframes do not refer to each other", {"KeyFrame.mBackupParentId", "KeyFrame.mvBackupChildrensId"}};
   Question order_{"keyframes do not come between the one before and the one after them",
                   {"KeyFrame.mBackupPrevKFId", "KeyFrame.mBackupNextKFId"}};
@@ -318,6 +323,7 @@ class Interview {
                  {"KeyFrame.mvKeys", "KeyFrame.mvKeysUn"}};
   Question body_{"positions of bodies are not those of their cameras", {"KeyFrame.mOwb", "KeyFrame.mTcw"}};
   Question projects_{"map points are not where keyframes see them", {"KeyFrame.mTcw", "KeyFrame.mvKeysUn"}};
+  Question right_{"map points are not where right eyes see them", {"KeyFrame.mTlr", "KeyFrame.mvKeysRight"}};
   Question sharp_{"map points are some pixels from where keyframes see them", {"KeyFrame.mTcw", "KeyFrame.mvKeysUn"}};
   Question faces_{"normals of map points do not face their keyframes", {"MapPoint.mNormalVector", "KeyFrame.mTcw"}};
   Question near_{"map points are out of the distances at which they are seen",

@@ -34,6 +34,9 @@ const LayoutType* OwnTypeOf(std::string_view of_class, std::string_view name);
 // The forms of a member but its own, likeliest first.
 std::vector<LayoutMember> OtherForms(std::string_view name, const LayoutType& own);
 
+// And its own behind them.
+std::vector<LayoutMember> AllForms(std::string_view name, const LayoutType& own);
+
 // Whether a value of the type, in that form, says what one of the type `own` says.
 bool IsForm(std::string_view form, const LayoutType& type, const LayoutType& own);
 
