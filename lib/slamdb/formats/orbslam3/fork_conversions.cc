@@ -322,8 +322,8 @@ class MeasurementConversion : public Conversion<ImuPreintegration> {
   bool Same(const ImuPreintegration& a, const ImuPreintegration& b) const override {
     const std::size_t count = a.measurements.size();
     if (count == 0 || b.measurements.size() != count) return b.measurements.size() == count;
-    return std::memcmp(static_cast<const void*>(a.measurements.data()),
-                       static_cast<const void*>(b.measurements.data()), count * sizeof(ImuMeasurement)) == 0;
+    return std::memcmp(static_cast<const void*>(a.measurements.data()), static_cast<const void*>(b.measurements.data()),
+                       count * sizeof(ImuMeasurement)) == 0;
   }
 
  private:

@@ -23,7 +23,7 @@ class Comparing {
   explicit Comparing(Bytes expected) : rest_(expected) {}
   void operator()(Bytes bytes) {
     const std::size_t size = std::min(bytes.size(), rest_.size());
-    same_ = same_ && size == bytes.size() && std::memcmp(rest_.data(), bytes.data(), size) == 0;
+    same_ = same_ && size == bytes.size() && (size == 0 || std::memcmp(rest_.data(), bytes.data(), size) == 0);
     rest_ = rest_.subspan(size);
   }
   bool same() const { return same_ && rest_.empty(); }
