@@ -2,6 +2,7 @@
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/edit/repair/repair.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/salvage.h"
 #include "slamdb/model/digest.h"
 #include "tests/fuzz/fuzz.h"
@@ -29,10 +30,11 @@ void Repair(const Atlas& atlas) {
   fuzz::Require(HashOf(repaired, 1) == HashOf(atlas, 1), "the journal takes back what was changed");
 }
 
-// What is recovered is sound or said not to be, and can be written and read.
+// What is recovered is sound or said not to be, and can be written and read. Other layouts are fuzz_layout_infer's.
 void Recover(Bytes bytes) {
   ReadOptions read;
   read.threads = 1;
+  read.of<Orbslam3ReadOptions>().layout = "v1.0";
   Salvage salvage = SalvageBytes(bytes, read);
   const SalvageReport report = RecoverSalvage(salvage, {.threads = 1});
   CheckOptions options;
