@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/column.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#include "slamdb/base/detail/sanitizers.h"
+
+#if SLAMDB_ADDRESS_SANITIZER || SLAMDB_THREAD_SANITIZER  // they see overruns of blocks of their own alone
 
 namespace slamdb {
 

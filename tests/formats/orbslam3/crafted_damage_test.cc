@@ -7,6 +7,7 @@
 #include <exception>
 #include <optional>
 
+#include "slamdb/base/detail/sanitizers.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -102,11 +103,8 @@ TEST_P(Damage, HugeCountsAreRefusedBeforeTheyAreAllocated) {
       }
     }
   }
-#ifdef __SANITIZE_ADDRESS__
-  constexpr long kMostKilobytes = 512 * 1024;  // the sanitizer keeps what was freed for a while
-#else
-  constexpr long kMostKilobytes = 64 * 1024;
-#endif
+  // The sanitizer keeps what was freed for a while.
+  constexpr long kMostKilobytes = SLAMDB_ADDRESS_SANITIZER ? 512 * 1024 : 64 * 1024;
   EXPECT_LT(PeakMemory() - before, kMostKilobytes);
 }
 
