@@ -18,9 +18,9 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence
 import slamdb
 from slamdb_fleet.journal import Entry, read_journals
 from slamdb_fleet.page import write_page
-from slamdb_fleet.plan import Plan, chunks_of, make_plan, refuse_inputs_below
+from slamdb_fleet.plan import Plan, Wanted, chunks_of, make_plan, refuse_inputs_below
 from slamdb_fleet.summary import rows_of, write_csv, write_parquet
-from slamdb_fleet.work import Chunk, ClusterError, Job, Row, do_chunk
+from slamdb_fleet.work import Chunk, ClusterError, Job, Row, UnwritableError, do_chunk
 
 EXAMPLES = """examples:
   fleet.py maps/ -r -o out                       check all of a folder, a process on each core
@@ -54,6 +54,7 @@ def parse(arguments: Optional[Sequence[str]]) -> argparse.Namespace:
     parser.add_argument("--strict", action="store_true", help="do not write what loses something")
     parser.add_argument("--ignore", action="append", default=[], metavar="RULE", help="leave a rule of the check out")
     parser.add_argument("--gate", action="append", default=[], type=gate, metavar="NAME=LIMIT", help="a limit to check")
+    parser.add_argument("--pages", action="store_true", help="a page of each, as `slamdb report` makes it, to which index.html leads")
     parser.add_argument("--parquet", action="store_true", help="the table as summary.parquet, too (pyarrow)")
     parser.add_argument("--json", action="store_true", help="tell what was done as JSON")
     options = parser.parse_args(arguments)
@@ -167,7 +168,7 @@ def run_fleet(options: argparse.Namespace) -> int:
     open_folder(options.output)
     job = job_of(options)
     known = read_journals(options.output / "journal")
-    plan = make_plan(options.names, options.recursive, job, options.to, known, set(options.again))
+    plan = make_plan(Wanted(options.names, options.recursive, options.to, options.pages, options.again), job, known)
     refuse_inputs_below(options.output, plan.items)
     resumed = len(plan.done)
     try:
@@ -204,7 +205,7 @@ def write_summary(options: argparse.Namespace, rows: List[Row]) -> None:
     write_csv(options.output / "summary.csv", rows)
     if options.parquet:
         write_parquet(options.output / "summary.parquet", rows)
-    write_page(options.output / "index.html", rows, ", ".join(options.names))
+    write_page(options.output, rows, ", ".join(options.names))
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -213,7 +214,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     except KeyboardInterrupt:
         print("fleet.py: stopped; the same command goes on", file=sys.stderr)
         return 130
-    except (slamdb.Error, OSError, ClusterError, ImportError) as error:
+    except (slamdb.Error, OSError, ClusterError, UnwritableError, ImportError) as error:
         print(f"fleet.py: error: {error}", file=sys.stderr)
         return 1
 

@@ -29,7 +29,7 @@ from .errors import (
     UsageError,
 )
 from .files import decode, encode, info, read, write
-from .many import FoundAtlas, find_atlases, list_atlases, summarize, write_file
+from .many import FoundAtlas, Page, find_atlases, list_atlases, report_page, summarize, write_file
 from .observations import Observations
 from .report import CheckReport, Report
 from .verbs import check, diff, merge, recover, repair
@@ -38,6 +38,6 @@ __all__ = [
     "NONE", "Atlas", "Features", "KeyFrame", "KeyFrames", "Map", "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
-    "FoundAtlas", "find_atlases", "list_atlases", "summarize", "write_file",
+    "FoundAtlas", "Page", "find_atlases", "list_atlases", "report_page", "summarize", "write_file",
     "CheckReport", "Observations", "Report", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "write",
 ]  # fmt: skip

@@ -58,6 +58,22 @@ def summarize(atlas: Atlas) -> Report:
     return Report.parse(_slamdb.summarize(atlas))
 
 
+class Page(NamedTuple):
+    """A page about an atlas."""
+
+    html: str  # a whole file, which needs no other
+    thumbnail: bytes  # a plan of it, PNG, 120 x 75; empty where slamdb was built without Cairo
+
+
+def report_page(atlas: Atlas, *, name: str = "", threads: int = 0) -> Page:
+    """The page that `slamdb report` writes (docs/report.md): numbers, plots, what a check finds.
+
+    name: what the page calls the atlas; any text
+    """
+    html, thumbnail = _slamdb.report_page(atlas, name, threads)
+    return Page(in_python_words(html), thumbnail)
+
+
 def write_file(path: Path, data: bytes, *, overwrite: bool = False, sync: bool = True) -> None:
     """Write bytes of any kind as atlases are written: the file appears whole or not at all.
 

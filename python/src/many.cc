@@ -12,6 +12,7 @@
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/many/inputs.h"
 #include "slamdb/many/list.h"
+#include "slamdb/report/pages.h"
 
 // Many atlases, and what is told of them. slamdb/many.py documents what is here.
 namespace slamdb::python {
@@ -55,6 +56,17 @@ void DefineMany(py::module_& module) {
     const auto value = atlas.value();
     const py::gil_scoped_release unlocked;
     return ToJson(Summarize(*value));
+  });
+  module.def("report_page", [](const HeldAtlas& atlas, const std::string& name, int threads) {
+    const auto value = atlas.value();
+    std::string page;
+    AtlasReport report;
+    {
+      const py::gil_scoped_release unlocked;
+      report = ReportOn(*value, name, {.threads = threads});
+      page = ReportPage(*value, report, {.threads = threads});
+    }
+    return py::make_tuple(TextOf(page), py::bytes(report.thumbnail));
   });
   module.def("write_file", [](const std::string& path, const py::bytes& data, bool overwrite, bool sync) {
     const std::string_view held(data);  // by the caller's argument

@@ -64,3 +64,10 @@ def test_files_appear_whole_and_replace_only_what_they_may(maps, tmp_path):
         slamdb.write_file(maps / "maps.db", b"b\n", overwrite=True)
     with pytest.raises(slamdb.NotFoundError):
         slamdb.write_file(tmp_path / "nowhere" / "table.csv", b"a\n")
+
+
+def test_a_page_tells_of_an_atlas_and_its_name_is_no_markup(atlas):
+    page = slamdb.report_page(atlas, name="<b>lab</b>")
+    assert page.html.startswith("<!DOCTYPE html>") and "3,162" in page.html
+    assert "&lt;b&gt;lab" in page.html and "<b>lab" not in page.html
+    assert page.thumbnail[:8] in (b"", b"\x89PNG\r\n\x1a\n")

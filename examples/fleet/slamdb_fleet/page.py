@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The page about a fleet: one file of HTML without script. Names and texts of files are text in it, never markup."""
 
+import base64
 import collections
 import html
 import pathlib
+import urllib.parse
 from typing import Any, Iterable, Iterator, List, NamedTuple, Sequence
 
 import numpy as np
@@ -45,13 +47,28 @@ rect { fill: var(--bar); } text { font-size: 11px; fill: currentColor; }
 """
 
 
-def write_page(path: pathlib.Path, rows: Sequence[Row], title: str) -> None:
+class Link(NamedTuple):
+    """An atlas in a table: its name, which leads to its page, and its thumbnail, where it has them."""
+
+    row: Row
+    folder: pathlib.Path
+
+    def html(self) -> str:
+        if "page" not in self.row:
+            return text(self.row["input"])
+        picture = base64.b64encode((self.folder / self.row["thumbnail"]).read_bytes()).decode()
+        image = f'<img alt="" width="120" height="75" src="data:image/png;base64,{picture}"><br>' if picture else ""
+        return f'<a href="{text(urllib.parse.quote(self.row["page"]))}">{image}{text(self.row["input"])}</a>'
+
+
+def write_page(folder: pathlib.Path, rows: Sequence[Row], title: str) -> None:
+    """index.html of a folder of outputs."""
     read = [row for row in rows if "failure" not in row]
     parts = [
-        _head(title), _counts(rows), _rules(read), _failures(rows), _unsound(read), _distributions(read),
-        _outliers(read), _twins(read), "</main>\n</body>\n</html>\n",
+        _head(title), _counts(rows), _rules(read), _failures(rows), _unsound(read, folder), _distributions(read),
+        _outliers(read, folder), _twins(read), "</main>\n</body>\n</html>\n",
     ]  # fmt: skip
-    slamdb.write_file(path, "".join(parts).encode(), overwrite=True)
+    slamdb.write_file(folder / "index.html", "".join(parts).encode(), overwrite=True)
 
 
 def text(value: Any) -> str:
@@ -70,8 +87,10 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], total: int) -> st
     for row in rows:
         parts.append("<tr>")
         for value in row:
-            is_number = isinstance(value, (int, float))
-            parts.append(f'<td class="number">{number(value)}</td>' if is_number else f'<td class="text">{text(value)}</td>')
+            if isinstance(value, (int, float)):
+                parts.append(f'<td class="number">{number(value)}</td>')
+            else:
+                parts.append(f'<td class="text">{value.html() if isinstance(value, Link) else text(value)}</td>')
         parts.append("</tr>\n")
     parts.append("</table>\n")
     if total > MOST_ROWS:
@@ -82,7 +101,7 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], total: int) -> st
 def _head(title: str) -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n"
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{text(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{text(title)}</h1>\n"
     )
@@ -121,11 +140,13 @@ def _failures(rows: Sequence[Row]) -> str:
     return "<h2>Not readable, or not done</h2>\n" + table(("atlas", "why"), failed[:MOST_ROWS], len(failed))
 
 
-def _unsound(read: Sequence[Row]) -> str:
+def _unsound(read: Sequence[Row], folder: pathlib.Path) -> str:
     broken = sorted((row for row in read if not row["sound"]), key=lambda row: -row["error"])
     if not broken:
         return ""
-    shown = [(row["input"], row["error"], row["warning"], ", ".join(row["rules"])) for row in broken[:MOST_ROWS]]
+    shown = [
+        (Link(row, folder), row["error"], row["warning"], ", ".join(row["rules"])) for row in broken[:MOST_ROWS]
+    ]
     return "<h2>Not sound</h2>\n" + table(("atlas", "errors", "warnings", "rules"), shown, len(broken))
 
 
@@ -164,14 +185,16 @@ def _histogram(measure: Measure, values: "np.ndarray[Any, np.dtype[np.float64]]"
     )
 
 
-def _outliers(read: Sequence[Row]) -> str:
+def _outliers(read: Sequence[Row], folder: pathlib.Path) -> str:
     rows = sorted(outliers_of(read), key=lambda found: -found[-1])
     if not rows:
         return ""
-    shown = [(read[index]["input"], measure.title, value, middle) for index, measure, value, middle, _ in rows]
+    shown = [
+        (Link(read[index], folder), measure.title, value, middle) for index, measure, value, middle, _ in rows[:MOST_ROWS]
+    ]
     heads = ("atlas", "measure", "value", "median of all")
     about = '<p class="faint">More than six robust deviations from the median of the logarithms.</p>\n'
-    return f"<h2>Outliers</h2>\n{about}" + table(heads, shown[:MOST_ROWS], len(shown))
+    return f"<h2>Outliers</h2>\n{about}" + table(heads, shown, len(rows))
 
 
 def outliers_of(read: Sequence[Row]) -> Iterator[Any]:

@@ -5,7 +5,7 @@ import hashlib
 import os
 import pathlib
 import urllib.parse
-from typing import Any, Dict, List, NamedTuple, Sequence, Set
+from typing import Any, Dict, Iterable, List, NamedTuple, Sequence, Set
 
 import slamdb
 
@@ -19,40 +19,44 @@ class Plan(NamedTuple):
     failures: Dict[str, str]  # of folders and stores that cannot be looked into, by their names
 
 
-def make_plan(
-    names: Sequence[str], recursive: bool, job: Job, suffix: str, known: Dict[str, Entry], again: Set[str]
-) -> Plan:
-    """suffix: of outputs; empty: there are none. known: entries of earlier runs.
+class Wanted(NamedTuple):
+    names: Sequence[str]
+    recursive: bool = False
+    suffix: str = ""  # of outputs; empty: there are none
+    pages: bool = False
+    again: Sequence[str] = ()  # though it is done: "failed", and files of the same size and time, by their "hash"
 
-    again: what to do again though it is done: "failed", and files of the same size and time, by their "hash"
-    """
+
+def make_plan(wanted: Wanted, job: Job, known: Dict[str, Entry]) -> Plan:
+    """known: entries of earlier runs, by input."""
     items: List[Item] = []
     done: Dict[str, Entry] = {}
     failures: Dict[str, str] = {}
     inputs: Dict[str, None] = {}  # each once
-    for found in slamdb.find_atlases(*names, recursive=recursive):
+    for found in slamdb.find_atlases(*wanted.names, recursive=wanted.recursive):
         if found.failure:
             failures[found.input] = found.failure
         else:
             inputs[found.input] = None
-    outputs = outputs_of(list(inputs), suffix) if suffix else {}
+    outputs = outputs_of(inputs, "atlases", wanted.suffix) if wanted.suffix else {}
+    pages = outputs_of(inputs, "pages", ".html") if wanted.pages else {}
     stored = stored_atlases(inputs)
     for input in inputs:
-        item = Item(input, outputs.get(input, ""), stored.get(input), None, None)
+        item = Item(input, outputs.get(input, ""), pages.get(input, ""), stored.get(input), None, None)
         entry = known.get(input)
         if entry is not None:
-            if holds(entry, job, item) and not _is_asked_again(entry, again):
+            if holds(entry, job, item) and not _is_asked_again(entry, wanted.again):
                 done[input] = entry
-            item = item._replace(before=_if_bytes_are_same(entry, job, item, again), seen=entry["at"])
+            item = item._replace(before=_if_bytes_are_same(entry, job, item, wanted.again), seen=entry["at"])
         items.append(item)
     return Plan(items, done, failures)
 
 
-def _is_asked_again(entry: Entry, again: Set[str]) -> bool:
+def _is_asked_again(entry: Entry, again: Sequence[str]) -> bool:
     return ("failed" in again and bool(entry["kind"])) or ("hash" in again and "sha256" in entry["signature"])
 
 
-def _if_bytes_are_same(entry: Entry, job: Job, item: Item, again: Set[str]) -> "Entry | None":
+def _if_bytes_are_same(entry: Entry, job: Job, item: Item, again: Sequence[str]) -> "Entry | None":
     """The entry of a file that only its hash can tell from what it was."""
     if item.stored is not None or not is_of(entry, job, item) or ("failed" in again and entry["kind"]):
         return None
@@ -69,15 +73,15 @@ def stored_atlases(inputs: "Dict[str, None]") -> Dict[str, Dict[str, Any]]:
     return {each["input"]: {"hash": each["hash"], "bytes": each["bytes"]} for each in listed if "hash" in each}
 
 
-def outputs_of(inputs: Sequence[str], suffix: str) -> Dict[str, str]:
-    """`atlases/`, and the path by which each was named, so that none depends on what else is there.
+def outputs_of(inputs: Iterable[str], folder: str, suffix: str) -> Dict[str, str]:
+    """The folder, and the path by which each was named, so that none depends on what else is there.
 
     Where that is still the same, as of map.osa and map.osa.txt, the later ones get a number.
     """
     outputs: Dict[str, str] = {}
     taken: Set[str] = set()
     for input in inputs:
-        stem = os.path.join("atlases", *_parts_of(input))
+        stem = os.path.join(folder, *_parts_of(input))
         output = stem + suffix
         number = 2
         while output.casefold() in taken:  # some file systems do not know capitals

@@ -14,7 +14,8 @@ from .work import Row
 COLUMNS = (
     "input", "bytes", "sha256", "maps", "sensors", "imu", "metric", "keyframes", "points", "landmarks", "observations",
     "trajectory_length", "begin_time", "end_time", "duration_s", "components", "observers_per_point",
-    "reprojection_error_px", "sound", "error", "warning", "note", "rules", "warnings", "output", "losses", "failure",
+    "reprojection_error_px", "sound", "error", "warning", "note", "rules", "warnings", "output", "losses", "page",
+    "failure",
 )  # fmt: skip
 
 

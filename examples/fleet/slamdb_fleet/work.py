@@ -41,6 +41,7 @@ class Item(NamedTuple):
 
     input: str
     output: str  # below Job.folder; empty: it is not written again
+    page: str  # below Job.folder; empty: it gets no page
     stored: Optional[Dict[str, Any]]  # `hash` and `bytes` of an atlas in a store; None: a file
     before: Optional[Entry]  # of an earlier run: it holds where the bytes are the same
     seen: Optional[float]  # `at` of the entry that did not keep this atlas from being given out
@@ -92,9 +93,9 @@ def signature_of(item: Item) -> Dict[str, Any]:
 
 def is_of(entry: Entry, job: Job, item: Item) -> bool:
     """Whether it was made by the same job, and what was written is still there."""
-    if entry["job"] != job.digest() or entry["output"] != item.output or entry["kind"] not in LASTING:
+    if entry["job"] != job.digest() or entry["asked"] != [item.output, item.page] or entry["kind"] not in LASTING:
         return False
-    return entry["written"] is None or entry["written"] == _size(os.path.join(job.folder, item.output))
+    return all(_size(os.path.join(job.folder, path)) == size for path, size in entry["written"].items())
 
 
 def holds(entry: Entry, job: Job, item: Item) -> bool:
@@ -110,6 +111,7 @@ def set_aside(job: Job, item: Item, reason: str) -> Entry:
 
 
 def _entry_of(job: Job, item: Item) -> Entry:
+    """Of what was done; a failure of the atlas is an entry, and one of the folder of outputs is raised."""
     signature: Dict[str, Any] = {}
     try:
         with contextlib.suppress(OSError):  # reading says it better
@@ -122,8 +124,6 @@ def _entry_of(job: Job, item: Item) -> Entry:
         if not signature_of(item).items() <= signature.items():
             raise slamdb.LockedError("was changed while it was read", item.input)
         return _entry(job, item, signature, row, "")
-    except _Unwritable as stopped:  # says nothing of the atlas, and would be the same with the next
-        raise stopped.__cause__ or stopped
     except slamdb.Error as error:
         return _entry(job, item, signature, {"failure": str(error)}, error.kind)
     except OSError as error:
@@ -134,12 +134,10 @@ def _entry_of(job: Job, item: Item) -> Entry:
 
 def _entry(job: Job, item: Item, signature: Dict[str, Any], row: Row, kind: str) -> Entry:
     known = {"input": item.input, "bytes": signature.get("bytes"), "sha256": signature.get("sha256")}
-    written = None
-    if item.output and not kind:
-        written = _size(os.path.join(job.folder, item.output))
-        known["output"] = item.output
+    files = [row[column] for column in ("output", "page", "thumbnail") if column in row]
     return {
-        "input": item.input, "signature": signature, "job": job.digest(), "output": item.output, "written": written,
+        "input": item.input, "signature": signature, "job": job.digest(), "asked": [item.output, item.page],
+        "written": {path: _size(os.path.join(job.folder, path)) for path in files},
         "kind": kind, "row": {**known, **row}, "at": time.time(),
     }  # fmt: skip
 
@@ -155,27 +153,44 @@ def _row_of(job: Job, item: Item) -> Row:
     for measure in ("components", "observers_per_point", "reprojection_error_px"):
         row[measure] = checked["measures"][measure]
     if item.output:
-        with _said() as said:
-            _write(job, item, atlas)
-        row["losses"] = said
+        with _said() as said, _blaming_no_atlas():
+            slamdb.write(atlas, _place(job, item.output), format=job.format, overwrite=True, strict=job.strict, threads=1)
+        row.update(output=item.output, losses=said)
+    if item.page:
+        row.update(_write_page(job, item, atlas))
     return row
 
 
-class _Unwritable(Exception):
-    pass
+def _write_page(job: Job, item: Item, atlas: slamdb.Atlas) -> Row:
+    page = slamdb.report_page(atlas, name=item.input.encode(errors="replace").decode(), threads=1)
+    files = {"page": item.page, "thumbnail": os.path.splitext(item.page)[0] + ".png"}
+    with _blaming_no_atlas():
+        slamdb.write_file(_place(job, files["page"]), page.html.encode(errors="replace"), overwrite=True)
+        slamdb.write_file(_place(job, files["thumbnail"]), page.thumbnail, overwrite=True)
+    return files
 
 
-def _write(job: Job, item: Item, atlas: slamdb.Atlas) -> None:
-    path = os.path.join(job.folder, item.output)
+def _place(job: Job, output: str) -> str:
+    """Where it is written: in the folder of outputs, whatever links are in it."""
+    path = os.path.join(job.folder, output)
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    if os.path.realpath(path) != os.path.join(os.path.realpath(job.folder), output):
+        raise slamdb.UsageError("leads out of the folder of outputs", path)
+    return path
+
+
+class UnwritableError(Exception):
+    """A full disk, or the like: it says nothing of the atlas, and would be the same with the next."""
+
+
+@contextlib.contextmanager
+def _blaming_no_atlas() -> Iterator[None]:
     try:
-        os.makedirs(os.path.dirname(path), exist_ok=True)
-        if os.path.realpath(path) != os.path.join(os.path.realpath(job.folder), item.output):
-            raise slamdb.UsageError("leads out of the folder of outputs", path)
-        slamdb.write(atlas, path, format=job.format, overwrite=True, strict=job.strict, threads=1)
-    except slamdb.NotPossibleError:
+        yield
+    except slamdb.NotPossibleError:  # of losses, which are of the atlas
         raise
     except (slamdb.Error, OSError) as error:
-        raise _Unwritable from error
+        raise UnwritableError(str(error)) from error
 
 
 @contextlib.contextmanager
