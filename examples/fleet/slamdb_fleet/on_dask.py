@@ -5,6 +5,7 @@ import asyncio
 import contextlib
 import os
 import pathlib
+import sys
 import tempfile
 import time
 import zipfile
@@ -31,6 +32,8 @@ def client_of(scheduler: str, workers: int) -> Iterator[distributed.Client]:
                 )
             )
         client = opened.enter_context(distributed.Client(address, set_as_default=False))
+        if not client.nthreads():
+            print(f"waiting for workers of {scheduler or 'this machine'}", file=sys.stderr)
         client.register_worker_plugin(UploadFile(_package(opened)), name="slamdb_fleet")
         yield client
 

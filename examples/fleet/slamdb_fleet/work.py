@@ -107,7 +107,10 @@ def holds(entry: Entry, job: Job, item: Item) -> bool:
 
 def set_aside(job: Job, item: Item, reason: str) -> Entry:
     """Of an atlas that is not worked on any more."""
-    return _entry(job, item, signature_of(item), {"failure": f"set aside: {reason}"}, "set aside")
+    signature: Dict[str, Any] = {}
+    with contextlib.suppress(OSError):
+        signature = signature_of(item)
+    return _entry(job, item, signature, {"failure": f"set aside: {reason}"}, "set aside")
 
 
 def _entry_of(job: Job, item: Item) -> Entry:
