@@ -28,13 +28,14 @@ from .errors import (
     UnsupportedError,
     UsageError,
 )
+from .features import FeatureArrays
 from .files import decode, encode, info, read, write
 from .observations import Observations
 from .report import CheckReport, Report
 from .verbs import check, diff, merge, recover, repair
 
 __all__ = [
-    "NONE", "Atlas", "Features", "KeyFrame", "KeyFrames", "Map", "MapPoint", "Points",
+    "NONE", "Atlas", "FeatureArrays", "Features", "KeyFrame", "KeyFrames", "Map", "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
     "CheckReport", "Observations", "Report", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "write",

@@ -13,6 +13,7 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineAtlas(module);
   slamdb::python::DefineFiles(module);
   slamdb::python::DefineVerbs(module);
+  slamdb::python::DefineBuilding(module);
   module.attr("NONE") = slamdb::MapId::kNone;
   module.attr("version") = std::string(slamdb::Version());
 }

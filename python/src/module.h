@@ -12,4 +12,7 @@ void DefinePoints(pybind11::module_& module);
 void DefineFiles(pybind11::module_& module);
 void DefineVerbs(pybind11::module_& module);
 
+// These add to the classes that the others have defined.
+void DefineBuilding(pybind11::module_& module);
+
 }  // namespace slamdb::python
