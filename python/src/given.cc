@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "python/src/given.h"
 
+#include <cmath>
 #include <cstdint>
 
 namespace slamdb::python {
@@ -45,6 +46,11 @@ py::array Given(py::handle object, const std::string& name, const Shape& shape, 
   return array;
 }
 
+// `row 3 is ` of number `i`.
+std::string PlaceIn(const py::array& array, py::ssize_t i) {
+  return "row " + std::to_string(i / (array.size() / array.shape(0))) + " is ";
+}
+
 // Whole numbers in a type that may be narrower, or without sign.
 template <class Number>
 Contiguous<Number> Fitting(const py::array& array, const std::string& name) {
@@ -56,8 +62,7 @@ Contiguous<Number> Fitting(const py::array& array, const std::string& name) {
   const Contiguous<std::int64_t> numbers(array);
   for (py::ssize_t i = 0; i < numbers.size(); ++i)
     if (is_lost(numbers.data()[i]))
-      RefuseGiven(name, "row " + std::to_string(i / (numbers.size() / numbers.shape(0))) + " is " +
-                            std::to_string(numbers.data()[i]) + ", which is out of range");
+      RefuseGiven(name, PlaceIn(numbers, i) + std::to_string(numbers.data()[i]) + ", which is out of range");
   return array;
 }
 
@@ -67,8 +72,17 @@ py::array GivenNumbers(py::handle object, const std::string& name, const Shape& 
   return Given(object, name, shape, "fiu", "numbers");
 }
 
+// numpy makes floating-point numbers of signed and unsigned ones that stand together: those that are whole will do.
 py::array GivenIntegers(py::handle object, const std::string& name, const Shape& shape) {
-  return Given(object, name, shape, "iu", "whole numbers");
+  const py::array array = Given(object, name, shape, "iuf", "whole numbers");
+  if (array.size() == 0 || array.dtype().kind() != 'f') return array;
+  constexpr double kExact = 9007199254740992;  // 2^53
+  const Contiguous<double> numbers(array);
+  for (py::ssize_t i = 0; i < numbers.size(); ++i)
+    if (!(std::abs(numbers.data()[i]) <= kExact) || numbers.data()[i] != std::floor(numbers.data()[i]))
+      RefuseGiven(name, PlaceIn(numbers, i) + std::string(py::str(py::float_(numbers.data()[i]))) +
+                            ", expected a whole number");
+  return Contiguous<std::int64_t>(array);
 }
 
 template <>

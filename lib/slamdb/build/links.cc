@@ -8,6 +8,7 @@
 #include "slamdb/build/detail/columns.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/covisibility.h"
+#include "slamdb/model/detail/edges.h"
 #include "slamdb/model/detail/observed.h"
 #include "slamdb/model/index.h"
 
@@ -36,7 +37,35 @@ bool IsOnCycle(const std::vector<std::uint32_t>& parents, std::uint32_t row) {
   return at != kNoRow;
 }
 
+std::vector<KeyFramePair> WithIds(const Map& map, detail::RowPairs edges) {
+  for (auto& [one, other] : edges)
+    if (map.keyframes[other].id < map.keyframes[one].id) std::swap(one, other);
+  std::vector<KeyFramePair> pairs;
+  for (const auto& [one, other] : edges) pairs.emplace_back(map.keyframes[one].id, map.keyframes[other].id);
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+Column<KeyFrameId> KeyFrame::*ListOf(EdgeKind kind) {
+  return kind == EdgeKind::kLoop ? &KeyFrame::loop_edges : &KeyFrame::merge_edges;
+}
+
 }  // namespace
+
+std::vector<KeyFramePair> EdgesOf(const Map& map, EdgeKind kind) {
+  const IdTable table = KeyFrameTable(map);
+  return WithIds(map, detail::EdgesOf(map, ListOf(kind), [&](KeyFrameId id) { return table.Find(id.value()); }));
+}
+
+std::vector<KeyFramePair> EssentialEdges(const Map& map, int min_weight) {
+  const IdTable table = KeyFrameTable(map);
+  detail::RowPairs edges;
+  detail::ForEachTie(map, min_weight, [&](std::uint32_t row, KeyFrameId id, detail::Tie) {
+    if (const std::uint32_t other = table.Find(id.value()); other != kNoRow) edges.push_back(std::minmax(row, other));
+  });
+  detail::MakeDistinct(edges);
+  return WithIds(map, std::move(edges));
+}
 
 void SetParents(Map& map, std::span<const KeyFramePair> given) {
   const IdTable table = KeyFrameTable(map);
@@ -68,12 +97,11 @@ std::uint64_t AddEdges(Map& map, EdgeKind kind, std::span<const KeyFramePair> ed
     RowOf(table, "pairs", i, edges[i].second);
     if (edges[i].first == edges[i].second) RefuseRow("pairs", i, "leads from a keyframe to itself");
   }
-  const auto list = kind == EdgeKind::kLoop ? &KeyFrame::loop_edges : &KeyFrame::merge_edges;
+  const auto list = ListOf(kind);
   std::uint64_t added = 0;
   for (const auto& [id, other_id] : edges) {
     KeyFrame &one = map.keyframes[table.Find(id.value())], &other = map.keyframes[table.Find(other_id.value())];
-    const bool is_new = std::ranges::find(one.*list, other.id) == (one.*list).end();
-    added += is_new ? 1 : 0;
+    added += std::ranges::find(one.*list, other.id) == (one.*list).end() ? 1 : 0;
     for (const auto& [from, to] : {std::pair(&one, &other), std::pair(&other, &one)}) {
       Column<KeyFrameId>& ends = from->*list;
       if (std::ranges::find(ends, to->id) == ends.end()) ends.push_back(to->id);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
@@ -28,6 +29,13 @@ enum class EdgeKind { kLoop, kMerge };
 //
 // Throws Error (kUsage) when a keyframe is not in the map, or an edge leads from one to itself.
 SLAMDB_EXPORT std::uint64_t AddEdges(Map& map, EdgeKind kind, std::span<const KeyFramePair> edges);
+
+// The edges of a map, each once, the smaller id first, ascending; those that lead out of the map are left out.
+[[nodiscard]] SLAMDB_EXPORT std::vector<KeyFramePair> EdgesOf(const Map& map, EdgeKind kind);
+
+// ORB-SLAM3's essential graph in the same way: the spanning tree, loop and merge edges, covisibility of at least that
+// weight, and with an IMU what follows in time.
+[[nodiscard]] SLAMDB_EXPORT std::vector<KeyFramePair> EssentialEdges(const Map& map, int min_weight = 100);
 
 // Gives points another reference keyframe, by which their distance ranges follow.
 //
