@@ -7,9 +7,11 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 
 import pytest
 import slamdb
+from conftest import HERE
 from slamdb_fleet.plan import outputs_of
 
 SOUND = 61  # atlases of the folder, see conftest.py
@@ -212,6 +214,16 @@ def test_gates_and_rules_are_those_of_check(fleet):
     report = fleet.run("maps", "-o", "out", *SERIAL, "--gate", "min-keyframes=6", "--ignore", "map-listed-once")
     checked = command(fleet.folder, "check", "maps", "-r", "--min-keyframes", "6", "--ignore", "map-listed-once")["inputs"]
     assert report["unsound"] == sum(each.get("sound") is False for each in checked) > 10
+
+
+def test_a_terminal_is_told_how_far_it_is(fleet):
+    terminal, of_script = os.openpty()
+    command = [sys.executable, HERE / "fleet.py", "maps/day1", "-o", "out", "--workers", "0", "--chunk", "1"]
+    subprocess.run(command, cwd=fleet.folder, stdout=subprocess.DEVNULL, stderr=of_script, check=False)
+    os.close(of_script)
+    told = os.read(terminal, 1 << 20).decode()
+    os.close(terminal)
+    assert "16 of 16 atlases, 1 failed" in told and told.endswith("\r\033[K")
 
 
 @pytest.mark.parametrize("wrong", [["--part", "3/3"], ["--part", "x"], ["--to", "osa"], ["--to", ".db"], ["--chunk", "0"]])

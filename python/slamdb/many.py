@@ -30,7 +30,7 @@ def find_atlases(
     In the order of the names, in natural order within each; nothing but stores is opened. What cannot be looked into is
     an entry with its failure.
     """
-    found = _slamdb.find_atlases([os.fspath(name) for name in names], recursive, lock_timeout, progress)
+    found = _slamdb.find_atlases([os.fsencode(name) for name in names], recursive, lock_timeout, progress)
     return [FoundAtlas(input, below, in_python_words(failure)) for input, below, failure in found]
 
 
@@ -48,7 +48,7 @@ def list_atlases(
 
     What cannot be read is an entry with its failure.
     """
-    paths = [os.fspath(name) for name in names]
+    paths = [os.fsencode(name) for name in names]
     report = _slamdb.list_atlases(paths, recursive, check, lock_timeout, threads, progress)
     return Report.parse(in_python_words(report))
 
@@ -82,4 +82,4 @@ def write_file(path: Path, data: bytes, *, overwrite: bool = False, sync: bool =
 
     Raises AlreadyExistsError, NotFoundError (the folder), AccessDeniedError, OutOfResourcesError.
     """
-    _slamdb.write_file(os.fspath(path), data, overwrite, sync)
+    _slamdb.write_file(os.fsencode(path), data, overwrite, sync)

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import os
 import shutil
 
 import pytest
@@ -29,6 +30,16 @@ def test_what_names_stand_for(maps):
     assert "below/map2.osa" in [each.below for each in slamdb.find_atlases(maps, recursive=True)]
     [empty] = slamdb.find_atlases(maps / "below" / "..", maps / "below")[-1:]
     assert empty.failure == ""
+
+
+def test_names_may_be_any_bytes(session, tmp_path):
+    path = os.fsdecode(os.fsencode(tmp_path) + b"/\xff.osa")
+    shutil.copy(session, path)
+    assert [each.input for each in slamdb.find_atlases(tmp_path)] == [path] == [each.input for each in slamdb.find_atlases(path)]
+    [listed] = slamdb.list_atlases(path)["atlases"]
+    assert listed["keyframes"] == 14 and listed["input"].endswith("\ufffd.osa")
+    slamdb.write_file(path + ".csv", b"a\n")
+    assert os.listdir(os.fsencode(tmp_path)) and b"\xff.osa.csv" in os.listdir(os.fsencode(tmp_path))
 
 
 def test_a_folder_without_atlases_is_an_entry_with_its_failure(tmp_path):
