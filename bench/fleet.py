@@ -51,9 +51,10 @@ def main():
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as root:
         root = pathlib.Path(root)
-        few = make(root / "few", options.slamdb, 4, "--keyframes", 4, "--points", 60, "--features", 150)
+        small = ("--keyframes", 4, "--points", 60, "--features", 150)
+        few = make(root / "few", options.slamdb, 4, *small)
         usual = make(root / "usual", options.slamdb, options.atlases, "--keyframes", 20, "--points", 1000)
-        tiny = make(root / "tiny", options.slamdb, 2 * options.atlases, "--keyframes", 4, "--points", 60, "--features", 150)
+        tiny = make(root / "tiny", options.slamdb, 2 * options.atlases, *small)
         scaling, one, two, task = [], [], [], []
         for _ in range(options.rounds):
             one.append(seconds(usual, "--workers", 1) - seconds(few, "--workers", 1))

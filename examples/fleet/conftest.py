@@ -52,8 +52,8 @@ def atlases(tmp_path_factory):
 
 @pytest.fixture
 def maps(atlases, tmp_path, request):
-    """Atlases in four folders, by the same names; and one that is cut, one that is none, one that is not sound, one with
-    markup in its name."""
+    """Atlases in four folders, by the same names; and one that is cut, one that is none, one that is not sound, and one
+    with markup in its name."""
     folder = tmp_path / "maps"
     for number in range(request.module.SOUND - 1):
         path = folder / f"day{number % 4}" / f"map{number // 4}.osa"
@@ -119,8 +119,8 @@ class Cluster:
         (folder / "hook.py").write_text(HOOK)
         self.scheduler = self._start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show")
         self.workers = [
-            self._start("worker", "--host", "127.0.0.1", "--nthreads", "1", "--no-dashboard", "--preload", folder / "hook.py",
-                        "--local-directory", folder)
+            self._start("worker", "--host", "127.0.0.1", "--nthreads", "1", "--no-dashboard",
+                        "--preload", folder / "hook.py", "--local-directory", folder)
             for _ in range(2)
         ]  # fmt: skip
         wait_until(self.file.exists)

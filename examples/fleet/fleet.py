@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Checks, describes and writes again many thousand atlases, on all cores of a machine or of a cluster.
 
-What is killed in the middle, be it a worker, the scheduler or this script, is made up for: the same command goes on where
-the journal in the folder of outputs ends, and does again only what has changed. docs/fleet.md tells more.
+What is killed in the middle, be it a worker, the scheduler or this script, is made up for: the same command goes on
+where the journal in the folder of outputs ends, and does again only what has changed. docs/fleet.md tells more.
 """
 
 import argparse
@@ -37,8 +37,8 @@ def parse(arguments: Optional[Sequence[str]]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("names", nargs="+", metavar="NAME", help="folders, stores, atlases, as `slamdb list` takes them")
-    parser.add_argument("-o", "--output", required=True, type=pathlib.Path, help="folder of the outputs and the journal")
+    parser.add_argument("names", nargs="+", metavar="NAME", help="folders, stores, atlases, as in `slamdb list`")
+    parser.add_argument("-o", "--output", required=True, type=pathlib.Path, help="folder of outputs and journal")
     parser.add_argument("-r", "--recursive", action="store_true", help="folders in folders, too")
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--workers", type=int, default=os.cpu_count(), help="processes on this machine; 0: this one alone")
@@ -46,15 +46,16 @@ def parse(arguments: Optional[Sequence[str]]) -> argparse.Namespace:
     how.add_argument("--part", type=part, metavar="I/N", help="do every N-th chunk here, from the I-th, counted from 0")
     how.add_argument("--merge", action="store_true", help="do nothing but the summary of what is done")
     parser.add_argument("--chunk", type=positive, default=16, help="atlases that a worker gets at a time")
-    parser.add_argument("--attempts", type=positive, default=3, help="processes that an atlas may end until it is set aside")
+    parser.add_argument("--attempts", type=positive, default=3,
+                        help="processes that an atlas may end, then it is set aside")  # fmt: skip
     parser.add_argument("--again", action="append", default=[], choices=["failed", "hash"],
-                        help="failed: do again what failed or was set aside; hash: trust no times of files")  # fmt: skip
+                        help="failed: what failed or was set aside, too; hash: trust no times of files")  # fmt: skip
     parser.add_argument("--to", default="", metavar="SUFFIX", help="write each atlas again, with this suffix (.osa)")
     parser.add_argument("--format", default="", help="of these, by its id; by default the suffix tells")
     parser.add_argument("--strict", action="store_true", help="do not write what loses something")
     parser.add_argument("--ignore", action="append", default=[], metavar="RULE", help="leave a rule of the check out")
     parser.add_argument("--gate", action="append", default=[], type=gate, metavar="NAME=LIMIT", help="a limit to check")
-    parser.add_argument("--pages", action="store_true", help="a page of each, as `slamdb report` makes it, to which index.html leads")
+    parser.add_argument("--pages", action="store_true", help="a page of each, as `slamdb report` makes it")
     parser.add_argument("--parquet", action="store_true", help="the table as summary.parquet, too (pyarrow)")
     parser.add_argument("--json", action="store_true", help="tell what was done as JSON")
     options = parser.parse_args(arguments)

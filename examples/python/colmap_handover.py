@@ -22,14 +22,15 @@ def centers_by_hand(model: pathlib.Path) -> "dict[str, np.ndarray]":
     """Of each image the line `id qw qx qy qz tx ty tz camera name`, the pose of the world in the camera."""
     lines = [line for line in (model / "images.txt").read_text().split("\n") if not line.startswith("#")]
     centers = {}
-    for _, w, x, y, z, *translation, _, name in (line.split() for line in lines[::2] if line):  # in between: its keypoints
-        w, x, y, z = map(float, (w, x, y, z))
+    for line in filter(None, lines[::2]):  # in between: its keypoints
+        _, *pose, _, name = line.split()
+        w, x, y, z, *translation = map(float, pose)
         rotation = np.array([
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
             [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ])  # fmt: skip
-        centers[name] = -rotation.T @ np.array(translation, dtype=float)
+        centers[name] = -rotation.T @ np.array(translation)
     return centers
 
 

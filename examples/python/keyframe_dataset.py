@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Keyframes of many atlases as a data set for PyTorch, which need not be there: `DataLoader(KeyFrameDataset([...]))`."""
+"""Keyframes of many atlases as a data set for PyTorch, which need not be there: DataLoader(KeyFrameDataset([...]))."""
 
 import argparse
 import collections

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws a map from above: its points, coloured by how many keyframes see them, and the way of the camera (matplotlib)."""
+"""Draws a map from above: points, coloured by how many keyframes see them, and the way of the camera (matplotlib)."""
 
 import argparse
 import io
@@ -40,7 +40,8 @@ def main() -> None:
     atlas = slamdb.read(options.atlas)
     picture = io.BytesIO()
     figure = draw(atlas.maps[0], pathlib.Path(options.atlas).name)
-    figure.savefig(picture, format=pathlib.Path(options.output).suffix[1:], dpi=90, bbox_inches="tight", metadata={"Software": None})
+    kind = pathlib.Path(options.output).suffix[1:]
+    figure.savefig(picture, format=kind, dpi=90, bbox_inches="tight", metadata={"Software": None})
     slamdb.write_file(options.output, picture.getvalue(), overwrite=options.overwrite)
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A table of the atlases of a folder or a store as CSV: how large they are, how good, and whether ORB-SLAM3 can load them.
+"""A table of the atlases of a folder or a store as CSV: how large they are, how good, whether ORB-SLAM3 can load them.
 
 Of many thousand: examples/fleet.
 """

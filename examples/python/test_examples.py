@@ -40,7 +40,8 @@ def test_quality_table(run, fixtures, session, tmp_path):
     maps = tmp_path / "maps"
     shutil.copytree(fixtures / "mono_small_twice", maps)
     (maps / "cut.osa").write_bytes(session.read_bytes()[:100_000])
-    rows = {pathlib.Path(row["input"]).name: row for row in csv.DictReader(io.StringIO(run("quality_table.py", session, maps)))}
+    table = csv.DictReader(io.StringIO(run("quality_table.py", session, maps)))
+    rows = {pathlib.Path(row["input"]).name: row for row in table}
     assert list(rows) == ["session_small_a.osa", "cut.osa", "mono_small_twice.osa"]
     assert rows["session_small_a.osa"]["sound"] == "True" and rows["session_small_a.osa"]["keyframes"] == "14"
     assert rows["mono_small_twice.osa"]["sound"] == "False" and rows["mono_small_twice.osa"]["errors"] == "1"
@@ -49,12 +50,40 @@ def test_quality_table(run, fixtures, session, tmp_path):
     assert len((tmp_path / "table.csv").read_text().split("\n")) == 4
 
 
+def test_filter_points(run, tmp_path, session):
+    assert run("filter_points.py", "--limit", "2.5").endswith("sound\n")
+    before, after = (slamdb.read(path).maps[0] for path in (session, tmp_path / "filtered.osa"))
+
+    def nearest(points):
+        return np.linalg.norm(points.positions[:, None] - before.keyframes.centers, axis=2).min(axis=1)
+
+    assert set(after.points.ids) == set(before.points.ids[nearest(before.points) <= 2.5])
+    assert 0 < len(after.points) < len(before.points)
+
+
+def test_evaluate_trajectory(run, tmp_path):
+    said = run("evaluate_trajectory.py")
+    assert said.startswith("map 0: 14 poses, rmse 0.0176 m, at most 0.0372 m\n")  # as docs/evaluate.md has it
+    assert said.count(" s: ") == 3 and "s: 0.0372 m" in said.split("\n")[1]
+    assert len((tmp_path / "errors.csv").read_text().split("\n")) == 14 + 2
+
+
+def test_map_from_arrays(run, tmp_path):
+    assert run("map_from_arrays.py").startswith("12 keyframes, 352 points:")
+    atlas = slamdb.read(tmp_path / "wall.osa")
+    assert slamdb.check(atlas).sound
+    [world] = atlas.maps
+    assert np.allclose(world.keyframes.poses[:, 0, 3], 0.5 * np.arange(12))
+    assert (world.points.observation_counts >= 2).sum() > 300
+    assert slamdb.check(atlas)["inputs"][0]["measures"]["reprojection_error_px"] < 1e-3
+
+
 def test_colmap_handover(run, tmp_path, session):
     said = run("colmap_handover.py")
     assert said.startswith("14 images by ") and float(said.split()[-4]) < 1e-4
     points = slamdb.read(session).maps[0].points
-    written = [line for line in (tmp_path / "model" / "points3D.txt").read_text().split("\n") if line and line[0] != "#"]
-    assert len(written) == len(points) == 3162
+    written = (tmp_path / "model" / "points3D.txt").read_text().split("\n")
+    assert sum(line[:1].isdigit() for line in written) == len(points) == 3162
 
 
 def test_keyframe_dataset(run, fixtures, session):
@@ -80,4 +109,5 @@ def test_keyframe_dataset_in_pytorch(session):
     from keyframe_dataset import KeyFrameDataset
 
     loader = data.DataLoader(KeyFrameDataset([session]), batch_size=None, shuffle=True, num_workers=2)
-    assert sorted(sample["keyframe"] for sample in loader) == sorted(slamdb.read(session).maps[0].keyframes.ids.tolist())
+    ids = slamdb.read(session).maps[0].keyframes.ids
+    assert sorted(sample["keyframe"] for sample in loader) == sorted(ids.tolist())

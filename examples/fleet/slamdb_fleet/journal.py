@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is done, on disk, so that whatever is killed, nothing is lost and nothing is done twice.
 
-Whoever works on a chunk of atlases holds its journal: a file of lines of JSON, `begun` before an atlas and `done` behind
-it. A chunk that is given out again, since its worker was lost, goes on where its journal ends.
+Whoever works on a chunk of atlases holds its journal: a file of lines of JSON, `begun` before an atlas and `done`
+behind it. A chunk that is given out again, since its worker was lost, goes on where its journal ends.
 """
 
 import collections

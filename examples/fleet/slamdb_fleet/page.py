@@ -90,18 +90,20 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], total: int) -> st
             if isinstance(value, (int, float)):
                 parts.append(f'<td class="number">{number(value)}</td>')
             else:
-                parts.append(f'<td class="text">{value.html() if isinstance(value, Link) else text(value)}</td>')
+                shown = value.html() if isinstance(value, Link) else text(value)
+                parts.append(f'<td class="text">{shown}</td>')
         parts.append("</tr>\n")
     parts.append("</table>\n")
     if total > MOST_ROWS:
-        parts.append(f'<p class="faint">the first {MOST_ROWS} of {total:,}; <a href="summary.csv">summary.csv</a> has all</p>\n')
+        parts.append(f'<p class="faint">the first {MOST_ROWS} of {total:,}; <a href="summary.csv">all</a></p>\n')
     return "".join(parts)
 
 
 def _head(title: str) -> str:
+    policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n"
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{text(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{text(title)}</h1>\n"
     )
@@ -122,7 +124,8 @@ def _counts(rows: Sequence[Row]) -> str:
         ("GB", sum(row.get("bytes") or 0 for row in rows) / 1e9, ""),
     )
     parts = [f'<div class="{kind if value else ""}"><b>{number(value)}</b>{name}</div>' for name, value, kind in told]
-    return f'<div class="counts">{"".join(parts)}</div>\n<p><a href="summary.csv">summary.csv</a> has a row for each.</p>\n'
+    table = '<p><a href="summary.csv">summary.csv</a> has a row for each.</p>\n'
+    return f'<div class="counts">{"".join(parts)}</div>\n{table}'
 
 
 def _rules(read: Sequence[Row]) -> str:
@@ -160,11 +163,11 @@ def _distributions(read: Sequence[Row]) -> str:
     if not known:
         return ""
     quantiles = [
-        (f"{measure.title}{measure.unit and f' ({measure.unit})'}", *np.percentile(values, (0, 5, 50, 95, 100)).tolist())
+        (measure.title, measure.unit, *np.percentile(values, (0, 5, 50, 95, 100)).tolist())
         for measure, values in known
     ]
     plots = "".join(_histogram(measure, values) for measure, values in known)
-    heads = ("", "least", "5 %", "median", "95 %", "greatest")
+    heads = ("", "", "least", "5 %", "median", "95 %", "greatest")
     return f'<h2>Distributions</h2>\n{table(heads, quantiles, 0)}<div class="plots">{plots}</div>\n'
 
 
@@ -190,7 +193,8 @@ def _outliers(read: Sequence[Row], folder: pathlib.Path) -> str:
     if not rows:
         return ""
     shown = [
-        (Link(read[index], folder), measure.title, value, middle) for index, measure, value, middle, _ in rows[:MOST_ROWS]
+        (Link(read[index], folder), measure.title, value, middle)
+        for index, measure, value, middle, _ in rows[:MOST_ROWS]
     ]
     heads = ("atlas", "measure", "value", "median of all")
     about = '<p class="faint">More than six robust deviations from the median of the logarithms.</p>\n'

@@ -157,7 +157,8 @@ def _row_of(job: Job, item: Item) -> Row:
         row[measure] = checked["measures"][measure]
     if item.output:
         with _said() as said, _blaming_no_atlas():
-            slamdb.write(atlas, _place(job, item.output), format=job.format, overwrite=True, strict=job.strict, threads=1)
+            path = _place(job, item.output)
+            slamdb.write(atlas, path, format=job.format, overwrite=True, strict=job.strict, threads=1)
         row.update(output=item.output, losses=said)
     if item.page:
         row.update(_write_page(job, item, atlas))
