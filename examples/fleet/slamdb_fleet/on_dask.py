@@ -28,7 +28,11 @@ def client_of(scheduler: str, workers: int) -> Iterator[distributed.Client]:
         if not scheduler:
             address = opened.enter_context(
                 distributed.LocalCluster(
-                    n_workers=workers, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+                    n_workers=workers,
+                    threads_per_worker=1,  # what ends a process is then one atlas
+                    processes=True,
+                    host="127.0.0.1",
+                    dashboard_address="127.0.0.1:0",
                 )
             )
         client = opened.enter_context(distributed.Client(address, set_as_default=False))

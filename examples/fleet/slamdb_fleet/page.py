@@ -39,10 +39,10 @@ body { font: 15px/1.5 system-ui, sans-serif; max-width: 70em; margin: 2em auto; 
 h1 { font-size: 1.6em; } h2 { font-size: 1.2em; margin-top: 2em; }
 table { border-collapse: collapse; } th, td { padding: .2em .8em .2em 0; text-align: left; vertical-align: top; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
-td.text { overflow-wrap: anywhere; } tr + tr td { border-top: 1px solid #8883; }
+td.text { overflow-wrap: anywhere; } td.text:first-child { min-width: 12em; } tr + tr td { border-top: 1px solid #8883; }
 .counts { display: flex; flex-wrap: wrap; gap: 2em; } .counts b { display: block; font-size: 1.6em; }
 .bad { color: var(--bad); } .faint { color: var(--faint); }
-.plots { display: flex; flex-wrap: wrap; gap: 1.5em; } figure { margin: 0; } svg { display: block; }
+.plots { display: flex; flex-wrap: wrap; gap: 1.5em; margin-top: 1.5em; } figure { margin: 0; width: 240px; } svg { display: block; }
 rect { fill: var(--bar); } text { font-size: 11px; fill: currentColor; }
 """
 
@@ -78,7 +78,7 @@ def text(value: Any) -> str:
 def number(value: Any) -> str:
     if value is None:
         return ""
-    return f"{value:,}" if isinstance(value, int) else f"{value:,.4g}"
+    return f"{value:,}" if isinstance(value, int) else f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.4g}"
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], total: int) -> str:
