@@ -11,11 +11,13 @@ of a few atlases is taken off each.
 import argparse
 import json
 import pathlib
+import resource
 import shutil
-import statistics
 import subprocess
 import sys
 import tempfile
+
+import numpy as np
 
 FLEET = pathlib.Path(__file__).parent.parent / "examples" / "fleet" / "fleet.py"
 
@@ -33,39 +35,42 @@ def make(folder, slamdb, count, *size):
     return folder
 
 
-def seconds(folder, *options):
+def run(folder, *options):
+    """Seconds, and seconds of processors, of driver, scheduler and workers together."""
     with tempfile.TemporaryDirectory() as out:
         command = [sys.executable, FLEET, folder, "-o", out, "--json", *map(str, options)]
-        return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)["seconds"]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        report = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return np.array([report["seconds"], after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime])
 
 
 def told(name, values):
-    print(f"{name}: median {statistics.median(values):.3g}, {min(values):.3g} to {max(values):.3g}", flush=True)
+    for kind, each in zip(("elapsed", "of processors"), np.transpose(values)):
+        print(f"{name}, {kind}: median {np.median(each):.3g}, {each.min():.3g} to {each.max():.3g}", flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--slamdb", default="slamdb", help="the command")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--atlases", type=int, default=600)
+    parser.add_argument("--atlases", type=int, default=400)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as root:
         root = pathlib.Path(root)
         small = ("--keyframes", 4, "--points", 60, "--features", 150)
         few = make(root / "few", options.slamdb, 4, *small)
         usual = make(root / "usual", options.slamdb, options.atlases, "--keyframes", 20, "--points", 1000)
-        tiny = make(root / "tiny", options.slamdb, 2 * options.atlases, *small)
-        scaling, one, two, task = [], [], [], []
+        many = make(root / "many", options.slamdb, 2 * options.atlases, *small)
+        one, two, task = [], [], []
         for _ in range(options.rounds):
-            one.append(seconds(usual, "--workers", 1) - seconds(few, "--workers", 1))
-            two.append(seconds(usual, "--workers", 2) - seconds(few, "--workers", 2))
-            scaling.append(one[-1] / two[-1])
-            singly = seconds(tiny, "--workers", 1, "--chunk", 1)
-            together = seconds(tiny, "--workers", 1, "--chunk", 64)
-            task.append(1000 * (singly - together) / (2 * options.atlases))
-        told(f"{options.atlases} atlases, one worker, s", one)
-        told(f"{options.atlases} atlases, two workers, s", two)
-        told("times faster", scaling)
+            one.append(run(usual, "--workers", 1) - run(few, "--workers", 1))
+            two.append(run(usual, "--workers", 2) - run(few, "--workers", 2))
+            together = run(many, "--workers", 1, "--chunk", 64)
+            task.append(1000 * (run(many, "--workers", 1, "--chunk", 1) - together) / (2 * options.atlases))
+        told("one worker, s", one)
+        told("two workers, s", two)
+        told("one worker / two workers", np.array(one) / np.array(two))
         told("a task beside its work, ms", task)
 
 

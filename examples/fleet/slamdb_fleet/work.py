@@ -131,6 +131,8 @@ def _entry_of(job: Job, item: Item) -> Entry:
         return _entry(job, item, signature, {"failure": str(error)}, error.kind)
     except OSError as error:
         return _entry(job, item, signature, {"failure": f"{item.input}: {error.strerror}"}, "not found")
+    except MemoryError:
+        return _entry(job, item, signature, {"failure": f"{item.input}: memory does not suffice"}, "out of resources")
     except (UnicodeError, TypeError, ValueError) as error:
         return _entry(job, item, signature, {"failure": f"{item.input!a}: {error}"}, "internal")
 
