@@ -31,7 +31,7 @@ slamdb.read = read
 """
 
 
-def wait_until(holds, seconds=60):
+def wait_until(holds, seconds=600):
     end = time.monotonic() + seconds
     while not holds():
         assert time.monotonic() < end, "it does not come to that"
@@ -82,7 +82,7 @@ class Fleet:
     def run(self, *arguments, status=1):
         """Its report; what it says besides is `said`. Most folders here have an atlas that is not sound."""
         process = self.start(*arguments, "--json")
-        out, self.said = process.communicate(timeout=300)
+        out, self.said = process.communicate(timeout=900)
         assert process.returncode == status, self.said
         return json.loads(out) if out else None
 

@@ -49,7 +49,7 @@ def test_a_worker_that_is_killed_loses_nothing_and_nothing_is_done_twice(fleet, 
     process = fleet.start(*on_cluster)
     wait_until(lambda: fleet.number_done("out") > 50)
     os.kill(victim, signal.SIGKILL)
-    out, said = process.communicate(timeout=120)
+    out, said = process.communicate(timeout=900)
     assert process.returncode == 1 and "204 atlases: 201 sound, 1 not sound" in out, said
     assert victim not in processes_of_workers(cluster)
     assert is_like_the_serial_run(fleet)
@@ -73,7 +73,7 @@ def test_a_scheduler_that_is_killed_ends_the_run_and_the_next_goes_on(fleet, clu
     process = fleet.start(*on_cluster)
     wait_until(lambda: fleet.number_done("out") > 50)
     os.killpg(cluster.scheduler.pid, signal.SIGKILL)
-    out, said = process.communicate(timeout=120)
+    out, said = process.communicate(timeout=900)
     assert process.returncode == 1 and "the scheduler is gone" in said
     assert "not done yet; the same command goes on" in out
     cluster.end()
