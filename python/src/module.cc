@@ -12,7 +12,15 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefinePoints(module);
   slamdb::python::DefineAtlas(module);
   slamdb::python::DefineFiles(module);
+  slamdb::python::DefineMany(module);
   slamdb::python::DefineVerbs(module);
+  slamdb::python::DefineRows(module);
+  slamdb::python::DefineColumns(module);
+  slamdb::python::DefineGraphs(module);
+  slamdb::python::DefineLandmarks(module);
+  slamdb::python::DefineBuilding(module);
+  slamdb::python::DefineMapVerbs(module);
+  slamdb::python::DefineEditing(module);
   module.attr("NONE") = slamdb::MapId::kNone;
   module.attr("version") = std::string(slamdb::Version());
 }
