@@ -29,6 +29,7 @@ from .errors import (
     UsageError,
 )
 from .files import decode, encode, info, read, write
+from .notebook import View, view
 from .observations import Observations
 from .report import CheckReport, Report
 from .store import Store
@@ -38,5 +39,5 @@ __all__ = [
     "NONE", "Atlas", "Features", "KeyFrame", "KeyFrames", "Map", "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
-    "CheckReport", "Observations", "Report", "Store", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "write",
+    "CheckReport", "Observations", "Report", "Store", "View", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "view", "write",
 ]  # fmt: skip

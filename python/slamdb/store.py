@@ -66,6 +66,11 @@ class Store:
     def __repr__(self) -> str:
         return f"<slamdb.Store {self._path!r}{' closed' if self._closed else ''}>"
 
+    def _repr_html_(self) -> Optional[str]:
+        from .notebook import html_of_store
+
+        return html_of_store(self)
+
     @property
     def _file(self) -> _slamdb.StoreFile:
         if self._closed:

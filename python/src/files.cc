@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "python/src/files.h"
 
-#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include <optional>

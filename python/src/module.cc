@@ -14,6 +14,7 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineFiles(module);
   slamdb::python::DefineStore(module);
   slamdb::python::DefineVerbs(module);
+  slamdb::python::DefineNotebook(module);
   module.attr("NONE") = slamdb::MapId::kNone;
   module.attr("version") = std::string(slamdb::Version());
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/formats/sqlite/store.h"
-
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
@@ -16,6 +14,7 @@
 #include "python/src/module.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/sqlite/report.h"
+#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/add.h"
 #include "slamdb/many/list.h"
 
