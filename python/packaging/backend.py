@@ -36,12 +36,16 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 OLDEST_CMAKE = (3, 25)
 FIRST_PYBIND11_FOR_NUMPY_2 = (2, 12)
 # What the module is built from.
-SOURCES = ("CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "pyproject.toml", "cmake", "lib", "python", "schema")
+SOURCES = (
+    "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "pyproject.toml", "cmake", "lib", "python", "schema",
+)  # fmt: skip
 
 Settings = Optional[Mapping[str, str]]
 
 
-def build_wheel(wheel_directory: str, config_settings: Settings = None, metadata_directory: Optional[str] = None) -> str:
+def build_wheel(
+    wheel_directory: str, config_settings: Settings = None, metadata_directory: Optional[str] = None
+) -> str:
     build = _built(dict(config_settings or {}))
     info = f"slamdb-{_version()}.dist-info"
     name = f"slamdb-{_version()}-{_tag()}.whl"
@@ -65,12 +69,18 @@ def build_wheel(wheel_directory: str, config_settings: Settings = None, metadata
 def build_sdist(sdist_directory: str, config_settings: Settings = None) -> str:
     name = f"slamdb-{_version()}"
     with open(pathlib.Path(sdist_directory, f"{name}.tar.gz"), "wb") as file:
-        with gzip.GzipFile("", "wb", 9, file, mtime=0) as packed, tarfile.open(fileobj=packed, mode="w") as archive:
-            for path, data, mode in _sources():
-                entry = tarfile.TarInfo(f"{name}/{path}")
-                entry.size, entry.mode, entry.mtime = len(data), mode, _date()
-                archive.addfile(entry, io.BytesIO(data))
+        file.write(gzip.compress(_archive(name), 9, mtime=0))
     return f"{name}.tar.gz"
+
+
+def _archive(name: str) -> bytes:
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w") as archive:
+        for path, data, mode in _sources():
+            entry = tarfile.TarInfo(f"{name}/{path}")
+            entry.size, entry.mode, entry.mtime = len(data), mode, _date()
+            archive.addfile(entry, io.BytesIO(data))
+    return buffer.getvalue()
 
 
 def get_requires_for_build_wheel(config_settings: Settings = None) -> List[str]:
@@ -98,7 +108,7 @@ def _built(settings: Dict[str, str]) -> pathlib.Path:
         defined = [f"-D{name}={value}" for name, value in options.items()]
         _run("cmake", "-S", SOURCE, "-B", build, *generator, *defined, *shlex.split(os.environ.get("CMAKE_ARGS", "")))
     if not _numpy(build):
-        sys.exit("slamdb: CMake found no headers of Python, or no pybind11: on Debian, apt install python3-dev pybind11-dev")
+        sys.exit("slamdb: CMake found no headers of Python, or no pybind11: apt install python3-dev pybind11-dev")
     jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
     _run("cmake", "--build", build, "--target", "slamdb_python", "--parallel", jobs)
     return build
@@ -106,14 +116,14 @@ def _built(settings: Dict[str, str]) -> pathlib.Path:
 
 def _pybind11() -> Dict[str, str]:
     try:
-        import pybind11
+        import pybind11  # type: ignore[import]
     except ImportError:  # CMake finds the system's
         return {}
     return {"pybind11_DIR": pybind11.get_cmake_dir()}
 
 
 def _numpy(build: pathlib.Path) -> str:
-    """The numpy that a module works with: older versions of pybind11 do not know version 2. Empty: there is no module."""
+    """The numpy that the module works with: older versions of pybind11 do not know numpy 2. Empty: there is none."""
     found = re.search(r"SLAMDB_PYBIND11_VERSION:INTERNAL=(\d+)\.(\d+)", (build / "CMakeCache.txt").read_text())
     if not found:
         return ""

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What notebooks show: atlases, maps, reports and stores as HTML, and the viewer.
 
-What files call things is text in it, never markup. Nothing but the viewer, which is in a frame of its own, runs scripts;
-colours are those of the notebook, and plans have paper of their own, so that light and dark themes show both.
+What files call things is text in it, never markup. Nothing but the viewer, which is in a frame of its own, runs
+scripts. Colours are those of the notebook, and plans have paper of their own, so that light and dark themes show both.
 """
 
 import base64
 import html
 import os
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _slamdb
 from ._slamdb import Atlas, Map
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _MOST_ROWS = 30  # of a table
 _MOST_WORDS = 12  # of a list in a cell
 _PLAN_WIDTH = 400  # pixels
+_MAY = "allow-scripts allow-downloads"  # of pictures; reach nothing of the notebook
 # Jupyter lets three seconds' worth of its usual limit through at once, 3 MB.
 MOST_EMBEDDED = 2_500_000
 
@@ -103,6 +104,12 @@ def html_of_report(report: "Report") -> str:
     return _under(str(values.pop("report", "report")), _pairs(values))
 
 
+def _finding(result: Mapping[str, Any]) -> Dict[str, Any]:
+    first = result["findings"][0] if result["findings"] else {"where": "", "message": ""}
+    told = {each: result[each] for each in ("severity", "rule", "count", "title")}
+    return {**told, "first": f"{first['where']}: {first['message']}".strip(": ")}
+
+
 def html_of_check(report: "Report") -> str:
     parts = []
     for checked in report["inputs"]:
@@ -113,11 +120,7 @@ def html_of_check(report: "Report") -> str:
         counts = ", ".join(f"{severity}s {count:,}" for severity, count in checked["severities"].items())
         verdict = "sound" if checked["sound"] else "not sound"
         parts.append(_under(f"{name}: {verdict}" if name else verdict, f"<div>{counts}</div>"))
-        found = [
-            {**{each: result.get(each) for each in ("severity", "rule", "count", "title")},
-             "first": f"{result['findings'][0]['where']}: {result['findings'][0]['message']}" if result["findings"] else ""}
-            for result in checked["results"]
-        ]  # fmt: skip
+        found = [_finding(result) for result in checked["results"]]
         parts.append(_rows(found) if found else "")
     return f"<div>{''.join(parts)}</div>"
 
@@ -158,7 +161,7 @@ class View:
                 "<code>slamdb.view(atlas, 'map.html')</code> writes it, and parts of atlases take less.</div>"
             )
         style = f"width:100%;height:{self.height}px;border:0"
-        frame = f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{html.escape(self.html)}"></iframe>'
+        frame = f'<iframe sandbox="{_MAY}" style="{style}" srcdoc="{html.escape(self.html)}"></iframe>'
         return frame + "".join(f"<div>not in the page: {_text(sentence)}</div>" for sentence in self.left_out)
 
 

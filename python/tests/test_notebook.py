@@ -93,7 +93,8 @@ def test_names_are_text(tmp_path, atlas, store):
     failed = slamdb.CheckReport.parse(_slamdb.check_failed(HOSTILE, HOSTILE))
     name = HOSTILE.replace("/", "")
     store.save(name, atlas)
-    for shown, text in ((report, HOSTILE), (failed, HOSTILE), (store, name), (store.log(), name), (store.check(), name)):
+    shows = {HOSTILE: (report, failed), name: (store, store.log(), store.check())}
+    for text, shown in ((text, each) for text, several in shows.items() for each in several):
         markup = Markup(shown._repr_html_())
         assert text in markup.words and not {"script", "img"} & set(markup.tags)
 
@@ -124,7 +125,7 @@ def test_the_viewer_is_in_a_frame_of_its_own(page_is_built, atlas):
     markup = Markup(shown._repr_html_())
     assert markup.tags == ["iframe"]
     attributes = dict(markup.attributes)
-    assert attributes["sandbox"] == "allow-scripts" and attributes["srcdoc"] == shown.html
+    assert attributes["sandbox"] == "allow-scripts allow-downloads" and attributes["srcdoc"] == shown.html
     assert "height:321px" in attributes["style"] and "Content-Security-Policy" in shown.html
     assert len(shown.html) > 100_000 and shown.left_out == []
 

@@ -127,7 +127,8 @@ def test_backups(store, tmp_path):
 def test_adding_is_the_commands(fixtures, tmp_path, command):
     folders = [fixtures / "session_small_a", fixtures / "session_small_b", tmp_path / "nothing.osa"]
     mine, theirs = slamdb.Store(tmp_path / "mine.db"), tmp_path / "theirs.db"
-    for options, flags in (({"dry_run": True}, ["--dry-run"]), ({}, []), ({"name_from": "path"}, ["--name-from", "path"])):
+    runs = [({"dry_run": True}, ["--dry-run"]), ({}, []), ({"name_from": "path"}, ["--name-from", "path"])]
+    for options, flags in runs:
         report = mine.add(*folders, **options).to_dict()
         expected = command("add", theirs, *folders, *flags)
         for each in (report, expected):
