@@ -40,6 +40,9 @@ that SLAM systems save, among them ORB-SLAM3's atlas files, byte for byte.")
     math(EXPR after "${SLAMDB_PYTHON_MINOR} + 1")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
       "python3 (>= 3.${SLAMDB_PYTHON_MINOR}), python3 (<< 3.${after}), python3-numpy")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+      "${CMAKE_CURRENT_LIST_DIR}/python3-slamdb/postinst;${CMAKE_CURRENT_LIST_DIR}/python3-slamdb/prerm")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION ON)
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas, python3-scipy")
     set(CPACK_COMPONENT_PYTHON_DESCRIPTION "map database for visual SLAM (Python)
 The module slamdb reads, checks, changes and writes the maps of SLAM systems,

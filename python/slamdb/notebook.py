@@ -152,7 +152,7 @@ class View:
         self.height = height
 
     def __repr__(self) -> str:
-        return f"<slamdb.View: a page of {len(self.html):,} letters>"
+        return "<slamdb.View: shown by notebooks>"
 
     def _repr_html_(self) -> str:
         if len(self.html) > MOST_EMBEDDED:
