@@ -5,7 +5,7 @@ import os
 from types import TracebackType
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Type
 
-from . import _slamdb, tables
+from . import _slamdb
 from ._slamdb import Atlas
 from .errors import Error, NotFoundError, UsageError
 from .files import Box, Path, Progress, Range, _part, _told
@@ -250,6 +250,8 @@ class Store:
         numpy arrays, one for each column, in which they are slamdb.NONE. The columns are those of
         `slamdb convert map.osa keyframes.csv`; x, y, z and qx, qy, qz, qw of a keyframe are world from camera.
         """
+        from . import tables  # here, because it imports numpy
+
         if kind not in tables.KINDS:
             raise UsageError(f"there is no table {kind!r}: there are {', '.join(tables.KINDS)}", self._path)
         names = self.names if name is None else [name]

@@ -9,14 +9,15 @@ import importlib.util
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._slamdb import NONE, Atlas, KeyFrames, Map, Points, empty_map
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from .report import CheckReport
 
-Columns = Dict[str, NDArray[Any]]
+Columns = Dict[str, "NDArray[Any]"]
 
 
 def has_pandas() -> bool:
@@ -31,7 +32,7 @@ def pandas() -> Any:
         raise ImportError("pandas is not there: apt install python3-pandas, or pip install pandas") from error
 
 
-def _coordinates(rows: NDArray[Any], names: Iterable[str]) -> Columns:
+def _coordinates(rows: "NDArray[Any]", names: Iterable[str]) -> Columns:
     return {name: rows[:, axis].copy() for axis, name in enumerate(names)}
 
 
