@@ -3,30 +3,32 @@
 
     PYTHONPATH=build/dev/python python3 bench/python.py --bench build/dev/bench/slamdb_read_bench session_b.osa
 
-Reads are processor time on one core, to which both processes are pinned; they take turns of some reads, each first in
-every other pair of turns, and the ratio is that of a pair: its median, the least and the greatest.
+All times are processor time on one core, to which all processes are pinned. Imports are without what Python itself takes
+to start. Python and the library take turns of some reads, each first in every other pair of turns, and the ratio is that
+of a pair: its median, the least and the greatest.
 """
 
 import argparse
 import os
-import re
+import resource
 import statistics
 import subprocess
 import sys
 import time
 
 
-def import_times(rounds):
-    """Milliseconds of slamdb with all that it imports, and of numpy in it."""
-    times = {"slamdb": [], "numpy": []}
-    for _ in range(rounds):
-        done = subprocess.run(
-            [sys.executable, "-X", "importtime", "-c", "import slamdb"], stderr=subprocess.PIPE, text=True, check=True
-        )
-        for name, all_of in times.items():
-            [spent] = re.findall(rf"\|\s+(\d+) \|\s+{name}$", done.stderr, re.MULTILINE)
-            all_of.append(int(spent) / 1000)
-    return times
+def processor_time(program):
+    """Seconds that Python takes to run it."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, "-c", program], check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def imports(rounds):
+    """What modules take, each beside a Python that imports nothing."""
+    for modules in ("slamdb", "numpy", "slamdb, numpy"):
+        yield modules, [processor_time(f"import {modules}") - processor_time("pass") for _ in range(rounds)]
 
 
 def read_in_python(path, reads):
@@ -64,8 +66,9 @@ def main():
     options = parser.parse_args()
     os.sched_setaffinity(0, [max(os.sched_getaffinity(0))])
     print("| measurement | Python | library | ratio | least - greatest |\n|---|---|---|---|---|")
-    for name, times in import_times(20).items():
-        print(f"| import: {name} | {statistics.median(times):.1f} ms | | | {min(times):.1f} - {max(times):.1f} ms |")
+    for modules, times in imports(20):
+        least, usual, greatest = (1000 * f(times) for f in (min, statistics.median, max))
+        print(f"| import {modules} | {usual:.0f} ms | | | {least:.0f} - {greatest:.0f} ms |")
     for path in options.atlases:
         pairs = list(pairs_of_reads(options.bench, path, options.rounds, options.reads))
         ratios = [python / library for python, library in pairs]

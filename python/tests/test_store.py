@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import concurrent.futures
+import multiprocessing
 import os
 import pathlib
 import pickle
@@ -320,3 +321,38 @@ def test_tables_of_nothing_have_their_columns(store):
         store.remove(name)
     for kind in TABLES:
         assert {"atlas", "map"} < set(store.table(kind)) and len(store.table(kind)["map"]) == 0
+
+
+def save_some(store, prefix, session):
+    atlas = slamdb.read(session, threads=1)
+    for number in range(4):
+        store.save(f"{prefix}{number}", atlas, threads=1)
+
+
+def test_processes_write_to_one_store(path, session):
+    """Each waits for its turn: nothing is lost, and the file is whole."""
+    store = slamdb.Store(path, wait=60)
+    several = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(3, mp_context=several) as pool:
+        list(pool.map(save_some, [store] * 3, "abc", [session] * 3))
+    assert store.names == [f"{prefix}{number}" for prefix in "abc" for number in range(4)]
+    assert {slamdb.encode(store.load(name)) == session.read_bytes() for name in store.names} == {True}
+    assert len(store.log().entries) == 12
+
+
+REAL = sorted(pathlib.Path(os.environ.get("SLAMDB_ATLASES", "/nowhere")).glob("*.osa"))
+
+
+@pytest.mark.parametrize("real", REAL or [None], ids=lambda path: path.stem if path else "none")
+def test_real_atlases_come_back_whole(real, path):
+    if real is None:
+        pytest.skip("SLAMDB_ATLASES names no folder of real atlases")
+    store = slamdb.Store(path, sync=False)
+    assert store.add(real).added == 1
+    [name] = store.names
+    read, loaded = slamdb.read(real), store.load(name)
+    assert slamdb.encode(read) == slamdb.encode(loaded)
+    rows = store.table("points", name)
+    assert len(rows["id"]) == sum(len(map.points) for map in read.maps)
+    for atlas in (read, *read.maps):
+        assert len(atlas._repr_html_()) < 200_000
