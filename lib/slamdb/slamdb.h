@@ -27,6 +27,8 @@
 #include "slamdb/base/report_files.h"
 #include "slamdb/base/time_unit.h"
 #include "slamdb/base/wording.h"
+#include "slamdb/build/build.h"
+#include "slamdb/build/links.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/checks/finding.h"
 #include "slamdb/checks/report.h"

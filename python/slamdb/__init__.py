@@ -11,7 +11,7 @@ gives it new memory; arrays taken before keep showing the old one, and writing t
 Threads may read one atlas at the same time. The live map (slamdb::live) is for C++ alone.
 """
 
-from ._slamdb import NONE, Atlas, Features, KeyFrame, KeyFrames, Map, MapPoint, Points
+from ._slamdb import NONE, Atlas, Features, KeyFrame, KeyFrames, Landmarks, Map, MapPoint, Points
 from ._slamdb import version as __version__
 from .errors import (
     AccessDeniedError,
@@ -28,7 +28,10 @@ from .errors import (
     UnsupportedError,
     UsageError,
 )
+from .features import FeatureArrays
 from .files import decode, encode, info, read, write
+from .graphs import Connections
+from .many import FoundAtlas, Page, find_atlases, list_atlases, report_page, summarize, write_file
 from .notebook import View, view
 from .observations import Observations
 from .report import CheckReport, Report
@@ -36,8 +39,10 @@ from .store import Store
 from .verbs import check, diff, merge, recover, repair
 
 __all__ = [
-    "NONE", "Atlas", "Features", "KeyFrame", "KeyFrames", "Map", "MapPoint", "Points",
+    "NONE", "Atlas", "FeatureArrays", "Features", "KeyFrame", "KeyFrames", "Landmarks", "Map", "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
-    "CheckReport", "Observations", "Report", "Store", "View", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "view", "write",
+    "CheckReport", "Connections", "Observations", "Report", "Store", "View",
+    "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "view", "write",
+    "FoundAtlas", "Page", "find_atlases", "list_atlases", "report_page", "summarize", "write_file",
 ]  # fmt: skip

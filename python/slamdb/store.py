@@ -40,8 +40,9 @@ class Store:
         self._read_only = read_only
         self._options = (wait, sync)
         self._closed = False
+        file = self._file
         if read_only or (os.path.exists(self._path) and os.path.getsize(self._path) > 0):
-            self._file.migrate(False, True, False)  # without doing anything: it is a store
+            file.migrate(False, True, False)  # without doing anything: it is a store
 
     @property
     def path(self) -> str:

@@ -15,7 +15,7 @@ namespace slamdb::python {
 // it in place when it is done. So arrays never dangle, readers on other threads are not disturbed, and a call that
 // fails or is interrupted changes nothing.
 //
-// All but the work in Change is done with the GIL held.
+// All but the work in Apply is done with the GIL held.
 class HeldAtlas {
  public:
   explicit HeldAtlas(Atlas atlas) : value_(std::make_shared<Atlas>(std::move(atlas))) {}
@@ -34,6 +34,21 @@ class HeldAtlas {
     }();
     value_ = std::move(changed);
     return report;
+  }
+
+  // The same where `change` leaves an atlas as it was when it throws: in place and with the GIL, unless arrays, rows or
+  // running calls share the value, so that many small changes do not copy the atlas as often.
+  template <class Change>
+  auto ApplyWhole(const Change& change) {
+    if (value_.use_count() > 1) return Apply(change);
+    const Changing guard(*this);
+    return change(*value_);
+  }
+
+  // Puts another value in place.
+  void Put(std::shared_ptr<Atlas> value) {
+    const Changing guard(*this);
+    value_ = std::move(value);
   }
 
  private:

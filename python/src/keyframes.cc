@@ -2,18 +2,15 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include "python/src/map_in_atlas.h"
+#include "python/src/keyframe_row.h"
 #include "python/src/module.h"
+#include "python/src/poses.h"
 
 namespace slamdb::python {
 
 namespace py = pybind11;
 
 namespace {
-
-struct FeaturesOfKeyFrame {
-  Row<KeyFrame> of;
-};
 
 // A member of all keyframes as an array over it.
 template <class Number, class MemberOf>
@@ -29,11 +26,7 @@ py::array Poses(const KeyFramesInMap& keyframes) {
   py::array_t<double> poses({static_cast<py::ssize_t>(list.size()), py::ssize_t{4}, py::ssize_t{4}});
   double* at = poses.mutable_data();
   for (const KeyFrame& keyframe : list) {
-    const Rigid3f world_from_camera = keyframe.camera_from_world.Normalized().Inverse();
-    Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = Eigen::Matrix4d::Identity();
-    matrix.topLeftCorner<3, 3>() = world_from_camera.rotation.toRotationMatrix().cast<double>();
-    matrix.topRightCorner<3, 1>() = world_from_camera.translation.cast<double>();
-    at = std::copy_n(matrix.data(), 16, at);
+    at = std::copy_n(MatrixByRows(keyframe.camera_from_world.Normalized().Inverse()).data(), 16, at);
   }
   return ReadOnly(std::move(poses));
 }
@@ -96,12 +89,6 @@ py::array KeypointColumn(const FeaturesOfKeyFrame& features) {
   const Column<Keypoint>& column = features.of.entity->features.*Member;
   return ViewOf(features.of.kept, KeypointType(),
                 {column.data(), {static_cast<py::ssize_t>(column.size())}, {sizeof(Keypoint)}});
-}
-
-// A column of a keyframe's features as an array over it.
-template <class Number, auto Member>
-py::array FeatureColumn(const FeaturesOfKeyFrame& features) {
-  return ColumnView<Number>(features.of.kept, features.of.entity->features.*Member);
 }
 
 void DefineFeatures(py::module_& module) {

@@ -12,8 +12,14 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefinePoints(module);
   slamdb::python::DefineAtlas(module);
   slamdb::python::DefineFiles(module);
+  slamdb::python::DefineMany(module);
   slamdb::python::DefineStore(module);
   slamdb::python::DefineVerbs(module);
+  slamdb::python::DefineRows(module);
+  slamdb::python::DefineColumns(module);
+  slamdb::python::DefineGraphs(module);
+  slamdb::python::DefineLandmarks(module);
+  slamdb::python::DefineBuilding(module);
   slamdb::python::DefineNotebook(module);
   module.attr("NONE") = slamdb::MapId::kNone;
   module.attr("version") = std::string(slamdb::Version());

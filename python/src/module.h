@@ -12,6 +12,14 @@ void DefinePoints(pybind11::module_& module);
 void DefineStore(pybind11::module_& module);
 void DefineFiles(pybind11::module_& module);
 void DefineNotebook(pybind11::module_& module);
+void DefineMany(pybind11::module_& module);
 void DefineVerbs(pybind11::module_& module);
+
+// These add to the classes that the others have defined.
+void DefineRows(pybind11::module_& module);
+void DefineColumns(pybind11::module_& module);
+void DefineGraphs(pybind11::module_& module);
+void DefineLandmarks(pybind11::module_& module);
+void DefineBuilding(pybind11::module_& module);
 
 }  // namespace slamdb::python

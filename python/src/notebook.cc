@@ -10,6 +10,7 @@
 #include "python/src/errors.h"
 #include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
+#include "python/src/reopen.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/formats/info.h"
 #include "slamdb/model/statistics.h"
@@ -115,14 +116,14 @@ void DefineNotebook(py::module_& module) {
   module.def("view_page", &ViewPageOf);
   module.def("write_page", &WritePage);
 
-  py::class_<HeldAtlas, std::shared_ptr<HeldAtlas>>(module.attr("Atlas"))
+  Reopen<py::class_<HeldAtlas, std::shared_ptr<HeldAtlas>>>(module, "Atlas")
       .def("_repr_html_", Calling("slamdb.notebook", "html_of_atlas"));
-  py::class_<MapInAtlas>(module.attr("Map")).def("_repr_html_", Calling("slamdb.notebook", "html_of_map"));
-  py::class_<KeyFramesInMap>(module.attr("KeyFrames"))
+  Reopen<py::class_<MapInAtlas>>(module, "Map").def("_repr_html_", Calling("slamdb.notebook", "html_of_map"));
+  Reopen<py::class_<KeyFramesInMap>>(module, "KeyFrames")
       .def("to_pandas", Calling("slamdb.tables", "frame_of_keyframes"),
            "A DataFrame with a row for each: id, timestamp (seconds), x, y, z (camera centre, world), qx, qy, qz, qw "
            "(world from camera), parent (<NA>: none), bad. Raises ImportError where pandas is not installed.");
-  py::class_<PointsInMap>(module.attr("Points"))
+  Reopen<py::class_<PointsInMap>>(module, "Points")
       .def("to_pandas", Calling("slamdb.tables", "frame_of_points"),
            "A DataFrame with a row for each: id, x, y, z (world), nx, ny, nz (mean viewing direction), observations "
            "(how many keyframes see it), reference_keyframe (<NA>: none), min_distance, max_distance, bad. Raises "

@@ -12,7 +12,9 @@
 #include "python/src/files.h"
 #include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
+#include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
+#include "slamdb/formats/location.h"
 #include "slamdb/formats/sqlite/report.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/add.h"
@@ -194,7 +196,11 @@ void DefineKeeping(py::class_<StoreFile>& store) {
 
 void DefineStore(py::module_& module) {
   py::class_<StoreFile> store(module, "StoreFile");
-  store.def(py::init([](const std::string& path, double wait, bool sync) { return StoreFile{path, wait, sync}; }));
+  store.def(py::init([](const std::string& path, double wait, bool sync) {
+    if (const std::string name = Location(path).name; !name.empty())
+      throw Error(ErrorKind::kUsage, path, "", "a store is named without an atlas; load(\"" + name + "\") takes it");
+    return StoreFile{path, wait, sync};
+  }));
   DefineLooking(store);
   DefineKeeping(store);
 

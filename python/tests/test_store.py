@@ -162,6 +162,8 @@ def test_what_opens_and_what_does_not(tmp_path, atlas, session):
     sqlite3.connect(tmp_path / "theirs.db").execute("CREATE TABLE images (a)").connection.close()
     with pytest.raises(slamdb.UnsupportedError):
         slamdb.Store(tmp_path / "theirs.db")
+    with pytest.raises(slamdb.UsageError, match="without an atlas"):
+        slamdb.Store(f"{tmp_path}/maps.db#lab")
     fresh = slamdb.Store(tmp_path / "fresh.db")
     assert fresh.names == [] and list(tmp_path.glob("fresh*")) == []
     for attempt in (fresh.list, fresh.vacuum, lambda: fresh.load("lab"), lambda: fresh.remove("lab")):

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Each example does what it says, on what it takes by default."""
+
+import csv
+import io
+import pathlib
+import pickle
+import shutil
+
+import numpy as np
+import pytest
+import slamdb
+
+HERE = pathlib.Path(__file__).parent
+EXAMPLES = sorted(path.name for path in HERE.glob("*.py") if path.name not in ("conftest.py", "test_examples.py"))
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_each_says_what_it_does_and_is_short(run, example):
+    if example == "plot_map.py":
+        pytest.importorskip("matplotlib", reason="matplotlib is not there (python3-matplotlib)")
+    assert "usage: " in run(example, "--help")
+    assert len((HERE / example).read_text().split("\n")) < 85
+
+
+def test_plot_map(run, tmp_path, session):
+    image = pytest.importorskip("matplotlib.image", reason="matplotlib is not there (python3-matplotlib)")
+    run("plot_map.py")
+    picture = image.imread(tmp_path / "map.png")
+    assert picture.shape[0] > 300 and picture.shape[1] > 300
+    crimson = np.abs(picture[:, :, :3] - np.array([220, 20, 60]) / 255).max(axis=2) < 0.1
+    assert crimson.sum() > 200  # the way of the camera
+    assert len(np.unique(picture.reshape(-1, 4), axis=0)) > 100  # points in their colours
+    first = (tmp_path / "map.png").read_bytes()
+    run("plot_map.py", session, "-O")
+    assert (tmp_path / "map.png").read_bytes() == first
+
+
+def test_quality_table(run, fixtures, session, tmp_path):
+    maps = tmp_path / "maps"
+    shutil.copytree(fixtures / "mono_small_twice", maps)
+    (maps / "cut.osa").write_bytes(session.read_bytes()[:100_000])
+    rows = {pathlib.Path(row["input"]).name: row for row in csv.DictReader(io.StringIO(run("quality_table.py", session, maps)))}
+    assert list(rows) == ["session_small_a.osa", "cut.osa", "mono_small_twice.osa"]
+    assert rows["session_small_a.osa"]["sound"] == "True" and rows["session_small_a.osa"]["keyframes"] == "14"
+    assert rows["mono_small_twice.osa"]["sound"] == "False" and rows["mono_small_twice.osa"]["errors"] == "1"
+    assert "truncated" in rows["cut.osa"]["failure"]
+    run("quality_table.py", "-o", "table.csv")
+    assert len((tmp_path / "table.csv").read_text().split("\n")) == 4
+
+
+def test_colmap_handover(run, tmp_path, session):
+    said = run("colmap_handover.py")
+    assert said.startswith("14 images by ") and float(said.split()[-4]) < 1e-4
+    points = slamdb.read(session).maps[0].points
+    written = [line for line in (tmp_path / "model" / "points3D.txt").read_text().split("\n") if line and line[0] != "#"]
+    assert len(written) == len(points) == 3162
+
+
+def test_keyframe_dataset(run, fixtures, session):
+    from keyframe_dataset import KeyFrameDataset
+
+    assert run("keyframe_dataset.py").startswith("29 keyframes with ")
+    samples = KeyFrameDataset([fixtures / "session_small_a", fixtures / "session_small_b"], held=1)
+    assert len(samples) == 29
+    keyframes = slamdb.read(session).maps[0].keyframes
+    for number in (13, 20, 3):  # back and forth between atlases, of which one is held
+        sample = samples[number]
+        assert sample["keypoints"].shape == (len(sample["descriptors"]), 2)
+        assert len(samples._atlases) == 1
+    assert np.array_equal(sample["descriptors"], keyframes[3].features.descriptors)
+    assert np.allclose(sample["world_from_camera"], keyframes.poses[3], atol=1e-6)
+    packed = pickle.dumps(samples)
+    assert len(packed) < 10_000  # for workers: places, no atlases
+    assert np.array_equal(pickle.loads(packed)[20]["descriptors"], samples[20]["descriptors"])
+
+
+def test_keyframe_dataset_in_pytorch(session):
+    data = pytest.importorskip("torch.utils.data", reason="torch is not there")
+    from keyframe_dataset import KeyFrameDataset
+
+    loader = data.DataLoader(KeyFrameDataset([session]), batch_size=None, shuffle=True, num_workers=2)
+    assert sorted(sample["keyframe"] for sample in loader) == sorted(slamdb.read(session).maps[0].keyframes.ids.tolist())

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/build/detail/new_features.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slamdb/build/detail/columns.h"
+#include "slamdb/formats/import/detail/keypoints.h"
+#include "slamdb/pictures/detail/record_camera.h"
+
+namespace slamdb::detail {
+namespace {
+
+// The features of one keyframe while they are looked at.
+class Inspection {
+ public:
+  Inspection(const NewKeyFrames& given, std::size_t row)
+      : given_(given), features_(given.features[row]), row_(row), left_(features_.keypoints.size()) {}
+
+  void RequireAll() const {
+    const std::size_t right = features_.right_keypoints.size();
+    if (right > 0 && !given_.right_camera) Fail("right_keypoints: are of a fisheye pair; right_camera= says which");
+    Length("undistorted", features_.undistorted, left_);
+    Length("descriptors", features_.descriptors, left_ + right);
+    Length("right_x", features_.right_x, left_);
+    Length("depth", features_.depth, left_);
+    Matches("right_of_left", features_.right_of_left, left_, right);
+    Matches("left_of_right", features_.left_of_right, right, left_);
+    Keypoints("keypoints", features_.keypoints);
+    Keypoints("undistorted", features_.undistorted);
+    Keypoints("right_keypoints", features_.right_keypoints);
+    Numbers("right_x", features_.right_x);
+    Numbers("depth", features_.depth);
+    if (given_.baseline > 0 || !(HasAny(features_.right_x) || HasAny(features_.depth))) return;
+    Fail("depth: of a rectified pair or an RGB-D camera needs its baseline; baseline= says it");
+  }
+
+ private:
+  template <class... Parts>
+  [[noreturn]] void Fail(const Parts&... parts) const {
+    RefuseRow("features", row_, "- ", parts...);
+  }
+
+  template <class List>
+  void Length(std::string_view column, const List& list, std::size_t length) const {
+    if (!list.empty() && list.size() != length)
+      Fail(column, ": has ", list.size(), " rows, but there are ", length, " keypoints");
+  }
+
+  void Matches(std::string_view column, const Column<std::int32_t>& rows, std::size_t length, std::size_t end) const {
+    Length(column, rows, length);
+    const auto is_row = [&](std::int32_t row) { return row >= -1 && row < static_cast<std::int64_t>(end); };
+    const auto wrong = std::ranges::find_if_not(rows, is_row);
+    if (wrong != rows.end())
+      Fail(column, ": keypoint ", wrong - rows.begin(), " matches ", *wrong, " of ", end, "; -1 is none");
+  }
+
+  void Keypoints(std::string_view column, const Column<Keypoint>& keypoints) const {
+    for (std::size_t i = 0; i < keypoints.size(); ++i) {
+      const Keypoint& keypoint = keypoints[i];
+      if (!std::isfinite(keypoint.x) || !std::isfinite(keypoint.y))
+        Fail(column, ": keypoint ", i, " is at no finite place");
+      if (keypoint.octave < 0 || keypoint.octave >= given_.levels)
+        Fail(column, ": keypoint ", i, " is of octave ", keypoint.octave, ", but the pyramid has ", given_.levels,
+             " levels; levels= says how many");
+    }
+  }
+
+  void Numbers(std::string_view column, const Column<float>& numbers) const {
+    const auto wrong = std::ranges::find_if_not(numbers, [](float number) { return std::isfinite(number); });
+    if (wrong != numbers.end()) Fail(column, ": keypoint ", wrong - numbers.begin(), " has none; -1 says so");
+  }
+
+  static bool HasAny(const Column<float>& numbers) {
+    return std::ranges::any_of(numbers, [](float number) { return number >= 0; });
+  }
+
+  const NewKeyFrames& given_;
+  const Features& features_;
+  const std::size_t row_;
+  const std::size_t left_;
+};
+
+void SetSizes(const ScalePyramid& pyramid, Column<Keypoint>& keypoints) {
+  for (Keypoint& keypoint : keypoints)
+    if (keypoint.size == 0) keypoint.size = PatchAt(keypoint.octave, pyramid);
+}
+
+// The column in the right picture and the depth tell each other: x - right_x = baseline * fx / depth.
+void CompleteStereo(const Intrinsics& intrinsics, Features& features) {
+  const std::size_t count = features.keypoints.size();
+  features.right_x.resize(count, -1);
+  features.depth.resize(count, -1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float x = features.undistorted[i].x;
+    float &right_x = features.right_x[i], &depth = features.depth[i];
+    if (right_x >= 0 && !(depth > 0)) {
+      const float disparity = x - right_x;
+      depth = disparity > 0 ? intrinsics.baseline_fx / disparity : -1;
+    } else if (depth > 0 && !(right_x >= 0)) {
+      right_x = x - intrinsics.baseline_fx / depth;
+    }
+  }
+}
+
+}  // namespace
+
+void RequireFeatures(const NewKeyFrames& given, std::size_t row) { Inspection(given, row).RequireAll(); }
+
+void CompleteNewFeatures(const CameraSettings& settings, const NewKeyFrames& given, KeyFrame& keyframe) {
+  Features& features = keyframe.features;
+  SetSizes(keyframe.pyramid, features.keypoints);
+  SetSizes(keyframe.pyramid, features.right_keypoints);
+  if (features.undistorted.empty()) features.undistorted = WithoutDistortion(settings, features.keypoints);
+  SetSizes(keyframe.pyramid, features.undistorted);
+  const std::size_t left = features.keypoints.size(), right = features.right_keypoints.size();
+  if (given.right_camera) {
+    features.left_count = static_cast<std::int32_t>(left);
+    features.right_count = static_cast<std::int32_t>(right);
+    features.right_of_left.resize(left, -1);
+    features.left_of_right.resize(right, -1);
+  }
+  CompleteStereo(keyframe.intrinsics, features);
+  features.count = static_cast<std::int32_t>(left + right);
+  features.map_points.assign(left + right, MapPointId());
+}
+
+}  // namespace slamdb::detail
