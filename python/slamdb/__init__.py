@@ -11,7 +11,7 @@ gives it new memory; arrays taken before keep showing the old one, and writing t
 Threads may read one atlas at the same time. The live map (slamdb::live) is for C++ alone.
 """
 
-from ._slamdb import NONE, Atlas, Features, KeyFrame, KeyFrames, Landmarks, Map, MapPoint, Points
+from ._slamdb import NONE, Atlas, Edit, Features, Journal, KeyFrame, KeyFrames, Landmarks, Map, MapPoint, Points
 from ._slamdb import version as __version__
 from .errors import (
     AccessDeniedError,
@@ -39,7 +39,7 @@ from .store import Store
 from .verbs import check, diff, merge, recover, repair
 
 __all__ = [
-    "NONE", "Atlas", "FeatureArrays", "Features", "KeyFrame", "KeyFrames", "Landmarks", "Map", "MapPoint", "Points",
+    "NONE", "Atlas", "Edit", "FeatureArrays", "Features", "Journal", "KeyFrame", "KeyFrames", "Landmarks", "Map", "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
     "CheckReport", "Connections", "Observations", "Report", "Store", "View",

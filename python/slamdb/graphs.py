@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ class Connections(NamedTuple):
 
 def covisibility(map: Map) -> Any:
     try:
-        from scipy.sparse import csr_matrix
+        sparse: Any = importlib.import_module("scipy.sparse")  # of whose types nothing is known
     except ImportError:
         raise ImportError("a sparse matrix needs scipy; KeyFrames.connections has the same as arrays") from None
     keyframes = map.keyframes
@@ -30,7 +31,7 @@ def covisibility(map: Map) -> Any:
     columns = keyframes.rows_of(connections.keyframes)
     size = len(keyframes)
     parts = (connections.weights, columns, connections.offsets.astype("int64"))
-    return csr_matrix(parts, shape=(size, size))
+    return sparse.csr_matrix(parts, shape=(size, size))
 
 
 def spanning_tree(map: Map) -> NDArray[np.int64]:

@@ -14,6 +14,7 @@ from . import _slamdb
 from ._slamdb import Atlas, Map
 from .errors import Error, UsageError
 from .files import Path, Progress, read
+from .many import write_file
 
 if TYPE_CHECKING:
     from .report import Report
@@ -214,4 +215,4 @@ def view(
 def _write(path: str, page: str, overwrite: bool) -> None:
     if not path.endswith((".html", ".htm")):
         raise UsageError("a page is an .html", path)
-    _slamdb.write_page(os.fsencode(path), page, overwrite)
+    write_file(path, page.encode(), overwrite=overwrite)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Tuple
 
 import numpy as np
 
-from ._slamdb import NONE, Atlas, KeyFrames, Map, Points, empty_map
+from ._slamdb import NONE, Atlas, KeyFrames, Map, Points
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -84,7 +84,7 @@ _IDS_OR_NONE = ("parent", "reference_keyframe", "map")
 
 def atlas_columns(kind: str, atlases: Iterable[Tuple[str, Atlas]]) -> Columns:
     """The rows of all maps of all atlases, behind the name of the atlas and the id of the map."""
-    parts = [_rows_of(kind, "", empty_map())]
+    parts = [_rows_of(kind, "", Atlas().add_map())]  # of no rows, for names and types
     parts += [_rows_of(kind, name, map) for name, atlas in atlases for map in atlas.maps]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 

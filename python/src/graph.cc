@@ -7,6 +7,7 @@
 #include "python/src/module.h"
 #include "python/src/reopen.h"
 #include "slamdb/build/links.h"
+#include "slamdb/model/statistics.h"
 
 // What a map records of itself, and its graphs. slamdb/graphs.py makes matrices of them.
 namespace slamdb::python {
@@ -34,8 +35,11 @@ bool FlagOf(const MapInAtlas& m) {
 
 void DefineRecords(MapClass map) {
   map.def_property_readonly(
-         "initial_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map().initial_keyframe); },
-         "id of the keyframe that bundle adjustment fixes, or None")
+         "sensor", [](const MapInAtlas& m) { return SensorText(SensorOf(m.map()), HasImu(m.map())); },
+         "`monocular`, `stereo or RGB-D with IMU`, ...: judged by what most keyframes hold")
+      .def_property_readonly(
+          "initial_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map().initial_keyframe); },
+          "id of the keyframe that bundle adjustment fixes, or None")
       .def_property_readonly(
           "root_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map().first_keyframe); },
           "id of the root of the spanning tree, or None")

@@ -5,7 +5,9 @@
 
 #include <memory>
 #include <utility>
+#include <vector>
 
+#include "slamdb/edit/repair/journal.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb::python {
@@ -45,11 +47,16 @@ class HeldAtlas {
     return change(*value_);
   }
 
-  // Puts another value in place.
-  void Put(std::shared_ptr<Atlas> value) {
+  // Puts another value in place, which `journal` takes back; null: nothing does.
+  void Put(std::shared_ptr<Atlas> value, std::shared_ptr<const Journal> journal) {
     const Changing guard(*this);
     value_ = std::move(value);
+    if (journal) history_.push_back(std::move(journal));
   }
+
+  // Of the edits that were put in place and not taken back, the last one last.
+  const std::vector<std::shared_ptr<const Journal>>& history() const { return history_; }
+  void ForgetLast() { history_.pop_back(); }
 
  private:
   class Changing {
@@ -66,6 +73,7 @@ class HeldAtlas {
     HeldAtlas& held_;
   };
 
+  std::vector<std::shared_ptr<const Journal>> history_;
   std::shared_ptr<Atlas> value_;
   bool changing_ = false;
 };

@@ -20,6 +20,8 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineGraphs(module);
   slamdb::python::DefineLandmarks(module);
   slamdb::python::DefineBuilding(module);
+  slamdb::python::DefineMapVerbs(module);
+  slamdb::python::DefineEditing(module);
   slamdb::python::DefineNotebook(module);
   module.attr("NONE") = slamdb::MapId::kNone;
   module.attr("version") = std::string(slamdb::Version());

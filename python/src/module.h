@@ -21,5 +21,7 @@ void DefineColumns(pybind11::module_& module);
 void DefineGraphs(pybind11::module_& module);
 void DefineLandmarks(pybind11::module_& module);
 void DefineBuilding(pybind11::module_& module);
+void DefineMapVerbs(pybind11::module_& module);
+void DefineEditing(pybind11::module_& module);
 
 }  // namespace slamdb::python

@@ -11,7 +11,6 @@
 #include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
 #include "python/src/reopen.h"
-#include "slamdb/base/atomic_file.h"
 #include "slamdb/formats/info.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/plot/plot.h"
@@ -95,13 +94,6 @@ py::tuple ViewPageOf(const std::vector<std::shared_ptr<HeldAtlas>>& atlases, con
   return py::make_tuple(page.html, page.report.left_out);
 }
 
-void WritePage(const std::string& path, const std::string& html, bool overwrite) {
-  const py::gil_scoped_release unlocked;
-  AtomicFile file(path, {.overwrite = overwrite});
-  file.Write(html);
-  file.Commit();
-}
-
 // Calls a function of a module of the package, which is not imported before.
 auto Calling(const char* module, const char* function) {
   return [module, function](const py::object& self) { return py::module_::import(module).attr(function)(self); };
@@ -114,7 +106,6 @@ void DefineNotebook(py::module_& module) {
   module.def("statistics", &Statistics);
   module.def("plan", &Plan);
   module.def("view_page", &ViewPageOf);
-  module.def("write_page", &WritePage);
 
   Reopen<py::class_<HeldAtlas, std::shared_ptr<HeldAtlas>>>(module, "Atlas")
       .def("_repr_html_", Calling("slamdb.notebook", "html_of_atlas"));

@@ -10,7 +10,7 @@
 
 #include "python/src/errors.h"
 #include "python/src/files.h"
-#include "python/src/map_in_atlas.h"
+#include "python/src/held_atlas.h"
 #include "python/src/module.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
@@ -210,12 +210,6 @@ void DefineStore(py::module_& module) {
       .def_readwrite("keyframes", &Query::keyframes)
       .def_readwrite("near", &Query::near);
 
-  // A map of nothing, whose columns have names and types all the same.
-  module.def("empty_map", [] {
-    Atlas atlas;
-    atlas.maps.resize(1);
-    return MapInAtlas{std::make_shared<HeldAtlas>(std::move(atlas)), 0, MapId()};
-  });
   module.def("check_failed", [](const std::string& name, const std::string& failure) {
     const CheckedFile unreadable{.name = name, .failure = failure};
     return ToJson(std::span<const CheckedFile>(&unreadable, 1));

@@ -63,9 +63,9 @@ class MapCounter {
   MapStatistics Count() {
     CopyRecorded();
     CountKeyFrames();
-    result_.sensor = detail::SensorOf(map_);
+    result_.sensor = SensorOf(map_);
     result_.metric = IsMetric(map_);
-    result_.has_imu = detail::HasImu(map_);
+    result_.has_imu = HasImu(map_);
     result_.up = UpOf(map_);
     MeasureTrajectory();
     CountEdges();

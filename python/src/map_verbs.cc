@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "python/src/given.h"
+#include "python/src/map_in_atlas.h"
+#include "python/src/module.h"
+#include "python/src/reopen.h"
+#include "slamdb/build/links.h"
+#include "slamdb/edit/part/subset.h"
+
+// What changes a map: removing, links, and what follows from what was changed.
+namespace slamdb::python {
+
+namespace py = pybind11;
+
+namespace {
+
+using MapClass = py::class_<MapInAtlas>;
+using Flags = std::vector<std::uint8_t>;
+
+// A mask of all rows, or ids. `noun`: of what.
+template <class List>
+Flags ChosenOf(const py::object& which, const List& list, const std::string& noun) {
+  Flags chosen(list.size(), 0);
+  const py::array array = py::array::ensure(which);
+  if (!array) PyErr_Clear();
+  if (array && array.dtype().kind() == 'b') {
+    if (array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != list.size())
+      RefuseGiven("which", "is a mask of another shape; there are " + std::to_string(list.size()) + " " + noun + "s");
+    const py::array_t<bool, py::array::c_style> mask(array);
+    std::copy_n(mask.data(), chosen.size(), chosen.begin());
+    return chosen;
+  }
+  std::vector<std::pair<std::uint64_t, std::size_t>> rows;
+  for (std::size_t row = 0; row < list.size(); ++row) rows.emplace_back(list[row].id.value(), row);
+  std::ranges::sort(rows);
+  for (const std::uint64_t id : GivenIds(which, "which")) {
+    const auto found = std::ranges::lower_bound(rows, std::pair(id, std::size_t{0}));
+    if (found == rows.end() || found->first != id)
+      RefuseGiven("which", "the map has no " + noun + " " + std::to_string(id));
+    chosen[found->second] = 1;
+  }
+  return chosen;
+}
+
+Border BorderOf(const std::string& name) {
+  if (name == "strict") return Border::kStrict;
+  if (name == "smart") return Border::kSmart;
+  RefuseGiven("border", "is 'strict' or 'smart'");
+}
+
+std::vector<KeyFramePair> PairsOf(const py::object& ones, const py::object& others, const char* ones_name,
+                                  const char* others_name) {
+  const std::vector<std::uint64_t> one = GivenIds(ones, ones_name);
+  const std::vector<std::uint64_t> other = GivenIds(others, others_name, {static_cast<py::ssize_t>(one.size())});
+  std::vector<KeyFramePair> pairs;
+  for (std::size_t row = 0; row < one.size() && row < other.size(); ++row)
+    pairs.emplace_back(KeyFrameId(one[row]), KeyFrameId(other[row]));
+  if (pairs.size() != one.size()) RefuseGiven(others_name, "has no rows");
+  return pairs;
+}
+
+// Sets the flags of what goes to 0, closes what is left, and tells what became of it.
+template <class Take>
+py::object Remove(const MapInAtlas& map, const Border* border, const Take& take) {
+  map.map();
+  const std::string report = map.atlas->ApplyWhole([&](Atlas& atlas) {
+    Subset subset = Subset::Everything(atlas);
+    take(subset.maps[map.row]);
+    if (border != nullptr) SettleBorder(AtlasIndex(atlas), *border, subset);
+    return ToJson(KeepSubset(atlas, subset));
+  });
+  return py::module_::import("slamdb.report").attr("Report").attr("parse")(report);
+}
+
+void Take(const Flags& chosen, Flags& kept) {
+  for (std::size_t row = 0; row < chosen.size(); ++row) kept[row] = chosen[row] != 0 ? 0 : 1;
+}
+
+py::object RemovePoints(const MapInAtlas& map, const py::object& which) {
+  const Flags chosen = ChosenOf(which, map.map().points, "point");
+  return Remove(map, nullptr, [&](Subset::MapRows& rows) { Take(chosen, rows.points); });
+}
+
+py::object RemoveKeyFrames(const MapInAtlas& map, const py::object& which, const std::string& border_name) {
+  const Flags chosen = ChosenOf(which, map.map().keyframes, "keyframe");
+  const Border border = BorderOf(border_name);
+  return Remove(map, &border, [&](Subset::MapRows& rows) { Take(chosen, rows.keyframes); });
+}
+
+// `change(map)` of the map as it is in the value that is changed.
+template <class Change>
+auto ChangeMap(const MapInAtlas& map, const Change& change) {
+  map.map();
+  return map.atlas->ApplyWhole([&](Atlas& atlas) { return change(atlas.maps[map.row]); });
+}
+
+struct Nothing {};
+
+void UpdateChosen(const MapInAtlas& map, const py::object& which) {
+  const Column<MapPoint>& points = map.map().points;
+  const Flags chosen = which.is_none() ? Flags(points.size(), 1) : ChosenOf(which, points, "point");
+  std::vector<std::uint32_t> rows;
+  for (std::uint32_t row = 0; row < chosen.size(); ++row)
+    if (chosen[row] != 0) rows.push_back(row);
+  ChangeMap(map, [&](Map& changed) { return UpdatePoints(changed, rows), Nothing(); });
+}
+
+std::uint64_t AddEdgesTo(const MapInAtlas& map, EdgeKind kind, const py::object& given) {
+  const std::vector<std::uint64_t> ids = GivenIds(given, "pairs", {-1, 2});
+  std::vector<KeyFramePair> pairs;
+  for (std::size_t at = 0; at < ids.size(); at += 2) pairs.emplace_back(KeyFrameId(ids[at]), KeyFrameId(ids[at + 1]));
+  return ChangeMap(map, [&](Map& changed) { return AddEdges(changed, kind, pairs); });
+}
+
+void SetParentsOf(const MapInAtlas& map, const py::object& keyframes, const py::object& parents) {
+  const std::vector<KeyFramePair> pairs = PairsOf(keyframes, parents, "keyframes", "parents");
+  ChangeMap(map, [&](Map& changed) { return SetParents(changed, pairs), Nothing(); });
+}
+
+void SetReferencesOf(const MapInAtlas& map, const py::object& points, const py::object& keyframes) {
+  std::vector<std::pair<MapPointId, KeyFrameId>> pairs;
+  for (const auto& [point, keyframe] : PairsOf(points, keyframes, "points", "keyframes"))
+    pairs.emplace_back(MapPointId(point.value()), keyframe);
+  ChangeMap(map, [&](Map& changed) { return SetReferences(changed, pairs), Nothing(); });
+}
+
+void DefineRemoving(MapClass map) {
+  map.def("remove_points", &RemovePoints, py::arg("which"),
+          R"(Remove points, and all that refers to them; returns what went as a Report: before, after, cut, chosen.
+
+which: mask (N,) bool, or ids)")
+      .def("remove_keyframes", &RemoveKeyFrames, py::arg("which"), py::kw_only(), py::arg("border") = "strict",
+           R"(Remove keyframes, and all that refers to them; returns what went as a Report: before, after, cut, chosen.
+
+Their children get other parents, points other reference keyframes, IMU measurements are joined over the gap.
+which: mask (N,) bool, or ids
+border: "strict": points go that fewer than two keyframes, and none with depth, still see; "smart": those that
+    ORB-SLAM3 culls, with observations that add up to 2 or less)");
+}
+
+void DefineLinking(MapClass map) {
+  map.def("set_parents", &SetParentsOf, py::arg("keyframes"), py::arg("parents"),
+          "Give keyframes other parents in the spanning tree, both (N,) ids; children follow.")
+      .def("set_reference_keyframes", &SetReferencesOf, py::arg("points"), py::arg("keyframes"),
+           "Give points other reference keyframes, both (N,) ids; distance ranges follow. They must observe them.")
+      .def(
+          "add_loop_edges",
+          [](const MapInAtlas& m, const py::object& pairs) { return AddEdgesTo(m, EdgeKind::kLoop, pairs); },
+          py::arg("pairs"), "Add loop edges, (N, 2) ids of keyframes, to both sides; returns how many were new.")
+      .def(
+          "add_merge_edges",
+          [](const MapInAtlas& m, const py::object& pairs) { return AddEdgesTo(m, EdgeKind::kMerge, pairs); },
+          py::arg("pairs"), "Add merge edges in the same way.")
+      .def("update_points", &UpdateChosen, py::arg("which") = py::none(),
+           R"(Make of points anew what follows from where they are and who sees them, after arrays were written to:
+normals, distance ranges, descriptors and observation counts.
+
+which: mask (N,) bool, or ids; by default all)")
+      .def(
+          "update_covisibility",
+          [](const MapInAtlas& m) { ChangeMap(m, [](Map& changed) { return UpdateConnections(changed), Nothing(); }); },
+          "Count anew which keyframes share how many points.");
+}
+
+}  // namespace
+
+void DefineMapVerbs(py::module_& module) {
+  const auto map = Reopen<MapClass>(module, "Map");
+  DefineRemoving(map);
+  DefineLinking(map);
+}
+
+}  // namespace slamdb::python
