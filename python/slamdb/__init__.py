@@ -32,14 +32,17 @@ from .features import FeatureArrays
 from .files import decode, encode, info, read, write
 from .graphs import Connections
 from .many import FoundAtlas, Page, find_atlases, list_atlases, report_page, summarize, write_file
+from .notebook import View, view
 from .observations import Observations
 from .report import CheckReport, Report
+from .store import Store
 from .verbs import check, diff, merge, recover, repair
 
 __all__ = [
     "NONE", "Atlas", "Edit", "FeatureArrays", "Features", "Journal", "KeyFrame", "KeyFrames", "Landmarks", "Map", "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
-    "CheckReport", "Connections", "Observations", "Report", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "write",
+    "CheckReport", "Connections", "Observations", "Report", "Store", "View",
+    "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "view", "write",
     "FoundAtlas", "Page", "find_atlases", "list_atlases", "report_page", "summarize", "write_file",
 ]  # fmt: skip

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The graphs of a map as matrices."""
 
+from __future__ import annotations
+
+import importlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ._slamdb import Map
 
 
@@ -18,20 +21,22 @@ class Connections(NamedTuple):
     weights: NDArray[np.int32]  # points in common, as recorded
 
 
-def covisibility(map: "Map") -> Any:
+def covisibility(map: Map) -> Any:
     try:
-        from scipy.sparse import csr_matrix
+        sparse: Any = importlib.import_module("scipy.sparse")  # of whose types nothing is known
     except ImportError:
         raise ImportError("a sparse matrix needs scipy; KeyFrames.connections has the same as arrays") from None
     keyframes = map.keyframes
     connections = keyframes.connections
     columns = keyframes.rows_of(connections.keyframes)
     size = len(keyframes)
-    parts = (connections.weights, columns, connections.offsets.astype(np.int64))
-    return csr_matrix(parts, shape=(size, size))
+    parts = (connections.weights, columns, connections.offsets.astype("int64"))
+    return sparse.csr_matrix(parts, shape=(size, size))
 
 
-def spanning_tree(map: "Map") -> NDArray[np.int64]:
+def spanning_tree(map: Map) -> NDArray[np.int64]:
+    import numpy as np
+
     from ._slamdb import NONE
 
     parents = map.keyframes.parents

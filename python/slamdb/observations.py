@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which keyframe sees which point."""
 
-from typing import NamedTuple
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Observations(NamedTuple):

@@ -46,6 +46,11 @@ class Report:
     def __repr__(self) -> str:
         return f"Report({json.dumps(self._values, indent=2)})"
 
+    def _repr_html_(self) -> str:
+        from .notebook import html_of_report
+
+        return html_of_report(self)
+
     def to_dict(self) -> Dict[str, Any]:
         """The same as plain dictionaries and lists, equal to the command's `--json`."""
         copy: Dict[str, Any] = json.loads(json.dumps(self._values))
@@ -58,7 +63,22 @@ class CheckReport(Report):
     @property
     def sound(self) -> bool:
         """Whether no input has an error."""
-        return all(checked["sound"] for checked in self["inputs"])
+        return all(checked.get("sound", False) for checked in self["inputs"])
+
+    def _repr_html_(self) -> str:
+        from .notebook import html_of_check
+
+        return html_of_check(self)
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with a row for each finding that is kept (`count`: all of its rule), ids of its place, <NA> where
+        they do not apply, and one of the rule "unreadable" for each input that could not be read.
+
+        Raises ImportError where pandas is not installed.
+        """
+        from .tables import frame_of_findings
+
+        return frame_of_findings(self)
 
 
 def _shown(value: Any) -> Any:

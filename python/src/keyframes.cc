@@ -66,15 +66,39 @@ void DefineColumns(py::class_<KeyFramesInMap>& keyframes) {
           "(N,) bool, computed: culled");
 }
 
+// Made when it is asked for, so that importing slamdb does not import numpy.
+py::dtype KeypointType() {
+  py::list names, formats, offsets;
+  const auto add = [&](const char* name, const char* format, std::size_t offset) {
+    names.append(name);
+    formats.append(format);
+    offsets.append(offset);
+  };
+  add("angle", "f4", offsetof(Keypoint, angle));
+  add("response", "f4", offsetof(Keypoint, response));
+  add("size", "f4", offsetof(Keypoint, size));
+  add("x", "f4", offsetof(Keypoint, x));
+  add("y", "f4", offsetof(Keypoint, y));
+  add("class_id", "i4", offsetof(Keypoint, class_id));
+  add("octave", "i4", offsetof(Keypoint, octave));
+  return {names, formats, offsets, sizeof(Keypoint)};
+}
+
+template <auto Member>
+py::array KeypointColumn(const FeaturesOfKeyFrame& features) {
+  const Column<Keypoint>& column = features.of.entity->features.*Member;
+  return ViewOf(features.of.kept, KeypointType(),
+                {column.data(), {static_cast<py::ssize_t>(column.size())}, {sizeof(Keypoint)}});
+}
+
 void DefineFeatures(py::module_& module) {
-  PYBIND11_NUMPY_DTYPE(Keypoint, angle, response, size, x, y, class_id, octave);
   py::class_<FeaturesOfKeyFrame>(module, "Features", "The features of a keyframe as columns: row r is keypoint r.")
       .def_property_readonly(
-          "keypoints", &FeatureColumn<Keypoint, &Features::keypoints>,
+          "keypoints", &KeypointColumn<&Features::keypoints>,
           "(N,) structured (angle, response, size, x, y, class_id, octave), writable: as detected, pixels")
-      .def_property_readonly("undistorted", &FeatureColumn<Keypoint, &Features::undistorted>,
+      .def_property_readonly("undistorted", &KeypointColumn<&Features::undistorted>,
                              "(N,) structured, writable: lens distortion removed")
-      .def_property_readonly("right_keypoints", &FeatureColumn<Keypoint, &Features::right_keypoints>,
+      .def_property_readonly("right_keypoints", &KeypointColumn<&Features::right_keypoints>,
                              "structured, writable: of the right camera of a fisheye pair")
       .def_property_readonly("descriptors", &FeatureColumn<std::uint8_t, &Features::descriptors>,
                              "(N, 32) uint8, writable: ORB descriptors")

@@ -13,6 +13,7 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineAtlas(module);
   slamdb::python::DefineFiles(module);
   slamdb::python::DefineMany(module);
+  slamdb::python::DefineStore(module);
   slamdb::python::DefineVerbs(module);
   slamdb::python::DefineRows(module);
   slamdb::python::DefineColumns(module);
@@ -21,6 +22,7 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineBuilding(module);
   slamdb::python::DefineMapVerbs(module);
   slamdb::python::DefineEditing(module);
+  slamdb::python::DefineNotebook(module);
   module.attr("NONE") = slamdb::MapId::kNone;
   module.attr("version") = std::string(slamdb::Version());
 }

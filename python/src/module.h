@@ -9,7 +9,9 @@ namespace slamdb::python {
 void DefineAtlas(pybind11::module_& module);
 void DefineKeyFrames(pybind11::module_& module);
 void DefinePoints(pybind11::module_& module);
+void DefineStore(pybind11::module_& module);
 void DefineFiles(pybind11::module_& module);
+void DefineNotebook(pybind11::module_& module);
 void DefineMany(pybind11::module_& module);
 void DefineVerbs(pybind11::module_& module);
 

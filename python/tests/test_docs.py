@@ -40,3 +40,10 @@ def test_everything_public_is_described():
         for member, value in vars(thing).items() if isinstance(thing, type) else ():
             if isinstance(value, property) and not member.startswith("_") and name in ("Points", "KeyFrames", "Features"):
                 assert value.__doc__, f"{name}.{member}"
+
+
+def test_importing_takes_nothing_that_takes_long():
+    """Scripts that touch no array need not wait for numpy."""
+    program = "import sys, slamdb; print(sorted({'numpy', 'pandas', 'scipy', 'IPython', 'asyncio'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, check=True)
+    assert done.stdout.strip() == "[]"
