@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The graphs of a map as matrices."""
 
+import importlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ class Connections(NamedTuple):
 
 def covisibility(map: "Map") -> Any:
     try:
-        from scipy.sparse import csr_matrix
+        sparse: Any = importlib.import_module("scipy.sparse")
     except ImportError:
         raise ImportError("a sparse matrix needs scipy; KeyFrames.connections has the same as arrays") from None
     keyframes = map.keyframes
@@ -28,7 +29,7 @@ def covisibility(map: "Map") -> Any:
     columns = keyframes.rows_of(connections.keyframes)
     size = len(keyframes)
     parts = (connections.weights, columns, connections.offsets.astype(np.int64))
-    return csr_matrix(parts, shape=(size, size))
+    return sparse.csr_matrix(parts, shape=(size, size))
 
 
 def spanning_tree(map: "Map") -> NDArray[np.int64]:

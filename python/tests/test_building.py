@@ -20,7 +20,8 @@ def test_what_is_built_is_sound_and_read_byte_for_byte(pair):
     _, atlas, built = pair
     report = slamdb.check(built)
     rules = {each.rule for each in report.inputs[0].results}
-    assert report.sound and rules <= {each.rule for each in slamdb.check(atlas).inputs[0].results} | {"no-words"}, rules
+    known = {each.rule for each in slamdb.check(atlas).inputs[0].results}
+    assert report.sound and rules <= known | {"point-support"}, rules  # of points that lost what one side said alone
     data = slamdb.encode(built)
     again = slamdb.decode(data)
     assert slamdb.encode(again) == data and slamdb.diff(again, built).verdict == "same"
@@ -32,7 +33,7 @@ def test_geometry_is_the_same(pair):
     for entities in (report.maps, report.cameras, report.keyframes, report.points):
         assert entities.removed == entities.added == entities.renumbered == 0
     assert not report.motions and not report.cameras.aspects.to_dict()
-    if name != "mono_small_newmap":  # the empty map of ORB-SLAM3 names the keyframe that it waits for
+    if name not in ("mono_small_newmap", "stereo_inertial"):  # that of an empty map, flags of an IMU
         assert not report.maps.aspects.to_dict()
     assert "pose" not in report.keyframes.aspects and "position" not in report.points.aspects
     if name not in ("mono_dist", "fisheye_stereo"):  # what OpenCV undistorts is near
@@ -51,11 +52,11 @@ def test_what_is_derived_is_near(pair):
         assert same.mean() > 0.4
         ratio = new.points.max_distances / old.points.max_distances[rows]
         assert 0.7 < np.median(ratio) < 1.4
-        assert np.abs(new.points.weights - old.points.weights[rows]).mean() < 0.1
+        assert np.abs(new.points.weights - old.points.weights[rows]).mean() < 0.2
         shared = new.keyframes.connections.weights.sum() / max(old.keyframes.connections.weights.sum(), 1)
         assert 0.7 < shared < 1.4
         same_parent = old.keyframes.parents[old.keyframes.rows_of(new.keyframes.ids)] == new.keyframes.parents
-        assert same_parent.mean() > 0.3
+        assert same_parent.mean() > 0.2
         assert new.root_keyframe == old.root_keyframe and new.lowest_keyframe == old.lowest_keyframe
 
 
