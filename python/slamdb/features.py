@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The features of a keyframe that is to be made."""
 
-from typing import NamedTuple, Optional
+from __future__ import annotations
 
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, NamedTuple, Optional
+
+if TYPE_CHECKING:  # takes longer to import than all of slamdb
+    from numpy.typing import ArrayLike
 
 
 class FeatureArrays(NamedTuple):

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The graphs of a map as matrices."""
 
+from __future__ import annotations
+
 import importlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # takes longer to import than all of slamdb
+    from numpy.typing import NDArray
+
     from ._slamdb import Map
 
 
@@ -19,7 +22,7 @@ class Connections(NamedTuple):
     weights: NDArray[np.int32]  # points in common, as recorded
 
 
-def covisibility(map: "Map") -> Any:
+def covisibility(map: Map) -> Any:
     try:
         sparse: Any = importlib.import_module("scipy.sparse")
     except ImportError:
@@ -32,7 +35,7 @@ def covisibility(map: "Map") -> Any:
     return sparse.csr_matrix(parts, shape=(size, size))
 
 
-def spanning_tree(map: "Map") -> NDArray[np.int64]:
+def spanning_tree(map: Map) -> NDArray[np.int64]:
     from ._slamdb import NONE
 
     parents = map.keyframes.parents

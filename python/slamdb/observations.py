@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which keyframe sees which point."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+if TYPE_CHECKING:  # takes longer to import than all of slamdb
+    from numpy.typing import NDArray
 
 
 class Observations(NamedTuple):

@@ -41,7 +41,8 @@ def test_geometry_is_the_same(pair):
 
 
 def test_what_is_derived_is_near(pair):
-    _, atlas, built = pair
+    name, atlas, built = pair
+    least_shared = 0.3 if name == "fisheye_stereo" else 0.7  # whose keyframes count points of two keypoints twice
     for old, new in zip(atlas.maps, built.maps):
         if len(old.keyframes) == 0:
             continue
@@ -54,7 +55,7 @@ def test_what_is_derived_is_near(pair):
         assert 0.7 < np.median(ratio) < 1.4
         assert np.abs(new.points.weights - old.points.weights[rows]).mean() < 0.2
         shared = new.keyframes.connections.weights.sum() / max(old.keyframes.connections.weights.sum(), 1)
-        assert 0.7 < shared < 1.4
+        assert least_shared < shared < 1.4
         same_parent = old.keyframes.parents[old.keyframes.rows_of(new.keyframes.ids)] == new.keyframes.parents
         assert same_parent.mean() > 0.2
         assert new.root_keyframe == old.root_keyframe and new.lowest_keyframe == old.lowest_keyframe
