@@ -131,6 +131,7 @@
 #include "slamdb/model/reprojection.h"
 #include "slamdb/model/rigid.h"
 #include "slamdb/model/salvage.h"
+#include "slamdb/model/sensor.h"
 #include "slamdb/model/similarity.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/model/summary.h"

@@ -145,7 +145,7 @@ void DefineSession(py::module_& module) {
 Columns of edit.maps are writable. What the block raises drops the change. The atlas must stay as it is meanwhile.)")
       .def_property_readonly("atlas", &Edit::work, "the atlas as it will be")
       .def_property_readonly(
-          "maps", [](const Edit& e) { return py::cast(e.work()).attr("maps"); }, "its maps")
+          "maps", [](const Edit& e) { return py::object(py::cast(e.work()).attr("maps")); }, "its maps")
       .def("commit", &Edit::Commit, "Put the change in place, as leaving the `with` does.")
       .def("drop", &Edit::Drop, "Forget the change.")
       .def_property_readonly(

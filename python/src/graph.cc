@@ -7,7 +7,7 @@
 #include "python/src/module.h"
 #include "python/src/reopen.h"
 #include "slamdb/build/links.h"
-#include "slamdb/model/statistics.h"
+#include "slamdb/model/sensor.h"
 
 // What a map records of itself, and its graphs. slamdb/graphs.py makes matrices of them.
 namespace slamdb::python {

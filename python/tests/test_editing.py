@@ -30,8 +30,9 @@ def add(map):
     free = [int(np.flatnonzero(row.features.map_points == slamdb.NONE)[0]) for row in map.keyframes]
     map.add_points(positions=[[0, 0, 1]], observations=[(0, map.keyframes[k].id, free[k]) for k in (0, 1)])
     map.add_keyframes(
-        timestamps=[2e9], poses=[np.eye(4)], features=[map.keyframes[0].features], camera=map.keyframes[0].camera
-    )
+        timestamps=[2e9], poses=[np.eye(4)], features=[map.keyframes[0].features], camera=map.keyframes[0].camera,
+        baseline=map.keyframes[0].intrinsics["baseline"],
+    )  # fmt: skip
 
 
 def link(map):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rows, look-ups and graphs say the same as the columns."""
 
-import builtins
+import sys
 
 import numpy as np
 import pytest
@@ -28,10 +28,7 @@ def test_covisibility_is_what_the_rows_say(maps):
 
 
 def test_without_scipy_the_error_says_so(atlas, monkeypatch):
-    real = builtins.__import__
-    monkeypatch.setattr(
-        builtins, "__import__", lambda name, *rest: real(name if "scipy" not in name else "no_such_module", *rest)
-    )
+    monkeypatch.setitem(sys.modules, "scipy.sparse", None)
     with pytest.raises(ImportError, match="needs scipy; KeyFrames.connections"):
         atlas.maps[0].covisibility()
 

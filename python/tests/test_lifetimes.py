@@ -4,7 +4,6 @@
 import concurrent.futures
 import gc
 import os
-import pathlib
 import shutil
 import subprocess
 import sys
@@ -71,7 +70,7 @@ edit.undo()
 slamdb.repair(atlas)
 map.remove_points(points.ids[:10])
 held.append(map.points.positions)
-map.add_keyframes(timestamps=[1.0], poses=[np.eye(4)], features=[keyframes[0].features], camera=0)
+map.add_keyframes(timestamps=[1.0], poses=[np.eye(4)], features=[keyframes[0].features], camera=0, baseline=0.08)
 held.append(map.keyframes.timestamps)
 del atlas, map, points, keyframes, edit
 gc.collect()
@@ -90,15 +89,14 @@ def test_arrays_are_used_after_the_atlas_is_gone_under_valgrind(session, tmp_pat
         pytest.skip("valgrind is not there")
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
-    module = next(pathlib.Path(slamdb.__file__).parent.glob("_slamdb*.so"))
     done = subprocess.run(
         [valgrind, "--error-exitcode=9", "--errors-for-leak-kinds=none", "--leak-check=no", "--undef-value-errors=no",
          sys.executable, str(script), str(session)],
         env={**os.environ, "PYTHONMALLOC": "malloc", "PYTHONDONTWRITEBYTECODE": "1", "OPENBLAS_NUM_THREADS": "1"},
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=600, check=False,
     )  # fmt: skip
-    assert done.returncode == 0 and "ERROR SUMMARY: 0 errors" in done.stderr, (module, done.stderr[-4000:])
-    assert done.stdout.startswith("True 7") or done.stdout.startswith("True")
+    assert done.returncode == 0 and "ERROR SUMMARY: 0 errors" in done.stderr, done.stderr[-4000:]
+    assert done.stdout.startswith("True")
 
 
 def test_threads_read_while_one_changes(session):

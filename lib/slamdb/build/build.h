@@ -32,7 +32,7 @@ struct NewKeyFrames {
   std::vector<double> timestamps;          // seconds
   std::vector<Rigid3f> camera_from_world;  // left camera; unit quaternions
   // As long as its keypoints or empty: undistorted, right_x, depth, right_of_left; descriptors also have those of the
-  // right keypoints behind the left ones. Keypoints of size 0 get ORB's. All else is derived.
+  // right keypoints behind the left ones, in a fisheye pair. Keypoints of size 0 get ORB's. All else is derived.
   std::vector<Features> features;
   std::vector<KeyFrameId> ids;     // empty: the next ones
   CameraId camera, right_camera;   // the latter of a fisheye pair only

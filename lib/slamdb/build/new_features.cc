@@ -11,6 +11,11 @@
 namespace slamdb::detail {
 namespace {
 
+// Keypoints of a right picture are features of their own in a fisheye pair alone; of a rectified one they are kept.
+std::size_t RightRows(const NewKeyFrames& given, const Features& features) {
+  return given.right_camera ? features.right_keypoints.size() : 0;
+}
+
 // The features of one keyframe while they are looked at.
 class Inspection {
  public:
@@ -18,8 +23,7 @@ class Inspection {
       : given_(given), features_(given.features[row]), row_(row), left_(features_.keypoints.size()) {}
 
   void RequireAll() const {
-    const std::size_t right = features_.right_keypoints.size();
-    if (right > 0 && !given_.right_camera) Fail("right_keypoints: are of a fisheye pair; right_camera= says which");
+    const std::size_t right = RightRows(given_, features_);
     Length("undistorted", features_.undistorted, left_);
     Length("descriptors", features_.descriptors, left_ + right);
     Length("right_x", features_.right_x, left_);
@@ -31,7 +35,8 @@ class Inspection {
     Keypoints("right_keypoints", features_.right_keypoints);
     Numbers("right_x", features_.right_x);
     Numbers("depth", features_.depth);
-    if (given_.baseline > 0 || !(HasAny(features_.right_x) || HasAny(features_.depth))) return;
+    const bool has_baseline = given_.baseline > 0 || given_.right_camera;
+    if (has_baseline || !(HasAny(features_.right_x) || HasAny(features_.depth))) return;
     Fail("depth: of a rectified pair or an RGB-D camera needs its baseline; baseline= says it");
   }
 
@@ -86,12 +91,10 @@ void SetSizes(const ScalePyramid& pyramid, Column<Keypoint>& keypoints) {
     if (keypoint.size == 0) keypoint.size = PatchAt(keypoint.octave, pyramid);
 }
 
-// The column in the right picture and the depth tell each other: x - right_x = baseline * fx / depth.
+// Of a rectified pair the column in the right picture and the depth tell each other: x - right_x = baseline * fx /
+// depth.
 void CompleteStereo(const Intrinsics& intrinsics, Features& features) {
-  const std::size_t count = features.keypoints.size();
-  features.right_x.resize(count, -1);
-  features.depth.resize(count, -1);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < features.keypoints.size(); ++i) {
     const float x = features.undistorted[i].x;
     float &right_x = features.right_x[i], &depth = features.depth[i];
     if (right_x >= 0 && !(depth > 0)) {
@@ -113,14 +116,16 @@ void CompleteNewFeatures(const CameraSettings& settings, const NewKeyFrames& giv
   SetSizes(keyframe.pyramid, features.right_keypoints);
   if (features.undistorted.empty()) features.undistorted = WithoutDistortion(settings, features.keypoints);
   SetSizes(keyframe.pyramid, features.undistorted);
-  const std::size_t left = features.keypoints.size(), right = features.right_keypoints.size();
+  const std::size_t left = features.keypoints.size(), right = RightRows(given, features);
   if (given.right_camera) {
     features.left_count = static_cast<std::int32_t>(left);
     features.right_count = static_cast<std::int32_t>(right);
     features.right_of_left.resize(left, -1);
     features.left_of_right.resize(right, -1);
   }
-  CompleteStereo(keyframe.intrinsics, features);
+  features.right_x.resize(left, -1);
+  features.depth.resize(left, -1);
+  if (!given.right_camera) CompleteStereo(keyframe.intrinsics, features);
   features.count = static_cast<std::int32_t>(left + right);
   features.map_points.assign(left + right, MapPointId());
 }

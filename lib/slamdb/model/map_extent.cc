@@ -7,6 +7,7 @@
 
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/path.h"
+#include "slamdb/model/sensor.h"
 
 namespace slamdb {
 namespace detail {

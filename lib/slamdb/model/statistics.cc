@@ -17,6 +17,7 @@
 #include "slamdb/model/detail/edges.h"
 #include "slamdb/model/detail/map_extent.h"
 #include "slamdb/model/index.h"
+#include "slamdb/model/sensor.h"
 
 namespace slamdb {
 namespace {

@@ -22,10 +22,6 @@ enum class MapSensor {
 // For people: `monocular`, `stereo or RGB-D with IMU`; `no keyframes`.
 [[nodiscard]] SLAMDB_EXPORT std::string SensorText(MapSensor sensor, bool has_imu);
 
-[[nodiscard]] SLAMDB_EXPORT MapSensor SensorOf(const Map& map);
-// Calibrated keyframes, or the map says it is inertial.
-[[nodiscard]] SLAMDB_EXPORT bool HasImu(const Map& map);
-
 // Whether lengths of a map are metres: every sensor but a lone camera tells them, and an initialised IMU does for that
 // one. A few keyframes with depths tell them for all: a map of a lone camera may have been joined with theirs.
 //

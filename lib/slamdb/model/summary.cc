@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/model/detail/map_extent.h"
+#include "slamdb/model/sensor.h"
 
 namespace slamdb {
 namespace {
