@@ -31,11 +31,12 @@ from .errors import (
 from .files import decode, encode, info, read, write
 from .observations import Observations
 from .report import CheckReport, Report
+from .store import Store
 from .verbs import check, diff, merge, recover, repair
 
 __all__ = [
     "NONE", "Atlas", "Features", "KeyFrame", "KeyFrames", "Map", "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
-    "CheckReport", "Observations", "Report", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "write",
+    "CheckReport", "Observations", "Report", "Store", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "write",
 ]  # fmt: skip

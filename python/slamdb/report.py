@@ -58,7 +58,17 @@ class CheckReport(Report):
     @property
     def sound(self) -> bool:
         """Whether no input has an error."""
-        return all(checked["sound"] for checked in self["inputs"])
+        return all(checked.get("sound", False) for checked in self["inputs"])
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with a row for each finding that is kept (`count`: all of its rule), ids of its place, <NA> where
+        they do not apply, and one of the rule "unreadable" for each input that could not be read.
+
+        Raises ImportError where pandas is not installed.
+        """
+        from .tables import frame_of_findings
+
+        return frame_of_findings(self)
 
 
 def _shown(value: Any) -> Any:

@@ -10,12 +10,12 @@ namespace slamdb::python {
 
 namespace py = pybind11;
 
-namespace {
-
-py::str TextOf(const std::string& text) {  // paths may be any bytes
+py::str TextOf(const std::string& text) {
   return py::reinterpret_steal<py::str>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
 }
+
+namespace {
 
 void Raise(const Error& error) {
   const py::object made = py::module_::import("slamdb.errors")

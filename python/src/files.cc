@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "python/src/files.h"
+
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
@@ -18,10 +20,6 @@ namespace slamdb::python {
 
 namespace py = pybind11;
 
-namespace {
-
-using NoticeList = std::vector<std::pair<std::string, std::string>>;  // kind, text
-
 NoticeList ListOf(const Notices& notices) {
   NoticeList list;
   for (const Notice& notice : notices.items()) {
@@ -33,22 +31,19 @@ NoticeList ListOf(const Notices& notices) {
   return list;
 }
 
-// None: no bound.
-struct Part {
-  std::optional<std::uint64_t> map;
-  std::optional<std::pair<std::uint64_t, std::uint64_t>> keyframes;
-  std::optional<std::pair<double, double>> time;
-  std::optional<std::pair<Eigen::Vector3f, Eigen::Vector3f>> box;
-};
-
-ReadOptions ReadOptionsOf(const std::string& format, const Part& part, int threads, py::handle progress) {
-  ReadOptions options{.format = format, .threads = threads, .progress = ProgressTo(progress)};
-  Selection& selection = options.selection;
+Selection SelectionOf(const Part& part) {
+  Selection selection;
   if (part.map) selection.map = MapId(*part.map);
   if (part.keyframes) std::tie(selection.first_keyframe, selection.last_keyframe) = *part.keyframes;
   if (part.time) std::tie(selection.begin_time, selection.end_time) = *part.time;
   if (part.box) selection.box = Eigen::AlignedBox3f(part.box->first, part.box->second);
-  return options;
+  return selection;
+}
+
+namespace {
+
+ReadOptions ReadOptionsOf(const std::string& format, const Part& part, int threads, py::handle progress) {
+  return {.format = format, .selection = SelectionOf(part), .threads = threads, .progress = ProgressTo(progress)};
 }
 
 template <class Read>

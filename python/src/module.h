@@ -9,6 +9,7 @@ namespace slamdb::python {
 void DefineAtlas(pybind11::module_& module);
 void DefineKeyFrames(pybind11::module_& module);
 void DefinePoints(pybind11::module_& module);
+void DefineStore(pybind11::module_& module);
 void DefineFiles(pybind11::module_& module);
 void DefineVerbs(pybind11::module_& module);
 

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/sqlite/store.h"
+
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "python/src/errors.h"
+#include "python/src/files.h"
+#include "python/src/map_in_atlas.h"
+#include "python/src/module.h"
+#include "slamdb/checks/report.h"
+#include "slamdb/formats/sqlite/report.h"
+#include "slamdb/many/add.h"
+#include "slamdb/many/list.h"
+
+// Stores. slamdb/store.py documents what is here.
+namespace slamdb::python {
+
+namespace py = pybind11;
+
+namespace {
+
+// Every call opens the store for itself: threads may share it, no lock is held between calls, and all that other
+// programs save is seen.
+struct StoreFile {
+  std::string path;
+  double wait = 5;
+  bool sync = true;
+
+  Store Reader() const { return Store::Open(path, wait); }
+  Store Writer(const Progress& progress) const {
+    return Store::OpenForWriting(path, {.sync = sync, .lock_timeout = wait, .progress = progress});
+  }
+  // A name that is mistyped must not make a store.
+  Store WriterOfPresent(const Progress& progress) const {
+    Reader();
+    return Writer(progress);
+  }
+};
+
+template <class Work>
+auto Unlocked(const Work& work) {
+  const py::gil_scoped_release unlocked;
+  return work();
+}
+
+py::dict RowsOf(const TableChanges& rows) {
+  py::dict dict;
+  dict["inserted"] = rows.inserted;
+  dict["updated"] = rows.updated;
+  dict["deleted"] = rows.deleted;
+  dict["unchanged"] = rows.unchanged;
+  return dict;
+}
+
+py::dict SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas& atlas, bool overwrite, bool keep_equal,
+                const std::string& provenance, int threads, const py::object& listener) {
+  const Progress progress = ProgressTo(listener);
+  const SaveOptions options{.provenance = provenance,
+                            .overwrite = overwrite,
+                            .keep_equal = keep_equal,
+                            .verify = true,
+                            .threads = threads,
+                            .progress = progress};
+  const auto value = atlas.value();
+  const SaveReport report = Unlocked([&] { return file.Writer(progress).Save(name, *value, options); });
+  py::dict told;
+  told["replaced"] = report.replaced;
+  told["unchanged"] = report.unchanged;
+  told["rows"] = RowsOf(report.Total());
+  return told;
+}
+
+std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& name, const Part& part, bool features,
+                                    int threads, const py::object& listener) {
+  const ReadOptions options{.features = features ? FeatureColumns::kAll : FeatureColumns::kNone,
+                            .selection = SelectionOf(part),
+                            .threads = threads,
+                            .progress = ProgressTo(listener)};
+  return Unlocked([&] { return std::make_shared<HeldAtlas>(file.Reader().Load(name, options)); });
+}
+
+struct Query {
+  std::optional<std::pair<double, double>> time;
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> keyframes;
+  std::optional<std::pair<Eigen::Vector3d, double>> near;
+
+  MapQuery Asked() const {
+    MapQuery query;
+    if (time) query.times = {time->first, time->second};
+    if (keyframes) query.keyframes = {keyframes->first, keyframes->second};
+    if (near) query.near = {near->first, near->second};
+    return query;
+  }
+};
+
+std::string ListOfStore(const StoreFile& file, const Query& query, bool check, int threads,
+                        const py::object& listener) {
+  ListOptions options{
+      .query = query.Asked(), .lock_timeout = file.wait, .threads = threads, .progress = ProgressTo(listener)};
+  if (check) options.check.emplace();
+  return Unlocked([&] {
+    file.Reader();  // what is wrong with the store as a whole is an error, not an entry
+    const AtlasInputs inputs = FindAtlases({&file.path, 1}, {.lock_timeout = file.wait});
+    return ToJson(ListAtlases(inputs, options), file.path);
+  });
+}
+
+py::tuple AddTo(const StoreFile& file, const std::vector<std::string>& paths, bool recursive, const std::string& name,
+                const std::string& name_from, bool overwrite, bool dry_run, const std::string& format,
+                const std::string& layout, int threads, const py::object& listener) {
+  if (name_from != "stem" && name_from != "path") throw py::value_error("name_from is 'stem' or 'path'");
+  const Progress progress = ProgressTo(listener);
+  const AddOptions options{.name_from = name_from == "path" ? AddOptions::NameFrom::kPath : AddOptions::NameFrom::kStem,
+                           .name = name,
+                           .overwrite = overwrite,
+                           .dry_run = dry_run,
+                           .format = format,
+                           .layout = layout,
+                           .sync = file.sync,
+                           .lock_timeout = file.wait,
+                           .provenance = "add ",
+                           .threads = threads,
+                           .progress = progress};
+  const AddReport report = Unlocked([&] {
+    const AtlasInputs inputs =
+        FindAtlases(paths, {.recursive = recursive, .lock_timeout = file.wait, .progress = progress});
+    return AddToStore(file.path, inputs, options);
+  });
+  NoticeList told;
+  for (const AddedAtlas& atlas : report.atlases)
+    for (auto& [kind, text] : ListOf(atlas.notices)) told.emplace_back(kind, atlas.input + ": " + text);
+  return py::make_tuple(ToJson(report), told);
+}
+
+py::dict MigrateFile(const StoreFile& file, bool back, bool dry_run, bool backup) {
+  const MigrateReport report = Unlocked([&] {
+    return MigrateStore(file.path, {.back = back, .dry_run = dry_run, .backup = backup, .lock_timeout = file.wait});
+  });
+  py::dict told;
+  told["from_version"] = report.from;
+  told["to_version"] = report.to;
+  told["steps"] = report.steps;
+  told["backup"] = report.backup.empty() ? py::object(py::none()) : py::object(TextOf(report.backup));
+  return told;
+}
+
+py::list NamesIn(const StoreFile& file) {
+  py::list names;
+  for (const std::string& name : Unlocked([&] { return file.Reader().Names(); })) names.append(TextOf(name));
+  return names;
+}
+
+void DefineLooking(py::class_<StoreFile>& store) {
+  store.def("names", &NamesIn)
+      .def("list", &ListOfStore)
+      .def("load", &LoadFrom)
+      .def("log",
+           [](const StoreFile& file, const std::string& name) {
+             return Unlocked([&] {
+               const auto entries = file.Reader().Log(name);
+               return ToJson(entries, Location(file.path, name).ToString());
+             });
+           })
+      .def("stats",
+           [](const StoreFile& file) { return Unlocked([&] { return ToJson(file.Reader().Stats(), file.path); }); });
+}
+
+void DefineKeeping(py::class_<StoreFile>& store) {
+  store.def("save", &SaveTo)
+      .def("add", &AddTo)
+      .def("migrate", &MigrateFile)
+      .def("remove",
+           [](const StoreFile& file, const std::string& name, const py::object& listener) {
+             const Progress progress = ProgressTo(listener);
+             Unlocked([&] { file.WriterOfPresent(progress).Remove(name); });
+           })
+      .def("vacuum",
+           [](const StoreFile& file, const py::object& listener) {
+             const Progress progress = ProgressTo(listener);
+             Unlocked([&] { file.WriterOfPresent(progress).Vacuum(); });
+           })
+      .def("backup", [](const StoreFile& file, const std::string& target, bool overwrite) {
+        Unlocked([&] { file.Reader().Backup(target, overwrite); });
+      });
+}
+
+}  // namespace
+
+void DefineStore(py::module_& module) {
+  py::class_<StoreFile> store(module, "StoreFile");
+  store.def(py::init([](const std::string& path, double wait, bool sync) { return StoreFile{path, wait, sync}; }));
+  DefineLooking(store);
+  DefineKeeping(store);
+
+  py::class_<Query>(module, "Query")
+      .def(py::init<>())
+      .def_readwrite("time", &Query::time)
+      .def_readwrite("keyframes", &Query::keyframes)
+      .def_readwrite("near", &Query::near);
+
+  // A map of nothing, whose columns have names and types all the same.
+  module.def("empty_map", [] {
+    Atlas atlas;
+    atlas.maps.resize(1);
+    return MapInAtlas{std::make_shared<HeldAtlas>(std::move(atlas)), 0, MapId()};
+  });
+  module.def("check_failed", [](const std::string& name, const std::string& failure) {
+    const CheckedFile unreadable{.name = name, .failure = failure};
+    return ToJson(std::span<const CheckedFile>(&unreadable, 1));
+  });
+}
+
+}  // namespace slamdb::python
