@@ -29,6 +29,7 @@ from .errors import (
     UsageError,
 )
 from .files import decode, encode, info, read, write
+from .many import FoundAtlas, find_atlases, list_atlases, summarize, write_file
 from .observations import Observations
 from .report import CheckReport, Report
 from .store import Store
@@ -39,4 +40,5 @@ __all__ = [
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
     "CheckReport", "Observations", "Report", "Store", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "write",
+    "FoundAtlas", "find_atlases", "list_atlases", "summarize", "write_file",
 ]  # fmt: skip

@@ -10,7 +10,7 @@
 // What goes wrong, and what is told meanwhile, between C++ and Python.
 namespace slamdb::python {
 
-// Paths and names, which may be any bytes, as os.fsdecode has it.
+// A path, or a sentence that names one, which may be any bytes: as os.fsdecode has it.
 pybind11::str TextOf(const std::string& text);
 
 // Makes an Error of the library the exception of slamdb/errors.py that its kind has.

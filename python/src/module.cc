@@ -13,6 +13,7 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineAtlas(module);
   slamdb::python::DefineFiles(module);
   slamdb::python::DefineStore(module);
+  slamdb::python::DefineMany(module);
   slamdb::python::DefineVerbs(module);
   module.attr("NONE") = slamdb::MapId::kNone;
   module.attr("version") = std::string(slamdb::Version());

@@ -11,6 +11,7 @@ void DefineKeyFrames(pybind11::module_& module);
 void DefinePoints(pybind11::module_& module);
 void DefineStore(pybind11::module_& module);
 void DefineFiles(pybind11::module_& module);
+void DefineMany(pybind11::module_& module);
 void DefineVerbs(pybind11::module_& module);
 
 }  // namespace slamdb::python

@@ -88,4 +88,7 @@ SLAMDB_EXPORT void SortAtlases(std::vector<ListedAtlas>& atlases, std::span<cons
 // As schema/list.schema.json describes it. `input` is what was listed, when that is one file, folder or store.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const ListedAtlas> atlases, const std::string& input = {});
 
+// What that says of the content of an atlas: an object of its counts, sensors, length and times.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const AtlasSummary& summary);
+
 }  // namespace slamdb
