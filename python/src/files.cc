@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "python/src/files.h"
-
+// clang-format off: before Eigen itself, of which it silences warnings that mean nothing
 #include <pybind11/eigen.h>
+// clang-format on
+
 #include <pybind11/stl.h>
 
 #include <optional>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "python/src/errors.h"
+#include "python/src/files.h"
 #include "python/src/held_atlas.h"
 #include "python/src/module.h"
 #include "slamdb/formats/formats.h"

@@ -13,5 +13,15 @@ void DefineStore(pybind11::module_& module);
 void DefineFiles(pybind11::module_& module);
 void DefineMany(pybind11::module_& module);
 void DefineVerbs(pybind11::module_& module);
+void DefineParts(pybind11::module_& module);
+void DefineIds(pybind11::module_& module);
+void DefineFrames(pybind11::module_& module);
+void DefineOptimizing(pybind11::module_& module);
+void DefineLandmarkVerbs(pybind11::module_& module);
+void DefineVocabulary(pybind11::module_& module);
+void DefineAligning(pybind11::module_& module);
+void DefineEstimates(pybind11::module_& module);
+void DefineOutputs(pybind11::module_& module);
+void DefineLayouts(pybind11::module_& module);
 
 }  // namespace slamdb::python
