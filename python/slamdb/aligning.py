@@ -27,6 +27,7 @@ def align(
     sources: atlases; a store without #NAME: those of its maps in which something looks like the others
     own_vocabulary: recognise places by a vocabulary trained on the maps, not by the recorded words
     save, plot: of two maps: write how the second lies in the first, as `merge` takes it; draw it (.svg, .png)
+    overwrite: replace those; wait: seconds, for another program that writes to the store
 
     `report.links` are the pairs, each with its verdict, "aligned", "doubtful" or "no-overlap", and the transform.
     Raises NotPossibleError where there is nothing to compare.
@@ -109,7 +110,8 @@ def locate(
     vocabulary: file of the words; features: that are looked for in a picture, 100 to 100,000
     against: a trajectory of true poses, paired by time: errors are told
     benchmark: instead of pictures, leave each keyframe out in turn and locate it; most: at most so many
-    output: write the poses that were found to this file (TUM)
+    output: write the poses that were found to this file (TUM); overwrite: replace it
+    wait: seconds, for another program that writes to the store
 
     `report.pictures` has a verdict for each: "found", "doubtful", "not-found", "unreadable".
     """

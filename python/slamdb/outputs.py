@@ -114,8 +114,9 @@ def plot(
     together: all maps in one frame, for maps that something aligned
     overwrite: replace the output; an atlas is never replaced
     format, layout, map, keyframes, time, box: of a source that is a path, as `read` takes them
-    with_: a trajectory or an atlas that the trajectory is laid onto and coloured by its error; the rest as for
-        `evaluate`
+    wait: seconds, for another program that writes to the store
+    with_: a trajectory or an atlas that the trajectory is laid onto and coloured by its error; max_dt, time_offset,
+        estimate_time_offset, by_index, time_unit, times, align, joint and body are as for `evaluate`
     """
     given: Dict[str, object] = dict(locals())
     if picture is None and output is not None and os.fspath(output).endswith(".png"):
@@ -135,7 +136,6 @@ def report(
     warn: Sequence[str] = (),
     error: Sequence[str] = (),
     strict: bool = False,
-    max_findings: int = 100,
     gates: Optional[Mapping[str, float]] = None,
     threads: int = 0,
     progress: Progress = None,
@@ -179,6 +179,7 @@ def synthesize(
 
     sensor: "monocular", "stereo", "rgbd" or "fisheye"; inertial: with an IMU
     maps: how many; keyframes, points: in each map; features: keypoints in a keyframe, at most
+    seed: another number, another atlas
     size: keyframes and points for an .osa of about so many bytes, instead
     noise: of keypoints, standard deviation, pixels; outliers: share of them that show something else
     flipped_bits: at most, in which a look at a point differs from its descriptor

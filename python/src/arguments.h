@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pybind11/eigen.h>  // in every unit, so that all convert alike
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// clang-format off: before Eigen itself, of which it silences warnings that mean nothing
-#include <pybind11/eigen.h>
-// clang-format on
-
 #include <pybind11/stl.h>
 
 #include <optional>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pybind11/eigen.h>  // before Eigen itself, of which it silences warnings that mean nothing
+
 #include <cstdint>
 #include <optional>
 #include <string>

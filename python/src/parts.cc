@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/eigen.h>
-
 #include <cmath>
 
 #include "cli/choices.h"

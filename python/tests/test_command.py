@@ -69,13 +69,13 @@ def test_every_option_is_a_keyword(words):
     name = "_".join(words).replace("-", "_")
     keywords = inspect.signature(getattr(slamdb, name)).parameters
     described = inspect.getdoc(getattr(slamdb, name))
-    options = set(re.findall(r"^  (?:-\w, )?--([a-z][a-z-]*)", printed(*words, "--help"), re.MULTILINE))
+    options = set(re.findall(r"^  (?:-\w, )?--([a-z][a-z0-9-]*)", printed(*words, "--help"), re.MULTILINE))
     assert "quiet" in options
     limits = {option for option in options if "gates" in keywords and re.match("m(ax|in)-", option)}
     for option in options - limits - CONSOLE - set(ITS_OWN.get(name, {})):
         spelled = option.replace("-", "_") + ("_" if keyword.iskeyword(option) else "")
-        if option in FILES and spelled not in keywords:
-            continue  # of what `read` and `write` do
+        if option in FILES | {"threads", "progress"} and spelled not in keywords:
+            continue  # of what `read` and `write` do; and quick ones have no progress
         if option.startswith("no-") and spelled not in keywords:
             spelled = spelled[len("no_") :]  # its default is True
         assert spelled in keywords, f"--{option}"
@@ -85,7 +85,7 @@ def test_every_option_is_a_keyword(words):
 @pytest.mark.parametrize("words", functions(), ids=" ".join)
 def test_no_keyword_is_pythons_alone(words):
     name = "_".join(words).replace("-", "_")
-    options = set(re.findall(r"--([a-z][a-z-]*)", printed(*words, "--help")))
+    options = set(re.findall(r"--([a-z][a-z0-9-]*)", printed(*words, "--help")))
     pythons_own = {"format": "--from", "gates": "--min-... and --max-...", "sync": "--no-sync", "picture": "--format"}
     for spelled, parameter in inspect.signature(getattr(slamdb, name)).parameters.items():
         if parameter.kind is parameter.KEYWORD_ONLY and spelled not in pythons_own:
