@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "cli/help/usage.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 
@@ -64,18 +63,12 @@ std::vector<std::string> NamesOfSystems() {
   return names;
 }
 
-std::string ToBoostVersion(std::string& text) {
-  const auto version = BoostVersionByName(text);
-  if (!version) {
-    const Releases &oldest = kReleases[0], &newest = *(std::end(kReleases) - 1);
-    return Concat("expected a release of Boost (1.", oldest.first, " to 1.", newest.last,
-                  "), a system (ubuntu20.04, debian12, noetic, "
-                  "and others of their kind) or a version of the archive library (",
-                  oldest.version, " to ", newest.version, "), found '", text, "'",
-                  MeantInstead(text, NamesOfSystems()));
-  }
-  text = std::to_string(*version);
-  return {};
+std::string WhyNoBoostVersion(std::string_view name) {
+  const Releases &oldest = kReleases[0], &newest = *(std::end(kReleases) - 1);
+  return Concat("expected a release of Boost (1.", oldest.first, " to 1.", newest.last,
+                "), a system (ubuntu20.04, debian12, noetic, "
+                "and others of their kind) or a version of the archive library (",
+                oldest.version, " to ", newest.version, "), found '", name, "'");
 }
 
 std::string BoostReleases(std::uint32_t version) {

@@ -16,8 +16,8 @@ std::optional<std::uint32_t> BoostVersionByName(std::string_view name);
 // `ubuntu20.04`, `noetic` and so on, for completion.
 std::vector<std::string> NamesOfSystems();
 
-// For ->transform(): the name becomes the version, or is refused with what there is.
-std::string ToBoostVersion(std::string& text);
+// What to say of a name that BoostVersionByName does not know: what there is.
+std::string WhyNoBoostVersion(std::string_view name);
 
 // The releases that write this version, "Boost 1.73 to 1.75", and none where none is known.
 std::string BoostReleases(std::uint32_t version);

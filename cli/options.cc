@@ -7,11 +7,12 @@
 
 #include "cli/boost_versions.h"
 #include "cli/exports.h"
+#include "cli/help/usage.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/layouts/layout.h"
+#include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 
@@ -136,6 +137,14 @@ void RequireOutput(const std::string& output) {
   if (output.empty()) RefuseUsage("the output is missing; -o/--output names it");
 }
 
+// For ->transform(): the name becomes the version, or is refused with what there is.
+static std::string ToBoostVersion(std::string& text) {
+  const auto version = BoostVersionByName(text);
+  if (!version) return WhyNoBoostVersion(text) + MeantInstead(text, NamesOfSystems());
+  text = std::to_string(*version);
+  return {};
+}
+
 void AddTarget(CLI::App& verb, TargetOptions& options) {
   verb.add_option("--to", options.to, "Format of the output; by default told by its suffix")
       ->type_name("FORMAT")
@@ -217,13 +226,6 @@ void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool a
   if (!binary || !IsTerminal(output.path)) return;
   throw Error(ErrorKind::kUsage, std::string(format.title) +
                                      " is binary and would garble the terminal; name a file, or redirect the output");
-}
-
-std::string LayoutNamed(const std::string& id_or_path) {
-  if (id_or_path.empty()) return {};
-  const Layout layout = LoadLayout(id_or_path);
-  const Layout* known = FindKnownLayout(layout.id);
-  return known != nullptr && SameBytes(*known, layout) ? known->id : ToJson(layout);
 }
 
 ReadOptions MakeReadOptions(Console& console, const InputFormat& from, double wait) {

@@ -6,10 +6,6 @@
 namespace slamdb::cli {
 namespace {
 
-struct Word {
-  std::string_view library, command;
-};
-
 constexpr std::array kWords = {
     Word{"WriteOptions::overwrite", "-O/--overwrite"},
     Word{"WriteOptions::strict", "--strict"},
@@ -40,8 +36,13 @@ constexpr std::array kWords = {
     Word{"EvaluationOptions::delta_tolerance", "--delta-tolerance"},
     Word{"EvaluationOptions::max_time_difference", "--max-dt"},
     Word{"the time unit of the read options", "--time-unit of `slamdb convert` and `slamdb transform`"},
+    Word{"TrajectoryReadOptions::time_unit", "--time-unit"},
     Word{"TrajectoryReadOptions::times", "--times"},
+    Word{"EstimatesOptions::body", "--body"},
     Word{"writing it as csv", "`slamdb convert` to a .csv file"},
+    Word{"`OptimizeMaps`", "`slamdb optimize`"},
+    Word{"OptimizeOptions::iterations", "--iterations"},
+    Word{"OptimizeMethod::kFull adjusts", "--method full adjusts"},
     Word{"migrate it first", "run `slamdb migrate`"},
     Word{"RecoverOptions::rig", "--cameras"},
     Word{"keypoints `all`", "--keypoints all"},
@@ -52,6 +53,17 @@ constexpr std::array kWords = {
     Word{"AddOptions::name gives", "--as gives"},
     Word{"add it by itself, with AddOptions::name", "add it by itself, with --as"},
     Word{"AddOptions::name under", "--as under"},
+    Word{"SameMap::kKeepFirst leaves", "--on-conflict keep-first leaves"},
+    Word{"LocatePicturesOptions::camera tells that", "--camera tells the camera"},
+    Word{"ConvertOptions::body with ConvertOptions::onto", "--body with --onto"},
+    Word{"ConvertOptions::onto", "--onto"},
+    Word{"it is `Convert ", "it is `slamdb convert "},
+    Word{"from GeographicOptions::origin, and georeferencing makes",
+         "from --origin; `slamdb transform --georeference` makes"},
+    Word{"StampOptions::force", "--force"},
+    Word{"StampOptions::vocabulary", "--vocabulary"},
+    Word{"StampOptions::name", "--name"},
+    Word{"StampOptions::checksum", "--checksum"},
     Word{"setting `Atlas::vocabulary`", "`slamdb vocabulary set`"},
     Word{"`CheckAtlas`", "`slamdb check`"},
     Word{"`Cull`", "`slamdb cull`"},
@@ -69,6 +81,8 @@ constexpr std::array kWords = {
 };
 
 }  // namespace
+
+std::span<const Word> Words() { return kWords; }
 
 std::string InCommandWords(std::string_view sentence) {
   std::string text(sentence);

@@ -12,6 +12,7 @@
 #include "cli/words.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/layouts/layout_text.h"
 
 namespace slamdb::cli {
 namespace {

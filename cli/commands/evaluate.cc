@@ -39,8 +39,9 @@ EvaluationReport Evaluate(const EvaluateVerbOptions& options, Console& console, 
   TrajectoriesOptions read_truth = read;
   read.layout = options.layout;
   read_truth.times = options.times;
-  Trajectories estimate = ReadTrajectoriesOf(options.estimate, read, console, notices);
-  Trajectories truth = ReadTrajectoriesOf(options.reference, read_truth, console, notices);
+  Estimates estimate = ReadTrajectoriesOf(options.estimate, read, console, notices);
+  Estimates truth = ReadTrajectoriesOf(options.reference, read_truth, console, notices);
+  RefuseIdleBody(estimate, truth, options.body);
   TellWhosePoses(estimate, truth, options.body, notices);
   KeepMaps(estimate, options.maps);
   if (truth.list.size() > 1 && !options.reference_map)
@@ -50,8 +51,7 @@ EvaluationReport Evaluate(const EvaluateVerbOptions& options, Console& console, 
   EvaluationOptions evaluation = options.evaluation;
   evaluation.threads = console.threads();
   evaluation.progress = console.MakeProgress();
-  return NamingFile(options.estimate,
-                    [&] { return EvaluateTrajectories(std::move(estimate.list), reference.poses, evaluation); });
+  return EvaluateEstimates(std::move(estimate), reference, evaluation);
 }
 
 // Opened before the work, so that what would fail at the end fails at once.

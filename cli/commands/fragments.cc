@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
@@ -16,9 +17,6 @@ struct FragmentVerbOptions {
   EditOptions edit;
   FragmentOptions fragments;
 };
-
-const std::map<std::string, MapOrder> kOrders = {
-    {"as-is", MapOrder::kAsIs}, {"size", MapOrder::kSize}, {"time", MapOrder::kTime}, {"id", MapOrder::kId}};
 
 std::string TableText(const FragmentReport& report) {
   using enum Table::Align;
@@ -56,7 +54,7 @@ Run AddFragments(CLI::App& verb) {
   verb.add_option("--order", options->fragments.order,
                   "Order of the maps in the output: as they are, most keyframes first, earliest first, or by id")
       ->type_name("ORDER")
-      ->transform(OneOf(kOrders))
+      ->transform(OneOf(kMapOrders))
       ->default_str("as-is");
   return [options](Console& console) { return RunFragments(*options, console); };
 }

@@ -16,6 +16,7 @@
 #include "cli/terminal.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/formats/layouts/layout_text.h"
 
 namespace slamdb::cli {
 namespace {

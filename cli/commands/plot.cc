@@ -10,7 +10,7 @@
 #include "cli/options.h"
 #include "cli/reference.h"
 #include "cli/report/evaluate_text.h"
-#include "cli/selected.h"
+#include "cli/selection.h"
 #include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
@@ -54,22 +54,21 @@ PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
 // The figures of `slamdb evaluate`, of what is drawn.
 PlotReference HoldAgainstReference(const Atlas& atlas, const Format* format, const PlotVerbOptions& options,
                                    Console& console, Notices& notices) {
-  Trajectories estimate = TrajectoriesOfAtlas(atlas, options.input, format, options.body, notices);
+  Estimates estimate = EstimatesOf(atlas, options.input, format, options.body, notices);
   const TrajectoriesOptions read{.times = options.times,
                                  .body = options.body,
                                  .only_positions = options.evaluation.alignment != AlignmentKind::kOrigin,
                                  .wait = options.wait};
-  Trajectories truth = ReadTrajectoriesOf(options.with, read, console, notices);
+  Estimates truth = ReadTrajectoriesOf(options.with, read, console, notices);
+  RefuseIdleBody(estimate, truth, options.body);
   TellWhosePoses(estimate, truth, options.body, notices);
   Estimate reference = TakeOnly(std::move(truth));
   EvaluationOptions evaluation = options.evaluation;
   evaluation.deltas.clear();  // errors of motions are not drawn
   evaluation.threads = console.threads();
-  EvaluationReport report = NamingFile(
-      options.input, [&] { return EvaluateTrajectories(std::move(estimate.list), reference.poses, evaluation); });
+  EvaluationReport report = EvaluateEstimates(std::move(estimate), reference, evaluation);
   TellWarnings(report, notices);
-  for (const UnevaluatedMap& map : report.unevaluated)
-    notices.Warn(detail::Concat(map.map, ": left out: ", map.reason));
+  TellUnevaluated(report, notices);
   return {std::move(reference.poses), std::move(report), reference.open_scale ? "map units" : "m"};
 }
 

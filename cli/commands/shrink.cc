@@ -3,12 +3,14 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
 #include "slamdb/align/shrink_for_locating.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/part/warnings.h"
 
 namespace slamdb::cli {
 namespace {
@@ -21,10 +23,6 @@ struct ShrinkVerbOptions {
   ShrinkOptions shrink;
   std::string purpose, vocabulary;
 };
-
-// What --for takes.
-const std::map<std::string, bool ShrinkOptions::*> kPurposes = {{"localization", &ShrinkOptions::for_localization},
-                                                                {"mapping", &ShrinkOptions::for_mapping}};
 
 std::string FoundText(const ShrinkReport& report) {
   if (!report.found) return {};

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/guard.h"
@@ -29,25 +30,6 @@ struct SynthesizeOptions {
   bool are_sessions() const { return overlapping || sessions.look_alike; }
 };
 
-const std::map<std::string, Sensor>& Sensors() {
-  static const std::map<std::string, Sensor> kSensors = {{"monocular", Sensor::kMonocular},
-                                                         {"stereo", Sensor::kStereo},
-                                                         {"rgbd", Sensor::kRgbd},
-                                                         {"fisheye", Sensor::kFisheyeStereo}};
-  return kSensors;
-}
-
-// How many keyframes and points a binary .osa of about `bytes` has.
-void ScaleTo(std::uint64_t bytes, SyntheticOptions& options) {
-  constexpr std::size_t kGridBytes = 64 * 48 * 8;  // a count for each cell
-  constexpr std::size_t kFeatureBytes = 136;       // keypoint twice, descriptor, depth, map point, grid and words
-  constexpr std::size_t kPointBytes = 480;         // with its observations
-  constexpr std::size_t kPointsPerKeyframe = 45;   // which fit into half the features, as a fisheye pair has them
-  const std::size_t keyframe = kGridBytes + options.features * kFeatureBytes + kPointsPerKeyframe * kPointBytes;
-  options.keyframes = std::max<std::size_t>(2, bytes / keyframe / static_cast<std::size_t>(options.maps));
-  options.points = options.keyframes * kPointsPerKeyframe;
-}
-
 // One transform a line: from the frame of each map to its room's.
 std::string TruthOf(const SyntheticSessions& made) {
   std::string text;
@@ -62,7 +44,7 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   RefuseBadTarget(output, format, options.target);
   RefuseBinaryOnTerminal(output, format);
   SyntheticOptions wanted = options.atlas;
-  wanted.sensor = Sensors().at(options.sensor);
+  wanted.sensor = kSensors.at(options.sensor);
   wanted.threads = console.threads();
   wanted.progress = console.MakeProgress();
   if (options.size > 0) ScaleTo(options.size, wanted);
@@ -120,7 +102,7 @@ Run AddSynthesize(CLI::App& verb) {
   const auto options = std::make_shared<SynthesizeOptions>();
   SyntheticOptions& atlas = options->atlas;
   std::vector<std::string> sensors;
-  for (const auto& [name, sensor] : Sensors()) sensors.push_back(name);
+  for (const auto& [name, sensor] : kSensors) sensors.push_back(name);
   AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
   AddTarget(verb, options->target);
   constexpr const char* kGroup = "The atlas";

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/exports.h"
@@ -18,7 +19,7 @@
 #include "cli/page_server.h"
 #include "cli/report/info_text.h"
 #include "cli/report/layout.h"
-#include "cli/selected.h"
+#include "cli/selection.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
@@ -38,11 +39,6 @@ struct ViewVerbOptions {
   std::uint16_t port = 0;
   double wait = kUsualWait;
 };
-
-const std::map<std::string, ViewKeypoints> kKeypoints = {{"auto", ViewKeypoints::kAuto},
-                                                         {"all", ViewKeypoints::kAll},
-                                                         {"matched", ViewKeypoints::kMatched},
-                                                         {"none", ViewKeypoints::kNone}};
 
 // Where the page goes; empty: nowhere, it is served.
 std::string OutputOf(const ViewVerbOptions& options) {
@@ -219,7 +215,7 @@ void AddPageOptions(CLI::App& verb, ViewVerbOptions& options) {
   verb.add_option("--keypoints", options.page.keypoints,
                   "Keypoints to put into it; auto: all, or those that see a point, or none, as there is room for")
       ->type_name("WHICH")
-      ->transform(OneOf(kKeypoints))
+      ->transform(OneOf(kViewKeypoints))
       ->default_str("auto")
       ->group(kGroup);
   verb.add_flag("--normals", options.page.normals, "With the normals of points")->group(kGroup);

@@ -13,6 +13,7 @@ Threads may read one atlas at the same time. The live map (slamdb::live) is for 
 
 from ._slamdb import NONE, Atlas, Edit, Features, Journal, KeyFrame, KeyFrames, Landmarks, Map, MapPoint, Points
 from ._slamdb import version as __version__
+from .aligning import align, locate, merge
 from .errors import (
     AccessDeniedError,
     AlreadyExistsError,
@@ -28,21 +29,33 @@ from .errors import (
     UnsupportedError,
     UsageError,
 )
+from .evaluating import evaluate
 from .features import FeatureArrays
-from .files import decode, encode, info, read, write
+from .files import encode, info, read, write
+from .frames import transform
 from .graphs import Connections
+from .ids import reassign_origin, renumber
+from .landmarks import landmarks_from_points, landmarks_to_points
+from .layouts import layouts_from_source, layouts_infer, layouts_list, layouts_show
 from .many import FoundAtlas, Page, find_atlases, list_atlases, report_page, summarize, write_file
 from .notebook import View, view
 from .observations import Observations
+from .optimizing import close_loops, optimize
+from .outputs import convert, plot, report, synthesize
+from .parts import cull, extract, fragments, shrink, split
 from .report import CheckReport, Report
 from .store import Store
-from .verbs import check, diff, merge, recover, repair
+from .verbs import check, diff, edit_tables, recover, repair
+from .vocabulary import vocabulary_recompute, vocabulary_set, vocabulary_show, vocabulary_verify
 
 __all__ = [
     "NONE", "Atlas", "Edit", "FeatureArrays", "Features", "Journal", "KeyFrame", "KeyFrames", "Landmarks", "Map", "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
-    "CheckReport", "Connections", "Observations", "Report", "Store", "View",
-    "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "view", "write",
-    "FoundAtlas", "Page", "find_atlases", "list_atlases", "report_page", "summarize", "write_file",
+    "CheckReport", "Connections", "FoundAtlas", "Observations", "Page", "Report", "Store", "View",
+    "encode", "find_atlases", "info", "list_atlases", "read", "report_page", "summarize", "view", "write", "write_file",
+    "align", "check", "close_loops", "convert", "cull", "diff", "edit_tables", "evaluate", "extract", "fragments",
+    "landmarks_from_points", "landmarks_to_points", "layouts_from_source", "layouts_infer", "layouts_list", "layouts_show",
+    "locate", "merge", "optimize", "plot", "reassign_origin", "recover", "renumber", "repair", "report", "shrink", "split",
+    "synthesize", "transform", "vocabulary_recompute", "vocabulary_set", "vocabulary_show", "vocabulary_verify",
 ]  # fmt: skip

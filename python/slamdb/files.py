@@ -32,7 +32,7 @@ def _part(map: Optional[int], keyframes: Optional[Tuple[int, int]], time: Range,
 
 
 def read(
-    path: Path,
+    source: Union[Path, bytes],
     *,
     format: str = "",
     map: Optional[int] = None,
@@ -44,6 +44,7 @@ def read(
 ) -> Atlas:
     """Read an atlas: of ORB-SLAM3 and its forks, of a store (`maps.db#lab`), or of another program.
 
+    source: a path, or the bytes of a file, as `encode` gives them
     format: its id (docs/formats.md); by default the content tells
     map: only the map of this id
     keyframes: only those with ids from the first to the last
@@ -55,24 +56,11 @@ def read(
     A part of an atlas is for looking at: references to what was left out stay.
     Warns of what is unusual (SlamdbWarning). Raises Error: NotFoundError, DamagedError, UnsupportedError, ...
     """
-    atlas, notices = _slamdb.read(os.fspath(path), format, _part(map, keyframes, time, box), threads, progress)
-    _told(notices)
-    return atlas
-
-
-def decode(
-    data: bytes,
-    *,
-    format: str = "",
-    map: Optional[int] = None,
-    keyframes: Optional[Tuple[int, int]] = None,
-    time: Range = None,
-    box: Box = None,
-    threads: int = 0,
-    progress: Progress = None,
-) -> Atlas:
-    """Read an atlas from bytes, as `read` does from a file."""
-    atlas, notices = _slamdb.decode(data, format, _part(map, keyframes, time, box), threads, progress)
+    part = _part(map, keyframes, time, box)
+    if isinstance(source, bytes):
+        atlas, notices = _slamdb.decode(source, format, part, threads, progress)
+    else:
+        atlas, notices = _slamdb.read(os.fspath(source), format, part, threads, progress)
     _told(notices)
     return atlas
 

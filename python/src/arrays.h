@@ -41,22 +41,16 @@ pybind11::array ColumnView(const Kept& kept, const Column<Element>& column) {
 
 // One member of all entities, of `width` numbers each; 1: an array of one dimension.
 template <class Number, class Entity, class Member>
-pybind11::array MemberView(const Kept& kept, const Column<Entity>& entities, const Member& first_member,
+pybind11::array MemberView(const Kept& kept, const Column<Entity>& entities, Member Entity::*member,
                            pybind11::ssize_t width = 1) {
-  ArrayPlace place{&first_member, {static_cast<pybind11::ssize_t>(entities.size())}, {sizeof(Entity)}};
+  ArrayPlace place{entities.empty() ? nullptr : &(entities.front().*member),
+                   {static_cast<pybind11::ssize_t>(entities.size())},
+                   {sizeof(Entity)}};
   if (width > 1) {
     place.shape.push_back(width);
     place.strides.push_back(sizeof(Number));
   }
   return ViewOf(kept, pybind11::dtype::of<Number>(), std::move(place));
-}
-
-// The same, where `member_of(entity)` is the member: of no entity there is no first.
-template <class Number, class Entity, class MemberOf>
-pybind11::array MembersOf(const Kept& kept, const Column<Entity>& entities, MemberOf member_of,
-                          pybind11::ssize_t width = 1) {
-  static const Entity none{};
-  return MemberView<Number>(kept, entities, member_of(entities.empty() ? none : entities.front()), width);
 }
 
 // An array of values that are computed, one for each entity.

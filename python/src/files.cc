@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "python/src/files.h"
-
 #include <pybind11/stl.h>
 
 #include <optional>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "python/src/errors.h"
+#include "python/src/files.h"
 #include "python/src/held_atlas.h"
 #include "python/src/module.h"
 #include "slamdb/formats/formats.h"

@@ -12,13 +12,9 @@ namespace py = pybind11;
 
 namespace {
 
-// A member of all keyframes as an array over it.
-template <class Number, class MemberOf>
-auto Members(MemberOf member_of, py::ssize_t width = 1) {
-  return [member_of, width](const KeyFramesInMap& keyframes) {
-    return MembersOf<Number>(keyframes.of.kept(), keyframes.list(), member_of, width);
-  };
-}
+struct FeaturesOfKeyFrame {
+  Row<KeyFrame> of;
+};
 
 // world_from_camera: 4 x 4 matrices by rows.
 py::array Poses(const KeyFramesInMap& keyframes) {
@@ -41,22 +37,15 @@ py::array Centers(const KeyFramesInMap& keyframes) {
 }
 
 void DefineColumns(py::class_<KeyFramesInMap>& keyframes) {
-  keyframes
-      .def_property_readonly("ids", Members<std::uint64_t>([](const KeyFrame& k) -> auto& { return k.id; }),
-                             "(N,) uint64: KeyFrame::mnId")
-      .def_property_readonly("timestamps", Members<double>([](const KeyFrame& k) -> auto& { return k.timestamp; }),
-                             "(N,) float64, writable: seconds")
-      .def_property_readonly("camera_from_world",
-                             Members<float>(
-                                 [](const KeyFrame& k) -> auto& { return k.camera_from_world; }, 7),
+  keyframes.def_property_readonly("ids", Members<std::uint64_t>(&KeyFrame::id), "(N,) uint64: KeyFrame::mnId")
+      .def_property_readonly("timestamps", Members<double>(&KeyFrame::timestamp), "(N,) float64, writable: seconds")
+      .def_property_readonly("camera_from_world", Members<float>(&KeyFrame::camera_from_world, 7),
                              "(N, 7) float32, writable: Tcw of the left camera, qx qy qz qw tx ty tz, as recorded")
       .def_property_readonly("poses", &Poses, "(N, 4, 4) float64, computed: world from (left) camera, Twc")
       .def_property_readonly("centers", &Centers, "(N, 3) float32, computed: camera centres in the world")
-      .def_property_readonly("parents", Members<std::uint64_t>([](const KeyFrame& k) -> auto& { return k.parent; }),
+      .def_property_readonly("parents", Members<std::uint64_t>(&KeyFrame::parent),
                              "(N,) uint64: ids of parents in the spanning tree; NONE for its root")
-      .def_property_readonly("velocities",
-                             Members<float>(
-                                 [](const KeyFrame& k) -> auto& { return k.velocity; }, 3),
+      .def_property_readonly("velocities", Members<float>(&KeyFrame::velocity, 3),
                              "(N, 3) float32, writable: m/s, world; of maps with an IMU")
       .def_property_readonly(
           "bad",

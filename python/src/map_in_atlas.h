@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <type_traits>
 
 #include "python/src/arrays.h"
 #include "python/src/held_atlas.h"
@@ -24,15 +25,23 @@ struct MapInAtlas {
   }
 };
 
-// Its keyframes, and its points.
-struct KeyFramesInMap {
+// Its keyframes, or its points.
+template <class Entity, auto List>
+struct EntitiesInMap {
   MapInAtlas of;
-  Column<KeyFrame>& list() const { return of.map().keyframes; }
+  Column<Entity>& list() const { return of.map().*List; }
 };
-struct PointsInMap {
-  MapInAtlas of;
-  Column<MapPoint>& list() const { return of.map().points; }
-};
+using KeyFramesInMap = EntitiesInMap<KeyFrame, &Map::keyframes>;
+using PointsInMap = EntitiesInMap<MapPoint, &Map::points>;
+
+// What makes an array over a member of all of them, of `width` numbers each.
+template <class Number, class Entity, class Member>
+auto Members(Member Entity::*member, pybind11::ssize_t width = 1) {
+  using Entities = std::conditional_t<std::is_same_v<Entity, KeyFrame>, KeyFramesInMap, PointsInMap>;
+  return [member, width](const Entities& entities) {
+    return MemberView<Number>(entities.of.kept(), entities.list(), member, width);
+  };
+}
 
 // The row that a Python index means, which counts from the end where it is negative.
 inline std::size_t RowAt(pybind11::ssize_t index, std::size_t size) {

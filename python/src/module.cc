@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "python/src/module.h"
 
+#include <pybind11/stl.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/words.h"
 #include "python/src/errors.h"
 #include "slamdb/model/ids.h"
 #include "slamdb/version.h"
@@ -23,6 +30,22 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineMapVerbs(module);
   slamdb::python::DefineEditing(module);
   slamdb::python::DefineNotebook(module);
+  slamdb::python::DefineParts(module);
+  slamdb::python::DefineIds(module);
+  slamdb::python::DefineFrames(module);
+  slamdb::python::DefineOptimizing(module);
+  slamdb::python::DefineLandmarkVerbs(module);
+  slamdb::python::DefineVocabulary(module);
+  slamdb::python::DefineAligning(module);
+  slamdb::python::DefineEstimates(module);
+  slamdb::python::DefineOutputs(module);
+  slamdb::python::DefineLayouts(module);
   module.attr("NONE") = slamdb::MapId::kNone;
+  module.def("in_command_words", [](const std::string& sentence) { return slamdb::cli::InCommandWords(sentence); });
+  module.def("command_words", [] {
+    std::vector<std::pair<std::string, std::string>> words;
+    for (const slamdb::cli::Word& word : slamdb::cli::Words()) words.emplace_back(word.library, word.command);
+    return words;
+  });
   module.attr("version") = std::string(slamdb::Version());
 }

@@ -14,6 +14,16 @@ void DefineFiles(pybind11::module_& module);
 void DefineNotebook(pybind11::module_& module);
 void DefineMany(pybind11::module_& module);
 void DefineVerbs(pybind11::module_& module);
+void DefineParts(pybind11::module_& module);
+void DefineIds(pybind11::module_& module);
+void DefineFrames(pybind11::module_& module);
+void DefineOptimizing(pybind11::module_& module);
+void DefineLandmarkVerbs(pybind11::module_& module);
+void DefineVocabulary(pybind11::module_& module);
+void DefineAligning(pybind11::module_& module);
+void DefineEstimates(pybind11::module_& module);
+void DefineOutputs(pybind11::module_& module);
+void DefineLayouts(pybind11::module_& module);
 
 // These add to the classes that the others have defined.
 void DefineRows(pybind11::module_& module);

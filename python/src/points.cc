@@ -13,14 +13,6 @@ namespace {
 
 using Point = Row<MapPoint>;
 
-// A member of all points as an array over it.
-template <class Number, class MemberOf>
-auto Members(MemberOf member_of, py::ssize_t width = 1) {
-  return [member_of, width](const PointsInMap& points) {
-    return MembersOf<Number>(points.of.kept(), points.list(), member_of, width);
-  };
-}
-
 // Compressed by rows: observation i of point p is at offsets[p] + i.
 py::tuple Observations(const PointsInMap& points) {
   const Column<MapPoint>& list = points.list();
@@ -41,33 +33,21 @@ py::tuple Observations(const PointsInMap& points) {
 }
 
 void DefineColumns(py::class_<PointsInMap>& points) {
-  points
-      .def_property_readonly("ids", Members<std::uint64_t>([](const MapPoint& p) -> auto& { return p.id; }),
-                             "(N,) uint64: MapPoint::mnId")
-      .def_property_readonly("positions",
-                             Members<float>(
-                                 [](const MapPoint& p) -> auto& { return p.position; }, 3),
+  points.def_property_readonly("ids", Members<std::uint64_t>(&MapPoint::id), "(N,) uint64: MapPoint::mnId")
+      .def_property_readonly("positions", Members<float>(&MapPoint::position, 3),
                              "(N, 3) float32, writable: in the world frame of the map, metres or its units")
-      .def_property_readonly("normals",
-                             Members<float>(
-                                 [](const MapPoint& p) -> auto& { return p.normal; }, 3),
+      .def_property_readonly("normals", Members<float>(&MapPoint::normal, 3),
                              "(N, 3) float32, writable: mean viewing direction, at most of unit length")
-      .def_property_readonly("descriptors",
-                             Members<std::uint8_t>(
-                                 [](const MapPoint& p) -> auto& { return p.descriptor; }, 32),
+      .def_property_readonly("descriptors", Members<std::uint8_t>(&MapPoint::descriptor, 32),
                              "(N, 32) uint8, writable: ORB descriptors")
-      .def_property_readonly("min_distances", Members<float>([](const MapPoint& p) -> auto& { return p.min_distance; }),
+      .def_property_readonly("min_distances", Members<float>(&MapPoint::min_distance),
                              "(N,) float32, writable: scale-invariance range")
-      .def_property_readonly("max_distances", Members<float>([](const MapPoint& p) -> auto& { return p.max_distance; }),
-                             "(N,) float32, writable")
-      .def_property_readonly("first_keyframes",
-                             Members<std::int64_t>([](const MapPoint& p) -> auto& { return p.first_keyframe; }),
+      .def_property_readonly("max_distances", Members<float>(&MapPoint::max_distance), "(N,) float32, writable")
+      .def_property_readonly("first_keyframes", Members<std::int64_t>(&MapPoint::first_keyframe),
                              "(N,) int64: ids of the keyframes that made them; -1: a frame did")
-      .def_property_readonly("reference_keyframes",
-                             Members<std::uint64_t>([](const MapPoint& p) -> auto& { return p.reference; }),
+      .def_property_readonly("reference_keyframes", Members<std::uint64_t>(&MapPoint::reference),
                              "(N,) uint64: ids of keyframes; NONE where there is none")
-      .def_property_readonly("replaced_by",
-                             Members<std::uint64_t>([](const MapPoint& p) -> auto& { return p.replaced_by; }),
+      .def_property_readonly("replaced_by", Members<std::uint64_t>(&MapPoint::replaced_by),
                              "(N,) uint64: ids of the points they were fused into; NONE as a rule")
       .def_property_readonly(
           "bad",
