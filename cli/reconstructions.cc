@@ -4,6 +4,7 @@
 #include "cli/options.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/options.h"
+#include "slamdb/many/convert.h"
 
 namespace slamdb::cli {
 namespace {
