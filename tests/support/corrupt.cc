@@ -44,6 +44,11 @@ KeyFrame& SomeKeyFrame(Atlas& atlas) { return atlas.maps[0].keyframes[5]; }
 MapPoint& SomePoint(Atlas& atlas) { return atlas.maps[0].points[7]; }
 KeyFrame& KeyFrameOf(Map& map, KeyFrameId id) { return *std::ranges::find(map.keyframes, id, &KeyFrame::id); }
 
+// The first depth that there is of a keyframe of a depth camera.
+float* FirstDepth(Atlas& atlas) {
+  return &*std::ranges::find_if(SomeKeyFrame(atlas).features.depth, [](float depth) { return depth > 0; });
+}
+
 // A point of the first map with several observers, and one of its observations that is not by its reference keyframe.
 MapPoint& SeenPoint(Atlas& atlas) {
   return *std::ranges::find_if(FirstMap(atlas).points,
@@ -231,12 +236,18 @@ const std::vector<Twin>& AllTwins() {
          Features& features = SomeKeyFrame(atlas).features;
          features.right_of_left[0] = features.right_count;
        }},
-      {"stereo-depth", Base::kRgbd,
+      {"keypoint-undistorted", Base::kMonocular,
+       [](Atlas& atlas) { SomeKeyFrame(atlas).features.keypoints[3].x += 0.5F; }},
+      {"stereo-finite", Base::kRgbd, [](Atlas& atlas) { *FirstDepth(atlas) = kNan; }},
+      {"stereo-finite", Base::kRgbd,
        [](Atlas& atlas) {
          Features& features = SomeKeyFrame(atlas).features;
-         const auto row = std::ranges::find_if(features.depth, [](float depth) { return depth > 0; });
-         *row = -1;
-       }},
+         features.right_x[static_cast<std::size_t>(FirstDepth(atlas) - features.depth.data())] = kNan;
+       },
+       {"observation-count-excess"}},
+      {"stereo-finite", Base::kMonocular, [](Atlas& atlas) { SomeKeyFrame(atlas).features.right_x[3] = kNan; }},
+      {"stereo-depth", Base::kRgbd, [](Atlas& atlas) { *FirstDepth(atlas) = -1; }},
+      {"stereo-depth", Base::kRgbd, [](Atlas& atlas) { *FirstDepth(atlas) *= 1.1F; }},
       {"image-bounds", Base::kMonocular,
        [](Atlas& atlas) {
          KeyFrame& keyframe = SomeKeyFrame(atlas);
@@ -419,7 +430,7 @@ const std::vector<Twin>& AllTwins() {
          for (KeyFrame& keyframe : FirstMap(atlas).keyframes)
            for (Keypoint& keypoint : keyframe.features.undistorted) keypoint.x += 50;
        },
-       {"grid-cell"}},
+       {"grid-cell", "keypoint-undistorted"}},
       {"timestamp-finite", Base::kMonocular,
        [](Atlas& atlas) { SomeKeyFrame(atlas).timestamp = std::numeric_limits<double>::infinity(); }},
       {"timestamp-seconds", Base::kMonocular, [](Atlas& atlas) { CountTimesBy(atlas, 1e9); }},

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Features of keyframes: column lengths, octaves, grids, bags of words.
+// Features of keyframes: column lengths, scale tables, grids, bags of words. Keypoints: keypoints.cc.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <string_view>
 
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
@@ -98,29 +97,6 @@ bool GridHoldsKeypoints(const FeatureGrid& grid, const Column<Keypoint>& keypoin
   return true;
 }
 
-// visit(name, column) for the keypoint columns in use: rectified stereo leaves unused ones of the right image.
-template <class Visit>
-void ForEachKeypointColumn(const Features& features, const Visit& visit) {
-  visit("", features.keypoints);
-  visit("undistorted ", features.undistorted);
-  if (features.is_fisheye_stereo()) visit("right ", features.right_keypoints);
-}
-
-// Reports the first offender of each keypoint column, with how many there are.
-template <class Offends, class Describe>
-void CheckKeypoints(const Subject& subject, const Offends& offends, const Describe& describe, Findings& findings) {
-  ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    ForEachKeypointColumn(keyframe.features, [&](std::string_view column, const Column<Keypoint>& keypoints) {
-      const auto breaks = [&](const Keypoint& keypoint) { return offends(keyframe, keypoint); };
-      const auto first = std::ranges::find_if(keypoints, breaks);
-      if (first == keypoints.end()) return;
-      const auto row = static_cast<std::size_t>(first - keypoints.begin());
-      const auto count = std::count_if(first, keypoints.end(), breaks);
-      findings.Add(PlaceOf(map, keyframe, row), count, " ", column, "keypoints ", describe(keyframe, *first));
-    });
-  });
-}
-
 bool Near(float a, float b, float tolerance) { return std::abs(a - b) <= tolerance * std::max(1.0F, std::abs(b)); }
 
 // True when the tables hold what DerivePyramid makes, to rounding.
@@ -177,54 +153,6 @@ void CheckPyramidScale(const Subject& subject, Findings& findings) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
     if (TablesFit(keyframe.pyramid) && !IsDerivedPyramid(keyframe.pyramid))
       findings.Add(PlaceOf(map, keyframe), "the scale tables are not the powers of ", keyframe.pyramid.factor);
-  });
-}
-
-void CheckOctave(const Subject& subject, Findings& findings) {
-  const auto outside = [](const KeyFrame& keyframe, const Keypoint& keypoint) {
-    return keypoint.octave < 0 || keypoint.octave >= keyframe.pyramid.levels;
-  };
-  const auto describe = [](const KeyFrame& keyframe, const Keypoint& keypoint) {
-    return [&keyframe, &keypoint] {
-      return "are on no level of the pyramid; the first on " + std::to_string(keypoint.octave) + " of " +
-             std::to_string(keyframe.pyramid.levels);
-    };
-  };
-  CheckKeypoints(subject, outside, describe, findings);
-}
-
-void CheckKeypointFinite(const Subject& subject, Findings& findings) {
-  const auto infinite = [](const KeyFrame&, const Keypoint& keypoint) {
-    return !std::isfinite(keypoint.x) || !std::isfinite(keypoint.y);
-  };
-  const auto describe = [](const KeyFrame&, const Keypoint&) { return "are not at a finite place"; };
-  CheckKeypoints(subject, infinite, describe, findings);
-}
-
-void CheckStereoMatch(const Subject& subject, Findings& findings) {
-  ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    const auto check = [&](const Column<std::int32_t>& matches, std::int32_t count, const char* from, const char* to) {
-      for (std::size_t row = 0; row < matches.size(); ++row)
-        if (matches[row] < -1 || matches[row] >= count)
-          findings.Add(PlaceOf(map, keyframe, row), from, " keypoint matches ", to, " keypoint ", matches[row], " of ",
-                       count);
-    };
-    const Features& features = keyframe.features;
-    if (!features.is_fisheye_stereo()) return;
-    check(features.right_of_left, features.right_count, "left", "right");
-    check(features.left_of_right, features.left_count, "right", "left");
-  });
-}
-
-void CheckStereoDepth(const Subject& subject, Findings& findings) {
-  ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
-    const Features& features = keyframe.features;
-    if (features.is_fisheye_stereo()) return;
-    const std::size_t rows = std::min(features.right_x.size(), features.depth.size());
-    for (std::size_t row = 0; row < rows; ++row)
-      if ((features.right_x[row] >= 0) && !(features.depth[row] > 0))
-        findings.Add(PlaceOf(map, keyframe, row), "has right coordinate ", features.right_x[row], ", but depth ",
-                     features.depth[row]);
   });
 }
 

@@ -143,11 +143,6 @@ void CheckColumnLength(const Subject&, Findings&);
 void CheckPyramidTables(const Subject&, Findings&);
 std::size_t RebuildPyramids(Atlas&);
 void CheckPyramidScale(const Subject&, Findings&);
-void CheckOctave(const Subject&, Findings&);
-void CheckKeypointFinite(const Subject&, Findings&);
-void CheckStereoMatch(const Subject&, Findings&);
-std::size_t ClearWildMatches(Atlas&);
-void CheckStereoDepth(const Subject&, Findings&);
 void CheckGridShape(const Subject&, Findings&);
 void CheckGridIndex(const Subject&, Findings&);
 void CheckGridCell(const Subject&, Findings&);
@@ -162,6 +157,16 @@ void CheckBagOfWordsSorted(const Subject&, Findings&);
 std::size_t DropUnsortedBags(Atlas&);
 std::size_t DropWildBags(Atlas&);
 void CheckWordRange(const Subject&, Findings&);
+
+// keypoints.cc
+void CheckOctave(const Subject&, Findings&);
+void CheckKeypointFinite(const Subject&, Findings&);
+void CheckKeypointUndistorted(const Subject&, Findings&);
+void CheckStereoMatch(const Subject&, Findings&);
+std::size_t ClearWildMatches(Atlas&);  // features_fix.cc
+void CheckStereoFinite(const Subject&, Findings&);
+std::size_t RestoreStereo(Atlas&);
+void CheckStereoDepth(const Subject&, Findings&);
 
 // values.cc
 void CheckPoseFinite(const Subject&, Findings&);
