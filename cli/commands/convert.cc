@@ -133,13 +133,13 @@ bool IsOfTrajectories(const HeldSource& input, const Format& output, const Conve
 }
 
 ExitCode ConvertPoses(const HeldSource& input, const Location& output, const Format& format, const ReadOptions& read,
-                      const WriteOptions& write, const ConvertOptions& options, Console& console) {
+                      const WriteOptions& write, const ConvertOptions& options, Console& console,
+                      const std::uint64_t& would_have) {  // set while it writes
   Notices notices;
   ConvertReport report;
   report.format = format.id;
   report.keyframes = ConvertTrajectory(input, output, read, write, &notices);
-  const std::uint64_t* would_have = write.of<DryRunOptions>().bytes;
-  return Finish(std::move(report), output, options, console, notices, would_have == nullptr ? 0 : *would_have);
+  return Finish(std::move(report), output, options, console, notices, would_have);
 }
 
 // Options that would be without effect.
@@ -239,7 +239,8 @@ ExitCode RunConvert(const ConvertOptions& options, Console& console) {
   WriteOptions write = WriteOptionsOf(options, read.selection, console);
   std::uint64_t would_have = 0;
   if (options.dry_run) write.of<DryRunOptions>().bytes = &would_have;
-  if (IsOfTrajectories(held, format, options)) return ConvertPoses(held, output, format, read, write, options, console);
+  if (IsOfTrajectories(held, format, options))
+    return ConvertPoses(held, output, format, read, write, options, console, would_have);
   bool sound = true;
   std::optional<PutInto> put;
   const Atlas atlas = Prepare(held, read, output, format, options, console, put, notices, sound);
