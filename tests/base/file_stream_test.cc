@@ -99,7 +99,7 @@ TEST(FileStream, ShowsMemoryWhereItIs) {
 
 TEST(FileStream, RefusesWhatIsNeitherFileNorStream) {
   EXPECT_THROW(detail::FileStream("/nowhere/atlas.osa"), Error);
-  EXPECT_THROW(detail::FileStream(testing::TempDir()), Error);
+  EXPECT_THROW(detail::FileStream{testing::TempDir()}, Error);
   EXPECT_EQ(detail::FileStream("/dev/null").size(), 0U);
 }
 
