@@ -2,7 +2,7 @@
 # run.sh SECONDS [FUZZER...]: (FUZZ_SEED=N tries the same inputs each time)
 # builds the fuzzers with clang, sanitizers on, and lets each run for so long, one on each core, from its seeds,
 # past finds and what earlier runs in build/clang/fuzz/corpus came upon. Ends with an error at a find, which is left in
-# build/clang/fuzz/finds. Limits: 2 s and 1 GB an input, of at most 64 kB (256 kB where it is an atlas).
+# build/clang/fuzz/finds. Limits: 10 s and 1 GB an input, of at most 64 kB (256 kB where it is an atlas).
 # Those that look for layouts (LAYOUTS in CMakeLists.txt), which takes a minute an input under sanitizers, run where they are named.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -23,7 +23,7 @@ fuzz() {
   local fuzzer=$1 log=$work/finds/$1.log corpus length limit folders
   corpus=$(sed -n "s/^slamdb_fuzzer($fuzzer \([a-z0-9_]*\) .*/\1/p" tests/fuzz/CMakeLists.txt)
   grep -q "^slamdb_fuzzer($fuzzer [a-z0-9_]* ATLASES" tests/fuzz/CMakeLists.txt && length=262144 || length=65536
-  grep -q "^slamdb_fuzzer($fuzzer .*LAYOUTS" tests/fuzz/CMakeLists.txt && limit=120 || limit=2
+  grep -q "^slamdb_fuzzer($fuzzer .*LAYOUTS" tests/fuzz/CMakeLists.txt && limit=120 || limit=10
   folders=("$work/corpus/$fuzzer" "$work/seeds/$corpus")
   mkdir -p "${folders[0]}"
   [ ! -d "tests/fuzz/corpus/$corpus" ] || folders+=("tests/fuzz/corpus/$corpus")

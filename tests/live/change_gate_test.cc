@@ -53,7 +53,7 @@ TEST(ChangeGate, ClosesOneAtATime) {
 TEST(ChangeGate, RefusesToWaitForItself) {
   ChangeGate gate, other;
   const Change change(gate);
-  EXPECT_THROW(ClosedGate{gate}, Error);
+  EXPECT_THROW(const ClosedGate refused(gate), Error);
   const ClosedGate closed(other);
 }
 

@@ -117,8 +117,11 @@ Atlas RgbdTruth(std::size_t keyframes = 12) { return MakeTruth({"", Sensor::kRgb
 
 // The keypoint that an observation refers to, wherever it is kept.
 void MoveKeypoint(KeyFrame& keyframe, std::int32_t row, float pixels) {
-  keyframe.features.undistorted[static_cast<std::size_t>(row)].x += pixels;
-  keyframe.features.keypoints[static_cast<std::size_t>(row)].x += pixels;
+  Features& features = keyframe.features;
+  const auto at = static_cast<std::size_t>(row);
+  features.undistorted[at].x += pixels;
+  features.keypoints[at].x += pixels;
+  if (features.right_x[at] >= 0) features.right_x[at] += pixels;
   keyframe.features.grid = DeriveGrid(keyframe.features.undistorted, keyframe.bounds);
 }
 
