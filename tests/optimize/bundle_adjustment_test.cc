@@ -122,7 +122,7 @@ void MoveKeypoint(KeyFrame& keyframe, std::int32_t row, float pixels) {
   features.undistorted[at].x += pixels;
   features.keypoints[at].x += pixels;
   if (features.right_x[at] >= 0) features.right_x[at] += pixels;
-  keyframe.features.grid = DeriveGrid(keyframe.features.undistorted, keyframe.bounds);
+  features.grid = DeriveGrid(features.undistorted, keyframe.bounds);
 }
 
 TEST(AdjustBundle, DropsWhatDoesNotFitOnBothSides) {

@@ -159,10 +159,7 @@ Eigen::Vector2d Undistorted(const CameraSettings& settings, const Eigen::Vector2
   std::array<double, 5> k{};
   for (std::size_t i = 0; i < std::min(k.size(), settings.distortion.size()); ++i) k[i] = settings.distortion[i];
   const std::vector<float>& p = settings.camera.parameters;
-  const Eigen::Array2d focal(p[0], p[1]), center(p[2], p[3]);
-  const Eigen::Array2d distorted = (pixel.array() - center) / focal;
-  const auto place = detail::UndistortBrown(k.data(), distorted.matrix());
-  return place ? Eigen::Vector2d((place->array() * focal + center).matrix()) : pixel;
+  return detail::UndistortBrownPixel(k.data(), {p[0], p[1]}, {p[2], p[3]}, pixel).value_or(pixel);
 }
 
 ImageBounds UndistortedBounds(const CameraSettings& settings, std::int32_t width, std::int32_t height) {

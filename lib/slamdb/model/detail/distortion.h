@@ -70,6 +70,14 @@ inline std::optional<Eigen::Vector2d> UndistortBrown(const double* k, const Eige
   return place;
 }
 
+// The same of a pixel, by focal lengths and centre of the image.
+inline std::optional<Eigen::Vector2d> UndistortBrownPixel(const double* k, const Eigen::Vector2d& focal,
+                                                          const Eigen::Vector2d& center, const Eigen::Vector2d& pixel) {
+  const std::optional<Eigen::Vector2d> place = UndistortBrown(k, (pixel - center).cwiseQuotient(focal));
+  if (!place) return std::nullopt;
+  return place->cwiseProduct(focal) + center;
+}
+
 // Fitzgibbon, 2001: division by 1 + k r^2 undistorts; what is divided follows from a quadratic equation.
 inline Eigen::Vector2d UndistortDivision(double k, const Eigen::Vector2d& distorted) {
   return distorted / (1 + k * distorted.squaredNorm());
