@@ -3,6 +3,7 @@
 
 #include <pybind11/numpy.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -39,13 +40,14 @@ pybind11::array ColumnView(const Kept& kept, const Column<Element>& column) {
   return ViewOf(kept, pybind11::dtype::of<Number>(), std::move(place));
 }
 
-// One member of all entities, of `width` numbers each; 1: an array of one dimension.
-template <class Number, class Entity, class Member>
-pybind11::array MemberView(const Kept& kept, const Column<Entity>& entities, Member Entity::*member,
+// One member of all entities, of `width` numbers each; 1: an array of one dimension. `member` is a pointer to it, or
+// gives a reference to it.
+template <class Number, class Entities, class Member>
+pybind11::array MemberView(const Kept& kept, const Entities& entities, const Member& member,
                            pybind11::ssize_t width = 1) {
-  ArrayPlace place{entities.empty() ? nullptr : &(entities.front().*member),
+  ArrayPlace place{entities.empty() ? nullptr : &std::invoke(member, entities.front()),
                    {static_cast<pybind11::ssize_t>(entities.size())},
-                   {sizeof(Entity)}};
+                   {sizeof(typename Entities::value_type)}};
   if (width > 1) {
     place.shape.push_back(width);
     place.strides.push_back(sizeof(Number));

@@ -18,22 +18,6 @@ namespace {
 using KeyFramesClass = py::class_<KeyFramesInMap>;
 using PointsClass = py::class_<PointsInMap>;
 
-// A member of all entities as an array over it.
-template <class Entity, class Number, class Entities, class MemberOf>
-auto ViewedColumn(MemberOf member_of, py::ssize_t width) {
-  return [member_of, width](const Entities& entities) {
-    return MembersOf<Number>(entities.of.kept(), entities.list(), member_of, width);
-  };
-}
-template <class Number, class MemberOf>
-auto OfKeyFrames(MemberOf member_of, py::ssize_t width = 1) {
-  return ViewedColumn<KeyFrame, Number, KeyFramesInMap>(member_of, width);
-}
-template <class Number, class MemberOf>
-auto OfPoints(MemberOf member_of, py::ssize_t width = 1) {
-  return ViewedColumn<MapPoint, Number, PointsInMap>(member_of, width);
-}
-
 // Where ids are; an unknown one is an error that tells the row.
 template <class Entities>
 py::array RowsOf(const Entities& entities, const IdTable& table, const py::object& ids) {
@@ -94,8 +78,7 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
                              "(N, 7) float64, computed: world from (left) camera, tx ty tz qx qy qz qw")
       .def_property_readonly("connections", &ConnectionsOf,
                              "computed: the covisibility graph, compressed by rows; see Map.covisibility")
-      .def_property_readonly("frame_ids",
-                             OfKeyFrames<std::uint64_t>([](const KeyFrame& k) -> auto& { return k.frame_id; }),
+      .def_property_readonly("frame_ids", Members<std::uint64_t>(&KeyFrame::frame_id),
                              "(N,) uint64: ids of the frames that became them")
       .def_property_readonly(
           "cameras",
@@ -110,11 +93,11 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
           },
           "(N,) uint32, computed: ids of the maps they were made in")
       .def_property_readonly("accelerometer_biases",
-                             OfKeyFrames<float>(
+                             MembersOf<KeyFramesInMap, float>(
                                  [](const KeyFrame& k) -> auto& { return k.imu_bias.accelerometer; }, 3),
                              "(N, 3) float32, writable: m/s^2")
       .def_property_readonly("gyroscope_biases",
-                             OfKeyFrames<float>(
+                             MembersOf<KeyFramesInMap, float>(
                                  [](const KeyFrame& k) -> auto& { return k.imu_bias.gyroscope; }, 3),
                              "(N, 3) float32, writable: rad/s")
       .def_property_readonly("not_erase", &FlagsOf<&KeyFrame::not_erase>,
@@ -131,11 +114,9 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
 
 void DefinePointColumns(PointsClass points) {
   points
-      .def_property_readonly("first_frames",
-                             OfPoints<std::int64_t>([](const MapPoint& p) -> auto& { return p.first_frame; }),
+      .def_property_readonly("first_frames", Members<std::int64_t>(&MapPoint::first_frame),
                              "(N,) int64: ids of the frames that made them")
-      .def_property_readonly("weights",
-                             OfPoints<std::int32_t>([](const MapPoint& p) -> auto& { return p.observation_count; }),
+      .def_property_readonly("weights", Members<std::int32_t>(&MapPoint::observation_count),
                              "(N,) int32: observations as ORB-SLAM3 counts them (nObs), with stereo or depth twice")
       .def(
           "rows_of", [](const PointsInMap& p, const py::object& ids) { return RowsOf(p, PointTable(p.of.map()), ids); },

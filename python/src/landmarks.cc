@@ -15,20 +15,9 @@ struct LandmarksInMap {
   std::vector<Landmark>& list() const { return of.map().landmarks; }
 };
 
-// A member of all landmarks as an array over it.
-template <class Number, class MemberOf>
-auto Members(MemberOf member_of, py::ssize_t width = 1) {
-  return [member_of, width](const LandmarksInMap& landmarks) {
-    static const Landmark none{};
-    const std::vector<Landmark>& list = landmarks.list();
-    ArrayPlace place{
-        &member_of(list.empty() ? none : list.front()), {static_cast<py::ssize_t>(list.size())}, {sizeof(Landmark)}};
-    if (width > 1) {
-      place.shape.push_back(width);
-      place.strides.push_back(sizeof(Number));
-    }
-    return ViewOf(landmarks.of.kept(), py::dtype::of<Number>(), std::move(place));
-  };
+template <class Number, class Member>
+auto OfLandmarks(const Member& member, py::ssize_t width = 1) {
+  return MembersOf<LandmarksInMap, Number>(member, width);
 }
 
 py::array Covariances(const LandmarksInMap& landmarks) {
@@ -44,19 +33,14 @@ py::array Covariances(const LandmarksInMap& landmarks) {
 void DefineLandmarks(py::module_& module) {
   py::class_<LandmarksInMap>(module, "Landmarks", "The MRPT landmarks of a map: columns as numpy arrays.")
       .def("__len__", [](const LandmarksInMap& l) { return l.list().size(); })
-      .def_property_readonly("ids", Members<std::uint64_t>([](const Landmark& l) -> auto& { return l.id; }),
+      .def_property_readonly("ids", OfLandmarks<std::uint64_t>(&Landmark::id),
                              "(N,) uint64: CLandmark::ID; NONE where it has none")
-      .def_property_readonly("means",
-                             Members<double>(
-                                 [](const Landmark& l) -> auto& { return l.mean; }, 3),
+      .def_property_readonly("means", OfLandmarks<double>(&Landmark::mean, 3),
                              "(N, 3) float64, writable: in the world frame of the map, metres or its units")
-      .def_property_readonly("normals",
-                             Members<double>(
-                                 [](const Landmark& l) -> auto& { return l.normal; }, 3),
+      .def_property_readonly("normals", OfLandmarks<double>(&Landmark::normal, 3),
                              "(N, 3) float64, writable: towards their sensors; zeros: not known")
       .def_property_readonly("covariances", &Covariances, "(N, 3, 3) float64, computed: of the means; zeros: not known")
-      .def_property_readonly("seen_counts",
-                             Members<std::uint32_t>([](const Landmark& l) -> auto& { return l.seen_count; }),
+      .def_property_readonly("seen_counts", OfLandmarks<std::uint32_t>(&Landmark::seen_count),
                              "(N,) uint32, writable: how often they were seen");
   Reopen<py::class_<MapInAtlas>>(module, "Map")
       .def_property_readonly(

@@ -35,12 +35,16 @@ using KeyFramesInMap = EntitiesInMap<KeyFrame, &Map::keyframes>;
 using PointsInMap = EntitiesInMap<MapPoint, &Map::points>;
 
 // What makes an array over a member of all of them, of `width` numbers each.
-template <class Number, class Entity, class Member>
-auto Members(Member Entity::*member, pybind11::ssize_t width = 1) {
-  using Entities = std::conditional_t<std::is_same_v<Entity, KeyFrame>, KeyFramesInMap, PointsInMap>;
+template <class Entities, class Number, class Member>
+auto MembersOf(const Member& member, pybind11::ssize_t width = 1) {
   return [member, width](const Entities& entities) {
     return MemberView<Number>(entities.of.kept(), entities.list(), member, width);
   };
+}
+template <class Number, class Entity, class Member>
+auto Members(Member Entity::*member, pybind11::ssize_t width = 1) {
+  using Entities = std::conditional_t<std::is_same_v<Entity, KeyFrame>, KeyFramesInMap, PointsInMap>;
+  return MembersOf<Entities, Number>(member, width);
 }
 
 // The row that a Python index means, which counts from the end where it is negative.
