@@ -37,7 +37,7 @@ OLDEST_CMAKE = (3, 25)
 FIRST_PYBIND11_FOR_NUMPY_2 = (2, 12)
 # What the module is built from.
 SOURCES = (
-    "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "pyproject.toml", "cmake", "lib", "python", "schema",
+    "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "pyproject.toml", "cli", "cmake", "lib", "python", "schema",
 )  # fmt: skip
 
 Settings = Optional[Mapping[str, str]]

@@ -24,21 +24,16 @@ def _told(notices: List[Tuple[str, str]], depth: int = 3) -> None:
             warnings.warn(in_python_words(text), kinds[kind], stacklevel=depth)
 
 
-def _part(map: Optional[int], keyframes: Optional[Tuple[int, int]], time: Range, box: Box) -> _slamdb.Part:
-    part = _slamdb.Part()
-    part.map, part.keyframes, part.time = map, keyframes, time
-    part.box = None if box is None else (list(box[0]), list(box[1]))
-    return part
-
-
 def read(
     source: Union[Path, bytes],
     *,
     format: str = "",
+    layout: Optional[Path] = None,
     map: Optional[int] = None,
     keyframes: Optional[Tuple[int, int]] = None,
     time: Range = None,
     box: Box = None,
+    wait: float = 5,
     threads: int = 0,
     progress: Progress = None,
 ) -> Atlas:
@@ -46,21 +41,20 @@ def read(
 
     source: a path, or the bytes of a file, as `encode` gives them
     format: its id (docs/formats.md); by default the content tells
+    layout: of an .osa file of a fork of ORB-SLAM3, by id or as a JSON file; by default the content tells
     map: only the map of this id
     keyframes: only those with ids from the first to the last
     time: only keyframes from the first to the last second
     box: only points inside, ((x, y, z), (x, y, z)) in the world
+    wait: seconds, for another program that writes to the store
     threads: 0: every core
     progress: called as progress(stage, fraction) now and then
 
     A part of an atlas is for looking at: references to what was left out stay.
     Warns of what is unusual (SlamdbWarning). Raises Error: NotFoundError, DamagedError, UnsupportedError, ...
     """
-    part = _part(map, keyframes, time, box)
-    if isinstance(source, bytes):
-        atlas, notices = _slamdb.decode(source, format, part, threads, progress)
-    else:
-        atlas, notices = _slamdb.read(os.fspath(source), format, part, threads, progress)
+    given = locals()
+    atlas, notices = _slamdb.read(given.pop("source"), given)
     _told(notices)
     return atlas
 
@@ -70,34 +64,51 @@ def write(
     path: Path,
     *,
     format: str = "",
+    layout: Optional[Path] = None,
     overwrite: bool = False,
     strict: bool = False,
     sync: bool = True,
+    wait: float = 5,
     threads: int = 0,
     progress: Progress = None,
 ) -> None:
     """Write an atlas, whole or not at all.
 
-    format: its id; by default the suffix tells (.osa, .db, .ply, .tum, ...)
+    format: its id; by default the suffix tells (.osa, .db, .ply, .tum, ...); `convert` has options of formats
+    layout: write an .osa file of a fork of ORB-SLAM3, "v1.0" that of ORB-SLAM3; by default as it was read
     overwrite: replace what is there
     strict: raise NotPossibleError, and write nothing, where the format cannot hold all of the atlas;
         otherwise what is lost is named (LossWarning)
-    sync: wait for the disk
+    sync: wait for the disk; wait: seconds, for another program that writes to the store
     """
-    _told(_slamdb.write(atlas, os.fspath(path), format, overwrite, strict, sync, threads, progress))
+    given = locals()
+    _told(_slamdb.write(given.pop("atlas"), given.pop("path"), given))
 
 
 def encode(
-    atlas: Atlas, *, format: str = "orbslam3", strict: bool = False, threads: int = 0, progress: Progress = None
+    atlas: Atlas,
+    *,
+    format: str = "orbslam3",
+    layout: Optional[Path] = None,
+    strict: bool = False,
+    threads: int = 0,
+    progress: Progress = None,
 ) -> bytes:
     """The bytes of the file that `write` would write."""
-    data, notices = _slamdb.encode(atlas, format, strict, threads, progress)
+    given = locals()
+    data, notices = _slamdb.encode(given.pop("atlas"), given)
     _told(notices)
     return data
 
 
-def info(path: Path, *, format: str = "", threads: int = 0, progress: Progress = None) -> Report:
-    """What is in an atlas, as `slamdb info --json` tells: maps, sensors, distributions, sizes."""
-    report, notices = _slamdb.info(os.fspath(path), format, threads, progress)
+def info(
+    path: Path, *, format: str = "", layout: Optional[Path] = None, threads: int = 0, progress: Progress = None
+) -> Report:
+    """What is in an atlas, as `slamdb info --json` tells: maps, sensors, distributions, sizes.
+
+    format, layout: as for `read`
+    """
+    given = locals()
+    report, notices = _slamdb.info(given.pop("path"), given)
     _told(notices)
     return Report.parse(report)

@@ -2,15 +2,16 @@
 """Verbs that move maps into another world frame."""
 
 import os
-from typing import Any, Optional, Sequence, Tuple, Union
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
 
 from . import _slamdb
 from ._slamdb import Atlas
 from .calls import Ids, Source, changed
 from .files import Path, Progress
 from .report import Report
+
+if TYPE_CHECKING:
+    import numpy as np
 
 Transform = Union[Path, Sequence[float], "np.ndarray[Any, Any]"]
 
@@ -19,6 +20,8 @@ def transform_text(transform: Optional[Transform]) -> Optional[Path]:
     """Numbers as text; a text, or the path of one, as it is."""
     if transform is None or isinstance(transform, (str, os.PathLike)):
         return transform
+    import numpy as np
+
     return " ".join(repr(float(number)) for number in np.asarray(transform, dtype=float).ravel())
 
 

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Type
 from . import _slamdb
 from ._slamdb import Atlas
 from .errors import Error, NotFoundError, UsageError
-from .files import Box, Path, Progress, Range, _part, _told
+from .files import Box, Path, Progress, Range, _told
 from .report import CheckReport, Report
 from .verbs import check
 from .words import in_python_words
@@ -136,7 +136,8 @@ class Store:
         Every row is held against its hash: raises DamagedError, naming the first that differs; NotFoundError, naming
         the atlases that there are.
         """
-        return self._file.load(_bytes(name), _part(map, keyframes, time, box), features, threads, progress)
+        given = {key: value for key, value in locals().items() if key != "self"}
+        return self._file.load(_bytes(given.pop("name")), given)
 
     def remove(self, name: str, *, progress: Progress = None) -> None:
         """Remove an atlas; its history stays. The file keeps its size until `vacuum`. Raises NotFoundError."""

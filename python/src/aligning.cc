@@ -24,13 +24,6 @@ namespace {
 
 using Sources = std::vector<AtlasOrPath>;
 
-ReadOptions ReadingOf(Arguments& given) {
-  ReadOptions read;
-  given.Take("wait", read.of<StoreReadOptions>().lock_timeout);
-  given.TakeRun(read);
-  return read;
-}
-
 double WaitOf(ReadOptions read) { return read.of<StoreReadOptions>().lock_timeout; }
 
 MapsToAlign MapsOf(const Sources& sources, const ReadOptions& read, Notices& notices) {

@@ -13,7 +13,7 @@
 namespace slamdb::python {
 
 // What keeps the memory of an array alive.
-using Kept = std::shared_ptr<Atlas>;
+using Kept = std::shared_ptr<const void>;
 
 // Where the elements of an array lie: `shape` and `strides` (bytes) as numpy has them.
 struct ArrayPlace {

@@ -120,8 +120,10 @@ py::array AddKeyFramesTo(const MapInAtlas& map, const py::object& timestamps, co
   if (image_size) std::tie(given.width, given.height) = *image_size;
   for (const py::handle item : features)
     given.features.push_back(GivenFeatures(item, "features: row " + std::to_string(given.features.size())));
-  map.map();
-  return IdArray(map.atlas->ApplyWhole([&](Atlas& atlas) { return AddKeyFrames(atlas, map.id, std::move(given)); }));
+  return IdArray(map.atlas->ApplyWhole([&](Atlas& atlas) {
+    map.In(atlas);
+    return AddKeyFrames(atlas, map.id, std::move(given));
+  }));
 }
 
 // (M, 3) rows of point, keyframe id, keypoint; or Observations, compressed by rows.
@@ -167,9 +169,10 @@ py::array AddPointsTo(const MapInAtlas& map, const py::object& positions, const 
   given.references = GivenIdsOf<KeyFrame>(reference_keyframes, "reference_keyframes");
   given.min_distances = GivenElements<float, float>(min_distances, "min_distances", {-1});
   given.max_distances = GivenElements<float, float>(max_distances, "max_distances", {-1});
-  map.map();
-  return IdArray(
-      map.atlas->ApplyWhole([&](Atlas& atlas) { return AddPoints(atlas, map.id, std::move(given), threads); }));
+  return IdArray(map.atlas->ApplyWhole([&](Atlas& atlas) {
+    map.In(atlas);
+    return AddPoints(atlas, map.id, std::move(given), threads);
+  }));
 }
 
 MapInAtlas AddMapTo(const std::shared_ptr<HeldAtlas>& atlas, const std::optional<std::uint64_t>& id) {

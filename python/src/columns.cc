@@ -32,19 +32,20 @@ py::array RowsOf(const Entities& entities, const IdTable& table, const py::objec
   return ArrayOf(rows);
 }
 
-template <class Entity, class List>
-Row<Entity> ById(const MapInAtlas& map, List& list, Id<Entity> id) {
-  const auto found = std::ranges::find(list, id, &Entity::id);
-  if (found == list.end()) throw Error(ErrorKind::kNotFound, ToString(map.id) + " has no " + ToString(id));
-  return {map.kept(), &*found};
+template <class Entities, class Entity>
+Row<Entity> ById(const Entities& entities, Id<Entity> id) {
+  const auto list = entities.list();
+  const auto found = std::ranges::find(*list, id, &Entity::id);
+  if (found == list->end()) throw Error(ErrorKind::kNotFound, ToString(entities.of.id) + " has no " + ToString(id));
+  return {list, &*found};
 }
 
 // World from camera, tx ty tz qx qy qz qw.
 py::array PosesQuaternion(const KeyFramesInMap& keyframes) {
-  const Column<KeyFrame>& list = keyframes.list();
-  py::array_t<double> poses({static_cast<py::ssize_t>(list.size()), py::ssize_t{7}});
+  const auto list = keyframes.list();
+  py::array_t<double> poses({static_cast<py::ssize_t>(list->size()), py::ssize_t{7}});
   double* at = poses.mutable_data();
-  for (const KeyFrame& keyframe : list) {
+  for (const KeyFrame& keyframe : *list) {
     const Rigid3f pose = keyframe.camera_from_world.Normalized().Inverse();
     at = std::copy_n(pose.translation.data(), 3, at);
     at = std::copy_n(pose.rotation.coeffs().data(), 4, at);
@@ -56,7 +57,8 @@ py::array PosesQuaternion(const KeyFramesInMap& keyframes) {
 py::object ConnectionsOf(const KeyFramesInMap& keyframes) {
   std::vector<std::uint64_t> offsets{0}, others;
   std::vector<std::int32_t> weights;
-  for (const KeyFrame& keyframe : keyframes.list()) {
+  const auto list = keyframes.list();
+  for (const KeyFrame& keyframe : *list) {
     for (const Connection& connection : keyframe.connections) {
       others.push_back(connection.keyframe.value());
       weights.push_back(connection.weight);
@@ -69,7 +71,7 @@ py::object ConnectionsOf(const KeyFramesInMap& keyframes) {
 
 template <Flag KeyFrame::*Member>
 py::array FlagsOf(const KeyFramesInMap& keyframes) {
-  return Computed<bool>(keyframes.list(), [](const KeyFrame& k) { return static_cast<bool>(k.*Member); });
+  return Computed<bool>(*keyframes.list(), [](const KeyFrame& k) { return static_cast<bool>(k.*Member); });
 }
 
 void DefineKeyFrameColumns(KeyFramesClass keyframes) {
@@ -83,13 +85,13 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
       .def_property_readonly(
           "cameras",
           [](const KeyFramesInMap& k) {
-            return Computed<std::uint64_t>(k.list(), [](const KeyFrame& keyframe) { return keyframe.camera.value(); });
+            return Computed<std::uint64_t>(*k.list(), [](const KeyFrame& keyframe) { return keyframe.camera.value(); });
           },
           "(N,) uint64, computed: ids of their (left) cameras")
       .def_property_readonly(
           "origin_maps",
           [](const KeyFramesInMap& k) {
-            return Computed<std::uint32_t>(k.list(), [](const KeyFrame& keyframe) { return keyframe.origin_map; });
+            return Computed<std::uint32_t>(*k.list(), [](const KeyFrame& keyframe) { return keyframe.origin_map; });
           },
           "(N,) uint32, computed: ids of the maps they were made in")
       .def_property_readonly("accelerometer_biases",
@@ -105,11 +107,11 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
       .def_property_readonly("to_be_erased", &FlagsOf<&KeyFrame::to_be_erased>, "(N,) bool, computed")
       .def(
           "rows_of",
-          [](const KeyFramesInMap& k, const py::object& ids) { return RowsOf(k, KeyFrameTable(k.of.map()), ids); },
+          [](const KeyFramesInMap& k, const py::object& ids) { return RowsOf(k, KeyFrameTable(*k.of.map()), ids); },
           py::arg("ids"), "(N,) int64: the rows of ids. Raises NotFoundError.")
       .def(
-          "by_id", [](const KeyFramesInMap& k, std::uint64_t id) { return ById(k.of, k.list(), KeyFrameId(id)); },
-          py::arg("id"), "The keyframe of an id; of many, `rows_of` is faster. Raises NotFoundError.");
+          "by_id", [](const KeyFramesInMap& k, std::uint64_t id) { return ById(k, KeyFrameId(id)); }, py::arg("id"),
+          "The keyframe of an id; of many, `rows_of` is faster. Raises NotFoundError.");
 }
 
 void DefinePointColumns(PointsClass points) {
@@ -119,11 +121,12 @@ void DefinePointColumns(PointsClass points) {
       .def_property_readonly("weights", Members<std::int32_t>(&MapPoint::observation_count),
                              "(N,) int32: observations as ORB-SLAM3 counts them (nObs), with stereo or depth twice")
       .def(
-          "rows_of", [](const PointsInMap& p, const py::object& ids) { return RowsOf(p, PointTable(p.of.map()), ids); },
+          "rows_of",
+          [](const PointsInMap& p, const py::object& ids) { return RowsOf(p, PointTable(*p.of.map()), ids); },
           py::arg("ids"), "(N,) int64: the rows of ids. Raises NotFoundError.")
       .def(
-          "by_id", [](const PointsInMap& p, std::uint64_t id) { return ById(p.of, p.list(), MapPointId(id)); },
-          py::arg("id"), "The point of an id; of many, `rows_of` is faster. Raises NotFoundError.");
+          "by_id", [](const PointsInMap& p, std::uint64_t id) { return ById(p, MapPointId(id)); }, py::arg("id"),
+          "The point of an id; of many, `rows_of` is faster. Raises NotFoundError.");
 }
 
 }  // namespace

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/stl.h>
+#include "python/src/files.h"
 
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "python/src/errors.h"
-#include "python/src/files.h"
-#include "python/src/held_atlas.h"
+#include "python/src/arguments.h"
 #include "python/src/module.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
+#include "slamdb/formats/layouts/layout_text.h"
+#include "slamdb/formats/orbslam3/options.h"
+#include "slamdb/formats/sqlite/options.h"
 
 // Reading and writing. slamdb/files.py documents what is here.
 namespace slamdb::python {
@@ -29,94 +30,105 @@ NoticeList ListOf(const Notices& notices) {
   return list;
 }
 
-Selection SelectionOf(const Part& part) {
+Selection ReadSelectionOf(Arguments& given) {
   Selection selection;
-  if (part.map) selection.map = MapId(*part.map);
-  if (part.keyframes) std::tie(selection.first_keyframe, selection.last_keyframe) = *part.keyframes;
-  if (part.time) std::tie(selection.begin_time, selection.end_time) = *part.time;
-  if (part.box) selection.box = Eigen::AlignedBox3f(part.box->first, part.box->second);
+  if (given.Has("map")) selection.map = MapId(given.Get<std::uint64_t>("map"));
+  std::tie(selection.first_keyframe, selection.last_keyframe) =
+      given.Get("keyframes", std::pair(selection.first_keyframe, selection.last_keyframe));
+  std::tie(selection.begin_time, selection.end_time) =
+      given.Get("time", std::pair(selection.begin_time, selection.end_time));
+  if (given.Has("box")) {
+    const auto box = given.Get<std::pair<Eigen::Vector3f, Eigen::Vector3f>>("box");
+    selection.box = Eigen::AlignedBox3f(box.first, box.second);
+  }
   return selection;
+}
+
+ReadOptions ReadingOf(Arguments& given) {
+  ReadOptions read{.selection = ReadSelectionOf(given)};
+  given.Take("format", read.format);
+  read.of<Orbslam3ReadOptions>().layout = LayoutNamed(given.Path("layout"));
+  given.Take("wait", read.of<StoreReadOptions>().lock_timeout);
+  given.TakeRun(read);
+  return read;
 }
 
 namespace {
 
-ReadOptions ReadOptionsOf(const std::string& format, const Part& part, int threads, py::handle progress) {
-  return {.format = format, .selection = SelectionOf(part), .threads = threads, .progress = ProgressTo(progress)};
+WriteOptions WritingOf(Arguments& given) {
+  WriteOptions write;
+  given.Take("format", write.format);
+  given.Take("strict", write.strict);
+  given.Take("overwrite", write.overwrite);
+  given.Take("sync", write.sync);
+  given.Take("wait", write.of<StoreWriteOptions>().lock_timeout);
+  if (given.Has("layout")) write.of<Orbslam3WriteOptions>().layout = LayoutNamed(given.Path("layout"));
+  given.TakeRun(write);
+  return write;
 }
 
-template <class Read>
-py::tuple ReadWith(const ReadOptions& options, const Read& read) {
+// `work(notices)` without the GIL; its result, and what it had to say.
+template <class Work>
+auto Told(const Work& work) {
   Notices notices;
-  auto held = [&] {
+  auto result = [&] {
     const py::gil_scoped_release unlocked;
-    return std::make_shared<HeldAtlas>(read(options, notices));
+    return work(notices);
   }();
-  return py::make_tuple(std::move(held), ListOf(notices));
+  return std::pair(std::move(result), ListOf(notices));
 }
 
-WriteOptions WriteOptionsOf(const std::string& format, bool overwrite, bool strict, bool sync, int threads,
-                            py::handle progress) {
-  return {.format = format,
-          .strict = strict,
-          .overwrite = overwrite,
-          .sync = sync,
-          .threads = threads,
-          .progress = ProgressTo(progress)};
+using Made = std::pair<std::shared_ptr<HeldAtlas>, NoticeList>;
+
+Made Read(const py::object& source, const py::dict& values) {
+  Arguments given(values);
+  const ReadOptions options = ReadingOf(given);
+  given.RequireAllTaken();
+  if (py::isinstance<py::bytes>(source))
+    return Told([&, held = std::string_view(py::reinterpret_borrow<py::bytes>(source))](Notices& notices) {
+      return std::make_shared<HeldAtlas>(DecodeAtlas(held, options, &notices));
+    });
+  return Told([&, path = Location(TextOfPath(source))](Notices& notices) {
+    return std::make_shared<HeldAtlas>(ReadAtlas(path, options, &notices));
+  });
+}
+
+NoticeList Write(const HeldAtlas& atlas, const py::object& path, const py::dict& values) {
+  Arguments given(values);
+  const WriteOptions options = WritingOf(given);
+  given.RequireAllTaken();
+  const Location to(TextOfPath(path));
+  return Told([&, value = atlas.value()](Notices& notices) {
+           WriteAtlas(*value, to, options, &notices);
+           return true;
+         })
+      .second;
+}
+
+py::tuple Encode(const HeldAtlas& atlas, const py::dict& values) {
+  Arguments given(values);
+  const WriteOptions options = WritingOf(given);
+  given.RequireAllTaken();
+  const auto [bytes, notices] =
+      Told([&, value = atlas.value()](Notices& told) { return EncodeAtlas(*value, options, &told); });
+  return py::make_tuple(py::bytes(bytes), notices);
+}
+
+std::pair<std::string, NoticeList> Info(const py::object& path, const py::dict& values) {
+  Arguments given(values);
+  const ReadOptions options = ReadingOf(given);
+  given.RequireAllTaken();
+  const Location from(TextOfPath(path));
+  return Told([&](Notices& notices) { return ToJson(ReadInfo(from, options, &notices), -1); });
 }
 
 }  // namespace
 
 void DefineFiles(py::module_& module) {
-  py::class_<Part>(module, "Part")
-      .def(py::init<>())
-      .def_readwrite("map", &Part::map)
-      .def_readwrite("keyframes", &Part::keyframes)
-      .def_readwrite("time", &Part::time)
-      .def_readwrite("box", &Part::box);
-
-  module.def("read", [](const std::string& path, const std::string& format, const Part& part, int threads,
-                        const py::object& progress) {
-    return ReadWith(ReadOptionsOf(format, part, threads, progress), [&](const ReadOptions& options, Notices& notices) {
-      return ReadAtlas(Location(path), options, &notices);
-    });
-  });
-  module.def("decode", [](const py::bytes& bytes, const std::string& format, const Part& part, int threads,
-                          const py::object& progress) {
-    const std::string_view held(bytes);  // by the caller's argument
-    return ReadWith(ReadOptionsOf(format, part, threads, progress),
-                    [&](const ReadOptions& options, Notices& notices) { return DecodeAtlas(held, options, &notices); });
-  });
-  module.def("write", [](const HeldAtlas& atlas, const std::string& path, const std::string& format, bool overwrite,
-                         bool strict, bool sync, int threads, const py::object& progress) {
-    const WriteOptions options = WriteOptionsOf(format, overwrite, strict, sync, threads, progress);
-    const auto value = atlas.value();
-    Notices notices;
-    {
-      const py::gil_scoped_release unlocked;
-      WriteAtlas(*value, Location(path), options, &notices);
-    }
-    return ListOf(notices);
-  });
-  module.def("encode", [](const HeldAtlas& atlas, const std::string& format, bool strict, int threads,
-                          const py::object& progress) {
-    const WriteOptions options = WriteOptionsOf(format, false, strict, false, threads, progress);
-    const auto value = atlas.value();
-    Notices notices;
-    const std::string bytes = [&] {
-      const py::gil_scoped_release unlocked;
-      return EncodeAtlas(*value, options, &notices);
-    }();
-    return py::make_tuple(py::bytes(bytes), ListOf(notices));
-  });
-  module.def("info", [](const std::string& path, const std::string& format, int threads, const py::object& progress) {
-    const ReadOptions options = ReadOptionsOf(format, {}, threads, progress);
-    Notices notices;
-    const std::string json = [&] {
-      const py::gil_scoped_release unlocked;
-      return ToJson(ReadInfo(Location(path), options, &notices), -1);
-    }();
-    return py::make_tuple(json, ListOf(notices));
-  });
+  module.def("read", &Read);
+  module.def("write", &Write);
+  module.def("encode", &Encode);
+  module.def("info", &Info);
 }
 
 }  // namespace slamdb::python

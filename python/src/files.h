@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pybind11/eigen.h>  // before Eigen itself, of which it silences warnings that mean nothing
-
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,13 +14,12 @@ namespace slamdb::python {
 using NoticeList = std::vector<std::pair<std::string, std::string>>;
 NoticeList ListOf(const Notices& notices);
 
-// What of an atlas is read. None: no bound.
-struct Part {
-  std::optional<std::uint64_t> map;
-  std::optional<std::pair<std::uint64_t, std::uint64_t>> keyframes;
-  std::optional<std::pair<double, double>> time;
-  std::optional<std::pair<Eigen::Vector3f, Eigen::Vector3f>> box;
-};
-Selection SelectionOf(const Part& part);
+class Arguments;
+
+// map, keyframes, time, box: what of an atlas is read.
+Selection ReadSelectionOf(Arguments& given);
+
+// The same and format, layout, wait, threads, progress: how a source that is a path, or bytes, is read.
+ReadOptions ReadingOf(Arguments& given);
 
 }  // namespace slamdb::python

@@ -18,7 +18,7 @@ namespace {
 
 using MapClass = py::class_<MapInAtlas>;
 
-py::array PairArray(const std::vector<KeyFramePair>& pairs) {
+py::array PairArray(const std::vector<KeyFrameEdge>& pairs) {
   py::array_t<std::uint64_t> array({static_cast<py::ssize_t>(pairs.size()), py::ssize_t{2}});
   std::uint64_t* at = array.mutable_data();
   for (const auto& [one, other] : pairs) {
@@ -30,35 +30,36 @@ py::array PairArray(const std::vector<KeyFramePair>& pairs) {
 
 template <Flag Map::*Member>
 bool FlagOf(const MapInAtlas& m) {
-  return static_cast<bool>(m.map().*Member);
+  return static_cast<bool>((*m.map()).*Member);
 }
 
 void DefineRecords(MapClass map) {
   map.def_property_readonly(
-         "sensor", [](const MapInAtlas& m) { return SensorText(SensorOf(m.map()), HasImu(m.map())); },
+         "sensor", [](const MapInAtlas& m) { return SensorText(SensorOf(*m.map()), HasImu(*m.map())); },
          "`monocular`, `stereo or RGB-D with IMU`, ...: judged by what most keyframes hold")
       .def_property_readonly(
-          "initial_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map().initial_keyframe); },
+          "initial_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map()->initial_keyframe); },
           "id of the keyframe that bundle adjustment fixes, or None")
       .def_property_readonly(
-          "root_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map().first_keyframe); },
+          "root_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map()->first_keyframe); },
           "id of the root of the spanning tree, or None")
       .def_property_readonly(
-          "lowest_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map().lowest_keyframe); },
+          "lowest_keyframe", [](const MapInAtlas& m) { return IdOrNone(m.map()->lowest_keyframe); },
           "the lowest id of its keyframes, or None")
       .def_property_readonly(
           "origin_keyframes",
           [](const MapInAtlas& m) {
             std::vector<std::uint64_t> ids;
-            for (const KeyFrameId id : m.map().origins) ids.push_back(id.value());
+            const auto recorded = m.map();
+            for (const KeyFrameId id : recorded->origins) ids.push_back(id.value());
             return ids;
           },
           "ids of the roots for global bundle adjustment")
       .def_property_readonly(
-          "max_keyframe_id", [](const MapInAtlas& m) { return m.map().max_keyframe_id; },
+          "max_keyframe_id", [](const MapInAtlas& m) { return m.map()->max_keyframe_id; },
           "the largest id that a keyframe of it ever had")
       .def_property_readonly(
-          "big_change_index", [](const MapInAtlas& m) { return m.map().big_change_index; },
+          "big_change_index", [](const MapInAtlas& m) { return m.map()->big_change_index; },
           "how often loops were closed and the like")
       .def_property_readonly("imu_ba1", &FlagOf<&Map::imu_ba1>, "whether the first inertial bundle adjustment was done")
       .def_property_readonly("imu_ba2", &FlagOf<&Map::imu_ba2>, "whether the second one was");
@@ -66,14 +67,14 @@ void DefineRecords(MapClass map) {
 
 void DefineEdges(MapClass map) {
   map.def_property_readonly(
-         "loop_edges", [](const MapInAtlas& m) { return PairArray(EdgesOf(m.map(), EdgeKind::kLoop)); },
+         "loop_edges", [](const MapInAtlas& m) { return PairArray(EdgesOf(*m.map(), EdgeKind::kLoop)); },
          "(E, 2) uint64, computed: ids of keyframes, each edge once, the smaller id first")
       .def_property_readonly(
-          "merge_edges", [](const MapInAtlas& m) { return PairArray(EdgesOf(m.map(), EdgeKind::kMerge)); },
+          "merge_edges", [](const MapInAtlas& m) { return PairArray(EdgesOf(*m.map(), EdgeKind::kMerge)); },
           "(E, 2) uint64, computed: likewise")
       .def(
           "essential_graph",
-          [](const MapInAtlas& m, int min_weight) { return PairArray(EssentialEdges(m.map(), min_weight)); },
+          [](const MapInAtlas& m, int min_weight) { return PairArray(EssentialEdges(*m.map(), min_weight)); },
           py::kw_only(), py::arg("min_weight") = 100,
           "(E, 2) uint64: edges of the graph that loops are closed with, as ids of keyframes: spanning tree, loop and\n"
           "merge edges, covisibility of at least `min_weight` points, and with an IMU what follows in time")

@@ -12,26 +12,22 @@ namespace py = pybind11;
 
 namespace {
 
-struct FeaturesOfKeyFrame {
-  Row<KeyFrame> of;
-};
-
 // world_from_camera: 4 x 4 matrices by rows.
 py::array Poses(const KeyFramesInMap& keyframes) {
-  const Column<KeyFrame>& list = keyframes.list();
-  py::array_t<double> poses({static_cast<py::ssize_t>(list.size()), py::ssize_t{4}, py::ssize_t{4}});
+  const auto list = keyframes.list();
+  py::array_t<double> poses({static_cast<py::ssize_t>(list->size()), py::ssize_t{4}, py::ssize_t{4}});
   double* at = poses.mutable_data();
-  for (const KeyFrame& keyframe : list) {
+  for (const KeyFrame& keyframe : *list) {
     at = std::copy_n(MatrixByRows(keyframe.camera_from_world.Normalized().Inverse()).data(), 16, at);
   }
   return ReadOnly(std::move(poses));
 }
 
 py::array Centers(const KeyFramesInMap& keyframes) {
-  const Column<KeyFrame>& list = keyframes.list();
-  py::array_t<float> centers({static_cast<py::ssize_t>(list.size()), py::ssize_t{3}});
+  const auto list = keyframes.list();
+  py::array_t<float> centers({static_cast<py::ssize_t>(list->size()), py::ssize_t{3}});
   float* at = centers.mutable_data();
-  for (const KeyFrame& keyframe : list)
+  for (const KeyFrame& keyframe : *list)
     at = std::copy_n(keyframe.camera_from_world.Normalized().Center().data(), 3, at);
   return ReadOnly(std::move(centers));
 }
@@ -50,7 +46,7 @@ void DefineColumns(py::class_<KeyFramesInMap>& keyframes) {
       .def_property_readonly(
           "bad",
           [](const KeyFramesInMap& k) {
-            return Computed<bool>(k.list(), [](const KeyFrame& keyframe) { return static_cast<bool>(keyframe.bad); });
+            return Computed<bool>(*k.list(), [](const KeyFrame& keyframe) { return static_cast<bool>(keyframe.bad); });
           },
           "(N,) bool, computed: culled");
 }
@@ -139,11 +135,8 @@ void DefineKeyFrames(py::module_& module) {
   py::class_<KeyFramesInMap> keyframes(
       module, "KeyFrames", "The keyframes of a map: columns as numpy arrays over its memory, rows as KeyFrame.");
   DefineColumns(keyframes);
-  keyframes.def("__len__", [](const KeyFramesInMap& k) { return k.list().size(); })
-      .def("__getitem__", [](const KeyFramesInMap& k, py::ssize_t index) {
-        Column<KeyFrame>& list = k.list();
-        return Row<KeyFrame>{k.of.kept(), &list[RowAt(index, list.size())]};
-      });
+  keyframes.def("__len__", [](const KeyFramesInMap& k) { return k.list()->size(); })
+      .def("__getitem__", [](const KeyFramesInMap& k, py::ssize_t index) { return RowOf(k.list(), index); });
   DefineFeatures(module);
   DefineKeyFrame(module);
 }

@@ -10,10 +10,7 @@ namespace py = pybind11;
 
 namespace {
 
-struct LandmarksInMap {
-  MapInAtlas of;
-  std::vector<Landmark>& list() const { return of.map().landmarks; }
-};
+using LandmarksInMap = EntitiesInMap<&Map::landmarks>;
 
 template <class Number, class Member>
 auto OfLandmarks(const Member& member, py::ssize_t width = 1) {
@@ -21,10 +18,10 @@ auto OfLandmarks(const Member& member, py::ssize_t width = 1) {
 }
 
 py::array Covariances(const LandmarksInMap& landmarks) {
-  const std::vector<Landmark>& list = landmarks.list();
-  py::array_t<double> covariances({static_cast<py::ssize_t>(list.size()), py::ssize_t{3}, py::ssize_t{3}});
+  const auto list = landmarks.list();
+  py::array_t<double> covariances({static_cast<py::ssize_t>(list->size()), py::ssize_t{3}, py::ssize_t{3}});
   double* at = covariances.mutable_data();
-  for (const Landmark& landmark : list) at = std::copy_n(landmark.pose().covariance.data(), 9, at);  // symmetric
+  for (const Landmark& landmark : *list) at = std::copy_n(landmark.pose().covariance.data(), 9, at);  // symmetric
   return ReadOnly(std::move(covariances));
 }
 
@@ -32,7 +29,7 @@ py::array Covariances(const LandmarksInMap& landmarks) {
 
 void DefineLandmarks(py::module_& module) {
   py::class_<LandmarksInMap>(module, "Landmarks", "The MRPT landmarks of a map: columns as numpy arrays.")
-      .def("__len__", [](const LandmarksInMap& l) { return l.list().size(); })
+      .def("__len__", [](const LandmarksInMap& l) { return l.list()->size(); })
       .def_property_readonly("ids", OfLandmarks<std::uint64_t>(&Landmark::id),
                              "(N,) uint64: CLandmark::ID; NONE where it has none")
       .def_property_readonly("means", OfLandmarks<double>(&Landmark::mean, 3),

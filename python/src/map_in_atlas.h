@@ -16,29 +16,36 @@ struct MapInAtlas {
   std::size_t row = 0;
   MapId id;
 
-  const Kept& kept() const { return atlas->value(); }
   // Throws Error (kNotFound) when it is gone.
-  Map& map() const {
-    std::vector<Map>& maps = kept()->maps;
-    if (row < maps.size() && maps[row].id == id) return maps[row];
+  Map& In(Atlas& value) const {
+    if (row < value.maps.size() && value.maps[row].id == id) return value.maps[row];
     throw Error(ErrorKind::kNotFound, ToString(id) + " is no longer in the atlas at its place: ask for it again");
+  }
+  // Of the value as it is now, which it keeps: other threads may put another in its place meanwhile.
+  std::shared_ptr<Map> map() const {
+    const std::shared_ptr<Atlas>& value = atlas->value();
+    return {value, &In(*value)};
   }
 };
 
 // Its keyframes, or its points.
-template <class Entity, auto List>
+template <auto List>
 struct EntitiesInMap {
   MapInAtlas of;
-  Column<Entity>& list() const { return of.map().*List; }
+  auto list() const {
+    const std::shared_ptr<Map> map = of.map();
+    return std::shared_ptr<std::remove_reference_t<decltype((*map).*List)>>(map, &((*map).*List));
+  }
 };
-using KeyFramesInMap = EntitiesInMap<KeyFrame, &Map::keyframes>;
-using PointsInMap = EntitiesInMap<MapPoint, &Map::points>;
+using KeyFramesInMap = EntitiesInMap<&Map::keyframes>;
+using PointsInMap = EntitiesInMap<&Map::points>;
 
 // What makes an array over a member of all of them, of `width` numbers each.
 template <class Entities, class Number, class Member>
 auto MembersOf(const Member& member, pybind11::ssize_t width = 1) {
   return [member, width](const Entities& entities) {
-    return MemberView<Number>(entities.of.kept(), entities.list(), member, width);
+    const auto list = entities.list();
+    return MemberView<Number>(list, *list, member, width);
   };
 }
 template <class Number, class Entity, class Member>
@@ -61,6 +68,10 @@ struct Row {
   Kept kept;
   Entity* entity = nullptr;
 };
+template <class Entity>
+Row<Entity> RowOf(const std::shared_ptr<Column<Entity>>& list, pybind11::ssize_t index) {
+  return {list, &(*list)[RowAt(index, list->size())]};
+}
 
 // None, where an id is none.
 template <class Entity>

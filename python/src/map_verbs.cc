@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,23 +24,34 @@ namespace {
 using MapClass = py::class_<MapInAtlas>;
 using Flags = std::vector<std::uint8_t>;
 
-// A mask of all rows, or ids. `noun`: of what.
-template <class List>
-Flags ChosenOf(const py::object& which, const List& list, const std::string& noun) {
-  Flags chosen(list.size(), 0);
-  const py::array array = py::array::ensure(which);
+// Which points or keyframes a verb is of. It is held against those that are there when the verb begins: while arguments
+// are read, another thread may change the map.
+struct Which {
+  bool is_mask = false;
+  Flags mask;
+  std::vector<std::uint64_t> ids;
+};
+
+Which WhichOf(const py::object& given) {
+  const py::array array = py::array::ensure(given);
   if (!array) PyErr_Clear();
-  if (array && array.dtype().kind() == 'b') {
-    if (array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != list.size())
-      RefuseGiven("which", "is a mask of another shape; there are " + std::to_string(list.size()) + " " + noun + "s");
-    const py::array_t<bool, py::array::c_style> mask(array);
-    std::copy_n(mask.data(), chosen.size(), chosen.begin());
-    return chosen;
-  }
+  if (!array || array.dtype().kind() != 'b') return {.ids = GivenIds(given, "which")};
+  if (array.ndim() != 1) RefuseGiven("which", "is a mask of more than one dimension");
+  const py::array_t<bool, py::array::c_style> mask(array);
+  return {.is_mask = true, .mask = Flags(mask.data(), mask.data() + mask.size()), .ids = {}};
+}
+
+// Flags of all rows. `noun`: of what.
+template <class List>
+Flags ChosenOf(const Which& which, const List& list, const std::string& noun) {
+  if (which.is_mask && which.mask.size() != list.size())
+    RefuseGiven("which", "is a mask of another shape; there are " + std::to_string(list.size()) + " " + noun + "s");
+  if (which.is_mask) return which.mask;
+  Flags chosen(list.size(), 0);
   std::vector<std::pair<std::uint64_t, std::size_t>> rows;
   for (std::size_t row = 0; row < list.size(); ++row) rows.emplace_back(list[row].id.value(), row);
   std::ranges::sort(rows);
-  for (const std::uint64_t id : GivenIds(which, "which")) {
+  for (const std::uint64_t id : which.ids) {
     const auto found = std::ranges::lower_bound(rows, std::pair(id, std::size_t{0}));
     if (found == rows.end() || found->first != id)
       RefuseGiven("which", "the map has no " + noun + " " + std::to_string(id));
@@ -54,72 +66,67 @@ Border BorderOf(const std::string& name) {
   RefuseGiven("border", "is 'strict' or 'smart'");
 }
 
-std::vector<KeyFramePair> PairsOf(const py::object& ones, const py::object& others, const char* ones_name,
+std::vector<KeyFrameEdge> PairsOf(const py::object& ones, const py::object& others, const char* ones_name,
                                   const char* others_name) {
   const std::vector<std::uint64_t> one = GivenIds(ones, ones_name);
   const std::vector<std::uint64_t> other = GivenIds(others, others_name, {static_cast<py::ssize_t>(one.size())});
-  std::vector<KeyFramePair> pairs;
+  std::vector<KeyFrameEdge> pairs;
   for (std::size_t row = 0; row < one.size() && row < other.size(); ++row)
     pairs.emplace_back(KeyFrameId(one[row]), KeyFrameId(other[row]));
   if (pairs.size() != one.size()) RefuseGiven(others_name, "has no rows");
   return pairs;
 }
 
-// Sets the flags of what goes to 0, closes what is left, and tells what became of it.
-template <class Take>
-py::object Remove(const MapInAtlas& map, const Border* border, const Take& take) {
-  map.map();
+// Removes what is chosen of `List`, closes what is left, and tells what became of it.
+template <auto List, auto Rows>
+py::object Remove(const MapInAtlas& map, const py::object& given, const char* noun, std::optional<Border> border) {
+  const Which which = WhichOf(given);
   const std::string report = map.atlas->ApplyWhole([&](Atlas& atlas) {
+    const Flags chosen = ChosenOf(which, map.In(atlas).*List, noun);
     Subset subset = Subset::Everything(atlas);
-    take(subset.maps[map.row]);
-    if (border != nullptr) SettleBorder(AtlasIndex(atlas), *border, subset);
+    std::ranges::transform(chosen, (subset.maps[map.row].*Rows).begin(), [](bool goes) { return goes ? 0 : 1; });
+    if (border) SettleBorder(AtlasIndex(atlas), *border, subset);
     return ToJson(KeepSubset(atlas, subset));
   });
   return py::module_::import("slamdb.report").attr("Report").attr("parse")(report);
 }
 
-void Take(const Flags& chosen, Flags& kept) {
-  for (std::size_t row = 0; row < chosen.size(); ++row) kept[row] = chosen[row] != 0 ? 0 : 1;
-}
-
 py::object RemovePoints(const MapInAtlas& map, const py::object& which) {
-  const Flags chosen = ChosenOf(which, map.map().points, "point");
-  return Remove(map, nullptr, [&](Subset::MapRows& rows) { Take(chosen, rows.points); });
+  return Remove<&Map::points, &Subset::MapRows::points>(map, which, "point", std::nullopt);
 }
 
-py::object RemoveKeyFrames(const MapInAtlas& map, const py::object& which, const std::string& border_name) {
-  const Flags chosen = ChosenOf(which, map.map().keyframes, "keyframe");
-  const Border border = BorderOf(border_name);
-  return Remove(map, &border, [&](Subset::MapRows& rows) { Take(chosen, rows.keyframes); });
+py::object RemoveKeyFrames(const MapInAtlas& map, const py::object& which, const std::string& border) {
+  return Remove<&Map::keyframes, &Subset::MapRows::keyframes>(map, which, "keyframe", BorderOf(border));
 }
 
 // `change(map)` of the map as it is in the value that is changed.
 template <class Change>
 auto ChangeMap(const MapInAtlas& map, const Change& change) {
-  map.map();
-  return map.atlas->ApplyWhole([&](Atlas& atlas) { return change(atlas.maps[map.row]); });
+  return map.atlas->ApplyWhole([&](Atlas& atlas) { return change(map.In(atlas)); });
 }
 
 struct Nothing {};
 
-void UpdateChosen(const MapInAtlas& map, const py::object& which) {
-  const Column<MapPoint>& points = map.map().points;
-  const Flags chosen = which.is_none() ? Flags(points.size(), 1) : ChosenOf(which, points, "point");
-  std::vector<std::uint32_t> rows;
-  for (std::uint32_t row = 0; row < chosen.size(); ++row)
-    if (chosen[row] != 0) rows.push_back(row);
-  ChangeMap(map, [&](Map& changed) { return UpdatePoints(changed, rows), Nothing(); });
+void UpdateChosen(const MapInAtlas& map, const py::object& given) {
+  const std::optional<Which> which = given.is_none() ? std::nullopt : std::optional(WhichOf(given));
+  ChangeMap(map, [&](Map& changed) {
+    const Flags chosen = which ? ChosenOf(*which, changed.points, "point") : Flags(changed.points.size(), 1);
+    std::vector<std::uint32_t> rows;
+    for (std::uint32_t row = 0; row < chosen.size(); ++row)
+      if (chosen[row] != 0) rows.push_back(row);
+    return UpdatePoints(changed, rows), Nothing();
+  });
 }
 
 std::uint64_t AddEdgesTo(const MapInAtlas& map, EdgeKind kind, const py::object& given) {
   const std::vector<std::uint64_t> ids = GivenIds(given, "pairs", {-1, 2});
-  std::vector<KeyFramePair> pairs;
+  std::vector<KeyFrameEdge> pairs;
   for (std::size_t at = 0; at < ids.size(); at += 2) pairs.emplace_back(KeyFrameId(ids[at]), KeyFrameId(ids[at + 1]));
   return ChangeMap(map, [&](Map& changed) { return AddEdges(changed, kind, pairs); });
 }
 
 void SetParentsOf(const MapInAtlas& map, const py::object& keyframes, const py::object& parents) {
-  const std::vector<KeyFramePair> pairs = PairsOf(keyframes, parents, "keyframes", "parents");
+  const std::vector<KeyFrameEdge> pairs = PairsOf(keyframes, parents, "keyframes", "parents");
   ChangeMap(map, [&](Map& changed) { return SetParents(changed, pairs), Nothing(); });
 }
 

@@ -26,8 +26,9 @@ namespace {
 // An atlas of that map alone, with its cameras.
 std::shared_ptr<HeldAtlas> Alone(const MapInAtlas& map) {
   Atlas alone;
-  alone.cameras = map.kept()->cameras;
-  alone.maps.push_back(map.map());
+  const auto value = map.atlas->value();
+  alone.cameras = value->cameras;
+  alone.maps.push_back(map.In(*value));
   return std::make_shared<HeldAtlas>(std::move(alone));
 }
 

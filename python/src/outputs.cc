@@ -31,21 +31,6 @@ namespace py = pybind11;
 
 namespace {
 
-// map, keyframes, time, box, format, layout, wait: how an input that is a path is read.
-ReadOptions ReadingOf(Arguments& given) {
-  Part part;
-  given.Take("map", part.map);
-  given.Take("keyframes", part.keyframes);
-  given.Take("time", part.time);
-  given.Take("box", part.box);
-  ReadOptions read{.selection = SelectionOf(part)};
-  given.Take("format", read.format);
-  read.of<Orbslam3ReadOptions>().layout = LayoutNamed(given.Path("layout"));
-  given.Take("wait", read.of<StoreReadOptions>().lock_timeout);
-  given.TakeRun(read);
-  return read;
-}
-
 // What is in memory is whole.
 void RefuseIdleSelection(const AtlasOrPath& source, const ReadOptions& read) {
   if (source.atlas && !read.selection.everything())

@@ -15,14 +15,14 @@ using Point = Row<MapPoint>;
 
 // Compressed by rows: observation i of point p is at offsets[p] + i.
 py::tuple Observations(const PointsInMap& points) {
-  const Column<MapPoint>& list = points.list();
+  const auto list = points.list();
   std::vector<std::uint64_t> offsets{0}, keyframes;
   std::vector<std::int32_t> left, right;
-  offsets.reserve(list.size() + 1);
-  for (const MapPoint& point : list) offsets.push_back(offsets.back() + point.observations.size());
+  offsets.reserve(list->size() + 1);
+  for (const MapPoint& point : *list) offsets.push_back(offsets.back() + point.observations.size());
   for (const std::size_t count = offsets.back(); auto* column : {&left, &right}) column->reserve(count);
   keyframes.reserve(offsets.back());
-  for (const MapPoint& point : list)
+  for (const MapPoint& point : *list)
     for (const Observation& observation : point.observations) {
       keyframes.push_back(observation.keyframe.value());
       left.push_back(observation.left);
@@ -52,14 +52,14 @@ void DefineColumns(py::class_<PointsInMap>& points) {
       .def_property_readonly(
           "bad",
           [](const PointsInMap& p) {
-            return Computed<bool>(p.list(), [](const MapPoint& point) { return static_cast<bool>(point.bad); });
+            return Computed<bool>(*p.list(), [](const MapPoint& point) { return static_cast<bool>(point.bad); });
           },
           "(N,) bool, computed: culled")
       .def_property_readonly(
           "observation_counts",
           [](const PointsInMap& p) {
             return Computed<std::int64_t>(
-                p.list(), [](const MapPoint& point) { return static_cast<std::int64_t>(point.observations.size()); });
+                *p.list(), [](const MapPoint& point) { return static_cast<std::int64_t>(point.observations.size()); });
           },
           "(N,) int64, computed: how many keyframes see each")
       .def_property_readonly("observations", &Observations,
@@ -73,11 +73,8 @@ void DefinePoints(py::module_& module) {
   py::class_<PointsInMap> points(module, "Points",
                                  "The map points of a map: columns as numpy arrays over its memory, rows as MapPoint.");
   DefineColumns(points);
-  points.def("__len__", [](const PointsInMap& p) { return p.list().size(); })
-      .def("__getitem__", [](const PointsInMap& p, py::ssize_t index) {
-        Column<MapPoint>& list = p.list();
-        return Point{p.of.kept(), &list[RowAt(index, list.size())]};
-      });
+  points.def("__len__", [](const PointsInMap& p) { return p.list()->size(); })
+      .def("__getitem__", [](const PointsInMap& p, py::ssize_t index) { return RowOf(p.list(), index); });
 
   py::class_<Point>(module, "MapPoint", "One map point.")
       .def_property_readonly("id", [](const Point& p) { return p.entity->id.value(); })

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/eigen.h>
-#include <pybind11/stl.h>
-
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "python/src/arguments.h"
 #include "python/src/errors.h"
 #include "python/src/files.h"
-#include "python/src/held_atlas.h"
 #include "python/src/module.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
@@ -78,12 +75,13 @@ py::dict SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas&
   return told;
 }
 
-std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& name, const Part& part, bool features,
-                                    int threads, const py::object& listener) {
-  const ReadOptions options{.features = features ? FeatureColumns::kAll : FeatureColumns::kNone,
-                            .selection = SelectionOf(part),
-                            .threads = threads,
-                            .progress = ProgressTo(listener)};
+// map, keyframes, time, box, features, threads, progress.
+std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& name, const py::dict& values) {
+  Arguments given(values);
+  ReadOptions options{.features = given.Get<bool>("features") ? FeatureColumns::kAll : FeatureColumns::kNone,
+                      .selection = ReadSelectionOf(given)};
+  given.TakeRun(options);
+  given.RequireAllTaken();
   return Unlocked([&] { return std::make_shared<HeldAtlas>(file.Reader().Load(name, options)); });
 }
 

@@ -108,11 +108,8 @@ void DefineEdit(py::module_& module) {
 
 void DefineRecover(py::module_& module) {
   DefineMaker(module, "recover", [](Arguments& given) {
-    ReadOptions reading;
-    given.Take("format", reading.format);
-    reading.of<Orbslam3ReadOptions>().layout = LayoutNamed(given.Path("layout"));
+    ReadOptions reading = ReadingOf(given);
     reading.of<StoreReadOptions>().accept_edits = given.Get<bool>("accept_edits");
-    given.TakeRun(reading);
     RecoverOptions options{.triangulate = given.Get<bool>("triangulate", true)};
     given.TakeRun(options);
     const std::shared_ptr<const Atlas> rig = given.Has("cameras") ? given.AtlasAt("cameras") : nullptr;

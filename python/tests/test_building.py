@@ -23,7 +23,7 @@ def test_what_is_built_is_sound_and_read_byte_for_byte(pair):
     known = {each.rule for each in slamdb.check(atlas).inputs[0].results}
     assert report.sound and rules <= known | {"point-support"}, rules  # of points that lost what one side said alone
     data = slamdb.encode(built)
-    again = slamdb.decode(data)
+    again = slamdb.read(data)
     assert slamdb.encode(again) == data and slamdb.diff(again, built).verdict == "same"
 
 

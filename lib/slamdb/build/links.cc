@@ -37,10 +37,10 @@ bool IsOnCycle(const std::vector<std::uint32_t>& parents, std::uint32_t row) {
   return at != kNoRow;
 }
 
-std::vector<KeyFramePair> WithIds(const Map& map, detail::RowPairs edges) {
+std::vector<KeyFrameEdge> WithIds(const Map& map, detail::RowPairs edges) {
   for (auto& [one, other] : edges)
     if (map.keyframes[other].id < map.keyframes[one].id) std::swap(one, other);
-  std::vector<KeyFramePair> pairs;
+  std::vector<KeyFrameEdge> pairs;
   for (const auto& [one, other] : edges) pairs.emplace_back(map.keyframes[one].id, map.keyframes[other].id);
   std::ranges::sort(pairs);
   return pairs;
@@ -52,12 +52,12 @@ Column<KeyFrameId> KeyFrame::*ListOf(EdgeKind kind) {
 
 }  // namespace
 
-std::vector<KeyFramePair> EdgesOf(const Map& map, EdgeKind kind) {
+std::vector<KeyFrameEdge> EdgesOf(const Map& map, EdgeKind kind) {
   const IdTable table = KeyFrameTable(map);
   return WithIds(map, detail::EdgesOf(map, ListOf(kind), [&](KeyFrameId id) { return table.Find(id.value()); }));
 }
 
-std::vector<KeyFramePair> EssentialEdges(const Map& map, int min_weight) {
+std::vector<KeyFrameEdge> EssentialEdges(const Map& map, int min_weight) {
   const IdTable table = KeyFrameTable(map);
   detail::RowPairs edges;
   detail::ForEachTie(map, min_weight, [&](std::uint32_t row, KeyFrameId id, detail::Tie) {
@@ -67,7 +67,7 @@ std::vector<KeyFramePair> EssentialEdges(const Map& map, int min_weight) {
   return WithIds(map, std::move(edges));
 }
 
-void SetParents(Map& map, std::span<const KeyFramePair> given) {
+void SetParents(Map& map, std::span<const KeyFrameEdge> given) {
   const IdTable table = KeyFrameTable(map);
   std::vector<std::uint32_t> parents = ParentsOf(map, table);
   for (std::size_t i = 0; i < given.size(); ++i) {
@@ -90,7 +90,7 @@ void SetParents(Map& map, std::span<const KeyFramePair> given) {
   }
 }
 
-std::uint64_t AddEdges(Map& map, EdgeKind kind, std::span<const KeyFramePair> edges) {
+std::uint64_t AddEdges(Map& map, EdgeKind kind, std::span<const KeyFrameEdge> edges) {
   const IdTable table = KeyFrameTable(map);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     RowOf(table, "pairs", i, edges[i].first);

@@ -15,12 +15,13 @@
 // Cost: linear in the map.
 namespace slamdb {
 
-using KeyFramePair = std::pair<KeyFrameId, KeyFrameId>;
+// From one keyframe to another.
+using KeyFrameEdge = std::pair<KeyFrameId, KeyFrameId>;
 
 // Gives keyframes (first) other parents (second) in the spanning tree; children follow.
 //
 // Throws Error (kUsage) when one is not in the map, is its own ancestor then, or is the root.
-SLAMDB_EXPORT void SetParents(Map& map, std::span<const KeyFramePair> parents);
+SLAMDB_EXPORT void SetParents(Map& map, std::span<const KeyFrameEdge> parents);
 
 enum class EdgeKind { kLoop, kMerge };
 
@@ -28,14 +29,14 @@ enum class EdgeKind { kLoop, kMerge };
 // Returns how many were new.
 //
 // Throws Error (kUsage) when a keyframe is not in the map, or an edge leads from one to itself.
-SLAMDB_EXPORT std::uint64_t AddEdges(Map& map, EdgeKind kind, std::span<const KeyFramePair> edges);
+SLAMDB_EXPORT std::uint64_t AddEdges(Map& map, EdgeKind kind, std::span<const KeyFrameEdge> edges);
 
 // The edges of a map, each once, the smaller id first, ascending; those that lead out of the map are left out.
-[[nodiscard]] SLAMDB_EXPORT std::vector<KeyFramePair> EdgesOf(const Map& map, EdgeKind kind);
+[[nodiscard]] SLAMDB_EXPORT std::vector<KeyFrameEdge> EdgesOf(const Map& map, EdgeKind kind);
 
 // ORB-SLAM3's essential graph in the same way: the spanning tree, loop and merge edges, covisibility of at least that
 // weight, and with an IMU what follows in time.
-[[nodiscard]] SLAMDB_EXPORT std::vector<KeyFramePair> EssentialEdges(const Map& map, int min_weight = 100);
+[[nodiscard]] SLAMDB_EXPORT std::vector<KeyFrameEdge> EssentialEdges(const Map& map, int min_weight = 100);
 
 // Gives points another reference keyframe, by which their distance ranges follow.
 //
