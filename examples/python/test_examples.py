@@ -61,7 +61,6 @@ def test_filter_points(run, tmp_path, session):
     assert 0 < len(after.points) < len(before.points)
 
 
-@pytest.mark.skipif(not hasattr(slamdb, "evaluate"), reason="slamdb.evaluate is not there")
 def test_evaluate_trajectory(run, tmp_path):
     said = run("evaluate_trajectory.py")
     assert said.startswith("map 0: 14 poses, rmse 0.0176 m, at most 0.0372 m\n")  # as docs/evaluate.md has it
