@@ -18,6 +18,7 @@
 #include "slamdb/formats/colmap/options.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/optimize/optimize.h"
+#include "slamdb/plot/plot.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "slamdb/view/page.h"
 
@@ -71,6 +72,7 @@ inline const Choices<PointColor> kColors = {{"map", PointColor::kMap},
                                             {"observations", PointColor::kObservations},
                                             {"height", PointColor::kHeight},
                                             {"age", PointColor::kAge}};
+inline const Choices<PlotFormat> kPlotFormats = {{"svg", PlotFormat::kSvg}, {"png", PlotFormat::kPng}};
 inline const Choices<ColmapSchema> kColmapSchemas = {{"old", ColmapSchema::kOld}, {"new", ColmapSchema::kNew}};
 
 inline const Choices<Sensor> kSensors = {{"monocular", Sensor::kMonocular},

@@ -8,6 +8,7 @@
 #include "cli/boost_versions.h"
 #include "cli/exports.h"
 #include "cli/help/usage.h"
+#include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
@@ -79,7 +80,7 @@ void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
   verb.add_flag("-v,--verbose", options.verbose, "Tell time and memory at the end")->group(kCommonGroup);
   verb.add_option("--threads", options.threads, "Threads to work with; 0 means every core")
       ->type_name("N")
-      ->check(CLI::Range(0, 1024).description({}))
+      ->check(Within(kThreads))
       ->group(kCommonGroup);
   verb.add_flag(
           "--progress,!--no-progress", options.progress,
@@ -180,23 +181,13 @@ void AddStore(CLI::App& verb, StoreVerbOptions& options) {
 void AddWait(CLI::App& verb, double& wait) {
   verb.add_option("--wait", wait, "How long to wait for another program that writes to the store; inf is for ever")
       ->type_name("SECONDS")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->capture_default_str();
 }
 
 void AddJson(CLI::App& verb, bool& json) { verb.add_flag("--json", json, "Print JSON, for programs"); }
 
 void RefuseUsage(const std::string& problem) { throw CLI::ValidationError(problem); }
-
-std::string CheckPositive(const std::string& text) {
-  const auto number = ParseNumber<double>(text);
-  return number && *number > 0 ? std::string() : "expected a number above 0, found '" + text + "'";
-}
-
-std::string CheckNonNegative(const std::string& text) {
-  const auto number = ParseNumber<double>(text);
-  return number && *number >= 0 ? std::string() : "expected 0 or a number above it, found '" + text + "'";
-}
 
 bool IsStandardOutput(const std::string& path) {
   if (path == "-") return true;

@@ -101,8 +101,6 @@ CLI::Validator OneOf(const std::map<std::string, Value>& words) {
 }
 
 // For ->check().
-std::string CheckPositive(const std::string& text);     // a number above 0
-std::string CheckNonNegative(const std::string& text);  // 0 or above
 
 // Whether what is written there goes where verbs print: `-`, or `/dev/stdout` that is a pipe or a file. On a terminal
 // the two do not mix up, and in /dev/null they do no harm.

@@ -25,13 +25,13 @@ void RefuseIdleBody(const Estimates& estimate, const Estimates& truth, bool body
 void AddPairing(CLI::App& verb, EvaluationOptions& options, TimesOptions& times, const std::string& group) {
   verb.add_option("--max-dt", options.max_time_difference, "Seconds that the poses of a pair may be apart")
       ->type_name("SECONDS")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->capture_default_str()
       ->group(group);
   CLI::Option* offset = verb.add_option("--time-offset", options.time_offset,
                                         "Seconds that the clock of the truth is ahead of the estimate's")
                             ->type_name("SECONDS")
-                            ->check(CheckFinite)
+                            ->check(Within(kFinite))
                             ->group(group);
   CLI::Option* estimate_offset = verb.add_flag("--estimate-time-offset", options.estimate_time_offset,
                                                "Find the time offset under which speeds and paths agree best")

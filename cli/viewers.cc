@@ -43,7 +43,7 @@ void AddViewerOptions(CLI::App& verb, ViewerOptions& options) {
   verb.add_option("--most-points", options.most_points,
                   "Map points to write into KML and GeoJSON, evenly out of all: 10000 by default")
       ->type_name("N")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->group(kGroup);
 }
 

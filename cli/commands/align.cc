@@ -49,26 +49,20 @@ MapsToAlign ReadMaps(const AlignVerbOptions& options, Console& console, Notices&
   return given;
 }
 
-PlotFormat FormatOf(const std::string& plot) {
-  const std::string path = Location(plot).path;
-  if (path.ends_with(".png")) return PlotFormat::kPng;
-  if (!path.ends_with(".svg") && path != "-" && !IsSpecialFile(path))
-    RefuseUsage("a plot is an .svg or a .png, which " + path + " does not say");
-  return PlotFormat::kSvg;
-}
+PlotFormat PictureOf(const std::string& plot) { return plot == "-" ? PlotFormat::kSvg : PlotFormatOf(plot); }
 
 void DrawLink(const AlignedMaps& aligned, const MapsToAlign& given, const AlignVerbOptions& options, AtomicFile& file) {
   const MapLink& link = aligned.links.front();
   const Plot plot =
       DrawAlignment(given.maps[link.first], given.maps[link.second], link.alignment,
-                    {.format = FormatOf(options.plot),
+                    {.format = PictureOf(options.plot),
                      .title = NameText(given.names[link.second]) + " in " + NameText(given.names[link.first])});
   file.Write(plot.bytes);
   file.Commit();
 }
 
 ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
-  if (!options.plot.empty()) (void)FormatOf(options.plot);
+  if (!options.plot.empty()) (void)PictureOf(options.plot);
   std::optional<AtomicFile> file;
   std::optional<AtomicFile> picture;
   if (!options.plot.empty()) picture.emplace(options.plot, AtomicFileOptions{.overwrite = options.overwrite});

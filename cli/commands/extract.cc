@@ -9,6 +9,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/part_text.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/text.h"
 
 namespace slamdb::cli {
@@ -135,11 +136,11 @@ void AddParts(CLI::App& verb, ExtractVerbOptions& options) {
   verb.add_option("--component", options.component,
                   "Only this connected part of the covisibility graph; 1 is the largest")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->group(kGroup);
   verb.add_option("--every", options.every, "Of what is selected, every Nth keyframe in order of time")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->group(kGroup);
   verb.add_flag("--except", options.except, "Everything but the part")->group(kGroup);
 }

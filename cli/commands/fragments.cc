@@ -9,6 +9,7 @@
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
+#include "cli/values.h"
 
 namespace slamdb::cli {
 namespace {
@@ -46,11 +47,11 @@ Run AddFragments(CLI::App& verb) {
   AddEdit(verb, options->edit);
   verb.add_option("--min-keyframes", options->fragments.min_keyframes, "Drop maps with fewer; empty ones always go")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->capture_default_str();
   verb.add_option("--largest", options->fragments.largest, "Keep only so many maps, those with most keyframes")
       ->type_name("N")
-      ->check(CheckPositive);
+      ->check(Within(kPositive));
   verb.add_option("--order", options->fragments.order,
                   "Order of the maps in the output: as they are, most keyframes first, earliest first, or by id")
       ->type_name("ORDER")

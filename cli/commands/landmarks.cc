@@ -8,6 +8,7 @@
 #include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/values.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/landmarks/warnings.h"
 #include "slamdb/formats/formats.h"
@@ -130,8 +131,7 @@ Run BindFromPoints(CLI::App& verb) {
   AddEdit(verb, options->edit);
   verb.add_option("--sigma", options->sigma, "Standard deviation of a keypoint at full size, in pixels [1]")
       ->type_name("PIXELS")
-      ->check(CheckPositive)
-      ->check(CLI::Range(1e-3, 1e3).description({}));
+      ->check(Within(kPixelSigma));
   return [options](Console& console) { return RunFromPoints(*options, console); };
 }
 

@@ -9,6 +9,7 @@
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/locate_text.h"
+#include "cli/values.h"
 #include "cli/whole_store.h"
 #include "slamdb/align/locate_report.h"
 #include "slamdb/base/error.h"
@@ -108,7 +109,7 @@ Run AddLocate(CLI::App& verb) {
   AddVocabulary(verb, options->vocabulary);
   verb.add_option("--features", options->features, "How many features are looked for in a picture: 100 to 100,000")
       ->type_name("N")
-      ->check(CLI::Range(100, 100'000).description(""))
+      ->check(Within(kLocateFeatures))
       ->capture_default_str();
   verb.add_option("--against", options->against,
                   "A trajectory of true poses, paired by time: the found poses are laid onto it, and the errors told")
@@ -118,7 +119,7 @@ Run AddLocate(CLI::App& verb) {
   verb.add_option("--most", options->left_out.most_keyframes,
                   "With --benchmark: at most so many keyframes, at equal steps")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->capture_default_str();
   Mark(verb.add_option("-o,--output", options->output, "Write the poses of what was found to this file (TUM)"),
        Writes::kFile)

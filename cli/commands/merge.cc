@@ -9,6 +9,7 @@
 #include "cli/edit.h"
 #include "cli/report/align_text.h"
 #include "cli/report/merge_text.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
@@ -163,7 +164,7 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
   needs_join(verb.add_option("--outliers", options.outlier_distance,
                              "Leave out anchors that lie farther apart than this, in units of the first map"))
       ->type_name("DISTANCE")
-      ->check(CheckPositive);
+      ->check(Within(kPositive));
   auto* fuse =
       needs_join(verb.add_flag("--fuse", options.fuse, "Fuse points that both maps have, and their landmarks"));
   needs_join(verb.add_flag("--no-fuse", options.no_fuse,
@@ -172,13 +173,13 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
       ->excludes(fuse);
   verb.add_option("--fuse-radius", options.fusion.radius, "How far apart fused points may be, in pixels of uncertainty")
       ->type_name("PIXELS")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->capture_default_str()
       ->needs(fuse)
       ->group(kGroup);
   verb.add_option("--fuse-hamming", options.fusion.hamming, "In how many bits their descriptors may differ")
       ->type_name("BITS")
-      ->check(CLI::Range(0, 256).description({}))
+      ->check(Within(kBitsOfDescriptor))
       ->capture_default_str()
       ->needs(fuse)
       ->group(kGroup);

@@ -10,6 +10,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/optimize_text.h"
+#include "cli/values.h"
 #include "slamdb/base/error.h"
 #include "slamdb/optimize/warnings.h"
 
@@ -68,7 +69,7 @@ Run AddOptimize(CLI::App& verb) {
       ->type_name("FILE");
   verb.add_option("--iterations", optimize.iterations, "At most so many steps of each of the rounds; 50 by default")
       ->type_name("N")
-      ->check(CheckPositive);
+      ->check(Within(kPositive));
   CLI::Option* poses = verb.add_flag("--fix-poses", optimize.fix_poses, "Move points only");
   verb.add_flag("--fix-points", optimize.fix_points, "Move keyframes only")->excludes(poses);
   return [options](Console& console) { return RunOptimize(*options, console); };

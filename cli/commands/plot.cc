@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/exports.h"
@@ -40,15 +41,8 @@ std::string OutputOf(const PlotVerbOptions& options) {
 }
 
 PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
-  std::string format = options.format;
-  if (format.empty() && (output == "-" || IsSpecialFile(output))) format = "svg";
-  if (format.empty()) {
-    const std::string suffix = std::filesystem::path(output).extension().string();
-    if (suffix != ".svg" && suffix != ".png")
-      RefuseUsage("a plot is an .svg or a .png, which " + output + " does not say; --format does");
-    format = suffix.substr(1);
-  }
-  return format == "png" ? PlotFormat::kPng : PlotFormat::kSvg;
+  if (options.format.empty()) return output == "-" ? PlotFormat::kSvg : PlotFormatOf(output);
+  return kPlotFormats.at(options.format);
 }
 
 // The figures of `slamdb evaluate`, of what is drawn.
@@ -113,17 +107,16 @@ void BindLook(CLI::App& verb, PlotVerbOptions& options) {
       ->group(kGroup);
   verb.add_option("--format", options.format, "By default as the suffix of the output says")
       ->type_name("FORMAT")
-      ->check(CLI::IsMember({"svg", "png"}))
+      ->check(CLI::IsMember(kPlotFormats))
       ->group(kGroup);
   verb.add_option("--width", options.plot.width, "Pixels; the height follows")
       ->type_name("PIXELS")
-      ->check(CLI::Range(320, 4000).description({}))
+      ->check(Within(kPlotWidth))
       ->capture_default_str()
       ->group(kGroup);
   verb.add_option("--scale", options.plot.scale, "Of a PNG: so many pixels for one of the width")
       ->type_name("FACTOR")
-      ->check(CheckFinite)
-      ->check(CLI::Range(1.0, 4.0).description({}))
+      ->check(Within(kPlotScale))
       ->capture_default_str()
       ->group(kGroup);
   verb.add_flag("--dark", options.plot.dark, "Light ink on a dark page")->group(kGroup);

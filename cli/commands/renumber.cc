@@ -8,6 +8,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/error.h"
 
@@ -104,7 +105,7 @@ Run AddRenumber(CLI::App& verb) {
       ->delimiter(',')
       ->check(CLI::IsMember({"map", "keyframe", "point", "frame", "camera", "all"}));
   auto* start = verb.add_option("--start", options->renumber.start, "The first of the dense ids")
-                    ->check(CheckNonNegative)
+                    ->check(Within(kNonNegative))
                     ->type_name("ID")
                     ->capture_default_str();
   auto* offset = verb.add_option("--offset", options->renumber.offset, "Add this to every id instead; may be negative")

@@ -12,6 +12,7 @@
 #include "cli/output_name.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
@@ -130,7 +131,7 @@ Run AddSplit(CLI::App& verb) {
       ->default_str("map");
   verb.add_option("--min-keyframes", options->split.min_keyframes, "Leave out parts with fewer")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->capture_default_str();
   verb.add_option("--border", options->border, "Points that several parts observe: see 'slamdb extract --help'")
       ->type_name("BORDER")

@@ -10,6 +10,7 @@
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
@@ -72,7 +73,7 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
 CLI::Option* AddShare(CLI::App& verb, const char* name, double& value, const char* description, const char* group) {
   return verb.add_option(name, value, description)
       ->type_name("SHARE")
-      ->check(CLI::Range(0.0, 1.0).description({}))
+      ->check(Within(kShare))
       ->capture_default_str()
       ->group(group);
 }
@@ -115,18 +116,18 @@ Run AddSynthesize(CLI::App& verb) {
   const auto number = [&](const char* name, auto& value, const char* description) {
     return verb.add_option(name, value, description)->type_name("N")->capture_default_str()->group(kGroup);
   };
-  number("--maps", atlas.maps, "How many maps")->check(CLI::Range(1, 10000).description({}));
+  number("--maps", atlas.maps, "How many maps")->check(Within(kMapsMade));
   CLI::Option* keyframes = number("--keyframes", atlas.keyframes, "Keyframes in each map");
   CLI::Option* points = number("--points", atlas.points, "Points in each map");
   number("--features", atlas.features, "Keypoints in each keyframe, at most");
   verb.add_option("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")
       ->type_name("PIXELS")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->capture_default_str()
       ->group(kGroup);
   AddShare(verb, "--outliers", atlas.outliers, "Of the keypoints of points, how many show something else", kGroup);
   number("--flipped-bits", atlas.flipped_bits, "Bits at most in which a look at a point differs from its descriptor")
-      ->check(CLI::Range(0, 256).description({}));
+      ->check(Within(kBitsOfDescriptor));
   number("--seed", atlas.seed, "Another number, another atlas");
   verb.add_option("--vocabulary", options->vocabulary,
                   "Make the words of this vocabulary file, so that a SLAM system that has it can load the atlas; by "

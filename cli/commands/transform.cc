@@ -177,18 +177,18 @@ void BindAlignment(CLI::App& verb, TransformVerbOptions& options) {
   verb.add_option("--max-dt", options.max_dt,
                   "Seconds that a keyframe and a position may be apart: 0.02 for trajectories, 1 for GPS by default")
       ->type_name("SECONDS")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->group(kGroup);
   verb.add_option("--robust", options.robust,
                   "Leave out pairs that end up farther apart than this, in metres; by default only gross outliers are, "
                   "and inf keeps all")
       ->type_name("DISTANCE")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->group(kGroup);
   CLI::Option* offset = verb.add_option("--time-offset", options.time_offset,
                                         "Seconds that the clock of the reference is ahead of the map's")
                             ->type_name("SECONDS")
-                            ->check(CheckFinite)
+                            ->check(Within(kFinite))
                             ->group(kGroup);
   verb.add_flag("--estimate-time-offset", options.estimate_time_offset,
                 "Find the time offset under which speeds and paths agree best")

@@ -52,8 +52,8 @@ def merge(
     scale: Optional[bool] = None,
     outliers: Optional[float] = None,
     fuse: Optional[bool] = None,
-    fuse_radius: float = 3,
-    fuse_hamming: int = 50,
+    fuse_radius: Optional[float] = None,
+    fuse_hamming: Optional[int] = None,
     threads: int = 0,
     progress: Progress = None,
 ) -> Tuple[Atlas, Report]:
@@ -76,7 +76,7 @@ def merge(
     scale: solve for it from anchors; by default only of monocular maps
     outliers: leave out anchors that lie farther apart, units of the first map
     fuse: points that both maps have; by default with align, and of maps of landmarks
-    fuse_radius: how far apart, pixels of uncertainty; fuse_hamming: in how many bits descriptors may differ
+    fuse_radius: how far apart, pixels of uncertainty, 3; fuse_hamming: in how many bits descriptors may differ, 50
     """
     given = locals()
     given["sources"] = [held(source) for source in sources]
@@ -116,5 +116,4 @@ def locate(
     `report.pictures` has a verdict for each: "found", "doubtful", "not-found", "unreadable".
     """
     given: Dict[str, object] = dict(locals())
-    given["pictures"] = [os.fspath(picture) for picture in pictures]
     return Report.parse(reported(_slamdb.locate, given))

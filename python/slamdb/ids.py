@@ -14,9 +14,9 @@ def renumber(
     atlas: Atlas,
     *,
     kinds: Optional[Sequence[str]] = None,
-    start: int = 0,
+    start: Optional[int] = None,
     offset: Optional[int] = None,
-    order: str = "id",
+    order: Optional[str] = None,
     id_map: Optional[Path] = None,
     apply: Optional[Path] = None,
     undo: Optional[Path] = None,
@@ -28,7 +28,7 @@ def renumber(
     """Give entities new ids, in place: dense ones, or the old ones plus an offset (docs/renumber.md).
 
     kinds: of "map", "keyframe", "point", "frame", "camera", "all"; by default all but frames
-    start: the first of the dense ids; order: of them, "id", "time" or "as-is"; offset: added to every id instead
+    start: the first of the dense ids, 0; order: of them, "id" (the default), "time" or "as-is"; offset: added to every id instead
     id_map: write which id became which to this .csv or .json; overwrite: replace it
     apply, undo: change ids as such a table says, or back; of: which of its inputs it is about
     """
@@ -43,8 +43,6 @@ def reassign_origin(
     map: Optional[Mapping[int, int]] = None,
     shift: int = 0,
     compact: bool = False,
-    threads: int = 0,
-    progress: Progress = None,
 ) -> Report:
     """Change in which map keyframes were made, in place (docs/reassign-origin.md), in this order:
 

@@ -2,7 +2,7 @@
 """Verbs that write what is to be looked at, or used elsewhere. Files appear whole or not at all."""
 
 import os
-from typing import Dict, Mapping, Optional, Sequence, Tuple, Union
+from typing import Dict, Mapping, Optional, Sequence, Tuple
 
 from . import _slamdb
 from ._slamdb import Atlas
@@ -92,7 +92,7 @@ def plot(
     time: Range = None,
     box: Box = None,
     with_: Optional[Source] = None,
-    max_dt: float = 0.01,
+    max_dt: Optional[float] = None,
     time_offset: float = 0,
     estimate_time_offset: bool = False,
     by_index: bool = False,
@@ -119,8 +119,6 @@ def plot(
         estimate_time_offset, by_index, time_unit, times, align, joint and body are as for `evaluate`
     """
     given: Dict[str, object] = dict(locals())
-    if picture is None and output is not None and os.fspath(output).endswith(".png"):
-        given["picture"] = "png"
     data, notices = _slamdb.plot(given)
     _told(notices, _TOLD_AT)
     return data
@@ -158,17 +156,17 @@ def synthesize(
     sensor: str = "monocular",
     inertial: bool = False,
     maps: int = 1,
-    keyframes: int = 20,
-    points: int = 1000,
+    keyframes: Optional[int] = None,
+    points: Optional[int] = None,
     features: int = 500,
     noise: float = 0.5,
     outliers: float = 0,
     flipped_bits: int = 8,
     seed: int = 1,
-    size: Union[int, None] = None,
+    size: Optional[int] = None,
     vocabulary: Optional[Path] = None,
     overlap: Optional[float] = None,
-    common: float = 0.7,
+    common: Optional[float] = None,
     look_alike: bool = False,
     truth: Optional[Path] = None,
     overwrite: bool = False,
@@ -178,13 +176,13 @@ def synthesize(
     """A sound atlas of any size and sensor, geometrically consistent; equal options give equal atlases.
 
     sensor: "monocular", "stereo", "rgbd" or "fisheye"; inertial: with an IMU
-    maps: how many; keyframes, points: in each map; features: keypoints in a keyframe, at most
+    maps: how many; keyframes, points: in each map, 20 and 1000; features: keypoints in a keyframe, at most
     seed: another number, another atlas
     size: keyframes and points for an .osa of about so many bytes, instead
     noise: of keypoints, standard deviation, pixels; outliers: share of them that show something else
     flipped_bits: at most, in which a look at a point differs from its descriptor
     vocabulary: make the words of this file; by default they are made up
-    overlap: the maps are sessions in one room that share so much of their arc; common: share of points that both have
+    overlap: the maps are sessions in one room that share so much of their arc; common: share of points that both have, 0.7
     look_alike: the maps are of rooms that look alike
     truth: write how each map lies in its room to this file; overwrite: replace it
     """

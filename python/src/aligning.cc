@@ -50,11 +50,10 @@ MapsToAlign MapsOf(const Sources& sources, const ReadOptions& read, Notices& not
 
 // What is written beside the report.
 struct AlignmentFiles {
-  std::string save, plot;
-  bool overwrite = false;
+  OutputFile save, plot;
 
   void Write(const MapsToAlign& maps, const AlignedMaps& aligned, Notices& notices) const {
-    if (save.empty() && plot.empty()) return;
+    if (!save.any() && !plot.any()) return;
     if (maps.maps.size() != 2)
       throw Error(ErrorKind::kUsage,
                   "save= and plot= are for two maps, and there are " + std::to_string(maps.maps.size()));
@@ -67,19 +66,16 @@ struct AlignmentFiles {
 
  private:
   template <class Make>
-  void WriteOr(const std::string& path, bool sure, const Make& make, Notices& notices) const {
-    if (path.empty()) return;
-    if (!sure) {
-      notices.Warn("the maps are not aligned for sure: " + path + " is not written");
-      return;
-    }
-    AtomicFile file(path, {.overwrite = overwrite});
-    file.Write(make());
-    file.Commit();
+  static void WriteOr(const OutputFile& file, bool sure, const Make& make, Notices& notices) {
+    if (!file.any()) return;
+    if (sure)
+      file.Write(make());
+    else
+      notices.Warn("the maps are not aligned for sure: " + file.path + " is not written");
   }
 
   std::string Draw(const MapsToAlign& maps, const MapLink& link) const {
-    const PlotOptions options{.format = plot.ends_with(".png") ? PlotFormat::kPng : PlotFormat::kSvg,
+    const PlotOptions options{.format = PlotFormatOf(plot.path),
                               .title = NameText(maps.names[link.second]) + " in " + NameText(maps.names[link.first])};
     return DrawAlignment(maps.maps[link.first], maps.maps[link.second], link.alignment, options).bytes;
   }
@@ -90,8 +86,8 @@ void DefineAlign(py::module_& module) {
     AlignOptions options;
     given.Take("own_vocabulary", options.own_vocabulary);
     given.TakeRun(options);
-    const AlignmentFiles files{
-        .save = given.Path("save"), .plot = given.Path("plot"), .overwrite = given.Get<bool>("overwrite")};
+    const AlignmentFiles files{.save = given.Output("save"), .plot = given.Output("plot")};
+    if (files.plot.any()) (void)PlotFormatOf(files.plot.path);
     return [=, read = ReadingOf(given), sources = given.Sources("sources")](Notices& notices) {
       const MapsToAlign maps = MapsOf(sources, read, notices);
       const AlignedMaps aligned = maps.Align(options);
@@ -130,6 +126,11 @@ Joining JoiningOf(Arguments& given) {
                   .transform = given.Path("transform"),
                   .anchors = given.Path("anchors")};
   if (joining.join && joining.align) throw Error(ErrorKind::kUsage, "join= and align= exclude each other");
+  if (!joining.join)
+    given.RefuseIdle({"transform", "anchors", "maps", "scale", "outliers"}, "goes with join=True only");
+  if (!joining.align) given.RefuseIdle({"optimize"}, "goes with align=True only");
+  if (!joining.join && !joining.align)
+    given.RefuseIdle({"fuse", "fuse_radius", "fuse_hamming"}, "goes with join=True or align=True only");
   if (given.Has("maps")) {
     const auto [first, second] = given.Get<std::pair<std::uint64_t, std::uint64_t>>("maps");
     joining.options.first = MapId(first);
@@ -137,9 +138,9 @@ Joining JoiningOf(Arguments& given) {
   }
   given.Take("fuse", joining.fuse);
   given.Take("scale", joining.options.with_scale);
-  given.Take("outliers", joining.options.outlier_distance);
-  given.Take("fuse_radius", joining.fusion.radius);
-  given.Take("fuse_hamming", joining.fusion.hamming);
+  given.Take("outliers", joining.options.outlier_distance, cli::kPositive);
+  given.Take("fuse_radius", joining.fusion.radius, cli::kPositive);
+  given.Take("fuse_hamming", joining.fusion.hamming, cli::kBitsOfDescriptor);
   given.TakeWord("optimize", cli::kTightenings, joining.tightening);
   return joining;
 }
@@ -166,22 +167,17 @@ MergeAlignedResult MergeOverlapping(std::vector<Atlas> atlases, const MergeOptio
   return result;
 }
 
-struct IdMapFile {
-  std::string path;
-  bool overwrite = false;
-
-  void Write(const MergeReport& report) const {
-    if (!path.empty()) WriteIdMaps(report.id_maps, path, {.overwrite = overwrite});
-  }
-};
+void WriteIdsOf(const MergeReport& report, const OutputFile& file) {
+  if (file.any()) WriteIdMaps(report.id_maps, file.path, file.options);
+}
 
 void DefineMerge(py::module_& module) {
   DefineMaker(module, "merge", [](Arguments& given) {
     const Joining joining = JoiningOf(given);
-    const IdMapFile ids{.path = given.Path("id_map"), .overwrite = given.Get<bool>("overwrite")};
+    const OutputFile ids = given.Output("id_map");
     MergeOptions options{.names = DistinctNames(given.Get<std::vector<std::string>>("names")),
                          .same_map = joining.align ? SameMap::kKeepFirst : SameMap::kKeepBoth,
-                         .id_maps = !ids.path.empty()};
+                         .id_maps = ids.any()};
     given.TakeWord("on_conflict", cli::kConflicts, options.same_map);
     given.Take("ignore_vocabulary", options.ignore_vocabulary);
     given.Take("force", options.force);
@@ -193,13 +189,13 @@ void DefineMerge(py::module_& module) {
       merge.join = joining.Of(atlases, notices);
       if (joining.align) {
         MergeAlignedResult result = MergeOverlapping(std::move(atlases), merge, joining, notices);
-        ids.Write(result.merged.report);
+        WriteIdsOf(result.merged.report, ids);
         atlas = std::move(result.merged.atlas);
         return ToJson(result);
       }
       MergeResult result = MergeAtlases(std::move(atlases), merge);
       TellWarnings(result.report, notices);
-      ids.Write(result.report);
+      WriteIdsOf(result.report, ids);
       atlas = std::move(result.atlas);
       return ToJson(result.report);
     };
@@ -212,8 +208,9 @@ struct Locating {
   ReadOptions read;
   LocatePicturesOptions pictures;
   LocateBenchmarkOptions left_out;
-  std::string camera, vocabulary, output;
-  bool benchmark = false, overwrite = false;
+  std::string camera, vocabulary;
+  OutputFile output;
+  bool benchmark = false;
 
   LocateReport InAtlas(Atlas atlas, Notices& notices) const {
     const auto loaded = VocabularyAt(vocabulary, pictures.threads);
@@ -223,11 +220,7 @@ struct Locating {
         {.vocabulary = loaded ? &loaded->tree : nullptr, .threads = pictures.threads, .progress = pictures.progress});
     if (benchmark) return BenchmarkLocating(locator, atlas, left_out);
     const LocateReport report = LocatePictures(atlas, locator, Pictures(), notices);
-    if (!output.empty()) {
-      AtomicFile file(output, {.overwrite = overwrite});
-      file.Write(PosesFound(report, atlas));
-      file.Commit();
-    }
+    if (output.any()) output.Write(PosesFound(report, atlas));
     return report;
   }
 
@@ -237,7 +230,7 @@ struct Locating {
     if (source.atlas) return InAtlas(*source.atlas, notices);
     std::optional<Store> store = OpenWholeStore(source.path, pictures.lock_timeout);
     if (!store) return InAtlas(ReadAtlas(Location(source.path), read, &notices), notices);
-    if (benchmark || !(pictures.against.empty() && output.empty() && vocabulary.empty()))
+    if (benchmark || !(pictures.against.empty() && !output.any() && vocabulary.empty()))
       throw Error(ErrorKind::kUsage, "benchmark=, against=, output= and vocabulary= are for one atlas: name it, as " +
                                          store->path() + "#NAME");
     return LocatePictures(*store, Pictures(), notices);
@@ -255,18 +248,19 @@ void DefineLocate(py::module_& module) {
   DefineReport(module, "locate", [](Arguments& given) {
     Locating locating{.source = given.SourceAt("source"), .read = ReadingOf(given)};
     LocatePicturesOptions& pictures = locating.pictures;
-    given.Take("pictures", pictures.pictures);
-    given.Take("features", pictures.features);
+    pictures.pictures = given.Paths("pictures");
+    given.Take("features", pictures.features, cli::kLocateFeatures);
     pictures.against = given.Path("against");
-    given.Take("wait", pictures.lock_timeout);
+    given.Take("wait", pictures.lock_timeout, cli::kNonNegative);
     given.TakeRun(pictures);
     given.Take("benchmark", locating.benchmark);
-    given.Take("most", locating.left_out.most_keyframes);
+    given.Take("most", locating.left_out.most_keyframes, cli::kPositive);
     given.TakeRun(locating.left_out);
+    if (locating.benchmark)
+      given.RefuseIdle({"camera", "against", "output"}, "is for pictures, of which benchmark=True takes none");
     locating.camera = given.Path("camera");
     locating.vocabulary = given.Path("vocabulary");
-    locating.output = given.Path("output");
-    given.Take("overwrite", locating.overwrite);
+    locating.output = given.Output("output");
     return [locating](Notices& notices) { return ToJson(locating.Do(notices), locating.source.path); };
   });
 }

@@ -1,12 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "python/src/arguments.h"
 
+#include <algorithm>
+
 #include "python/src/errors.h"
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/location.h"
+#include "slamdb/formats/results.h"
 
 namespace slamdb::python {
 
 namespace py = pybind11;
+
+void OutputFile::Write(std::string_view bytes) const {
+  if (!any()) return;
+  AtomicFile file(path, options);
+  file.Write(bytes);
+  file.Commit();
+}
 
 namespace {
 
@@ -33,7 +45,22 @@ std::vector<std::uint64_t> Arguments::Numbers(const char* name) {
 
 std::string Arguments::Path(const char* name) {
   const std::optional<py::object> value = Find(name);
-  return value ? TextOfPath(*value) : std::string();
+  if (!value) return {};
+  return inputs_.emplace_back(TextOfPath(*value));
+}
+
+std::vector<std::string> Arguments::Paths(const char* name) {
+  std::vector<std::string> paths;
+  for (const py::object& each : Get<std::vector<py::object>>(name))
+    paths.push_back(inputs_.emplace_back(TextOfPath(each)));
+  return paths;
+}
+
+OutputFile Arguments::Output(const char* name) {
+  OutputFile output{.path = {}, .options = {.overwrite = Get<bool>("overwrite")}};
+  const std::optional<py::object> value = Find(name);
+  if (value) output.path = outputs_.emplace_back(TextOfPath(*value));
+  return output;
 }
 
 std::shared_ptr<const Atlas> Arguments::AtlasAt(const char* name) {
@@ -42,12 +69,18 @@ std::shared_ptr<const Atlas> Arguments::AtlasAt(const char* name) {
 
 AtlasOrPath Arguments::SourceAt(const char* name) {
   const std::optional<py::object> value = Find(name);
-  return value ? SourceOf(*value) : AtlasOrPath();
+  if (!value) return {};
+  AtlasOrPath source = SourceOf(*value);
+  if (!source.path.empty()) inputs_.push_back(source.path);
+  return source;
 }
 
 std::vector<AtlasOrPath> Arguments::Sources(const char* name) {
   std::vector<AtlasOrPath> sources;
-  for (const py::object& each : Get<std::vector<py::object>>(name)) sources.push_back(SourceOf(each));
+  for (const py::object& each : Get<std::vector<py::object>>(name)) {
+    sources.push_back(SourceOf(each));
+    if (!sources.back().path.empty()) inputs_.push_back(sources.back().path);
+  }
   return sources;
 }
 
@@ -60,10 +93,39 @@ void Arguments::RequireAllTaken() const {
   for (const auto& [name, value] : values_)
     if (!taken_.contains(name.cast<std::string>()))
       throw std::runtime_error("nothing takes the argument " + name.cast<std::string>());
+  GuardOutputs();
+}
+
+void Arguments::GuardOutputs() const {
+  const auto is_same = [](const std::string& one, const std::string& other) {
+    return detail::IsSameFile(one, std::nullopt, other, std::nullopt);
+  };
+  for (auto output = outputs_.begin(); output != outputs_.end(); ++output) {
+    for (const std::string& input : inputs_)
+      if (is_same(*output, Location(input).path))
+        throw Error(ErrorKind::kUsage, *output, "", "is the input " + input + "; name another file");
+    if (std::any_of(outputs_.begin(), output, [&](const std::string& other) { return is_same(*output, other); }))
+      throw Error(ErrorKind::kUsage, *output, "", "is to be written twice; name another file");
+    RefuseAtlas(*output);
+  }
+}
+
+void Arguments::RefuseIdle(std::initializer_list<const char*> names, const std::string& why) {
+  for (const char* name : names) {
+    const std::optional<py::object> value = Find(name);
+    if (value && !value->is(py::bool_(false))) throw Error(ErrorKind::kUsage, std::string(name) + "= " + why);
+  }
 }
 
 void Arguments::RefuseType(const char* name, const py::object& value) {
+  if (py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value))
+    throw Error(ErrorKind::kUsage, std::string(name) + "= cannot be " + std::string(py::repr(value)));
   throw py::type_error(std::string(name) + "= cannot be " + py::repr(value).cast<std::string>());
+}
+
+void Arguments::RefuseNumber(const char* name, const cli::Limits& limits) {
+  throw Error(ErrorKind::kUsage,
+              std::string(name) + "= is " + limits.Text() + ", not " + std::string(py::repr(*Find(name))));
 }
 
 void Arguments::RefuseWord(const char* name, const std::vector<std::string>& words) {

@@ -5,15 +5,19 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "cli/limits.h"
 #include "python/src/held_atlas.h"
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/progress.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 
@@ -26,6 +30,16 @@ struct AtlasOrPath {
   bool any() const { return atlas != nullptr || !path.empty(); }
 };
 
+// A file that a verb writes beside its report: whole or not at all.
+struct OutputFile {
+  std::string path;  // empty: none
+  AtomicFileOptions options;
+
+  bool any() const { return !path.empty(); }
+  // Does nothing where no file is named.
+  void Write(std::string_view bytes) const;
+};
+
 // The keyword arguments of a verb. What is None leaves the library's default as it is.
 // To be used with the GIL held; what a Progress of it calls is kept alive by it.
 class Arguments {
@@ -34,7 +48,7 @@ class Arguments {
 
   bool Has(const char* name) { return Find(name).has_value(); }
 
-  // Throws TypeError for what is no such value.
+  // Throws TypeError for what is no such value, Error (kUsage) for a number that it cannot be.
   template <class Value>
   void Take(const char* name, Value& into) {
     const std::optional<pybind11::object> value = Find(name);
@@ -48,6 +62,14 @@ class Arguments {
   template <class Value>
   void Take(const char* name, std::optional<Value>& into) {
     if (Has(name)) Take(name, into.emplace());
+  }
+  // A number within limits. Throws Error (kUsage) for another one.
+  template <class Value>
+  void Take(const char* name, Value& into, const cli::Limits& limits) {
+    std::optional<double> number;
+    Take(name, number);
+    if (number && !limits.Hold(*number)) RefuseNumber(name, limits);
+    Take(name, into);
   }
   template <class Value>
   Value Get(const char* name, Value otherwise = {}) {
@@ -76,8 +98,12 @@ class Arguments {
   }
   std::vector<std::uint64_t> Numbers(const char* name);
 
-  // A str or os.PathLike; empty: none.
+  // A str or os.PathLike, of what is read; empty: none.
   std::string Path(const char* name);
+  std::vector<std::string> Paths(const char* name);
+
+  // The same of what is written, over what is there where `overwrite` says so.
+  OutputFile Output(const char* name);
 
   // An atlas, or the path of what is to be read.
   AtlasOrPath SourceAt(const char* name);
@@ -86,7 +112,11 @@ class Arguments {
   // The value of an atlas.
   std::shared_ptr<const Atlas> AtlasAt(const char* name);
 
-  int threads() { return Get<int>("threads"); }
+  int threads() {
+    int threads = 0;
+    Take("threads", threads, cli::kThreads);
+    return threads;
+  }
   slamdb::Progress progress();
 
   template <class Options>
@@ -95,16 +125,23 @@ class Arguments {
     options.progress = progress();
   }
 
-  // Throws RuntimeError when an argument was given that nobody took, which would be without effect.
+  // Throws Error (kUsage) when one of the arguments was given, neither None nor False: it is `why`.
+  void RefuseIdle(std::initializer_list<const char*> names, const std::string& why);
+
+  // Throws RuntimeError when an argument was given that nobody took, which would be without effect; Error when an
+  // output is an atlas, an input, or another output.
   void RequireAllTaken() const;
 
  private:
   std::optional<pybind11::object> Find(const char* name);
+  void GuardOutputs() const;
   [[noreturn]] static void RefuseType(const char* name, const pybind11::object& value);
+  [[noreturn]] void RefuseNumber(const char* name, const cli::Limits& limits);
   [[noreturn]] void RefuseWord(const char* name, const std::vector<std::string>& words);
 
   pybind11::dict values_;
   std::set<std::string> taken_;
+  std::vector<std::string> inputs_, outputs_;
 };
 
 // A str that may hold any bytes of a file's name, as C++ has it.

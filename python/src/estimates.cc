@@ -25,8 +25,8 @@ Estimates EstimatesOf(const AtlasOrPath& source, const EstimatesOptions& options
 }
 
 void TakeEvaluation(Arguments& given, EvaluationOptions& options) {
-  given.Take("max_dt", options.max_time_difference);
-  given.Take("time_offset", options.time_offset);
+  given.Take("max_dt", options.max_time_difference, cli::kNonNegative);
+  given.Take("time_offset", options.time_offset, cli::kFinite);
   given.Take("estimate_time_offset", options.estimate_time_offset);
   given.Take("by_index", options.by_index);
   given.TakeWord("align", cli::kAlignments, options.alignment);
@@ -43,8 +43,8 @@ struct Evaluating {
   EvaluationLimits limits;
   std::vector<std::uint64_t> maps;
   std::optional<std::uint64_t> reference_map;
-  std::string output, aligned;
-  bool overwrite = false, errors = false;
+  OutputFile output, aligned;
+  bool errors = false;
 
   std::string Do(Notices& notices) const {
     Estimates own = EstimatesOf(estimate, read_estimate, notices);
@@ -54,31 +54,23 @@ struct Evaluating {
     const EvaluationReport report =
         EvaluateEstimates(std::move(own), TakeOnly(std::move(reference), reference_map), options);
     TellWarnings(report, notices);
-    Write(output, ErrorTable(report));
-    Write(aligned, AlignedTrajectory(report));
+    if (output.any()) output.Write(ErrorTable(report));
+    if (aligned.any()) aligned.Write(AlignedTrajectory(report));
     return ToJson(report, {.input = estimate.path,
                            .reference = truth.path,
                            .breaches = BreachesOf(report, limits),
                            .with_errors = errors});
   }
-
- private:
-  void Write(const std::string& path, const std::string& text) const {
-    if (path.empty()) return;
-    AtomicFile file(path, {.overwrite = overwrite});
-    file.Write(text);
-    file.Commit();
-  }
 };
 
 EvaluationLimits LimitsOf(Arguments& given) {
   EvaluationLimits limits;
-  given.Take("max_ate_rmse", limits.max_ate_rmse);
-  given.Take("max_ate", limits.max_ate);
-  given.Take("max_rotation_rmse", limits.max_rotation_rmse);
-  given.Take("max_rpe_rmse", limits.max_rpe_rmse);
-  given.Take("min_paired", limits.min_paired);
-  given.Take("min_coverage", limits.min_coverage);
+  given.Take("max_ate_rmse", limits.max_ate_rmse, cli::kNonNegative);
+  given.Take("max_ate", limits.max_ate, cli::kNonNegative);
+  given.Take("max_rotation_rmse", limits.max_rotation_rmse, cli::kNonNegative);
+  given.Take("max_rpe_rmse", limits.max_rpe_rmse, cli::kNonNegative);
+  given.Take("min_paired", limits.min_paired, cli::kNonNegative);
+  given.Take("min_coverage", limits.min_coverage, cli::kNonNegative);
   return limits;
 }
 
@@ -91,7 +83,7 @@ EvaluationOptions OptionsOf(Arguments& given) {
     for (const std::string& delta : given.Get<std::vector<std::string>>("delta"))
       options.deltas.push_back(ParseDelta(delta));
   }
-  given.Take("delta_tolerance", options.delta_tolerance);
+  given.Take("delta_tolerance", options.delta_tolerance, cli::kNonNegative);
   given.Take("all_pairs", options.all_pairs);
   given.Take("pairs_from_reference", options.pairs_from_reference);
   return options;
@@ -110,9 +102,8 @@ void DefineEstimates(pybind11::module_& module) {
     evaluating.read_truth.read.of<TrajectoryReadOptions>() = TimesOf(given);
     evaluating.maps = given.Numbers("map");
     given.Take("reference_map", evaluating.reference_map);
-    evaluating.output = given.Path("output");
-    evaluating.aligned = given.Path("aligned");
-    given.Take("overwrite", evaluating.overwrite);
+    evaluating.output = given.Output("output");
+    evaluating.aligned = given.Output("aligned");
     given.Take("errors", evaluating.errors);
     return [evaluating](Notices& notices) { return evaluating.Do(notices); };
   });

@@ -48,7 +48,7 @@ ReadOptions ReadingOf(Arguments& given) {
   ReadOptions read{.selection = ReadSelectionOf(given)};
   given.Take("format", read.format);
   read.of<Orbslam3ReadOptions>().layout = LayoutNamed(given.Path("layout"));
-  given.Take("wait", read.of<StoreReadOptions>().lock_timeout);
+  given.Take("wait", read.of<StoreReadOptions>().lock_timeout, cli::kNonNegative);
   given.TakeRun(read);
   return read;
 }
@@ -61,7 +61,7 @@ WriteOptions WritingOf(Arguments& given) {
   given.Take("strict", write.strict);
   given.Take("overwrite", write.overwrite);
   given.Take("sync", write.sync);
-  given.Take("wait", write.of<StoreWriteOptions>().lock_timeout);
+  given.Take("wait", write.of<StoreWriteOptions>().lock_timeout, cli::kNonNegative);
   if (given.Has("layout")) write.of<Orbslam3WriteOptions>().layout = LayoutNamed(given.Path("layout"));
   given.TakeRun(write);
   return write;

@@ -44,9 +44,9 @@ struct Way {
 
 FitOptions FitOf(Arguments& given) {
   FitOptions fit;
-  given.Take("max_dt", fit.max_time_difference);
-  given.Take("robust", fit.outlier_distance);
-  given.Take("time_offset", fit.time_offset);
+  given.Take("max_dt", fit.max_time_difference, cli::kNonNegative);
+  given.Take("robust", fit.outlier_distance, cli::kPositive);
+  given.Take("time_offset", fit.time_offset, cli::kFinite);
   given.Take("estimate_time_offset", fit.estimate_time_offset);
   given.Take("body", fit.body);
   const bool with_scale = given.Get<bool>("with_scale"), without_scale = given.Get<bool>("without_scale");
@@ -56,16 +56,13 @@ FitOptions FitOf(Arguments& given) {
 }
 
 // How positions are paired matters where there are some.
-void RefuseIdle(const Way& way) {
-  const FitOptions& fit = way.fit;
-  const bool fits = fit.max_time_difference || fit.outlier_distance || fit.time_offset != 0 ||
-                    fit.estimate_time_offset || fit.body || fit.with_scale;
-  if (fits && !way.onto.any() && way.georeference.empty())
-    throw Error(ErrorKind::kUsage,
-                "max_dt=, robust=, time_offset=, estimate_time_offset=, body=, with_scale= and "
-                "without_scale= are for onto= and georeference= only");
-  if (!way.origin.empty() && way.georeference.empty())
-    throw Error(ErrorKind::kUsage, "origin= is for georeference= only");
+void RefuseIdle(const Way& way, Arguments& given) {
+  if (way.georeference.empty()) given.RefuseIdle({"origin"}, "is for georeference= only");
+  if (way.onto.any() || !way.georeference.empty()) return;
+  const std::string why = "is for onto= and georeference= only";
+  given.RefuseIdle(
+      {"max_dt", "robust", "estimate_time_offset", "body", "with_scale", "without_scale", "time_unit", "times"}, why);
+  if (way.fit.time_offset != 0) given.RefuseIdle({"time_offset"}, why);
 }
 
 Way WayOf(Arguments& given) {
@@ -81,7 +78,7 @@ Way WayOf(Arguments& given) {
   const int ways = !way.by.empty() + !way.axes.empty() + !way.georeference.empty() + way.scale.has_value() +
                    way.gravity.has_value() + way.onto.any();
   if (ways != 1) throw Error(ErrorKind::kUsage, "give one of by=, scale=, axes=, gravity=, onto= and georeference=");
-  RefuseIdle(way);
+  RefuseIdle(way, given);
   return way;
 }
 

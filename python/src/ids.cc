@@ -16,8 +16,8 @@ namespace {
 
 struct Renumbering {
   RenumberOptions options;
-  std::string apply, undo, of, id_map;  // files
-  bool overwrite = false;
+  std::string apply, undo, of;  // files, and an input of theirs
+  OutputFile id_map;
 
   IdMap Do(Atlas& atlas, Notices& notices) const {
     if (apply.empty() && undo.empty()) return Renumber(atlas, options);
@@ -40,11 +40,14 @@ void DefineRenumber(py::module_& module) {
     renumbering.apply = given.Path("apply");
     renumbering.undo = given.Path("undo");
     given.Take("of", renumbering.of);
-    renumbering.id_map = given.Path("id_map");
-    given.Take("overwrite", renumbering.overwrite);
+    renumbering.id_map = given.Output("id_map");
+    if (!renumbering.apply.empty() || !renumbering.undo.empty())
+      given.RefuseIdle({"start", "offset", "order"}, "goes with neither apply= nor undo=");
+    if (!renumbering.apply.empty()) given.RefuseIdle({"undo"}, "excludes apply=");
+    if (given.Has("offset")) given.RefuseIdle({"start", "order"}, "excludes offset=");
     return [renumbering](Atlas& atlas, Notices& notices) {
       const IdMap ids = renumbering.Do(atlas, notices);
-      if (!renumbering.id_map.empty()) WriteIdMaps({&ids, 1}, renumbering.id_map, {.overwrite = renumbering.overwrite});
+      if (renumbering.id_map.any()) WriteIdMaps({&ids, 1}, renumbering.id_map.path, renumbering.id_map.options);
       return ToJson(SummaryOf(ids));
     };
   });
@@ -61,8 +64,6 @@ void DefineReassignOrigin(py::module_& module) {
     given.Take("compact", options.compact);
     if (!options.from_map && !options.set && options.replace.empty() && options.shift == 0 && !options.compact)
       throw Error(ErrorKind::kUsage, "nothing to do: give from_map=, set=, map=, shift= or compact=");
-    given.progress();
-    given.threads();
     return [options](Atlas& atlas, Notices&) { return ToJson(ReassignOrigins(atlas, options)); };
   });
 }

@@ -14,7 +14,7 @@ namespace {
 void DefineFromPoints(py::module_& module) {
   DefineChange(module, "landmarks_from_points", [](Arguments& given) {
     MakeLandmarksOptions options;
-    given.Take("sigma", options.pixel_sigma);
+    given.Take("sigma", options.pixel_sigma, cli::kPixelSigma);
     given.TakeRun(options);
     return [options](Atlas& atlas, Notices&) {
       const MakeLandmarksReport report = MakeLandmarks(atlas, options);

@@ -13,26 +13,7 @@ namespace slamdb::python {
 
 namespace py = pybind11;
 
-namespace {
-
-// Where a layout that was found goes, for layout= of other verbs.
-struct LayoutFile {
-  std::string path;
-  bool overwrite = false;
-
-  void Write(const Layout& layout) const {
-    if (path.empty()) return;
-    AtomicFile file(path, {.overwrite = overwrite});
-    file.Write(LayoutText(layout));
-    file.Commit();
-  }
-};
-
-LayoutFile FileOf(Arguments& given) {
-  return {.path = given.Path("output"), .overwrite = given.Get<bool>("overwrite")};
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void DefineLayouts(py::module_& module) {
   DefineReport(module, "layouts_list", [](Arguments&) { return [](Notices&) { return ToJson(KnownLayouts()); }; });
@@ -41,19 +22,19 @@ void DefineLayouts(py::module_& module) {
   });
   DefineReport(module, "layouts_infer", [](Arguments& given) {
     InferOptions options;
-    given.Take("choose", options.choice);
-    return [options, path = given.Path("path"), file = FileOf(given)](Notices& notices) {
+    given.Take("choose", options.choice, cli::kLayoutChoice);
+    return [options, path = given.Path("path"), file = given.Output("output")](Notices& notices) {
       const InferredLayout inferred = InferLayout(path, options);
       if (!inferred.alternatives.empty()) notices.Warn("other layouts fit as well");
       if (!inferred.doubts.empty()) notices.Warn("the layout is in doubt");
-      file.Write(inferred.layout);
+      file.Write(LayoutText(inferred.layout));
       return ToJson(inferred, {.input = path, .output = file.path});
     };
   });
   DefineReport(module, "layouts_from_source", [](Arguments& given) {
-    return [folder = given.Path("folder"), file = FileOf(given)](Notices&) {
+    return [folder = given.Path("folder"), file = given.Output("output")](Notices&) {
       const DerivedLayout derived = DeriveLayoutOfFolder(folder);
-      file.Write(derived.layout);
+      file.Write(LayoutText(derived.layout));
       return ToJson(derived, {.input = folder, .output = file.path});
     };
   });

@@ -19,7 +19,7 @@ void DefineOptimize(py::module_& module) {
     std::optional<OptimizeMethod> method;
     given.TakeWord("method", cli::kOptimizeMethods, method);
     given.TakeIds("map", options.maps);
-    given.Take("iterations", options.iterations);
+    given.Take("iterations", options.iterations, cli::kPositive);
     given.Take("fix_poses", options.fix_poses);
     given.Take("fix_points", options.fix_points);
     given.TakeRun(options);

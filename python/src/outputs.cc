@@ -46,15 +46,6 @@ std::shared_ptr<const Atlas> ToShow(const AtlasOrPath& source, const ReadOptions
   return std::make_shared<const Atlas>(ReadPartToShow(source.path, HoldInput(source.path, read), read, notices));
 }
 
-// Writes a page or a picture, which never replaces an atlas; nothing where no path is named.
-void WriteShown(const std::string& path, bool overwrite, const std::string& bytes) {
-  if (path.empty()) return;
-  RefuseAtlas(path);
-  AtomicFile file(path, {.overwrite = overwrite});
-  file.Write(bytes);
-  file.Commit();
-}
-
 std::optional<std::uint32_t> BoostVersionOf(Arguments& given) {
   if (!given.Has("boost_version")) return std::nullopt;
   const std::string name = given.Get<std::string>("boost_version");
@@ -69,7 +60,7 @@ WriteOptions WritingOf(Arguments& given) {
   given.Take("strict", write.strict);
   given.Take("overwrite", write.overwrite);
   given.Take("sync", write.sync);
-  given.Take("wait", write.of<StoreWriteOptions>().lock_timeout);
+  given.Take("wait", write.of<StoreWriteOptions>().lock_timeout, cli::kNonNegative);
   Orbslam3WriteOptions& archive = write.of<Orbslam3WriteOptions>();
   if (given.Has("to_layout")) archive.layout = LayoutNamed(given.Path("to_layout"));
   archive.boost_version = BoostVersionOf(given);
@@ -79,7 +70,7 @@ WriteOptions WritingOf(Arguments& given) {
   cloud.binary = !given.Get<bool>("ascii");
   given.TakeWord("color", cli::kColors, cloud.color);
   given.Take("cameras", cloud.cameras);
-  given.Take("most_points", write.of<GeographicOptions>().most_points);
+  given.Take("most_points", write.of<GeographicOptions>().most_points, cli::kNonNegative);
   given.Take("mrpt_own_slots", write.of<MrptWriteOptions>().own_slots);
   given.Take("sim3", write.of<G2oWriteOptions>().similarities);
   given.Take("with_database", write.of<ColmapWriteOptions>().with_database);
@@ -142,8 +133,7 @@ struct Plotting {
   EstimatesOptions reference;
   EvaluationOptions evaluation;
   PlotOptions options;
-  std::string output;
-  bool overwrite = false;
+  OutputFile output;
 
   PlotReference HoldAgainst(const Atlas& atlas, Notices& notices) const {
     const Format* format = source.atlas ? nullptr : FindFormatOfInput(Location(source.path));
@@ -163,7 +153,7 @@ struct Plotting {
     if (!source.path.empty()) plot.title = NameOf(Location(source.path));
     if (with.any()) plot.reference = HoldAgainst(*atlas, notices);
     std::string bytes = DrawPlot(*atlas, plot).bytes;
-    WriteShown(output, overwrite, bytes);
+    output.Write(bytes);
     return bytes;
   }
 };
@@ -182,15 +172,19 @@ Plotting PlottingOf(Arguments& given) {
   given.TakeWord("kind", KindsOfPlots(), options.kind);
   if (plotting.with.any() && options.kind != PlotKind::kTrajectory)
     throw Error(ErrorKind::kUsage, "with_= is for kind='trajectory'");
-  given.TakeWord("picture", std::map<std::string, PlotFormat>{{"svg", PlotFormat::kSvg}, {"png", PlotFormat::kPng}},
-                 options.format);
-  given.Take("width", options.width);
-  given.Take("scale", options.scale);
+  if (!plotting.with.any())
+    given.RefuseIdle({"max_dt", "estimate_time_offset", "by_index", "time_unit", "times", "align", "joint", "body"},
+                     "goes with with_= only");
+  if (given.Has("picture"))
+    given.TakeWord("picture", cli::kPlotFormats, options.format);
+  else if (given.Has("output"))
+    options.format = PlotFormatOf(TextOfPath(given.Get<py::object>("output")));
+  given.Take("width", options.width, cli::kPlotWidth);
+  given.Take("scale", options.scale, cli::kPlotScale);
   given.Take("dark", options.dark);
   given.Take("together", options.together);
   options.threads = given.threads();
-  plotting.output = given.Path("output");
-  given.Take("overwrite", plotting.overwrite);
+  plotting.output = given.Output("output");
   return plotting;
 }
 
@@ -213,8 +207,8 @@ void DefineReportPage(py::module_& module) {
   module.def("report", [](const py::dict& values) {
     Arguments given(values);
     const auto atlas = given.AtlasAt("source");
-    const std::string name = given.Get<std::string>("name"), output = given.Path("output");
-    const bool overwrite = given.Get<bool>("overwrite");
+    const std::string name = given.Get<std::string>("name");
+    const OutputFile output = given.Output("output");
     const CheckOptions check = CheckOptionsOf(given);
     const std::optional<std::uint64_t> bytes =
         given.Has("bytes") ? std::optional(given.Get<std::uint64_t>("bytes")) : std::nullopt;
@@ -225,8 +219,8 @@ void DefineReportPage(py::module_& module) {
       AtlasReport report = ReportOn(*atlas, name, check);
       report.bytes = bytes;
       page = ReportPage(*atlas, report, {.threads = check.threads, .wording = cli::InCommandWords});
-      WriteShown(output, overwrite, page);
-      json = ToJson(std::span<const AtlasReport>(&report, 1), output);
+      output.Write(page);
+      json = ToJson(std::span<const AtlasReport>(&report, 1), output.path);
     }
     return py::make_tuple(TextOf(page), Report(json), NoticeList());
   });
@@ -234,8 +228,8 @@ void DefineReportPage(py::module_& module) {
 
 struct Synthesizing {
   SyntheticOptions options;
-  std::string vocabulary, truth;
-  bool overwrite = false;
+  std::string vocabulary;
+  OutputFile truth;
 
   std::string Do(Atlas& atlas) const {
     SyntheticSessions made = SynthesizeSessions(options);
@@ -243,7 +237,7 @@ struct Synthesizing {
       RecomputeWords(made.atlas, loaded->tree, loaded->identity, {.threads = options.threads});
     std::string rooms;
     for (const Similarity3d& room_from_map : made.room_from_map) rooms += ToText(room_from_map) + "\n";
-    WriteShown(truth, overwrite, rooms);
+    truth.Write(rooms);
     atlas = std::move(made.atlas);
     return "null";
   }
@@ -253,18 +247,20 @@ SyntheticOptions SyntheticOptionsOf(Arguments& given) {
   SyntheticOptions options;
   given.TakeWord("sensor", cli::kSensors, options.sensor);
   given.Take("inertial", options.inertial);
-  given.Take("maps", options.maps);
+  given.Take("maps", options.maps, cli::kMapsMade);
   given.Take("keyframes", options.keyframes);
   given.Take("points", options.points);
   given.Take("features", options.features);
-  given.Take("noise", options.pixel_noise);
-  given.Take("outliers", options.outliers);
-  given.Take("flipped_bits", options.flipped_bits);
+  given.Take("noise", options.pixel_noise, cli::kNonNegative);
+  given.Take("outliers", options.outliers, cli::kShare);
+  given.Take("flipped_bits", options.flipped_bits, cli::kBitsOfDescriptor);
   given.Take("seed", options.seed);
   SessionOptions sessions;
-  given.Take("overlap", sessions.overlap);
-  given.Take("common", sessions.common);
+  given.Take("overlap", sessions.overlap, cli::kShare);
+  given.Take("common", sessions.common, cli::kShare);
   given.Take("look_alike", sessions.look_alike);
+  if (!given.Has("overlap")) given.RefuseIdle({"common"}, "goes with overlap= only");
+  if (given.Has("size")) given.RefuseIdle({"keyframes", "points"}, "excludes size=");
   if (given.Has("overlap") || sessions.look_alike) options.sessions = sessions;
   if (given.Has("size")) ScaleTo(given.Get<std::uint64_t>("size"), options);
   given.TakeRun(options);
@@ -275,8 +271,7 @@ void DefineSynthesize(py::module_& module) {
   DefineMaker(module, "synthesize", [](Arguments& given) {
     Synthesizing synthesizing{.options = SyntheticOptionsOf(given)};
     synthesizing.vocabulary = given.Path("vocabulary");
-    synthesizing.truth = given.Path("truth");
-    given.Take("overwrite", synthesizing.overwrite);
+    synthesizing.truth = given.Output("truth");
     return [synthesizing](Atlas& atlas, Notices&) { return synthesizing.Do(atlas); };
   });
 }

@@ -39,8 +39,8 @@ SelectOptions SelectionOf(Arguments& given) {
   given.TakeWord("plane", cli::kPlanes, select.plane);
   given.TakeWord("region", cli::kRegions, select.region);
   given.Take("session", select.session);
-  given.Take("component", select.component);
-  given.Take("every", select.every);
+  given.Take("component", select.component, cli::kPositive);
+  given.Take("every", select.every, cli::kPositive);
   given.Take("except_", select.except);
   return select;
 }
@@ -88,12 +88,12 @@ void DefineShrink(py::module_& module) {
     if (given.Has("target_mb"))
       options.target_bytes =
           static_cast<std::uint64_t>(std::max(0.0, std::floor(given.Get<double>("target_mb") * kMegabyte)));
-    given.Take("target_keyframes", options.target_keyframes);
+    given.Take("target_keyframes", options.target_keyframes, cli::kPositive);
     bool ShrinkOptions::*purpose = nullptr;
     given.TakeWord("for_", cli::kPurposes, purpose);
     if (purpose != nullptr) options.*purpose = true;
     given.Take("largest_map", options.largest_map);
-    given.Take("min_points", options.min_points);
+    given.Take("min_points", options.min_points, cli::kPositive);
     given.TakeRun(options);
     return [options, vocabulary = given.Path("vocabulary")](Atlas& atlas, Notices& notices) {
       HoldWords(vocabulary, options.threads, atlas, notices);
@@ -107,8 +107,8 @@ void DefineShrink(py::module_& module) {
 void DefineFragments(py::module_& module) {
   DefineChange(module, "fragments", [](Arguments& given) {
     FragmentOptions options;
-    given.Take("min_keyframes", options.min_keyframes);
-    given.Take("largest", options.largest);
+    given.Take("min_keyframes", options.min_keyframes, cli::kPositive);
+    given.Take("largest", options.largest, cli::kPositive);
     given.TakeWord("order", cli::kMapOrders, options.order);
     given.TakeRun(options);
     return [options](Atlas& atlas, Notices&) { return ToJson(DropFragments(atlas, options)); };
@@ -141,7 +141,7 @@ void DefineSplit(py::module_& module) {
     Arguments given(values);
     SplitOptions options;
     given.TakeWord("by", cli::kSplitWays, options.by);
-    given.Take("min_keyframes", options.min_keyframes);
+    given.Take("min_keyframes", options.min_keyframes, cli::kPositive);
     Border border = Border::kSmart;
     given.TakeWord("border", cli::kBorders, border);
     const std::string name = given.Get<std::string>("name");

@@ -50,18 +50,9 @@ void DefineCheck(py::module_& module) {
   });
 }
 
-// A journal beside what is changed.
-struct JournalFile {
-  std::string path;
-  bool overwrite = false;
-
-  void Write(const Journal& journal) const {
-    if (!path.empty()) WriteJournal(journal, path, {.overwrite = overwrite});
-  }
-};
-
-JournalFile JournalOf(Arguments& given) {
-  return {.path = given.Path("journal"), .overwrite = given.Get<bool>("overwrite")};
+// Beside what is changed.
+void WriteBeside(const Journal& journal, const OutputFile& file) {
+  if (file.any()) WriteJournal(journal, file.path, file.options);
 }
 
 void DefineRepair(py::module_& module) {
@@ -69,7 +60,7 @@ void DefineRepair(py::module_& module) {
     RepairOptions options;
     given.Take("rule", options.rules);
     given.TakeRun(options);
-    return [options, journal = JournalOf(given), path = given.Path("vocabulary")](Atlas& atlas, Notices&) {
+    return [options, journal = given.Output("journal"), path = given.Path("vocabulary")](Atlas& atlas, Notices&) {
       const auto vocabulary = VocabularyAt(path, options.threads);
       RepairOptions repair = options;
       if (vocabulary) {
@@ -77,7 +68,7 @@ void DefineRepair(py::module_& module) {
         repair.vocabulary_identity = vocabulary->identity;
       }
       const RepairReport report = RepairAtlas(atlas, repair);
-      journal.Write(report.journal);
+      WriteBeside(report.journal, journal);
       return ToJson(report);
     };
   });
@@ -97,10 +88,10 @@ void DefineEdit(py::module_& module) {
     if (given.Has("keyframes")) options.keyframes = given.Path("keyframes");
     given.Take("delete_missing", options.delete_missing);
     options.threads = given.threads();
-    return [options, journal = JournalOf(given)](Atlas& atlas, Notices& notices) {
+    return [options, journal = given.Output("journal")](Atlas& atlas, Notices& notices) {
       const TableEditReport report = EditByTables(atlas, options);
       TellWarnings(report, options, notices);
-      journal.Write(report.journal);
+      WriteBeside(report.journal, journal);
       return ToJson(report);
     };
   });
@@ -142,7 +133,7 @@ AtlasDiff Compare(const Atlas& before, const Atlas& after, const DiffOptions& op
 void DefineDiff(py::module_& module) {
   DefineReport(module, "diff", [](Arguments& given) {
     DiffOptions options;
-    given.Take("tolerance", options.tolerance);
+    given.Take("tolerance", options.tolerance, cli::kNonNegative);
     given.TakeRun(options);
     const auto names = given.Get<std::pair<std::string, std::string>>("names");
     DiffReportOptions report{.before = names.first, .after = names.second};
