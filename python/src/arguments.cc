@@ -136,7 +136,9 @@ void Arguments::RefuseWord(const char* name, const std::vector<std::string>& wor
 
 std::string TextOfPath(const py::object& path) {
   const py::object bytes = py::module_::import("os").attr("fsencode")(path);  // takes str and PathLike
-  return bytes.cast<std::string>();
+  std::string text = bytes.cast<std::string>();
+  if (text.find('\0') != std::string::npos) throw py::value_error("a path holds a null character");
+  return text;
 }
 
 std::optional<LoadedVocabulary> VocabularyAt(const std::string& path, int threads) {

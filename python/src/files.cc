@@ -7,45 +7,36 @@
 #include <vector>
 
 #include "python/src/arguments.h"
+#include "python/src/errors.h"
 #include "python/src/module.h"
+#include "python/src/selections.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/orbslam3/options.h"
+#include "slamdb/formats/results.h"
 #include "slamdb/formats/sqlite/options.h"
+#include "slamdb/many/selected.h"
 
 // Reading and writing. slamdb/files.py documents what is here.
 namespace slamdb::python {
 
 namespace py = pybind11;
 
-NoticeList ListOf(const Notices& notices) {
-  NoticeList list;
+py::list ListOf(const Notices& notices) {
+  py::list list;
   for (const Notice& notice : notices.items()) {
     const char* kind = notice.kind == Notice::Kind::kLoss      ? "loss"
                        : notice.kind == Notice::Kind::kWarning ? "warning"
                                                                : "note";
-    list.emplace_back(kind, notice.text);
+    list.append(py::make_tuple(kind, TextOf(notice.text)));
   }
   return list;
 }
 
-Selection ReadSelectionOf(Arguments& given) {
-  Selection selection;
-  if (given.Has("map")) selection.map = MapId(given.Get<std::uint64_t>("map"));
-  std::tie(selection.first_keyframe, selection.last_keyframe) =
-      given.Get("keyframes", std::pair(selection.first_keyframe, selection.last_keyframe));
-  std::tie(selection.begin_time, selection.end_time) =
-      given.Get("time", std::pair(selection.begin_time, selection.end_time));
-  if (given.Has("box")) {
-    const auto box = given.Get<std::pair<Eigen::Vector3f, Eigen::Vector3f>>("box");
-    selection.box = Eigen::AlignedBox3f(box.first, box.second);
-  }
-  return selection;
-}
-
 ReadOptions ReadingOf(Arguments& given) {
-  ReadOptions read{.selection = ReadSelectionOf(given)};
+  ReadOptions read;
+  TakePart(given, read.selection);
   given.Take("format", read.format);
   read.of<Orbslam3ReadOptions>().layout = LayoutNamed(given.Path("layout"));
   given.Take("wait", read.of<StoreReadOptions>().lock_timeout, cli::kNonNegative);
@@ -78,9 +69,7 @@ auto Told(const Work& work) {
   return std::pair(std::move(result), ListOf(notices));
 }
 
-using Made = std::pair<std::shared_ptr<HeldAtlas>, NoticeList>;
-
-Made Read(const py::object& source, const py::dict& values) {
+auto Read(const py::object& source, const py::dict& values) {
   Arguments given(values);
   const ReadOptions options = ReadingOf(given);
   given.RequireAllTaken();
@@ -88,16 +77,20 @@ Made Read(const py::object& source, const py::dict& values) {
     return Told([&, held = std::string_view(py::reinterpret_borrow<py::bytes>(source))](Notices& notices) {
       return std::make_shared<HeldAtlas>(DecodeAtlas(held, options, &notices));
     });
-  return Told([&, path = Location(TextOfPath(source))](Notices& notices) {
-    return std::make_shared<HeldAtlas>(ReadAtlas(path, options, &notices));
+  return Told([&, path = TextOfPath(source)](Notices& notices) {
+    const HeldSource held = HoldInput(Location(path), options);
+    Atlas atlas = ReadAtlas(held, options, &notices);
+    RefuseEmptySelection(atlas, path, held, options);
+    return std::make_shared<HeldAtlas>(std::move(atlas));
   });
 }
 
-NoticeList Write(const HeldAtlas& atlas, const py::object& path, const py::dict& values) {
+py::list Write(const HeldAtlas& atlas, const py::object& path, const py::dict& values) {
   Arguments given(values);
   const WriteOptions options = WritingOf(given);
   given.RequireAllTaken();
   const Location to(TextOfPath(path));
+  if (to.name.empty() && FormatOfOutput(to, options.format).is_export) RefuseAtlas(to.path);
   return Told([&, value = atlas.value()](Notices& notices) {
            WriteAtlas(*value, to, options, &notices);
            return true;
@@ -114,7 +107,7 @@ py::tuple Encode(const HeldAtlas& atlas, const py::dict& values) {
   return py::make_tuple(py::bytes(bytes), notices);
 }
 
-std::pair<std::string, NoticeList> Info(const py::object& path, const py::dict& values) {
+auto Info(const py::object& path, const py::dict& values) {
   Arguments given(values);
   const ReadOptions options = ReadingOf(given);
   given.RequireAllTaken();

@@ -1,25 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
-#include <utility>
-#include <vector>
+#include <pybind11/pybind11.h>
 
 #include "slamdb/base/notices.h"
 #include "slamdb/formats/format.h"
 
 namespace slamdb::python {
 
-// What reading and writing had to say: kind (loss, warning, note) and text.
-using NoticeList = std::vector<std::pair<std::string, std::string>>;
-NoticeList ListOf(const Notices& notices);
+// What a run had to say: [(kind, text)], of the kinds loss, warning and note.
+pybind11::list ListOf(const Notices& notices);
 
 class Arguments;
 
-// map, keyframes, time, box: what of an atlas is read.
-Selection ReadSelectionOf(Arguments& given);
-
-// The same and format, layout, wait, threads, progress: how a source that is a path, or bytes, is read.
+// map, keyframes, time, box, format, layout, wait, threads, progress: how a source that is a path, or bytes, is read.
 ReadOptions ReadingOf(Arguments& given);
 
 }  // namespace slamdb::python

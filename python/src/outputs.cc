@@ -222,7 +222,7 @@ void DefineReportPage(py::module_& module) {
       output.Write(page);
       json = ToJson(std::span<const AtlasReport>(&report, 1), output.path);
     }
-    return py::make_tuple(TextOf(page), Report(json), NoticeList());
+    return py::make_tuple(TextOf(page), Report(json), py::list());
   });
 }
 

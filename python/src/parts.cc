@@ -3,6 +3,7 @@
 
 #include "cli/choices.h"
 #include "python/src/module.h"
+#include "python/src/selections.h"
 #include "python/src/verb.h"
 #include "slamdb/align/shrink_for_locating.h"
 #include "slamdb/edit/part/cull.h"
@@ -24,16 +25,7 @@ constexpr double kMegabyte = 1e6;  // bytes
 
 SelectOptions SelectionOf(Arguments& given) {
   SelectOptions select;
-  std::optional<std::uint64_t> map;
-  given.Take("map", map);
-  if (map) select.map = MapId(*map);
-  std::tie(select.first_keyframe, select.last_keyframe) =
-      given.Get("keyframes", std::pair(select.first_keyframe, select.last_keyframe));
-  std::tie(select.begin_time, select.end_time) = given.Get("time", std::pair(select.begin_time, select.end_time));
-  if (given.Has("box")) {
-    const auto box = given.Get<std::pair<Eigen::Vector3f, Eigen::Vector3f>>("box");
-    select.box = Eigen::AlignedBox3f(box.first, box.second);
-  }
+  TakePart(given, select);
   given.TakeIds("keyframe", select.keyframes);
   given.Take("polygon", select.polygon);
   given.TakeWord("plane", cli::kPlanes, select.plane);
@@ -155,7 +147,7 @@ void DefineSplit(py::module_& module) {
     }();
     py::dict atlases;
     for (auto& [part, taken] : parts.atlases) atlases[py::str(part)] = std::make_shared<HeldAtlas>(std::move(taken));
-    return py::make_tuple(atlases, Report(parts.report), NoticeList());
+    return py::make_tuple(atlases, Report(parts.report), py::list());
   });
 }
 

@@ -9,6 +9,7 @@
 #include "python/src/errors.h"
 #include "python/src/files.h"
 #include "python/src/module.h"
+#include "python/src/selections.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/location.h"
@@ -78,8 +79,8 @@ py::dict SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas&
 // map, keyframes, time, box, features, threads, progress.
 std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& name, const py::dict& values) {
   Arguments given(values);
-  ReadOptions options{.features = given.Get<bool>("features") ? FeatureColumns::kAll : FeatureColumns::kNone,
-                      .selection = ReadSelectionOf(given)};
+  ReadOptions options{.features = given.Get<bool>("features") ? FeatureColumns::kAll : FeatureColumns::kNone};
+  TakePart(given, options.selection);
   given.TakeRun(options);
   given.RequireAllTaken();
   return Unlocked([&] { return std::make_shared<HeldAtlas>(file.Reader().Load(name, options)); });
@@ -132,9 +133,10 @@ py::tuple AddTo(const StoreFile& file, const std::vector<std::string>& paths, bo
         FindAtlases(paths, {.recursive = recursive, .lock_timeout = file.wait, .progress = progress});
     return AddToStore(file.path, inputs, options);
   });
-  NoticeList told;
+  py::list told;
   for (const AddedAtlas& atlas : report.atlases)
-    for (auto& [kind, text] : ListOf(atlas.notices)) told.emplace_back(kind, atlas.input + ": " + text);
+    for (const py::handle each : ListOf(atlas.notices))
+      told.append(py::make_tuple(each[py::int_(0)], TextOf(atlas.input + ": ") + py::str(each[py::int_(1)])));
   return py::make_tuple(ToJson(report), told);
 }
 

@@ -7,6 +7,7 @@
 
 #include "cli/words.h"
 #include "python/src/arguments.h"
+#include "python/src/errors.h"
 #include "python/src/files.h"
 #include "slamdb/base/notices.h"
 #include "slamdb/checks/check.h"
@@ -19,7 +20,7 @@
 namespace slamdb::python {
 
 // A report in the words of the command, whose --json it is.
-inline std::string Report(const std::string& json) { return cli::InCommandWords(json); }
+inline pybind11::str Report(const std::string& json) { return TextOf(cli::InCommandWords(json)); }
 
 // FUNCTION(atlas, {name: value}) -> (report, notices), for verbs that change the atlas. `prepare(given)` gives
 // `work(atlas, notices)`, of which the result takes the place of the atlas; one that is empty is refused.
