@@ -5,7 +5,9 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/build/build.h"
+#include "slamdb/build/detail/chain.h"
 #include "slamdb/build/detail/columns.h"
+#include "slamdb/build/detail/imu.h"
 #include "slamdb/build/detail/new_features.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/formats/import/detail/completed.h"
@@ -92,7 +94,7 @@ Column<KeyFrame> KeyFramesOf(const Atlas& atlas, const Map& map, NewKeyFrames& g
       .camera = camera, .distortion = given.distortion, .width = given.width, .height = given.height};
   const KeyFrame blank = BlankOf(settings, given, map);
   Column<KeyFrame> keyframes(given.timestamps.size(), blank);
-  const std::uint64_t frame = LeastCounters(atlas).frame;
+  const std::uint64_t frame = std::max(LeastCounters(atlas).frame, atlas.next_ids.frame);
   detail::Completed completed;
   detail::ParallelFor(keyframes.size(), kGrain, 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
@@ -104,6 +106,8 @@ Column<KeyFrame> KeyFramesOf(const Atlas& atlas, const Map& map, NewKeyFrames& g
       keyframe.features = std::move(given.features[row]);
       detail::CompleteNewFeatures(settings, given, keyframe);
       detail::CompleteFeatures(keyframe, completed);
+      keyframe.imu_initialized = map.imu_initialized;
+      if (given.imu) detail::RecordImu(*given.imu, row, keyframe);
     }
   });
   return keyframes;
@@ -125,15 +129,20 @@ std::vector<KeyFrameId> AddKeyFrames(Atlas& atlas, MapId map_id, NewKeyFrames gi
   const AtlasIndex index(atlas);
   RequireCamera(index, given);
   RequireColumns(given);
+  detail::RequireImu(map, given);
   given.ids = detail::IdsOf(std::move(given.ids), given.timestamps.size(),
                             std::max(LeastCounters(atlas).keyframe, atlas.next_ids.keyframe), kIdEnd,
                             [&](KeyFrameId id) { return static_cast<bool>(index.LocateKeyFrame(id)); });
+  const std::vector<detail::ChainStep> chain =
+      given.imu ? detail::PlanChain(map, given) : std::vector<detail::ChainStep>();
   Column<KeyFrame> keyframes = KeyFramesOf(atlas, map, given, *index.FindCamera(given.camera));
   if (keyframes.empty()) return {};
   const std::size_t first = map.keyframes.size();
   map.keyframes.reserve(first + keyframes.size());
   std::ranges::move(keyframes, std::back_inserter(map.keyframes));
   CompleteTree(map, first);
+  detail::FollowChain(map, chain);
+  if (given.imu) map.inertial = true;
   RaiseCounters(atlas);
   return std::move(given.ids);
 }
