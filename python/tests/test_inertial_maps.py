@@ -97,6 +97,10 @@ def test_a_keyframe_in_the_middle_takes_its_part_of_the_measurements():
     assert row.preintegration["duration"] == pytest.approx(0.035, abs=1e-5)
     assert map.keyframes[2].preintegration["duration"] == pytest.approx(0.065, abs=1e-5)
     assert row.imu_measurements[:, 6].tolist() == pytest.approx([0.01, 0.01, 0.01, 0.005], abs=1e-5)
+    with atlas.edit() as removed:
+        removed.maps[0].remove_keyframes([5])
+    assert map.keyframes[2].previous == 1 and map.keyframes[2].preintegration["duration"] == pytest.approx(0.1)
+    removed.undo()
     edit.undo()
     assert slamdb.encode(atlas) == slamdb.encode(atlas_of(arrays))
 

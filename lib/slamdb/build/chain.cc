@@ -66,10 +66,7 @@ class Planner {
     std::ranges::sort(added);
     for (std::uint32_t row = first_; row < next_.size(); ++row) {
       const KeyFrameId id = given_.imu->previous[RowOf(row)];
-      if (!id) {
-        steps_.push_back({row, kNoRow, kNoRow});
-        continue;
-      }
+      if (!id) continue;
       const auto found = std::ranges::lower_bound(added, id, {}, [](const auto& each) { return each.first; });
       Follow(row, id, found != added.end() && found->first == id ? found->second : table.Find(id.value()));
     }
@@ -91,10 +88,7 @@ class Planner {
     const std::uint32_t next = previous == kNoRow ? kNoRow : next_[previous];
     if (next != kNoRow) RequireGap(row, previous, next);
     const bool leads_here = next != kNoRow || !given_.imu->measurements[RowOf(row)].empty();
-    if (previous == kNoRow || !leads_here) {
-      steps_.push_back({row, kNoRow, kNoRow});
-      return;
-    }
+    if (previous == kNoRow || !leads_here) return;
     RequireDuration(row, previous);
     next_[previous] = row;
     next_[row] = next;
@@ -108,7 +102,7 @@ class Planner {
       RefuseRow("imu.previous", RowOf(row), "is ", id.value(), ", which was not taken before it");
     if (next_[previous] != kNoRow)
       RefuseRow("imu.previous", RowOf(row), "is ", id.value(), ", which is that of ", IdOf(next_[previous]),
-                " already; a keyframe is before one other");
+                " already; without imu.previous it goes between the two");
     if (given_.imu->measurements[RowOf(row)].empty())
       RefuseRow("imu.measurements", RowOf(row), "has none since ", IdOf(previous),
                 ", which imu.previous says is before");
@@ -169,7 +163,6 @@ std::vector<ChainStep> PlanChain(const Map& map, const NewKeyFrames& given) {
 
 void FollowChain(Map& map, std::span<const ChainStep> steps) {
   for (const auto& [row, previous_row, next_row] : steps) {
-    if (previous_row == kNoRow) continue;
     KeyFrame &keyframe = map.keyframes[row], &previous = map.keyframes[previous_row];
     keyframe.previous = previous.id;
     previous.next = keyframe.id;
