@@ -39,7 +39,7 @@ def test_preintegrations_are_those_of_orbslam3(inertial):
                 continue
             for name, number in other.preintegration.items():
                 largest = np.abs(number).max()
-                assert np.abs(np.asarray(one.preintegration[name]) - number).max() <= 2e-4 * largest, name
+                assert np.abs(np.asarray(one.preintegration[name]) - number).max() <= 1e-5 * largest, name
 
 
 def test_real_sessions_grow_keyframe_by_keyframe(inertial):

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <span>
 
 #include "slamdb/base/error.h"
 #include "slamdb/build/links.h"
@@ -41,8 +42,8 @@ std::vector<std::function<void(Atlas&)>> Works(Base base) {
       },
       [](Atlas& atlas) { SetImuStage(atlas.maps[0], ImuStage::kAdjusted); },
   };
-  for (const KeyFrame& keyframe : sound.keyframes)
-    for (const std::uint64_t keypoint : {0, 7, 60, 90}) {
+  for (const KeyFrame& keyframe : std::span(sound.keyframes).first(4))
+    for (const std::uint64_t keypoint : {7, 90}) {
       works.emplace_back([=, id = keyframe.id](Atlas& atlas) {
         AddObservations(atlas.maps[0], std::array{PointObservation{point, id, keypoint}});
       });
@@ -72,7 +73,7 @@ TEST(Build, OnDamagedAtlases) {
       }
     }
   }
-  EXPECT_GT(built, 10 * Twins().size());
+  EXPECT_GT(built, 5 * Twins().size());
   EXPECT_GT(refused, Twins().size());
 }
 

@@ -31,7 +31,7 @@ std::span<const float> Numbers(const Matrix& matrix) {
 template <class Matrix>
 void ExpectNear(const Matrix& actual, const Matrix& expected) {
   const float largest = std::max(expected.cwiseAbs().maxCoeff(), 1e-12F);
-  EXPECT_LE((actual - expected).cwiseAbs().maxCoeff() / largest, 2e-4F) << actual << "\ninstead of\n" << expected;
+  EXPECT_LE((actual - expected).cwiseAbs().maxCoeff() / largest, 2e-5F) << actual << "\ninstead of\n" << expected;
 }
 
 void ExpectSameMotion(const KeyFrame& actual, const KeyFrame& expected) {
