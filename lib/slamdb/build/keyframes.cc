@@ -31,6 +31,10 @@ constexpr std::int32_t kLargestSide = 1 << 20, kMostLevels = 32;
 const Camera& CameraOf(const AtlasIndex& index, CameraId id, std::string_view argument) {
   const Camera* camera = index.FindCamera(id);
   if (camera == nullptr) Refuse(argument, ": the atlas has no ", id, "; AddCamera (add_camera) makes one");
+  const std::size_t least = camera->model == CameraModel::kKannalaBrandt8 ? 8 : 4;
+  if (camera->model == CameraModel::kEquirectangular || camera->parameters.size() < least)
+    Refuse(argument, ": ", id, " has ", camera->parameters.size(),
+           " parameters, or a model that nothing is projected with", "; AddCamera (add_camera) makes one that serves");
   return *camera;
 }
 
