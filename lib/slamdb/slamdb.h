@@ -29,6 +29,7 @@
 #include "slamdb/base/time_unit.h"
 #include "slamdb/base/wording.h"
 #include "slamdb/build/build.h"
+#include "slamdb/build/imu.h"
 #include "slamdb/build/links.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/checks/finding.h"

@@ -35,6 +35,7 @@ from .files import encode, info, read, write
 from .frames import transform
 from .graphs import Connections
 from .ids import reassign_origin, renumber
+from .imu import ImuArrays
 from .landmarks import landmarks_from_points, landmarks_to_points
 from .layouts import layouts_from_source, layouts_infer, layouts_list, layouts_show
 from .many import FoundAtlas, Page, find_atlases, list_atlases, report_page, summarize, write_file
@@ -49,7 +50,8 @@ from .verbs import check, diff, edit_tables, recover, repair
 from .vocabulary import vocabulary_recompute, vocabulary_set, vocabulary_show, vocabulary_verify
 
 __all__ = [
-    "NONE", "Atlas", "Edit", "FeatureArrays", "Features", "Journal", "KeyFrame", "KeyFrames", "Landmarks", "Map", "MapPoint", "Points",
+    "NONE", "Atlas", "Edit", "FeatureArrays", "Features", "ImuArrays", "Journal", "KeyFrame", "KeyFrames", "Landmarks", "Map",
+    "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
     "CheckReport", "Connections", "FoundAtlas", "Observations", "Page", "Report", "Store", "View",

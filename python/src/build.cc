@@ -13,6 +13,7 @@
 #include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
 #include "python/src/new_features.h"
+#include "python/src/new_imu.h"
 #include "python/src/reopen.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/info.h"
@@ -47,11 +48,6 @@ CameraModel ModelOf(const std::string& name) {
   RefuseGiven("model", "'" + name + "' is none of 'pinhole' and 'kannala-brandt-8'");
 }
 
-template <class Entity>
-Id<Entity> IdOf(const std::optional<std::uint64_t>& id) {
-  return id ? Id<Entity>(*id) : Id<Entity>();
-}
-
 Eigen::Quaterniond QuaternionAt(const double* xyzw) { return {xyzw[3], xyzw[0], xyzw[1], xyzw[2]}; }
 
 // World from camera: (N, 4, 4) matrices, or (N, 7) tx ty tz qx qy qz qw.
@@ -84,15 +80,6 @@ std::vector<Rigid3f> EitherPoses(const py::object& poses, const py::object& came
   return poses.is_none() ? RecordedPosesOf(camera_from_world) : PosesOf(poses);
 }
 
-// left_from_right, (4, 4); that of a pose named so, as add_keyframes has `poses`.
-Rigid3f PairOf(const py::object& given) {
-  if (given.is_none()) return {};
-  using Matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-  const auto numbers = GivenAs<double>(given, "left_from_right", {4, 4});
-  const Eigen::Matrix4d left_from_right = Eigen::Map<const Matrix>(numbers.data());
-  return CameraFromWorldOf(left_from_right, "left_from_right").Inverse();
-}
-
 template <class Entity>
 py::array IdArray(const std::vector<Id<Entity>>& ids) {
   std::vector<std::uint64_t> values;
@@ -100,25 +87,33 @@ py::array IdArray(const std::vector<Id<Entity>>& ids) {
   return ArrayOf(values);
 }
 
+void SetImageSize(const py::object& image_size, NewKeyFrames& given) {
+  const auto size = GivenAs<std::int32_t>(image_size, "image_size", {2});
+  given.width = size.data()[0];
+  given.height = size.data()[1];
+  if (given.width <= 0 || given.height <= 0) RefuseGiven("image_size", "is width and height, pixels above 0");
+}
+
 py::array AddKeyFramesTo(const MapInAtlas& map, const py::object& timestamps, const py::object& poses,
-                         const py::object& camera_from_world, const py::sequence& features, std::uint64_t camera,
-                         const py::object& ids, const std::optional<std::pair<std::int32_t, std::int32_t>>& image_size,
-                         const py::object& distortion, double baseline, double depth_threshold,
-                         const std::optional<std::uint64_t>& right_camera, const py::object& left_from_right,
-                         std::int32_t levels, float scale_factor) {
+                         const py::object& camera_from_world, const py::object& features, const py::object& camera,
+                         const py::object& ids, const py::object& image_size, const py::object& distortion,
+                         const py::object& baseline, const py::object& depth_threshold, const py::object& right_camera,
+                         const py::object& left_from_right, const py::object& levels, const py::object& scale_factor,
+                         const py::object& imu) {
   NewKeyFrames given{.timestamps = GivenElements<double, double>(timestamps, "timestamps", {-1}),
                      .camera_from_world = EitherPoses(poses, camera_from_world),
                      .ids = GivenIdsOf<KeyFrame>(ids, "ids"),
-                     .camera = CameraId(camera),
-                     .right_camera = IdOf<Camera>(right_camera),
+                     .camera = CameraId(GivenNumber<std::uint64_t>(camera, "camera")),
+                     .right_camera = GivenId<Camera>(right_camera, "right_camera"),
                      .distortion = GivenElements<double, double>(distortion, "distortion", {-1}),
-                     .baseline = baseline,
-                     .depth_threshold = depth_threshold,
-                     .left_from_right = PairOf(left_from_right),
-                     .levels = levels,
-                     .scale_factor = scale_factor};
-  if (image_size) std::tie(given.width, given.height) = *image_size;
-  for (const py::handle item : features)
+                     .baseline = GivenNumber<double>(baseline, "baseline"),
+                     .depth_threshold = GivenNumber<double>(depth_threshold, "depth_threshold"),
+                     .levels = GivenNumber<std::int32_t>(levels, "levels"),
+                     .scale_factor = GivenNumber<float>(scale_factor, "scale_factor"),
+                     .imu = GivenImu(imu)};
+  if (!left_from_right.is_none()) given.left_from_right = GivenTransform(left_from_right, "left_from_right");
+  if (!image_size.is_none()) SetImageSize(image_size, given);
+  for (const py::handle item : GivenItems(features, "features"))
     given.features.push_back(GivenFeatures(item, "features: row " + std::to_string(given.features.size())));
   return IdArray(map.atlas->ApplyWhole([&](Atlas& atlas) {
     map.In(atlas);
@@ -139,19 +134,18 @@ std::vector<NewObservation> ObservationsOf(const py::object& given) {
   const std::vector<std::uint64_t> offsets = GivenIds(part("offsets"), "observations.offsets");
   const std::vector<std::uint64_t> keyframes = GivenIds(part("keyframes"), "observations.keyframes");
   const Shape as_many{static_cast<py::ssize_t>(keyframes.size())};
-  const auto left = GivenAs<std::int32_t>(part("left"), "observations.left", as_many);
-  const py::object right_part = part("right");
-  const auto right =
-      GivenAs<std::int32_t>(right_part.is_none() ? py::object(py::list()) : right_part, "observations.right", as_many);
+  const auto rows = [&](const char* name) {
+    return GivenElements<std::int32_t, std::int32_t>(part(name), std::string("observations.") + name, as_many);
+  };
+  const std::vector<std::int32_t> left = rows("left");
+  const std::vector<std::int32_t> right = part("right").is_none() ? std::vector<std::int32_t>() : rows("right");
   if (offsets.empty() || offsets.front() != 0 || offsets.back() != keyframes.size() || !std::ranges::is_sorted(offsets))
     RefuseGiven("observations.offsets",
                 "ascend from 0 to the number of keyframes, " + std::to_string(keyframes.size()));
   for (std::size_t point = 0; point + 1 < offsets.size(); ++point)
-    for (std::uint64_t i = offsets[point]; i < offsets[point + 1]; ++i) {
-      const auto at = static_cast<py::ssize_t>(i);
-      for (const std::int32_t row : {left.data()[at], right.size() > 0 ? right.data()[at] : -1})
+    for (std::uint64_t i = offsets[point]; i < offsets[point + 1]; ++i)
+      for (const std::int32_t row : {left[i], right.empty() ? -1 : right[i]})
         if (row >= 0) observations.push_back({point, KeyFrameId(keyframes[i]), static_cast<std::uint64_t>(row)});
-    }
   return observations;
 }
 
@@ -175,8 +169,9 @@ py::array AddPointsTo(const MapInAtlas& map, const py::object& positions, const 
   }));
 }
 
-MapInAtlas AddMapTo(const std::shared_ptr<HeldAtlas>& atlas, const std::optional<std::uint64_t>& id) {
-  const MapId added = atlas->ApplyWhole([&](Atlas& changed) { return AddMap(changed, IdOf<Map>(id)); });
+MapInAtlas AddMapTo(const std::shared_ptr<HeldAtlas>& atlas, const py::object& given) {
+  const auto id = GivenId<Map>(given, "id");
+  const MapId added = atlas->ApplyWhole([&](Atlas& changed) { return AddMap(changed, id); });
   const std::vector<Map>& maps = atlas->value()->maps;
   const auto row = std::ranges::find(maps, added, &Map::id) - maps.begin();
   return {atlas, static_cast<std::size_t>(row), added};
@@ -199,12 +194,11 @@ vocabulary: that ORB-SLAM3 is started with, as it refuses maps of others: the pa
     by default ORBvoc.txt, ORB-SLAM3's own. Bags of words stay empty: ORB-SLAM3 makes them when it loads the map.)")
       .def(
           "add_camera",
-          [](HeldAtlas& self, const std::string& model, const py::args& parameters,
-             const std::optional<std::uint64_t>& id) {
+          [](HeldAtlas& self, const std::string& model, const py::args& parameters, const py::object& given_id) {
             const auto numbers = GivenElements<float, float>(py::list(parameters), "parameters", {-1});
             const CameraModel known = ModelOf(model);
-            return self.ApplyWhole([&](Atlas& changed) { return AddCamera(changed, known, numbers, IdOf<Camera>(id)); })
-                .value();
+            const auto id = GivenId<Camera>(given_id, "id");
+            return self.ApplyWhole([&](Atlas& changed) { return AddCamera(changed, known, numbers, id); }).value();
           },
           py::arg("model"), py::kw_only(), py::arg("id") = py::none(),
           R"(Add a camera; returns its id.
@@ -220,7 +214,8 @@ void DefineMapBuilding(MapClass map) {
           py::arg("camera_from_world") = py::none(), py::arg("features"), py::arg("camera"),
           py::arg("ids") = py::none(), py::arg("image_size") = py::none(), py::arg("distortion") = py::none(),
           py::arg("baseline") = 0.0, py::arg("depth_threshold") = 0.0, py::arg("right_camera") = py::none(),
-          py::arg("left_from_right") = py::none(), py::arg("levels") = 8, py::arg("scale_factor") = 1.2F,
+          py::arg("left_from_right") = py::none(), py::arg("levels") = 8, py::arg("scale_factor") = 1.2,
+          py::arg("imu") = py::none(),
           R"(Add keyframes of one camera, row by row; returns their ids, (N,) uint64.
 
 timestamps: (N,) seconds
@@ -235,8 +230,10 @@ baseline: metres, of a rectified pair, or as chosen for an RGB-D camera; right_x
 depth_threshold: metres, beyond which stereo points are far; 0: 40 baselines
 right_camera, left_from_right: of a fisheye pair, id and (4, 4)
 levels, scale_factor: of the image pyramid
+imu: slamdb.ImuArrays, or a mapping of the same names, of sessions with an IMU; all keyframes of a map have one, or none
 
-Made are undistorted keypoints, grids, parents (those made before, until points tell better ones), counters.
+Made are undistorted keypoints, grids, parents (those made before, until points tell better ones), counters. With an
+IMU also preintegrations, and the chain in time, whatever was added before what; set_imu_stage says how far the map is.
 Raises UsageError (a ValueError) that names argument, row and what it should be; then nothing is changed.)")
       .def("add_points", &AddPointsTo, py::kw_only(), py::arg("positions"), py::arg("observations"),
            py::arg("ids") = py::none(), py::arg("descriptors") = py::none(), py::arg("normals") = py::none(),

@@ -102,6 +102,15 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
                              MembersOf<KeyFramesInMap, float>(
                                  [](const KeyFrame& k) -> auto& { return k.imu_bias.gyroscope; }, 3),
                              "(N, 3) float32, writable: rad/s")
+      .def_property_readonly("previous", Members<std::uint64_t>(&KeyFrame::previous),
+                             "(N,) uint64: ids of the ones before in time; NONE: there is none")
+      .def_property_readonly("next", Members<std::uint64_t>(&KeyFrame::next),
+                             "(N,) uint64: ids of the ones behind in time; NONE: there is none")
+      .def_property_readonly("integration_biases",
+                             MembersOf<KeyFramesInMap, float>(
+                                 [](const KeyFrame& k) -> auto& { return k.preintegration.bias.accelerometer; }, 6),
+                             "(N, 6) float32: accelerometer m/s^2, gyroscope rad/s; measurements were integrated with "
+                             "them")
       .def_property_readonly("not_erase", &FlagsOf<&KeyFrame::not_erase>,
                              "(N,) bool, computed: those that must not be culled")
       .def_property_readonly("to_be_erased", &FlagsOf<&KeyFrame::to_be_erased>, "(N,) bool, computed")

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "slamdb/build/build.h"
+
 namespace slamdb::python {
 
 namespace py = pybind11;
@@ -32,7 +34,8 @@ py::array Given(py::handle object, const std::string& name, const Shape& shape, 
     PyErr_Clear();
     RefuseGiven(name, "is no array of " + std::string(wanted));
   }
-  if (array.size() == 0) {
+  RequireUnmasked(object, name);
+  if (array.size() == 0 && !shape.empty() && shape.front() <= 0) {
     Shape empty = shape;
     empty.front() = 0;
     return py::array(py::dtype::of<double>(), std::move(empty));
@@ -46,9 +49,22 @@ py::array Given(py::handle object, const std::string& name, const Shape& shape, 
   return array;
 }
 
-// `row 3 is ` of number `i`.
+// Of a list of ids of which some are beyond 2^63, as NONE is; no array of anything else.
+py::array ExactIds(py::handle object) {
+  if (py::isinstance<py::array>(object)) return py::reinterpret_steal<py::array>(py::handle());
+  const py::array items = py::module_::import("numpy").attr("array")(object, py::arg("dtype") = "object");
+  for (const py::handle item : items.attr("ravel")())
+    if (!PyLong_Check(item.ptr())) return py::reinterpret_steal<py::array>(py::handle());
+  try {
+    return items.attr("astype")("uint64");
+  } catch (const py::error_already_set&) {  // below 0
+    return py::reinterpret_steal<py::array>(py::handle());
+  }
+}
+
+// `row 3 is ` of number `i`; of a single number `is `.
 std::string PlaceIn(const py::array& array, py::ssize_t i) {
-  return "row " + std::to_string(i / (array.size() / array.shape(0))) + " is ";
+  return array.ndim() == 0 ? "is " : "row " + std::to_string(i / (array.size() / array.shape(0))) + " is ";
 }
 
 // Whole numbers in a type that may be narrower, or without sign.
@@ -76,6 +92,7 @@ py::array GivenNumbers(py::handle object, const std::string& name, const Shape& 
 py::array GivenIntegers(py::handle object, const std::string& name, const Shape& shape) {
   const py::array array = Given(object, name, shape, "iuf", "whole numbers");
   if (array.size() == 0 || array.dtype().kind() != 'f') return array;
+  if (const py::array exact = ExactIds(object); exact && Fits(exact, shape)) return exact;
   constexpr double kExact = 9007199254740992;  // 2^53
   const Contiguous<double> numbers(array);
   for (py::ssize_t i = 0; i < numbers.size(); ++i)
@@ -96,6 +113,24 @@ Contiguous<std::uint64_t> GivenAs(py::handle object, const std::string& name, co
 
 std::vector<std::uint64_t> GivenIds(py::handle object, const std::string& name, const Shape& shape) {
   return GivenElements<std::uint64_t, std::uint64_t>(object, name, shape);
+}
+
+Rigid3f GivenTransform(py::handle object, const std::string& name) {
+  using Matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+  const auto numbers = GivenAs<double>(object, name, {4, 4});
+  const Eigen::Matrix4d transform = Eigen::Map<const Matrix>(numbers.data());
+  return CameraFromWorldOf(transform, name).Inverse();
+}
+
+py::tuple GivenItems(py::handle object, const std::string& name) {
+  if (!py::isinstance<py::sequence>(object)) RefuseGiven(name, "is no list, with one row for each keyframe");
+  return py::tuple(py::reinterpret_borrow<py::sequence>(object));
+}
+
+void RequireUnmasked(py::handle object, const std::string& name) {
+  if (!py::hasattr(object, "mask")) return;
+  if (py::module_::import("numpy.ma").attr("is_masked")(object).cast<bool>())
+    RefuseGiven(name, "has masked values; leave those rows out, or fill them");
 }
 
 py::object PartOf(py::handle object, const char* name) {

@@ -11,6 +11,7 @@
 #include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
 #include "python/src/reopen.h"
+#include "slamdb/build/imu.h"
 #include "slamdb/build/links.h"
 #include "slamdb/edit/part/subset.h"
 
@@ -71,9 +72,7 @@ std::vector<KeyFrameEdge> PairsOf(const py::object& ones, const py::object& othe
   const std::vector<std::uint64_t> one = GivenIds(ones, ones_name);
   const std::vector<std::uint64_t> other = GivenIds(others, others_name, {static_cast<py::ssize_t>(one.size())});
   std::vector<KeyFrameEdge> pairs;
-  for (std::size_t row = 0; row < one.size() && row < other.size(); ++row)
-    pairs.emplace_back(KeyFrameId(one[row]), KeyFrameId(other[row]));
-  if (pairs.size() != one.size()) RefuseGiven(others_name, "has no rows");
+  for (std::size_t row = 0; row < one.size(); ++row) pairs.emplace_back(KeyFrameId(one[row]), KeyFrameId(other[row]));
   return pairs;
 }
 
@@ -130,6 +129,26 @@ void SetParentsOf(const MapInAtlas& map, const py::object& keyframes, const py::
   ChangeMap(map, [&](Map& changed) { return SetParents(changed, pairs), Nothing(); });
 }
 
+void AddObservationsTo(const MapInAtlas& map, const py::object& points, const py::object& keyframes,
+                       const py::object& keypoints) {
+  const std::vector<std::uint64_t> rows = GivenIds(keypoints, "keypoints");
+  const Shape as_many{static_cast<py::ssize_t>(rows.size())};
+  const std::vector<std::uint64_t> seen = GivenIds(points, "points", as_many);
+  const std::vector<std::uint64_t> by = GivenIds(keyframes, "keyframes", as_many);
+  std::vector<PointObservation> observations;
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    observations.push_back({MapPointId(seen[row]), KeyFrameId(by[row]), rows[row]});
+  ChangeMap(map, [&](Map& changed) { return AddObservations(changed, observations), Nothing(); });
+}
+
+ImuStage ImuStageOf(const std::string& name) {
+  if (name == "none") return ImuStage::kNone;
+  if (name == "initialized") return ImuStage::kInitialized;
+  if (name == "ba1") return ImuStage::kAdjusted;
+  if (name == "ba2") return ImuStage::kAdjustedTwice;
+  RefuseGiven("stage", "'" + name + "' is none of 'none', 'initialized', 'ba1' and 'ba2'");
+}
+
 void SetReferencesOf(const MapInAtlas& map, const py::object& points, const py::object& keyframes) {
   std::vector<std::pair<MapPointId, KeyFrameId>> pairs;
   for (const auto& [point, keyframe] : PairsOf(points, keyframes, "points", "keyframes"))
@@ -156,6 +175,27 @@ void DefineLinking(MapClass map) {
           "Give keyframes other parents in the spanning tree, both (N,) ids; children follow.")
       .def("set_reference_keyframes", &SetReferencesOf, py::arg("points"), py::arg("keyframes"),
            "Give points other reference keyframes, both (N,) ids; distance ranges follow. They must observe them.")
+      .def("add_observations", &AddObservationsTo, py::arg("points"), py::arg("keyframes"), py::arg("keypoints"),
+           R"(Say which keypoints of keyframes points of the map are, too.
+
+points: (N,) ids
+keyframes: (N,) ids
+keypoints: (N,) rows; those of a right fisheye camera stand behind the left ones
+
+What follows for these points (see update_points), for covisibility and the spanning tree is made anew.
+Raises UsageError (a ValueError) when a keypoint is a point already, a point would be two keypoints of one picture, or
+one of them is not there; then nothing is changed.)")
+      .def(
+          "set_imu_stage",
+          [](const MapInAtlas& m, const std::string& stage) {
+            const ImuStage known = ImuStageOf(stage);
+            ChangeMap(m, [&](Map& changed) { return SetImuStage(changed, known), Nothing(); });
+          },
+          py::arg("stage"), R"(Say how far the IMU of a map is, for which its keyframes were added with one.
+
+stage: "none", as in a new map; "initialized": the world is metric, with z up; "ba1", "ba2": ORB-SLAM3's first and
+    second inertial bundle adjustment are done, too
+Raises UsageError (a ValueError) when a keyframe has no calibration, or no measurements since the one before.)")
       .def(
           "add_loop_edges",
           [](const MapInAtlas& m, const py::object& pairs) { return AddEdgesTo(m, EdgeKind::kLoop, pairs); },

@@ -39,9 +39,10 @@ void SetMembers(const py::array& array, const std::string& name, Column<Keypoint
 // Places as (N, 2) numbers, or a structured array with the names of Keypoint's members.
 Column<Keypoint> KeypointsOf(py::handle object, const std::string& name) {
   if (object.is_none()) return {};
+  RequireUnmasked(object, name);
   const py::array array = py::array::ensure(object);
   if (!array) PyErr_Clear();
-  const bool is_structured = array && array.dtype().kind() == 'V' && array.ndim() == 1;
+  const bool is_structured = array && array.ndim() == 1 && !array.dtype().attr("names").is_none();
   const py::array places = is_structured ? array : GivenNumbers(object, name, {-1, 2});
   Column<Keypoint> keypoints(static_cast<std::size_t>(places.shape(0)),
                              Keypoint{0, 0, 0, 0, 0, -1, 0});  // of the usual size

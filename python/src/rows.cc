@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include "python/src/keyframe_row.h"
@@ -53,6 +54,18 @@ py::object ImuCalibrationOf(const KeyFrameRow& k) {
   return dict;
 }
 
+py::object PreintegrationOf(const KeyFrameRow& k) {
+  const ImuPreintegration& of = k.entity->preintegration;
+  if (of.measurements.empty()) return py::none();
+  py::dict dict;
+  dict["duration"] = of.duration;
+  dict["rotation"] = of.rotation;
+  dict["velocity"] = of.velocity;
+  dict["position"] = of.position;
+  dict["covariance"] = of.covariance;
+  return dict;
+}
+
 void DefineGeometry(KeyFrameClass keyframe) {
   keyframe
       .def_property_readonly(
@@ -98,6 +111,9 @@ void DefineMotion(KeyFrameClass keyframe) {
             return ReadOnly(ColumnView<float>(k.kept, k.entity->preintegration.measurements));
           },
           "(M, 7) float32: since the keyframe before, acceleration m/s^2, angular velocity rad/s, duration s")
+      .def_property_readonly("preintegration", &PreintegrationOf,
+                             "{duration s, rotation (3, 3), velocity (3,), position (3,), covariance (15, 15)} of what "
+                             "was measured since the\nkeyframe before, in its body's frame, computed; None without")
       .def_property_readonly(
           "previous", [](const KeyFrameRow& k) { return IdOrNone(k.entity->previous); }, "id, in time, or None")
       .def_property_readonly(

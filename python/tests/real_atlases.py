@@ -5,6 +5,7 @@ import os
 import pathlib
 from typing import Dict, List
 
+_LAB2 = ("i1", "i2")  # of SLAMDB_LAB2, with an IMU
 _NAMES = (
     "fisheye_stereo", "mono_dist", "mono_small", "mono_small_newmap", "mono_small_twice", "multimap_rgbd", "race_mono",
     "session_a", "session_b", "session_small_a", "session_small_b", "stereo_inertial",
@@ -18,8 +19,24 @@ def real_atlases() -> List[str]:
 
 def path_of(name: str) -> pathlib.Path:
     """Where an atlas is; it may not be there."""
+    if name in _LAB2:
+        return pathlib.Path(os.environ.get("SLAMDB_LAB2", "")) / f"{name}.osa"
     fixture = pathlib.Path(os.environ["SLAMDB_FIXTURES"]) / name / f"{name}.osa"
     return fixture if fixture.exists() else pathlib.Path(os.environ.get("SLAMDB_ATLASES", "")) / f"{name}.osa"
+
+
+def imu_of(map):
+    """What an IMU says of the keyframes of a map; None without one."""
+    import slamdb
+
+    keyframes, calibration = map.keyframes, map.keyframes[0].imu_calibration
+    if not map.inertial:
+        return None
+    return slamdb.ImuArrays(
+        **calibration, measurements=[row.imu_measurements for row in keyframes], velocities=keyframes.velocities,
+        accelerometer_biases=keyframes.accelerometer_biases, gyroscope_biases=keyframes.gyroscope_biases,
+        integration_biases=keyframes.integration_biases, previous=keyframes.previous,
+    )  # fmt: skip
 
 
 def taken_apart(map) -> Dict[str, object]:
@@ -50,7 +67,7 @@ def taken_apart(map) -> Dict[str, object]:
             "distortion": first.distortion, "baseline": 0 if pair else first.intrinsics["baseline"],
             "depth_threshold": first.intrinsics["depth_threshold"], "right_camera": first.right_camera,
             "left_from_right": first.left_from_right if pair else None, "levels": first.levels,
-            "scale_factor": first.scale_factor,
+            "scale_factor": first.scale_factor, "imu": imu_of(map),
         },
         "points": {
             "ids": points.ids[observed], "positions": points.positions[observed],
@@ -72,4 +89,6 @@ def built_anew(atlas):
             arrays = taken_apart(map)
             made.add_keyframes(**arrays["keyframes"])
             made.add_points(**arrays["points"])
+            if map.inertial:
+                made.set_imu_stage("ba2" if map.imu_ba2 else "ba1" if map.imu_ba1 else "initialized")
     return new

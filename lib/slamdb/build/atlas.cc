@@ -36,6 +36,7 @@ bool HasId(const List& list, auto id) {
 // The next id, or the given one.
 template <class List, class Entity>
 Id<Entity> FreeId(const List& list, Id<Entity> id, std::uint64_t next, std::uint64_t end) {
+  if (!id && next >= end) Refuse("id: the next ones are used up; `Renumber` frees some");
   if (!id) return Id<Entity>(next);
   if (id.value() >= end) Refuse("id: ", id.value(), " is too large; ids are below ", end);
   if (HasId(list, id)) Refuse("id: the atlas has a ", id, " already; leave it out to get a free one");
@@ -64,7 +65,8 @@ CameraId AddCamera(Atlas& atlas, CameraModel model, std::vector<float> parameter
     if (!std::isfinite(parameters[row]) || (row < 2 && !(parameters[row] > 0)))
       detail::RefuseRow("parameters", row, "is ", static_cast<double>(parameters[row]),
                         row < 2 ? "; a focal length is above 0" : "; parameters are finite");
-  Camera camera{.id = FreeId(atlas.cameras, id, LeastCounters(atlas).camera, 0xffffffff), .model = model};
+  const std::uint64_t next = std::max(LeastCounters(atlas).camera, atlas.next_ids.camera);
+  Camera camera{.id = FreeId(atlas.cameras, id, next, 0xffffffff), .model = model};
   camera.recorded_type = static_cast<std::uint32_t>(model);
   camera.parameters = std::move(parameters);
   atlas.cameras.push_back(std::move(camera));
@@ -73,9 +75,8 @@ CameraId AddCamera(Atlas& atlas, CameraModel model, std::vector<float> parameter
 }
 
 MapId AddMap(Atlas& atlas, MapId id) {
-  RaiseCounters(atlas);
   Map map;
-  map.id = FreeId(atlas.maps, id, atlas.next_ids.map, 0xffffffff);
+  map.id = FreeId(atlas.maps, id, std::max(LeastCounters(atlas).map, atlas.next_ids.map), 0xffffffff);
   const auto after = std::ranges::upper_bound(atlas.maps, map.id, {}, &Map::id);
   id = map.id;
   if (after != atlas.maps.end()) detail::DropIrregularEntries(atlas);  // which mean maps by their rows

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/build/imu.h"
 #include "slamdb/export.h"
 #include "slamdb/model/atlas.h"
 
@@ -44,6 +45,7 @@ struct NewKeyFrames {
   Rigid3f left_from_right;         // of a fisheye pair
   std::int32_t levels = 8;         // of the image pyramid
   float scale_factor = 1.2F;       // between them
+  std::optional<NewImu> imu;       // of sessions with one
 };
 
 // Adds keyframes to a map, behind those it has, and returns their ids.
@@ -51,6 +53,8 @@ struct NewKeyFrames {
 // Undistorted keypoints follow from the lens, right_x and depth from each other, the grid from the picture's size.
 // Parents are those that were made before, until points tell better ones (AddPoints).
 // Bags of words stay empty: ORB-SLAM3 makes them when it loads the map, RecomputeWords before that.
+// With an IMU the map is inertial, and the keyframes go into its chain in time, whatever they were added after.
+// SetImuStage says how far it is.
 //
 // Throws Error: kUsage as above; kNotFound when there is no such map.
 // Cost: linear in the atlas.

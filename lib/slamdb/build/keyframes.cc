@@ -5,7 +5,9 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/build/build.h"
+#include "slamdb/build/detail/chain.h"
 #include "slamdb/build/detail/columns.h"
+#include "slamdb/build/detail/imu.h"
 #include "slamdb/build/detail/new_features.h"
 #include "slamdb/formats/import/detail/complete.h"
 #include "slamdb/formats/import/detail/completed.h"
@@ -29,6 +31,10 @@ constexpr std::int32_t kLargestSide = 1 << 20, kMostLevels = 32;
 const Camera& CameraOf(const AtlasIndex& index, CameraId id, std::string_view argument) {
   const Camera* camera = index.FindCamera(id);
   if (camera == nullptr) Refuse(argument, ": the atlas has no ", id, "; AddCamera (add_camera) makes one");
+  const std::size_t least = camera->model == CameraModel::kKannalaBrandt8 ? 8 : 4;
+  if (camera->model == CameraModel::kEquirectangular || camera->parameters.size() < least)
+    Refuse(argument, ": ", id, " has ", camera->parameters.size(),
+           " parameters, or a model that nothing is projected with", "; AddCamera (add_camera) makes one that serves");
   return *camera;
 }
 
@@ -92,7 +98,7 @@ Column<KeyFrame> KeyFramesOf(const Atlas& atlas, const Map& map, NewKeyFrames& g
       .camera = camera, .distortion = given.distortion, .width = given.width, .height = given.height};
   const KeyFrame blank = BlankOf(settings, given, map);
   Column<KeyFrame> keyframes(given.timestamps.size(), blank);
-  const std::uint64_t frame = LeastCounters(atlas).frame;
+  const std::uint64_t frame = std::max(LeastCounters(atlas).frame, atlas.next_ids.frame);
   detail::Completed completed;
   detail::ParallelFor(keyframes.size(), kGrain, 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
@@ -104,6 +110,8 @@ Column<KeyFrame> KeyFramesOf(const Atlas& atlas, const Map& map, NewKeyFrames& g
       keyframe.features = std::move(given.features[row]);
       detail::CompleteNewFeatures(settings, given, keyframe);
       detail::CompleteFeatures(keyframe, completed);
+      keyframe.imu_initialized = map.imu_initialized;
+      if (given.imu) detail::RecordImu(*given.imu, row, keyframe);
     }
   });
   return keyframes;
@@ -125,15 +133,20 @@ std::vector<KeyFrameId> AddKeyFrames(Atlas& atlas, MapId map_id, NewKeyFrames gi
   const AtlasIndex index(atlas);
   RequireCamera(index, given);
   RequireColumns(given);
+  detail::RequireImu(map, given);
   given.ids = detail::IdsOf(std::move(given.ids), given.timestamps.size(),
                             std::max(LeastCounters(atlas).keyframe, atlas.next_ids.keyframe), kIdEnd,
                             [&](KeyFrameId id) { return static_cast<bool>(index.LocateKeyFrame(id)); });
+  const std::vector<detail::ChainStep> chain =
+      given.imu ? detail::PlanChain(map, given) : std::vector<detail::ChainStep>();
   Column<KeyFrame> keyframes = KeyFramesOf(atlas, map, given, *index.FindCamera(given.camera));
   if (keyframes.empty()) return {};
   const std::size_t first = map.keyframes.size();
   map.keyframes.reserve(first + keyframes.size());
   std::ranges::move(keyframes, std::back_inserter(map.keyframes));
   CompleteTree(map, first);
+  detail::FollowChain(map, chain);
+  if (given.imu) map.inertial = true;
   RaiseCounters(atlas);
   return std::move(given.ids);
 }

@@ -43,6 +43,21 @@ SLAMDB_EXPORT std::uint64_t AddEdges(Map& map, EdgeKind kind, std::span<const Ke
 // Throws Error (kUsage) when a point is not in the map, or a keyframe does not observe its point.
 SLAMDB_EXPORT void SetReferences(Map& map, std::span<const std::pair<MapPointId, KeyFrameId>> references);
 
+// "That point is keypoint `keypoint` of that keyframe". Of a fisheye pair the keypoints of the right picture stand
+// behind those of the left one.
+struct PointObservation {
+  MapPointId point;
+  KeyFrameId keyframe;
+  std::uint64_t keypoint = 0;
+};
+
+// Adds observations of points that the map has, on both sides. What follows for these as in UpdatePoints, and the
+// covisibility of all that see them; keyframes that were covisible with none before get a parent as in AddPoints.
+//
+// Throws Error (kUsage) when a point, keyframe or keypoint is not there, a keypoint is a point already, or a point two
+// keypoints of one picture.
+SLAMDB_EXPORT void AddObservations(Map& map, std::span<const PointObservation> added);
+
 // What follows for the points in `rows` from where they are and what sees them: observation counts, normals, distance
 // ranges and most distinctive descriptors, as ORB-SLAM3's UpdateNormalAndDepth and ComputeDistinctiveDescriptors.
 //

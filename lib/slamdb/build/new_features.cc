@@ -6,10 +6,14 @@
 
 #include "slamdb/build/detail/columns.h"
 #include "slamdb/formats/import/detail/keypoints.h"
+#include "slamdb/model/derive.h"
+#include "slamdb/model/detail/image_bounds.h"
 #include "slamdb/pictures/detail/record_camera.h"
 
 namespace slamdb::detail {
 namespace {
+
+constexpr float kFarthest = 1 << 20;  // pixels
 
 // Keypoints of a right picture are features of their own in a fisheye pair alone; of a rectified one they are kept.
 std::size_t RightRows(const NewKeyFrames& given, const Features& features) {
@@ -63,8 +67,11 @@ class Inspection {
   void Keypoints(std::string_view column, const Column<Keypoint>& keypoints) const {
     for (std::size_t i = 0; i < keypoints.size(); ++i) {
       const Keypoint& keypoint = keypoints[i];
-      if (!std::isfinite(keypoint.x) || !std::isfinite(keypoint.y))
-        Fail(column, ": keypoint ", i, " is at no finite place");
+      if (!(std::abs(keypoint.x) <= kFarthest && std::abs(keypoint.y) <= kFarthest))
+        Fail(column, ": keypoint ", i, " is at no finite place, or in no picture");
+      if (!std::isfinite(keypoint.angle) || !std::isfinite(keypoint.response) || !(keypoint.size >= 0) ||
+          !std::isfinite(keypoint.size))
+        Fail(column, ": keypoint ", i, " has an angle, response or size that is not finite, or a size below 0");
       if (keypoint.octave < 0 || keypoint.octave >= given_.levels)
         Fail(column, ": keypoint ", i, " is of octave ", keypoint.octave, ", but the pyramid has ", given_.levels,
              " levels; levels= says how many");
@@ -91,6 +98,27 @@ void SetSizes(const ScalePyramid& pyramid, Column<Keypoint>& keypoints) {
     if (keypoint.size == 0) keypoint.size = PatchAt(keypoint.octave, pyramid);
 }
 
+float NumberOrNone(float number) { return std::isfinite(number) ? number : -1; }
+
+// What is derived of what is given; another keyframe's may still be there.
+void ForgetDerived(bool is_pair, Features& features) {
+  features.left_count = features.right_count = -1;
+  features.descriptors_form = MatrixForm::kUsual;
+  features.grid = features.right_grid = {};
+  features.bag_of_words = {};
+  features.feature_vector = {};
+  if (!is_pair) features.right_of_left.clear(), features.left_of_right.clear();  // which hold -1 alone
+}
+
+// ORB-SLAM3 looks into the cells of pictures without keypoints, too.
+void SetEmptyGrids(KeyFrame& keyframe) {
+  Features& features = keyframe.features;
+  if (keyframe.bounds.max_x <= keyframe.bounds.min_x) return;
+  SetGrid(keyframe.bounds);
+  features.grid = DeriveGrid(features.undistorted, keyframe.bounds);
+  if (features.is_fisheye_stereo()) features.right_grid = DeriveGrid(features.right_keypoints, keyframe.bounds);
+}
+
 // Of a rectified pair the column in the right picture and the depth tell each other: x - right_x = baseline * fx /
 // depth.
 void CompleteStereo(const Intrinsics& intrinsics, Features& features) {
@@ -99,9 +127,9 @@ void CompleteStereo(const Intrinsics& intrinsics, Features& features) {
     float &right_x = features.right_x[i], &depth = features.depth[i];
     if (right_x >= 0 && !(depth > 0)) {
       const float disparity = x - right_x;
-      depth = disparity > 0 ? intrinsics.baseline_fx / disparity : -1;
+      depth = disparity > 0 ? NumberOrNone(intrinsics.baseline_fx / disparity) : -1;
     } else if (depth > 0 && !(right_x >= 0)) {
-      right_x = x - intrinsics.baseline_fx / depth;
+      right_x = NumberOrNone(x - intrinsics.baseline_fx / depth);
     }
   }
 }
@@ -112,6 +140,7 @@ void RequireFeatures(const NewKeyFrames& given, std::size_t row) { Inspection(gi
 
 void CompleteNewFeatures(const CameraSettings& settings, const NewKeyFrames& given, KeyFrame& keyframe) {
   Features& features = keyframe.features;
+  ForgetDerived(given.right_camera.has_value(), features);
   SetSizes(keyframe.pyramid, features.keypoints);
   SetSizes(keyframe.pyramid, features.right_keypoints);
   if (features.undistorted.empty()) features.undistorted = WithoutDistortion(settings, features.keypoints);
@@ -128,6 +157,7 @@ void CompleteNewFeatures(const CameraSettings& settings, const NewKeyFrames& giv
   if (!given.right_camera) CompleteStereo(keyframe.intrinsics, features);
   features.count = static_cast<std::int32_t>(left + right);
   features.map_points.assign(left + right, MapPointId());
+  if (left == 0) SetEmptyGrids(keyframe);
 }
 
 }  // namespace slamdb::detail

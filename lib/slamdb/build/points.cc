@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "slamdb/build/build.h"
 #include "slamdb/build/detail/columns.h"
+#include "slamdb/build/detail/observing.h"
 #include "slamdb/formats/import/detail/completed.h"
-#include "slamdb/formats/import/detail/keypoints.h"
 #include "slamdb/model/counters.h"
-#include "slamdb/model/detail/covisibility.h"
-#include "slamdb/model/detail/spanning_tree.h"
 #include "slamdb/model/index.h"
 
 namespace slamdb {
@@ -39,13 +36,16 @@ void RequireColumns(const NewPoints& given) {
   }
 }
 
-// The observations of new points: each held against the keyframes, then put into their slots.
-class Observing {
+// What observations say of new points, held against a map.
+class NewObservations {
  public:
-  Observing(Map& map, std::size_t points) : map_(map), keyframes_(KeyFrameTable(map)), points_(points) {}
-
-  void Require(const std::vector<NewObservation>& observations) {
-    for (std::size_t row = 0; row < observations.size(); ++row) Require(observations[row], row);
+  NewObservations(const Map& map, const NewPoints& given) : map_(map), points_(given.positions.size()) {
+    for (std::size_t row = 0; row < given.observations.size(); ++row) {
+      const auto& [point, keyframe, keypoint] = given.observations[row];
+      if (point >= points_.size())
+        RefuseRow("observations", row, "is of point ", point, ", but there are ", points_.size(), " positions");
+      observing_.Add(point, keyframe, keypoint, row, points_[point]);
+    }
     for (std::size_t point = 0; point < points_.size(); ++point) {
       if (points_[point].empty())
         RefuseRow("positions", point,
@@ -59,70 +59,43 @@ class Observing {
 
   // Of those that observe it, that of the lowest id.
   const KeyFrame& MakerOf(std::size_t point) const {
-    return map_.keyframes[keyframes_.Find(points_[point].front().keyframe.value())];
+    return map_.keyframes[observing_.RowOf(points_[point].front().keyframe)];
   }
 
-  // Rows of the keyframes that see any of the points, ascending.
-  std::vector<std::uint32_t> Fill(const std::vector<NewObservation>& observations, const std::vector<MapPointId>& ids) {
-    std::vector<std::uint8_t> touched(map_.keyframes.size(), 0);
-    for (const NewObservation& seen : observations) {
-      const std::uint32_t row = keyframes_.Find(seen.keyframe.value());
-      map_.keyframes[row].features.map_points[seen.keypoint] = ids[seen.point];
-      touched[row] = 1;
-    }
-    std::vector<std::uint32_t> rows;
-    for (std::uint32_t row = 0; row < touched.size(); ++row)
-      if (touched[row] != 0) rows.push_back(row);
-    return rows;
-  }
+  std::uint32_t RowOf(KeyFrameId keyframe) const { return observing_.RowOf(keyframe); }
 
  private:
-  void Require(const NewObservation& seen, std::size_t row) {
-    if (seen.point >= points_.size())
-      RefuseRow("observations", row, "is of point ", seen.point, ", but there are ", points_.size(), " positions");
-    const std::uint32_t keyframe_row = keyframes_.Find(seen.keyframe.value());
-    if (keyframe_row == kNoRow)
-      RefuseRow("observations", row, "is by keyframe ", seen.keyframe.value(), ", which the map does not have");
-    const Features& features = map_.keyframes[keyframe_row].features;
-    if (seen.keypoint >= features.map_points.size())
-      RefuseRow("observations", row, "is keypoint ", seen.keypoint, " of keyframe ", seen.keyframe.value(),
-                ", which has ", features.map_points.size());
-    if (features.map_points[seen.keypoint] || !taken_.emplace(keyframe_row, seen.keypoint).second)
-      RefuseRow("observations", row, "is keypoint ", seen.keypoint, " of keyframe ", seen.keyframe.value(),
-                ", which is another point already; a keypoint is one point");
-    Record(seen, features, row);
-  }
-
-  void Record(const NewObservation& seen, const Features& features, std::size_t row) {
-    Column<Observation>& list = points_[seen.point];
-    auto known = std::ranges::find(list, seen.keyframe, &Observation::keyframe);
-    if (known == list.end()) known = list.insert(list.end(), Observation{seen.keyframe});
-    const bool is_right =
-        features.is_fisheye_stereo() && seen.keypoint >= static_cast<std::size_t>(features.left_count);
-    std::int32_t& keypoint = is_right ? known->right : known->left;
-    if (keypoint >= 0)
-      RefuseRow("observations", row, "is point ", seen.point, " once more in keyframe ", seen.keyframe.value(),
-                "; a point is one keypoint of a picture");
-    keypoint = static_cast<std::int32_t>(seen.keypoint);
-  }
-
-  Map& map_;
-  const IdTable keyframes_;
+  const Map& map_;
+  detail::Observing observing_{map_, {.point = "observations", .keyframe = "observations", .keypoint = "observations"}};
   std::vector<Column<Observation>> points_;
-  std::set<std::pair<std::uint32_t, std::uint64_t>> taken_;  // rows of keyframes, and of their keypoints
 };
 
-void RequireReferences(const NewPoints& given, const Observing& observing) {
+// Puts points into the keypoints that they are. Rows of the keyframes that see any, ascending.
+std::vector<std::uint32_t> FillSlots(Map& map, const NewPoints& given, const NewObservations& observations) {
+  std::vector<std::uint8_t> touched(map.keyframes.size(), 0);
+  for (const NewObservation& seen : given.observations) {
+    const std::uint32_t row = observations.RowOf(seen.keyframe);
+    map.keyframes[row].features.map_points[seen.keypoint] = given.ids[seen.point];
+    touched[row] = 1;
+  }
+  std::vector<std::uint32_t> rows;
+  for (std::uint32_t row = 0; row < touched.size(); ++row)
+    if (touched[row] != 0) rows.push_back(row);
+  return rows;
+}
+
+void RequireReferences(const NewPoints& given, const NewObservations& observations) {
   for (std::size_t row = 0; row < given.references.size(); ++row)
-    if (std::ranges::find(observing.of(row), given.references[row], &Observation::keyframe) == observing.of(row).end())
+    if (std::ranges::find(observations.of(row), given.references[row], &Observation::keyframe) ==
+        observations.of(row).end())
       RefuseRow("reference_keyframes", row, "is ", given.references[row].value(), ", which does not observe the point");
 }
 
-MapPoint PointOf(const NewPoints& given, std::size_t row, const Observing& observing) {
+MapPoint PointOf(const NewPoints& given, std::size_t row, const NewObservations& observations) {
   MapPoint point;
   point.id = given.ids[row];
   point.position = given.positions[row];
-  point.observations = observing.of(row);
+  point.observations = observations.of(row);
   point.descriptor_form = given.descriptors.empty() ? MatrixForm::kEmpty : MatrixForm::kUsual;
   if (!given.descriptors.empty()) point.descriptor = given.descriptors[row];
   if (!given.normals.empty()) point.normal = given.normals[row];
@@ -131,30 +104,6 @@ MapPoint PointOf(const NewPoints& given, std::size_t row, const Observing& obser
     point.max_distance = given.max_distances[row];
   }
   return point;
-}
-
-// Keyframes that share points for the first time get the parent that they share most with.
-void ChooseParents(Map& map, const std::vector<std::uint8_t>& was_alone) {
-  for (std::size_t row = 0; row < map.keyframes.size(); ++row) {
-    KeyFrame& keyframe = map.keyframes[row];
-    if (was_alone[row] != 0 && !keyframe.connections.empty()) keyframe.parent = {};
-  }
-  detail::AdoptOrphans(map);
-}
-
-std::vector<std::uint8_t> AloneOf(const Map& map) {
-  std::vector<std::uint8_t> alone;
-  for (const KeyFrame& keyframe : map.keyframes) alone.push_back(keyframe.connections.empty() ? 1 : 0);
-  return alone;
-}
-
-void MatchPairs(Map& map, const std::vector<std::uint32_t>& rows) {
-  for (const std::uint32_t row : rows) {
-    Features& features = map.keyframes[row].features;
-    const auto matches = [](std::int32_t match) { return match >= 0; };
-    if (features.is_fisheye_stereo() && std::ranges::none_of(features.right_of_left, matches))
-      detail::MatchSides(features);
-  }
 }
 
 }  // namespace
@@ -166,27 +115,23 @@ std::vector<MapPointId> AddPoints(Atlas& atlas, MapId map_id, NewPoints given, i
   given.ids = detail::IdsOf(std::move(given.ids), given.positions.size(),
                             std::max(LeastCounters(atlas).map_point, atlas.next_ids.map_point), MapPointId::kNone,
                             [&](MapPointId id) { return static_cast<bool>(index.LocatePoint(id)); });
-  Observing observing(map, given.positions.size());
-  observing.Require(given.observations);
-  RequireReferences(given, observing);
+  const NewObservations observations(map, given);
+  RequireReferences(given, observations);
   if (given.positions.empty()) return {};
 
   const std::size_t first = map.points.size();
   map.points.reserve(first + given.positions.size());
   for (std::size_t row = 0; row < given.positions.size(); ++row) {
-    MapPoint& point = map.points.emplace_back(PointOf(given, row, observing));
-    const KeyFrame& maker = observing.MakerOf(row);
+    MapPoint& point = map.points.emplace_back(PointOf(given, row, observations));
+    const KeyFrame& maker = observations.MakerOf(row);
     point.reference = given.references.empty() ? maker.id : given.references[row];
     point.first_keyframe = static_cast<std::int64_t>(maker.id.value());
     point.first_frame = static_cast<std::int64_t>(maker.frame_id);
   }
-  const std::vector<std::uint32_t> touched = observing.Fill(given.observations, given.ids);
+  const std::vector<std::uint32_t> touched = FillSlots(map, given, observations);
   detail::Completed completed;
   detail::SummarizePoints(map, first, threads, completed);
-  MatchPairs(map, touched);
-  const std::vector<std::uint8_t> was_alone = AloneOf(map);
-  detail::UpdateCovisibility(map, touched);
-  ChooseParents(map, was_alone);
+  detail::UpdateGraph(map, touched);
   RaiseCounters(atlas);
   return std::move(given.ids);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/edit/repair/postload.h"
+#include "tests/support/postload.h"
 
 #include <cmath>
 #include <set>
