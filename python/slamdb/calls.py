@@ -9,6 +9,7 @@ from .files import Path, _told, read
 from .report import Report
 
 Source = Union[Atlas, Path]
+Texts = Union[str, Sequence[str]]  # one, or several
 Ids = Union[None, int, Sequence[int]]  # one, or several
 Arguments = Mapping[str, Any]
 Notices = List[Tuple[str, str]]
@@ -28,6 +29,15 @@ def named(given: Arguments, key: str = "source") -> Dict[str, Any]:
     """The arguments with the atlas itself under that key, and how it is called."""
     source = given[key]
     return {**given, key: held(source), "name": name(source)}
+
+
+def listed(texts: Texts) -> List[str]:
+    return [texts] if isinstance(texts, str) else list(texts)
+
+
+def several(sources: Union[Source, Sequence[Source]]) -> List[Source]:
+    """One, or a sequence of them, as a list."""
+    return [sources] if isinstance(sources, (Atlas, str, os.PathLike)) else list(sources)
 
 
 def changed(verb: Callable[[Atlas, Arguments], Tuple[str, Notices]], given: Arguments) -> Report:

@@ -8,10 +8,13 @@
 
 #include "python/src/arguments.h"
 #include "python/src/module.h"
+#include "slamdb/base/atomic_file.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/orbslam3/options.h"
+#include "slamdb/formats/results.h"
 #include "slamdb/formats/sqlite/options.h"
 
 // Reading and writing. slamdb/files.py documents what is here.
@@ -42,6 +45,21 @@ Selection ReadSelectionOf(Arguments& given) {
     selection.box = Eigen::AlignedBox3f(box.first, box.second);
   }
   return selection;
+}
+
+void RefuseIdleSelection(const AtlasOrPath& source, const ReadOptions& read) {
+  if (source.atlas && !read.selection.everything())
+    throw Error(ErrorKind::kUsage,
+                "map=, keyframes=, time= and box= are for a source that is a path; `Extract` keeps a "
+                "part of an atlas");
+}
+
+void WriteShown(const std::string& path, bool overwrite, const std::string& bytes) {
+  if (path.empty()) return;
+  RefuseAtlas(path);
+  AtomicFile file(path, {.overwrite = overwrite});
+  file.Write(bytes);
+  file.Commit();
 }
 
 ReadOptions ReadingOf(Arguments& given) {

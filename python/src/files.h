@@ -15,11 +15,18 @@ using NoticeList = std::vector<std::pair<std::string, std::string>>;
 NoticeList ListOf(const Notices& notices);
 
 class Arguments;
+struct AtlasOrPath;
 
 // map, keyframes, time, box: what of an atlas is read.
 Selection ReadSelectionOf(Arguments& given);
 
 // The same and format, layout, wait, threads, progress: how a source that is a path, or bytes, is read.
 ReadOptions ReadingOf(Arguments& given);
+
+// Throws Error (kUsage) where a part is asked for of what is in memory, which is whole.
+void RefuseIdleSelection(const AtlasOrPath& source, const ReadOptions& read);
+
+// Writes a page or a picture, which never replaces an atlas; nothing where no path is named.
+void WriteShown(const std::string& path, bool overwrite, const std::string& bytes);
 
 }  // namespace slamdb::python

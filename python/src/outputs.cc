@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "cli/boost_versions.h"
 #include "cli/choices.h"
 #include "python/src/errors.h"
 #include "python/src/estimates.h"
 #include "python/src/module.h"
 #include "python/src/verb.h"
-#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/words/words.h"
@@ -15,13 +13,13 @@
 #include "slamdb/formats/geographic/options.h"
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/mrpt/options.h"
+#include "slamdb/formats/orbslam3/boost_versions.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/many/convert.h"
 #include "slamdb/many/names.h"
 #include "slamdb/many/selected.h"
 #include "slamdb/plot/plot.h"
-#include "slamdb/report/pages.h"
 #include "slamdb/synthetic/synthesize.h"
 
 // Verbs that write what is to be looked at, or used elsewhere. slamdb/outputs.py documents what is here.
@@ -31,14 +29,6 @@ namespace py = pybind11;
 
 namespace {
 
-// What is in memory is whole.
-void RefuseIdleSelection(const AtlasOrPath& source, const ReadOptions& read) {
-  if (source.atlas && !read.selection.everything())
-    throw Error(ErrorKind::kUsage,
-                "map=, keyframes=, time= and box= are for a source that is a path; `Extract` keeps a "
-                "part of an atlas");
-}
-
 // What is to be shown: an atlas, or the part of a file.
 std::shared_ptr<const Atlas> ToShow(const AtlasOrPath& source, const ReadOptions& read, Notices& notices) {
   RefuseIdleSelection(source, read);
@@ -46,20 +36,11 @@ std::shared_ptr<const Atlas> ToShow(const AtlasOrPath& source, const ReadOptions
   return std::make_shared<const Atlas>(ReadPartToShow(source.path, HoldInput(source.path, read), read, notices));
 }
 
-// Writes a page or a picture, which never replaces an atlas; nothing where no path is named.
-void WriteShown(const std::string& path, bool overwrite, const std::string& bytes) {
-  if (path.empty()) return;
-  RefuseAtlas(path);
-  AtomicFile file(path, {.overwrite = overwrite});
-  file.Write(bytes);
-  file.Commit();
-}
-
 std::optional<std::uint32_t> BoostVersionOf(Arguments& given) {
   if (!given.Has("boost_version")) return std::nullopt;
   const std::string name = given.Get<std::string>("boost_version");
-  if (const auto version = cli::BoostVersionByName(name)) return version;
-  throw Error(ErrorKind::kUsage, cli::WhyNoBoostVersion(name));
+  if (const auto version = BoostVersionByName(name)) return version;
+  throw Error(ErrorKind::kUsage, WhyNoBoostVersion(name));
 }
 
 WriteOptions WritingOf(Arguments& given) {
@@ -95,7 +76,7 @@ struct Converting {
 
   std::string Do(Notices& notices) const {
     ConvertOptions convert = options;
-    const Location to(output);
+    const Location to(NamedOutput(source.path, output, convert.write.format));
     const Format& format = FormatOfOutput(to, convert.write.format);
     RefuseIdleSelection(source, convert.read);
     convert.write.of<StoreWriteOptions>().provenance = source.path.empty() ? "convert" : "convert " + source.path;
@@ -104,7 +85,7 @@ struct Converting {
     const Converted converted =
         source.atlas ? Convert(*source.atlas, to, convert, notices)
                      : Convert(HoldInput(Location(source.path), convert.read), source.path, to, convert, notices);
-    return ToJson(converted.report, {.input = source.path, .output = convert.dry_run ? std::string() : output});
+    return ToJson(converted.report, {.input = source.path, .output = convert.dry_run ? std::string() : to.ToString()});
   }
 };
 
@@ -208,30 +189,6 @@ void DefinePlot(py::module_& module) {
   });
 }
 
-// A page about one atlas.
-void DefineReportPage(py::module_& module) {
-  module.def("report", [](const py::dict& values) {
-    Arguments given(values);
-    const auto atlas = given.AtlasAt("source");
-    const std::string name = given.Get<std::string>("name"), output = given.Path("output");
-    const bool overwrite = given.Get<bool>("overwrite");
-    const CheckOptions check = CheckOptionsOf(given);
-    const std::optional<std::uint64_t> bytes =
-        given.Has("bytes") ? std::optional(given.Get<std::uint64_t>("bytes")) : std::nullopt;
-    given.RequireAllTaken();
-    std::string page, json;
-    {
-      const py::gil_scoped_release unlocked;
-      AtlasReport report = ReportOn(*atlas, name, check);
-      report.bytes = bytes;
-      page = ReportPage(*atlas, report, {.threads = check.threads, .wording = cli::InCommandWords});
-      WriteShown(output, overwrite, page);
-      json = ToJson(std::span<const AtlasReport>(&report, 1), output);
-    }
-    return py::make_tuple(TextOf(page), Report(json), NoticeList());
-  });
-}
-
 struct Synthesizing {
   SyntheticOptions options;
   std::string vocabulary, truth;
@@ -286,7 +243,6 @@ void DefineSynthesize(py::module_& module) {
 void DefineOutputs(py::module_& module) {
   DefineConvert(module);
   DefinePlot(module);
-  DefineReportPage(module);
   DefineSynthesize(module);
 }
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/choices.h"
+#include "python/src/inputs.h"
 #include "python/src/module.h"
 #include "python/src/verb.h"
-#include "slamdb/checks/report.h"
 #include "slamdb/edit/diff/diff.h"
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/edit/tables/tables.h"
-#include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/salvage.h"
 #include "slamdb/formats/sqlite/options.h"
+#include "slamdb/many/check.h"
 
 // Checks, repairs and comparisons. slamdb/verbs.py documents what is here.
 namespace slamdb::python {
@@ -36,16 +36,14 @@ namespace {
 
 void DefineCheck(py::module_& module) {
   DefineReport(module, "check", [](Arguments& given) {
-    return [options = CheckOptionsOf(given), atlas = given.AtlasAt("source"), name = given.Get<std::string>("name"),
-            vocabulary = given.Path("vocabulary")](Notices&) {
-      CheckOptions check = options;
-      if (const auto loaded = VocabularyAt(vocabulary, options.threads)) {
-        RequireVocabulary(*atlas, {.tree = &loaded->tree, .identity = loaded->identity, .threads = options.threads});
-        check.vocabulary_words = loaded->tree.word_count;
-      }
-      CheckedFile checked{.name = name};
-      checked.report = CheckAtlas(*atlas, check);
-      return ToJson(std::span<const CheckedFile>(&checked, 1));
+    const CheckAtlasesOptions options{.read = ReadingOf(given), .check = CheckOptionsOf(given)};
+    return [options, inputs = InputsOf(given), vocabulary = given.Path("vocabulary")](Notices& notices) {
+      CheckAtlasesOptions check = options;
+      const auto loaded = VocabularyAt(vocabulary, options.read.threads);
+      if (loaded) check.vocabulary = &*loaded;
+      const auto outcomes = CheckAtlases(inputs.Find(), check);
+      TellOutcomes(outcomes, notices);
+      return ToJson(CheckedFilesOf(outcomes));
     };
   });
 }

@@ -90,7 +90,7 @@ def test_without_cairo_the_rest_is_shown(atlas, monkeypatch):
 
 def test_names_are_text(tmp_path, atlas, store):
     report = slamdb.Report({"report": HOSTILE, HOSTILE: HOSTILE, "rows": [{HOSTILE: HOSTILE}], "list": [HOSTILE]})
-    failed = slamdb.CheckReport.parse(_slamdb.check_failed(HOSTILE, HOSTILE))
+    failed = slamdb.check(HOSTILE)
     name = HOSTILE.replace("/", "")
     store.save(name, atlas)
     shows = {HOSTILE: (report, failed), name: (store, store.log(), store.check())}
