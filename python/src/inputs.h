@@ -30,9 +30,11 @@ ManyInputs InputsOf(Arguments& given);
 template <class Result>
 void TellOutcomes(const std::vector<Outcome<Result>>& outcomes, Notices& notices) {
   for (const Outcome<Result>& outcome : outcomes)
-    for (const Notice& notice : outcome.notices.items())
-      if (notice.kind != Notice::Kind::kNote)
-        notices.Warn((outcomes.size() > 1 ? outcome.path + ": " : "") + notice.text);  // readers lose nothing
+    for (const Notice& notice : outcome.notices.items()) {
+      const std::string text = (outcomes.size() > 1 ? outcome.path + ": " : "") + notice.text;
+      if (notice.kind == Notice::Kind::kLoss) notices.Lose(text);
+      if (notice.kind == Notice::Kind::kWarning) notices.Warn(text);
+    }
 }
 
 }  // namespace slamdb::python

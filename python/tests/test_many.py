@@ -79,15 +79,15 @@ REPORTS = [
 ]
 
 
-def both(function, verb, case, maps, fixtures, command, monkeypatch, **more):
+def both(function, verb, case, maps, fixtures, command, monkeypatch, words=()):
     """What Python and the command tell, each called in the folder of the maps."""
     names, arguments, options = case
     monkeypatch.chdir(maps.parent)
     vocabulary = fixtures / "vocabulary" / "small.txt"
     paths = [os.path.join("maps", name) for name in names]
     given = {key: vocabulary if value == "{vocabulary}" else value for key, value in arguments.items()}
-    words = [str(vocabulary) if word == "{vocabulary}" else word for word in options.split()]
-    return function(paths, **given), command(verb, *paths, *words, *more.get("words", []))
+    asked = [str(vocabulary) if word == "{vocabulary}" else word for word in options.split()]
+    return function(paths, **given), command(verb, *paths, *asked, *words)
 
 
 @pytest.mark.parametrize("case", LISTS, ids=str)
@@ -146,11 +146,12 @@ def test_reports_and_their_pages_are_the_commands(case, maps, fixtures, command,
     outputs = [maps.parent / name / ("lab.html" if one else "pages") for name in ("mine", "theirs")]
     for output in outputs:
         output.parent.mkdir()
-    mine, theirs = both(lambda paths, **given: slamdb.report(paths, outputs[0], **given), "report", case, maps, fixtures,
-                        command, monkeypatch, words=["-o", str(outputs[1])])  # fmt: skip
+    mine, theirs = both(lambda paths, **given: slamdb.report(paths, outputs[0], **given), "report", case, maps,
+                        fixtures, command, monkeypatch, words=["-o", str(outputs[1])])  # fmt: skip
     assert {**mine.report.to_dict(), "output": None} == {**theirs, "output": None}
     files = [{path.name: path.read_bytes() for path in output.parent.rglob("*.html")} for output in outputs]
-    assert files[0] == files[1] and len(files[0]) == (1 if one else 1 + sum("failure" not in each for each in theirs["inputs"]))
+    readable = sum("failure" not in each for each in theirs["inputs"])
+    assert files[0] == files[1] and len(files[0]) == (1 if one else 1 + readable)
     assert mine.html.encode() == files[0]["lab.html" if one else "index.html"]
 
 

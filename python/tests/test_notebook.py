@@ -156,6 +156,17 @@ def test_the_page_is_written_as_a_file(page_is_built, atlas, session, tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["map.html"]
 
 
+PART = ({"keyframes": (0, 5), "keypoints": "none"}, "--keyframes 0:5 --keypoints none")
+
+
+@pytest.mark.parametrize("arguments, options", [({}, ""), PART], ids=["whole", "part"])
+def test_the_page_is_the_commands(page_is_built, session, command, tmp_path, arguments, options):
+    shown = slamdb.view(session, tmp_path / "mine.html", **arguments)
+    command("view", session, "-o", tmp_path / "theirs.html", *options.split(), json=False)
+    assert shown.html == (tmp_path / "mine.html").read_text() == (tmp_path / "theirs.html").read_text()
+    assert "px on average" in shown.html  # the panel of the viewer
+
+
 def test_two_atlases_are_compared(page_is_built, atlas, session):
     atlas.maps[0].points.positions[0] += 1
     assert slamdb.view([session, atlas], diff=True).html != slamdb.view([session, atlas]).html
