@@ -17,13 +17,22 @@
 #include "slamdb/evaluate/evaluate.h"
 #include "slamdb/formats/colmap/options.h"
 #include "slamdb/formats/export/options.h"
+#include "slamdb/formats/format.h"
 #include "slamdb/optimize/optimize.h"
 #include "slamdb/plot/plot.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "slamdb/view/page.h"
 
-// The words that options take, and what they mean: for the command, and for keyword arguments in Python.
+// The words that options take and what they mean, and what they are for: for the command, and for keyword arguments in
+// Python.
 namespace slamdb::cli {
+
+// Outputs that options are for.
+inline bool IsColmap(const Format& format) { return format.id.starts_with("colmap"); }
+inline bool NamesPictures(const Format& format) {
+  return IsColmap(format) || format.id == "nerf" || format.id == "3dgs";
+}
+inline bool IsModel(const Format& format) { return IsColmap(format) && format.is_folder; }
 
 template <class Value>
 using Choices = std::map<std::string, Value>;

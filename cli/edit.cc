@@ -14,36 +14,9 @@
 #include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/names.h"
 
 namespace slamdb::cli {
-
-namespace {
-
-// The name of an atlas that its location tells; empty when it tells none.
-std::string NameOfAtlas(const Location& input) {
-  std::error_code missing;
-  if (!input.name.empty() || !std::filesystem::is_regular_file(input.path, missing)) return input.name;
-  const Format* format = FindFormatOfInput(input);
-  if (format == nullptr || !format->named) return StemOf(input.path);
-  const std::vector<std::string> names = Store::Open(input.path).Names();
-  return names.size() == 1 ? names.front() : std::string();
-}
-
-}  // namespace
-
-std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to) {
-  const Location target(output);
-  if (output.empty() || output == "-" || !target.name.empty()) return output;
-  try {
-    if (!FormatOfOutput(target, to).named) return output;
-    const std::string name = NameOfAtlas(input);
-    return IsNameOfAtlas(name) ? output + "#" + name : output;
-  } catch (const Error&) {
-    return output;  // what is wrong with it is said where it is read and written
-  }
-}
 
 void RequireOutput(const EditOptions& options) {
   if (options.output.empty() && !options.dry_run)
@@ -159,7 +132,7 @@ ExitCode FinishWriting(const Location& output, const std::string& details, Conso
 
 void PrintReport(std::string_view report, bool json, bool piped, Console& console) {
   if (!json && console.quiet()) return;
-  const std::string words = InCommandWords(report);
+  const std::string words = json ? ReportInCommandWords(report) : InCommandWords(report);
   if (piped)
     std::cerr << (json ? words : detail::VisibleText(words));
   else if (json)

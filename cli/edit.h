@@ -55,11 +55,6 @@ std::string FormatToWrite(const Atlas& atlas, const Location& output, const std:
 // terminal.
 void RefuseBadOutput(const EditOptions& options);
 
-// An output in a store without a name gets that of the input: its name in a store, else the stem of its file. So a
-// second atlas comes to lie beside the first. Standard input, what is no file, and a stem that is no name of an atlas
-// (IsNameOfAtlas) name nothing.
-std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to);
-
 // What reports name as input and output; no output with --dry-run.
 ReportFiles FilesOf(const EditOptions& options);
 

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 
+#include "cli/options.h"
 #include "slamdb/base/error.h"
+#include "slamdb/base/output_name.h"
 
 namespace slamdb::cli {
 
@@ -13,6 +15,10 @@ void GuardDefaultName(const std::string& output) {
     throw Error(ErrorKind::kUsage, output, "",
                 "is a symbolic link, which is followed only where -o/--output names it; name the output");
   RefuseAtlas(output);
+}
+
+void RequirePageName(const std::string& output) {
+  if (const std::string why = WhyNoPage(output); !why.empty()) RefuseUsage(why);
 }
 
 }  // namespace slamdb::cli

@@ -11,4 +11,7 @@ namespace slamdb::cli {
 // RefuseAtlas, of an output that nobody named, which is no symbolic link either: that would lead to what nobody meant.
 void GuardDefaultName(const std::string& output);
 
+// Ends with exit code 2 where browsers would not take it for a page.
+void RequirePageName(const std::string& output);
+
 }  // namespace slamdb::cli

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/boost_versions.h"
 #include "cli/exports.h"
 #include "cli/help/usage.h"
 #include "cli/values.h"
@@ -14,6 +13,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/layouts/layout_text.h"
+#include "slamdb/formats/orbslam3/boost_versions.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 

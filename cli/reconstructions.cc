@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/reconstructions.h"
 
+#include "cli/choices.h"
 #include "cli/options.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/options.h"
 #include "slamdb/many/convert.h"
 
 namespace slamdb::cli {
-namespace {
-
-bool IsColmap(const Format& format) { return format.id.starts_with("colmap"); }
-bool NamesPictures(const Format& format) { return IsColmap(format) || format.id == "nerf" || format.id == "3dgs"; }
-bool IsModel(const Format& format) { return IsColmap(format) && format.is_folder; }
-
-}  // namespace
-
 void AddReconstructionOptions(CLI::App& verb, ReconstructionOptions& options) {
   constexpr const char* kGroup = "Reconstructions";
   verb.add_option("--images", options.images,

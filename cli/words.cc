@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/words.h"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace slamdb::cli {
 namespace {
@@ -80,6 +82,18 @@ constexpr std::array kWords = {
     Word{"`RepairAtlas`", "`slamdb repair`"},
 };
 
+// Members of reports that are names: they stay as they are, whatever they are called.
+constexpr std::string_view kNames[] = {"after", "against", "atlas",   "before",   "below",      "folder",    "from",
+                                       "input", "inputs",  "name",    "names",    "output",     "outputs",   "page",
+                                       "path",  "paths",   "picture", "pictures", "provenance", "reference", "store"};
+
+// Behind the string of a JSON text that begins at `at`.
+std::size_t EndOfString(std::string_view json, std::size_t at) {
+  for (++at; at < json.size() && json[at] != '"'; ++at)
+    if (json[at] == '\\') ++at;
+  return std::min(at + 1, json.size());
+}
+
 }  // namespace
 
 std::span<const Word> Words() { return kWords; }
@@ -89,6 +103,25 @@ std::string InCommandWords(std::string_view sentence) {
   for (const auto& [library, command] : kWords)
     for (std::size_t at = text.find(library); at != std::string::npos; at = text.find(library, at + command.size()))
       text.replace(at, library.size(), command);
+  return text;
+}
+
+std::string ReportInCommandWords(std::string_view json) {
+  std::string text;
+  std::string_view key;
+  for (std::size_t at = 0; at < json.size();) {
+    const std::size_t begin = std::min(json.find('"', at), json.size());
+    const std::size_t end = begin < json.size() ? EndOfString(json, begin) : begin;
+    text.append(json.substr(at, begin - at));
+    const std::string_view string = json.substr(begin, end - begin);
+    const bool is_key = end < json.size() && json[end] == ':';
+    if (is_key) key = string.substr(1, string.size() - 2);
+    if (is_key || std::ranges::find(kNames, key) != std::end(kNames))
+      text.append(string);
+    else
+      text.append(InCommandWords(string));
+    at = end;
+  }
   return text;
 }
 

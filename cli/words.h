@@ -11,6 +11,9 @@ namespace slamdb::cli {
 // `is there already; WriteOptions::overwrite replaces it` becomes `is there already; -O/--overwrite replaces it`.
 std::string InCommandWords(std::string_view sentence);
 
+// The same of the sentences of a report as JSON; names in it stay as they are.
+std::string ReportInCommandWords(std::string_view json);
+
 // What is replaced by what for that, in this order. Python has the same in its own spelling.
 struct Word {
   std::string_view library, command;

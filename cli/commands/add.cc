@@ -92,7 +92,7 @@ ExitCode RunAdd(const AddVerbOptions& options, Console& console) {
   };
   const auto tell = [&](const AddReport& report) {
     if (options.json)
-      console.PrintData(InCommandWords(ToJson(report)));
+      console.PrintData(ReportInCommandWords(ToJson(report)));
     else if (!console.quiet())
       console.Print(Summary(report));
   };

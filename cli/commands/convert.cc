@@ -27,6 +27,7 @@
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/formats/trajectory/options.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 namespace {

@@ -15,6 +15,7 @@
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/warnings.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 namespace {

@@ -15,15 +15,12 @@
 #include "cli/exports.h"
 #include "cli/guard.h"
 #include "cli/options.h"
-#include "cli/output_name.h"
 #include "cli/page_server.h"
-#include "cli/report/info_text.h"
 #include "cli/report/layout.h"
 #include "cli/selection.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/info.h"
 #include "slamdb/many/names.h"
 #include "slamdb/view/page.h"
 
@@ -52,29 +49,6 @@ std::string OutputOf(const ViewVerbOptions& options) {
   return page;
 }
 
-// What `slamdb info` says, for the panel.
-std::vector<ViewFact> FactsOf(const AtlasInfo& info) {
-  std::vector<ViewFact> facts;
-  for (const InfoSection& section : InfoSections(info)) {
-    if (!section.heading.label.empty()) facts.push_back({section.heading.label, section.heading.value});
-    for (const InfoRow& row : section.rows) facts.push_back({row.label, row.value});
-  }
-  return facts;
-}
-
-// An atlas of the command line, as the page is told of it.
-ViewInput InputOf(const std::string& path, const Atlas& atlas, const Format& format) {
-  const auto facts = [&atlas, path, &format](const AtlasStatistics& statistics) {
-    AtlasInfo info = InfoOf(atlas, format, path);
-    info.statistics = statistics;
-    return FactsOf(info);
-  };
-  return {.atlas = &atlas,
-          .name = std::filesystem::path(path).filename().string(),
-          .format = std::string(format.title),
-          .facts = facts};
-}
-
 struct ReadInputs {
   std::vector<Atlas> atlases;
   std::vector<ViewInput> inputs;
@@ -94,7 +68,7 @@ ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& no
     if (read.format.empty()) read.custom_format = format;  // told once
     read.selection = ParseSelection(options.selection, held, read);
     result.atlases.push_back(ReadPartToShow(path, held, read, notices));  // throws where nothing tells the format
-    result.inputs.push_back(InputOf(path, result.atlases.back(), *format));
+    result.inputs.push_back(ViewInputOf(result.atlases.back(), path, format, InCommandWords));
   }
   return result;
 }

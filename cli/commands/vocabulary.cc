@@ -14,6 +14,7 @@
 #include "slamdb/edit/words/words.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/vocabularies.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 namespace {

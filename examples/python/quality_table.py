@@ -18,15 +18,11 @@ MEASURES = ("keyframes", "points", "trajectory_length", "observers_per_point", "
 COLUMNS = ("input", "sound", "errors", *MEASURES, "failure")
 
 
-def row_of(found: slamdb.FoundAtlas) -> dict:
-    try:
-        if found.failure:
-            return {"input": found.input, "failure": found.failure}
-        [checked] = slamdb.check(found.input)["inputs"]
-    except slamdb.Error as error:
-        return {"input": found.input, "failure": str(error)}
+def row_of(checked: dict) -> dict:
+    if "failure" in checked:
+        return {"input": checked["input"], "failure": checked["failure"]}
     measures = {name: f"{checked['measures'][name]:.10g}" for name in MEASURES}
-    return {"input": found.input, "sound": checked["sound"], "errors": checked["severities"]["error"], **measures}
+    return {"input": checked["input"], "sound": checked["sound"], "errors": checked["severities"]["error"], **measures}
 
 
 def main() -> None:
@@ -37,7 +33,7 @@ def main() -> None:
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(row_of(found) for found in slamdb.find_atlases(*options.names))
+    writer.writerows(row_of(checked) for checked in slamdb.check(*options.names)["inputs"])
     if options.output:
         slamdb.write_file(options.output, text.getvalue().encode(errors="replace"))
     else:

@@ -38,11 +38,11 @@ from .ids import reassign_origin, renumber
 from .imu import ImuArrays
 from .landmarks import landmarks_from_points, landmarks_to_points
 from .layouts import layouts_from_source, layouts_infer, layouts_list, layouts_show
-from .many import FoundAtlas, Page, find_atlases, list_atlases, report_page, summarize, write_file
+from .many import FoundAtlas, find_atlases, list_atlases, summarize, write_file
 from .notebook import View, view
 from .observations import Observations
 from .optimizing import close_loops, optimize
-from .outputs import convert, plot, report, synthesize
+from .outputs import Page, convert, plot, report, synthesize
 from .parts import cull, extract, fragments, shrink, split
 from .report import CheckReport, Report
 from .store import Store
@@ -55,7 +55,7 @@ __all__ = [
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
     "CheckReport", "Connections", "FoundAtlas", "Observations", "Page", "Report", "Store", "View",
-    "encode", "find_atlases", "info", "list_atlases", "read", "report_page", "summarize", "view", "write", "write_file",
+    "encode", "find_atlases", "info", "list_atlases", "read", "summarize", "view", "write", "write_file",
     "align", "check", "close_loops", "convert", "cull", "diff", "edit_tables", "evaluate", "extract", "fragments",
     "landmarks_from_points", "landmarks_to_points", "layouts_from_source", "layouts_infer", "layouts_list", "layouts_show",
     "locate", "merge", "optimize", "plot", "reassign_origin", "recover", "renumber", "repair", "report", "shrink", "split",

@@ -6,7 +6,7 @@ from typing import Dict, Optional, Sequence, Tuple, Union
 
 from . import _slamdb
 from ._slamdb import Atlas
-from .calls import Source, held, made, name, reported
+from .calls import Source, made, reported
 from .files import Path, Progress
 from .frames import Transform, transform_text
 from .report import Report
@@ -79,8 +79,6 @@ def merge(
     fuse_radius: how far apart, pixels of uncertainty, 3; fuse_hamming: in how many bits descriptors may differ, 50
     """
     given = locals()
-    given["sources"] = [held(source) for source in sources]
-    given["names"] = [name(source) or "atlas" for source in sources]
     given["transform"] = transform_text(transform)
     if anchors is not None and not isinstance(anchors, (str, os.PathLike)):
         given["anchors"] = ",".join(f"{first}:{second}" for first, second in anchors)

@@ -2,6 +2,7 @@
 """Reading and writing atlases in every format of slamdb."""
 
 import os
+import sys
 import warnings
 from typing import Callable, List, Optional, Sequence, Tuple, Union
 
@@ -17,11 +18,15 @@ Range = Optional[Tuple[float, float]]
 Box = Optional[Tuple[Sequence[float], Sequence[float]]]
 
 
-def _told(notices: List[Tuple[str, str]], depth: int = 3) -> None:
+def told(notices: List[Tuple[str, str]]) -> None:
+    """Warns of losses and warnings where the package was called."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
+        level, frame = level + 1, frame.f_back
     kinds = {"loss": LossWarning, "warning": SlamdbWarning}
     for kind, text in notices:
         if kind in kinds:
-            warnings.warn(in_python_words(text), kinds[kind], stacklevel=depth)
+            warnings.warn(in_python_words(text), kinds[kind], stacklevel=level)
 
 
 def read(
@@ -55,7 +60,7 @@ def read(
     """
     given = locals()
     atlas, notices = _slamdb.read(given.pop("source"), given)
-    _told(notices)
+    told(notices)
     return atlas
 
 
@@ -82,7 +87,7 @@ def write(
     sync: wait for the disk; wait: seconds, for another program that writes to the store
     """
     given = locals()
-    _told(_slamdb.write(given.pop("atlas"), given.pop("path"), given))
+    told(_slamdb.write(given.pop("atlas"), given.pop("path"), given))
 
 
 def encode(
@@ -97,7 +102,7 @@ def encode(
     """The bytes of the file that `write` would write."""
     given = locals()
     data, notices = _slamdb.encode(given.pop("atlas"), given)
-    _told(notices)
+    told(notices)
     return data
 
 
@@ -110,5 +115,5 @@ def info(
     """
     given = locals()
     report, notices = _slamdb.info(given.pop("path"), given)
-    _told(notices)
+    told(notices)
     return Report.parse(report)

@@ -5,7 +5,7 @@ from typing import Optional
 
 from . import _slamdb
 from ._slamdb import Atlas
-from .calls import Source, changed, named
+from .calls import Source, changed
 from .errors import UsageError
 from .files import Progress
 from .report import Report
@@ -28,8 +28,7 @@ def landmarks_to_points(source: Source, *, into: Optional[Atlas] = None, add: bo
     add: with into: make points of landmarks that it does not have
     """
     if into is not None:
-        landmarks = named({"landmarks": source, "add": add}, "landmarks")
-        return changed(_slamdb.lay_landmarks, {**landmarks, "atlas": into})
+        return changed(_slamdb.lay_landmarks, {"landmarks": source, "add": add, "atlas": into})
     if add:
         raise UsageError("add= goes with into=")
     if not isinstance(source, Atlas):

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Many atlases: what files, folders and stores stand for, and what is in each."""
 
-import os
-from typing import List, NamedTuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from . import _slamdb
 from ._slamdb import Atlas
-from .files import Path, Progress
+from .calls import Texts, listed, reported
+from .files import Path, Progress, Range
 from .report import Report
 from .words import in_python_words
+
+
+Ball = Optional[Tuple[Sequence[float], float]]  # (x, y, z), radius
 
 
 class FoundAtlas(NamedTuple):
@@ -20,37 +23,51 @@ class FoundAtlas(NamedTuple):
 
 
 def find_atlases(
-    *names: Path, recursive: bool = False, lock_timeout: float = 5, progress: Progress = None
+    *names: Path, recursive: bool = False, wait: float = 5, progress: Progress = None
 ) -> List[FoundAtlas]:
     """What files, folders, stores and patterns (`maps.db#lab_*`) stand for, as in `slamdb list` (docs/list.md).
 
     recursive: folders in folders, too
-    lock_timeout: seconds to wait for a program that holds a store
+    wait: seconds, for a program that holds a store
 
     In the order of the names, in natural order within each; nothing but stores is opened. What cannot be looked into is
     an entry with its failure.
     """
-    found = _slamdb.find_atlases([os.fsencode(name) for name in names], recursive, lock_timeout, progress)
+    found = _slamdb.find_atlases({"sources": names, "recursive": recursive, "wait": wait, "progress": progress})
     return [FoundAtlas(input, below, in_python_words(failure)) for input, below, failure in found]
 
 
 def list_atlases(
     *names: Path,
     recursive: bool = False,
+    format: str = "",
+    layout: Optional[Path] = None,
+    time: Range = None,
+    near: Ball = None,
+    keyframes: Optional[Tuple[int, int]] = None,
+    sort: Texts = (),
     check: bool = False,
-    lock_timeout: float = 5,
+    wait: float = 5,
     threads: int = 0,
     progress: Progress = None,
 ) -> Report:
     """What is in each of the atlases that names stand for: `slamdb list --json`. Stores tell without reading atlases.
 
+    recursive: folders in folders, too
+    format, layout: of files, as `read` takes them
+    time: only those of which a map was made, in part, from the first to the last second
+    near: only those of which a map has a point in the ball ((x, y, z), radius) in its world
+    keyframes: only those of which a map has a keyframe of the ids from the first to the last
+    sort: by "points", "size", "date" and so on, downwards by "-points"; several: equal ones by the next
     check: hold them against the rules, which reads them all
+    wait: seconds, for a program that holds a store
 
     What cannot be read is an entry with its failure.
     """
-    paths = [os.fsencode(name) for name in names]
-    report = _slamdb.list_atlases(paths, recursive, check, lock_timeout, threads, progress)
-    return Report.parse(in_python_words(report))
+    given: Dict[str, object] = dict(locals())
+    given["sources"] = given.pop("names")
+    given["sort"] = listed(sort)
+    return Report.parse(reported(_slamdb.list_atlases, given))
 
 
 def summarize(atlas: Atlas) -> Report:
@@ -58,28 +75,12 @@ def summarize(atlas: Atlas) -> Report:
     return Report.parse(_slamdb.summarize(atlas))
 
 
-class Page(NamedTuple):
-    """A page about an atlas."""
-
-    html: str  # a whole file, which needs no other
-    thumbnail: bytes  # a plan of it, PNG, 120 x 75; empty where slamdb was built without Cairo
-
-
-def report_page(atlas: Atlas, *, name: str = "", threads: int = 0) -> Page:
-    """The page that `slamdb report` writes (docs/report.md): numbers, plots, what a check finds.
-
-    name: what the page calls the atlas; any text
-    """
-    html, thumbnail = _slamdb.report_page(atlas, name, threads)
-    return Page(in_python_words(html), thumbnail)
-
-
 def write_file(path: Path, data: bytes, *, overwrite: bool = False, sync: bool = True) -> None:
     """Write bytes of any kind as atlases are written: the file appears whole or not at all.
 
-    overwrite: replace what is there; a store is never replaced
+    overwrite: replace what is there; atlases and stores are never replaced
     sync: wait for the disk
 
     Raises AlreadyExistsError, NotFoundError (the folder), AccessDeniedError, OutOfResourcesError.
     """
-    _slamdb.write_file(os.fsencode(path), data, overwrite, sync)
+    _slamdb.write_file(path, data, overwrite, sync)

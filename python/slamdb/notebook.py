@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 
 from . import _slamdb
 from ._slamdb import Atlas, Map
-from .errors import Error, UsageError
-from .files import Path, Progress, read
-from .many import write_file
+from .calls import Source, several
+from .errors import Error
+from .files import Box, Path, Progress, Range, told
+from .words import spelled
 
 if TYPE_CHECKING:
     from .report import Report
@@ -166,14 +167,17 @@ class View:
         return frame + "".join(f"<div>not in the page: {_text(sentence)}</div>" for sentence in self.left_out)
 
 
-_Source = Union[Atlas, Path]
-
-
 def view(
-    sources: Union[_Source, Sequence[_Source]],
-    path: Optional[Path] = None,
+    sources: Union[Source, Sequence[Source]],
+    output: Optional[Path] = None,
     *,
     overwrite: bool = False,
+    format: str = "",
+    layout: Optional[Path] = None,
+    map: Optional[int] = None,
+    keyframes: Optional[Tuple[int, int]] = None,
+    time: Range = None,
+    box: Box = None,
     title: str = "",
     keypoints: str = "auto",
     side_by_side: bool = False,
@@ -181,38 +185,30 @@ def view(
     check: bool = True,
     diff: bool = False,
     height: int = 480,
+    wait: float = 5,
     threads: int = 0,
     progress: Progress = None,
 ) -> View:
-    """Show an atlas, or several, in a notebook; with `path` write the page of `slamdb view`, one file, to it.
+    """Show an atlas, or several, in a notebook; with `output` write the page of `slamdb view`, one file, to it.
 
     sources: an atlas or the path of one, or a sequence of them
-    path: an .html; overwrite: replace it if it is there
+    output: an .html; overwrite: replace it if it is there
+    format, layout, map, keyframes, time, box: of sources that are paths, as `read` takes them
     title: of the page; by default what the atlases are called
     keypoints: "auto" (as there is room for), "all", "matched" (those that see a point), "none"
     side_by_side: several atlases beside each other, not over each other
     normals: with the normals of points
-    check: with what `slamdb.check` finds, in place
+    check: with what `slamdb.check` finds, in place; of parts nothing is
     diff: of two atlases, what the second changed
     height: of the frame in the notebook, pixels
+    wait: seconds, for another program that writes to the store
 
     A notebook shows pages of up to 2.5 MB, which is what Jupyter lets through; keypoints that do not fit are left out.
     Raises UnsupportedError where slamdb was built without the page, saying what to install.
     """
-    several = [sources] if isinstance(sources, (Atlas, str, os.PathLike)) else list(sources)
-    atlases = [source if isinstance(source, Atlas) else read(source) for source in several]
-    names = ["atlas" if isinstance(s, Atlas) else os.path.basename(os.fspath(s)) for s in several]
-    how: Tuple[Any, ...] = (side_by_side, normals, check, diff, threads, progress)
-    page, left_out = _slamdb.view_page(atlases, names, title, keypoints, *how)
-    if path is not None:
-        _write(os.fspath(path), page, overwrite)
-    elif len(page) > MOST_EMBEDDED and keypoints == "auto":
-        page, left_out = _slamdb.view_page(atlases, names, title, "none", *how)
-        left_out.append("keypoints, which are too many for a notebook; slamdb.view(atlas, 'map.html') has them")
-    return View(page, left_out, height)
-
-
-def _write(path: str, page: str, overwrite: bool) -> None:
-    if not path.endswith((".html", ".htm")):
-        raise UsageError("a page is an .html", path)
-    write_file(path, page.encode(), overwrite=overwrite)
+    given: Dict[str, object] = dict(locals())
+    given.pop("height")
+    given.update(sources=several(sources), embedded=MOST_EMBEDDED if output is None else None)
+    page, left_out, notices = _slamdb.view_page(given)
+    told(notices)
+    return View(page, [spelled(sentence) for sentence in left_out], height)

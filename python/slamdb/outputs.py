@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Verbs that write what is to be looked at, or used elsewhere. Files appear whole or not at all."""
 
-import os
-from typing import Dict, Mapping, Optional, Sequence, Tuple
+from typing import Dict, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _slamdb
 from ._slamdb import Atlas
-from .calls import Source, held, made, name, reported
-from .files import Box, Path, Progress, Range, _told
+from .calls import Source, Texts, listed, made, reported, several
+from .files import Box, Path, Progress, Range, told
 from .report import Report
 
-_TOLD_AT = 3  # from the warning to who called
 
 
 def convert(
@@ -41,7 +39,7 @@ def convert(
     times: Optional[Path] = None,
     color: Optional[str] = None,
     cameras: bool = False,
-    origin: str = "",
+    origin: Optional[str] = None,
     most_points: Optional[int] = None,
     images: Optional[Path] = None,
     with_database: bool = False,
@@ -53,6 +51,8 @@ def convert(
     progress: Progress = None,
 ) -> Report:
     """Write an atlas in another format, or as part (docs/formats.md). What the output cannot hold is a LossWarning.
+
+    output: a path, or STORE.db#NAME; in a store without a name it gets that of a source that is a path
 
     format, layout: of a source that is a path, which is told by its content; to: of the output, told by its suffix;
         text: short for to="orbslam3-text"
@@ -120,35 +120,58 @@ def plot(
     """
     given: Dict[str, object] = dict(locals())
     data, notices = _slamdb.plot(given)
-    _told(notices, _TOLD_AT)
+    told(notices)
     return data
 
 
+class Page(NamedTuple):
+    """A page about an atlas, or the index of the pages of several."""
+
+    html: str  # a whole file; empty where the one atlas could not be read
+    report: Report
+    thumbnail: bytes  # of one atlas its plan, PNG, 120 x 75; empty where slamdb was built without Cairo
+
+
 def report(
-    source: Source,
+    sources: Union[Source, Sequence[Source]],
     output: Optional[Path] = None,
     *,
+    recursive: bool = False,
+    name: str = "",
+    format: str = "",
+    layout: Optional[Path] = None,
     overwrite: bool = False,
-    ignore: Sequence[str] = (),
-    note: Sequence[str] = (),
-    warn: Sequence[str] = (),
-    error: Sequence[str] = (),
+    ignore: Texts = (),
+    note: Texts = (),
+    warn: Texts = (),
+    error: Texts = (),
     strict: bool = False,
     gates: Optional[Mapping[str, float]] = None,
+    wait: float = 5,
     threads: int = 0,
     progress: Progress = None,
-) -> Tuple[str, Report]:
-    """A page about one atlas: numbers, plots, findings (docs/report.md): the HTML, and the report.
+) -> Page:
+    """Pages about atlases: numbers, plots, findings (docs/report.md).
 
-    output: write it there, too; overwrite: replace it
+    sources: an atlas, a file, a folder, a store, or a sequence of them
+    output: of one atlas the page, an .html, or none is written; of several the folder of pages and index.html
+    recursive: look into folders of folders, too
+    name: what the page calls an atlas in memory; any text
+    format, layout: of files, as `read` takes them
+    overwrite: replace pages that are there, and write into a folder that holds other files
     ignore, note, warn, error, strict, gates: as for `check`
+    wait: seconds, for other programs that write to stores
+
+    What cannot be read is a row of the index and an entry of the report with its failure.
+    Raises NotFoundError where there is no atlas, UsageError where several have no folder, AlreadyExistsError.
     """
     given: Dict[str, object] = dict(locals())
-    path = name(source)
-    bytes = os.path.getsize(path) if path and os.path.isfile(path) else None
-    given.update(source=held(source), name=path, bytes=bytes, gates=gates or {})
-    page, told, _ = _slamdb.report(given)
-    return page, Report.parse(told)
+    given["sources"] = several(sources)
+    for severity, rules in (("ignore", ignore), ("note", note), ("warn", warn), ("error", error)):
+        given[severity] = listed(rules)
+    page, text, thumbnail, notices = _slamdb.report(given)
+    told(notices)
+    return Page(page, Report.parse(text), thumbnail)
 
 
 def synthesize(

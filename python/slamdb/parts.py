@@ -5,8 +5,8 @@ from typing import Dict, Optional, Sequence, Tuple
 
 from . import _slamdb
 from ._slamdb import Atlas
-from .calls import Ids, Source, changed, named
-from .files import Box, Path, Progress, Range
+from .calls import Ids, Source, changed
+from .files import Box, Path, Progress, Range, told
 from .report import Report
 
 
@@ -127,5 +127,6 @@ def split(
     min_keyframes: parts with fewer are left out
     border: of points that several parts observe, as for `extract`
     """
-    atlases, report, _ = _slamdb.split(named(locals()))
+    atlases, report, notices = _slamdb.split(locals())
+    told(notices)
     return atlases, Report.parse(report)

@@ -3,17 +3,16 @@
 
 import os
 from types import TracebackType
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Type
+from typing import Any, List, Mapping, Optional, Tuple, Type
 
 from . import _slamdb
 from ._slamdb import Atlas
-from .errors import Error, NotFoundError, UsageError
-from .files import Box, Path, Progress, Range, _told
+from .calls import Texts
+from .errors import NotFoundError, UsageError
+from .files import Box, Path, Progress, Range, told
+from .many import Ball, list_atlases
 from .report import CheckReport, Report
 from .verbs import check
-from .words import in_python_words
-
-Ball = Optional[Tuple[Sequence[float], float]]  # (x, y, z), radius
 
 
 class Store:
@@ -149,6 +148,7 @@ class Store:
         time: Range = None,
         near: Ball = None,
         keyframes: Optional[Tuple[int, int]] = None,
+        sort: Texts = (),
         check: bool = False,
         threads: int = 0,
         progress: Progress = None,
@@ -158,12 +158,14 @@ class Store:
         time: only those of which a map was made, in part, from the first to the last second
         near: only those of which a map has a point in the ball ((x, y, z), radius) in its world
         keyframes: only those of which a map has a keyframe of the ids from the first to the last
+        sort: by "points", "size", "saved" and so on, downwards by "-points"; several: equal ones by the next
         check: hold them against the rules of `slamdb.check`, and count what is found
         """
-        query = _slamdb.Query()
-        query.time, query.keyframes = time, keyframes
-        query.near = None if near is None else (list(near[0]), near[1])
-        return Report.parse(in_python_words(self._file.list(query, check, threads, progress)))
+        self._file.names()  # what is wrong with the store as a whole is an error, not an entry
+        return list_atlases(
+            self._path, time=time, near=near, keyframes=keyframes, sort=sort, check=check, wait=self._options[0],
+            threads=threads, progress=progress,
+        )  # fmt: skip
 
     def log(self) -> Report:
         """The history of the store, oldest first, as `slamdb log --json` tells."""
@@ -180,38 +182,26 @@ class Store:
     def check(
         self,
         *,
-        ignore: Sequence[str] = (),
-        note: Sequence[str] = (),
-        warn: Sequence[str] = (),
-        error: Sequence[str] = (),
+        ignore: Texts = (),
+        note: Texts = (),
+        warn: Texts = (),
+        error: Texts = (),
         strict: bool = False,
         max_findings: int = 100,
         gates: Optional[Mapping[str, float]] = None,
         threads: int = 0,
         progress: Progress = None,
     ) -> CheckReport:
-        """Check all atlases, one after the other, as `slamdb.check` does one: `slamdb check STORE --json`.
+        """Check all atlases: `slamdb check STORE --json`. Arguments are those of `slamdb.check`.
 
         One that cannot be read is an entry with its `failure`. Raises NotFoundError where there is no atlas.
         """
-        inputs: List[Dict[str, Any]] = []
-        report: Dict[str, Any] = {}
-        for listed in self.list()["atlases"]:
-            try:
-                atlas = self.load(listed["name"], threads=threads, progress=progress)
-                report = check(
-                    atlas, ignore=ignore, note=note, warn=warn, error=error, strict=strict, max_findings=max_findings,
-                    gates=gates, threads=threads, progress=progress,
-                ).to_dict()  # fmt: skip
-            except UsageError:
-                raise
-            except Error as failure:
-                report = CheckReport.parse(_slamdb.check_failed(listed["input"], str(failure))).to_dict()
-            report["inputs"][0]["input"] = listed["input"]
-            inputs += report["inputs"]
-        if not inputs:
+        if not self.names:
             raise NotFoundError("there is no atlas to check", self._path)
-        return CheckReport({**report, "inputs": inputs})
+        return check(
+            self._path, ignore=ignore, note=note, warn=warn, error=error, strict=strict, max_findings=max_findings,
+            gates=gates, wait=self._options[0], threads=threads, progress=progress,
+        )  # fmt: skip
 
     def add(
         self,
@@ -242,8 +232,8 @@ class Store:
             [os.fsencode(path) for path in paths], recursive, _bytes(name), name_from, overwrite, dry_run, format,
             layout, threads, progress,
         )  # fmt: skip
-        _told(notices)
-        return Report.parse(in_python_words(added))
+        told(notices)
+        return Report.parse(added)
 
     def table(self, kind: str, name: Optional[str] = None) -> Any:
         """The "keyframes", "points" or "observations" of one atlas, or of all of them, with columns `atlas` and `map`.

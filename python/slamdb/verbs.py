@@ -5,26 +5,20 @@ Those that change an atlas work on a copy and put it in place when it is done: a
 arrays that were taken before show what they showed.
 """
 
-import os
-from typing import Mapping, Optional, Sequence, Tuple, Union
+from typing import Dict, Mapping, Optional, Tuple
 
 from . import _slamdb
 from ._slamdb import Atlas
-from .calls import Source, changed, held, made, name, named, optional, reported
+from .calls import Source, Texts, changed, listed, made, reported
 from .errors import UsageError
 from .files import Path, Progress
 from .report import CheckReport, Report
 
-Texts = Union[str, Sequence[str]]
-
-
-def _list(texts: Texts) -> Sequence[str]:
-    return [texts] if isinstance(texts, str) else list(texts)
-
-
 def check(
-    source: Source,
-    *,
+    *sources: Source,
+    recursive: bool = False,
+    format: str = "",
+    layout: Optional[Path] = None,
     ignore: Texts = (),
     note: Texts = (),
     warn: Texts = (),
@@ -33,22 +27,28 @@ def check(
     max_findings: int = 100,
     vocabulary: Optional[Path] = None,
     gates: Optional[Mapping[str, float]] = None,
+    wait: float = 5,
     threads: int = 0,
     progress: Progress = None,
 ) -> CheckReport:
-    """Hold every rule of docs/checks.md against an atlas, or a file.
+    """Hold every rule of docs/checks.md against atlases, files, and all that is in folders and stores.
 
+    recursive: look into folders of folders, too
+    format, layout: of files, as `read` takes them
     ignore: rules that are left out; note, warn, error: rules of another severity than the catalogue's
     strict: warnings count as errors
     max_findings: kept of each rule; all are counted
-    vocabulary: the file that the atlas was made with: its words are checked, too
+    vocabulary: the file that the atlases were made with: their words are checked, too; of another one they fail
     gates: limits, such as {"min-keyframes": 10}
+    wait: seconds, for other programs that write to stores
 
-    `report.sound` says whether no error was found, `report.inputs[0].results` what was.
+    `report.sound` says whether no error was found, `report.inputs[0].results` what was in the first. What cannot be
+    read is an entry with its `failure`, and not sound.
+    Raises NotFoundError where there is no atlas, and UsageError for unknown rules and gates.
     """
-    given = named(locals())
-    for severity in ("ignore", "note", "warn", "error"):
-        given[severity] = _list(given[severity])
+    given: Dict[str, object] = dict(locals())
+    for severity, rules in (("ignore", ignore), ("note", note), ("warn", warn), ("error", error)):
+        given[severity] = listed(rules)
     return CheckReport.parse(reported(_slamdb.check, given))
 
 
@@ -71,7 +71,7 @@ def repair(
     """
     if undo is None:
         given = {key: value for key, value in locals().items() if key != "undo"}
-        return changed(_slamdb.repair, {**given, "rule": _list(rule)})
+        return changed(_slamdb.repair, {**given, "rule": listed(rule)})
     if rule or vocabulary is not None or journal is not None:
         raise UsageError("undo= takes back what its journal says, and nothing else")
     return changed(_slamdb.undo, {"atlas": atlas, "journal": undo, "threads": threads, "progress": progress})
@@ -119,10 +119,7 @@ def recover(
     accept_edits: of a store: take rows that were edited in SQL as they are now
     Raises DamagedError where nothing is whole.
     """
-    given = locals()
-    given["cameras"] = optional(cameras)
-    given["path"] = os.fspath(path)
-    return made(_slamdb.recover, given)
+    return made(_slamdb.recover, locals())
 
 
 def diff(
@@ -139,7 +136,4 @@ def diff(
     tolerance: numbers a and b are the same when |a - b| <= tolerance * max(1, |a|, |b|)
     max_listed: ids to list of what was removed and added
     """
-    given = locals()
-    given["names"] = (name(before), name(after))
-    given.update(before=held(before), after=held(after))
-    return Report.parse(reported(_slamdb.diff, given))
+    return Report.parse(reported(_slamdb.diff, locals()))

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The vocabulary that an atlas was made with: ORB-SLAM3 refuses an atlas of another one (docs/vocabulary.md)."""
 
-import os
 from typing import Optional
 
 from . import _slamdb
 from ._slamdb import Atlas
-from .calls import Source, changed, held, reported
+from .calls import Source, changed, reported
 from .files import Path, Progress
 from .report import Report
 
@@ -14,13 +13,13 @@ from .report import Report
 def vocabulary_show(*paths: Path, threads: int = 0) -> Report:
     """Which vocabulary atlases were made with, or what vocabulary files are: `report.inputs[0].vocabulary.name`."""
     return Report.parse(
-        reported(_slamdb.vocabulary_show, {"paths": [os.fspath(path) for path in paths], "threads": threads})
+        reported(_slamdb.vocabulary_show, {"paths": paths, "threads": threads})
     )
 
 
 def vocabulary_verify(source: Source, *, vocabulary: Path) -> str:
     """How the vocabulary of an atlas differs from that file; empty: it was made with it."""
-    return reported(_slamdb.vocabulary_mismatch, {"source": held(source), "vocabulary": vocabulary})
+    return reported(_slamdb.vocabulary_mismatch, {"source": source, "vocabulary": vocabulary})
 
 
 def vocabulary_set(

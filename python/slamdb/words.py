@@ -36,11 +36,12 @@ def _function(said: Match[str]) -> str:
     return ("" if end else "`") + ("slamdb.Store." if verb in _OF_STORES else "slamdb.") + name + arguments
 
 
-def _spelled(words: str) -> str:
+def spelled(words: str) -> str:
+    """A sentence in the words of the command as Python says it."""
     return _OPTION.sub(lambda said: _keyword(said[1] or said[2]), _VERB.sub(_function, words))
 
 
-_WORDS = [(library, _spelled(command)) for library, command in command_words()]
+_WORDS = [(library, spelled(command)) for library, command in command_words()]
 
 
 def in_python_words(sentence: str) -> str:

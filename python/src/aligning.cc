@@ -145,12 +145,19 @@ Joining JoiningOf(Arguments& given) {
   return joining;
 }
 
-std::vector<Atlas> CopiesOf(const std::vector<std::shared_ptr<HeldAtlas>>& held, const std::string& vocabulary,
-                            int threads, Notices& notices) {
+std::vector<std::string> NamesOf(const Sources& sources) {
+  std::vector<std::string> names;
+  for (const AtlasOrPath& source : sources) names.push_back(source.atlas ? "atlas" : source.path);
+  return names;
+}
+
+std::vector<Atlas> CopiesOf(const Sources& sources, const std::string& vocabulary, const MergeOptions& options,
+                            Notices& notices) {
+  const ReadOptions read{.threads = options.threads, .progress = options.progress};
   std::vector<Atlas> atlases;
-  for (const auto& atlas : held) {
-    atlases.push_back(*atlas->value());
-    HoldWords(vocabulary, threads, atlases.back(), notices);
+  for (const AtlasOrPath& source : sources) {
+    atlases.push_back(source.atlas ? *source.atlas : ReadAtlas(Location(source.path), read, &notices));
+    HoldWords(vocabulary, options.threads, atlases.back(), notices);
   }
   return atlases;
 }
@@ -175,17 +182,17 @@ void DefineMerge(py::module_& module) {
   DefineMaker(module, "merge", [](Arguments& given) {
     const Joining joining = JoiningOf(given);
     const OutputFile ids = given.Output("id_map");
-    MergeOptions options{.names = DistinctNames(given.Get<std::vector<std::string>>("names")),
+    const Sources sources = given.Sources("sources");
+    MergeOptions options{.names = DistinctNames(NamesOf(sources)),
                          .same_map = joining.align ? SameMap::kKeepFirst : SameMap::kKeepBoth,
                          .id_maps = ids.any()};
     given.TakeWord("on_conflict", cli::kConflicts, options.same_map);
     given.Take("ignore_vocabulary", options.ignore_vocabulary);
     given.Take("force", options.force);
     given.TakeRun(options);
-    return [=, held = given.Get<std::vector<std::shared_ptr<HeldAtlas>>>("sources"),
-            vocabulary = given.Path("vocabulary")](Atlas& atlas, Notices& notices) {
+    return [=, vocabulary = given.Path("vocabulary")](Atlas& atlas, Notices& notices) {
       MergeOptions merge = options;
-      std::vector<Atlas> atlases = CopiesOf(held, vocabulary, options.threads, notices);
+      std::vector<Atlas> atlases = CopiesOf(sources, vocabulary, options, notices);
       merge.join = joining.Of(atlases, notices);
       if (joining.align) {
         MergeAlignedResult result = MergeOverlapping(std::move(atlases), merge, joining, notices);

@@ -96,10 +96,25 @@ void Arguments::RequireAllTaken() const {
   GuardOutputs();
 }
 
+std::string Arguments::OutputAtlas(const char* name) {
+  const std::optional<py::object> value = Find(name);
+  if (!value) return {};
+  return output_atlases_.emplace_back(TextOfPath(*value));
+}
+
 void Arguments::GuardOutputs() const {
   const auto is_same = [](const std::string& one, const std::string& other) {
     return detail::IsSameFile(one, std::nullopt, other, std::nullopt);
   };
+  const auto atlas_in = [](const Location& place) {
+    return place.name.empty() ? detail::AtlasName() : detail::AtlasName(place.name);
+  };
+  for (const std::string& output : output_atlases_)
+    for (const std::string& input : inputs_) {
+      const Location to(output), from(input);
+      if (detail::IsSameFile(to.path, atlas_in(to), from.path, atlas_in(from)))
+        throw Error(ErrorKind::kUsage, output, "", "is the input, too; name another output");
+    }
   for (auto output = outputs_.begin(); output != outputs_.end(); ++output) {
     for (const std::string& input : inputs_)
       if (is_same(*output, Location(input).path))

@@ -104,6 +104,8 @@ class Arguments {
 
   // The same of what is written, over what is there where `overwrite` says so.
   OutputFile Output(const char* name);
+  // The same of an atlas, which may replace one; a file, or STORE.db#NAME.
+  std::string OutputAtlas(const char* name);
 
   // An atlas, or the path of what is to be read.
   AtlasOrPath SourceAt(const char* name);
@@ -129,7 +131,7 @@ class Arguments {
   void RefuseIdle(std::initializer_list<const char*> names, const std::string& why);
 
   // Throws RuntimeError when an argument was given that nobody took, which would be without effect; Error when an
-  // output is an atlas, an input, or another output.
+  // output is an input or another output, or a file an atlas.
   void RequireAllTaken() const;
 
  private:
@@ -141,7 +143,7 @@ class Arguments {
 
   pybind11::dict values_;
   std::set<std::string> taken_;
-  std::vector<std::string> inputs_, outputs_;
+  std::vector<std::string> inputs_, outputs_, output_atlases_;
 };
 
 // A str that may hold any bytes of a file's name, as C++ has it.

@@ -10,6 +10,7 @@
 #include "python/src/errors.h"
 #include "python/src/module.h"
 #include "python/src/selections.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
 #include "slamdb/formats/layouts/layout_text.h"
@@ -34,6 +35,13 @@ py::list ListOf(const Notices& notices) {
   return list;
 }
 
+void RefuseIdleSelection(const AtlasOrPath& source, const ReadOptions& read) {
+  if (source.atlas && !read.selection.everything())
+    throw Error(ErrorKind::kUsage,
+                "map=, keyframes=, time= and box= are for a source that is a path; `Extract` keeps a "
+                "part of an atlas");
+}
+
 ReadOptions ReadingOf(Arguments& given) {
   ReadOptions read;
   TakePart(given, read.selection);
@@ -42,6 +50,11 @@ ReadOptions ReadingOf(Arguments& given) {
   given.Take("wait", read.of<StoreReadOptions>().lock_timeout, cli::kNonNegative);
   given.TakeRun(read);
   return read;
+}
+
+std::shared_ptr<const Atlas> Hold(const AtlasOrPath& source, const ReadOptions& read, Notices& notices) {
+  if (source.atlas) return source.atlas;
+  return std::make_shared<const Atlas>(ReadAtlas(Location(source.path), read, &notices));
 }
 
 namespace {

@@ -12,8 +12,15 @@ namespace slamdb::python {
 pybind11::list ListOf(const Notices& notices);
 
 class Arguments;
+struct AtlasOrPath;
 
 // map, keyframes, time, box, format, layout, wait, threads, progress: how a source that is a path, or bytes, is read.
 ReadOptions ReadingOf(Arguments& given);
+
+// An atlas in memory as it is; what a path leads to, read.
+std::shared_ptr<const Atlas> Hold(const AtlasOrPath& source, const ReadOptions& read, Notices& notices);
+
+// Throws Error (kUsage) where a part is asked for of what is in memory, which is whole.
+void RefuseIdleSelection(const AtlasOrPath& source, const ReadOptions& read);
 
 }  // namespace slamdb::python

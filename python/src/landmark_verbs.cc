@@ -41,13 +41,13 @@ void DefineLay(py::module_& module) {
   DefineChange(module, "lay_landmarks", [](Arguments& given) {
     LayLandmarksOptions options;
     given.Take("add", options.add);
-    return [options, landmarks = given.AtlasAt("landmarks"), from = given.Get<std::string>("name")](Atlas& atlas,
-                                                                                                    Notices& notices) {
+    return [options, source = given.SourceAt("landmarks")](Atlas& atlas, Notices& notices) {
+      const auto landmarks = Hold(source, {}, notices);
       RequireLandmarks(*landmarks);
       const LayLandmarksReport report = LayLandmarks(atlas, *landmarks, options);
       WarnOfUnobserved(report.added, notices);
       TellWarnings(report, "the atlas", notices);
-      return ToJson(report, {}, from);
+      return ToJson(report, {}, source.path);
     };
   });
 }

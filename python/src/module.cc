@@ -41,7 +41,6 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineOutputs(module);
   slamdb::python::DefineLayouts(module);
   module.attr("NONE") = slamdb::MapId::kNone;
-  module.def("in_command_words", [](const std::string& sentence) { return slamdb::cli::InCommandWords(sentence); });
   module.def("command_words", [] {
     std::vector<std::pair<std::string, std::string>> words;
     for (const slamdb::cli::Word& word : slamdb::cli::Words()) words.emplace_back(word.library, word.command);

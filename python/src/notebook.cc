@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pybind11/stl.h>
 
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "cli/choices.h"
+#include "cli/words.h"
+#include "python/src/arguments.h"
 #include "python/src/errors.h"
+#include "python/src/files.h"
 #include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
 #include "python/src/reopen.h"
+#include "slamdb/base/error.h"
+#include "slamdb/base/output_name.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
+#include "slamdb/many/selected.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/plot/plot.h"
 #include "slamdb/view/page.h"
@@ -64,35 +72,77 @@ std::optional<std::string> Plan(const HeldAtlas& atlas, int width) {
   return DrawPlot(*value, {.kind = PlotKind::kPlan, .width = width}).bytes;
 }
 
-const std::map<std::string, ViewKeypoints> kKeypoints = {{"auto", ViewKeypoints::kAuto},
-                                                         {"all", ViewKeypoints::kAll},
-                                                         {"matched", ViewKeypoints::kMatched},
-                                                         {"none", ViewKeypoints::kNone}};
+// Atlases to show, of which a page is made.
+struct Viewing {
+  std::vector<AtlasOrPath> sources;
+  ReadOptions read;
+  ViewOptions options;
+  OutputFile output;
+  std::size_t embedded = 0;  // bytes of a page for which keypoints are left out where it is larger; 0: none are
+
+  ViewPage Do(Notices& notices) const {
+    if (output.any())
+      if (const std::string why = WhyNoPage(output.path); !why.empty()) throw Error(ErrorKind::kUsage, why);
+    ViewOptions page_options = options;
+    if (!read.selection.everything()) page_options.check = false;  // what was left out would be found missing
+    std::vector<std::shared_ptr<const Atlas>> held;                // to which inputs refer
+    std::vector<ViewInput> inputs;
+    for (const AtlasOrPath& source : sources) inputs.push_back(InputOf(source, held, notices));
+    ViewPage page = MakeViewPage(inputs, page_options);
+    if (embedded != 0 && page.html.size() > embedded && options.keypoints == ViewKeypoints::kAuto) {
+      page_options.keypoints = ViewKeypoints::kNone;
+      page = MakeViewPage(inputs, page_options);
+      page.report.left_out.emplace_back(
+          "keypoints, which are too many for a notebook; slamdb.view(atlas, 'map.html') has them");
+    }
+    output.Write(page.html);
+    return page;
+  }
+
+ private:
+  ViewInput InputOf(const AtlasOrPath& source, std::vector<std::shared_ptr<const Atlas>>& held,
+                    Notices& notices) const {
+    RefuseIdleSelection(source, read);
+    const Format* format = nullptr;
+    if (source.atlas) {
+      held.push_back(source.atlas);
+    } else {
+      const HeldSource file = HoldInput(Location(source.path), read);
+      format = read.format.empty() ? FindFormatOfInput(file) : &FormatById(read.format);
+      held.push_back(std::make_shared<const Atlas>(ReadPartToShow(source.path, file, read, notices)));
+    }
+    return ViewInputOf(*held.back(), source.path, format, cli::InCommandWords);
+  }
+};
+
+Viewing ViewingOf(Arguments& given) {
+  Viewing viewing{.sources = given.Sources("sources"), .read = ReadingOf(given)};
+  viewing.read.needs = Content::kPoses | Content::kPoints;
+  ViewOptions& options = viewing.options;
+  given.Take("title", options.title);
+  given.TakeWord("keypoints", cli::kViewKeypoints, options.keypoints);
+  if (given.Get<bool>("side_by_side")) options.layout = ViewLayout::kSideBySide;
+  given.Take("normals", options.normals);
+  given.Take("check", options.check);
+  given.Take("diff", options.diff);
+  given.TakeRun(options);
+  options.wording = cli::InCommandWords;
+  viewing.output = given.Output("output");
+  given.Take("embedded", viewing.embedded);
+  return viewing;
+}
 
 // The page of `slamdb view`, and what is not in it.
-py::tuple ViewPageOf(const std::vector<std::shared_ptr<HeldAtlas>>& atlases, const std::vector<std::string>& names,
-                     const std::string& title, const std::string& keypoints, bool side_by_side, bool normals,
-                     bool check, bool diff, int threads, const py::object& progress) {
-  if (!kKeypoints.contains(keypoints)) throw py::value_error("keypoints is 'auto', 'all', 'matched' or 'none'");
-  const ViewOptions options{.title = title,
-                            .keypoints = kKeypoints.at(keypoints),
-                            .layout = side_by_side ? ViewLayout::kSideBySide : ViewLayout::kOverlay,
-                            .normals = normals,
-                            .check = check,
-                            .diff = diff,
-                            .threads = threads,
-                            .progress = ProgressTo(progress)};
-  std::vector<std::shared_ptr<Atlas>> values;
-  std::vector<ViewInput> inputs;
-  for (std::size_t i = 0; i < atlases.size(); ++i) {
-    values.push_back(atlases[i]->value());
-    inputs.push_back({.atlas = values.back().get(), .name = names[i]});
-  }
+py::tuple ViewPageOf(const py::dict& values) {
+  Arguments given(values);
+  const Viewing viewing = ViewingOf(given);
+  given.RequireAllTaken();
+  Notices notices;
   const ViewPage page = [&] {
     const py::gil_scoped_release unlocked;
-    return MakeViewPage(inputs, options);
+    return viewing.Do(notices);
   }();
-  return py::make_tuple(page.html, page.report.left_out);
+  return py::make_tuple(page.html, page.report.left_out, ListOf(notices));
 }
 
 // Calls a function of a module of the package, which is not imported before.

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "cli/boost_versions.h"
 #include "cli/choices.h"
 #include "python/src/errors.h"
 #include "python/src/estimates.h"
 #include "python/src/module.h"
 #include "python/src/verb.h"
-#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/words/words.h"
@@ -15,13 +13,14 @@
 #include "slamdb/formats/geographic/options.h"
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/mrpt/options.h"
+#include "slamdb/formats/orbslam3/boost_versions.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/trajectories.h"
 #include "slamdb/many/convert.h"
 #include "slamdb/many/names.h"
 #include "slamdb/many/selected.h"
 #include "slamdb/plot/plot.h"
-#include "slamdb/report/pages.h"
 #include "slamdb/synthetic/synthesize.h"
 
 // Verbs that write what is to be looked at, or used elsewhere. slamdb/outputs.py documents what is here.
@@ -30,14 +29,6 @@ namespace slamdb::python {
 namespace py = pybind11;
 
 namespace {
-
-// What is in memory is whole.
-void RefuseIdleSelection(const AtlasOrPath& source, const ReadOptions& read) {
-  if (source.atlas && !read.selection.everything())
-    throw Error(ErrorKind::kUsage,
-                "map=, keyframes=, time= and box= are for a source that is a path; `Extract` keeps a "
-                "part of an atlas");
-}
 
 // What is to be shown: an atlas, or the part of a file.
 std::shared_ptr<const Atlas> ToShow(const AtlasOrPath& source, const ReadOptions& read, Notices& notices) {
@@ -49,8 +40,8 @@ std::shared_ptr<const Atlas> ToShow(const AtlasOrPath& source, const ReadOptions
 std::optional<std::uint32_t> BoostVersionOf(Arguments& given) {
   if (!given.Has("boost_version")) return std::nullopt;
   const std::string name = given.Get<std::string>("boost_version");
-  if (const auto version = cli::BoostVersionByName(name)) return version;
-  throw Error(ErrorKind::kUsage, cli::WhyNoBoostVersion(name));
+  if (const auto version = BoostVersionByName(name)) return version;
+  throw Error(ErrorKind::kUsage, WhyNoBoostVersion(name));
 }
 
 WriteOptions WritingOf(Arguments& given) {
@@ -65,6 +56,8 @@ WriteOptions WritingOf(Arguments& given) {
   if (given.Has("to_layout")) archive.layout = LayoutNamed(given.Path("to_layout"));
   archive.boost_version = BoostVersionOf(given);
   given.Take("long_bytes", archive.long_bytes);
+  if (archive.long_bytes && *archive.long_bytes != 4 && *archive.long_bytes != 8)
+    throw Error(ErrorKind::kUsage, "long_bytes= is 4 or 8");
   if (given.Has("map")) write.of<ExportOptions>().map = MapId(given.Get<std::uint64_t>("map"));
   PointCloudOptions& cloud = write.of<PointCloudOptions>();
   cloud.binary = !given.Get<bool>("ascii");
@@ -86,7 +79,7 @@ struct Converting {
 
   std::string Do(Notices& notices) const {
     ConvertOptions convert = options;
-    const Location to(output);
+    const Location to(NamedOutput(source.path, output, convert.write.format));
     const Format& format = FormatOfOutput(to, convert.write.format);
     RefuseIdleSelection(source, convert.read);
     convert.write.of<StoreWriteOptions>().provenance = source.path.empty() ? "convert" : "convert " + source.path;
@@ -95,13 +88,28 @@ struct Converting {
     const Converted converted =
         source.atlas ? Convert(*source.atlas, to, convert, notices)
                      : Convert(HoldInput(Location(source.path), convert.read), source.path, to, convert, notices);
-    return ToJson(converted.report, {.input = source.path, .output = convert.dry_run ? std::string() : output});
+    return ToJson(converted.report, {.input = source.path, .output = convert.dry_run ? std::string() : to.ToString()});
   }
 };
 
+// Options that would be without effect.
+void RefuseIdleOptions(const Format& output, Arguments& given) {
+  const auto are_for = [&](bool fits, std::initializer_list<const char*> names, const std::string& whose) {
+    if (!fits) given.RefuseIdle(names, "is for " + whose + " only; the output is " + std::string(output.title));
+  };
+  are_for(IsTrajectory(output) || given.Has("onto"), {"body"}, "trajectories");
+  are_for(output.id == "g2o", {"sim3"}, "g2o");
+  are_for(output.has_colors, {"color"}, "PLY, PCD, glTF and MCAP");
+  are_for(output.id == "ply", {"cameras"}, "PLY");
+  are_for(output.is_on_globe, {"origin", "most_points"}, "KML and GeoJSON");
+  are_for(cli::NamesPictures(output), {"images"}, "COLMAP, NeRF and Gaussian splatting");
+  are_for(cli::IsModel(output), {"with_database"}, "COLMAP models");
+  are_for(output.id.starts_with("orbslam3"), {"long_bytes"}, "archives of ORB-SLAM3");
+}
+
 void DefineConvert(py::module_& module) {
   DefineReport(module, "convert", [](Arguments& given) {
-    Converting converting{.source = given.SourceAt("source"), .output = given.Path("output")};
+    Converting converting{.source = given.SourceAt("source"), .output = given.OutputAtlas("output")};
     given.Take("origin", converting.origin);
     converting.images = given.Path("images");
     ConvertOptions& options = converting.options;
@@ -113,6 +121,8 @@ void DefineConvert(py::module_& module) {
     options.read_onto.format.clear();
     options.read_onto.selection = {};
     options.write = WritingOf(given);
+    const Location to(NamedOutput(converting.source.path, converting.output, options.write.format));
+    RefuseIdleOptions(FormatOfOutput(to, options.write.format), given);
     given.Take("body", options.body);
     options.write.of<TrajectoryOptions>().pose_frame = options.body ? PoseFrame::kBody : PoseFrame::kCamera;
     given.Take("sanitize", options.sanitize);
@@ -202,30 +212,6 @@ void DefinePlot(py::module_& module) {
   });
 }
 
-// A page about one atlas.
-void DefineReportPage(py::module_& module) {
-  module.def("report", [](const py::dict& values) {
-    Arguments given(values);
-    const auto atlas = given.AtlasAt("source");
-    const std::string name = given.Get<std::string>("name");
-    const OutputFile output = given.Output("output");
-    const CheckOptions check = CheckOptionsOf(given);
-    const std::optional<std::uint64_t> bytes =
-        given.Has("bytes") ? std::optional(given.Get<std::uint64_t>("bytes")) : std::nullopt;
-    given.RequireAllTaken();
-    std::string page, json;
-    {
-      const py::gil_scoped_release unlocked;
-      AtlasReport report = ReportOn(*atlas, name, check);
-      report.bytes = bytes;
-      page = ReportPage(*atlas, report, {.threads = check.threads, .wording = cli::InCommandWords});
-      output.Write(page);
-      json = ToJson(std::span<const AtlasReport>(&report, 1), output.path);
-    }
-    return py::make_tuple(TextOf(page), Report(json), py::list());
-  });
-}
-
 struct Synthesizing {
   SyntheticOptions options;
   std::string vocabulary;
@@ -281,7 +267,6 @@ void DefineSynthesize(py::module_& module) {
 void DefineOutputs(py::module_& module) {
   DefineConvert(module);
   DefinePlot(module);
-  DefineReportPage(module);
   DefineSynthesize(module);
 }
 

@@ -77,9 +77,9 @@ void DefineCull(py::module_& module) {
 void DefineShrink(py::module_& module) {
   DefineChange(module, "shrink", [](Arguments& given) {
     ShrinkOptions options;
-    if (given.Has("target_mb"))
-      options.target_bytes =
-          static_cast<std::uint64_t>(std::max(0.0, std::floor(given.Get<double>("target_mb") * kMegabyte)));
+    std::optional<double> megabytes;
+    given.Take("target_mb", megabytes, cli::kPositive);
+    if (megabytes) options.target_bytes = static_cast<std::uint64_t>(*megabytes * kMegabyte);
     given.Take("target_keyframes", options.target_keyframes, cli::kPositive);
     bool ShrinkOptions::*purpose = nullptr;
     given.TakeWord("for_", cli::kPurposes, purpose);
@@ -136,18 +136,18 @@ void DefineSplit(py::module_& module) {
     given.Take("min_keyframes", options.min_keyframes, cli::kPositive);
     Border border = Border::kSmart;
     given.TakeWord("border", cli::kBorders, border);
-    const std::string name = given.Get<std::string>("name");
-    const auto atlas = given.AtlasAt("source");
-    const int threads = given.threads();
-    const Progress progress = given.progress();
+    const AtlasOrPath source = given.SourceAt("source");
+    const ReadOptions read = ReadingOf(given);
     given.RequireAllTaken();
+    Notices notices;
     Parts parts = [&] {
       const py::gil_scoped_release unlocked;
-      return TakeParts(*atlas, options, border, name, threads, progress);
+      const auto atlas = Hold(source, read, notices);
+      return TakeParts(*atlas, options, border, source.path, read.threads, read.progress);
     }();
     py::dict atlases;
     for (auto& [part, taken] : parts.atlases) atlases[py::str(part)] = std::make_shared<HeldAtlas>(std::move(taken));
-    return py::make_tuple(atlases, Report(parts.report), py::list());
+    return py::make_tuple(atlases, Report(parts.report), ListOf(notices));
   });
 }
 

@@ -10,13 +10,15 @@
 #include "python/src/files.h"
 #include "python/src/module.h"
 #include "python/src/selections.h"
+#include "python/src/verb.h"
 #include "slamdb/base/error.h"
-#include "slamdb/checks/report.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/formats/location.h"
 #include "slamdb/formats/sqlite/report.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/add.h"
-#include "slamdb/many/list.h"
+#include "slamdb/many/inputs.h"
+#include "slamdb/many/selected.h"
 
 // Stores. slamdb/store.py documents what is here.
 namespace slamdb::python {
@@ -83,32 +85,10 @@ std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& na
   TakePart(given, options.selection);
   given.TakeRun(options);
   given.RequireAllTaken();
-  return Unlocked([&] { return std::make_shared<HeldAtlas>(file.Reader().Load(name, options)); });
-}
-
-struct Query {
-  std::optional<std::pair<double, double>> time;
-  std::optional<std::pair<std::uint64_t, std::uint64_t>> keyframes;
-  std::optional<std::pair<Eigen::Vector3d, double>> near;
-
-  MapQuery Asked() const {
-    MapQuery query;
-    if (time) query.times = {time->first, time->second};
-    if (keyframes) query.keyframes = {keyframes->first, keyframes->second};
-    if (near) query.near = {near->first, near->second};
-    return query;
-  }
-};
-
-std::string ListOfStore(const StoreFile& file, const Query& query, bool check, int threads,
-                        const py::object& listener) {
-  ListOptions options{
-      .query = query.Asked(), .lock_timeout = file.wait, .threads = threads, .progress = ProgressTo(listener)};
-  if (check) options.check.emplace();
   return Unlocked([&] {
-    file.Reader();  // what is wrong with the store as a whole is an error, not an entry
-    const AtlasInputs inputs = FindAtlases({&file.path, 1}, {.lock_timeout = file.wait});
-    return ToJson(ListAtlases(inputs, options), file.path);
+    Atlas atlas = file.Reader().Load(name, options);
+    RefuseEmptySelection(atlas, name, HoldInput(Location(file.path, name)), options);
+    return std::make_shared<HeldAtlas>(std::move(atlas));
   });
 }
 
@@ -137,7 +117,7 @@ py::tuple AddTo(const StoreFile& file, const std::vector<std::string>& paths, bo
   for (const AddedAtlas& atlas : report.atlases)
     for (const py::handle each : ListOf(atlas.notices))
       told.append(py::make_tuple(each[py::int_(0)], TextOf(atlas.input + ": ") + py::str(each[py::int_(1)])));
-  return py::make_tuple(ToJson(report), told);
+  return py::make_tuple(Report(ToJson(report)), told);
 }
 
 py::dict MigrateFile(const StoreFile& file, bool back, bool dry_run, bool backup) {
@@ -160,17 +140,15 @@ py::list NamesIn(const StoreFile& file) {
 
 void DefineLooking(py::class_<StoreFile>& store) {
   store.def("names", &NamesIn)
-      .def("list", &ListOfStore)
       .def("load", &LoadFrom)
       .def("log",
            [](const StoreFile& file, const std::string& name) {
-             return Unlocked([&] {
-               const auto entries = file.Reader().Log(name);
-               return ToJson(entries, Location(file.path, name).ToString());
-             });
+             const auto entries = Unlocked([&] { return file.Reader().Log(name); });
+             return Report(ToJson(entries, Location(file.path, name).ToString()));
            })
-      .def("stats",
-           [](const StoreFile& file) { return Unlocked([&] { return ToJson(file.Reader().Stats(), file.path); }); });
+      .def("stats", [](const StoreFile& file) {
+        return Report(Unlocked([&] { return ToJson(file.Reader().Stats(), file.path); }));
+      });
 }
 
 void DefineKeeping(py::class_<StoreFile>& store) {
@@ -203,17 +181,6 @@ void DefineStore(py::module_& module) {
   }));
   DefineLooking(store);
   DefineKeeping(store);
-
-  py::class_<Query>(module, "Query")
-      .def(py::init<>())
-      .def_readwrite("time", &Query::time)
-      .def_readwrite("keyframes", &Query::keyframes)
-      .def_readwrite("near", &Query::near);
-
-  module.def("check_failed", [](const std::string& name, const std::string& failure) {
-    const CheckedFile unreadable{.name = name, .failure = failure};
-    return ToJson(std::span<const CheckedFile>(&unreadable, 1));
-  });
 }
 
 }  // namespace slamdb::python

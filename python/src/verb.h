@@ -20,7 +20,7 @@
 namespace slamdb::python {
 
 // A report in the words of the command, whose --json it is.
-inline pybind11::str Report(const std::string& json) { return TextOf(cli::InCommandWords(json)); }
+inline pybind11::str Report(const std::string& json) { return TextOf(cli::ReportInCommandWords(json)); }
 
 // FUNCTION(atlas, {name: value}) -> (report, notices), for verbs that change the atlas. `prepare(given)` gives
 // `work(atlas, notices)`, of which the result takes the place of the atlas; one that is empty is refused.

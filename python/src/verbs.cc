@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/choices.h"
+#include "python/src/inputs.h"
 #include "python/src/module.h"
 #include "python/src/verb.h"
-#include "slamdb/checks/report.h"
 #include "slamdb/edit/diff/diff.h"
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/edit/tables/tables.h"
-#include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/salvage.h"
 #include "slamdb/formats/sqlite/options.h"
+#include "slamdb/many/check.h"
 
 // Checks, repairs and comparisons. slamdb/verbs.py documents what is here.
 namespace slamdb::python {
@@ -36,16 +36,14 @@ namespace {
 
 void DefineCheck(py::module_& module) {
   DefineReport(module, "check", [](Arguments& given) {
-    return [options = CheckOptionsOf(given), atlas = given.AtlasAt("source"), name = given.Get<std::string>("name"),
-            vocabulary = given.Path("vocabulary")](Notices&) {
-      CheckOptions check = options;
-      if (const auto loaded = VocabularyAt(vocabulary, options.threads)) {
-        RequireVocabulary(*atlas, {.tree = &loaded->tree, .identity = loaded->identity, .threads = options.threads});
-        check.vocabulary_words = loaded->tree.word_count;
-      }
-      CheckedFile checked{.name = name};
-      checked.report = CheckAtlas(*atlas, check);
-      return ToJson(std::span<const CheckedFile>(&checked, 1));
+    const CheckAtlasesOptions options{.read = ReadingOf(given), .check = CheckOptionsOf(given)};
+    return [options, inputs = InputsOf(given), vocabulary = given.Path("vocabulary")](Notices& notices) {
+      CheckAtlasesOptions check = options;
+      const auto loaded = VocabularyAt(vocabulary, options.read.threads);
+      if (loaded) check.vocabulary = &*loaded;
+      const auto outcomes = CheckAtlases(inputs.Find(), check);
+      TellOutcomes(outcomes, notices);
+      return ToJson(CheckedFilesOf(outcomes));
     };
   });
 }
@@ -103,9 +101,10 @@ void DefineRecover(py::module_& module) {
     reading.of<StoreReadOptions>().accept_edits = given.Get<bool>("accept_edits");
     RecoverOptions options{.triangulate = given.Get<bool>("triangulate", true)};
     given.TakeRun(options);
-    const std::shared_ptr<const Atlas> rig = given.Has("cameras") ? given.AtlasAt("cameras") : nullptr;
-    return [=, path = given.Path("path"), words = given.Path("vocabulary")](Atlas& atlas, Notices& notices) {
+    return [=, cameras = given.SourceAt("cameras"), path = given.Path("path"), words = given.Path("vocabulary")](
+               Atlas& atlas, Notices& notices) {
       RecoverOptions recover = options;
+      const auto rig = cameras.any() ? Hold(cameras, {.threads = options.threads}, notices) : nullptr;
       recover.rig = rig.get();
       const auto vocabulary = VocabularyAt(words, options.threads);
       if (vocabulary) {
@@ -135,11 +134,12 @@ void DefineDiff(py::module_& module) {
     DiffOptions options;
     given.Take("tolerance", options.tolerance, cli::kNonNegative);
     given.TakeRun(options);
-    const auto names = given.Get<std::pair<std::string, std::string>>("names");
-    DiffReportOptions report{.before = names.first, .after = names.second};
+    const AtlasOrPath before = given.SourceAt("before"), after = given.SourceAt("after");
+    DiffReportOptions report{.before = before.path, .after = after.path};
     given.Take("max_listed", report.max_listed);
-    return [=, before = given.AtlasAt("before"), after = given.AtlasAt("after")](Notices& notices) {
-      return ToJson(Compare(*before, *after, options, notices), report);
+    return [=, read = ReadingOf(given)](Notices& notices) {
+      const auto one = Hold(before, read, notices), other = Hold(after, read, notices);
+      return ToJson(Compare(*one, *other, options, notices), report);
     };
   });
 }

@@ -50,8 +50,8 @@ void DefineShow(py::module_& module) {
 
 void DefineMismatch(py::module_& module) {
   DefineReport(module, "vocabulary_mismatch", [](Arguments& given) {
-    return [atlas = given.AtlasAt("source"), path = given.Path("vocabulary")](Notices&) {
-      return VocabularyMismatch(atlas->vocabulary, ReadVocabularyIdentity(path));
+    return [source = given.SourceAt("source"), path = given.Path("vocabulary")](Notices& notices) {
+      return VocabularyMismatch(Hold(source, {}, notices)->vocabulary, ReadVocabularyIdentity(path));
     };
   });
 }

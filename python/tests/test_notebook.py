@@ -90,7 +90,7 @@ def test_without_cairo_the_rest_is_shown(atlas, monkeypatch):
 
 def test_names_are_text(tmp_path, atlas, store):
     report = slamdb.Report({"report": HOSTILE, HOSTILE: HOSTILE, "rows": [{HOSTILE: HOSTILE}], "list": [HOSTILE]})
-    failed = slamdb.CheckReport.parse(_slamdb.check_failed(HOSTILE, HOSTILE))
+    failed = slamdb.check(HOSTILE)
     name = HOSTILE.replace("/", "")
     store.save(name, atlas)
     shows = {HOSTILE: (report, failed), name: (store, store.log(), store.check())}
@@ -154,6 +154,17 @@ def test_the_page_is_written_as_a_file(page_is_built, atlas, session, tmp_path):
     with pytest.raises(ValueError, match="matched"):
         slamdb.view(atlas, keypoints="some")
     assert [each.name for each in tmp_path.iterdir()] == ["map.html"]
+
+
+PART = ({"keyframes": (0, 5), "keypoints": "none"}, "--keyframes 0:5 --keypoints none")
+
+
+@pytest.mark.parametrize("arguments, options", [({}, ""), PART], ids=["whole", "part"])
+def test_the_page_is_the_commands(page_is_built, session, command, tmp_path, arguments, options):
+    shown = slamdb.view(session, tmp_path / "mine.html", **arguments)
+    command("view", session, "-o", tmp_path / "theirs.html", *options.split(), json=False)
+    assert shown.html == (tmp_path / "mine.html").read_text() == (tmp_path / "theirs.html").read_text()
+    assert "px on average" in shown.html  # the panel of the viewer
 
 
 def test_two_atlases_are_compared(page_is_built, atlas, session):

@@ -64,6 +64,7 @@ LOOKS = [
     ("convert", ["{session}", "{new.ply}"], {"color": "height", "ascii": True}, "--color height --ascii"),
     ("convert", ["{session}", "{new.tum}"], {}, ""),
     ("convert", ["{session}", "{new.db#lab}"], {"keyframes": (1, 5)}, "--keyframes 1:5"),
+    ("convert", ["{session}", "{new.db}"], {}, ""),
     ("convert", ["{truth}", "{new.osa}"], {"onto": "{session}", "dry_run": True}, "--onto {session} --dry-run"),
     ("convert", ["{session}", "{new.osa}"], {"text": True, "long_bytes": 4}, "--text --long-bytes 4"),
     ("layouts_list", [], {}, ""),
@@ -243,7 +244,7 @@ def test_plots_are_the_commands(session, atlas, command, tmp_path):
 
 
 def test_reports_are_the_commands(session, command, tmp_path):
-    page, report = slamdb.report(session, tmp_path / "mine.html", gates={"min-keyframes": 20})
+    page, report, _ = slamdb.report(session, tmp_path / "mine.html", gates={"min-keyframes": 20})
     theirs = command("report", session, "-o", tmp_path / "theirs.html", "--min-keyframes", "20")
     assert without_files(report.to_dict()) == without_files(theirs)
     assert page == (tmp_path / "mine.html").read_text() == (tmp_path / "theirs.html").read_text()

@@ -168,7 +168,7 @@ def _row_of(job: Job, item: Item) -> Row:
 
 
 def _write_page(job: Job, item: Item, atlas: slamdb.Atlas) -> Row:
-    page = slamdb.report_page(atlas, name=item.input.encode(errors="replace").decode(), threads=1)
+    page = slamdb.report(atlas, name=item.input.encode(errors="replace").decode(), threads=1)
     files = {"page": item.page, "thumbnail": os.path.splitext(item.page)[0] + ".png"}
     with _blaming_no_atlas():
         slamdb.write_file(_place(job, files["page"]), page.html.encode(errors="replace"), overwrite=True)

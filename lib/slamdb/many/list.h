@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slamdb/base/progress.h"
@@ -80,6 +81,15 @@ struct SortKey {
   ListKey key = ListKey::kName;
   bool descending = false;
 };
+
+// All of them, by their words: `name`, `input`, `maps`, ...
+[[nodiscard]] SLAMDB_EXPORT std::span<const ListKey> ListKeys();
+[[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(ListKey key);
+
+// By its word, `-` before it: downwards.
+//
+// Throws Error (kUsage), with all words, for another one.
+[[nodiscard]] SLAMDB_EXPORT SortKey SortKeyOf(std::string_view word);
 
 // Sorts by the first key, equal ones by the next, and so on; what is equal in all stays as it was. Names are in natural
 // order. What is not known, as of atlases that could not be read, is last, whichever way is sorted.

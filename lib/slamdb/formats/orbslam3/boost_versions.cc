@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/boost_versions.h"
+#include "slamdb/formats/orbslam3/boost_versions.h"
 
 #include <algorithm>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 
-namespace slamdb::cli {
+namespace slamdb {
 namespace {
 
 using detail::Concat;
@@ -79,4 +79,4 @@ std::string BoostReleases(std::uint32_t version) {
   return Concat("Boost 1.", first, last == first + 1 ? ", 1." : " to 1.", last);
 }
 
-}  // namespace slamdb::cli
+}  // namespace slamdb

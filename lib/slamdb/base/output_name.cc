@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/output_name.h"
+#include "slamdb/base/output_name.h"
 
 #include <filesystem>
 
-#include "cli/options.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
 
-namespace slamdb::cli {
+namespace slamdb {
 
 namespace fs = std::filesystem;
 
@@ -25,11 +24,11 @@ void MakeFolder(const std::string& folder) {
   if (error) throw Error(ErrorKind::kPermission, folder, "", "cannot be made: " + error.message());
 }
 
-void RequirePageName(const std::string& output) {
+std::string WhyNoPage(const std::string& output) {
   const std::string suffix = fs::path(output).extension().string();
-  if (output == "-" || IsSpecialFile(output) || suffix == ".html" || suffix == ".htm") return;
-  RefuseUsage(detail::Concat("a page is an .html, which ", output, " does not say; name it ",
-                             fs::path(output).replace_extension(".html").string()));
+  if (output == "-" || IsSpecialFile(output) || suffix == ".html" || suffix == ".htm") return {};
+  return detail::Concat("a page is an .html, which ", output, " does not say; name it ",
+                        fs::path(output).replace_extension(".html").string());
 }
 
-}  // namespace slamdb::cli
+}  // namespace slamdb
