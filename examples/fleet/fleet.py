@@ -175,7 +175,8 @@ def tell(options: argparse.Namespace, report: Dict[str, Any]) -> None:
     if options.json:
         print(json.dumps(report, indent=2))
         return
-    print(f"{report['atlases']:,} {'atlas' if report['atlases'] == 1 else 'atlases'}: {report['sound']:,} sound, {report['unsound']:,} not sound, "
+    noun = "atlas" if report["atlases"] == 1 else "atlases"
+    print(f"{report['atlases']:,} {noun}: {report['sound']:,} sound, {report['unsound']:,} not sound, "
           f"{report['failures']:,} not readable or not done")  # fmt: skip
     if report["set_aside"]:
         print(f"  {report['set_aside']:,} set aside, since processes ended over them; --again failed tries them again")

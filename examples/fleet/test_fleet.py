@@ -231,8 +231,8 @@ def test_a_terminal_is_told_how_far_it_is(fleet):
 
 
 @pytest.mark.parametrize("wrong", [
-    "--part 3/3", "--part x", "--to osa", "--to .db", "--to .nope", "--to .osa --format nope", "--format tum", "--chunk 0",
-    "--gate nope=1", "--gate min-keyframes", "--ignore nope",
+    "--part 3/3", "--part x", "--to osa", "--to .db", "--to .nope", "--to .osa --format nope", "--format tum",
+    "--chunk 0", "--gate nope=1", "--gate min-keyframes", "--ignore nope",
 ])  # fmt: skip
 def test_wrong_arguments(fleet, wrong):
     fleet.run("maps", "-o", "out", *wrong.split(), status=2)

@@ -6,8 +6,8 @@
     DataLoader(samples, batch_size=None, sampler=ShuffledBlocks(samples), num_workers=2)
 
 To make it reads every atlas once. What it gives of keyframes, some 50 KB of each, stays in memory as far as the budget
-allows, the atlases do not: where all fits, any order reads nothing again. Where it does not, `shuffle=True` reads an atlas
-anew for nearly every sample, and ShuffledBlocks each once an epoch. Each worker has a budget, and reads, of its own.
+allows, the atlases do not: where all fits, any order reads nothing again. Where it does not, `shuffle=True` reads an
+atlas anew for nearly every sample, and ShuffledBlocks each once an epoch. Each worker has a budget of its own.
 """
 
 import argparse

@@ -25,7 +25,8 @@ class Store:
 
     Every call is a transaction of its own and opens the file for itself. So threads may share a store, the same file
     may be open several times, what others save meanwhile is seen, and a Store can be pickled and sent to other
-    processes. Those of a pool have to be started with "spawn", since SQLite is not to be used across a fork. Nothing is held between calls; `close` only ends the use of this object.
+    processes. Those of a pool have to be started with "spawn", since SQLite is not to be used across a fork. Nothing is
+    held between calls; `close` only ends the use of this object.
 
     read_only: nothing is written, and nothing made; otherwise a file that is missing is made by the first save
     wait: seconds for which a call waits for another program that writes; then it raises LockedError
