@@ -83,7 +83,7 @@ def test_a_driver_that_is_killed_is_resumed(fleet, on_cluster):
 
 
 def test_a_scheduler_that_is_killed_ends_the_run_and_the_next_goes_on(fleet, cluster, on_cluster, monkeypatch):
-    monkeypatch.setenv("DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT", "2s")
+    monkeypatch.setenv("DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT", "10s")
     process = fleet.start(*on_cluster)
     wait_until(lambda: fleet.number_done("out") > 50)
     os.killpg(cluster.scheduler.pid, signal.SIGKILL)
