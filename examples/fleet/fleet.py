@@ -11,8 +11,10 @@ import json
 import os
 import pathlib
 import sys
+import tempfile
 import time
 import uuid
+import warnings
 from typing import Any, Dict, Iterator, List, Optional, Sequence
 
 import slamdb
@@ -26,7 +28,7 @@ EXAMPLES = """examples:
   fleet.py maps/ -r -o out                       check all of a folder, a process on each core
   fleet.py lab.db -o out --gate min-keyframes=50   of a store, held against a gate, too
   fleet.py maps/ -o out --to .osa                write each again, as out/atlases/maps/NAME.osa
-  fleet.py maps/ -o out --scheduler tcp://10.0.0.1:8786   on a cluster of Dask
+  fleet.py maps/ -o out --scheduler cluster.json   on a cluster of Dask
   fleet.py maps/ -o out --part $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT   one task of a Slurm array
   fleet.py maps/ -o out --merge                  what all parts have done
 
@@ -42,7 +44,8 @@ def parse(arguments: Optional[Sequence[str]]) -> argparse.Namespace:
     parser.add_argument("-r", "--recursive", action="store_true", help="folders in folders, too")
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--workers", type=int, default=os.cpu_count(), help="processes on this machine; 0: this one alone")
-    how.add_argument("--scheduler", default="", metavar="ADDRESS", help="of Dask, whose workers do it")
+    how.add_argument("--scheduler", default="", metavar="ADDRESS",
+                     help="of Dask, whose workers do it; or the file of its scheduler")  # fmt: skip
     how.add_argument("--part", type=part, metavar="I/N", help="do every N-th chunk here, from the I-th, counted from 0")
     how.add_argument("--merge", action="store_true", help="do nothing but the summary of what is done")
     parser.add_argument("--chunk", type=positive, default=16, help="atlases that a worker gets at a time")
@@ -61,9 +64,29 @@ def parse(arguments: Optional[Sequence[str]]) -> argparse.Namespace:
     options = parser.parse_args(arguments)
     if options.to and (not options.to.startswith(".") or os.sep in options.to):
         parser.error(f"--to takes a suffix, such as .osa, not {options.to!r}")
-    if options.to in (".db", ".sqlite"):
+    if options.to in (".slamdb", ".db", ".sqlite", ".sqlite3") or options.format == "store":
         parser.error("--to: a store is one file for all, which `slamdb add` fills")
+    if options.format and not options.to:
+        parser.error("--format is of what --to writes")
+    try:
+        refuse_what_is_not_there(options)
+        if options.scheduler:
+            from slamdb_fleet.on_dask import address_of
+
+            options.scheduler = address_of(options.scheduler)
+    except slamdb.UsageError as error:
+        parser.error(error.problem)
     return options
+
+
+def refuse_what_is_not_there(options: argparse.Namespace) -> None:
+    """Rules, gates and formats: a typing error is no failure of every atlas, and replaces no summary."""
+    nothing = slamdb.Atlas()
+    slamdb.check(nothing, ignore=options.ignore, gates=dict(options.gate))
+    if options.to:
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of how little there is to write
+            slamdb.write(nothing, os.path.join(folder, f"map{options.to}"), format=options.format)
 
 
 def part(text: str) -> "tuple[int, int]":
@@ -152,7 +175,8 @@ def tell(options: argparse.Namespace, report: Dict[str, Any]) -> None:
     if options.json:
         print(json.dumps(report, indent=2))
         return
-    print(f"{report['atlases']:,} atlases: {report['sound']:,} sound, {report['unsound']:,} not sound, "
+    noun = "atlas" if report["atlases"] == 1 else "atlases"
+    print(f"{report['atlases']:,} {noun}: {report['sound']:,} sound, {report['unsound']:,} not sound, "
           f"{report['failures']:,} not readable or not done")  # fmt: skip
     if report["set_aside"]:
         print(f"  {report['set_aside']:,} set aside, since processes ended over them; --again failed tries them again")

@@ -230,10 +230,27 @@ def test_a_terminal_is_told_how_far_it_is(fleet):
     assert "16 of 16 atlases, 1 failed" in told and told.endswith("\r\033[K")
 
 
-@pytest.mark.parametrize("wrong", ["--part 3/3", "--part x", "--to osa", "--to .db", "--chunk 0"])
+@pytest.mark.parametrize("wrong", [
+    "--part 3/3", "--part x", "--to osa", "--to .db", "--to .nope", "--to .osa --format nope", "--format tum",
+    "--chunk 0", "--gate nope=1", "--gate min-keyframes", "--ignore nope",
+])  # fmt: skip
 def test_wrong_arguments(fleet, wrong):
     fleet.run("maps", "-o", "out", *wrong.split(), status=2)
+    assert wrong.split()[0] in fleet.said or "nope" in fleet.said
     assert not (fleet.folder / "out").exists()
+
+
+def test_a_typing_error_spoils_no_summary(fleet):
+    fleet.run("maps", "-o", "out", *SERIAL)
+    before = [(fleet.folder / "out" / name).read_bytes() for name in ("summary.csv", "index.html")]
+    fleet.run("maps", "-o", "out", *SERIAL, "--gate", "min-keyframe=6", status=2)
+    assert "no quality gate is called 'min-keyframe'" in fleet.said
+    assert before == [(fleet.folder / "out" / name).read_bytes() for name in ("summary.csv", "index.html")]
+
+
+def test_one_atlas_is_told_as_one(fleet):
+    process = fleet.start("maps/day0/map0.osa", "-o", "out", "--workers", "0")
+    assert process.communicate()[0].startswith("1 atlas: 1 sound,")
 
 
 def test_a_folder_without_atlases_is_a_row(fleet):

@@ -43,6 +43,20 @@ def test_it_gives_what_the_serial_run_gives(fleet, on_cluster):
     assert is_like_the_serial_run(fleet)
 
 
+def test_a_scheduler_is_known_by_its_file_too(fleet, cluster, on_cluster):
+    report = fleet.run(*on_cluster[:-1], cluster.file)
+    assert report["undone"] == 0 and report["failures"] == 2
+
+
+@pytest.mark.parametrize("content", [None, "no JSON", "{}", "[]"])
+def test_what_is_no_scheduler_is_a_wrong_argument(fleet, content):
+    if content is not None:
+        (fleet.folder / "cluster.json").write_text(content)
+    fleet.run("maps", "-o", "out", "--scheduler", "cluster.json", status=2)
+    assert "or a scheduler's file, not 'cluster.json'" in fleet.said
+    assert not (fleet.folder / "out").exists()
+
+
 def test_a_worker_that_is_killed_loses_nothing_and_nothing_is_done_twice(fleet, cluster, on_cluster):
     wait_until(lambda: len(processes_of_workers(cluster)) == 2)
     victim = processes_of_workers(cluster)[0]
@@ -69,7 +83,7 @@ def test_a_driver_that_is_killed_is_resumed(fleet, on_cluster):
 
 
 def test_a_scheduler_that_is_killed_ends_the_run_and_the_next_goes_on(fleet, cluster, on_cluster, monkeypatch):
-    monkeypatch.setenv("DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT", "2s")
+    monkeypatch.setenv("DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT", "10s")
     process = fleet.start(*on_cluster)
     wait_until(lambda: fleet.number_done("out") > 50)
     os.killpg(cluster.scheduler.pid, signal.SIGKILL)

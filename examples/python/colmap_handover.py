@@ -4,6 +4,7 @@
 
 import argparse
 import pathlib
+import sys
 
 import numpy as np
 import slamdb
@@ -34,21 +35,34 @@ def centers_by_hand(model: pathlib.Path) -> "dict[str, np.ndarray]":
     return centers
 
 
+def distance(map: slamdb.Map, name: str, center: np.ndarray) -> float:
+    """To the camera of that image: TIME.png, of a fisheye pair left/TIME.png and right/TIME.png."""
+    away = np.abs(map.keyframes.timestamps - float(pathlib.PurePath(name).stem))
+    keyframe = map.keyframes[int(away.argmin())]
+    pose = keyframe.pose @ keyframe.left_from_right if name.startswith("right/") else keyframe.pose
+    return float(np.linalg.norm(pose[:3, 3] - center))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("atlas", nargs="?", default=FIXTURES / "session_small_a" / "session_small_a.osa")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=pathlib.Path("model"), help="folder of the model")
+    parser.add_argument("-O", "--overwrite", action="store_true")
     options = parser.parse_args()
     atlas = slamdb.read(options.atlas)
-    slamdb.write(atlas, options.output, format="colmap-text")
-    try:
-        centers, by = centers_by_pycolmap(options.output), "pycolmap"
-    except ImportError:
-        centers, by = centers_by_hand(options.output), "numpy"
-    known = np.sort(atlas.maps[0].keyframes.centers, axis=0)
-    away = np.abs(np.sort(np.array(list(centers.values())), axis=0) - known).max()
-    print(f"{len(centers)} images by {by}, their centres at most {away:.1e} from the map's")
+    slamdb.write(atlas, options.output, format="colmap-text", overwrite=options.overwrite)
+    for row, map in enumerate(atlas.maps):  # of several, each is a model in a folder of its own
+        model = options.output / str(row) if len(atlas.maps) > 1 else options.output
+        try:
+            centers, by = centers_by_pycolmap(model), "pycolmap"
+        except ImportError:
+            centers, by = centers_by_hand(model), "numpy"
+        away = max((distance(map, name, center) for name, center in centers.items()), default=0)
+        print(f"{model}: {len(centers)} images by {by}, their centres at most {away:.1e} from the map's")
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except slamdb.Error as error:
+        sys.exit(f"colmap_handover.py: {str(error).replace('overwrite=True', '-O')}")

@@ -22,12 +22,12 @@ def session(fixtures):
 
 @pytest.fixture
 def run(tmp_path):
-    """Runs an example in a folder of its own; what it prints."""
+    """Runs an example in a folder of its own; what it prints, or where it fails what it says."""
 
-    def run(name, *arguments):
+    def run(name, *arguments, status=0):
         command = [sys.executable, HERE / name, *map(str, arguments)]
         done = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        assert done.returncode == status, done.stderr
+        return done.stderr if status else done.stdout
 
     return run

@@ -4,6 +4,7 @@
 
 import argparse
 import pathlib
+import sys
 
 import numpy as np
 import slamdb
@@ -16,8 +17,11 @@ def main() -> None:
     parser.add_argument("estimate", nargs="?", default=FIXTURES / "session_small_a.osa", help="atlas or trajectory")
     parser.add_argument("truth", nargs="?", default=FIXTURES / "truth.txt", help="trajectory or atlas")
     parser.add_argument("-o", "--output", default="errors.csv", help="of every pose")
+    parser.add_argument("-O", "--overwrite", action="store_true")
     options = parser.parse_args()
-    report = slamdb.evaluate(options.estimate, options.truth, output=options.output, delta="1m")
+    report = slamdb.evaluate(
+        options.estimate, options.truth, output=options.output, overwrite=options.overwrite, delta="1m"
+    )
     for evaluation in report.evaluations:
         error = evaluation.absolute.translation
         print(f"map {evaluation.maps[0]}: {error.count} poses, rmse {error.rmse:.4f} m, at most {error.max:.4f} m")
@@ -28,4 +32,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except slamdb.Error as error:
+        sys.exit(f"evaluate_trajectory.py: {str(error).replace('overwrite=True', '-O')}")

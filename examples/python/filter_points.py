@@ -4,6 +4,7 @@
 
 import argparse
 import pathlib
+import sys
 
 import numpy as np
 import slamdb
@@ -24,15 +25,19 @@ def main() -> None:
     parser.add_argument("atlas", nargs="?", default=FIXTURES / "session_small_a" / "session_small_a.osa")
     parser.add_argument("-o", "--output", default="filtered.osa")
     parser.add_argument("--limit", type=float, default=3.0, help="metres, or units of the map")
+    parser.add_argument("-O", "--overwrite", action="store_true")
     options = parser.parse_args()
     atlas = slamdb.read(options.atlas)
     with atlas.edit() as edit:
         for map in edit.maps:
             report = map.remove_points(far_from_cameras(map, options.limit))
             print(f"map {map.id}: {report.before.points} -> {report.after.points} points")
-    slamdb.write(atlas, options.output)
+    slamdb.write(atlas, options.output, overwrite=options.overwrite)
     print("sound" if slamdb.check(atlas).sound else "not sound: `slamdb check` tells why")
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except slamdb.Error as error:
+        sys.exit(f"filter_points.py: {str(error).replace('overwrite=True', '-O')}")

@@ -3,6 +3,7 @@
 """Makes an atlas from arrays, as an own SLAM or SfM system has them: a camera that goes along a wall."""
 
 import argparse
+import sys
 
 import numpy as np
 import slamdb
@@ -22,6 +23,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", "--output", default="wall.osa")
     parser.add_argument("--vocabulary", help="file of the words that ORB-SLAM3 is started with; by default its own")
+    parser.add_argument("-O", "--overwrite", action="store_true")
     options = parser.parse_args()
 
     random = np.random.default_rng(0)
@@ -43,9 +45,12 @@ def main() -> None:
         np.stack([rows, np.full(len(rows), id), np.arange(len(rows))], axis=1) for id, (rows, _) in zip(ids, seen)
     ]
     world.add_points(positions=wall, observations=np.concatenate(observations))
-    slamdb.write(atlas, options.output)
+    slamdb.write(atlas, options.output, overwrite=options.overwrite)
     print(f"{len(world.keyframes)} keyframes, {len(world.points)} points:", slamdb.check(atlas).inputs[0].severities)
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except slamdb.Error as error:
+        sys.exit(f"map_from_arrays.py: {str(error).replace('overwrite=True', '-O')}")

@@ -29,16 +29,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", default=[FIXTURES / "session_small_a", FIXTURES / "session_small_b"])
     parser.add_argument("-o", "--output", help="by default it is printed")
+    parser.add_argument("-O", "--overwrite", action="store_true")
     options = parser.parse_args()
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
     writer.writerows(row_of(checked) for checked in slamdb.check(*options.names)["inputs"])
     if options.output:
-        slamdb.write_file(options.output, text.getvalue().encode(errors="replace"))
+        slamdb.write_file(options.output, text.getvalue().encode(errors="replace"), overwrite=options.overwrite)
     else:
         sys.stdout.write(text.getvalue())
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except slamdb.Error as error:
+        sys.exit(f"quality_table.py: {str(error).replace('overwrite=True', '-O')}")

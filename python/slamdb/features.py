@@ -17,7 +17,7 @@ class FeatureArrays(NamedTuple):
     octaves: Optional[ArrayLike] = None  # (N,) levels of the pyramid, 0 = full size
     angles: Optional[ArrayLike] = None  # (N,) degrees
     undistorted: Optional[ArrayLike] = None  # as keypoints; by default by the lens
-    right_x: Optional[ArrayLike] = None  # (N,) columns in the right image of a rectified pair; -1: none
+    right_x: Optional[ArrayLike] = None  # (N,) columns in the right image of a rectified pair, less than x; -1: none
     depth: Optional[ArrayLike] = None  # (N,) metres; -1: none
     right_keypoints: Optional[ArrayLike] = None  # of the right camera of a fisheye pair, as keypoints
     right_octaves: Optional[ArrayLike] = None

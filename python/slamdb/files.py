@@ -83,7 +83,8 @@ def write(
     layout: write an .osa file of a fork of ORB-SLAM3, "v1.0" that of ORB-SLAM3; by default as it was read
     overwrite: replace what is there
     strict: raise NotPossibleError, and write nothing, where the format cannot hold all of the atlas;
-        otherwise what is lost is named (LossWarning)
+        otherwise what is lost is named (LossWarning), but of exports, which are meant to leave out the rest:
+        points, scenes, tables, graphs and trajectories (docs/formats.md; .ply, .glb, .csv, .g2o, .tum, ...)
     sync: wait for the disk; wait: seconds, for another program that writes to the store
     """
     given = locals()

@@ -44,7 +44,7 @@ def reassign_origin(
     shift: int = 0,
     compact: bool = False,
 ) -> Report:
-    """Change in which map keyframes were made, in place (docs/reassign-origin.md), in this order:
+    """Change in which map keyframes were made, in place (docs/renumber.md), in this order:
 
     from_map: in the map that they are in now; set: in the map of this id
     map: {from: to}, all at once; shift: added to every origin; compact: 0, 1, 2, ... in their order

@@ -82,7 +82,7 @@ def shrink(
     threads: int = 0,
     progress: Progress = None,
 ) -> Report:
-    """Make the atlas small and keep the places that it covers, in place (docs/shrink.md).
+    """Make the atlas small and keep the places that it covers, in place (docs/cull.md).
 
     target_mb: at most so many millions of bytes as .osa file; target_keyframes: at most so many
     for_: "localization" drops what only mapping needs; "mapping" keeps it, however few bytes are asked for

@@ -24,7 +24,8 @@ class Store:
 
     Every call is a transaction of its own and opens the file for itself. So threads may share a store, the same file
     may be open several times, what others save meanwhile is seen, and a Store can be pickled and sent to other
-    processes. Nothing is held between calls; `close` only ends the use of this object.
+    processes. Those of a pool have to be started with "spawn", since SQLite is not to be used across a fork. Nothing is
+    held between calls; `close` only ends the use of this object.
 
     read_only: nothing is written, and nothing made; otherwise a file that is missing is made by the first save
     wait: seconds for which a call waits for another program that writes; then it raises LockedError
@@ -239,8 +240,14 @@ class Store:
         """The "keyframes", "points" or "observations" of one atlas, or of all of them, with columns `atlas` and `map`.
 
         A pandas.DataFrame where pandas is installed, in which ids that are none are <NA>; otherwise a dictionary of
-        numpy arrays, one for each column, in which they are slamdb.NONE. The columns are those of
-        `slamdb convert map.osa keyframes.csv`; x, y, z and qx, qy, qz, qw of a keyframe are world from camera.
+        numpy arrays, one for each column, in which they are slamdb.NONE. Behind `atlas` and `map`:
+
+        keyframes: id, timestamp (seconds), x, y, z, qx, qy, qz, qw (world from camera), parent, bad
+        points: id, x, y, z, nx, ny, nz, observations (how many), reference_keyframe, min_distance, max_distance, bad
+        observations: point, keyframe, left, right (rows of keypoints; -1: none)
+
+        In the tables that `slamdb convert` writes (.keyframes.csv, .csv, .observations.csv) what is the same has the
+        same name; they have more columns, no `bad`, and not the rows that it flags.
         """
         from . import tables  # here, because it imports numpy
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Points, keyframes, observations and findings as tables: pandas' DataFrame, or a dictionary of columns.
 
-Columns are called as in the tables that `slamdb convert map.osa keyframes.csv` writes.
+What the tables of `slamdb convert map.osa map.keyframes.csv` have, too, is called as there; `Store.table` lists all.
 """
 
 import importlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The vocabulary that an atlas was made with: ORB-SLAM3 refuses an atlas of another one (docs/vocabulary.md)."""
+"""The vocabulary that an atlas was made with: ORB-SLAM3 refuses an atlas of another one (schema/vocabulary.md)."""
 
 from typing import Optional
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import collections
+import json
 import pathlib
+import shutil
 import xml.etree.ElementTree
 
 import pytest
@@ -27,3 +29,14 @@ def test_the_notebook_shows_what_its_page_says(atlas, tmp_path):
     assert {path.name for path in DOCS.glob("notebook_*.svg")} == set(pictures) != set()
     for name, text in pictures.items():
         assert shapes(text) == shapes((DOCS / name).read_text(encoding="utf-8"))
+
+
+def test_the_notebook_runs_again_where_it_ran(fixtures, tmp_path, monkeypatch):
+    pytest.importorskip("pandas")
+    monkeypatch.chdir(tmp_path)
+    for name in ("session_small_a", "session_small_b"):
+        shutil.copytree(fixtures / name, name)
+    cells = json.loads((DOCS / "notebook.ipynb").read_text(encoding="utf-8"))["cells"]
+    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    for _ in range(2):
+        exec(code, {})

@@ -11,6 +11,7 @@ import threading
 
 import numpy as np
 import pytest
+import re
 import slamdb
 
 
@@ -322,7 +323,10 @@ def test_tables_of_nothing_have_their_columns(store):
     for name in store.names:
         store.remove(name)
     for kind in TABLES:
-        assert {"atlas", "map"} < set(store.table(kind)) and len(store.table(kind)["map"]) == 0
+        table = store.table(kind)
+        assert {"atlas", "map"} < set(table) and len(table["map"]) == 0
+        [said] = re.findall(rf"(?m)^ *{kind}: (.*)$", slamdb.Store.table.__doc__)
+        assert re.sub(r" *\([^)]*\)", "", said).split(", ") == list(table)[2:]
 
 
 def save_some(store, prefix, session):

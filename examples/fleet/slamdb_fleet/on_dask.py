@@ -3,6 +3,7 @@
 
 import asyncio
 import contextlib
+import json
 import os
 import pathlib
 import sys
@@ -12,6 +13,7 @@ import zipfile
 from typing import Any, Dict, Iterator, List, Optional, Sequence
 
 import distributed
+import slamdb
 from distributed.client import CancelledError
 from distributed.diagnostics.plugin import UploadFile
 from distributed.scheduler import KilledWorker
@@ -40,6 +42,18 @@ def client_of(scheduler: str, workers: int) -> Iterator[distributed.Client]:
             print(f"waiting for workers of {scheduler or 'this machine'}", file=sys.stderr)
         client.register_worker_plugin(UploadFile(_package(opened)), name="slamdb_fleet")
         yield client
+
+
+def address_of(scheduler: str) -> str:
+    """Of an address or the file that a scheduler writes, as workers take it with --scheduler-file."""
+    try:
+        if os.path.isfile(scheduler):
+            return str(json.loads(pathlib.Path(scheduler).read_bytes())["address"])
+        distributed.comm.get_address_host_port(scheduler)
+        return scheduler
+    except (ValueError, KeyError, TypeError) as error:
+        wanted = f"an address, such as tcp://10.0.0.1:8786, or a scheduler's file, not {scheduler!r}"
+        raise slamdb.UsageError(f"--scheduler takes {wanted}") from error
 
 
 def _package(opened: contextlib.ExitStack) -> str:
