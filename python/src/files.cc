@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "python/src/arguments.h"
+#include "python/src/arrays.h"
 #include "python/src/module.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
@@ -38,6 +39,7 @@ Selection ReadSelectionOf(Arguments& given) {
   std::tie(selection.begin_time, selection.end_time) =
       given.Get("time", std::pair(selection.begin_time, selection.end_time));
   if (given.Has("box")) {
+    RequireNumpy();
     const auto box = given.Get<std::pair<Eigen::Vector3f, Eigen::Vector3f>>("box");
     selection.box = Eigen::AlignedBox3f(box.first, box.second);
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "python/src/arrays.h"
+
 namespace slamdb::python {
 
 namespace py = pybind11;
@@ -27,11 +29,8 @@ bool Fits(const py::array& array, const Shape& shape) {
 }
 
 py::array Given(py::handle object, const std::string& name, const Shape& shape, const char* kinds, const char* wanted) {
-  const py::array array = py::array::ensure(object);
-  if (!array) {
-    PyErr_Clear();
-    RefuseGiven(name, "is no array of " + std::string(wanted));
-  }
+  const py::array array = ArrayOrNull(object);
+  if (!array) RefuseGiven(name, "is no array of " + std::string(wanted));
   if (array.size() == 0) {
     Shape empty = shape;
     empty.front() = 0;

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "python/src/arrays.h"
 #include "python/src/given.h"
 
 namespace slamdb::python {
@@ -39,8 +40,7 @@ void SetMembers(const py::array& array, const std::string& name, Column<Keypoint
 // Places as (N, 2) numbers, or a structured array with the names of Keypoint's members.
 Column<Keypoint> KeypointsOf(py::handle object, const std::string& name) {
   if (object.is_none()) return {};
-  const py::array array = py::array::ensure(object);
-  if (!array) PyErr_Clear();
+  const py::array array = ArrayOrNull(object);
   const bool is_structured = array && array.dtype().kind() == 'V' && array.ndim() == 1;
   const py::array places = is_structured ? array : GivenNumbers(object, name, {-1, 2});
   Column<Keypoint> keypoints(static_cast<std::size_t>(places.shape(0)),

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "cli/choices.h"
+#include "python/src/arrays.h"
 #include "python/src/module.h"
 #include "python/src/verb.h"
 #include "slamdb/align/shrink_for_locating.h"
@@ -30,6 +31,7 @@ SelectOptions SelectionOf(Arguments& given) {
   std::tie(select.first_keyframe, select.last_keyframe) =
       given.Get("keyframes", std::pair(select.first_keyframe, select.last_keyframe));
   std::tie(select.begin_time, select.end_time) = given.Get("time", std::pair(select.begin_time, select.end_time));
+  if (given.Has("box") || given.Has("polygon")) RequireNumpy();
   if (given.Has("box")) {
     const auto box = given.Get<std::pair<Eigen::Vector3f, Eigen::Vector3f>>("box");
     select.box = Eigen::AlignedBox3f(box.first, box.second);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "python/src/errors.h"
 #include "python/src/files.h"
 #include "python/src/module.h"
+#include "python/src/unlocked.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/location.h"
@@ -42,12 +44,6 @@ struct StoreFile {
   }
 };
 
-template <class Work>
-auto Unlocked(const Work& work) {
-  const py::gil_scoped_release unlocked;
-  return work();
-}
-
 py::dict RowsOf(const TableChanges& rows) {
   py::dict dict;
   dict["inserted"] = rows.inserted;
@@ -67,7 +63,7 @@ py::dict SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas&
                             .threads = threads,
                             .progress = progress};
   const auto value = atlas.value();
-  const SaveReport report = Unlocked([&] { return file.Writer(progress).Save(name, *value, options); });
+  const SaveReport report = WithoutGil([&] { return file.Writer(progress).Save(name, *value, options); });
   py::dict told;
   told["replaced"] = report.replaced;
   told["unchanged"] = report.unchanged;
@@ -82,19 +78,19 @@ std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& na
                       .selection = ReadSelectionOf(given)};
   given.TakeRun(options);
   given.RequireAllTaken();
-  return Unlocked([&] { return std::make_shared<HeldAtlas>(file.Reader().Load(name, options)); });
+  return WithoutGil([&] { return std::make_shared<HeldAtlas>(file.Reader().Load(name, options)); });
 }
 
 struct Query {
   std::optional<std::pair<double, double>> time;
   std::optional<std::pair<std::uint64_t, std::uint64_t>> keyframes;
-  std::optional<std::pair<Eigen::Vector3d, double>> near;
+  std::optional<std::pair<std::array<double, 3>, double>> near;  // without numpy, which Eigen's vectors take
 
   MapQuery Asked() const {
     MapQuery query;
     if (time) query.times = {time->first, time->second};
     if (keyframes) query.keyframes = {keyframes->first, keyframes->second};
-    if (near) query.near = {near->first, near->second};
+    if (near) query.near = {Eigen::Vector3d(near->first.data()), near->second};
     return query;
   }
 };
@@ -104,7 +100,7 @@ std::string ListOfStore(const StoreFile& file, const Query& query, bool check, i
   ListOptions options{
       .query = query.Asked(), .lock_timeout = file.wait, .threads = threads, .progress = ProgressTo(listener)};
   if (check) options.check.emplace();
-  return Unlocked([&] {
+  return WithoutGil([&] {
     file.Reader();  // what is wrong with the store as a whole is an error, not an entry
     const AtlasInputs inputs = FindAtlases({&file.path, 1}, {.lock_timeout = file.wait});
     return ToJson(ListAtlases(inputs, options), file.path);
@@ -127,7 +123,7 @@ py::tuple AddTo(const StoreFile& file, const std::vector<std::string>& paths, bo
                            .provenance = "add ",
                            .threads = threads,
                            .progress = progress};
-  const AddReport report = Unlocked([&] {
+  const AddReport report = WithoutGil([&] {
     const AtlasInputs inputs =
         FindAtlases(paths, {.recursive = recursive, .lock_timeout = file.wait, .progress = progress});
     return AddToStore(file.path, inputs, options);
@@ -139,7 +135,7 @@ py::tuple AddTo(const StoreFile& file, const std::vector<std::string>& paths, bo
 }
 
 py::dict MigrateFile(const StoreFile& file, bool back, bool dry_run, bool backup) {
-  const MigrateReport report = Unlocked([&] {
+  const MigrateReport report = WithoutGil([&] {
     return MigrateStore(file.path, {.back = back, .dry_run = dry_run, .backup = backup, .lock_timeout = file.wait});
   });
   py::dict told;
@@ -152,7 +148,7 @@ py::dict MigrateFile(const StoreFile& file, bool back, bool dry_run, bool backup
 
 py::list NamesIn(const StoreFile& file) {
   py::list names;
-  for (const std::string& name : Unlocked([&] { return file.Reader().Names(); })) names.append(TextOf(name));
+  for (const std::string& name : WithoutGil([&] { return file.Reader().Names(); })) names.append(TextOf(name));
   return names;
 }
 
@@ -162,13 +158,13 @@ void DefineLooking(py::class_<StoreFile>& store) {
       .def("load", &LoadFrom)
       .def("log",
            [](const StoreFile& file, const std::string& name) {
-             return Unlocked([&] {
+             return WithoutGil([&] {
                const auto entries = file.Reader().Log(name);
                return ToJson(entries, Location(file.path, name).ToString());
              });
            })
       .def("stats",
-           [](const StoreFile& file) { return Unlocked([&] { return ToJson(file.Reader().Stats(), file.path); }); });
+           [](const StoreFile& file) { return WithoutGil([&] { return ToJson(file.Reader().Stats(), file.path); }); });
 }
 
 void DefineKeeping(py::class_<StoreFile>& store) {
@@ -178,15 +174,15 @@ void DefineKeeping(py::class_<StoreFile>& store) {
       .def("remove",
            [](const StoreFile& file, const std::string& name, const py::object& listener) {
              const Progress progress = ProgressTo(listener);
-             Unlocked([&] { file.WriterOfPresent(progress).Remove(name); });
+             WithoutGil([&] { file.WriterOfPresent(progress).Remove(name); });
            })
       .def("vacuum",
            [](const StoreFile& file, const py::object& listener) {
              const Progress progress = ProgressTo(listener);
-             Unlocked([&] { file.WriterOfPresent(progress).Vacuum(); });
+             WithoutGil([&] { file.WriterOfPresent(progress).Vacuum(); });
            })
       .def("backup", [](const StoreFile& file, const std::string& target, bool overwrite) {
-        Unlocked([&] { file.Reader().Backup(target, overwrite); });
+        WithoutGil([&] { file.Reader().Backup(target, overwrite); });
       });
 }
 
