@@ -34,7 +34,7 @@ std::pair<std::string, std::string> Kept(const Atlas& atlas) {
 
 py::tuple Reduced(const HeldAtlas& atlas) {
   const auto [format, bytes] = WithoutGil([value = atlas.value()] { return Kept(*value); });
-  const py::object decode = py::module_::import("slamdb._slamdb").attr("unpickled");
+  const py::object decode = py::module_::import("slamdb.pickling").attr("unpickled");
   return py::make_tuple(decode, py::make_tuple(format, py::bytes(bytes)));
 }
 

@@ -35,15 +35,14 @@ auto Parkable(const Call& call) {
   return result;
 }
 
+// As PyEval_RestoreThread. No destructor may do it itself: unwinding ends the process before a scope in it is left.
+void TakeGilBack(PyThreadState* state);
+
 // Without the GIL for as long as it lives.
 class Unlocked {
  public:
   Unlocked() : state_(PyEval_SaveThread()) {}
-  ~Unlocked() {
-    Parking parking;
-    PyEval_RestoreThread(state_);
-    parking.Disarm();
-  }
+  ~Unlocked() { TakeGilBack(state_); }
   Unlocked(const Unlocked&) = delete;
   Unlocked& operator=(const Unlocked&) = delete;
 

@@ -202,7 +202,6 @@ def test_a_report_shows_its_upper_level(atlas):
 
 
 def test_findings_are_those_of_all_rules(atlas):
-    assert slamdb.check(atlas, ignore=["slot-observation"]).inputs[0].severities.error == 0
     atlas.maps[0].points.positions[3] = np.nan
     report = slamdb.check(atlas)
     kept = [finding for result in report["inputs"][0]["results"] for finding in result["findings"]]
